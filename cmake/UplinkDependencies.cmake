@@ -1,0 +1,18 @@
+# Every foreign library comes from Debian 12's packages (tools/dev/packages.txt).
+find_package(Threads REQUIRED)
+find_package(absl REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(Protobuf REQUIRED) # module mode: Debian's protobuf 3.21 ships no CMake configuration
+find_package(CapnProto REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(prometheus-cpp REQUIRED CONFIG) # its package states no version
+find_package(tomlplusplus REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(GTest REQUIRED)
+if(UPLINK_WITH_GRPC)
+  find_package(gRPC REQUIRED CONFIG)
+endif()
+# Beast and Asio are headers only; no Boost library is linked.
+find_path(UPLINK_BOOST_INCLUDE_DIR boost/beast/version.hpp REQUIRED)

@@ -1,0 +1,79 @@
+# One CMake target a folder. A target sees only what it links, so an include in the wrong direction
+# finds its generated headers or link symbols missing; the tidy test says which rule it broke.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+
+find_program(UPLINK_CCACHE ccache)
+if(UPLINK_CCACHE)
+  # Precompiled headers and ccache agree only with these settings.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      "${CMAKE_COMMAND}" -E env "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+      "${UPLINK_CCACHE}")
+endif()
+
+if(UPLINK_SANITIZE)
+  add_compile_options("-fsanitize=${UPLINK_SANITIZE}" -fno-omit-frame-pointer)
+  add_link_options("-fsanitize=${UPLINK_SANITIZE}")
+  if(UPLINK_SANITIZE MATCHES "thread")
+    # Asio's fences, which ThreadSanitizer does not see.
+    add_compile_options(-Wno-tsan)
+  endif()
+  if(UPLINK_SANITIZE MATCHES "undefined")
+    add_compile_options(-fno-sanitize-recover=undefined)
+  endif()
+endif()
+
+add_library(uplink_warnings INTERFACE)
+target_compile_options(
+  uplink_warnings
+  INTERFACE -Wall -Wextra -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Wnon-virtual-dtor
+            # designated initialisers leave members to their defaults on purpose
+            -Wno-missing-field-initializers
+            $<$<BOOL:${UPLINK_WARNINGS_AS_ERRORS}>:-Werror>
+            # g++ 12 reports these falsely inside std::string and std::variant at -O2
+            $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized -Wno-stringop-overflow>)
+
+# uplink_library(name SOURCES a.cc ... [PUBLIC lib ...] [PRIVATE lib ...])
+function(uplink_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} uplink_warnings)
+endfunction()
+
+# uplink_interface(name [PUBLIC lib ...]): a folder of headers only
+function(uplink_interface name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC" ${ARGN})
+  add_library(${name} INTERFACE)
+  target_include_directories(${name} INTERFACE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} INTERFACE ${ARG_PUBLIC})
+endfunction()
+
+# uplink_program(name SOURCES a.cc ... LINK lib ...)
+function(uplink_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} uplink_warnings)
+endfunction()
+
+# uplink_test(name RING unit|component|e2e SOURCES a.cc ... LINK lib ... [TIMEOUT seconds])
+# Every test of the binary becomes a CTest test of that ring.
+function(uplink_test name)
+  cmake_parse_arguments(ARG "" "RING;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main uplink_warnings)
+  include(GoogleTest)
+  gtest_discover_tests(
+    ${name}
+    TEST_PREFIX "${name}."
+    DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS ${ARG_RING} TIMEOUT ${ARG_TIMEOUT}
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+endfunction()

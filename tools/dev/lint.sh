@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# lint.sh [--all]: format, shellcheck, the tidy test and clang-tidy, each to its end before the
+# verdict. clang-tidy skips what it has passed before with the same content; files that hold gRPC
+# take it minutes each and are left to --all.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+# shellcheck source=tools/dev/lib.sh
+source tools/dev/lib.sh
+
+all=()
+case "${1:-}" in
+  --all) all=(--all) ;;
+  '') ;;
+  *) die_usage "lint takes --all or nothing" ;;
+esac
+need_packages
+
+readonly build=build/lint
+bad=()
+
+step() {
+  local name="$1"
+  shift
+  printf 'lint: %s\n' "$name" >&2
+  "$@" || bad+=("$name")
+}
+
+check_format() {
+  cxx_files | xargs -0 -r clang-format-14 --dry-run -Werror
+}
+
+check_shell() {
+  shell_files | xargs -0 -r shellcheck --external-sources
+}
+
+check_clang_tidy() {
+  mkdir -p "$build/passed"
+  # clang as compiler: the database then holds only flags that clang-tidy knows. Without
+  # precompiled headers, which g++ or another clang may have written.
+  cmake --preset dev -B "$build" -DCMAKE_C_COMPILER=clang-14 -DCMAKE_CXX_COMPILER=clang++-14 \
+    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >"$build/configure.log" 2>&1 || {
+    cat "$build/configure.log" >&2
+    return 1
+  }
+  ninja -C "$build" -t targets all |
+    sed -n 's/^\(.*\.\(pb\|capnp\)\.h\): CUSTOM_COMMAND$/\1/p' |
+    xargs -r ninja -C "$build" >/dev/null || return 1
+  python3 tools/dev/tidy_files.py --database "$build/compile_commands.json" \
+    --passed "$build/passed" "${all[@]}" |
+    xargs -0 -r -n 2 -P 2 tools/dev/clang_tidy_one.sh "$build"
+}
+
+step "format (./dev format repairs it)" check_format
+step "shellcheck" check_shell
+step "tidy" python3 tests/tidy/tidy.py --root .
+step "clang-tidy" check_clang_tidy
+
+if [[ ${#bad[@]} -gt 0 ]]; then
+  printf 'lint: failed: %s\n' "${bad[@]}" >&2
+  exit 1
+fi
+printf 'lint: clean\n'

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# test.sh PRESET [RING] [CTEST ARGUMENTS]: builds a preset, runs its tests and ends with the line
+# "N passed, N failed". A test that did not run counts as failed; so does a run without tests.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+# shellcheck source=tools/dev/lib.sh
+source tools/dev/lib.sh
+
+preset="$1"
+shift
+ring=all
+case "${1:-}" in
+  unit | component | e2e | all)
+    ring="$1"
+    shift
+    ;;
+  -* | '') ;;
+  *) die_usage "unknown ring: $1 (unit, component, e2e or all)" ;;
+esac
+
+need_packages
+build_preset "$preset"
+
+labels=()
+[[ "$ring" == all ]] || labels=(-L "^$ring\$")
+export ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1:detect_leaks=1${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
+export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1${UBSAN_OPTIONS:+:$UBSAN_OPTIONS}"
+export TSAN_OPTIONS="halt_on_error=1:second_deadlock_stack=1${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
+mapfile -t runner < <(tsan_runner "$preset")
+
+report="$PWD/build/$preset/test-report.xml"
+rm -f "$report"
+status=0
+"${runner[@]}" ctest --test-dir "build/$preset" --parallel 2 --output-on-failure --no-tests=error \
+  --output-junit "$report" "${labels[@]}" "$@" || status=$?
+
+total=0
+passed=0
+if [[ -f "$report" ]]; then
+  total="$(grep -c '<testcase ' "$report" || true)"
+  passed="$(grep -c '<testcase .*status="run"' "$report" || true)"
+fi
+failed=$((total - passed))
+printf '%d passed, %d failed\n' "$passed" "$failed"
+[[ "$status" -eq 0 && "$failed" -eq 0 && "$passed" -gt 0 ]]
