@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "schema/model/enum_text.h"
+#include "schema/model/value.h"
+#include "schema/rules/faults.h"
+#include "schema/rules/path.h"
+#include "schema/rules/pose.h"
+#include "schema/uplink.capnp.h"
+
+/// What the decoders share: Cap'n Proto's field types as ours.
+namespace uplink::schema {
+
+[[nodiscard]] inline std::string_view View(capnp::Text::Reader text) {
+  return {text.begin(), text.size()};
+}
+
+/// The member as ours; its number is kept, and counted, if we do not know it.
+template <model::WireEnum Ours, typename Wire>
+[[nodiscard]] Ours Enum(Faults& faults, Wire value) {
+  const auto ours = static_cast<Ours>(static_cast<std::uint16_t>(value));
+  if (!model::IsRecognized(ours)) faults.CountUnrecognized();
+  return ours;
+}
+
+[[nodiscard]] inline RawPose Raw(wire::Pose::Reader in) {
+  return {.lat_deg = in.getLatDeg(),
+          .lon_deg = in.getLonDeg(),
+          .altitude_m = in.getAltitudeM(),
+          .heading_deg = in.getHeadingDeg()};
+}
+
+/// A Value with its rules; nothing after reporting a fault of content at `path` (decode/value.cc).
+[[nodiscard]] std::optional<model::Value> JudgeValue(Faults& faults, const Path& path,
+                                                     wire::Value::Reader in);
+
+}  // namespace uplink::schema

@@ -1,0 +1,151 @@
+#include "schema/decode/decode.h"
+#include "schema/decode/fields.h"
+#include "schema/limits.h"
+#include "schema/rules/numbers.h"
+#include "schema/rules/texts.h"
+
+/// Mission runs, faults, events and messages: durable, so every fault rejects.
+namespace uplink::schema {
+namespace {
+
+void DecodeRunDetails(wire::MissionRunStatus::Reader in, Faults& faults,
+                      model::MissionRunStatus& out) {
+  const Path root;
+  if (in.getHasStatusMessage()) {
+    out.status_message = DurableText(faults, root.Field("statusMessage"),
+                                     View(in.getStatusMessage()), kDescriptionBytesMax);
+  }
+  if (in.getHasProgressX100()) {
+    out.progress_x100 = in.getProgressX100();
+    if (*out.progress_x100 > kProgressX100Max) {
+      faults.Content(
+          OutOfRange(root.Field("progressX100"), in.getProgressX100(), 0, kProgressX100Max));
+    }
+  }
+  if (in.getHasCurrentPathId()) {
+    out.current_path_id =
+        DurableText(faults, root.Field("currentPathId"), View(in.getCurrentPathId()), kIdBytesMax);
+  }
+  // Announced and null is read as absent: no rule asks for it, and 0/0 would be a place.
+  if (in.getHasCurrentTarget() && in.hasCurrentTarget()) {
+    out.current_target = JudgePose(faults, root.Field("currentTarget"), Raw(in.getCurrentTarget()));
+  }
+  if (in.getHasCurrentStep()) out.current_step = in.getCurrentStep();
+  if (in.getHasTotalSteps()) out.total_steps = in.getTotalSteps();
+  if (in.getHasTimeStartedMs()) out.time_started_ms = Time(faults, in.getTimeStartedMs());
+  if (in.getHasExpectedEndTimeMs()) {
+    out.expected_end_time_ms = Time(faults, in.getExpectedEndTimeMs());
+  }
+  if (in.getHasTimeCompletedMs()) out.time_completed_ms = Time(faults, in.getTimeCompletedMs());
+  if (in.getHasName()) {
+    out.name = DurableText(faults, root.Field("name"), View(in.getName()), kNameBytesMax);
+  }
+}
+
+model::EventKind DecodeKind(wire::EventKind::Reader in, Faults& faults) {
+  const Path root;
+  const Path kind = root.Field("kind");
+  const auto member = [&](bool there, const Path& path) {
+    if (!there) faults.Content(MissingField(path, "is a null pointer"));
+    return there;
+  };
+  const auto id = [&](const Path& path, std::string_view name, capnp::Text::Reader text) {
+    return RequiredText(faults, path.Field(name), View(text), kIdBytesMax);
+  };
+  switch (in.which()) {
+    case wire::EventKind::ESTOP_ENGAGED:
+      return model::EstopEngagedEvent{};
+    case wire::EventKind::ESTOP_RELEASED:
+      return model::EstopReleasedEvent{};
+    case wire::EventKind::MODE_CHANGED: {
+      if (!member(in.hasModeChanged(), kind.Field("modeChanged"))) return {};
+      const auto event = in.getModeChanged();
+      return model::ModeChangedEvent{.from = Enum<model::RobotMode>(faults, event.getFrom()),
+                                     .to = Enum<model::RobotMode>(faults, event.getTo())};
+    }
+    case wire::EventKind::MISSION_STARTED: {
+      const Path path = kind.Field("missionStarted");
+      if (!member(in.hasMissionStarted(), path)) return {};
+      return model::MissionStartedEvent{
+          id(path, "missionId", in.getMissionStarted().getMissionId())};
+    }
+    case wire::EventKind::MISSION_COMPLETED: {
+      const Path path = kind.Field("missionCompleted");
+      if (!member(in.hasMissionCompleted(), path)) return {};
+      return model::MissionCompletedEvent{
+          id(path, "missionId", in.getMissionCompleted().getMissionId())};
+    }
+    case wire::EventKind::FAULT_RAISED: {
+      const Path path = kind.Field("faultRaised");
+      if (!member(in.hasFaultRaised(), path)) return {};
+      const auto event = in.getFaultRaised();
+      return model::FaultRaisedEvent{
+          .fault_code = id(path, "faultCode", event.getFaultCode()),
+          .description = DurableText(faults, path.Field("description"),
+                                     View(event.getDescription()), kDescriptionBytesMax)};
+    }
+    case wire::EventKind::FAULT_CLEARED: {
+      const Path path = kind.Field("faultCleared");
+      if (!member(in.hasFaultCleared(), path)) return {};
+      return model::FaultClearedEvent{id(path, "faultCode", in.getFaultCleared().getFaultCode())};
+    }
+  }
+  faults.Content(UnknownVariant(kind, static_cast<unsigned>(in.which())));
+  return {};
+}
+
+}  // namespace
+
+model::MissionRunStatus DecodeMission(wire::MissionRunStatus::Reader in, Faults& faults) {
+  const Path root;
+  model::MissionRunStatus out;
+  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  out.mission_id =
+      DurableText(faults, root.Field("missionId"), View(in.getMissionId()), kIdBytesMax);
+  out.run_id = RequiredText(faults, root.Field("runId"), View(in.getRunId()), kIdBytesMax);
+  out.status = Enum<model::MissionStatus>(faults, in.getStatus());
+  DecodeRunDetails(in, faults, out);
+  return out;
+}
+
+model::Fault DecodeFault(wire::Fault::Reader in, Faults& faults) {
+  const Path root;
+  const auto text = [&](std::string_view name, capnp::Text::Reader value, std::size_t bytes_max) {
+    return DurableText(faults, root.Field(name), View(value), bytes_max);
+  };
+  model::Fault out;
+  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  out.fault_id = RequiredText(faults, root.Field("faultId"), View(in.getFaultId()), kIdBytesMax);
+  out.source = text("source", in.getSource(), kNameBytesMax);
+  out.severity = Enum<model::FaultSeverity>(faults, in.getSeverity());
+  out.active = in.getActive();
+  out.category = text("category", in.getCategory(), kNameBytesMax);
+  out.description = text("description", in.getDescription(), kDescriptionBytesMax);
+  out.suggested_action = text("suggestedAction", in.getSuggestedAction(), kDescriptionBytesMax);
+  return out;
+}
+
+model::EventTelemetry DecodeEvent(wire::EventTelemetry::Reader in, Faults& faults) {
+  const Path root;
+  model::EventTelemetry out;
+  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  if (!in.hasKind()) {
+    // Read as it stands, a null pointer would say that an e-stop was engaged.
+    faults.Content(MissingField(root.Field("kind"), "is a null pointer"));
+    return out;
+  }
+  out.kind = DecodeKind(in.getKind(), faults);
+  return out;
+}
+
+model::Message DecodeMessage(wire::Message::Reader in, Faults& faults) {
+  const Path root;
+  model::Message out;
+  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  out.level = Enum<model::MessageLevel>(faults, in.getLevel());
+  out.message =
+      RequiredText(faults, root.Field("message"), View(in.getMessage()), kMessageTextBytesMax);
+  return out;
+}
+
+}  // namespace uplink::schema

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "schema/model/record.h"
+#include "schema/uplink.capnp.h"
+
+/// One function a variant: writes the model into the union member's struct.
+namespace uplink::schema {
+
+// encode/live.cc
+void EncodePose(const model::Pose& in, wire::Pose::Builder out);
+void EncodeMember(const model::MotionTelemetry& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::StatusTelemetry& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::TelemetryExtras& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::SystemHealth& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::UsageTelemetry& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::ConsumableStatus& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::SpatialDirectiveStatus& in, wire::UplinkMsg::Builder message);
+
+// encode/durable.cc
+void EncodeValue(const model::Value& in, wire::Value::Builder out);
+void EncodeMember(const model::MissionRunStatus& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::EventTelemetry& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::UiCapabilities& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::Fault& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::ShapeOp& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::ObjectOp& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::CurrentSettings& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::Message& in, wire::UplinkMsg::Builder message);
+void EncodeMember(const model::AgentInfo& in, wire::UplinkMsg::Builder message);
+
+/// Bytes of a text as Cap'n Proto takes them.
+[[nodiscard]] inline capnp::Text::Reader Text(const std::string& text) {
+  return {text.c_str(), text.size()};
+}
+
+/// Our member as the wire's; unknown numbers pass.
+template <typename Wire, model::WireEnum Ours>
+[[nodiscard]] Wire Enum(Ours value) {
+  return static_cast<Wire>(static_cast<std::uint16_t>(value));
+}
+
+}  // namespace uplink::schema

@@ -1,0 +1,202 @@
+#include "schema/judge.h"
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <string_view>
+#include <utility>
+
+#include <capnp/serialize.h>
+#include <kj/exception.h>
+
+#include "schema/decode/decode.h"
+#include "schema/limits.h"
+#include "schema/rules/describe.h"
+#include "schema/rules/faults.h"
+
+namespace uplink::schema {
+namespace {
+
+constexpr std::size_t kWordBytes = sizeof(capnp::word);
+
+static_assert(JudgeLimits{}.message_bytes_max <= JudgeLimits{}.payload_bytes_max);
+static_assert(kShapePositionsMax * 2 * kWordBytes < JudgeLimits{}.payload_bytes_max,
+              "the largest shape must fit a payload");
+
+std::uint32_t LittleEndian32(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < sizeof(value); ++i) {
+    value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
+  }
+  return value;
+}
+
+/// Why the segment table does not describe exactly these bytes; empty if it does. Only then is the
+/// payload worth a copy, and Cap'n Proto has nothing left to misread before the root pointer.
+std::string_view FramingFault(std::span<const std::byte> payload) {
+  if (payload.empty()) return "it is empty";
+  if (payload.size() % kWordBytes != 0) return "its size is no multiple of 8 bytes";
+  const std::size_t segments = std::size_t{LittleEndian32(payload, 0)} + 1;
+  if (segments > kSegmentsMax) return "its segment table has too many entries";
+  const std::size_t words = payload.size() / kWordBytes;
+  std::size_t described = segments / 2 + 1;
+  if (described > words) return "it ends within its segment table";
+  if (LittleEndian32(payload, 4) == 0) return "its first segment is empty";
+  for (std::size_t i = 0; i < segments; ++i) {
+    described += LittleEndian32(payload, 4 * (i + 1));
+  }
+  if (described > words) return "it ends before its last segment does";
+  if (described < words) return "bytes follow its last segment";
+  return {};
+}
+
+/// True for the kinds that may be as large as payload_bytes_max.
+bool MayBeLarge(model::Variant variant) {
+  return variant == model::Variant::kShape || variant == model::Variant::kUiCapabilities ||
+         variant == model::Variant::kCurrentSettings;
+}
+
+bool IsSignOfLife(model::Variant variant) {
+  return variant == model::Variant::kMotionTelemetry || variant == model::Variant::kStatusTelemetry;
+}
+
+/// The union member's struct, read and judged; a null pointer in its place is a fault.
+model::Body DecodeMember(wire::UplinkMsg::Reader in, const JudgeLimits& limits, Faults& faults) {
+  using wire::UplinkMsg;
+  switch (in.which()) {
+    case UplinkMsg::MISSION_RUN_STATUS:
+      if (!in.hasMissionRunStatus()) break;
+      return DecodeMission(in.getMissionRunStatus(), faults);
+    case UplinkMsg::MOTION_TELEMETRY:
+      if (!in.hasMotionTelemetry()) break;
+      return DecodeMotion(in.getMotionTelemetry(), faults);
+    case UplinkMsg::STATUS_TELEMETRY:
+      if (!in.hasStatusTelemetry()) break;
+      return DecodeStatus(in.getStatusTelemetry(), faults);
+    case UplinkMsg::TELEMETRY_EXTRAS:
+      if (!in.hasTelemetryExtras()) break;
+      return DecodeExtras(in.getTelemetryExtras(), faults, limits.extras_items_max);
+    case UplinkMsg::EVENT_TELEMETRY:
+      if (!in.hasEventTelemetry()) break;
+      return DecodeEvent(in.getEventTelemetry(), faults);
+    case UplinkMsg::UI_CAPABILITIES:
+      if (!in.hasUiCapabilities()) break;
+      return DecodeCapabilities(in.getUiCapabilities(), faults);
+    case UplinkMsg::FAULT:
+      if (!in.hasFault()) break;
+      return DecodeFault(in.getFault(), faults);
+    case UplinkMsg::SHAPE:
+      if (!in.hasShape()) break;
+      return DecodeShape(in.getShape(), faults);
+    case UplinkMsg::OBJECT:
+      if (!in.hasObject()) break;
+      return DecodeObject(in.getObject(), faults);
+    case UplinkMsg::SYSTEM_HEALTH:
+      if (!in.hasSystemHealth()) break;
+      return DecodeHealth(in.getSystemHealth(), faults);
+    case UplinkMsg::USAGE_TELEMETRY:
+      if (!in.hasUsageTelemetry()) break;
+      return DecodeUsage(in.getUsageTelemetry(), faults);
+    case UplinkMsg::CONSUMABLE_STATUS:
+      if (!in.hasConsumableStatus()) break;
+      return DecodeConsumable(in.getConsumableStatus(), faults);
+    case UplinkMsg::CURRENT_SETTINGS:
+      if (!in.hasCurrentSettings()) break;
+      return DecodeSettings(in.getCurrentSettings(), faults);
+    case UplinkMsg::MESSAGE:
+      if (!in.hasMessage()) break;
+      return DecodeMessage(in.getMessage(), faults);
+    case UplinkMsg::AGENT_INFO:
+      if (!in.hasAgentInfo()) break;
+      return DecodeAgentInfo(in.getAgentInfo(), faults);
+    case UplinkMsg::SPATIAL_DIRECTIVE_STATUS:
+      if (!in.hasSpatialDirectiveStatus()) break;
+      return DecodeDirective(in.getSpatialDirectiveStatus(), faults);
+  }
+  faults.Reject(MissingField(Path(), "holds a null pointer"));
+  return {};
+}
+
+capnp::ReaderOptions OptionsFor(std::size_t words) {
+  capnp::ReaderOptions options;
+  options.traversalLimitInWords = std::max(words * kTraversalFactor, kTraversalWordsMin);
+  options.nestingLimit = kNestingMax;
+  return options;
+}
+
+Judgement Rejected(model::Rejection rejection, std::optional<model::Variant> variant = {}) {
+  return {.verdict = std::move(rejection),
+          .variant = variant,
+          .sign_of_life = false,
+          .times_unknown = 0,
+          .enumerants_unrecognized = 0};
+}
+
+}  // namespace
+
+/// The aligned copy of the payload at hand; kept between calls while it is small.
+struct Judge::Scratch {
+  kj::Array<capnp::word> words;
+
+  kj::ArrayPtr<const capnp::word> Copy(std::span<const std::byte> payload) {
+    const std::size_t count = payload.size() / kWordBytes;
+    if (words.size() < count) {
+      words = kj::heapArray<capnp::word>(std::max(count, words.size() * 2));
+    }
+    std::memcpy(words.begin(), payload.data(), payload.size());
+    return words.slice(0, count);
+  }
+  void Shrink() {
+    if (words.size() * kWordBytes > kKeptBufferBytesMax) words = nullptr;
+  }
+};
+
+Judge::Judge(const JudgeLimits& limits) : limits_(limits), scratch_(std::make_unique<Scratch>()) {}
+
+Judge::~Judge() = default;
+
+Judgement Judge::Payload(std::span<const std::byte> payload) {
+  const std::size_t bytes_max = std::max(limits_.payload_bytes_max, limits_.message_bytes_max);
+  if (payload.size() > bytes_max) return Rejected(PayloadTooLarge(payload.size(), bytes_max));
+  const std::string_view framing_fault = FramingFault(payload);
+  if (!framing_fault.empty()) return Rejected(Malformed(framing_fault));
+  Judgement judgement = Message(payload);
+  scratch_->Shrink();
+  return judgement;
+}
+
+Judgement Judge::Message(std::span<const std::byte> payload) {
+  std::optional<model::Variant> variant;
+  const kj::ArrayPtr<const capnp::word> words = scratch_->Copy(payload);
+  try {
+    capnp::FlatArrayMessageReader reader(words, OptionsFor(words.size()));
+    const auto message = reader.getRoot<wire::UplinkMsg>();
+    const auto member = static_cast<unsigned>(message.which());
+    if (member >= model::kVariants) return Rejected(UnknownVariant(Path(), member));
+    if (reader.getEnd() != words.end()) return Rejected(Malformed("bytes follow the message"));
+    variant = static_cast<model::Variant>(member);
+    Faults faults(model::IsDurable(*variant));
+    const std::size_t bytes_max =
+        MayBeLarge(*variant) ? limits_.payload_bytes_max : limits_.message_bytes_max;
+    model::Body body;
+    if (payload.size() > bytes_max) {
+      faults.Reject(PayloadTooLarge(payload.size(), bytes_max));
+    } else {
+      body = DecodeMember(message, limits_, faults);
+    }
+    Verdict verdict =
+        faults.rejected()
+            ? Verdict(faults.TakeRejection())
+            : Verdict(model::Record(std::move(body), faults.TakeDropped(), payload.size()));
+    return {.verdict = std::move(verdict),
+            .variant = variant,
+            .sign_of_life = IsSignOfLife(*variant),
+            .times_unknown = faults.times_unknown(),
+            .enumerants_unrecognized = faults.enumerants_unrecognized()};
+  } catch (const kj::Exception& exception) {
+    const kj::StringPtr why = exception.getDescription();
+    return Rejected(Malformed({why.begin(), why.size()}), variant);
+  }
+}
+
+}  // namespace uplink::schema

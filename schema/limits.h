@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "schema/model/ids.h"
+
+/// The fixed numbers of judgement (the validation sheet's defaults); what an operator may change is
+/// in schema::JudgeLimits. Bytes are bytes of UTF-8, without Cap'n Proto's closing NUL.
+namespace uplink::schema {
+
+// Framing
+/// Words a message may make us visit, as a multiple of its size: shared pointers and lists of empty
+/// structs cannot amplify beyond it.
+inline constexpr std::size_t kTraversalFactor = 8;
+/// Traversal that every message may use, however small.
+inline constexpr std::size_t kTraversalWordsMin = 4096;
+/// Depth of pointers; a multi polygon, our deepest, needs 7.
+inline constexpr int kNestingMax = 32;
+/// Segments of one message; Cap'n Proto's own stream readers stop there too (serialize.c++).
+inline constexpr std::size_t kSegmentsMax = 512;
+/// Largest payload whose buffer is kept between calls.
+inline constexpr std::size_t kKeptBufferBytesMax = std::size_t{64} * 1024;
+
+// Items
+inline constexpr std::size_t kSettingsMax = 256;
+inline constexpr std::size_t kCapabilitiesMax = 256;
+inline constexpr std::size_t kEStopIdsMax = 32;
+inline constexpr std::size_t kShapePositionsMax = 8192;
+/// Lines and rings of one shape.
+inline constexpr std::size_t kShapePartsMax = 256;
+inline constexpr std::size_t kLinePositionsMin = 2;
+/// A ring may come closed or open.
+inline constexpr std::size_t kRingPositionsMin = 3;
+
+// Texts
+inline constexpr std::size_t kIdBytesMax = 128;
+inline constexpr std::size_t kNameBytesMax = 256;
+inline constexpr std::size_t kDescriptionBytesMax = 4096;
+inline constexpr std::size_t kMessageTextBytesMax = 8192;
+
+// Numbers
+/// 2100-01-01T00:00:00Z: times from here on are taken as unknown.
+inline constexpr std::int64_t kTimeMsEnd = 4'102'444'800'000;
+inline constexpr double kPercentMax = 100;
+/// How far beyond 0..100 a percentage is still noise, and clamped.
+inline constexpr double kPercentSlack = 5;
+inline constexpr double kLatitudeDegMax = 90;
+inline constexpr double kLongitudeDegMax = 180;
+inline constexpr double kAltitudeMMin = -12'000;
+inline constexpr double kAltitudeMMax = 100'000;
+inline constexpr double kLinearMpsMax = 1000;
+inline constexpr double kAngularRpsMax = 1000;
+inline constexpr double kTemperatureCMin = -273.15;
+inline constexpr double kTemperatureCMax = 1000;
+inline constexpr std::uint16_t kProgressX100Max = 10'000;
+
+static_assert(kIdBytesMax < kNameBytesMax && kNameBytesMax < kDescriptionBytesMax &&
+              kDescriptionBytesMax < kMessageTextBytesMax);
+static_assert(kMessageTextBytesMax < kKeptBufferBytesMax, "a message for people must fit");
+static_assert(kNameBytesMax == model::kAgentVersionBytesMax,
+              "agentInfo and Hello carry the same agent version");
+static_assert(kShapePartsMax * kRingPositionsMin <= kShapePositionsMax,
+              "as many rings as allowed must be able to hold their least positions");
+static_assert(kShapePositionsMax * 2 * sizeof(double) < std::size_t{256} * 1024,
+              "the largest shape must fit a payload");
+static_assert(kPercentSlack < kPercentMax && kAltitudeMMin < kAltitudeMMax &&
+              kTemperatureCMin < kTemperatureCMax);
+
+}  // namespace uplink::schema

@@ -1,0 +1,12 @@
+#include "schema/model/fault.h"
+
+namespace uplink::model {
+
+std::string_view EventKindText(const EventKind& kind) {
+  static constexpr std::array<std::string_view, std::variant_size_v<EventKind>> kNames = {
+      "estopEngaged",     "estopReleased", "modeChanged", "missionStarted",
+      "missionCompleted", "faultRaised",   "faultCleared"};
+  return kNames[kind.index()];
+}
+
+}  // namespace uplink::model

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "schema/model/record.h"
+#include "schema/model/rejection.h"
+
+namespace uplink::schema {
+
+/// What was found while one message was judged: the rejection if there is one, the fields dropped,
+/// the counts. Confined to one judgement.
+class Faults final {
+ public:
+  explicit Faults(bool durable) : durable_(durable) {}
+
+  /// A fault that rejects whatever the kind: of structure, or of a live message's own key. The
+  /// first one stays.
+  void Reject(model::Rejection fault) {
+    if (!rejection_) rejection_ = std::move(fault);
+  }
+
+  /// A fault of content: rejects a durable message, drops the field of a live one. The list of
+  /// dropped fields is bounded by the item limits, which are checked before items are read.
+  void Content(model::Rejection fault) {
+    if (durable_) {
+      Reject(std::move(fault));
+    } else if (!rejection_) {
+      dropped_.push_back(std::move(fault));
+    }
+  }
+
+  /// For a live message of which nothing is left: rejects it for the first fault, if faults are the
+  /// cause (a message that came empty is good).
+  void RejectIfAnyDropped() {
+    if (!dropped_.empty()) Reject(dropped_.front());
+  }
+
+  void CountUnknownTime() { ++times_unknown_; }
+  void CountUnrecognized() { ++enumerants_unrecognized_; }
+
+  [[nodiscard]] bool rejected() const { return rejection_.has_value(); }
+  [[nodiscard]] std::uint32_t times_unknown() const { return times_unknown_; }
+  [[nodiscard]] std::uint32_t enumerants_unrecognized() const { return enumerants_unrecognized_; }
+
+  [[nodiscard]] model::Rejection TakeRejection() { return *std::move(rejection_); }
+  [[nodiscard]] std::vector<model::DroppedField> TakeDropped() { return std::move(dropped_); }
+
+ private:
+  bool durable_;
+  std::uint32_t times_unknown_ = 0;
+  std::uint32_t enumerants_unrecognized_ = 0;
+  std::optional<model::Rejection> rejection_;
+  std::vector<model::DroppedField> dropped_;
+};
+
+}  // namespace uplink::schema

@@ -1,0 +1,19 @@
+#include "schema/rules/path.h"
+
+namespace uplink::schema {
+
+std::string Path::Text() const {
+  std::string text = above_ == nullptr ? std::string() : above_->Text();
+  if (!name_.empty()) {
+    if (!text.empty()) text += '.';
+    text += name_;
+  }
+  if (index_) {
+    text += '[';
+    text += std::to_string(*index_);
+    text += ']';
+  }
+  return text;
+}
+
+}  // namespace uplink::schema

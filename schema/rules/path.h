@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace uplink::schema {
+
+/// Where in a message we are: links on the stack, turned into text only when a fault is found. A
+/// link must not outlive the one above it.
+class Path {
+ public:
+  /// The variant's own struct: an empty path.
+  constexpr Path() = default;
+
+  [[nodiscard]] constexpr Path Field(std::string_view name) const& {
+    Path path;
+    path.above_ = this;
+    path.name_ = name;
+    return path;
+  }
+  [[nodiscard]] constexpr Path Item(std::size_t index) const& {
+    Path path;
+    path.above_ = this;
+    path.index_ = index;
+    return path;
+  }
+  // A link to a temporary would dangle unless it is used in the same expression; name it first.
+  Path Field(std::string_view name) && = delete;
+  Path Item(std::size_t index) && = delete;
+
+  /// As the surface spells it: `kv[3].key`, `[3].key`.
+  [[nodiscard]] std::string Text() const;
+
+ private:
+  const Path* above_ = nullptr;
+  std::string_view name_;
+  std::optional<std::size_t> index_;
+};
+
+}  // namespace uplink::schema

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+
+#include "schema/model/motion.h"
+#include "schema/model/spatial.h"
+#include "schema/rules/faults.h"
+#include "schema/rules/path.h"
+
+namespace uplink::schema {
+
+/// A pose as it stands in a message. Degrees and metres; NaN altitude or heading: not known.
+struct RawPose {
+  double lat_deg;
+  double lon_deg;
+  double altitude_m;
+  double heading_deg;
+};
+
+/// A heading in degrees, any finite number, as the same direction in [0, 360).
+[[nodiscard]] double NormalizedHeading(double heading_deg);
+
+/// The pose fit to keep. A latitude or longitude at fault takes the whole pose with it; altitude
+/// and heading fall alone.
+[[nodiscard]] std::optional<model::Pose> JudgePose(Faults& faults, const Path& path,
+                                                   const RawPose& raw);
+
+/// A position of a shape (a durable kind); its latitude and longitude as in a pose.
+[[nodiscard]] model::GeoPoint2 JudgePosition(Faults& faults, const Path& path,
+                                             const model::GeoPoint2& raw);
+
+}  // namespace uplink::schema

@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include "schema/encode.h"
+#include "schema/judge.h"
+#include "server/view/render/render.h"
+#include "tests/support/records.h"
+
+namespace uplink {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Relative to the root of the source tree, where CTest starts us.
+constexpr const char* kVectors = "tests/conformance/vectors";
+
+std::string ReadFile(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> Names(const std::string& extension) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(kVectors)) {
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+google::protobuf::Struct Expected(const std::string& name) {
+  google::protobuf::Struct expected;
+  const auto status = google::protobuf::util::JsonStringToMessage(
+      ReadFile(fs::path(kVectors) / (name + ".json")), &expected);
+  EXPECT_TRUE(status.ok()) << status.ToString();
+  return expected;
+}
+
+class VectorTest : public testing::TestWithParam<std::string> {
+ protected:
+  [[nodiscard]] std::string Payload() const {
+    return ReadFile(fs::path(kVectors) / (GetParam() + ".bin"));
+  }
+
+  schema::Judge judge_{schema::JudgeLimits()};
+};
+
+TEST_P(VectorTest, MeansWhatItsJsonSays) {
+  const schema::Judgement judgement = judge_.Payload(test::AsPayload(Payload()));
+  ASSERT_NE(judgement.record(), nullptr) << judgement.rejection()->detail;
+  EXPECT_THAT(judgement.record()->dropped(), testing::IsEmpty());
+  EXPECT_EQ(judgement.times_unknown, 0U);
+  EXPECT_EQ(judgement.enumerants_unrecognized, 0U);
+
+  google::protobuf::util::MessageDifferencer differencer;
+  std::string difference;
+  differencer.ReportDifferencesToString(&difference);
+  EXPECT_TRUE(
+      differencer.Compare(Expected(GetParam()), view::RenderBody(judgement.record()->body())))
+      << difference;
+}
+
+TEST_P(VectorTest, SurvivesOurEncoder) {
+  const schema::Judgement first = judge_.Payload(test::AsPayload(Payload()));
+  ASSERT_NE(first.record(), nullptr);
+  const std::string encoded = schema::Encode(first.record()->body());
+  const schema::Judgement second = judge_.Payload(test::AsPayload(encoded));
+  ASSERT_NE(second.record(), nullptr) << second.rejection()->detail;
+  EXPECT_TRUE(first.record()->body() == second.record()->body());
+}
+
+std::string TestName(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Vendor, VectorTest, testing::ValuesIn(Names(".bin")), TestName);
+
+TEST(VectorsTest, AreComplete) {
+  EXPECT_EQ(Names(".bin"), Names(".json"));
+  std::set<std::size_t> variants;
+  schema::Judge judge{schema::JudgeLimits()};
+  for (const std::string& name : Names(".bin")) {
+    const std::string payload = ReadFile(fs::path(kVectors) / (name + ".bin"));
+    const auto variant = judge.Payload(test::AsPayload(payload)).variant;
+    ASSERT_TRUE(variant.has_value()) << name;
+    variants.insert(static_cast<std::size_t>(*variant));
+  }
+  EXPECT_EQ(variants.size(), model::kVariants);
+  EXPECT_EQ(Names(".bin").size(), 2 * model::kVariants);
+}
+
+}  // namespace
+}  // namespace uplink
