@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/reader.h"
+
+namespace uplink::storage {
+
+/// The lists that are read in pages. The numbers are part of the token.
+enum class PageKind : std::uint8_t {
+  kFaultsActive = 1,
+  kFaultHistory = 2,
+  kQuarantine = 3,
+  kGaps = 4,
+};
+
+/// Where a page ended: the next one begins with the newest row below it. `entry` is the number that
+/// the store gave the row when it wrote it, so no two rows stand at one position.
+struct PagePosition {
+  SystemTime at;
+  std::uint64_t entry = 0;
+
+  friend auto operator<=>(const PagePosition&, const PagePosition&) = default;
+};
+
+/// The position as an opaque text of lower-case hex digits with a check sum.
+[[nodiscard]] std::string EncodePageToken(PageKind kind, const PagePosition& position);
+
+/// Errors: kInvalidArgument, beginning with `pageToken`, for a text that EncodePageToken did not
+///         make for this list.
+[[nodiscard]] absl::StatusOr<PagePosition> DecodePageToken(PageKind kind, std::string_view token);
+
+/// What every list checks of its query: where to begin (nothing: at the newest row).
+///
+/// Errors: kInvalidArgument, beginning with `pageToken` or `pageSize`.
+[[nodiscard]] absl::StatusOr<std::optional<PagePosition>> PageStart(PageKind kind,
+                                                                    const HistoryQuery& query);
+
+}  // namespace uplink::storage

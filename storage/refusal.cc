@@ -1,0 +1,24 @@
+#include "storage/refusal.h"
+
+#include <string>
+
+#include "schema/base/utf8.h"
+#include "schema/model/ids.h"
+#include "storage/types.h"
+
+namespace uplink::storage {
+
+model::Rejection TooManyActiveFaults() {
+  return {model::RejectReason::kTooManyItems, "faultId",
+          "the robot has " + std::to_string(kActiveFaultsPerRobotMax) +
+              " active faults already; clear some"};
+}
+
+model::Rejection StoreRefused(std::string_view cause) {
+  std::string detail = "the store does not take it: ";
+  detail += IsCleanUtf8(cause) ? cause : std::string_view("no cause given");
+  return {model::RejectReason::kStoreRefused, "",
+          std::string(Utf8Prefix(detail, model::kDetailBytesMax))};
+}
+
+}  // namespace uplink::storage

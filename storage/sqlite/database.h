@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/sqlite/statement.h"
+
+struct sqlite3;
+
+namespace uplink::storage::sqlite {
+
+/// What a connection may do.
+enum class Access : std::uint8_t {
+  /// Creates the file, readable by its owner alone, if it is not there.
+  kWrite,
+  kRead,
+};
+
+/// One connection to an SQLite file, with nothing set but what any file bears: see Configure in
+/// schema.h for the rest.
+///
+/// Errors:  those of errors.h; kFailedPrecondition where the file or its folder cannot be opened.
+///          Every message names the path.
+/// Thread:  confined to one thread at a time.
+class Database final {
+ public:
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Database>> Open(const std::string& path,
+                                                                      Access access,
+                                                                      milliseconds busy_timeout);
+
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  /// Runs statements without parameters, one after the other.
+  [[nodiscard]] absl::Status Execute(const std::string& sql);
+  /// The first column of the first row.
+  [[nodiscard]] absl::StatusOr<std::int64_t> ReadInt(const std::string& sql);
+  [[nodiscard]] absl::StatusOr<std::string> ReadText(const std::string& sql);
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<Statement>> Prepare(std::string_view sql);
+
+  /// Rolls back if a transaction is open: some failures of SQLite end it, others do not.
+  void RollbackIfOpen();
+
+  /// From now on a statement may take `steps_max` steps of SQLite's machine; 0: any number.
+  void LimitSteps(std::int64_t steps_max);
+
+  /// The status of result code `code`; `sql` is what failed.
+  [[nodiscard]] absl::Status Error(int code, std::string_view sql) const;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const;
+  };
+  explicit Database(std::string path) : path_(std::move(path)) {}
+  template <typename Take>
+  [[nodiscard]] absl::Status ReadFirst(const std::string& sql, const Take& take);
+  static int OnProgress(void* database);
+
+  const std::string path_;
+  std::unique_ptr<sqlite3, Close> handle_;
+  std::int64_t steps_left_ = 0;
+};
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,137 @@
+#include "schema/base/check.h"
+#include "storage/sqlite/prepare.h"
+#include "storage/sqlite/tables.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+Blob BlobOf(const model::SessionId& session) { return {session.AsBytes()}; }
+
+Blob BlobOf(const ProcessId& process) {
+  return {std::string_view(reinterpret_cast<const char*>(process.data()), process.size())};
+}
+
+std::uint64_t Unsigned(std::int64_t column) { return static_cast<std::uint64_t>(column); }
+
+}  // namespace
+
+absl::Status DecidingTables::Prepare(Database& database) {
+  Preparer prepare(database);
+  prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");
+  prepare.Into(set_next_entry_, "UPDATE entries SET next_entry = ? WHERE id = 0");
+  // The right sides of an update see the row as it was.
+  prepare.Into(open_robot_,
+               "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms,"
+               " last_seen_ms) VALUES (?1, ?2, 1, 1, ?3, ?4, ?4)"
+               " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = epoch + 1,"
+               " held_since = iif(owner = excluded.owner, held_since, epoch + 1),"
+               " owner = excluded.owner,"
+               " last_seen_ms = max(last_seen_ms, excluded.last_seen_ms)"
+               " RETURNING epoch, held_since");
+  prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
+  prepare.Into(insert_robot_,
+               "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms,"
+               " last_seen_ms) VALUES (?1, ?2, ?3, ?3, ?4, ?5, ?5)");
+  prepare.Into(open_session_,
+               "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
+               " VALUES (?, ?, 0, ?, ?) ON CONFLICT (ruri, session) DO UPDATE"
+               " SET last_used_ms = max(last_used_ms, excluded.last_used_ms)"
+               " RETURNING cursor, first_entry");
+  prepare.Into(find_session_,
+               "SELECT cursor, first_entry FROM sessions WHERE ruri = ? AND session = ?");
+  prepare.Into(raise_cursor_,
+               "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
+               " VALUES (?, ?, ?, ?, ?) ON CONFLICT (ruri, session) DO UPDATE"
+               " SET cursor = max(cursor, excluded.cursor),"
+               " last_used_ms = max(last_used_ms, excluded.last_used_ms)");
+  prepare.Into(sessions_,
+               "SELECT session FROM sessions WHERE ruri = ? ORDER BY last_used_ms, session");
+  prepare.Into(delete_session_, "DELETE FROM sessions WHERE ruri = ? AND session = ?");
+  return prepare.status();
+}
+
+absl::StatusOr<EntryNumber> DecidingTables::NextEntry() {
+  Rows rows = next_entry_->Select();
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return absl::InternalError("the store's count of entries is gone");
+  return Unsigned(rows.Int(0));
+}
+
+absl::Status DecidingTables::SetNextEntry(EntryNumber next) { return set_next_entry_->Run(next); }
+
+absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request,
+                                                      const ProcessId& process) {
+  Rows rows = open_robot_->Select(std::string_view(request.robot->ruri),
+                                  std::string_view(request.robot->fleet), BlobOf(process),
+                                  UnixMs(request.at));
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  UPLINK_CHECK(*found, "an upsert returns its row");
+  return OpenedRobot{Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
+}
+
+absl::StatusOr<std::optional<Epoch>> DecidingTables::HeldSince(std::string_view ruri) {
+  Rows rows = held_since_->Select(ruri);
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<Epoch>();
+  return std::optional<Epoch>(Unsigned(rows.Int(0)));
+}
+
+absl::Status DecidingTables::InsertRobot(const model::RobotId& robot, Epoch held_since,
+                                         SystemTime at, const ProcessId& process) {
+  return insert_robot_->Run(std::string_view(robot.ruri), std::string_view(robot.fleet), held_since,
+                            BlobOf(process), UnixMs(at));
+}
+
+absl::StatusOr<SessionCursor> DecidingTables::OpenSession(const OpenRequest& request,
+                                                          EntryNumber next_entry) {
+  Rows rows = open_session_->Select(std::string_view(request.robot->ruri), BlobOf(request.session),
+                                    UnixMs(request.at), next_entry);
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  UPLINK_CHECK(*found, "an upsert returns its row");
+  return SessionCursor{Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
+}
+
+absl::StatusOr<std::optional<SessionCursor>> DecidingTables::FindSession(
+    std::string_view ruri, const model::SessionId& session) {
+  Rows rows = find_session_->Select(ruri, BlobOf(session));
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<SessionCursor>();
+  return std::optional<SessionCursor>({Unsigned(rows.Int(0)), Unsigned(rows.Int(1))});
+}
+
+absl::Status DecidingTables::RaiseCursor(std::string_view ruri, const model::SessionId& session,
+                                         const SessionCursor& cursor, SystemTime last_used) {
+  return raise_cursor_->Run(ruri, BlobOf(session), cursor.cursor, UnixMs(last_used),
+                            cursor.first_entry);
+}
+
+absl::StatusOr<std::vector<model::SessionId>> DecidingTables::Sessions(std::string_view ruri) {
+  std::vector<model::SessionId> sessions;
+  Rows rows = sessions_->Select(ruri);
+  while (true) {
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    if (!*found) return sessions;
+    const std::optional<model::SessionId> session = model::SessionId::FromBytes(rows.Bytes(0));
+    if (!session) return absl::InternalError("a session in the store is not 16 bytes");
+    sessions.push_back(*session);
+  }
+}
+
+absl::Status DecidingTables::DeleteSession(std::string_view ruri, const model::SessionId& session) {
+  return delete_session_->Run(ruri, BlobOf(session));
+}
+
+absl::Status Tables::Prepare(Database& database) {
+  absl::Status status = deciding.Prepare(database);
+  if (status.ok()) status = faults.Prepare(database);
+  if (status.ok()) status = set_aside.Prepare(database);
+  return status;
+}
+
+}  // namespace uplink::storage::sqlite

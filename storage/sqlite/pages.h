@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/statusor.h>
+
+#include "storage/page_token.h"
+#include "storage/reader.h"
+#include "storage/sqlite/database.h"
+
+namespace uplink::storage::sqlite {
+
+/// One list as it lies in the file.
+struct ListShape {
+  PageKind kind;
+  std::string_view table;
+  /// The columns of a row, after its time, entry, ruri and fleet.
+  std::string_view columns;
+  /// What the list is ordered by, newest first; entry breaks ties.
+  std::string_view time_column;
+};
+
+/// Columns that every row of a list begins with; those of ListShape follow.
+inline constexpr int kTimeColumn = 0;
+inline constexpr int kEntryColumn = 1;
+inline constexpr int kRuriColumn = 2;
+inline constexpr int kFleetColumn = 3;
+inline constexpr int kFirstOwnColumn = 4;
+
+/// The statement for a page: one of a few texts, by what the query restricts.
+[[nodiscard]] std::string PageSql(const ListShape& shape, const HistoryQuery& query);
+
+/// Binds the query to PageSql's statement. `rows` is how many to read at most.
+void BindPage(Statement& statement, const HistoryQuery& query,
+              const std::optional<PagePosition>& start, std::int64_t rows);
+
+/// Reads one page; `read` makes a StatusOr<Row> of the present row.
+template <typename Row, typename Read>
+absl::StatusOr<Page<Row>> ReadPage(Database& database, const ListShape& shape,
+                                   const HistoryQuery& query, const Read& read) {
+  const absl::StatusOr<std::optional<PagePosition>> start = PageStart(shape.kind, query);
+  if (!start.ok()) return start.status();
+  auto statement = database.Prepare(PageSql(shape, query));
+  if (!statement.ok()) return statement.status();
+  // One row more than asked for tells whether another page follows.
+  BindPage(**statement, query, *start, std::int64_t{query.page_size} + 1);
+  Rows rows = (*statement)->Select();
+  Page<Row> page;
+  PagePosition last;
+  while (true) {
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    if (!*found) return page;
+    if (page.rows.size() == query.page_size) {
+      page.next_token = EncodePageToken(shape.kind, last);
+      return page;
+    }
+    absl::StatusOr<Row> row = read(rows);
+    if (!row.ok()) return row.status();
+    page.rows.push_back(*std::move(row));
+    last = {FromUnixMs(rows.Int(kTimeColumn)), static_cast<std::uint64_t>(rows.Int(kEntryColumn))};
+  }
+}
+
+}  // namespace uplink::storage::sqlite

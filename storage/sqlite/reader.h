@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/reader.h"
+
+namespace uplink::storage::sqlite {
+
+struct ReaderOptions {
+  /// Reads that run at once; more wait for their turn.
+  std::size_t connections = 2;
+  /// How long a read waits for its turn, and for a lock of the file.
+  milliseconds wait_max{2'000};
+  /// Steps of SQLite's machine that one call may take: some 100 million a second.
+  std::int64_t steps_max = 200'000'000;
+};
+
+/// The query side of an SQLite store: connections of its own, read-only, beside the writer's. In
+/// WAL mode a read sees the last commit before it began and holds up none.
+///
+/// Errors:  of Open, kFailedPrecondition, naming the path: no file, not ours, not this program's
+///          schema version. Of the calls, as in Reader; kDeadlineExceeded past steps_max,
+///          kUnavailable if no connection came free in time.
+/// Thread:  thread-safe.
+class SqliteReader final : public Reader {
+ public:
+  /// The file must be there and migrated: open the SqliteStore first.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteReader>> Open(
+      const std::string& path, const ReaderOptions& options = {});
+  ~SqliteReader() override;
+  SqliteReader(const SqliteReader&) = delete;
+  SqliteReader& operator=(const SqliteReader&) = delete;
+
+  [[nodiscard]] absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) override;
+  [[nodiscard]] absl::StatusOr<Page<FaultRow>> FaultsActive(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<FaultRow>> FaultHistory(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
+      std::span<const std::string> ruris) override;
+  [[nodiscard]] absl::StatusOr<Page<QuarantineRow>> Quarantine(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<GapRow>> Gaps(const HistoryQuery& query) override;
+
+ private:
+  class Pool;
+  explicit SqliteReader(std::unique_ptr<Pool> pool);
+  std::unique_ptr<Pool> pool_;
+};
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,68 @@
+#include "storage/sqlite/statement.h"
+
+#include <limits>
+
+#include <sqlite3.h>
+
+#include "schema/base/check.h"
+#include "storage/sqlite/database.h"
+
+namespace uplink::storage::sqlite {
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+int Statement::BindAt(int index, std::int64_t value) {
+  return sqlite3_bind_int64(statement_.get(), index, value);
+}
+
+int Statement::BindAt(int index, std::uint64_t value) {
+  UPLINK_CHECK(value <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()),
+               "a number that no column holds reached the store");
+  return BindAt(index, static_cast<std::int64_t>(value));
+}
+
+int Statement::BindAt(int index, std::string_view text) {
+  // A null pointer would bind NULL, which is not an empty text.
+  const char* data = text.data() == nullptr ? "" : text.data();
+  return sqlite3_bind_text64(statement_.get(), index, data, text.size(), nullptr, SQLITE_UTF8);
+}
+
+int Statement::BindAt(int index, const Blob& blob) {
+  if (!blob.bytes) return sqlite3_bind_null(statement_.get(), index);
+  if (blob.bytes->empty()) return sqlite3_bind_zeroblob(statement_.get(), index, 0);
+  return sqlite3_bind_blob64(statement_.get(), index, blob.bytes->data(), blob.bytes->size(),
+                             nullptr);
+}
+
+void Statement::Reset() {
+  // What the last step said is known already; reset repeats it.
+  static_cast<void>(sqlite3_reset(statement_.get()));
+  static_cast<void>(sqlite3_clear_bindings(statement_.get()));
+  pending_code_ = 0;
+}
+
+Rows::~Rows() { statement_.Reset(); }
+
+absl::StatusOr<bool> Rows::Next() {
+  if (code_ == 0) code_ = statement_.pending_code_;
+  if (code_ == 0) {
+    const int step = sqlite3_step(statement_.statement_.get());
+    if (step == SQLITE_ROW) return true;
+    if (step == SQLITE_DONE) return false;
+    code_ = step;
+  }
+  return statement_.database_->Error(code_, sqlite3_sql(statement_.statement_.get()));
+}
+
+std::int64_t Rows::Int(int column) const {
+  return sqlite3_column_int64(statement_.statement_.get(), column);
+}
+
+std::string_view Rows::Bytes(int column) const {
+  sqlite3_stmt* const statement = statement_.statement_.get();
+  const auto* data = static_cast<const char*>(sqlite3_column_blob(statement, column));
+  if (data == nullptr) return {};
+  return {data, static_cast<std::size_t>(sqlite3_column_bytes(statement, column))};
+}
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+struct sqlite3_stmt;
+
+namespace uplink::storage::sqlite {
+
+class Database;
+
+/// Bytes to bind as a BLOB; nothing binds NULL.
+struct Blob {
+  std::optional<std::string_view> bytes;
+};
+
+/// The rows of one run of a statement; ends the run when it goes. Confined to one thread.
+class Rows final {
+ public:
+  Rows(const Rows&) = delete;
+  Rows& operator=(const Rows&) = delete;
+  ~Rows();
+
+  /// Moves to the next row; false after the last. Nothing may be read before the first call.
+  [[nodiscard]] absl::StatusOr<bool> Next();
+
+  [[nodiscard]] std::int64_t Int(int column) const;
+  /// TEXT or BLOB; valid until the next call of Next. NULL is empty.
+  [[nodiscard]] std::string_view Bytes(int column) const;
+
+ private:
+  friend class Statement;
+  Rows(class Statement& statement, int bind_code) : statement_(statement), code_(bind_code) {}
+
+  class Statement& statement_;
+  int code_;
+};
+
+/// A prepared statement. What is bound as text or BLOB must live until the run has ended.
+///
+/// Errors: those of errors.h.
+/// Thread: confined to the thread of its database.
+class Statement final {
+ public:
+  /// Use Database::Prepare.
+  Statement(const Database& database, sqlite3_stmt* statement)
+      : database_(&database), statement_(statement) {}
+
+  /// Runs a statement that gives no rows, its parameters in order.
+  template <typename... Args>
+  [[nodiscard]] absl::Status Run(const Args&... args) {
+    return Select(args...).Next().status();
+  }
+
+  /// Begins a run; the rows come by Rows::Next.
+  template <typename... Args>
+  [[nodiscard]] Rows Select(const Args&... args) {
+    int code = 0;
+    int index = 0;
+    ((code = code == 0 ? BindAt(++index, args) : code), ...);
+    return Rows(*this, code);
+  }
+
+  /// For a number of parameters that is known at run time alone: binds before Select() without
+  /// arguments; the caller numbers from 1. The first failure is told by the first Next.
+  template <typename Arg>
+  void Bind(int index, const Arg& arg) {
+    const int code = BindAt(index, arg);
+    if (pending_code_ == 0) pending_code_ = code;
+  }
+
+ private:
+  friend class Rows;
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+
+  [[nodiscard]] int BindAt(int index, std::int64_t value);
+  /// Numbers up to 2^63-1; more is a mistake of ours and aborts.
+  [[nodiscard]] int BindAt(int index, std::uint64_t value);
+  [[nodiscard]] int BindAt(int index, std::string_view text);
+  [[nodiscard]] int BindAt(int index, const Blob& blob);
+  void Reset();
+
+  const Database* database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  int pending_code_ = 0;
+};
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,163 @@
+#include "storage/sqlite/store.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "storage/sqlite/batch_commit.h"
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/schema.h"
+#include "storage/sqlite/tables.h"
+
+namespace uplink::storage::sqlite {
+
+/// Destroyed in reverse: statements, then their database, then the lock.
+struct SqliteStore::Parts {
+  StoreOptions options;
+  std::unique_ptr<FileLock> lock;
+  std::unique_ptr<Database> database;
+  std::unique_ptr<Statement> begin;
+  std::unique_ptr<Statement> commit;
+  Tables tables;
+};
+
+SqliteStore::SqliteStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+SqliteStore::~SqliteStore() = default;
+
+absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string& path,
+                                                               const StoreOptions& options) {
+  auto parts = std::make_unique<Parts>();
+  parts->options = options;
+  if (options.exclusive) {
+    absl::StatusOr<std::unique_ptr<FileLock>> lock = FileLock::Take(path);
+    if (!lock.ok()) return lock.status();
+    parts->lock = *std::move(lock);
+  }
+  auto opened = Database::Open(path, Access::kWrite, options.busy_timeout);
+  if (!opened.ok()) return opened.status();
+  Database& database = **opened;
+  parts->database = *std::move(opened);
+
+  const IfOlder if_older = options.migrate ? IfOlder::kMigrate : IfOlder::kRefuse;
+  absl::Status status = CheckFile(database, Migrations());
+  if (status.ok()) status = ConfigureWriter(database);
+  if (status.ok()) status = Migrate(database, Migrations(), if_older);
+  if (status.ok() && options.pages_max) {
+    status = database.Execute("PRAGMA max_page_count = " + std::to_string(*options.pages_max));
+  }
+  if (status.ok()) status = parts->tables.Prepare(database);
+  if (!status.ok()) return status;
+
+  // IMMEDIATE: a transaction that may wait for another writer does so before it has read anything.
+  auto begin = database.Prepare("BEGIN IMMEDIATE");
+  if (!begin.ok()) return begin.status();
+  parts->begin = *std::move(begin);
+  auto commit = database.Prepare("COMMIT");
+  if (!commit.ok()) return commit.status();
+  parts->commit = *std::move(commit);
+  return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(parts)));
+}
+
+template <typename Result, typename Work>
+absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
+  absl::Status status = parts_->begin->Run();
+  if (!status.ok()) return status;
+  absl::StatusOr<Result> result = work();
+  status = result.status();
+  const StoreOptions& options = parts_->options;
+  if (status.ok() && options.before_commit) status = options.before_commit();
+  if (status.ok()) status = parts_->commit->Run();
+  if (!status.ok()) {
+    parts_->database->RollbackIfOpen();
+    return status;
+  }
+  if (options.after_commit) status = options.after_commit();
+  if (!status.ok()) return status;
+  return result;
+}
+
+absl::StatusOr<std::vector<OpenResult>> SqliteStore::OpenStreams(
+    std::span<const OpenRequest> requests) {
+  using Results = std::vector<OpenResult>;
+  auto results = InTransaction<Results>([&]() -> absl::StatusOr<Results> {
+    Results all;
+    all.reserve(requests.size());
+    for (const OpenRequest& request : requests) {
+      absl::StatusOr<OpenResult> one = OpenOne(request);
+      if (!one.ok()) return one.status();
+      all.push_back(*std::move(one));
+    }
+    return all;
+  });
+  if (!absl::IsInvalidArgument(results.status())) return results;
+  return absl::InternalError("a stream's row is refused: " +
+                             std::string(results.status().message()));
+}
+
+absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
+  DecidingTables& deciding = parts_->tables.deciding;
+  const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, parts_->options.process);
+  if (!robot.ok()) return robot.status();
+  const absl::StatusOr<EntryNumber> next_entry = deciding.NextEntry();
+  if (!next_entry.ok()) return next_entry.status();
+  const absl::StatusOr<SessionCursor> session = deciding.OpenSession(request, *next_entry);
+  if (!session.ok()) return session.status();
+
+  OpenResult result;
+  result.epoch = robot->epoch;
+  result.held_since = robot->held_since;
+  result.cursor = session->cursor;
+  RejectRange range;
+  range.ruri = request.robot->ruri;
+  range.session = request.session;
+  range.first_entry = session->first_entry;
+  range.above = std::min(request.settled_seq, session->cursor);
+  range.through = session->cursor;
+  absl::StatusOr<std::vector<StoredReject>> rejects =
+      parts_->tables.set_aside.Rejects(range, kOpenRejectsMax + 1);
+  if (!rejects.ok()) return rejects.status();
+  result.rejects = *std::move(rejects);
+  if (result.rejects.size() > kOpenRejectsMax) {
+    result.rejects.pop_back();
+    result.rejects_complete = false;
+  }
+  absl::Status evicted = EvictSessions(request);
+  if (!evicted.ok()) return evicted;
+  return result;
+}
+
+absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
+  DecidingTables& deciding = parts_->tables.deciding;
+  const absl::StatusOr<std::vector<model::SessionId>> sessions =
+      deciding.Sessions(request.robot->ruri);
+  if (!sessions.ok()) return sessions.status();
+  std::size_t kept = sessions->size();
+  for (const model::SessionId& session : *sessions) {
+    if (kept <= kSessionsPerRobotMax) break;
+    if (session == request.session) continue;
+    if (std::ranges::find(request.sessions_held, session) != request.sessions_held.end()) continue;
+    absl::Status deleted = deciding.DeleteSession(request.robot->ruri, session);
+    if (!deleted.ok()) return deleted;
+    --kept;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
+  const auto write = [&](Isolation isolation) {
+    return InTransaction<std::vector<Outcome>>([&] {
+      return BatchCommit(*parts_->database, parts_->tables, parts_->options.process, isolation)
+          .Write(batch);
+    });
+  };
+  absl::StatusOr<std::vector<Outcome>> outcomes = write(Isolation::kTogether);
+  if (!absl::IsInvalidArgument(outcomes.status())) return outcomes;
+  outcomes = write(Isolation::kEachAlone);
+  if (!absl::IsInvalidArgument(outcomes.status())) return outcomes;
+  // What decides (robot, session, gap) was refused, not a record.
+  return absl::InternalError("a deciding row is refused: " +
+                             std::string(outcomes.status().message()));
+}
+
+}  // namespace uplink::storage::sqlite

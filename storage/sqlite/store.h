@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/store.h"
+
+namespace uplink::storage::sqlite {
+
+struct StoreOptions {
+  /// This process; other than in any life before.
+  ProcessId process{};
+  /// False: a file that is older than the program is refused.
+  bool migrate = true;
+  /// False: no lock keeps a second writer away. For tests of two processes on one store.
+  bool exclusive = true;
+  /// How long a call waits for another writer of the file (a backup, the sqlite3 shell).
+  milliseconds busy_timeout{5'000};
+  /// The largest file, in pages of 4 KiB; past it the store is full. Nothing: as the disk allows.
+  std::optional<std::int64_t> pages_max;
+  /// Called in each write transaction right before its commit; what is not OK rolls it back and is
+  /// the answer. For tests.
+  std::function<absl::Status()> before_commit;
+  /// Called right after each commit; what is not OK is the answer, as if the true one was lost. For
+  /// tests.
+  std::function<absl::Status()> after_commit;
+};
+
+/// The embedded store: one SQLite file in WAL mode, durable at each return (synchronous FULL).
+///
+/// Errors:  of Open, kFailedPrecondition above all, naming the path: no such folder, no permission,
+///          another process writes the file, no file of ours, a newer or an older schema. Of the
+///          calls, as in Store.
+/// Thread:  as in Store.
+class SqliteStore final : public Store {
+ public:
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteStore>> Open(
+      const std::string& path, const StoreOptions& options);
+  ~SqliteStore() override;
+  SqliteStore(const SqliteStore&) = delete;
+  SqliteStore& operator=(const SqliteStore&) = delete;
+
+  [[nodiscard]] absl::StatusOr<std::vector<OpenResult>> OpenStreams(
+      std::span<const OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
+
+ private:
+  struct Parts;
+  explicit SqliteStore(std::unique_ptr<Parts> parts);
+  absl::StatusOr<OpenResult> OpenOne(const OpenRequest& request);
+  absl::Status EvictSessions(const OpenRequest& request);
+
+  /// Runs `work` in a transaction of its own; all or nothing.
+  template <typename Result, typename Work>
+  absl::StatusOr<Result> InTransaction(const Work& work);
+
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace uplink::storage::sqlite

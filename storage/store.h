@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "storage/types.h"
+
+namespace uplink::storage {
+
+/// The write side of the durable sink that decides acks. README.md holds the contract in prose; the
+/// suite in tests/contract holds it as tests, and every implementation passes it word for word.
+///
+/// Errors:  a status means that nothing of the call is known: it may or may not have been written.
+///          Calling again with the same arguments is always right: the cursor decides.
+///          kUnavailable, kAborted, kResourceExhausted, kDeadlineExceeded: worth a retry after a
+///          pause. Anything else: the store is broken or misconfigured; the message names it.
+/// Thread:  confined to the journal's writer.
+class Store {
+ public:
+  virtual ~Store() = default;
+
+  /// Opens streams, one answer a request, in one transaction. Creates the robots' rows; touches the
+  /// sessions' rows; evicts the least recently used sessions of each robot over
+  /// kSessionsPerRobotMax, the requested one included, but none in `sessions_held`.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<OpenResult>> OpenStreams(
+      std::span<const OpenRequest> requests) = 0;
+
+  /// Commits a batch in one transaction: one outcome a record, in order.
+  ///
+  /// For each record: a hold older than the robot's is kFenced. At or below the session's cursor as
+  /// it then stands: kRefused with the quarantined reason if the number lies in quarantine, else
+  /// kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
+  /// quarantine row), and the cursor becomes its number. Durable once this returns.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) = 0;
+};
+
+}  // namespace uplink::storage

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "schema/model/record.h"
+#include "schema/model/rejection.h"
+
+namespace uplink::storage {
+
+/// Sessions of one robot that the store keeps (protocol: Numbers).
+inline constexpr std::size_t kSessionsPerRobotMax = 8;
+/// Active faults of one robot that the store takes (validation rules: what is kept per robot).
+inline constexpr std::size_t kActiveFaultsPerRobotMax = 10'000;
+/// Payloads that one robot's quarantine keeps; older rows lose theirs.
+inline constexpr std::size_t kQuarantinePayloadsPerRobotMax = 1'000;
+/// Quarantined numbers that one OpenStream returns; with more, the answer is not complete.
+inline constexpr std::size_t kOpenRejectsMax = 16'384;
+/// Ranges of skipped numbers that the store lists for one robot; the oldest go.
+inline constexpr std::size_t kGapsPerRobotMax = 10'000;
+
+/// One life of one server process: 16 random bytes drawn at its start.
+using ProcessId = std::array<std::uint8_t, 16>;
+
+/// Counts the streams that were ever opened for a robot, by all processes; from 1.
+using Epoch = std::uint64_t;
+
+/// A robot's identity, shared by all records of the robot. Immutable.
+using RobotRef = std::shared_ptr<const model::RobotId>;
+
+/// A stream begins: raise the robot's epoch, read the session's cursor.
+struct OpenRequest {
+  RobotRef robot;
+  model::SessionId session;
+  /// Hello.settled_seq: quarantined numbers above it are returned.
+  model::Seq settled_seq = 0;
+  SystemTime at;
+  /// Sessions that this process holds in memory; they are not evicted.
+  std::vector<model::SessionId> sessions_held;
+};
+
+/// A number whose payload lies in quarantine, and why.
+struct StoredReject {
+  model::Seq seq = 0;
+  model::Rejection rejection;
+};
+
+struct OpenResult {
+  /// The epoch of this stream.
+  Epoch epoch = 0;
+  /// The epoch since which this process holds the robot without interruption. If it differs from
+  /// the one of this process's last OpenStream of the robot, another process had it in between.
+  Epoch held_since = 0;
+  /// Highest committed durable number of the session; 0 if the store does not know the session.
+  model::Seq cursor = 0;
+  /// Quarantined numbers in (settled_seq, cursor], ascending.
+  std::vector<StoredReject> rejects;
+  /// False when there were more than kOpenRejectsMax: the cursor must not be used then.
+  bool rejects_complete = true;
+};
+
+/// A rejected payload on its way to quarantine. It stands in its message's place and number.
+struct QuarantineItem {
+  model::Rejection rejection;
+};
+
+/// One durable message: a validated record, or the rejected payload in its place.
+struct CommitRecord {
+  RobotRef robot;
+  model::SessionId session;
+  model::Seq seq = 0;
+  /// OpenResult.held_since of the process's hold under which the record is committed.
+  Epoch held_since = 0;
+  SystemTime received_at;
+  std::variant<model::Record, QuarantineItem> content;
+  /// The serialized payload, for quarantine: of a good record too, since the store may refuse it.
+  /// Cut at the size limit; empty where thinning dropped it.
+  std::string payload;
+  /// Size of the payload as it came.
+  std::uint64_t payload_bytes = 0;
+};
+
+/// A range of numbers that an agent skipped. Has no number of its own; writing it twice is writing
+/// it once (key: robot, session, first).
+struct GapItem {
+  RobotRef robot;
+  model::SessionId session;
+  model::Seq first = 0;
+  model::Seq last = 0;
+  Epoch held_since = 0;
+  SystemTime seen_at;
+};
+
+/// What one transaction writes. The records of a robot stand in number order a session.
+struct Batch {
+  std::vector<CommitRecord> records;
+  std::vector<GapItem> gaps;
+};
+
+enum class OutcomeKind : std::uint8_t {
+  /// Written now (for a QuarantineItem: to quarantine).
+  kStored,
+  /// At or below the cursor, or a second copy within the batch, and not in quarantine.
+  kDuplicate,
+  /// Not kept, now or (for a number at or below the cursor) earlier: its quarantine row says why.
+  kRefused,
+  /// Another process holds the robot: nothing of the record was looked at.
+  kFenced,
+};
+
+/// The store's answer for one record.
+struct Outcome {
+  OutcomeKind kind = OutcomeKind::kStored;
+  /// Of kRefused alone.
+  std::optional<model::Rejection> rejection;
+};
+
+}  // namespace uplink::storage

@@ -1,0 +1,184 @@
+#include <gmock/gmock.h>
+
+#include "tests/contract/store_contract.h"
+
+namespace uplink::testing {
+namespace {
+
+using storage::Outcome;
+using storage::OutcomeKind;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+TEST_P(StoreContract, StoresEveryDurableKindAndRaisesTheCursor) {
+  Open();
+  EXPECT_THAT(Commit({Good(1, Fault("f")), Good(2), Good(7, model::EventTelemetry{})}),
+              ElementsAre(OutcomeKind::kStored, OutcomeKind::kStored, OutcomeKind::kStored));
+  EXPECT_EQ(CursorNow(), 7);
+  EXPECT_THAT(History(), SizeIs(1));
+}
+
+TEST_P(StoreContract, KeepsEveryFieldOfAFault) {
+  Open();
+  model::Fault fault = Fault("f");
+  fault.severity = static_cast<model::FaultSeverity>(77);
+  Commit({Good(1, fault)});
+  const auto rows = History();
+  ASSERT_THAT(rows, SizeIs(1));
+  EXPECT_EQ(rows[0].fault, fault);
+  EXPECT_EQ(rows[0].robot, *robot_);
+  EXPECT_EQ(rows[0].received_at, Time());
+  EXPECT_FALSE(rows[0].raised_at.has_value());
+}
+
+TEST_P(StoreContract, TakesABatchThatIsSentAgainForDuplicates) {
+  Open();
+  const std::vector<storage::CommitRecord> records = {Good(1, Fault("f")), Good(2)};
+  Commit(records);
+  EXPECT_THAT(Commit(records), Each(OutcomeKind::kDuplicate));
+  EXPECT_THAT(History(), SizeIs(1));
+  EXPECT_EQ(CursorNow(), 2);
+}
+
+TEST_P(StoreContract, TakesTheSecondCopyWithinABatchForADuplicate) {
+  Open();
+  EXPECT_THAT(Commit({Good(1, Fault("f")), Good(1, Fault("f")), Good(2)}),
+              ElementsAre(OutcomeKind::kStored, OutcomeKind::kDuplicate, OutcomeKind::kStored));
+  EXPECT_THAT(History(), SizeIs(1));
+}
+
+TEST_P(StoreContract, NeverLowersTheCursor) {
+  Open();
+  Commit({Good(9)});
+  EXPECT_THAT(Commit({Good(4, Fault("f"))}), ElementsAre(OutcomeKind::kDuplicate));
+  EXPECT_EQ(CursorNow(), 9);
+  EXPECT_THAT(History(), SizeIs(0));
+}
+
+TEST_P(StoreContract, StoresANumberOnceThoughItIsSentAgainAfterMidnight) {
+  Open();
+  storage::CommitRecord record = Good(1, Fault("f"));
+  record.received_at = Time(-1);
+  Commit({record});
+  record.received_at = Time(86'400'000);
+  EXPECT_THAT(Commit({record}), ElementsAre(OutcomeKind::kDuplicate));
+  EXPECT_THAT(History(), SizeIs(1));
+}
+
+TEST_P(StoreContract, KeepsNothingOfACommitThatFails) {
+  Open();
+  storage::Batch batch;
+  batch.records = {Good(1, Fault("f")), Bad(2)};
+  batch.gaps = {Gap(3, 4)};
+  store_->FailNextWrite(kProcess);
+  EXPECT_EQ(store_->Process(kProcess).Commit(batch).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(CursorNow(), 0);
+  EXPECT_THAT(History(), SizeIs(0));
+  EXPECT_THAT(Active(), SizeIs(0));
+  EXPECT_THAT(Quarantine(), SizeIs(0));
+  EXPECT_THAT(Gaps(), SizeIs(0));
+
+  const std::vector<Outcome> again = Commit(batch);
+  ASSERT_THAT(again, SizeIs(2));
+  EXPECT_EQ(again[0].kind, OutcomeKind::kStored);
+  EXPECT_EQ(again[1].kind, OutcomeKind::kStored);
+}
+
+TEST_P(StoreContract, KeepsAllOfACommitWhoseAnswerIsLost) {
+  Open();
+  const std::vector<storage::CommitRecord> records = {Good(1, Fault("f")), Good(2)};
+  storage::Batch batch;
+  batch.records = records;
+  store_->LoseNextAnswer(kProcess);
+  EXPECT_EQ(store_->Process(kProcess).Commit(batch).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_THAT(Commit(records), Each(OutcomeKind::kDuplicate));
+  EXPECT_THAT(History(), SizeIs(1));
+}
+
+TEST_P(StoreContract, KeepsACursorForEachRobotAndSession) {
+  Open();
+  storage::CommitRecord other_session = Good(5);
+  other_session.session = Session(2);
+  storage::CommitRecord other_robot = Good(3);
+  other_robot.robot = Robot("b");
+  EXPECT_THAT(Commit({Good(9), other_session, other_robot}), Each(OutcomeKind::kStored));
+  EXPECT_EQ(CursorNow(), 9);
+  storage::OpenRequest request = Request();
+  request.session = Session(2);
+  EXPECT_EQ(Open(request).cursor, 5);
+  request = Request();
+  request.robot = Robot("b");
+  EXPECT_EQ(Open(request).cursor, 3);
+}
+
+TEST_P(StoreContract, TakesTheHighestNumberOfTheContract) {
+  Open();
+  EXPECT_THAT(Commit({Good(model::kSeqMax - 1, Fault("f")), Bad(model::kSeqMax)}),
+              Each(OutcomeKind::kStored));
+  EXPECT_THAT(Commit({Good(model::kSeqMax - 1), Bad(model::kSeqMax)}),
+              ElementsAre(OutcomeKind::kDuplicate, OutcomeKind::kRefused));
+  storage::OpenRequest request = Request();
+  request.settled_seq = model::kSeqMax - 1;
+  const storage::OpenResult result = Open(request);
+  EXPECT_EQ(result.cursor, model::kSeqMax);
+  ASSERT_THAT(result.rejects, SizeIs(1));
+  EXPECT_EQ(result.rejects[0].seq, model::kSeqMax);
+  request.settled_seq = model::kSeqMax;
+  EXPECT_THAT(Open(request).rejects, SizeIs(0));
+}
+
+TEST_P(StoreContract, TakesANumberZeroForADuplicate) {
+  Open();
+  EXPECT_THAT(Commit({Good(0)}), ElementsAre(OutcomeKind::kDuplicate));
+}
+
+TEST_P(StoreContract, TakesAnEmptyBatch) { EXPECT_THAT(Commit(storage::Batch()), SizeIs(0)); }
+
+TEST_P(StoreContract, TakesABatchOfTenThousand) {
+  Open();
+  std::vector<storage::CommitRecord> records;
+  const model::Record good = test::RecordOf(Fault("f"));
+  for (model::Seq seq = 1; seq <= 10'000; ++seq) records.push_back(With(seq, good));
+  EXPECT_THAT(Commit(records), Each(OutcomeKind::kStored));
+  EXPECT_EQ(CursorNow(), 10'000);
+  storage::HistoryQuery query;
+  query.page_size = storage::kPageSizeMax;
+  EXPECT_THAT(History(query), SizeIs(storage::kPageSizeMax));
+}
+
+TEST_P(StoreContract, KeepsOddTextsAsTheyAre) {
+  const std::string odd = "' \" \\ ; -- %s \xF0\x9F\xA4\x96 \t\n {} \xE2\x80\xAE";
+  robot_ = Robot(odd, odd);
+  Open();
+  model::Fault fault = Fault(odd);
+  fault.source = odd;
+  fault.category = "";
+  fault.description = std::string(4096, 'x');
+  fault.suggested_action = odd;
+  Commit({Good(1, fault)});
+  storage::HistoryQuery query;
+  query.ruri = robot_->ruri;
+  query.fleet = odd;
+  const auto rows = History(query);
+  ASSERT_THAT(rows, SizeIs(1));
+  EXPECT_EQ(rows[0].fault, fault);
+  EXPECT_EQ(rows[0].robot, *robot_);
+  EXPECT_THAT(Active(query), SizeIs(1));
+  query.ruri += "x";
+  EXPECT_THAT(History(query), SizeIs(0));
+}
+
+TEST_P(StoreContract, CommitsForARobotThatTheStoreLost) {
+  held_since_ = 40;
+  EXPECT_THAT(Commit({Good(3)}), ElementsAre(OutcomeKind::kStored));
+  const storage::OpenResult result = Open();
+  EXPECT_EQ(result.cursor, 3);
+  EXPECT_EQ(result.held_since, 40);
+  EXPECT_EQ(result.epoch, 41);
+}
+
+}  // namespace
+}  // namespace uplink::testing

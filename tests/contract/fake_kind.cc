@@ -1,0 +1,51 @@
+#include <map>
+#include <optional>
+#include <variant>
+
+#include "storage/refusal.h"
+#include "tests/contract/store_under_test.h"
+#include "tests/support/fake_store.h"
+
+namespace uplink::testing {
+namespace {
+
+class FakeUnderTest final : public StoreUnderTest {
+ public:
+  storage::Store& Process(std::uint8_t number) override { return Fake(number); }
+  storage::Reader& reader() override { return Fake(0); }
+  void FailNextWrite(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kBefore); }
+  void LoseNextAnswer(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kAfter); }
+
+  void RefuseFault(const std::string& fault_id) override {
+    rules_.refuse =
+        [fault_id](const storage::CommitRecord& record) -> std::optional<model::Rejection> {
+      const auto& good = std::get<model::Record>(record.content);
+      const auto* fault = std::get_if<model::Fault>(&good.body());
+      if (fault == nullptr || fault->fault_id != fault_id) return std::nullopt;
+      return storage::StoreRefused("the test says so");
+    };
+    for (auto& [number, store] : stores_) store->SetRules(rules_);
+  }
+
+ private:
+  FakeStore& Fake(std::uint8_t number) {
+    auto& store = stores_[number];
+    if (store == nullptr) {
+      store = std::make_unique<FakeStore>(database_, storage::ProcessId{number});
+      store->SetRules(rules_);
+    }
+    return *store;
+  }
+
+  FakeDatabase database_;
+  FakeRules rules_;
+  std::map<std::uint8_t, std::unique_ptr<FakeStore>> stores_;
+};
+
+}  // namespace
+
+StoreKind FakeKind() {
+  return {"Fake", [] { return std::make_unique<FakeUnderTest>(); }};
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,246 @@
+#include <gmock/gmock.h>
+
+#include "tests/contract/store_contract.h"
+
+namespace uplink::testing {
+namespace {
+
+using storage::OpenResult;
+using storage::OutcomeKind;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+TEST_P(StoreContract, CountsEpochsFromOneAndKeepsTheHoldOfOneProcess) {
+  const OpenResult first = Open();
+  EXPECT_EQ(first.epoch, 1);
+  EXPECT_EQ(first.held_since, 1);
+  EXPECT_EQ(first.cursor, 0);
+  EXPECT_TRUE(first.rejects_complete);
+  const OpenResult second = Open();
+  EXPECT_EQ(second.epoch, 2);
+  EXPECT_EQ(second.held_since, 1);
+}
+
+TEST_P(StoreContract, CountsEpochsARobot) {
+  Open();
+  storage::OpenRequest other = Request();
+  other.robot = Robot("b");
+  EXPECT_EQ(Open(other).epoch, 1);
+}
+
+TEST_P(StoreContract, AnswersEachRequestOfACallInOrder) {
+  storage::OpenRequest other = Request();
+  other.robot = Robot("b");
+  const std::vector<storage::OpenRequest> requests = {Request(), other, Request()};
+  const auto results = store_->Process(kProcess).OpenStreams(requests);
+  ASSERT_TRUE(results.ok()) << results.status();
+  ASSERT_THAT(*results, SizeIs(3));
+  EXPECT_EQ((*results)[0].epoch, 1);
+  EXPECT_EQ((*results)[1].epoch, 1);
+  EXPECT_EQ((*results)[2].epoch, 2);
+  EXPECT_TRUE(store_->Process(kProcess).OpenStreams({}).ok());
+}
+
+TEST_P(StoreContract, TellsAProcessThatAnotherHadTheRobotInBetween) {
+  const OpenResult first = Open();
+  const OpenResult between = Open(Request(), kOther);
+  EXPECT_EQ(between.epoch, 2);
+  EXPECT_EQ(between.held_since, 2);
+  const OpenResult again = Open();
+  EXPECT_EQ(again.held_since, 3);
+  EXPECT_NE(again.held_since, first.held_since);
+}
+
+TEST_P(StoreContract, FencesTheRecordsOfAnOlderHoldAlone) {
+  Open();
+  storage::CommitRecord of_a = Good(1, Fault("f"));
+  storage::OpenRequest of_other_robot = Request();
+  of_other_robot.robot = Robot("b");
+  Open(of_other_robot);
+  storage::CommitRecord of_b = Good(1, Fault("f"));
+  of_b.robot = Robot("b");
+
+  Open(Request(), kOther);
+  EXPECT_THAT(Commit({of_a, of_b}), ElementsAre(OutcomeKind::kFenced, OutcomeKind::kStored));
+  EXPECT_THAT(History(), SizeIs(1));
+  EXPECT_THAT(Commit({Good(1, Fault("g"))}, kOther), ElementsAre(OutcomeKind::kStored));
+  EXPECT_THAT(Commit({of_a}), ElementsAre(OutcomeKind::kFenced));
+}
+
+TEST_P(StoreContract, DropsTheGapsOfAnOlderHold) {
+  Open();
+  const storage::GapItem gap = Gap(1, 2);
+  Open(Request(), kOther);
+  CommitGaps({gap});
+  EXPECT_THAT(Gaps(), SizeIs(0));
+}
+
+TEST_P(StoreContract, ContinuesTheCursorInAnotherProcess) {
+  Open();
+  Commit({Good(6)});
+  EXPECT_EQ(Open(Request(), kOther).cursor, 6);
+  EXPECT_THAT(Commit({Good(6), Good(7)}, kOther),
+              ElementsAre(OutcomeKind::kDuplicate, OutcomeKind::kStored));
+}
+
+TEST_P(StoreContract, KeepsNothingOfAnOpenThatFails) {
+  store_->FailNextWrite(kProcess);
+  const storage::OpenRequest request = Request();
+  EXPECT_EQ(store_->Process(kProcess).OpenStreams({&request, 1}).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(Open().epoch, 1);
+  store_->LoseNextAnswer(kProcess);
+  EXPECT_FALSE(store_->Process(kProcess).OpenStreams({&request, 1}).ok());
+  const OpenResult result = Open();
+  EXPECT_EQ(result.epoch, 3);
+  EXPECT_EQ(result.held_since, 1);
+}
+
+TEST_P(StoreContract, ReturnsTheRejectsAboveWhatIsSettled) {
+  Open();
+  Commit({Bad(2), Good(3), Bad(5), Bad(9)});
+  storage::OpenRequest request = Request();
+  OpenResult result = Open(request);
+  ASSERT_THAT(result.rejects, SizeIs(3));
+  EXPECT_EQ(result.rejects[0].seq, 2);
+  EXPECT_EQ(result.rejects[1].seq, 5);
+  EXPECT_EQ(result.rejects[2].seq, 9);
+  EXPECT_EQ(result.rejects[1].rejection, BadReason());
+  request.settled_seq = 5;
+  result = Open(request);
+  ASSERT_THAT(result.rejects, SizeIs(1));
+  EXPECT_EQ(result.rejects[0].seq, 9);
+  request.settled_seq = model::kSeqMax;
+  EXPECT_THAT(Open(request).rejects, SizeIs(0));
+  request.settled_seq = 0;
+  request.session = Session(2);
+  EXPECT_THAT(Open(request).rejects, SizeIs(0));
+}
+
+TEST_P(StoreContract, SaysWhenThereAreMoreRejectsThanOneAnswerHolds) {
+  Open();
+  std::vector<storage::CommitRecord> records;
+  for (model::Seq seq = 1; seq <= storage::kOpenRejectsMax; ++seq) records.push_back(Bad(seq, ""));
+  Commit(std::move(records));
+  OpenResult result = Open();
+  EXPECT_THAT(result.rejects, SizeIs(storage::kOpenRejectsMax));
+  EXPECT_TRUE(result.rejects_complete);
+  Commit({Bad(storage::kOpenRejectsMax + 1, "")});
+  EXPECT_FALSE(Open().rejects_complete);
+  storage::OpenRequest request = Request();
+  request.settled_seq = 1;
+  result = Open(request);
+  EXPECT_THAT(result.rejects, SizeIs(storage::kOpenRejectsMax));
+  EXPECT_TRUE(result.rejects_complete);
+}
+
+TEST_P(StoreContract, ForgetsTheSessionThatWasUsedLongestAgo) {
+  Open();
+  for (std::uint8_t number = 1; number <= storage::kSessionsPerRobotMax; ++number) {
+    storage::CommitRecord record = Good(number);
+    record.session = Session(number);
+    record.received_at = Time(number);
+    Commit({record});
+  }
+  // Session 1 is used anew, so that 2 is the oldest.
+  storage::OpenRequest request = Request();
+  request.at = Time(100);
+  Open(request);
+  request.session = Session(100);
+  Open(request);
+  EXPECT_EQ(Open(Request()).cursor, 1);
+  request.session = Session(3);
+  EXPECT_EQ(Open(request).cursor, 3);
+  request.session = Session(2);
+  EXPECT_EQ(Open(request).cursor, 0);
+}
+
+TEST_P(StoreContract, KeepsTheSessionThatIsOpenedThoughTheClockWasSetBack) {
+  Open();
+  for (std::uint8_t number = 1; number <= storage::kSessionsPerRobotMax; ++number) {
+    storage::CommitRecord record = Good(number);
+    record.session = Session(number);
+    record.received_at = Time(number);
+    Commit({record});
+  }
+  storage::OpenRequest request = Request();
+  request.session = Session(100);
+  request.at = Time(-1);
+  Open(request);
+  EXPECT_EQ(Open(Request()).cursor, 0) << "the oldest of the others went";
+}
+
+TEST_P(StoreContract, NeverForgetsASessionThatIsHeld) {
+  Open();
+  std::vector<model::SessionId> held;
+  for (std::uint8_t number = 1; number <= storage::kSessionsPerRobotMax; ++number) {
+    storage::CommitRecord record = Good(number);
+    record.session = Session(number);
+    Commit({record});
+    held.push_back(Session(number));
+  }
+  storage::OpenRequest request = Request();
+  request.at = Time(-1);  // a clock that was set back: the new session seems the oldest
+  request.session = Session(100);
+  request.sessions_held = held;
+  Open(request);
+  storage::CommitRecord record = Good(70);
+  record.session = Session(100);
+  EXPECT_THAT(Commit({record}), Each(OutcomeKind::kStored));
+  EXPECT_EQ(Open(request).cursor, 70);
+  for (std::uint8_t number = 1; number <= storage::kSessionsPerRobotMax; ++number) {
+    request.session = Session(number);
+    EXPECT_EQ(Open(request).cursor, number);
+  }
+}
+
+TEST_P(StoreContract, BeginsAnewWithASessionThatWasForgotten) {
+  Open();
+  Commit({Bad(1), Good(2)});
+  storage::OpenRequest request = Request();
+  request.at = Time(10);
+  for (std::uint8_t number = 2; number <= storage::kSessionsPerRobotMax + 1; ++number) {
+    request.session = Session(number);
+    Open(request);
+  }
+  const OpenResult result = Open();
+  EXPECT_EQ(result.cursor, 0);
+  EXPECT_THAT(result.rejects, SizeIs(0));
+  EXPECT_THAT(Quarantine(), SizeIs(1));
+  EXPECT_THAT(Commit({Good(1), Good(2)}), Each(OutcomeKind::kStored));
+  // The quarantine row of the forgotten session is not this one's.
+  EXPECT_THAT(Commit({Good(1)}), ElementsAre(OutcomeKind::kDuplicate));
+  EXPECT_THAT(Open().rejects, SizeIs(0));
+}
+
+TEST_P(StoreContract, ListsRobotsByRuri) {
+  for (const char* name : {"c", "a", "b"}) {
+    storage::OpenRequest request = Request();
+    request.robot = Robot(name);
+    Open(request);
+  }
+  storage::OpenRequest request = Request();
+  request.robot = Robot("a", "f2");
+  request.at = Time(5);
+  Open(request);
+  auto rows = store_->reader().Robots(2);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_THAT(*rows, SizeIs(2));
+  EXPECT_EQ((*rows)[0].robot, *request.robot);
+  EXPECT_EQ((*rows)[0].first_seen, Time());
+  EXPECT_EQ((*rows)[0].last_seen, Time(5));
+  EXPECT_EQ((*rows)[1].robot, *Robot("b"));
+
+  storage::CommitRecord record = Good(1);
+  record.robot = request.robot;
+  record.received_at = Time(9);
+  Commit({record});
+  rows = store_->reader().Robots(10);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_THAT(*rows, SizeIs(3));
+  EXPECT_EQ((*rows)[0].last_seen, Time(9));
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,81 @@
+#include <map>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "storage/sqlite/reader.h"
+#include "storage/sqlite/store.h"
+#include "tests/contract/store_under_test.h"
+#include "tests/support/sqlite_shell.h"
+#include "tests/support/temp_folder.h"
+
+namespace uplink::testing {
+namespace {
+
+class SqliteUnderTest final : public StoreUnderTest {
+ public:
+  storage::Store& Process(std::uint8_t number) override {
+    One& one = processes_[number];
+    if (one.store == nullptr) Open(number, one);
+    return *one.store;
+  }
+
+  storage::Reader& reader() override {
+    if (reader_ == nullptr) {
+      static_cast<void>(Process(1));  // makes the file
+      auto opened = storage::sqlite::SqliteReader::Open(path_);
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      reader_ = *std::move(opened);
+    }
+    return *reader_;
+  }
+
+  void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
+  void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
+
+  void RefuseFault(const std::string& fault_id) override {
+    static_cast<void>(Process(1));
+    // The report is in the history by then, so that it shows whether that is taken back.
+    SqliteShell(path_).Run(
+        "CREATE TRIGGER refuse BEFORE INSERT ON faults_active WHEN NEW.fault_id"
+        " = '" +
+        fault_id +
+        "' BEGIN SELECT RAISE(ABORT, 'the test says so');"
+        " END");
+  }
+
+ private:
+  struct One {
+    bool fail_before = false;
+    bool fail_after = false;
+    std::unique_ptr<storage::sqlite::SqliteStore> store;
+  };
+
+  static absl::Status Take(bool& order) {
+    return std::exchange(order, false) ? absl::UnavailableError("the test said so")
+                                       : absl::OkStatus();
+  }
+
+  void Open(std::uint8_t number, One& one) {
+    storage::sqlite::StoreOptions options;
+    options.process = {number};
+    options.exclusive = false;
+    options.before_commit = [&one] { return Take(one.fail_before); };
+    options.after_commit = [&one] { return Take(one.fail_after); };
+    auto opened = storage::sqlite::SqliteStore::Open(path_, options);
+    UPLINK_CHECK(opened.ok(), opened.status().ToString());
+    one.store = *std::move(opened);
+  }
+
+  TempFolder folder_;
+  const std::string path_ = folder_.File("uplinkd.db");
+  std::map<std::uint8_t, One> processes_;
+  std::unique_ptr<storage::sqlite::SqliteReader> reader_;
+};
+
+}  // namespace
+
+StoreKind SqliteKind() {
+  return {"Sqlite", [] { return std::make_unique<SqliteUnderTest>(); }};
+}
+
+}  // namespace uplink::testing

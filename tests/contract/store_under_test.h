@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "storage/reader.h"
+#include "storage/store.h"
+
+namespace uplink::testing {
+
+/// One database of one kind of store, with what the contract suite must be able to make happen.
+class StoreUnderTest {
+ public:
+  virtual ~StoreUnderTest() = default;
+
+  /// The store as process `number` has it; the same object at each call. A process that is not used
+  /// any more is one that was killed.
+  virtual storage::Store& Process(std::uint8_t number) = 0;
+  virtual storage::Reader& reader() = 0;
+
+  /// The next write of the process fails after its work and before its commit: nothing is kept.
+  virtual void FailNextWrite(std::uint8_t number) = 0;
+  /// The next write of the process is kept, and its answer is an error.
+  virtual void LoseNextAnswer(std::uint8_t number) = 0;
+  /// The database itself refuses raises of this fault.
+  virtual void RefuseFault(const std::string& fault_id) = 0;
+};
+
+struct StoreKind {
+  const char* name;
+  std::function<std::unique_ptr<StoreUnderTest>()> make;
+};
+
+[[nodiscard]] StoreKind FakeKind();
+[[nodiscard]] StoreKind SqliteKind();
+
+}  // namespace uplink::testing

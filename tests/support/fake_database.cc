@@ -1,0 +1,284 @@
+#include "tests/support/fake_database.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "schema/base/check.h"
+#include "schema/model/record.h"
+#include "storage/refusal.h"
+
+namespace uplink::testing {
+
+using model::Fault;
+using model::Record;
+using model::Rejection;
+using model::Seq;
+using model::SessionId;
+using storage::CommitRecord;
+using storage::GapItem;
+using storage::OpenRequest;
+using storage::OpenResult;
+using storage::Outcome;
+using storage::OutcomeKind;
+using storage::ProcessId;
+using storage::QuarantineItem;
+
+std::vector<OpenResult> FakeDatabase::OpenStreams(const ProcessId& process,
+                                                  std::span<const OpenRequest> requests) {
+  const std::lock_guard lock(mutex_);
+  std::vector<OpenResult> results;
+  results.reserve(requests.size());
+  for (const OpenRequest& request : requests) results.push_back(OpenOne(process, request));
+  return results;
+}
+
+std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storage::Batch& batch,
+                                          const FakeRules& rules) {
+  const std::lock_guard lock(mutex_);
+  ++transactions_;
+  const Transaction transaction{process, rules};
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(batch.records.size());
+  for (const CommitRecord& record : batch.records) {
+    outcomes.push_back(CommitOne(transaction, record));
+  }
+  for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
+  return outcomes;
+}
+
+OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {
+  Robot& robot = robots_[request.robot->ruri];
+  if (robot.epoch == 0) robot.first_seen = request.at;
+  robot.id = *request.robot;
+  robot.last_seen = std::max(robot.last_seen, request.at);
+  ++robot.epoch;
+  if (robot.held_since == 0 || robot.owner != process) {
+    robot.owner = process;
+    robot.held_since = robot.epoch;
+  }
+  Session& session = robot.sessions[request.session];
+  session.last_used = std::max(session.last_used, request.at);
+
+  OpenResult result;
+  result.epoch = robot.epoch;
+  result.held_since = robot.held_since;
+  result.cursor = session.cursor;
+  const auto end = session.rejects.upper_bound(session.cursor);
+  auto it = session.rejects.upper_bound(std::min(request.settled_seq, session.cursor));
+  for (; it != end; ++it) {
+    if (result.rejects.size() == storage::kOpenRejectsMax) {
+      result.rejects_complete = false;
+      break;
+    }
+    result.rejects.push_back({it->first, it->second});
+  }
+  EvictSessions(robot, request);
+  return result;
+}
+
+void FakeDatabase::EvictSessions(Robot& robot, const OpenRequest& request) {
+  while (robot.sessions.size() > storage::kSessionsPerRobotMax) {
+    auto oldest = robot.sessions.end();
+    for (auto it = robot.sessions.begin(); it != robot.sessions.end(); ++it) {
+      if (it->first == request.session) continue;
+      if (std::ranges::find(request.sessions_held, it->first) != request.sessions_held.end()) {
+        continue;
+      }
+      if (oldest == robot.sessions.end() || it->second.last_used < oldest->second.last_used) {
+        oldest = it;
+      }
+    }
+    if (oldest == robot.sessions.end()) return;
+    robot.sessions.erase(oldest);
+  }
+}
+
+FakeDatabase::Robot& FakeDatabase::RobotOf(const storage::RobotRef& id, storage::Epoch held_since,
+                                           SystemTime at, const ProcessId& process) {
+  const auto found = robots_.find(id->ruri);
+  if (found != robots_.end()) return found->second;
+  Robot& robot = robots_[id->ruri];
+  robot.id = *id;
+  robot.epoch = held_since;
+  robot.held_since = held_since;
+  robot.owner = process;
+  robot.first_seen = at;
+  robot.last_seen = at;
+  return robot;
+}
+
+Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitRecord& record) {
+  UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
+  Robot& robot = RobotOf(record.robot, record.held_since, record.received_at, transaction.process);
+  if (record.held_since < robot.held_since) return {OutcomeKind::kFenced, std::nullopt};
+
+  Session& session = robot.sessions[record.session];
+  if (record.seq <= session.cursor) {
+    if (transaction.rules.allow_cursor_lowering) session.cursor = record.seq;
+    const auto reject = session.rejects.find(record.seq);
+    if (reject != session.rejects.end()) return {OutcomeKind::kRefused, reject->second};
+    return {OutcomeKind::kDuplicate, std::nullopt};
+  }
+
+  session.cursor = record.seq;
+  session.last_used = std::max(session.last_used, record.received_at);
+  robot.last_seen = std::max(robot.last_seen, record.received_at);
+  Outcome outcome;
+  bool quarantined = true;
+  if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
+    WriteQuarantine(robot, session, record, item->rejection);
+  } else if (std::optional<Rejection> refusal = Refusal(transaction.rules, robot, record)) {
+    WriteQuarantine(robot, session, record, *refusal);
+    outcome = {OutcomeKind::kRefused, std::move(refusal)};
+  } else {
+    WriteRecord(robot, record);
+    quarantined = false;
+  }
+  ++robot.logs[record.session].times_written[record.seq];
+  applications_.push_back({record.robot, record.session, record.seq, quarantined, record.held_since,
+                           transaction.process, transactions_});
+  return outcome;
+}
+
+std::optional<Rejection> FakeDatabase::Refusal(const FakeRules& rules, const Robot& robot,
+                                               const CommitRecord& record) const {
+  const auto& good = std::get<Record>(record.content);
+  UPLINK_CHECK(good.durable(), "a live record reached the store");
+  const auto* fault = std::get_if<Fault>(&good.body());
+  if (fault != nullptr && fault->active &&
+      robot.faults_active.size() >= storage::kActiveFaultsPerRobotMax &&
+      !robot.faults_active.contains({fault->fault_id, fault->source})) {
+    return storage::TooManyActiveFaults();
+  }
+  if (rules.refuse) return rules.refuse(record);
+  return std::nullopt;
+}
+
+void FakeDatabase::WriteRecord(Robot& robot, const CommitRecord& record) {
+  const auto& good = std::get<Record>(record.content);
+  if (const auto* fault = std::get_if<Fault>(&good.body())) {
+    WriteFault(robot, *fault, record);
+  }
+  robot.logs[record.session].stored.push_back(record.seq);
+}
+
+void FakeDatabase::WriteFault(Robot& robot, const Fault& fault, const CommitRecord& record) {
+  const SystemTime received_at = record.received_at;
+  faults_history_.push_back(
+      {received_at, ++entries_, {*record.robot, fault, received_at, std::nullopt}});
+  FaultKey key{fault.fault_id, fault.source};
+  if (!fault.active) {
+    robot.faults_active.erase(key);
+    return;
+  }
+  const auto [it, raised] = robot.faults_active.try_emplace(std::move(key));
+  Entry<storage::FaultRow>& entry = it->second;
+  if (raised) {
+    entry.at = received_at;
+    entry.entry = entries_;
+  }
+  entry.row = {*record.robot, fault, received_at, entry.at};
+}
+
+void FakeDatabase::WriteQuarantine(Robot& robot, Session& session, const CommitRecord& record,
+                                   const Rejection& rejection) {
+  session.rejects[record.seq] = rejection;
+  robot.logs[record.session].quarantined[record.seq] = rejection;
+  quarantine_.push_back({record.received_at,
+                         ++entries_,
+                         {*record.robot, record.session, record.seq, rejection, record.received_at,
+                          record.payload, record.payload_bytes}});
+  if (record.payload.empty()) return;
+  robot.payload_rows.push_back(quarantine_.size() - 1);
+  if (robot.payload_rows.size() > storage::kQuarantinePayloadsPerRobotMax) {
+    quarantine_[robot.payload_rows.front()].row.payload.clear();
+    robot.payload_rows.pop_front();
+  }
+}
+
+void FakeDatabase::WriteGap(const ProcessId& process, const GapItem& gap) {
+  Robot& robot = RobotOf(gap.robot, gap.held_since, gap.seen_at, process);
+  if (gap.held_since < robot.held_since) return;
+  const GapPlace place{gap.seen_at, ++entries_};
+  const auto [known, fresh] = robot.gap_places.try_emplace({gap.session, gap.first}, place);
+  if (!fresh) {
+    Seq& last = robot.gaps.at(known->second).last;
+    last = std::max(last, gap.last);
+    return;
+  }
+  robot.gaps[place] = {*gap.robot, gap.session, gap.first, gap.last, gap.seen_at};
+  if (robot.gaps.size() > storage::kGapsPerRobotMax) {
+    const auto oldest = robot.gaps.begin();
+    robot.gap_places.erase({oldest->second.session, oldest->second.first});
+    robot.gaps.erase(oldest);
+  }
+}
+
+std::optional<Seq> FakeDatabase::Cursor(std::string_view ruri, const SessionId& session) const {
+  const std::lock_guard lock(mutex_);
+  const auto robot = robots_.find(ruri);
+  if (robot == robots_.end()) return std::nullopt;
+  const auto found = robot->second.sessions.find(session);
+  if (found == robot->second.sessions.end()) return std::nullopt;
+  return found->second.cursor;
+}
+
+const SessionLog* FakeDatabase::FindLog(std::string_view ruri, const SessionId& session) const {
+  const auto robot = robots_.find(ruri);
+  if (robot == robots_.end()) return nullptr;
+  const auto log = robot->second.logs.find(session);
+  return log == robot->second.logs.end() ? nullptr : &log->second;
+}
+
+SessionLog FakeDatabase::Log(std::string_view ruri, const SessionId& session) const {
+  const std::lock_guard lock(mutex_);
+  const SessionLog* log = FindLog(ruri, session);
+  return log == nullptr ? SessionLog() : *log;
+}
+
+std::vector<std::pair<std::string, SessionId>> FakeDatabase::Sessions() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<std::string, SessionId>> sessions;
+  for (const auto& [ruri, robot] : robots_) {
+    for (const auto& [session, log] : robot.logs) sessions.emplace_back(ruri, session);
+  }
+  return sessions;
+}
+
+std::uint32_t FakeDatabase::TimesWritten(std::string_view ruri, const SessionId& session,
+                                         Seq seq) const {
+  const std::lock_guard lock(mutex_);
+  const SessionLog* log = FindLog(ruri, session);
+  if (log == nullptr) return 0;
+  const auto times = log->times_written.find(seq);
+  return times == log->times_written.end() ? 0 : times->second;
+}
+
+std::optional<Rejection> FakeDatabase::QuarantineReason(std::string_view ruri,
+                                                        const SessionId& session, Seq seq) const {
+  const std::lock_guard lock(mutex_);
+  const SessionLog* log = FindLog(ruri, session);
+  if (log == nullptr) return std::nullopt;
+  const auto reason = log->quarantined.find(seq);
+  if (reason == log->quarantined.end()) return std::nullopt;
+  return reason->second;
+}
+
+std::vector<Application> FakeDatabase::ApplicationsFrom(std::size_t first) const {
+  const std::lock_guard lock(mutex_);
+  if (first >= applications_.size()) return {};
+  return {applications_.begin() + static_cast<std::ptrdiff_t>(first), applications_.end()};
+}
+
+std::size_t FakeDatabase::ApplicationCount() const {
+  const std::lock_guard lock(mutex_);
+  return applications_.size();
+}
+
+storage::Epoch FakeDatabase::EpochOf(std::string_view ruri) const {
+  const std::lock_guard lock(mutex_);
+  const auto robot = robots_.find(ruri);
+  return robot == robots_.end() ? 0 : robot->second.epoch;
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "storage/reader.h"
+#include "storage/types.h"
+
+namespace uplink::testing {
+
+/// One number that a transaction wrote: as a good record, or to quarantine.
+struct Application {
+  storage::RobotRef robot;
+  model::SessionId session;
+  model::Seq seq = 0;
+  bool quarantined = false;
+  storage::Epoch held_since = 0;
+  storage::ProcessId process{};
+  /// Counts the transactions that were applied, from 1.
+  std::uint64_t transaction = 0;
+};
+
+/// What was ever written of one session; it outlives the session's eviction.
+struct SessionLog {
+  /// Good numbers in the order of writing, those of kinds without a table included.
+  std::vector<model::Seq> stored;
+  std::map<model::Seq, model::Rejection> quarantined;
+  /// How often each number was written, as either.
+  std::map<model::Seq, std::uint32_t> times_written;
+};
+
+/// Refuses a good record as the database itself would; nothing lets it pass.
+using RefuseRecord =
+    std::function<std::optional<model::Rejection>(const storage::CommitRecord& record)>;
+
+/// How a FakeStore treats what it applies.
+struct FakeRules {
+  RefuseRecord refuse;
+  /// A mutation: the cursor follows the last record that was looked at, downwards too. A test that
+  /// claims to watch the cursor must fail with it.
+  bool allow_cursor_lowering = false;
+};
+
+/// The durable rows behind FakeStores: what a kill of a process leaves. Several FakeStores share
+/// one as processes share a database.
+///
+/// Thread: thread-safe; each call is one transaction.
+class FakeDatabase final {
+ public:
+  FakeDatabase() = default;
+  FakeDatabase(const FakeDatabase&) = delete;
+  FakeDatabase& operator=(const FakeDatabase&) = delete;
+
+  // What FakeStore builds on.
+  std::vector<storage::OpenResult> OpenStreams(const storage::ProcessId& process,
+                                               std::span<const storage::OpenRequest> requests);
+  std::vector<storage::Outcome> Commit(const storage::ProcessId& process,
+                                       const storage::Batch& batch, const FakeRules& rules);
+
+  // What tests look at.
+  /// Nothing while the store does not know the session.
+  [[nodiscard]] std::optional<model::Seq> Cursor(std::string_view ruri,
+                                                 const model::SessionId& session) const;
+  [[nodiscard]] SessionLog Log(std::string_view ruri, const model::SessionId& session) const;
+  /// The sessions that rows were ever written of, by RURI, then session.
+  [[nodiscard]] std::vector<std::pair<std::string, model::SessionId>> Sessions() const;
+  [[nodiscard]] std::uint32_t TimesWritten(std::string_view ruri, const model::SessionId& session,
+                                           model::Seq seq) const;
+  /// Why the number lies in quarantine; nothing if it does not.
+  [[nodiscard]] std::optional<model::Rejection> QuarantineReason(std::string_view ruri,
+                                                                 const model::SessionId& session,
+                                                                 model::Seq seq) const;
+  /// The applications from number `first` on, counted from 0.
+  [[nodiscard]] std::vector<Application> ApplicationsFrom(std::size_t first) const;
+  [[nodiscard]] std::size_t ApplicationCount() const;
+  [[nodiscard]] storage::Epoch EpochOf(std::string_view ruri) const;
+
+ private:
+  friend class FakeReader;
+
+  /// A row with its place in the order of writing.
+  template <typename Row>
+  struct Entry {
+    SystemTime at;
+    std::uint64_t entry = 0;
+    Row row;
+  };
+  struct Session {
+    model::Seq cursor = 0;
+    SystemTime last_used;
+    std::map<model::Seq, model::Rejection> rejects;
+  };
+  using FaultKey = std::pair<std::string, std::string>;
+  using GapKey = std::pair<model::SessionId, model::Seq>;
+  using GapPlace = std::pair<SystemTime, std::uint64_t>;
+  struct Robot {
+    model::RobotId id;
+    storage::Epoch epoch = 0;
+    storage::Epoch held_since = 0;
+    storage::ProcessId owner{};
+    SystemTime first_seen;
+    SystemTime last_seen;
+    std::map<model::SessionId, Session> sessions;
+    std::map<model::SessionId, SessionLog> logs;
+    std::map<FaultKey, Entry<storage::FaultRow>> faults_active;
+    std::map<GapPlace, storage::GapRow> gaps;
+    std::map<GapKey, GapPlace> gap_places;
+    /// Rows of quarantine_ that still have their payload, oldest first.
+    std::deque<std::size_t> payload_rows;
+  };
+  struct Transaction {
+    const storage::ProcessId& process;
+    const FakeRules& rules;
+  };
+
+  storage::OpenResult OpenOne(const storage::ProcessId& process,
+                              const storage::OpenRequest& request);
+  static void EvictSessions(Robot& robot, const storage::OpenRequest& request);
+  Robot& RobotOf(const storage::RobotRef& id, storage::Epoch held_since, SystemTime at,
+                 const storage::ProcessId& process);
+  storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
+  std::optional<model::Rejection> Refusal(const FakeRules& rules, const Robot& robot,
+                                          const storage::CommitRecord& record) const;
+  void WriteRecord(Robot& robot, const storage::CommitRecord& record);
+  void WriteFault(Robot& robot, const model::Fault& fault, const storage::CommitRecord& record);
+  void WriteQuarantine(Robot& robot, Session& session, const storage::CommitRecord& record,
+                       const model::Rejection& rejection);
+  void WriteGap(const storage::ProcessId& process, const storage::GapItem& gap);
+  [[nodiscard]] const SessionLog* FindLog(std::string_view ruri,
+                                          const model::SessionId& session) const;
+
+  mutable std::mutex mutex_;
+  std::map<std::string, Robot, std::less<>> robots_;
+  std::vector<Entry<storage::FaultRow>> faults_history_;
+  std::vector<Entry<storage::QuarantineRow>> quarantine_;
+  std::vector<Application> applications_;
+  std::uint64_t entries_ = 0;
+  std::uint64_t transactions_ = 0;
+};
+
+}  // namespace uplink::testing

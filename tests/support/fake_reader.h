@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "storage/reader.h"
+#include "tests/support/fake_database.h"
+
+namespace uplink::testing {
+
+/// The query side of a FakeDatabase. Cheap to make. Thread-safe.
+class FakeReader final : public storage::Reader {
+ public:
+  /// `database` must outlive this.
+  explicit FakeReader(const FakeDatabase& database) : database_(database) {}
+
+  [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
+      std::uint32_t robots_max) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
+      std::span<const std::string> ruris) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
+      const storage::HistoryQuery& query) override;
+
+ private:
+  const FakeDatabase& database_;
+};
+
+}  // namespace uplink::testing

@@ -1,0 +1,137 @@
+#include "tests/support/fake_store.h"
+
+#include <utility>
+
+#include "tests/support/fake_reader.h"
+
+namespace uplink::testing {
+
+using storage::HistoryQuery;
+using storage::Page;
+
+absl::StatusOr<std::vector<storage::OpenResult>> FakeStore::OpenStreams(
+    std::span<const storage::OpenRequest> requests) {
+  Fate fate = Begin(open_order_, opens_);
+  if (fate.fail_before) return std::move(fate.status);
+  std::vector<storage::OpenResult> results = database_.OpenStreams(process_, requests);
+  if (fate.fail_after) return std::move(fate.status);
+  return results;
+}
+
+absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::Batch& batch) {
+  Fate fate = Begin(commit_order_, commits_);
+  if (fate.fail_before) return std::move(fate.status);
+  std::vector<storage::Outcome> outcomes = database_.Commit(process_, batch, fate.rules);
+  if (fate.fail_after) return std::move(fate.status);
+  return outcomes;
+}
+
+FakeStore::Fate FakeStore::Begin(Order& order, std::uint64_t& calls) {
+  std::unique_lock lock(mutex_);
+  ++waiting_;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return !blocked_; });
+  --waiting_;
+  ++calls;
+  Fate fate;
+  fate.rules = rules_;
+  for (Order* const from : {&any_order_, &order}) {
+    if (from->before > 0) {
+      --from->before;
+      fate.fail_before = true;
+    } else if (from->after > 0) {
+      --from->after;
+      fate.fail_after = true;
+    } else {
+      continue;
+    }
+    fate.status = from->status;
+    break;
+  }
+  return fate;
+}
+
+void FakeStore::Add(Order& order, std::uint32_t calls, FailAt at, const absl::Status& status) {
+  const std::lock_guard lock(mutex_);
+  (at == FailAt::kBefore ? order.before : order.after) += calls;
+  order.status = status;
+}
+
+void FakeStore::FailNext(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(any_order_, calls, at, status);
+}
+
+void FakeStore::FailNextCommits(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(commit_order_, calls, at, status);
+}
+
+void FakeStore::FailNextOpens(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(open_order_, calls, at, status);
+}
+
+void FakeStore::Heal() {
+  const std::lock_guard lock(mutex_);
+  any_order_ = {};
+  commit_order_ = {};
+  open_order_ = {};
+  blocked_ = false;
+  changed_.notify_all();
+}
+
+void FakeStore::SetRules(FakeRules rules) {
+  const std::lock_guard lock(mutex_);
+  rules_ = std::move(rules);
+}
+
+void FakeStore::Block() {
+  const std::lock_guard lock(mutex_);
+  blocked_ = true;
+}
+
+void FakeStore::Release() {
+  const std::lock_guard lock(mutex_);
+  blocked_ = false;
+  changed_.notify_all();
+}
+
+bool FakeStore::WaitUntilBlocked(milliseconds deadline) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, deadline, [this] { return blocked_ && waiting_ > 0; });
+}
+
+std::uint64_t FakeStore::commits() const {
+  const std::lock_guard lock(mutex_);
+  return commits_;
+}
+
+std::uint64_t FakeStore::opens() const {
+  const std::lock_guard lock(mutex_);
+  return opens_;
+}
+
+absl::StatusOr<std::vector<storage::RobotRow>> FakeStore::Robots(std::uint32_t robots_max) {
+  return FakeReader(database_).Robots(robots_max);
+}
+
+absl::StatusOr<Page<storage::FaultRow>> FakeStore::FaultsActive(const HistoryQuery& query) {
+  return FakeReader(database_).FaultsActive(query);
+}
+
+absl::StatusOr<Page<storage::FaultRow>> FakeStore::FaultHistory(const HistoryQuery& query) {
+  return FakeReader(database_).FaultHistory(query);
+}
+
+absl::StatusOr<std::vector<storage::ActiveFaults>> FakeStore::ActiveFaultCounts(
+    std::span<const std::string> ruris) {
+  return FakeReader(database_).ActiveFaultCounts(ruris);
+}
+
+absl::StatusOr<Page<storage::QuarantineRow>> FakeStore::Quarantine(const HistoryQuery& query) {
+  return FakeReader(database_).Quarantine(query);
+}
+
+absl::StatusOr<Page<storage::GapRow>> FakeStore::Gaps(const HistoryQuery& query) {
+  return FakeReader(database_).Gaps(query);
+}
+
+}  // namespace uplink::testing

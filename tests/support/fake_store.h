@@ -1,0 +1,114 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/reader.h"
+#include "storage/store.h"
+#include "tests/support/fake_database.h"
+
+namespace uplink::testing {
+
+/// Where a call of FakeStore that fails does so.
+enum class FailAt : std::uint8_t {
+  /// Nothing of it was written.
+  kBefore,
+  /// All of it was written; the answer is lost.
+  kAfter,
+};
+
+/// One process's connection to a FakeDatabase, with the faults that a test orders. It passes the
+/// contract suite in tests/contract.
+///
+/// Thread: thread-safe, so that a test may order faults while a writer thread works.
+class FakeStore final : public storage::Store, public storage::Reader {
+ public:
+  /// `database` must outlive this.
+  FakeStore(FakeDatabase& database, const storage::ProcessId& process)
+      : database_(database), process_(process) {}
+
+  // storage::Store
+  [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
+      std::span<const storage::OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
+      const storage::Batch& batch) override;
+
+  // storage::Reader
+  [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
+      std::uint32_t robots_max) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
+      std::span<const std::string> ruris) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
+      const storage::HistoryQuery& query) override;
+
+  // Faults; each set of orders is worked off before the next of its kind.
+  /// The next `calls` calls of either write operation fail; FailAt::kBefore goes first.
+  void FailNext(std::uint32_t calls, FailAt at,
+                const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// As FailNext, for Commit alone.
+  void FailNextCommits(std::uint32_t calls, FailAt at,
+                       const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// As FailNext, for OpenStreams alone.
+  void FailNextOpens(std::uint32_t calls, FailAt at,
+                     const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// No ordered failure is left, and nothing blocks.
+  void Heal();
+  void SetRules(FakeRules rules);
+
+  // For tests with real threads.
+  /// Write calls wait until Release. Release before the threads that call are joined.
+  void Block();
+  void Release();
+  /// True once a write call waits; false after `deadline`.
+  [[nodiscard]] bool WaitUntilBlocked(milliseconds deadline);
+
+  /// Write calls that came back, with whatever answer.
+  [[nodiscard]] std::uint64_t commits() const;
+  [[nodiscard]] std::uint64_t opens() const;
+
+ private:
+  struct Order {
+    std::uint32_t before = 0;
+    std::uint32_t after = 0;
+    absl::Status status;
+  };
+
+  /// What to do with the call that begins: waits while blocked, then takes from `order`.
+  struct Fate {
+    bool fail_before = false;
+    bool fail_after = false;
+    absl::Status status;
+    FakeRules rules;
+  };
+  Fate Begin(Order& order, std::uint64_t& calls);
+  void Add(Order& order, std::uint32_t calls, FailAt at, const absl::Status& status);
+
+  FakeDatabase& database_;
+  const storage::ProcessId process_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool blocked_ = false;
+  std::uint32_t waiting_ = 0;
+  Order any_order_;
+  Order commit_order_;
+  Order open_order_;
+  FakeRules rules_;
+  std::uint64_t commits_ = 0;
+  std::uint64_t opens_ = 0;
+};
+
+}  // namespace uplink::testing

@@ -1,0 +1,194 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "storage/sqlite/reader.h"
+#include "storage/sqlite/schema.h"
+#include "storage/sqlite/store.h"
+#include "tests/support/sqlite_shell.h"
+#include "tests/support/temp_folder.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::SqliteShell;
+using testing::TempFolder;
+
+class SqliteFiles : public ::testing::Test {
+ protected:
+  static StoreOptions Options() {
+    StoreOptions options;
+    options.process = {1};
+    return options;
+  }
+  absl::Status Open(const StoreOptions& options = Options()) const {
+    return SqliteStore::Open(path_, options).status();
+  }
+  /// Makes the file as the store does.
+  void Make() const { ASSERT_TRUE(Open().ok()) << Open(); }
+
+  static std::string Text(const absl::Status& status) { return std::string(status.message()); }
+  static void ExpectPrecondition(const absl::Status& status) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition) << status;
+  }
+
+  TempFolder folder_;
+  const std::string path_ = folder_.File("uplinkd.db");
+};
+
+TEST_F(SqliteFiles, MakesAFileThatIsMarkedAsOursAndPrivate) {
+  Make();
+  SqliteShell shell(path_);
+  EXPECT_EQ(shell.Read("PRAGMA application_id"), std::to_string(kApplicationId) + "\n");
+  EXPECT_EQ(shell.Read("PRAGMA user_version"), std::to_string(Migrations().size()) + "\n");
+  EXPECT_EQ(shell.Read("PRAGMA journal_mode"), "wal\n");
+  EXPECT_EQ(shell.Read("SELECT COUNT(*) FROM schema_migrations"),
+            std::to_string(Migrations().size()) + "\n");
+  using std::filesystem::perms;
+  EXPECT_EQ(std::filesystem::status(path_).permissions() & (perms::group_all | perms::others_all),
+            perms::none);
+}
+
+TEST_F(SqliteFiles, OpensItsOwnFileAgain) {
+  Make();
+  EXPECT_TRUE(Open().ok()) << Open();
+  StoreOptions options = Options();
+  options.migrate = false;
+  EXPECT_TRUE(Open(options).ok()) << Open(options);
+}
+
+TEST_F(SqliteFiles, RefusesAFileOfANewerProgram) {
+  Make();
+  SqliteShell(path_).Run("PRAGMA user_version = 99");
+  const absl::Status status = Open();
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("version 99"),
+                                  HasSubstr("up to " + std::to_string(Migrations().size()))));
+  const absl::Status reader = SqliteReader::Open(path_).status();
+  EXPECT_THAT(Text(reader), HasSubstr("version 99"));
+}
+
+TEST_F(SqliteFiles, RefusesAnotherProgramsFileAndLeavesItAlone) {
+  SqliteShell shell(path_);
+  shell.Run("CREATE TABLE theirs (x); PRAGMA application_id = 7");
+  const absl::Status status = Open();
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("another program")));
+  EXPECT_EQ(shell.Read("SELECT name FROM sqlite_schema"), "theirs\n");
+  EXPECT_EQ(shell.Read("PRAGMA journal_mode"), "delete\n");
+  ExpectPrecondition(SqliteReader::Open(path_).status());
+}
+
+TEST_F(SqliteFiles, RefusesAFileWithTablesThoughItBearsNoMark) {
+  SqliteShell(path_).Run("CREATE TABLE theirs (x)");
+  ExpectPrecondition(Open());
+}
+
+TEST_F(SqliteFiles, RefusesWhatIsNoSqliteFile) {
+  const std::string text(5000, 'x');
+  std::ofstream(path_) << text;
+  const absl::Status status = Open();
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("no SQLite file")));
+  EXPECT_EQ(std::filesystem::file_size(path_), text.size());
+}
+
+TEST_F(SqliteFiles, RefusesAFileThatWasMigratedOtherwise) {
+  Make();
+  SqliteShell(path_).Run("UPDATE schema_migrations SET sha256 = 'other' WHERE version = 1");
+  const absl::Status status = Open();
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr(Migrations().front().name)));
+}
+
+TEST_F(SqliteFiles, RefusesAnOlderFileIfItMayNotMigrate) {
+  StoreOptions options = Options();
+  options.migrate = false;
+  const absl::Status status = Open(options);
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status),
+              AllOf(HasSubstr(path_), HasSubstr("version 0"), HasSubstr("store.migrate")));
+  EXPECT_TRUE(Open().ok()) << Open();
+}
+
+TEST_F(SqliteFiles, KeepsNothingOfAMigrationThatFails) {
+  Make();
+  {
+    auto database = Database::Open(path_, Access::kWrite, milliseconds(100));
+    ASSERT_TRUE(database.ok()) << database.status();
+    const Migration first = Migrations().front();
+    const Migration broken[] = {first, {2, "0002_broken", "sum", "CREATE TABLE t (x); nonsense;"}};
+    const absl::Status status = Migrate(**database, broken, IfOlder::kMigrate);
+    EXPECT_FALSE(status.ok());
+    EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("0002_broken")));
+    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), 1);
+    EXPECT_EQ(*(*database)->ReadInt("SELECT COUNT(*) FROM sqlite_schema WHERE name = 't'"), 0);
+
+    const Migration good[] = {first, {2, "0002_good", "sum", "CREATE TABLE t (x);"}};
+    EXPECT_TRUE(Migrate(**database, good, IfOlder::kMigrate).ok());
+    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), 2);
+  }
+  EXPECT_THAT(Text(Open()), HasSubstr("version 2"));
+}
+
+TEST_F(SqliteFiles, ReadsBackThatEveryCommitIsSynced) {
+  auto database = Database::Open(path_, Access::kWrite, milliseconds(100));
+  ASSERT_TRUE(database.ok()) << database.status();
+  EXPECT_TRUE((*database)->Execute("PRAGMA synchronous = OFF").ok());
+  EXPECT_TRUE(ConfigureWriter(**database).ok());
+  EXPECT_EQ(*(*database)->ReadInt("PRAGMA synchronous"), 2);
+  EXPECT_EQ(*(*database)->ReadText("PRAGMA journal_mode"), "wal");
+}
+
+TEST_F(SqliteFiles, RefusesADatabaseThatDoesNotTakeAWal) {
+  auto database = Database::Open(path_, Access::kWrite, milliseconds(100));
+  ASSERT_TRUE(database.ok()) << database.status();
+  SqliteShell reader(path_);
+  reader.Run("CREATE TABLE t (x); BEGIN; SELECT * FROM t");  // a lock against the change of mode
+  EXPECT_FALSE(ConfigureWriter(**database).ok());
+}
+
+TEST_F(SqliteFiles, NamesThePathIfTheFolderIsMissing) {
+  const std::string path = folder_.File("no/such/folder/uplinkd.db");
+  const absl::Status status = SqliteStore::Open(path, Options()).status();
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), AllOf(HasSubstr(path), HasSubstr("No such file")));
+}
+
+TEST_F(SqliteFiles, NamesThePathIfItCannotBeWritten) {
+  std::filesystem::create_directory(path_);
+  StoreOptions options = Options();
+  const absl::Status status = Open(options);
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("directory")));
+  std::filesystem::create_directory(folder_.File("other.db.lock"));
+  EXPECT_THAT(Text(SqliteStore::Open(folder_.File("other.db"), options).status()),
+              HasSubstr("other.db.lock"));
+}
+
+TEST_F(SqliteFiles, KeepsASecondWriterAwayUntilTheFirstIsGone) {
+  auto first = SqliteStore::Open(path_, Options());
+  ASSERT_TRUE(first.ok()) << first.status();
+  const absl::Status second = Open();
+  ExpectPrecondition(second);
+  EXPECT_THAT(Text(second), AllOf(HasSubstr(path_), HasSubstr("in use")));
+  EXPECT_TRUE(SqliteReader::Open(path_).ok()) << "a reader is no writer";
+  first->reset();
+  EXPECT_TRUE(Open().ok()) << Open();
+}
+
+TEST_F(SqliteFiles, RefusesAReaderWithoutAFile) {
+  const absl::Status status = SqliteReader::Open(path_).status();
+  ExpectPrecondition(status);
+  EXPECT_THAT(Text(status), HasSubstr(path_));
+  EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+}  // namespace
+}  // namespace uplink::storage::sqlite
