@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "schema/model/record.h"
+#include "schema/model/rejection.h"
+
+namespace uplink::metrics {
+
+/// What happened to uplink messages: the columns of the conservation law
+/// received = stored + applied + superseded + duplicate + rejected + in flight. A value.
+struct UplinkCounts {
+  std::uint64_t received = 0;
+  std::uint64_t stored = 0;
+  std::uint64_t applied = 0;
+  std::uint64_t superseded = 0;
+  std::uint64_t duplicate = 0;
+  std::uint64_t rejected = 0;
+  /// Change of the number of messages that ack windows hold: counted from the windows, never from
+  /// the other columns, so that a lost settlement shows.
+  std::int64_t in_flight = 0;
+  /// Numbers that agents skipped.
+  std::uint64_t missing = 0;
+  /// Settled rejections by reason; index: RejectReason.
+  std::array<std::uint64_t, model::kRejectReasons + 1> rejects{};
+  /// Good records by variant.
+  std::array<std::uint64_t, model::kVariants> records{};
+
+  UplinkCounts& operator+=(const UplinkCounts& other);
+  /// True when the law holds.
+  [[nodiscard]] bool Balanced() const;
+};
+
+/// Fields of live messages that were dropped, by variant and reason.
+using DroppedCounts =
+    std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, model::kVariants>;
+
+/// One thread's page of counts. What belongs together is published together, so that the law holds
+/// on every page at every moment and so in their sum. Thread-safe; one writer in practice.
+class Ledger final {
+ public:
+  void Publish(const UplinkCounts& delta);
+  void CountDropped(model::Variant variant, model::RejectReason reason);
+  /// Times taken as unknown and enumerants kept as numbers.
+  void CountOdd(std::uint32_t times_unknown, std::uint32_t enumerants_unrecognized);
+
+  struct Page {
+    UplinkCounts uplinks;
+    DroppedCounts dropped{};
+    std::uint64_t times_unknown = 0;
+    std::uint64_t enumerants_unrecognized = 0;
+  };
+  [[nodiscard]] Page Read() const;
+
+ private:
+  mutable std::mutex mutex_;
+  Page page_;
+};
+
+/// All pages of the process. Thread-safe; pages live as long as the book.
+class LedgerBook final {
+ public:
+  [[nodiscard]] Ledger& NewPage();
+  /// The sum of all pages.
+  [[nodiscard]] Ledger::Page Sum() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Ledger>> pages_;
+};
+
+}  // namespace uplink::metrics

@@ -1,0 +1,104 @@
+#include "server/fleet/fleet.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace uplink::fleet {
+
+Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock)
+    : state(server_started, clock.System()), ruri_(id->ruri), id_(std::move(id)) {}
+
+storage::RobotRef Robot::id() const {
+  const std::lock_guard lock(mutex_);
+  return id_;
+}
+
+void Robot::SetFleet(std::string_view fleet) {
+  const std::lock_guard lock(mutex_);
+  if (id_->fleet == fleet) return;
+  id_ = std::make_shared<const model::RobotId>(
+      model::RobotId{.ruri = ruri_, .fleet = std::string(fleet)});
+}
+
+Fleet::Fleet(const Clock& clock, std::size_t robots_max, const PresenceLimits& presence)
+    : clock_(clock), robots_max_(robots_max), presence_(presence), started_(clock.Steady()) {}
+
+Fleet::Shard& Fleet::ShardOf(std::string_view ruri) {
+  return shards_[std::hash<std::string_view>{}(ruri) % kShards];
+}
+
+const Fleet::Shard& Fleet::ShardOf(std::string_view ruri) const {
+  return shards_[std::hash<std::string_view>{}(ruri) % kShards];
+}
+
+absl::StatusOr<Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
+  Shard& shard = ShardOf(id.ruri);
+  const std::lock_guard lock(shard.mutex);
+  const auto found = shard.robots.find(id.ruri);
+  if (found != shard.robots.end()) {
+    found->second->SetFleet(id.fleet);
+    return found->second.get();
+  }
+  if (size_.fetch_add(1) >= robots_max_) {
+    size_.fetch_sub(1);
+    return absl::ResourceExhaustedError(
+        fmt::format("the server admits no more than {} robots (limits.robots_max)", robots_max_));
+  }
+  auto robot =
+      std::make_unique<Robot>(std::make_shared<const model::RobotId>(id), started_, clock_);
+  Robot* admitted = robot.get();
+  shard.robots.emplace(id.ruri, std::move(robot));
+  return admitted;
+}
+
+Robot* Fleet::Find(std::string_view ruri) const {
+  const Shard& shard = ShardOf(ruri);
+  const std::lock_guard lock(shard.mutex);
+  const auto found = shard.robots.find(std::string(ruri));
+  return found == shard.robots.end() ? nullptr : found->second.get();
+}
+
+std::vector<Robot*> Fleet::Sorted() const {
+  std::vector<Robot*> robots;
+  robots.reserve(size());
+  for (const Shard& shard : shards_) {
+    const std::lock_guard lock(shard.mutex);
+    for (const auto& [ruri, robot] : shard.robots) robots.push_back(robot.get());
+  }
+  std::ranges::sort(robots, {},
+                    [](const Robot* robot) -> const std::string& { return robot->ruri(); });
+  return robots;
+}
+
+PresenceCounts Fleet::Sweep(milliseconds session_idle) {
+  const SteadyTime steady = clock_.Steady();
+  const SystemTime system = clock_.System();
+  PresenceCounts counts;
+  for (Robot* robot : Sorted()) {
+    robot->sessions.Sweep(steady, session_idle);
+    switch (robot->state.Sweep(steady, system, presence_)) {
+      case Presence::kUnknown:
+        ++counts.unknown;
+        break;
+      case Presence::kOnline:
+        ++counts.online;
+        break;
+      case Presence::kOffline:
+        ++counts.offline;
+        break;
+    }
+  }
+  const std::lock_guard lock(counts_mutex_);
+  counts_ = counts;
+  return counts;
+}
+
+PresenceCounts Fleet::presence_counts() const {
+  const std::lock_guard lock(counts_mutex_);
+  return counts_;
+}
+
+}  // namespace uplink::fleet

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/fleet/robot_state.h"
+#include "server/session/robot_sessions.h"
+#include "storage/types.h"
+
+namespace uplink::fleet {
+
+/// One robot that this process knows. Never destroyed before the process ends, so plain pointers to
+/// it are safe on every thread. Its parts are thread-safe.
+class Robot final {
+ public:
+  Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock);
+
+  /// Identity now. The fleet part may change when the robot gets a certificate of another fleet.
+  [[nodiscard]] storage::RobotRef id() const;
+  void SetFleet(std::string_view fleet);
+  [[nodiscard]] const std::string& ruri() const { return ruri_; }
+
+  RobotState state;
+  session::RobotSessions sessions;
+
+ private:
+  const std::string ruri_;
+  mutable std::mutex mutex_;
+  storage::RobotRef id_;
+};
+
+/// How many robots are of each presence.
+struct PresenceCounts {
+  std::int64_t unknown = 0;
+  std::int64_t online = 0;
+  std::int64_t offline = 0;
+};
+
+/// All robots by RURI, at most `robots_max`. Thread-safe.
+class Fleet final {
+ public:
+  Fleet(const Clock& clock, std::size_t robots_max, const PresenceLimits& presence);
+
+  /// The robot, admitted if it is new; kResourceExhausted at robots_max.
+  [[nodiscard]] absl::StatusOr<Robot*> FindOrAdmit(const model::RobotId& id);
+  /// Null if it was never seen.
+  [[nodiscard]] Robot* Find(std::string_view ruri) const;
+  /// All robots by RURI.
+  [[nodiscard]] std::vector<Robot*> Sorted() const;
+  [[nodiscard]] std::size_t size() const { return size_.load(); }
+  [[nodiscard]] std::size_t robots_max() const { return robots_max_; }
+  [[nodiscard]] bool full() const { return size() >= robots_max_; }
+
+  [[nodiscard]] const PresenceLimits& presence_limits() const { return presence_; }
+  [[nodiscard]] SteadyTime server_started() const { return started_; }
+
+  /// The periodic check: brings every robot's presence up to date, forgets sessions that have been
+  /// idle for `session_idle`, and counts.
+  PresenceCounts Sweep(milliseconds session_idle);
+  /// The counts of the last sweep.
+  [[nodiscard]] PresenceCounts presence_counts() const;
+
+ private:
+  static constexpr std::size_t kShards = 64;
+  struct Shard {
+    mutable std::mutex mutex;
+    std::unordered_map<std::string, std::unique_ptr<Robot>> robots;
+  };
+  [[nodiscard]] Shard& ShardOf(std::string_view ruri);
+  [[nodiscard]] const Shard& ShardOf(std::string_view ruri) const;
+
+  const Clock& clock_;
+  const std::size_t robots_max_;
+  const PresenceLimits presence_;
+  const SteadyTime started_;
+  std::array<Shard, kShards> shards_;
+  std::atomic<std::size_t> size_{0};
+  mutable std::mutex counts_mutex_;
+  PresenceCounts counts_;
+};
+
+}  // namespace uplink::fleet

@@ -1,0 +1,32 @@
+#include "server/fleet/presence.h"
+
+namespace uplink::fleet {
+
+std::string_view ToText(Presence presence) {
+  switch (presence) {
+    case Presence::kUnknown:
+      return "unknown";
+    case Presence::kOnline:
+      return "online";
+    case Presence::kOffline:
+      return "offline";
+  }
+  return "unknown";
+}
+
+Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
+  if (facts.last_sign_of_life && facts.now - *facts.last_sign_of_life <= limits.timeout) {
+    return Presence::kOnline;
+  }
+  // Silence that we caused ourselves proves nothing.
+  if (facts.held_back) return Presence::kUnknown;
+  if (facts.held_back_until && facts.now - *facts.held_back_until <= limits.timeout) {
+    return Presence::kUnknown;
+  }
+  if (!facts.last_sign_of_life && facts.now - facts.server_started <= limits.startup_grace) {
+    return Presence::kUnknown;
+  }
+  return Presence::kOffline;
+}
+
+}  // namespace uplink::fleet

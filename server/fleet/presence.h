@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "schema/base/clock.h"
+
+namespace uplink::fleet {
+
+enum class Presence : std::uint8_t { kUnknown, kOnline, kOffline };
+
+/// `unknown`, `online` or `offline`.
+[[nodiscard]] std::string_view ToText(Presence presence);
+
+/// The configured limits of presence. Immutable.
+struct PresenceLimits {
+  /// A sign of life at most this old means online (presence.timeout).
+  milliseconds timeout{std::chrono::seconds(10)};
+  /// After a start a robot that was not heard is unknown for so long (presence.startup_grace).
+  milliseconds startup_grace{std::chrono::minutes(2)};
+};
+
+/// All that presence depends on, on the server's monotonic clock.
+struct PresenceFacts {
+  SteadyTime now;
+  SteadyTime server_started;
+  /// Nothing if it was not heard since the server started.
+  std::optional<SteadyTime> last_sign_of_life;
+  /// The server does not read its stream now.
+  bool held_back = false;
+  /// When it last began to read again after holding back.
+  std::optional<SteadyTime> held_back_until;
+};
+
+/// Whether the robot is there: a pure function. A stream that opens or closes changes nothing.
+[[nodiscard]] Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits);
+
+}  // namespace uplink::fleet

@@ -1,0 +1,238 @@
+#include "server/identity/peer_identity.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <climits>
+#include <fmt/format.h>
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509v3.h>
+
+#include "schema/base/utf8.h"
+#include "schema/model/ids.h"
+
+namespace uplink::identity {
+namespace {
+
+/// Bytes of the longest fleet name that a certificate may carry.
+constexpr std::size_t kFleetBytesMax = 256;
+/// Bytes of a certificate that a sentence repeats.
+constexpr std::size_t kShownBytesMax = 128;
+constexpr std::string_view kRuriScheme = "rcan://";
+constexpr std::string_view kDefaultFleet = "default";
+constexpr std::string_view kAllFleets = "*";
+
+struct BioFree {
+  void operator()(BIO* bio) const { BIO_free(bio); }
+};
+struct X509Free {
+  void operator()(X509* certificate) const { X509_free(certificate); }
+};
+struct NamesFree {
+  void operator()(GENERAL_NAMES* names) const { GENERAL_NAMES_free(names); }
+};
+using Bio = std::unique_ptr<BIO, BioFree>;
+using Certificate = std::unique_ptr<X509, X509Free>;
+using Names = std::unique_ptr<GENERAL_NAMES, NamesFree>;
+
+absl::Status Wrong(std::string_view sentence) {
+  return absl::UnauthenticatedError(fmt::format("client certificate: {}", sentence));
+}
+
+std::string Shown(std::string_view text) { return PrintableUtf8(text, kShownBytesMax); }
+
+Certificate Parse(std::string_view pem) {
+  if (pem.size() > INT_MAX) return nullptr;
+  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  if (bio == nullptr) return nullptr;
+  Certificate certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
+  ERR_clear_error();  // its queue belongs to the thread, and the TLS library reads it too
+  return certificate;
+}
+
+/// The bytes of an ASN.1 string as they stand; a view into `text`.
+std::string_view BytesOf(const ASN1_STRING* text) {
+  // The library's bytes are unsigned char; looking at them as char is always allowed.
+  return {reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
+          static_cast<std::size_t>(ASN1_STRING_length(text))};
+}
+
+/// The attribute as UTF-8, whatever ASN.1 string type holds it; nothing if it does not convert.
+std::optional<std::string> Utf8Of(const ASN1_STRING* text) {
+  unsigned char* bytes = nullptr;
+  const int length = ASN1_STRING_to_UTF8(&bytes, text);
+  if (length < 0) {
+    ERR_clear_error();
+    return std::nullopt;
+  }
+  std::string utf8(bytes, bytes + length);
+  OPENSSL_free(bytes);
+  return utf8;
+}
+
+/// An attribute of the subject that may stand there once at most.
+absl::StatusOr<std::optional<std::string>> SubjectPart(const X509& certificate, int nid,
+                                                       std::string_view name) {
+  const X509_NAME* subject = X509_get_subject_name(&certificate);
+  const int first = X509_NAME_get_index_by_NID(subject, nid, -1);
+  if (first < 0) return std::optional<std::string>();
+  if (X509_NAME_get_index_by_NID(subject, nid, first) >= 0) {
+    return Wrong(fmt::format("its subject has more than one {}", name));
+  }
+  std::optional<std::string> text =
+      Utf8Of(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, first)));
+  if (!text) return Wrong(fmt::format("the {} of its subject is not valid text", name));
+  if (text->find('\0') != std::string::npos) {
+    return Wrong(fmt::format("the {} of its subject holds a NUL byte", name));
+  }
+  return text;
+}
+
+absl::Status CheckKeyUsage(X509& certificate) {
+  // Reading the flags makes the library parse the extensions.
+  const std::uint32_t flags = X509_get_extension_flags(&certificate);
+  ERR_clear_error();
+  if ((flags & EXFLAG_INVALID) != 0) return Wrong("its extensions are malformed");
+  if ((flags & EXFLAG_XKUSAGE) == 0) return Wrong("it has no extended key usage clientAuth");
+  if ((X509_get_extended_key_usage(&certificate) & XKU_SSL_CLIENT) == 0) {
+    return Wrong("its extended key usage lacks clientAuth");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRuri(std::string_view uri) {
+  if (uri.find('\0') != std::string_view::npos) {
+    return Wrong("its rcan:// URI holds a NUL byte");
+  }
+  if (uri.size() > model::kRuriBytesMax) {
+    return Wrong(fmt::format("its rcan:// URI has {} bytes, the limit is {}", uri.size(),
+                             model::kRuriBytesMax));
+  }
+  if (uri.size() == kRuriScheme.size()) return Wrong("its rcan:// URI names nothing");
+  const bool clean =
+      std::all_of(uri.begin(), uri.end(), [](char c) { return c > 0x20 && c < 0x7F; });
+  if (!clean) {
+    return Wrong(fmt::format(
+        "its rcan:// URI holds white space, a control character or a byte beyond ASCII: {}",
+        Shown(uri)));
+  }
+  return absl::OkStatus();
+}
+
+/// The URI names that begin rcan://, each checked. Other names are of no interest.
+absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
+  int critical = 0;
+  const Names names(static_cast<GENERAL_NAMES*>(
+      X509_get_ext_d2i(&certificate, NID_subject_alt_name, &critical, nullptr)));
+  ERR_clear_error();
+  if (names == nullptr) {
+    if (critical == -1) return std::vector<std::string>();
+    return Wrong("its subject alternative names are malformed or stand there twice");
+  }
+  std::vector<std::string> ruris;
+  for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
+    const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
+    if (name->type != GEN_URI) continue;
+    const std::string_view uri = BytesOf(name->d.uniformResourceIdentifier);
+    if (!uri.starts_with(kRuriScheme)) continue;
+    if (const absl::Status status = CheckRuri(uri); !status.ok()) return status;
+    ruris.emplace_back(uri);
+  }
+  return ruris;
+}
+
+absl::StatusOr<Role> RoleOf(const std::optional<std::string>& unit) {
+  if (!unit) return Role::kRobot;
+  for (const Role role :
+       {Role::kRobot, Role::kGateway, Role::kViewer, Role::kOperator, Role::kAdmin}) {
+    if (*unit == ToText(role)) return role;
+  }
+  return Wrong(fmt::format("its OU is {}, which is no role", Shown(*unit)));
+}
+
+absl::StatusOr<std::string> FleetOf(const std::optional<std::string>& organization) {
+  if (!organization) return std::string(kDefaultFleet);
+  if (organization->empty()) return Wrong("its O is empty");
+  if (organization->size() > kFleetBytesMax) {
+    return Wrong(
+        fmt::format("its O has {} bytes, the limit is {}", organization->size(), kFleetBytesMax));
+  }
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
+  if (std::any_of(organization->begin(), organization->end(), is_control)) {
+    return Wrong(fmt::format("its O holds a control character: {}", Shown(*organization)));
+  }
+  return *organization;
+}
+
+absl::Status CheckRole(const PeerIdentity& identity) {
+  const std::size_t count = identity.ruris.size();
+  switch (identity.role) {
+    case Role::kRobot:
+      if (count == 0) return Wrong("it is a robot's and has no URI name that begins rcan://");
+      if (count > 1) {
+        return Wrong(fmt::format("it is a robot's and has {} rcan:// URIs instead of one", count));
+      }
+      [[fallthrough]];
+    case Role::kGateway:
+      if (identity.fleet == kAllFleets) {
+        return Wrong("its O is *, which only operators may have");
+      }
+      return absl::OkStatus();
+    case Role::kViewer:
+    case Role::kOperator:
+    case Role::kAdmin:
+      if (count > 0) {
+        return Wrong(
+            fmt::format("its OU is {} and it has an rcan:// URI, which only robots and "
+                        "gateways may have",
+                        ToText(identity.role)));
+      }
+      return absl::OkStatus();
+  }
+  return Wrong("it has no role");
+}
+
+}  // namespace
+
+std::string_view ToText(Role role) {
+  switch (role) {
+    case Role::kRobot:
+      return "robot";
+    case Role::kGateway:
+      return "gateway";
+    case Role::kViewer:
+      return "viewer";
+    case Role::kOperator:
+      return "operator";
+    case Role::kAdmin:
+      return "admin";
+  }
+  return "";
+}
+
+absl::StatusOr<PeerIdentity> PeerIdentityOf(std::string_view certificate_pem) {
+  const Certificate certificate = Parse(certificate_pem);
+  if (certificate == nullptr) return Wrong("it cannot be read");
+  if (const absl::Status status = CheckKeyUsage(*certificate); !status.ok()) return status;
+
+  const auto unit = SubjectPart(*certificate, NID_organizationalUnitName, "OU");
+  if (!unit.ok()) return unit.status();
+  const auto organization = SubjectPart(*certificate, NID_organizationName, "O");
+  if (!organization.ok()) return organization.status();
+  const auto role = RoleOf(*unit);
+  if (!role.ok()) return role.status();
+  auto fleet = FleetOf(*organization);
+  if (!fleet.ok()) return fleet.status();
+  auto ruris = RurisOf(*certificate);
+  if (!ruris.ok()) return ruris.status();
+
+  PeerIdentity identity{*role, *std::move(fleet), *std::move(ruris)};
+  if (const absl::Status status = CheckRole(identity); !status.ok()) return status;
+  return identity;
+}
+
+}  // namespace uplink::identity

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+namespace uplink::identity {
+
+/// What a certificate's subject says its holder is (protocol: Certificates). Closed.
+enum class Role : std::uint8_t { kRobot, kGateway, kViewer, kOperator, kAdmin };
+
+[[nodiscard]] std::string_view ToText(Role role);
+
+/// Who stands behind a verified client certificate. Immutable after it was made.
+struct PeerIdentity {
+  Role role = Role::kRobot;
+  /// Subject O; `default` if the certificate has none. `*` for operators that may see all fleets.
+  std::string fleet;
+  /// The RURIs of the certificate: exactly one for a robot, none or several for a gateway, none for
+  /// the others.
+  std::vector<std::string> ruris;
+
+  /// The RURI of a robot's certificate.
+  [[nodiscard]] const std::string& ruri() const { return ruris.front(); }
+};
+
+/// Reads the identity of a certificate that the TLS layer has verified.
+///
+/// Errors:  kUnauthenticated with a sentence of its own for each way to be wrong; it repeats no
+/// more
+///          of the certificate than the part at fault, printable and cut.
+/// Thread:  pure; any thread.
+[[nodiscard]] absl::StatusOr<PeerIdentity> PeerIdentityOf(std::string_view certificate_pem);
+
+}  // namespace uplink::identity

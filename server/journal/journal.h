@@ -1,0 +1,190 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "metrics/cells.h"
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/journal/wake.h"
+#include "storage/store.h"
+
+namespace uplink::journal {
+
+/// One durable message whose place in the store is decided.
+struct Settled {
+  model::SessionId session;
+  model::Seq seq = 0;
+  storage::Outcome outcome;
+  /// The reason with which judgement rejected it; nothing for a good record.
+  std::optional<model::RejectReason> rejected_for;
+  SteadyTime arrived;
+};
+
+/// A robot as the journal sees it: what is told when its stream was opened or its records are
+/// settled. Lives as long as the process. Called on the journal's writer thread, with no lock held.
+class Client {
+ public:
+  virtual ~Client() = default;
+  /// The stream `open_id` was opened. Returns the stream to wake.
+  virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
+  /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
+  /// wake.
+  virtual StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
+  /// Gap records of this robot left the journal. Returns the stream to wake.
+  virtual StreamRef OnGapsWritten(std::size_t count) = 0;
+  /// Another process holds the robot, or held it since this one's last OpenStream: forget its
+  /// sessions and all that waits, counted superseded; generation() has grown on return. Returns the
+  /// stream to wake.
+  virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
+  /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
+  [[nodiscard]] virtual std::uint64_t generation() const = 0;
+};
+
+/// Streams that one call of the store opens: it reads the quarantine of each.
+inline constexpr std::size_t kOpensPerCallMax = 256;
+
+struct JournalLimits {
+  /// Bytes above which streams are held back (journal.bytes_max).
+  std::size_t bytes_max = 256U * 1024 * 1024;
+  /// Records above which streams are held back (journal.records_max).
+  std::size_t records_max = 1'000'000;
+  /// Records of one commit: where PostgreSQL's and SQLite's rows a second level off (measured).
+  std::size_t batch_records_max = 1000;
+  std::size_t batch_bytes_max = 8U * 1024 * 1024;
+};
+
+/// What the operator sees of the journal.
+struct JournalProbe {
+  metrics::LatencyDistribution commit_seconds{metrics::kLatencyBoundsSeconds};
+  metrics::BatchDistribution commit_records{metrics::kBatchBounds};
+  metrics::Cell store_errors;
+  /// 1 while the last call of the store failed.
+  metrics::Cell store_failing;
+};
+
+/// The bounded queue between sessions and the store, one shard: order is kept a robot, and what
+/// gathered while the last commit ran is the next batch (natural group commit).
+///
+/// Thread: Append, Open, HasRoom, WhenRoom and the figures: any thread. Advance: the writer alone.
+class Journal final {
+ public:
+  Journal(storage::Store& store, const JournalLimits& limits, const Clock& clock,
+          metrics::Ledger& ledger, JournalProbe& probe);
+
+  /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
+  /// same client.
+  void Open(Client& client, std::uint64_t open_id, storage::OpenRequest request);
+  /// Appends one durable message. Always takes it: callers ask HasRoom before each message.
+  /// `generation` is the client's when the record's stream began: a record that a fence overtook on
+  /// its way here must not be written, since the cursor would pass those that the fence dropped.
+  void Append(Client& client, std::uint64_t generation, storage::CommitRecord record,
+              SteadyTime arrived);
+  void AppendGap(Client& client, std::uint64_t generation, storage::GapItem gap);
+
+  [[nodiscard]] bool HasRoom() const {
+    return bytes_.load() < limits_.bytes_max && records_.load() < limits_.records_max;
+  }
+  /// Wakes the stream once when there is room again.
+  void WhenRoom(StreamRef stream);
+
+  [[nodiscard]] std::size_t records() const { return records_.load(); }
+  [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
+  /// Age of the oldest record that waits; zero if none does.
+  [[nodiscard]] milliseconds oldest(SteadyTime now) const;
+  /// Nothing waits, not even the telling of an outcome.
+  [[nodiscard]] bool idle() const { return records_.load() == 0 && opens_waiting_.load() == 0; }
+
+  /// What Advance did.
+  enum class Step : std::uint8_t {
+    /// Nothing waits.
+    kIdle,
+    /// One phase of the work was done: streams opened, a batch committed, or its outcomes told.
+    kWorked,
+    /// The store failed; the same work is tried again by the next Advance, after a pause.
+    kFailed,
+  };
+  /// Does the next phase. Open calls, the commit and the telling of its outcomes are phases of
+  /// their own, so that a test can stop the process between any two.
+  Step Advance();
+  /// The store's last error; OK after a success. Any thread.
+  [[nodiscard]] absl::Status last_error() const;
+
+  /// Waits until something is queued, or until `stop`.
+  void WaitForWork(const std::stop_token& stop);
+
+ private:
+  struct Entry {
+    Client* client = nullptr;
+    std::uint64_t generation = 0;
+    SteadyTime arrived;
+    std::size_t bytes = 0;
+    std::variant<storage::CommitRecord, storage::GapItem> item;
+  };
+  struct OpenEntry {
+    Client* client = nullptr;
+    std::uint64_t open_id = 0;
+    storage::OpenRequest request;
+  };
+  struct Owner {
+    Client* client = nullptr;
+    std::uint64_t generation = 0;
+    SteadyTime arrived;
+    std::size_t bytes = 0;
+  };
+
+  void Push(Entry entry);
+  bool GatherOpens();
+  Step AdvanceOpens();
+  void TellOpened(const OpenEntry& open, const storage::OpenResult& result);
+  [[nodiscard]] bool MayCommit(const Entry& entry) const;
+  bool GatherBatch();
+  void AddToBatch(Entry entry);
+  void DropVoid();
+  Step AdvanceCommit();
+  void TellOutcomes();
+  void Release(std::size_t records, std::size_t bytes);
+  void NoteResult(const absl::Status& status);
+
+  storage::Store& store_;
+  const JournalLimits limits_;
+  const Clock& clock_;
+  metrics::Ledger& ledger_;
+  JournalProbe& probe_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any work_;
+  std::deque<Entry> queue_;
+  std::deque<OpenEntry> opens_;
+  std::vector<StreamRef> waiting_for_room_;
+  absl::Status last_error_;
+  std::optional<SteadyTime> batch_oldest_;
+
+  std::atomic<std::size_t> records_{0};
+  std::atomic<std::size_t> bytes_{0};
+  /// Streams that were asked for and not yet opened.
+  std::atomic<std::size_t> opens_waiting_{0};
+
+  // The writer's own.
+  /// The last call opened streams while records waited: they are next.
+  bool batch_turn_ = false;
+  std::vector<OpenEntry> opening_;
+  storage::Batch batch_;
+  std::vector<Owner> owners_;
+  std::vector<Owner> gap_owners_;
+  std::optional<std::vector<storage::Outcome>> outcomes_;
+  std::unordered_map<Client*, storage::Epoch> held_since_;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,78 @@
+// What the journal tells after a commit, and the room it makes.
+#include <algorithm>
+#include <utility>
+
+#include "server/journal/journal.h"
+
+namespace uplink::journal {
+
+void Journal::TellOutcomes() {
+  // In order of first appearance, so that a run repeats exactly.
+  std::vector<std::pair<Client*, std::vector<Settled>>> by_client;
+  std::unordered_map<Client*, std::size_t> index;
+  std::vector<Client*> fenced;
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < owners_.size(); ++i) {
+    const Owner& owner = owners_[i];
+    bytes += owner.bytes;
+    if (owner.generation != owner.client->generation()) continue;
+    storage::Outcome& outcome = (*outcomes_)[i];
+    if (outcome.kind == storage::OutcomeKind::kFenced) {
+      if (std::ranges::find(fenced, owner.client) == fenced.end()) fenced.push_back(owner.client);
+      continue;
+    }
+    const auto [at, first] = index.try_emplace(owner.client, by_client.size());
+    if (first) by_client.emplace_back(owner.client, std::vector<Settled>{});
+    const storage::CommitRecord& record = batch_.records[i];
+    const auto* quarantined = std::get_if<storage::QuarantineItem>(&record.content);
+    by_client[at->second].second.push_back(
+        {.session = record.session,
+         .seq = record.seq,
+         .outcome = std::move(outcome),
+         .rejected_for =
+             quarantined != nullptr ? std::optional(quarantined->rejection.reason) : std::nullopt,
+         .arrived = owner.arrived});
+  }
+  std::vector<StreamRef> wake;
+  wake.reserve(by_client.size() + fenced.size());
+  for (const auto& [client, settled] : by_client) {
+    wake.push_back(client->OnSettled(settled, ledger_));
+  }
+  for (Client* client : fenced) {
+    held_since_.erase(client);
+    wake.push_back(client->OnFenced(ledger_));
+  }
+  for (const Owner& owner : gap_owners_) {
+    bytes += owner.bytes;
+    wake.push_back(owner.client->OnGapsWritten(1));
+  }
+  const std::size_t records = owners_.size() + gap_owners_.size();
+  outcomes_.reset();
+  batch_.records.clear();
+  batch_.gaps.clear();
+  owners_.clear();
+  gap_owners_.clear();
+  Release(records, bytes);
+  for (const StreamRef stream : wake) stream.Wake();
+}
+
+void Journal::Release(std::size_t records, std::size_t bytes) {
+  std::vector<StreamRef> wake;
+  {
+    const std::lock_guard lock(mutex_);
+    records_.fetch_sub(records);
+    bytes_.fetch_sub(bytes);
+    if (owners_.empty() && gap_owners_.empty()) batch_oldest_.reset();
+    if (HasRoom()) wake.swap(waiting_for_room_);
+  }
+  for (const StreamRef stream : wake) stream.Wake();
+}
+
+void Journal::NoteResult(const absl::Status& status) {
+  probe_.store_failing.Set(status.ok() ? 0 : 1);
+  if (!status.ok()) probe_.store_errors.Add();
+  const std::lock_guard lock(mutex_);
+  last_error_ = status;
+}
+
+}  // namespace uplink::journal

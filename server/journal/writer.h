@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <thread>
+
+#include "server/journal/journal.h"
+#include "storage/backoff.h"
+
+namespace uplink::journal {
+
+/// The thread that drives one journal: commits what gathered, waits when there is nothing, pauses
+/// with a growing backoff while the store fails.
+///
+/// Thread: started and stopped by its owner. Stops in its destructor at the latest, after the call
+/// of the store that is under way.
+class JournalWriter final {
+ public:
+  /// `random` draws evenly; it is called on the writer's thread alone.
+  JournalWriter(Journal& journal, const storage::BackoffLimits& backoff,
+                std::function<std::uint64_t()> random);
+  ~JournalWriter();
+  JournalWriter(const JournalWriter&) = delete;
+  JournalWriter& operator=(const JournalWriter&) = delete;
+
+  /// Ends the thread; what is not committed stays in the journal. Idempotent.
+  void Stop();
+
+ private:
+  void Run(const std::stop_token& stop);
+  void Pause(const std::stop_token& stop);
+
+  Journal& journal_;
+  storage::Backoff backoff_;
+  const std::function<std::uint64_t()> random_;
+  std::jthread thread_;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,45 @@
+#include "server/session/ack_window.h"
+
+#include <algorithm>
+
+#include "schema/base/check.h"
+
+namespace uplink::session {
+
+void AckWindow::Raise(model::Seq seq) {
+  if (seq <= seen_) return;
+  seen_ = seq;
+  Advance();
+}
+
+void AckWindow::AddSettled(model::Seq seq) {
+  UPLINK_CHECK(seq > seen_, "a settled number must be above all seen");
+  seen_ = seq;
+  Advance();
+}
+
+void AckWindow::AddWaiting(model::Seq seq) {
+  UPLINK_CHECK(seq > seen_, "a waiting number must be above all seen");
+  waiting_.push_back({.seq = seq, .seen_before = seen_});
+  seen_ = seq;
+}
+
+bool AckWindow::Waits(model::Seq seq) const {
+  const auto found = std::ranges::lower_bound(waiting_, seq, {}, &Waiting::seq);
+  return found != waiting_.end() && found->seq == seq;
+}
+
+bool AckWindow::Settle(model::Seq seq) {
+  const auto found = std::ranges::lower_bound(waiting_, seq, {}, &Waiting::seq);
+  if (found == waiting_.end() || found->seq != seq) return false;
+  waiting_.erase(found);
+  Advance();
+  return true;
+}
+
+void AckWindow::Advance() {
+  const model::Seq settled = waiting_.empty() ? seen_ : waiting_.front().seen_before;
+  through_ = std::max(through_, settled);
+}
+
+}  // namespace uplink::session

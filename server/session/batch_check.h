@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include <absl/status/status.h>
+
+#include "schema/model/ids.h"
+#include "server/session/limits.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::session {
+
+/// Checks a batch whole, before any message of it is taken: the count, and that numbers are in
+/// range, increase strictly within the stream, and jump over no more than kSeqJumpMax but at the
+/// stream's first message.
+///
+/// `last_seq` is the stream's last number, 0 before the first; `frame` its frame's number from 1.
+/// Errors:  kInvalidArgument that names frame, field and rule.
+/// Thread:  pure; any thread.
+[[nodiscard]] absl::Status CheckBatch(const v1::UplinkBatch& batch, model::Seq last_seq,
+                                      const SessionLimits& limits, std::uint64_t frame);
+
+}  // namespace uplink::session

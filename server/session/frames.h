@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "schema/model/rejection.h"
+#include "server/session/limits.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::session {
+
+/// The contract's number of a reason; the two enumerations agree (checked at compile time).
+[[nodiscard]] v1::RejectReason ToWire(model::RejectReason reason);
+
+/// The frames that a session sends. Texts are made printable and cut to their limits.
+[[nodiscard]] v1::RelayResponse WelcomeFrame(const std::string& ruri, model::Seq committed,
+                                             const SessionLimits& limits, SystemTime now);
+[[nodiscard]] v1::RelayResponse AckFrame(model::Seq through, model::Seq judged);
+[[nodiscard]] v1::RelayResponse RejectFrame(model::Seq seq, const model::Rejection& rejection);
+[[nodiscard]] v1::RelayResponse NoticeFrame(model::Seq seq, const model::Rejection& dropped);
+[[nodiscard]] v1::RelayResponse DrainFrame(milliseconds grace);
+
+}  // namespace uplink::session

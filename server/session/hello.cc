@@ -1,0 +1,91 @@
+#include "server/session/hello.h"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "schema/base/utf8.h"
+
+namespace uplink::session {
+namespace {
+
+absl::Status AtFault(std::string_view field, const std::string& rule) {
+  return absl::InvalidArgumentError(fmt::format("frame 1: hello.{}: {}", field, rule));
+}
+
+absl::Status CheckNumbers(const v1::Hello& hello) {
+  if (hello.settled_seq() > model::kSeqMax) {
+    return AtFault("settled_seq", fmt::format("{} is over 2^63-1", hello.settled_seq()));
+  }
+  if (hello.judged_seq() > model::kSeqMax) {
+    return AtFault("judged_seq", fmt::format("{} is over 2^63-1", hello.judged_seq()));
+  }
+  if (hello.judged_seq() < hello.settled_seq()) {
+    return AtFault("judged_seq", fmt::format("{} is below settled_seq {}", hello.judged_seq(),
+                                             hello.settled_seq()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckTexts(const v1::Hello& hello) {
+  if (hello.robot_ruri().size() > model::kRuriBytesMax) {
+    return AtFault("robot_ruri", fmt::format("{} bytes, the limit is {}", hello.robot_ruri().size(),
+                                             model::kRuriBytesMax));
+  }
+  if (hello.agent_version().size() > model::kAgentVersionBytesMax) {
+    return AtFault("agent_version",
+                   fmt::format("{} bytes, the limit is {}", hello.agent_version().size(),
+                               model::kAgentVersionBytesMax));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSchema(const v1::Hello& hello) {
+  switch (hello.schema()) {
+    case v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1:
+      return absl::OkStatus();
+    case v1::PAYLOAD_SCHEMA_UNSPECIFIED:
+      return AtFault("schema", "it must be given");
+    default:
+      return AtFault("schema", fmt::format("{} is not a schema that this server knows",
+                                           static_cast<int>(hello.schema())));
+  }
+}
+
+absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& peer) {
+  if (peer.role == identity::Role::kGateway && hello.robot_ruri().empty()) {
+    return AtFault("robot_ruri", "a gateway must name the robot that it speaks for");
+  }
+  if (peer.role != identity::Role::kRobot) {
+    return absl::UnauthenticatedError(
+        fmt::format("the certificate is of role {}; the relay takes robots alone",
+                    identity::ToText(peer.role)));
+  }
+  if (!hello.robot_ruri().empty() && hello.robot_ruri() != peer.ruri()) {
+    return absl::PermissionDeniedError(
+        fmt::format("the certificate of {} may not speak for hello.robot_ruri {}",
+                    PrintableUtf8(peer.ruri(), model::kRuriBytesMax),
+                    PrintableUtf8(hello.robot_ruri(), model::kRuriBytesMax)));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello, const identity::PeerIdentity& peer) {
+  const auto session = model::SessionId::FromBytes(hello.session_id());
+  if (!session) {
+    return AtFault("session_id", fmt::format("{} bytes, it must have {}", hello.session_id().size(),
+                                             model::SessionId::kBytes));
+  }
+  for (const absl::Status& status :
+       {CheckSchema(hello), CheckTexts(hello), CheckNumbers(hello), CheckPeer(hello, peer)}) {
+    if (!status.ok()) return status;
+  }
+  return HelloTerms{.robot = {.ruri = peer.ruri(), .fleet = peer.fleet},
+                    .session = *session,
+                    .settled_seq = hello.settled_seq(),
+                    .judged_seq = hello.judged_seq()};
+}
+
+}  // namespace uplink::session

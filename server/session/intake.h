@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "schema/judge.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/journal.h"
+#include "server/session/limits.h"
+#include "server/session/probe.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::session {
+
+/// What a whole server shares with its sessions, and what a queue's sessions share: the judge and
+/// the ledger page belong to the queue's thread.
+struct SessionContext {
+  const Clock& clock;
+  fleet::Fleet& fleet;
+  journal::Journal& journal;
+  SessionProbe& probe;
+  metrics::Ledger& ledger;
+  schema::Judge& judge;
+  const SessionLimits& limits;
+};
+
+/// Why no message of a stream may be taken (protocol: Holding back).
+enum class Hold : std::uint8_t {
+  kNone,
+  /// in_flight_uplinks_max of the robot's messages wait for commits.
+  kInFlight,
+  /// The journal is full.
+  kJournal,
+  /// The peer does not read.
+  kOutgoing,
+  /// Too many malformed messages in this second.
+  kThrottled,
+};
+
+/// Takes the messages of a stream one by one: duplicate, missing or new; judged; live applied,
+/// durable and rejected to the journal. It stops in the middle of a batch where the server must
+/// hold the stream back, and goes on there.
+///
+/// Thread:  confined to the stream's thread.
+class Intake final {
+ public:
+  /// `generation` as RobotSessions::Begin gave it.
+  Intake(const SessionContext& context, fleet::Robot& robot, storage::RobotRef id,
+         const model::SessionId& session, std::uint64_t generation);
+
+  /// What taking messages asks of the stream.
+  struct Taken {
+    /// Rejects and Notices, in order; they go out before any later Ack.
+    std::vector<v1::RelayResponse> frames;
+    /// Messages that were judged or found duplicates.
+    std::size_t messages = 0;
+    /// A settled message came again: it is answered by an Ack even if the Ack does not grow.
+    bool ack_owed = false;
+    /// The robot is held by another process or stream: take nothing more.
+    bool is_void = false;
+  };
+
+  /// A checked batch becomes the pending one. Must not be called while one is pending.
+  void Begin(std::unique_ptr<v1::RelayRequest> frame, SteadyTime arrived, SystemTime received_at);
+  /// Takes messages of the pending batch until it is done or the stream must be held back.
+  /// `outgoing` is the number of frames that wait for the peer already.
+  [[nodiscard]] Taken Take(std::size_t outgoing);
+  [[nodiscard]] bool pending() const { return frame_ != nullptr; }
+  /// Drops what is pending, untaken.
+  void Drop() { frame_.reset(); }
+
+  /// Whether a message may be taken now, and what keeps it if not. What it says can change at once:
+  /// other threads commit and fill the journal.
+  [[nodiscard]] Hold Holding(std::size_t outgoing) const;
+  /// When messages may be taken again after too many malformed ones in this second, also if that
+  /// has come; nothing without too many.
+  [[nodiscard]] std::optional<SteadyTime> throttle_end() const;
+
+ private:
+  void TakeOne(const v1::Uplink& uplink, Taken& taken);
+  void TakeRecord(const v1::Uplink& uplink, schema::Judgement& judgement, Taken& taken);
+  void TakeRejected(const v1::Uplink& uplink, const model::Rejection& rejection, Taken& taken);
+  void NoteMissing(const RobotSessions::Seen& seen);
+  void NoteDropped(model::Seq seq, const model::Record& record, Taken& taken);
+  void NoteMalformed();
+  void Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
+              std::string payload, std::size_t payload_bytes);
+  void ApplyLive();
+  void Publish();
+
+  const SessionContext& context_;
+  fleet::Robot& robot_;
+  const storage::RobotRef id_;
+  const model::SessionId session_;
+  const std::uint64_t generation_;
+
+  std::unique_ptr<v1::RelayRequest> frame_;
+  int next_ = 0;
+  SteadyTime arrived_;
+  SystemTime received_at_;
+  /// Live records of the pending batch, in order, not applied yet.
+  std::vector<model::Record> live_;
+  metrics::UplinkCounts counts_;
+  SteadyTime malformed_since_{};
+  std::uint32_t malformed_ = 0;
+};
+
+}  // namespace uplink::session

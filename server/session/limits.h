@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace uplink::session {
+
+/// Messages after which an Ack that only live messages move is sent (protocol: Ack; measured: an
+/// ack for each paced message is a third of its cost).
+inline constexpr std::uint32_t kAckMessages = 64;
+/// Rejects that session memory remembers for the next Welcome (protocol: Numbers).
+inline constexpr std::size_t kRejectsRememberedMax = 256;
+/// Sessions of one robot in memory (protocol: Numbers).
+inline constexpr std::size_t kSessionsMax = 8;
+/// Frames that wait for a peer to read before its stream is held back.
+inline constexpr std::size_t kOutgoingFramesMax = 1024;
+/// A stream whose first frame does not come within this is ended: it holds a place among the
+/// streams.
+inline constexpr std::chrono::seconds kHelloWait{10};
+/// Longest that Welcome waits for the store (protocol: Hello and Welcome).
+inline constexpr std::chrono::seconds kWelcomeWait{1};
+/// A peer that takes nothing for so long, while its outgoing queue is full, is ended.
+inline constexpr std::chrono::seconds kPeerStallMax{30};
+/// A superseded or refused call whose peer does not read is cancelled after this.
+inline constexpr std::chrono::seconds kFinishWait{1};
+/// Malformed messages a second after which a stream is held back to the next second.
+inline constexpr std::uint32_t kMalformedPerSecondMax = 1000;
+/// Takeovers within a minute above which a robot is flagged as contested.
+inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
+/// Largest jump of numbers, but at a stream's first message.
+inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
+/// Arrivals that a stream keeps for the ack latency until its next Ack is written.
+inline constexpr std::size_t kReleasedMax = 4096;
+/// Distinct fields for which a robot's Notices are paced; further fields share one slot.
+inline constexpr std::size_t kNoticeFieldsMax = 64;
+
+static_assert(kRejectsRememberedMax <= kOutgoingFramesMax,
+              "the Rejects that memory repeats after a Welcome must fit the outgoing queue; those "
+              "that quarantine adds (storage::kOpenRejectsMax) come on top, once a stream");
+
+/// The configurable limits of a session; Welcome tells the agent the same numbers. Immutable.
+struct SessionLimits {
+  std::uint32_t payload_bytes_max = 256 * 1024;
+  std::uint32_t message_bytes_max = 64 * 1024;
+  std::uint32_t batch_uplinks_max = 256;
+  std::uint32_t extras_items_max = 256;
+  std::uint32_t in_flight_uplinks_max = 4096;
+  std::uint32_t frame_bytes_max = 1024 * 1024;
+  std::chrono::milliseconds ack_interval{1000};
+  std::chrono::milliseconds session_idle{std::chrono::hours(1)};
+  std::chrono::milliseconds drain_timeout{std::chrono::seconds(20)};
+  std::string server_version;
+};
+
+}  // namespace uplink::session

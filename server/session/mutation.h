@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+namespace uplink::session {
+
+/// Faults that the simulation plants one at a time, to show that it would find them.
+enum class Mutation : std::uint8_t {
+  kNone,
+  /// An Ack goes out before the commit.
+  kAckBeforeCommit,
+  /// A Reject is not told again after Welcome.
+  kRejectNotRepeated,
+  /// A settlement leaves the window but no column of the conservation law.
+  kSettleLost,
+  /// A duplicate that was settled long ago gets no Ack.
+  kDuplicateNotAcked,
+};
+
+#ifdef UPLINK_MUTATIONS
+/// The planted fault; only in the build of the simulation that is linked with a definition of it.
+[[nodiscard]] bool Planted(Mutation mutation);
+#else
+[[nodiscard]] constexpr bool Planted(Mutation /*mutation*/) { return false; }
+#endif
+
+}  // namespace uplink::session

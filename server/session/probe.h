@@ -1,0 +1,28 @@
+#pragma once
+
+#include "metrics/cells.h"
+
+namespace uplink::session {
+
+/// What sessions count besides the ledger. Thread-safe; one for all sessions.
+struct SessionProbe {
+  metrics::Cell streams;
+  metrics::Cell streams_total;
+  metrics::Cell takeovers_total;
+  metrics::Cell contested_total;
+  metrics::Cell protocol_errors_total;
+  metrics::Cell notices_total;
+  metrics::Cell acks_total;
+  metrics::Cell resumes_total;
+  /// Streams whose frames are not read now, and how often that began.
+  metrics::Cell held_back;
+  metrics::Cell held_back_total;
+  metrics::Cell peer_stalls_total;
+  metrics::Cell superseded_total;
+  metrics::Cell frames_total;
+  metrics::Cell frame_bytes_total;
+  /// Arrival to the Ack that covers it, durable messages.
+  metrics::LatencyDistribution ack_seconds{metrics::kLatencyBoundsSeconds};
+};
+
+}  // namespace uplink::session

@@ -1,0 +1,55 @@
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "schema/base/check.h"
+#include "schema/base/utf8.h"
+#include "schema/encode.h"
+#include "schema/judge.h"
+#include "schema/model/ids.h"
+
+namespace {
+
+using uplink::IsCleanUtf8;
+using uplink::model::Rejection;
+using uplink::schema::Judge;
+using uplink::schema::JudgeLimits;
+using uplink::schema::Judgement;
+
+void CheckFault(const Rejection& fault) {
+  UPLINK_CHECK(!fault.detail.empty(), "a fault says something");
+  UPLINK_CHECK(fault.detail.size() <= uplink::model::kDetailBytesMax, "detail fits its frame");
+  UPLINK_CHECK(IsCleanUtf8(fault.detail), "detail is text");
+  UPLINK_CHECK(IsCleanUtf8(fault.field), "field is text");
+}
+
+/// What was judged good is good when it comes again, and comes back as it was.
+void CheckAgain(Judge& judge, const Judgement& first) {
+  if (!first.record()->dropped().empty()) return;
+  const std::string encoded = uplink::schema::Encode(first.record()->body());
+  const Judgement second = judge.Payload(std::as_bytes(std::span(encoded.data(), encoded.size())));
+  if (second.record() == nullptr) {
+    // Shared pointers let a message hold more than its bytes; unshared it may pass the size limit.
+    UPLINK_CHECK(second.rejection()->reason == uplink::model::RejectReason::kPayloadTooLarge,
+                 "a good message stays good");
+    return;
+  }
+  UPLINK_CHECK(second.record()->body() == first.record()->body(), "a good message stays the same");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Judge judge{JudgeLimits()};
+  const Judgement judgement = judge.Payload(std::as_bytes(std::span(data, size)));
+  if (judgement.rejection() != nullptr) {
+    CheckFault(*judgement.rejection());
+    return 0;
+  }
+  UPLINK_CHECK(!judgement.record()->durable() || judgement.record()->dropped().empty(),
+               "nothing is dropped from a durable message");
+  for (const Rejection& field : judgement.record()->dropped()) CheckFault(field);
+  CheckAgain(judge, judgement);
+  return 0;
+}

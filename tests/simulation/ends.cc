@@ -1,0 +1,61 @@
+// With which status the server may end a stream, by what happened to it; and a run as text.
+#include <fmt/format.h>
+
+#include "tests/simulation/world.h"
+
+namespace uplink::simulation {
+
+void World::CheckEnds() {
+  for (auto& [id, stream] : server_->streams()) {
+    const auto end = stream->TakeEnd();
+    if (!end) continue;
+    ++result_.ends[end->code()];
+    if (MayEnd(id, *stream, end->code())) continue;
+    recorder_.Violate(fmt::format("a stream of {} was ended {}: {}, and nothing called for it",
+                                  stream->ruri(), absl::StatusCodeToString(end->code()),
+                                  std::string(end->message())));
+  }
+}
+
+bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode code) {
+  const auto half_closed = stream.half_closed_at();
+  switch (code) {
+    case absl::StatusCode::kOk:
+      return half_closed.has_value();
+    case absl::StatusCode::kAborted:
+      return server_->NewestOf(stream.ruri()) > id;
+    case absl::StatusCode::kUnavailable:
+      return server_->draining ||
+             (half_closed && clock_.Steady() - *half_closed >= limits_.session.drain_timeout);
+    case absl::StatusCode::kInvalidArgument:
+      // The agents make no mistake; but the network may keep a Hello for too long.
+      return stream.batches_seen() == 0 &&
+             clock_.Steady() - stream.opened_at() >= session::kHelloWait;
+    default:
+      // The agents read and never leave kSessionsMax sessions waiting: nothing is exhausted.
+      return false;
+  }
+}
+
+std::string ToText(const RunResult& result) {
+  const metrics::UplinkCounts& uplinks = result.uplinks;
+  std::string text = fmt::format(
+      "violation {}\nsteps {}\nkills {}\nbreaks {}\nheld back {}\nreceived {}\nstored {}\n"
+      "applied {}\nsuperseded {}\nduplicate {}\nrejected {}\nin flight {}\nmissing {}\n",
+      result.violation, result.steps, result.kills, result.breaks, result.held_back,
+      uplinks.received, uplinks.stored, uplinks.applied, uplinks.superseded, uplinks.duplicate,
+      uplinks.rejected, uplinks.in_flight, uplinks.missing);
+  const auto add_all = [&text](const char* name, const auto& counts) {
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (counts[i] > 0) text += fmt::format("{} {}: {}\n", name, i, counts[i]);
+    }
+  };
+  add_all("reject", uplinks.rejects);
+  add_all("record", uplinks.records);
+  for (const auto& [code, count] : result.ends) {
+    text += fmt::format("ended {}: {}\n", absl::StatusCodeToString(code), count);
+  }
+  return text;
+}
+
+}  // namespace uplink::simulation

@@ -1,0 +1,43 @@
+#include <algorithm>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "tests/simulation/backends.h"
+
+namespace uplink::simulation {
+namespace {
+
+std::optional<model::Rejection> RefuseMarked(const storage::CommitRecord& record) {
+  const auto* good = std::get_if<model::Record>(&record.content);
+  if (good == nullptr) return std::nullopt;
+  const auto* fault = std::get_if<model::Fault>(&good->body());
+  if (fault == nullptr || fault->fault_id != kRefusedFaultId) return std::nullopt;
+  return model::Rejection{model::RejectReason::kStoreRefused, "faultId", "refused on order"};
+}
+
+}  // namespace
+
+storage::Store& FakeBackend::Reopen(const storage::ProcessId& process) {
+  store_ = std::make_unique<testing::FakeStore>(database_, process);
+  store_->SetRules({.refuse = RefuseMarked, .allow_cursor_lowering = cursor_ == Cursor::kMayFall});
+  return *store_;
+}
+
+std::optional<std::string> FakeBackend::Compare(const Recorder& recorder) {
+  for (const auto& [key, durable] : recorder.sessions()) {
+    const testing::SessionLog log = database_.Log(key.first, key.second);
+    if (log.stored.size() != durable.stored.size() ||
+        log.quarantined.size() != durable.quarantined.size()) {
+      return fmt::format("session {} has {} rows and {} in quarantine, the book says {} and {}",
+                         key.second.ToHex(), log.stored.size(), log.quarantined.size(),
+                         durable.stored.size(), durable.quarantined.size());
+    }
+    for (const auto& [seq, times] : log.times_written) {
+      if (times != 1) return fmt::format("number {} was written {} times", seq, times);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace uplink::simulation

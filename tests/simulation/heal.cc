@@ -1,0 +1,92 @@
+// The end of a run: faults stop, and everything must settle.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "tests/simulation/world.h"
+
+namespace uplink::simulation {
+namespace {
+
+/// Rounds after which a run that has not settled never will: each round does everything that can be
+/// done once.
+constexpr int kRoundsMax = 2000;
+
+}  // namespace
+
+void World::Heal() {
+  recorder_.SetAway(false);
+  recorder_.FailNext(StoreFault::kNone);
+  if (server_->draining) Kill();
+  for (int round = 0; round < kRoundsMax && result_.violation.empty(); ++round) {
+    if (Settled()) return;
+    HealRound();
+    Reap();
+    Check();
+  }
+  if (result_.violation.empty()) {
+    recorder_.Violate("faults have stopped and not everything settles");
+  }
+}
+
+void World::HealRound() {
+  for (const auto& robot : robots_) {
+    if (!robot->stream) Connect(*robot);
+    SimStream* stream = server_->Find(*robot->stream);
+    if (stream != nullptr && robot->agent.Ready() && !stream->half_closed() &&
+        robot->agent.HasResends()) {
+      stream->Send(robot->agent.Batch(random_, 6, SimAgent::Fresh::kNo));
+    }
+  }
+  // Sometimes all is committed and acked before what was sent again arrives.
+  if (random_.Percent(30)) {
+    while (server_->journal().Advance() == journal::Journal::Step::kWorked) {
+    }
+    while (server_->HasWakes()) server_->DeliverWake(0);
+  }
+  for (auto& [id, stream] : server_->streams()) {
+    if (stream->CanTellBroken()) stream->TellBroken();
+    if (stream->CanDeliver()) stream->DeliverToServer();
+    if (stream->CanHalfClose()) stream->DeliverHalfClose(clock_.Steady());
+    if (stream->Writing()) stream->CompleteWrite();
+    Robot* owner = OwnerOf(id);
+    while (owner != nullptr && owner->stream == id && stream->CanReceive()) {
+      Receive(*owner, *stream);
+    }
+  }
+  server_->journal().Advance();
+  while (server_->HasWakes()) server_->DeliverWake(0);
+  clock_.Advance(milliseconds(50));
+  server_->FireTimers();
+}
+
+bool World::Settled() {
+  if (!server_->journal().idle() || server_->HasWakes()) return false;
+  return std::ranges::all_of(robots_, [this](const auto& robot) {
+    if (robot->agent.HasKept() || !robot->stream) return false;
+    SimStream* stream = server_->Find(*robot->stream);
+    // Each frame that was taken, Hello among them, is answered by an Ack in the end.
+    return stream != nullptr && robot->agent.Ready() && !stream->CanDeliver() &&
+           robot->batches_acked == stream->batches_seen();
+  });
+}
+
+void World::CheckEnd() {
+  const metrics::UplinkCounts counts = server_->counts().uplinks;
+  if (counts.in_flight != 0) {
+    recorder_.Violate(fmt::format("all is settled and {} are in flight", counts.in_flight));
+  }
+  for (const auto& robot : robots_) {
+    for (const AgentSession& session : robot->agent.sessions()) {
+      const DurableSession& durable = recorder_.Of(robot->agent.ruri(), session.id);
+      for (const model::Seq seq : session.durable_sent) {
+        if (durable.Holds(seq)) continue;
+        recorder_.Violate(
+            fmt::format("number {} of {} never became durable", seq, robot->agent.ruri()));
+      }
+    }
+  }
+  if (const auto difference = backend_.Compare(recorder_)) recorder_.Violate(*difference);
+}
+
+}  // namespace uplink::simulation

@@ -1,0 +1,64 @@
+// Each planted fault must be found: a simulation that passes a broken server proves nothing.
+#include <gtest/gtest.h>
+
+#include "tests/simulation/backends.h"
+#include "tests/simulation/planted.h"
+
+namespace uplink::simulation {
+namespace {
+
+using session::Mutation;
+
+/// Seeds within which a planted fault must show.
+constexpr std::uint64_t kSeedsMax = 500;
+
+RunResult RunSeed(std::uint64_t seed, FakeBackend::Cursor cursor = FakeBackend::Cursor::kTrue) {
+  const Payloads payloads;
+  FakeBackend backend(cursor);
+  return World(payloads, backend, {.seed = seed, .steps = 400}).Run();
+}
+
+/// 0 if every seed passes.
+std::uint64_t FirstFailingSeed(FakeBackend::Cursor cursor = FakeBackend::Cursor::kTrue) {
+  for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) {
+    if (!RunSeed(seed, cursor).violation.empty()) return seed;
+  }
+  return 0;
+}
+
+class PlantedFault : public ::testing::TestWithParam<Mutation> {
+ protected:
+  ~PlantedFault() override { session::Plant(Mutation::kNone); }
+};
+
+TEST_P(PlantedFault, IsFound) {
+  session::Plant(GetParam());
+  const std::uint64_t seed = FirstFailingSeed();
+  ASSERT_NE(seed, 0U);
+  RecordProperty("violation", RunSeed(seed).violation);
+}
+
+TEST_P(PlantedFault, ReplaysToTheSameViolation) {
+  session::Plant(GetParam());
+  const std::uint64_t seed = FirstFailingSeed();
+  ASSERT_NE(seed, 0U);
+  const RunResult first = RunSeed(seed);
+  const RunResult second = RunSeed(seed);
+  EXPECT_NE(first.violation, "");
+  EXPECT_EQ(first.violation, second.violation);
+  EXPECT_EQ(first.steps, second.steps);
+  EXPECT_EQ(ToText(first), ToText(second));
+}
+
+INSTANTIATE_TEST_SUITE_P(Simulation, PlantedFault,
+                         ::testing::Values(Mutation::kAckBeforeCommit, Mutation::kRejectNotRepeated,
+                                           Mutation::kSettleLost, Mutation::kDuplicateNotAcked));
+
+TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Cursor::kMayFall), 0U);
+}
+
+TEST(UnplantedSwitch, NothingPlantedIsNothingFound) { EXPECT_EQ(FirstFailingSeed(), 0U); }
+
+}  // namespace
+}  // namespace uplink::simulation

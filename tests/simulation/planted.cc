@@ -1,0 +1,15 @@
+#include "tests/simulation/planted.h"
+
+namespace uplink::session {
+namespace {
+
+// The one global of the simulation: the planted fault of this process's runs.
+Mutation planted = Mutation::kNone;
+
+}  // namespace
+
+void Plant(Mutation mutation) { planted = mutation; }
+
+bool Planted(Mutation mutation) { return planted == mutation; }
+
+}  // namespace uplink::session

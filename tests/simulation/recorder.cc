@@ -1,0 +1,72 @@
+#include "tests/simulation/recorder.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace uplink::simulation {
+
+absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
+    std::span<const storage::OpenRequest> requests) {
+  const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
+  if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  auto results = store_->OpenStreams(requests);
+  if (!results.ok()) return results;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const DurableSession& durable = Of(requests[i].robot->ruri, requests[i].session);
+    if ((*results)[i].cursor != durable.cursor) {
+      violation_(fmt::format("the cursor of session {} is {}, but {} was committed",
+                             requests[i].session.ToHex(), (*results)[i].cursor, durable.cursor));
+    }
+  }
+  if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
+  return results;
+}
+
+absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Batch& batch) {
+  const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
+  if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  auto outcomes = store_->Commit(batch);
+  if (!outcomes.ok()) return outcomes;
+  for (std::size_t i = 0; i < batch.records.size(); ++i) Note(batch.records[i], (*outcomes)[i]);
+  if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
+  return outcomes;
+}
+
+void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome& outcome) {
+  DurableSession& durable = sessions_[{record.robot->ruri, record.session}];
+  const bool quarantined = std::holds_alternative<storage::QuarantineItem>(record.content);
+  switch (outcome.kind) {
+    case storage::OutcomeKind::kStored:
+      if (durable.Holds(record.seq)) {
+        violation_(fmt::format("number {} of session {} was stored twice", record.seq,
+                               record.session.ToHex()));
+      }
+      if (quarantined) {
+        durable.quarantined.emplace(
+            record.seq, std::get<storage::QuarantineItem>(record.content).rejection.reason);
+      } else {
+        durable.stored.insert(record.seq);
+        const auto& good = std::get<model::Record>(record.content);
+        if (good.variant() == model::Variant::kFault) ++durable.faults;
+      }
+      break;
+    case storage::OutcomeKind::kRefused:
+      durable.quarantined.emplace(record.seq, outcome.rejection->reason);
+      if (durable.stored.contains(record.seq)) {
+        violation_(fmt::format("number {} was stored and is refused now", record.seq));
+      }
+      break;
+    case storage::OutcomeKind::kDuplicate:
+      if (!durable.stored.contains(record.seq)) {
+        violation_(fmt::format("number {} is called a duplicate and was never stored", record.seq));
+      }
+      return;
+    case storage::OutcomeKind::kFenced:
+      violation_("one process alone was fenced");
+      return;
+  }
+  durable.cursor = std::max(durable.cursor, record.seq);
+}
+
+}  // namespace uplink::simulation

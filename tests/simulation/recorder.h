@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "storage/store.h"
+
+namespace uplink::simulation {
+
+/// What is durable of one session, as the transactions that were really applied said.
+struct DurableSession {
+  std::set<model::Seq> stored;
+  std::map<model::Seq, model::RejectReason> quarantined;
+  model::Seq cursor = 0;
+  /// How many of the stored ones are faults.
+  std::size_t faults = 0;
+
+  [[nodiscard]] bool Holds(model::Seq seq) const {
+    return stored.contains(seq) || quarantined.contains(seq);
+  }
+};
+
+/// Which call of the store is to fail, and where.
+enum class StoreFault : std::uint8_t { kNone, kBefore, kAfter };
+
+/// Stands between the journal and a store: fails calls on order, before they are applied or with
+/// their answer lost, and keeps book of what was applied. It outlives the processes; the store
+/// below is set anew for each.
+class Recorder final : public storage::Store {
+ public:
+  using Violation = std::function<void(const std::string&)>;
+  explicit Recorder(Violation violation) : violation_(std::move(violation)) {}
+
+  void Violate(const std::string& text) { violation_(text); }
+  void SetStore(storage::Store* store) { store_ = store; }
+  void FailNext(StoreFault fault) { fault_ = fault; }
+  /// Every call fails before it is applied, until false.
+  void SetAway(bool away) { away_ = away; }
+
+  [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
+      std::span<const storage::OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
+      const storage::Batch& batch) override;
+
+  [[nodiscard]] const DurableSession& Of(const std::string& ruri, const model::SessionId& session) {
+    return sessions_[{ruri, session}];
+  }
+  [[nodiscard]] const std::map<std::pair<std::string, model::SessionId>, DurableSession>& sessions()
+      const {
+    return sessions_;
+  }
+
+ private:
+  void Note(const storage::CommitRecord& record, const storage::Outcome& outcome);
+
+  const Violation violation_;
+  storage::Store* store_ = nullptr;
+  StoreFault fault_ = StoreFault::kNone;
+  bool away_ = false;
+  std::map<std::pair<std::string, model::SessionId>, DurableSession> sessions_;
+};
+
+}  // namespace uplink::simulation

@@ -1,0 +1,123 @@
+#include "tests/simulation/sim_server.h"
+
+#include <iterator>
+#include <utility>
+
+namespace uplink::simulation {
+
+SimStream::SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
+                     journal::StreamRef self)
+    : ruri_(peer.ruris.front()),
+      opened_at_(context.clock.Steady()),
+      session_(context, std::move(peer), self, *this, *this) {}
+
+void SimStream::Write(const v1::RelayResponse& frame) {
+  writing_ = ToAgent{.frame = frame, .batches_seen = batches_seen_};
+}
+
+void SimStream::Finish(const absl::Status& status) {
+  end_ = status;
+  if (writing_) {
+    queued_end_ = status.code();
+  } else {
+    to_agent_.push_back({.end = status.code()});
+  }
+}
+
+void SimStream::DeliverToServer() {
+  const std::string bytes = std::move(to_server_.front());
+  to_server_.pop_front();
+  read_wanted_ = false;
+  if (session_.done()) return;
+  ++batches_seen_;
+  session_.OnFrame(bytes);
+}
+
+void SimStream::DeliverHalfClose(SteadyTime now) {
+  read_wanted_ = false;
+  half_closed_at_ = now;
+  if (!session_.done()) session_.OnHalfClose();
+}
+
+void SimStream::CompleteWrite() {
+  to_agent_.push_back(*std::move(writing_));
+  writing_.reset();
+  if (queued_end_) to_agent_.push_back({.end = std::exchange(queued_end_, std::nullopt)});
+  if (!session_.done()) session_.OnWritten();
+}
+
+ToAgent SimStream::Receive() {
+  ToAgent received = std::move(to_agent_.front());
+  to_agent_.pop_front();
+  return received;
+}
+
+void SimStream::Break() {
+  broken_ = true;
+  to_server_.clear();
+  to_agent_.clear();
+}
+
+void SimStream::TellBroken() {
+  told_broken_ = true;
+  writing_.reset();
+  session_.OnBroken();
+}
+
+void SimStream::Send(const v1::RelayRequest& frame) {
+  to_server_.push_back(frame.SerializeAsString());
+}
+
+SimServer::SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits)
+    : clock_(clock),
+      limits_(limits),
+      fleet_(clock, 100, {}),
+      journal_(recorder, limits_.journal, clock, book_.NewPage(), journal_probe_),
+      judge_({}),
+      ledger_(book_.NewPage()) {}
+
+std::uint64_t SimServer::Open(const std::string& ruri) {
+  const std::uint64_t id = next_stream_++;
+  const session::SessionContext context{.clock = clock_,
+                                        .fleet = fleet_,
+                                        .journal = journal_,
+                                        .probe = probe_,
+                                        .ledger = ledger_,
+                                        .judge = judge_,
+                                        .limits = limits_.session};
+  identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
+  auto stream = std::make_unique<SimStream>(context, std::move(peer),
+                                            journal::StreamRef{.inbox = this, .stream = id});
+  stream->session().Start();
+  streams_.emplace(id, std::move(stream));
+  newest_[ruri] = id;
+  return id;
+}
+
+SimStream* SimServer::Find(std::uint64_t stream) {
+  const auto found = streams_.find(stream);
+  return found == streams_.end() ? nullptr : found->second.get();
+}
+
+std::uint64_t SimServer::NewestOf(const std::string& ruri) const {
+  const auto found = newest_.find(ruri);
+  return found == newest_.end() ? 0 : found->second;
+}
+
+void SimServer::DeliverWake(std::size_t pick) {
+  const auto at = std::next(wakes_.begin(), static_cast<std::ptrdiff_t>(pick % wakes_.size()));
+  const std::uint64_t id = *at;
+  wakes_.erase(at);
+  if (SimStream* stream = Find(id); stream != nullptr && !stream->session().done()) {
+    stream->session().OnWake();
+  }
+}
+
+void SimServer::FireTimers() {
+  for (auto& [id, stream] : streams_) {
+    const auto deadline = stream->session().deadline();
+    if (deadline && *deadline <= clock_.Steady()) stream->session().OnTimer();
+  }
+}
+
+}  // namespace uplink::simulation

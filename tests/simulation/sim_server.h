@@ -1,0 +1,142 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "server/session/session.h"
+#include "tests/simulation/recorder.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::simulation {
+
+/// A response on its way to an agent, or the end of the stream.
+struct ToAgent {
+  v1::RelayResponse frame;
+  /// Batches that the session had been given when it wrote this.
+  std::uint64_t batches_seen = 0;
+  /// The status with which the call ends, in place of a frame.
+  std::optional<absl::StatusCode> end;
+};
+
+/// One stream: the real session, and a network in both directions whose every hop is a step of the
+/// schedule.
+class SimStream final : public session::FrameSource, public session::FrameSink {
+ public:
+  SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
+            journal::StreamRef self);
+
+  /// The robot that opened it, and when.
+  [[nodiscard]] const std::string& ruri() const { return ruri_; }
+  [[nodiscard]] SteadyTime opened_at() const { return opened_at_; }
+
+  void RequestRead() override { read_wanted_ = true; }
+  void Write(const v1::RelayResponse& frame) override;
+  void Finish(const absl::Status& status) override;
+  void Cancel() override {}
+
+  // Steps.
+  [[nodiscard]] bool CanDeliver() const { return read_wanted_ && !to_server_.empty(); }
+  void DeliverToServer();
+  [[nodiscard]] bool CanHalfClose() const {
+    return read_wanted_ && to_server_.empty() && half_closed_;
+  }
+  void DeliverHalfClose(SteadyTime now);
+  /// When the session learned of the half-close.
+  [[nodiscard]] std::optional<SteadyTime> half_closed_at() const { return half_closed_at_; }
+  [[nodiscard]] bool Writing() const { return writing_.has_value(); }
+  void CompleteWrite();
+  [[nodiscard]] bool CanReceive() const { return !to_agent_.empty(); }
+  ToAgent Receive();
+  /// The network drops everything; the server learns of it by TellBroken.
+  void Break();
+  [[nodiscard]] bool CanTellBroken() const { return broken_ && !told_broken_; }
+  void TellBroken();
+
+  // The agent's side.
+  void Send(const v1::RelayRequest& frame);
+  void HalfClose() { half_closed_ = true; }
+  [[nodiscard]] bool half_closed() const { return half_closed_; }
+  [[nodiscard]] bool broken() const { return broken_; }
+  [[nodiscard]] std::uint64_t batches_seen() const { return batches_seen_; }
+
+  [[nodiscard]] session::Session& session() { return session_; }
+  /// The status of Finish, once; also of a stream that broke before its agent could see it.
+  std::optional<absl::Status> TakeEnd() { return std::exchange(end_, std::nullopt); }
+  /// Nothing can happen on it any more.
+  [[nodiscard]] bool Over() const {
+    return session_.done() && (broken_ || (!writing_ && to_agent_.empty() && !queued_end_));
+  }
+
+ private:
+  const std::string ruri_;
+  const SteadyTime opened_at_;
+  std::deque<std::string> to_server_;
+  std::deque<ToAgent> to_agent_;
+  std::optional<ToAgent> writing_;
+  bool read_wanted_ = false;
+  bool half_closed_ = false;
+  bool broken_ = false;
+  bool told_broken_ = false;
+  /// The end goes out after the write under way.
+  std::optional<absl::StatusCode> queued_end_;
+  std::optional<absl::Status> end_;
+  std::optional<SteadyTime> half_closed_at_;
+  std::uint64_t batches_seen_ = 0;
+  session::Session session_;
+};
+
+struct ServerLimits {
+  session::SessionLimits session;
+  journal::JournalLimits journal;
+};
+
+/// One life of the server process: the real fleet, journal and sessions over one store.
+class SimServer final : public journal::WakeInbox {
+ public:
+  SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits);
+
+  void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
+
+  /// A new stream of the robot; its session waits for the first frame.
+  std::uint64_t Open(const std::string& ruri);
+  [[nodiscard]] SimStream* Find(std::uint64_t stream);
+  /// The robot's last stream that was opened, gone or not; 0 before the first.
+  [[nodiscard]] std::uint64_t NewestOf(const std::string& ruri) const;
+  [[nodiscard]] std::map<std::uint64_t, std::unique_ptr<SimStream>>& streams() { return streams_; }
+
+  [[nodiscard]] bool HasWakes() const { return !wakes_.empty(); }
+  void DeliverWake(std::size_t pick);
+  void FireTimers();
+  void Forget(std::uint64_t stream) { streams_.erase(stream); }
+
+  [[nodiscard]] journal::Journal& journal() { return journal_; }
+  [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
+  [[nodiscard]] metrics::Ledger::Page counts() const { return book_.Sum(); }
+  bool draining = false;
+
+ private:
+  const Clock& clock_;
+  const ServerLimits limits_;
+  metrics::LedgerBook book_;
+  session::SessionProbe probe_;
+  journal::JournalProbe journal_probe_;
+  fleet::Fleet fleet_;
+  journal::Journal journal_;
+  schema::Judge judge_;
+  metrics::Ledger& ledger_;
+  std::uint64_t next_stream_ = 1;
+  std::map<std::string, std::uint64_t> newest_;
+  std::set<std::uint64_t> wakes_;
+  std::map<std::uint64_t, std::unique_ptr<SimStream>> streams_;
+};
+
+}  // namespace uplink::simulation

@@ -1,0 +1,66 @@
+// uplink_simulate: replays seeds of the deterministic simulation.
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "tests/simulation/backends.h"
+#include "tests/simulation/sqlite_backend.h"
+
+namespace uplink::simulation {
+namespace {
+
+struct Arguments {
+  std::uint64_t seed = 1;
+  std::uint64_t seeds = 1;
+  std::uint32_t steps = 400;
+  std::string store = "fake";
+};
+
+int RunSeeds(const Arguments& arguments) {
+  const Payloads payloads;
+  std::uint64_t received = 0;
+  std::uint64_t kills = 0;
+  std::uint64_t breaks = 0;
+  std::uint64_t steps = 0;
+  for (std::uint64_t i = 0; i < arguments.seeds; ++i) {
+    std::unique_ptr<Backend> backend;
+    if (arguments.store == "sqlite") {
+      backend = std::make_unique<SqliteBackend>();
+    } else {
+      backend = std::make_unique<FakeBackend>();
+    }
+    World world(payloads, *backend, {.seed = arguments.seed + i, .steps = arguments.steps});
+    const RunResult result = world.Run();
+    if (!result.violation.empty()) {
+      fmt::print("{}\nrepeat with: ./dev simulate --seed {} --steps {} --store {}\n",
+                 result.violation, arguments.seed + i, arguments.steps, arguments.store);
+      return 1;
+    }
+    received += result.uplinks.received;
+    kills += result.kills;
+    breaks += result.breaks;
+    steps += result.steps;
+  }
+  fmt::print("{} seeds from {}, {} steps, {} messages, {} kills, {} breaks: every promise kept\n",
+             arguments.seeds, arguments.seed, steps, received, kills, breaks);
+  return 0;
+}
+
+}  // namespace
+}  // namespace uplink::simulation
+
+int main(int argc, char** argv) {
+  uplink::simulation::Arguments arguments;
+  CLI::App app("The deterministic simulation of agents, streams, journal and store");
+  app.add_option("--seed", arguments.seed, "First seed");
+  app.add_option("--seeds", arguments.seeds, "How many seeds, each one more than the last");
+  app.add_option("--steps", arguments.steps, "Steps with faults, before everything must settle");
+  app.add_option("--store", arguments.store, "The store under test")
+      ->check(CLI::IsMember({"fake", "sqlite"}));
+  CLI11_PARSE(app, argc, argv);
+  return uplink::simulation::RunSeeds(arguments);
+}

@@ -1,0 +1,61 @@
+#include <map>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/simulation/backends.h"
+
+namespace uplink::simulation {
+namespace {
+
+constexpr std::uint64_t kSeeds = 10'000;
+
+TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
+  const Payloads payloads;
+  metrics::UplinkCounts uplinks;
+  std::uint64_t kills = 0;
+  std::uint64_t held_back = 0;
+  std::map<absl::StatusCode, std::uint64_t> ends;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    FakeBackend backend;
+    World world(payloads, backend, {.seed = seed, .steps = 400});
+    const RunResult result = world.Run();
+    ASSERT_EQ(result.violation, "");
+    uplinks += result.uplinks;
+    kills += result.kills;
+    held_back += result.held_back;
+    for (const auto& [code, count] : result.ends) ends[code] += count;
+  }
+  // The schedules must really have exercised what they claim to.
+  EXPECT_GT(uplinks.stored, kSeeds * 10);
+  EXPECT_GT(uplinks.applied, kSeeds * 3);
+  EXPECT_GT(uplinks.rejected, kSeeds * 5);
+  EXPECT_GT(uplinks.superseded, kSeeds);
+  EXPECT_GT(uplinks.duplicate, kSeeds);
+  EXPECT_GT(uplinks.missing, kSeeds);
+  EXPECT_GT(kills, kSeeds / 10);
+  EXPECT_GT(held_back, kSeeds);
+  EXPECT_GT(ends[absl::StatusCode::kOk], kSeeds / 10);
+  EXPECT_GT(ends[absl::StatusCode::kAborted], kSeeds / 10);
+  EXPECT_GT(ends[absl::StatusCode::kUnavailable], kSeeds / 10);
+  fmt::print(
+      "{} seeds: stored {} applied {} superseded {} duplicate {} rejected {} missing {}; "
+      "{} kills, held back after {} steps; ended OK {} ABORTED {} UNAVAILABLE {}\n",
+      kSeeds, uplinks.stored, uplinks.applied, uplinks.superseded, uplinks.duplicate,
+      uplinks.rejected, uplinks.missing, kills, held_back, ends[absl::StatusCode::kOk],
+      ends[absl::StatusCode::kAborted], ends[absl::StatusCode::kUnavailable]);
+}
+
+TEST(Simulation, ReplaysASeedToTheSameStep) {
+  const Payloads payloads;
+  const auto run = [&payloads] {
+    FakeBackend backend;
+    return World(payloads, backend, {.seed = 77, .steps = 400}).Run();
+  };
+  const RunResult first = run();
+  EXPECT_GT(first.uplinks.received, 0U);
+  EXPECT_EQ(ToText(first), ToText(run()));
+}
+
+}  // namespace
+}  // namespace uplink::simulation

@@ -1,0 +1,82 @@
+#include "tests/simulation/sqlite_backend.h"
+
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "schema/base/check.h"
+#include "storage/sqlite/reader.h"
+#include "tests/support/sqlite_shell.h"
+
+namespace uplink::simulation {
+namespace {
+
+/// Every row of one robot that `read` gives, page by page.
+template <typename Row, typename Read>
+std::vector<Row> AllRows(const std::string& ruri, const Read& read) {
+  std::vector<Row> rows;
+  storage::HistoryQuery query{.ruri = ruri, .page_size = storage::kPageSizeMax};
+  do {
+    auto page = read(query);
+    UPLINK_CHECK(page.ok(), page.status().ToString());
+    for (Row& row : page->rows) rows.push_back(std::move(row));
+    query.page_token = page->next_token;
+  } while (!query.page_token.empty());
+  return rows;
+}
+
+}  // namespace
+
+std::string SqliteBackend::Path() const { return folder_.path() + "/sim.db"; }
+
+storage::Store& SqliteBackend::Reopen(const storage::ProcessId& process) {
+  const bool first = store_ == nullptr;
+  store_.reset();
+  storage::sqlite::StoreOptions options;
+  options.process = process;
+  auto opened = storage::sqlite::SqliteStore::Open(Path(), options);
+  UPLINK_CHECK(opened.ok(), opened.status().ToString());
+  store_ = *std::move(opened);
+  if (first) {
+    testing::SqliteShell(Path()).Run(
+        fmt::format("CREATE TRIGGER refuse BEFORE INSERT ON faults_active WHEN NEW.fault_id = '{}' "
+                    "BEGIN SELECT RAISE(ABORT, 'refused on order'); END",
+                    kRefusedFaultId));
+  }
+  return *store_;
+}
+
+std::optional<std::string> SqliteBackend::Compare(const Recorder& recorder) {
+  auto reader = storage::sqlite::SqliteReader::Open(Path());
+  UPLINK_CHECK(reader.ok(), reader.status().ToString());
+  std::map<std::string, std::size_t> faults;
+  std::map<std::string, std::set<std::pair<model::SessionId, model::Seq>>> quarantined;
+  for (const auto& [key, durable] : recorder.sessions()) {
+    faults[key.first] += durable.faults;
+    for (const auto& [seq, reason] : durable.quarantined) {
+      quarantined[key.first].emplace(key.second, seq);
+    }
+  }
+  for (const auto& [ruri, count] : faults) {
+    const auto rows = AllRows<storage::FaultRow>(
+        ruri, [&](const storage::HistoryQuery& query) { return (*reader)->FaultHistory(query); });
+    if (rows.size() != count) {
+      return fmt::format("{} has {} fault reports, the book says {}", ruri, rows.size(), count);
+    }
+  }
+  for (const auto& [ruri, numbers] : quarantined) {
+    const auto rows = AllRows<storage::QuarantineRow>(
+        ruri, [&](const storage::HistoryQuery& query) { return (*reader)->Quarantine(query); });
+    std::set<std::pair<model::SessionId, model::Seq>> found;
+    for (const storage::QuarantineRow& row : rows) found.emplace(row.session, row.seq);
+    if (rows.size() != found.size() || found != numbers) {
+      return fmt::format("{} has {} numbers in quarantine, the book says {}", ruri, rows.size(),
+                         numbers.size());
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace uplink::simulation

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "storage/sqlite/store.h"
+#include "tests/simulation/world.h"
+#include "tests/support/temp_folder.h"
+
+namespace uplink::simulation {
+
+/// The real SQLite store on a file of its own, opened anew by each process.
+class SqliteBackend final : public Backend {
+ public:
+  storage::Store& Reopen(const storage::ProcessId& process) override;
+  std::optional<std::string> Compare(const Recorder& recorder) override;
+
+ private:
+  [[nodiscard]] std::string Path() const;
+
+  testing::TempFolder folder_;
+  std::unique_ptr<storage::sqlite::SqliteStore> store_;
+};
+
+}  // namespace uplink::simulation

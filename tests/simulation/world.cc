@@ -1,0 +1,225 @@
+#include "tests/simulation/world.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace uplink::simulation {
+
+World::World(const Payloads& payloads, Backend& backend, const RunOptions& options)
+    : payloads_(payloads),
+      backend_(backend),
+      options_(options),
+      random_(options.seed),
+      recorder_([this](const std::string& text) {
+        if (result_.violation.empty()) {
+          result_.violation =
+              fmt::format("seed {} step {}: {}", options_.seed, result_.steps, text);
+        }
+      }) {
+  // Small limits, so that every bound is met often.
+  limits_.session.in_flight_uplinks_max = static_cast<std::uint32_t>(3 + random_.Below(12));
+  limits_.session.batch_uplinks_max = 6;
+  limits_.session.drain_timeout = milliseconds(random_.Percent(50) ? 1'000 : 20'000);
+  limits_.journal.bytes_max = random_.Percent(30) ? 4'000 : 1'000'000;
+  limits_.journal.batch_records_max = 1 + random_.Below(8);
+  const std::size_t robots = 1 + random_.Below(3);
+  for (std::size_t i = 0; i < robots; ++i) {
+    robots_.push_back(std::make_unique<Robot>(SimAgent(
+        fmt::format("rcan://sim/{}", i), payloads_, recorder_, [this](const std::string& text) {
+          if (result_.violation.empty()) {
+            result_.violation =
+                fmt::format("seed {} step {}: robot says: {}", options_.seed, result_.steps, text);
+          }
+        })));
+  }
+  StartServer();
+}
+
+void World::StartServer() {
+  storage::ProcessId process{};
+  for (std::uint8_t& byte : process) byte = static_cast<std::uint8_t>(random_.Next());
+  recorder_.SetStore(&backend_.Reopen(process));
+  server_ = std::make_unique<SimServer>(clock_, recorder_, limits_);
+}
+
+RunResult World::Run() {
+  while (result_.steps < options_.steps && result_.violation.empty()) {
+    ++result_.steps;
+    Step();
+    Reap();
+    Check();
+  }
+  if (result_.violation.empty()) Heal();
+  if (result_.violation.empty()) CheckEnd();
+  result_.uplinks += server_->counts().uplinks;
+  return result_;
+}
+
+World::Robot* World::OwnerOf(std::uint64_t stream) {
+  for (const auto& robot : robots_) {
+    if (robot->stream == stream) return robot.get();
+  }
+  return nullptr;
+}
+
+void World::Step() {
+  const std::size_t pick = random_.Below(100);
+  if (pick < 48 && !server_->streams().empty()) {
+    auto& streams = server_->streams();
+    const auto at =
+        std::next(streams.begin(), static_cast<std::ptrdiff_t>(random_.Below(streams.size())));
+    return NetworkStep(*at->second, OwnerOf(at->first));
+  }
+  if (pick < 60) return AgentStep(*robots_[random_.Below(robots_.size())]);
+  if (pick < 76) {
+    server_->journal().Advance();
+    return;
+  }
+  if (pick < 94) {
+    if (server_->HasWakes()) server_->DeliverWake(static_cast<std::size_t>(random_.Next() >> 1U));
+    return;
+  }
+  if (pick < 97) {
+    clock_.Advance(milliseconds(random_.Percent(20) ? 1500 : 20 + random_.Below(300)));
+    return server_->FireTimers();
+  }
+  FaultStep();
+}
+
+void World::NetworkStep(SimStream& stream, Robot* owner) {
+  switch (random_.Below(3)) {
+    case 0:
+      if (stream.CanDeliver()) return stream.DeliverToServer();
+      if (stream.CanHalfClose()) return stream.DeliverHalfClose(clock_.Steady());
+      if (stream.CanTellBroken() && random_.Percent(30)) stream.TellBroken();
+      return;
+    case 1:
+      if (stream.Writing() && !stream.broken()) stream.CompleteWrite();
+      return;
+    default:
+      if (owner != nullptr && stream.CanReceive()) Receive(*owner, stream);
+  }
+}
+
+void World::Receive(Robot& robot, SimStream& stream) {
+  const ToAgent received = stream.Receive();
+  if (received.end) {
+    robot.agent.Disconnected();
+    robot.stream.reset();
+    return;
+  }
+  robot.agent.OnFrame(received.frame);
+  if (received.frame.has_ack()) robot.batches_acked = received.batches_seen;
+}
+
+void World::AgentStep(Robot& robot) {
+  SimStream* stream = robot.stream ? server_->Find(*robot.stream) : nullptr;
+  if (stream == nullptr) {
+    if (random_.Percent(40)) Connect(robot);
+    return;
+  }
+  if (!robot.agent.Ready() || stream->half_closed()) return;
+  const std::size_t pick = random_.Below(100);
+  if (pick < 5 && !robot.agent.HasResends()) return stream->HalfClose();
+  if (pick < 7 && robot.agent.SessionsWithKept() < 3) return robot.agent.NewSession(random_);
+  // An agent that restarts does not wait for its old stream: the server sees a takeover.
+  if (pick < 9) return Connect(robot);
+  const v1::RelayRequest batch =
+      robot.agent.Batch(random_, 1 + random_.Below(6), SimAgent::Fresh::kYes);
+  stream->Send(batch);
+}
+
+void World::Connect(Robot& robot) {
+  if (SimStream* old = robot.stream ? server_->Find(*robot.stream) : nullptr) old->Break();
+  robot.agent.Disconnected();
+  robot.stream.reset();
+  if (server_->draining) return;
+  robot.stream = server_->Open(robot.agent.ruri());
+  robot.batches_acked = 0;
+  server_->Find(*robot.stream)->Send(robot.agent.Connect(random_));
+}
+
+void World::FaultStep() {
+  const std::size_t pick = random_.Below(100);
+  if (pick < 40) {
+    Robot& robot = *robots_[random_.Below(robots_.size())];
+    if (SimStream* stream = robot.stream ? server_->Find(*robot.stream) : nullptr) {
+      ++result_.breaks;
+      stream->Break();
+      robot.agent.Disconnected();
+      robot.stream.reset();
+    }
+    return;
+  }
+  if (pick < 75) {
+    return recorder_.FailNext(random_.Percent(50) ? StoreFault::kBefore : StoreFault::kAfter);
+  }
+  if (pick < 90) {
+    away_ = pick < 80 && !away_;
+    return recorder_.SetAway(away_);
+  }
+  if (pick < 93) {
+    server_->draining = true;
+    for (auto& [id, stream] : server_->streams()) {
+      stream->session().OnDrain(milliseconds(1000));
+    }
+    return;
+  }
+  Kill();
+}
+
+void World::Kill() {
+  ++result_.kills;
+  result_.uplinks += server_->counts().uplinks;
+  server_.reset();
+  for (const auto& robot : robots_) {
+    robot->agent.Disconnected();
+    robot->stream.reset();
+  }
+  StartServer();
+}
+
+void World::Reap() {
+  CheckEnds();
+  auto& streams = server_->streams();
+  std::vector<std::uint64_t> over;
+  for (auto& [id, stream] : streams) {
+    const bool gone = stream->session().done() && (stream->broken() || OwnerOf(id) == nullptr);
+    if (gone || stream->Over()) over.push_back(id);
+  }
+  for (const std::uint64_t id : over) {
+    if (Robot* robot = OwnerOf(id)) {
+      robot->agent.Disconnected();
+      robot->stream.reset();
+    }
+    server_->Forget(id);
+  }
+}
+
+void World::Check() {
+  CheckLaw();
+  for (const auto& robot : robots_) {
+    fleet::Robot* known = server_->fleet().Find(robot->agent.ruri());
+    if (known != nullptr && known->state.held_back()) ++result_.held_back;
+    if (known != nullptr &&
+        known->sessions.in_flight() > limits_.session.in_flight_uplinks_max + 1) {
+      recorder_.Violate(fmt::format("{} messages of {} are in flight, the limit is {}",
+                                    known->sessions.in_flight(), robot->agent.ruri(),
+                                    limits_.session.in_flight_uplinks_max));
+    }
+  }
+}
+
+void World::CheckLaw() {
+  const metrics::UplinkCounts counts = server_->counts().uplinks;
+  if (!counts.Balanced()) {
+    recorder_.Violate(fmt::format(
+        "the conservation law is broken: received {} stored {} applied {} superseded {} duplicate "
+        "{} rejected {} in flight {}",
+        counts.received, counts.stored, counts.applied, counts.superseded, counts.duplicate,
+        counts.rejected, counts.in_flight));
+  }
+}
+
+}  // namespace uplink::simulation

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/simulation/payloads.h"
+#include "tests/simulation/random.h"
+#include "tests/simulation/recorder.h"
+#include "tests/simulation/sim_agent.h"
+#include "tests/simulation/sim_server.h"
+
+namespace uplink::simulation {
+
+/// The durable thing under test: opened anew by each life of the process on the same data.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  /// A store for a new process; the one before is gone as after a kill.
+  virtual storage::Store& Reopen(const storage::ProcessId& process) = 0;
+  /// Compares what lies in the store with the book; a sentence for the first difference.
+  virtual std::optional<std::string> Compare(const Recorder& recorder) = 0;
+};
+
+struct RunOptions {
+  std::uint64_t seed = 1;
+  std::uint32_t steps = 400;
+};
+
+struct RunResult {
+  /// Empty if every promise was kept; else the step and what was broken.
+  std::string violation;
+  std::uint32_t steps = 0;
+  /// Over all lives of the process.
+  metrics::UplinkCounts uplinks;
+  std::uint64_t kills = 0;
+  std::uint64_t breaks = 0;
+  /// Steps after which a robot's stream was held back.
+  std::uint64_t held_back = 0;
+  /// Streams that the server ended, by status.
+  std::map<absl::StatusCode, std::uint64_t> ends;
+};
+
+/// Everything in the result, one figure a line: two runs are the same run if it is equal.
+[[nodiscard]] std::string ToText(const RunResult& result);
+
+/// Runs one seeded schedule of agents, network, process and store, checks every promise after every
+/// step, then lets faults stop and checks that everything settles.
+///
+/// Thread: confined to its caller; nothing in it waits or reads a real clock.
+class World final {
+ public:
+  World(const Payloads& payloads, Backend& backend, const RunOptions& options);
+  RunResult Run();
+
+ private:
+  struct Robot {
+    SimAgent agent;
+    std::optional<std::uint64_t> stream;
+    std::uint64_t batches_acked = 0;
+  };
+
+  void Step();
+  void NetworkStep(SimStream& stream, Robot* owner);
+  void AgentStep(Robot& robot);
+  void FaultStep();
+  void Kill();
+  void StartServer();
+  void Connect(Robot& robot);
+  void Receive(Robot& robot, SimStream& stream);
+  void Check();
+  void CheckLaw();
+  void CheckEnds();
+  [[nodiscard]] bool MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode code);
+  [[nodiscard]] Robot* OwnerOf(std::uint64_t stream);
+  void Reap();
+
+  void Heal();
+  void HealRound();
+  [[nodiscard]] bool Settled();
+  void CheckEnd();
+
+  const Payloads& payloads_;
+  Backend& backend_;
+  const RunOptions options_;
+  Random random_;
+  testing::ManualClock clock_;
+  RunResult result_;
+  Recorder recorder_;
+  ServerLimits limits_;
+  std::unique_ptr<SimServer> server_;
+  std::vector<std::unique_ptr<Robot>> robots_;
+  bool away_ = false;
+};
+
+}  // namespace uplink::simulation

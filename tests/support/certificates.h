@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace uplink::testing {
+
+/// What a test certificate says. Its parts go into the certificate as they are, wrong ones too.
+struct CertificateSpec {
+  /// Attributes of the subject; each element becomes one, so that a test can repeat an attribute.
+  std::vector<std::string> common_names;
+  std::vector<std::string> organizations;
+  std::vector<std::string> units;
+  /// Subject alternative names by kind. IP addresses as text.
+  std::vector<std::string> uris;
+  std::vector<std::string> dns_names;
+  std::vector<std::string> ip_addresses;
+  /// Extended key usages by OpenSSL's short names (`clientAuth`, `serverAuth`); empty: no
+  /// extension.
+  std::vector<std::string> key_usages{"clientAuth"};
+  /// Validity, in seconds from now.
+  long not_before_s = -3600;
+  long not_after_s = 3600;
+  bool is_authority = false;
+};
+
+/// A robot's certificate by the profile of the protocol.
+[[nodiscard]] CertificateSpec RobotSpec(const std::string& ruri, const std::string& fleet = "");
+/// A server's certificate for loopback and `localhost`.
+[[nodiscard]] CertificateSpec ServerSpec();
+
+/// A certificate and its key (ECDSA P-256), PEM.
+struct KeyPair {
+  std::string certificate;
+  std::string key;
+};
+
+/// A certificate authority in memory. Failures of the library end the test program: they are the
+/// test's own bugs. Confined to one thread.
+class TestAuthority final {
+ public:
+  explicit TestAuthority(const std::string& name = "test authority");
+  ~TestAuthority();
+  TestAuthority(const TestAuthority&) = delete;
+  TestAuthority& operator=(const TestAuthority&) = delete;
+
+  /// The authority's own certificate, PEM.
+  [[nodiscard]] const std::string& certificate() const;
+  [[nodiscard]] KeyPair Issue(const CertificateSpec& spec) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace uplink::testing

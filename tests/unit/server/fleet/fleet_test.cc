@@ -1,0 +1,103 @@
+#include "server/fleet/fleet.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::fleet {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr milliseconds kIdle = std::chrono::hours(1);
+
+class FleetTest : public ::testing::Test {
+ protected:
+  Robot& Admit(Fleet& fleet, const std::string& ruri) {
+    const auto robot = fleet.FindOrAdmit({.ruri = ruri, .fleet = "north"});
+    EXPECT_TRUE(robot.ok());
+    return **robot;
+  }
+  testing::ManualClock clock_;
+};
+
+TEST_F(FleetTest, AdmitsARobotOnce) {
+  Fleet fleet(clock_, 10, {});
+  Robot& robot = Admit(fleet, "rcan://a");
+  EXPECT_EQ(&Admit(fleet, "rcan://a"), &robot);
+  EXPECT_EQ(fleet.size(), 1U);
+  EXPECT_EQ(fleet.Find("rcan://a"), &robot);
+  EXPECT_EQ(fleet.Find("rcan://b"), nullptr);
+  EXPECT_EQ(*robot.id(), (model::RobotId{.ruri = "rcan://a", .fleet = "north"}));
+}
+
+TEST_F(FleetTest, TheFleetPartFollowsTheCertificate) {
+  Fleet fleet(clock_, 10, {});
+  const storage::RobotRef before = Admit(fleet, "rcan://a").id();
+  ASSERT_TRUE(fleet.FindOrAdmit({.ruri = "rcan://a", .fleet = "south"}).ok());
+  EXPECT_EQ(fleet.Find("rcan://a")->id()->fleet, "south");
+  EXPECT_EQ(before->fleet, "north") << "what was taken under it keeps it";
+}
+
+TEST_F(FleetTest, RobotsMaxIsTheLast) {
+  Fleet fleet(clock_, 2, {});
+  Admit(fleet, "rcan://a");
+  EXPECT_FALSE(fleet.full());
+  Admit(fleet, "rcan://b");
+  EXPECT_TRUE(fleet.full());
+  const auto third = fleet.FindOrAdmit({.ruri = "rcan://c", .fleet = "north"});
+  EXPECT_EQ(third.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(std::string(third.status().message()),
+            "the server admits no more than 2 robots (limits.robots_max)");
+  EXPECT_EQ(fleet.size(), 2U);
+  EXPECT_EQ(fleet.Find("rcan://c"), nullptr);
+  Admit(fleet, "rcan://a");
+}
+
+TEST_F(FleetTest, SortedIsByRuri) {
+  Fleet fleet(clock_, 100, {});
+  for (const char* const ruri : {"rcan://c", "rcan://a", "rcan://b", "rcan://A"}) {
+    Admit(fleet, ruri);
+  }
+  std::vector<std::string> ruris;
+  for (const Robot* robot : fleet.Sorted()) ruris.push_back(robot->ruri());
+  EXPECT_THAT(ruris, ElementsAre("rcan://A", "rcan://a", "rcan://b", "rcan://c"));
+}
+
+TEST_F(FleetTest, SweepCountsPresence) {
+  Fleet fleet(clock_, 100, {});
+  Robot& heard = Admit(fleet, "rcan://heard");
+  Robot& held = Admit(fleet, "rcan://held");
+  Admit(fleet, "rcan://silent");
+  held.state.SetReading(RobotState::Reading::kHeldBack, clock_.Steady());
+  clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
+  heard.state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits());
+  const PresenceCounts counts = fleet.Sweep(kIdle);
+  EXPECT_EQ(counts.online, 1);
+  EXPECT_EQ(counts.unknown, 1);
+  EXPECT_EQ(counts.offline, 1);
+  EXPECT_EQ(fleet.presence_counts().offline, 1);
+}
+
+TEST_F(FleetTest, TheGraceBeginsWithTheServerNotWithTheRobot) {
+  Fleet fleet(clock_, 100, {});
+  clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
+  Admit(fleet, "rcan://late");
+  EXPECT_EQ(fleet.Sweep(kIdle).offline, 1);
+}
+
+TEST_F(FleetTest, SweepForgetsIdleSessions) {
+  Fleet fleet(clock_, 100, {});
+  session::RobotSessions& sessions = Admit(fleet, "rcan://a").sessions;
+  ASSERT_TRUE(sessions.Begin(model::SessionId(), clock_.Steady()));
+  clock_.Advance(kIdle);
+  fleet.Sweep(kIdle);
+  EXPECT_EQ(sessions.Held().size(), 1U);
+  clock_.Advance(milliseconds(1));
+  fleet.Sweep(kIdle);
+  EXPECT_TRUE(sessions.Held().empty());
+}
+
+}  // namespace
+}  // namespace uplink::fleet

@@ -1,0 +1,68 @@
+#include "server/fleet/presence.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace uplink::fleet {
+namespace {
+
+constexpr PresenceLimits kLimits{.timeout = milliseconds(10'000),
+                                 .startup_grace = milliseconds(120'000)};
+constexpr SteadyTime kStart{std::chrono::hours(1)};
+
+constexpr SteadyTime At(std::int64_t ms) { return kStart + milliseconds(ms); }
+
+struct Case {
+  std::string name;
+  /// Milliseconds after the server's start; nothing: never.
+  std::int64_t now = 0;
+  std::optional<std::int64_t> heard;
+  bool held_back = false;
+  std::optional<std::int64_t> held_back_until;
+  Presence expected = Presence::kUnknown;
+};
+
+class PresenceTable : public ::testing::TestWithParam<Case> {};
+
+TEST_P(PresenceTable, Holds) {
+  const Case& fact = GetParam();
+  PresenceFacts facts{.now = At(fact.now), .server_started = kStart, .held_back = fact.held_back};
+  if (fact.heard) facts.last_sign_of_life = At(*fact.heard);
+  if (fact.held_back_until) facts.held_back_until = At(*fact.held_back_until);
+  EXPECT_EQ(ToText(PresenceOf(facts, kLimits)), ToText(fact.expected));
+}
+
+constexpr auto kUnknown = Presence::kUnknown;
+constexpr auto kOnline = Presence::kOnline;
+constexpr auto kOffline = Presence::kOffline;
+
+INSTANTIATE_TEST_SUITE_P(
+    Presence, PresenceTable,
+    ::testing::Values(
+        Case{"NeverHeardAtTheStart", 0, {}, false, {}, kUnknown},
+        Case{"NeverHeardAtTheEndOfTheGrace", 120'000, {}, false, {}, kUnknown},
+        Case{"NeverHeardPastTheGrace", 120'001, {}, false, {}, kOffline},
+        Case{"HeardNow", 0, 0, false, {}, kOnline},
+        Case{"HeardATimeoutAgo", 50'000, 40'000, false, {}, kOnline},
+        Case{"HeardOverATimeoutAgo", 50'001, 40'000, false, {}, kOffline},
+        Case{"HeardOnceThenSilentWithinTheGrace", 20'000, 1'000, false, {}, kOffline},
+        Case{"HeldBackAndHeardLately", 50'000, 40'000, true, {}, kOnline},
+        Case{"HeldBackAndSilent", 900'000, 40'000, true, {}, kUnknown},
+        Case{"HeldBackAndNeverHeard", 900'000, {}, true, {}, kUnknown},
+        Case{"ATimeoutAfterHoldingBack", 900'000, 40'000, false, 890'000, kUnknown},
+        Case{"OverATimeoutAfterHoldingBack", 900'001, 40'000, false, 890'000, kOffline},
+        Case{"NeverHeardATimeoutAfterHoldingBack", 900'000, {}, false, 890'000, kUnknown},
+        Case{"NeverHeardOverATimeoutAfterHoldingBack", 900'001, {}, false, 890'000, kOffline},
+        Case{"HeldBackAgain", 900'001, 40'000, true, 890'000, kUnknown},
+        Case{"HeardAfterHoldingBack", 900'000, 899'000, false, 890'000, kOnline}),
+    [](const auto& instance) { return instance.param.name; });
+
+TEST(PresenceText, IsAsTheApiSpellsIt) {
+  EXPECT_EQ(ToText(Presence::kUnknown), "unknown");
+  EXPECT_EQ(ToText(Presence::kOnline), "online");
+  EXPECT_EQ(ToText(Presence::kOffline), "offline");
+}
+
+}  // namespace
+}  // namespace uplink::fleet

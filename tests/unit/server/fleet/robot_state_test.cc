@@ -1,0 +1,229 @@
+#include "server/fleet/robot_state.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+#include "tests/support/records.h"
+
+namespace uplink::fleet {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr std::int64_t kNow = 1'763'683'200'000;
+
+class RobotStateTest : public ::testing::Test {
+ protected:
+  void Apply(const std::vector<model::Body>& bodies) {
+    std::vector<model::Record> records;
+    records.reserve(bodies.size());
+    for (const model::Body& body : bodies) records.push_back(test::RecordOf(body));
+    state_.Apply(records);
+  }
+  StateSnapshot All() const { return state_.Snapshot(RobotState::Parts::kAll); }
+
+  testing::ManualClock clock_;
+  const PresenceLimits limits_{};
+  RobotState state_{clock_.Steady(), clock_.System()};
+};
+
+model::TelemetryExtras Extras(std::vector<model::SensorReading> readings) {
+  return {.unix_time_ms = kNow, .kv = std::move(readings)};
+}
+
+template <typename Items>
+std::vector<std::string> KeysOf(const Items& items) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : items) keys.push_back(key);
+  return keys;
+}
+
+TEST_F(RobotStateTest, BeginsWithNothing) {
+  const StateSnapshot snapshot = All();
+  EXPECT_FALSE(snapshot.parts.motion);
+  EXPECT_FALSE(snapshot.parts.status);
+  EXPECT_FALSE(snapshot.parts.usage);
+  EXPECT_EQ(snapshot.presence, Presence::kUnknown);
+  EXPECT_EQ(snapshot.presence_since, clock_.System());
+  EXPECT_FALSE(snapshot.last_sign_of_life);
+  EXPECT_FALSE(snapshot.clock_skew_ms);
+}
+
+TEST_F(RobotStateTest, MotionStatusAndUsageAreReplacedWhole) {
+  Apply({model::MotionTelemetry{.unix_time_ms = kNow, .velocity = model::VelTwist{1, 0}},
+         model::StatusTelemetry{.unix_time_ms = kNow, .status = "first"},
+         model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 1}});
+  Apply({model::MotionTelemetry{.unix_time_ms = kNow - 5},
+         model::StatusTelemetry{.unix_time_ms = kNow - 5, .status = "second"},
+         model::UsageTelemetry{.unix_time_ms = kNow - 5, .reboot_count = 2}});
+  const LiveParts parts = All().parts;
+  EXPECT_EQ(parts.motion->unix_time_ms, kNow - 5) << "no robot clock decides anything";
+  EXPECT_FALSE(parts.motion->velocity);
+  EXPECT_EQ(parts.status->status, "second");
+  EXPECT_EQ(parts.usage->reboot_count, 2U);
+}
+
+TEST_F(RobotStateTest, ExtrasAreKeptByKeyWithTheirOwnTime) {
+  Apply({Extras({{.key = "rpm", .value = 1.0, .unix_time_ms = kNow - 30},
+                 {.key = "temp", .value = 2.0, .unix_time_ms = {}}}),
+         Extras({{.key = "rpm", .value = 3.0, .unix_time_ms = {}}})});
+  const LiveParts parts = All().parts;
+  const auto& items = parts.extras.items();
+  EXPECT_THAT(KeysOf(items), ElementsAre("temp", "rpm"));
+  EXPECT_EQ(items.front().second.sampled_at_ms, kNow);
+  EXPECT_EQ(items.back().second.value, model::Value(3.0));
+  EXPECT_EQ(items.back().second.sampled_at_ms, kNow);
+}
+
+TEST_F(RobotStateTest, AReadingsOwnTimeWins) {
+  Apply({Extras({{.key = "rpm", .value = 1.0, .unix_time_ms = kNow - 30}})});
+  EXPECT_EQ(All().parts.extras.items().front().second.sampled_at_ms, kNow - 30);
+}
+
+TEST_F(RobotStateTest, HealthConsumablesAndDirectivesAreKeptByKey) {
+  Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = "main", .cpu_pct = 10},
+         model::SystemHealth{.unix_time_ms = kNow, .device_id = "arm", .cpu_pct = 20},
+         model::SystemHealth{.unix_time_ms = kNow, .device_id = "main", .cpu_pct = 30}});
+  model::ConsumableStatus left{.unix_time_ms = kNow,
+                               .kind = "paint",
+                               .tank_id = "left",
+                               .level_pct = 50,
+                               .amount_remaining = 5,
+                               .unit = "l"};
+  model::ConsumableStatus right = left;
+  right.tank_id = "right";
+  Apply({left, right, left});
+  Apply({model::SpatialDirectiveStatus{.directive_id = "d1", .active = true},
+         model::SpatialDirectiveStatus{.directive_id = "d1", .active = false}});
+  const LiveParts parts = All().parts;
+  EXPECT_THAT(KeysOf(parts.health.items()), ElementsAre("arm", "main"));
+  EXPECT_EQ(parts.health.items().back().second.cpu_pct, 30);
+  EXPECT_THAT(KeysOf(parts.consumables.items()), ElementsAre("paint/right", "paint/left"));
+  EXPECT_THAT(KeysOf(parts.directives.items()), ElementsAre("d1"));
+  EXPECT_FALSE(parts.directives.items().front().second.active);
+}
+
+TEST_F(RobotStateTest, AtTheBoundNoKeyGoes) {
+  for (std::size_t i = 0; i < kHealthDevicesMax; ++i) {
+    Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = std::to_string(i)}});
+  }
+  EXPECT_EQ(All().keys_evicted, 0U);
+  EXPECT_EQ(All().parts.health.items().size(), kHealthDevicesMax);
+}
+
+TEST_F(RobotStateTest, PastTheBoundTheLeastRecentlyUpdatedKeyGoes) {
+  for (std::size_t i = 0; i < kHealthDevicesMax; ++i) {
+    Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = std::to_string(i)}});
+  }
+  Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = "0"},
+         model::SystemHealth{.unix_time_ms = kNow, .device_id = "new"}});
+  const StateSnapshot snapshot = All();
+  EXPECT_EQ(snapshot.keys_evicted, 1U);
+  const std::vector<std::string> keys = KeysOf(snapshot.parts.health.items());
+  EXPECT_EQ(keys.size(), kHealthDevicesMax);
+  EXPECT_THAT(keys, ::testing::Not(::testing::Contains("1")));
+  EXPECT_THAT(keys, ::testing::Contains("0"));
+}
+
+TEST_F(RobotStateTest, EveryKeyedKindHasItsBound) {
+  LatestByKey<int, 2> latest;
+  EXPECT_EQ(latest.Put("a", 1), 0U);
+  EXPECT_EQ(latest.Put("b", 2), 0U);
+  EXPECT_EQ(latest.Put("a", 3), 0U);
+  EXPECT_EQ(latest.Put("c", 4), 1U);
+  EXPECT_THAT(KeysOf(latest.items()), ElementsAre("a", "c"));
+  for (std::size_t i = 0; i <= kConsumablesMax; ++i) {
+    Apply({model::ConsumableStatus{.unix_time_ms = kNow,
+                                   .kind = std::to_string(i),
+                                   .tank_id = "t",
+                                   .level_pct = 1,
+                                   .amount_remaining = 1,
+                                   .unit = "l"}});
+  }
+  EXPECT_EQ(All().parts.consumables.items().size(), kConsumablesMax);
+  for (std::size_t i = 0; i <= kDirectivesMax; ++i) {
+    Apply({model::SpatialDirectiveStatus{.directive_id = std::to_string(i)}});
+    Apply({Extras({{.key = std::to_string(i), .value = 1.0, .unix_time_ms = {}}})});
+  }
+  EXPECT_EQ(All().parts.directives.items().size(), kDirectivesMax);
+  EXPECT_EQ(All().parts.extras.items().size(), kExtrasMax);
+  EXPECT_EQ(All().keys_evicted, 3U);
+}
+
+TEST_F(RobotStateTest, ACopyKeepsItsOwnKeys) {
+  LatestByKey<int, 2> original;
+  original.Put("a", 1);
+  LatestByKey<int, 2> copy(original);
+  copy.Put("a", 2);
+  copy.Put("b", 3);
+  original.Put("c", 4);
+  EXPECT_THAT(KeysOf(copy.items()), ElementsAre("a", "b"));
+  EXPECT_THAT(KeysOf(original.items()), ElementsAre("a", "c"));
+  copy = original;
+  copy.Put("a", 9);
+  EXPECT_THAT(KeysOf(copy.items()), ElementsAre("c", "a"));
+  EXPECT_EQ(original.items().front().second, 1);
+}
+
+TEST_F(RobotStateTest, ASnapshotWithoutPartsLeavesThemEmpty) {
+  Apply({model::MotionTelemetry{.unix_time_ms = kNow}});
+  EXPECT_FALSE(state_.Snapshot(RobotState::Parts::kNone).parts.motion);
+  EXPECT_TRUE(All().parts.motion);
+}
+
+TEST_F(RobotStateTest, PresenceSinceMovesWithPresenceAlone) {
+  clock_.Advance(milliseconds(100));
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  const SystemTime online_since = clock_.System();
+  EXPECT_EQ(All().presence, Presence::kOnline);
+  EXPECT_EQ(All().presence_since, online_since);
+  clock_.Advance(milliseconds(100));
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  EXPECT_EQ(All().presence_since, online_since);
+  EXPECT_EQ(All().last_sign_of_life, clock_.System());
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(state_.presence(), Presence::kOnline) << "until the sweep looks";
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
+  EXPECT_EQ(All().presence_since, clock_.System());
+}
+
+TEST_F(RobotStateTest, HoldingBackCountsToItsEnd) {
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  state_.SetReading(RobotState::Reading::kHeldBack, clock_.Steady());
+  EXPECT_TRUE(state_.held_back());
+  clock_.Advance(std::chrono::minutes(5));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kUnknown);
+  state_.SetReading(RobotState::Reading::kFlowing, clock_.Steady());
+  EXPECT_FALSE(state_.held_back());
+  clock_.Advance(limits_.timeout);
+  state_.SetReading(RobotState::Reading::kFlowing, clock_.Steady());
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kUnknown);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
+}
+
+TEST_F(RobotStateTest, DroppedFieldsCountFromTheStreamsBegin) {
+  state_.CountDropped(3);
+  state_.CountDropped(1);
+  EXPECT_EQ(All().fields_dropped, 4);
+  state_.StreamBegan();
+  EXPECT_EQ(All().fields_dropped, 0);
+}
+
+TEST_F(RobotStateTest, KeepsTheLatestClockSkew) {
+  state_.NoteClockSkew(-200);
+  state_.NoteClockSkew(40);
+  EXPECT_EQ(All().clock_skew_ms, 40);
+}
+
+TEST(RobotStateDeathTest, ADurableKindIsNeverApplied) {
+  testing::ManualClock clock;
+  RobotState state(clock.Steady(), clock.System());
+  std::vector<model::Record> records{
+      test::RecordOf(model::Message{.unix_time_ms = kNow, .message = "hello"})};
+  EXPECT_DEATH(state.Apply(records), "only live kinds");
+}
+
+}  // namespace
+}  // namespace uplink::fleet

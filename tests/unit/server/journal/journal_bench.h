@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/journal/journal.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/manual_clock.h"
+#include "tests/support/records.h"
+
+namespace uplink::journal {
+
+/// Counts wakes by stream. Thread-safe.
+class CountingInbox final : public WakeInbox {
+ public:
+  void Wake(std::uint64_t stream) override {
+    const std::lock_guard lock(mutex_);
+    ++wakes_[stream];
+  }
+  [[nodiscard]] int wakes(std::uint64_t stream) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = wakes_.find(stream);
+    return found == wakes_.end() ? 0 : found->second;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, int> wakes_;
+};
+
+/// A robot that writes down what the journal tells it. Thread-safe.
+class RecordingClient final : public Client {
+ public:
+  explicit RecordingClient(std::string ruri, StreamRef stream = {})
+      : robot_(std::make_shared<const model::RobotId>(model::RobotId{std::move(ruri), "bench"})),
+        stream_(stream) {}
+
+  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
+    return Note("opened " + std::to_string(open_id));
+  }
+  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& /*ledger*/) override {
+    std::string line = "settled";
+    for (const Settled& one : settled) {
+      line += " " + std::to_string(one.seq);
+      if (one.outcome.kind == storage::OutcomeKind::kDuplicate) line += " again";
+      if (one.outcome.kind == storage::OutcomeKind::kRefused) line += " refused";
+      if (one.rejected_for) line += " rejected";
+    }
+    return Note(std::move(line));
+  }
+  StreamRef OnGapsWritten(std::size_t count) override {
+    return Note("gaps " + std::to_string(count));
+  }
+  StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
+    generation_.fetch_add(1);
+    return Note("fenced");
+  }
+  [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
+
+  /// What was told since the last call, a line each.
+  [[nodiscard]] std::vector<std::string> Told() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(told_, {});
+  }
+  [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
+
+ private:
+  StreamRef Note(std::string line) {
+    const std::lock_guard lock(mutex_);
+    told_.push_back(std::move(line));
+    return stream_;
+  }
+
+  const storage::RobotRef robot_;
+  const StreamRef stream_;
+  std::atomic<std::uint64_t> generation_{1};
+  mutable std::mutex mutex_;
+  std::vector<std::string> told_;
+};
+
+/// A good durable record.
+[[nodiscard]] inline model::Record FaultRecord(std::string id = "BATTERY_LOW") {
+  model::Fault fault;
+  fault.unix_time_ms = 1'763'683'200'000;
+  fault.fault_id = std::move(id);
+  fault.source = "bench";
+  fault.active = true;
+  return test::RecordOf(fault);
+}
+
+/// A journal on the store in memory.
+struct JournalBench {
+  explicit JournalBench(const JournalLimits& limits = {})
+      : journal(store, limits, clock, ledger, probe) {}
+
+  void Open(RecordingClient& client, std::uint64_t open_id = 1) {
+    journal.Open(client, open_id,
+                 {.robot = client.robot(), .session = kSession, .at = clock.System()});
+  }
+  void Append(RecordingClient& client, model::Seq seq, std::string payload = "") {
+    const std::size_t bytes = payload.size();
+    journal.Append(client, client.generation(),
+                   {.robot = client.robot(),
+                    .session = kSession,
+                    .seq = seq,
+                    .received_at = clock.System(),
+                    .content = FaultRecord(),
+                    .payload = std::move(payload),
+                    .payload_bytes = bytes},
+                   clock.Steady());
+  }
+  void AppendGap(RecordingClient& client, model::Seq first, model::Seq last) {
+    journal.AppendGap(client, client.generation(),
+                      {.robot = client.robot(),
+                       .session = kSession,
+                       .first = first,
+                       .last = last,
+                       .seen_at = clock.System()});
+  }
+  [[nodiscard]] std::vector<model::Seq> Stored(const RecordingClient& client) const {
+    return database.Log(client.robot()->ruri, kSession).stored;
+  }
+  void Run() {
+    while (journal.Advance() == Journal::Step::kWorked) {
+    }
+  }
+
+  static inline const model::SessionId kSession;
+
+  testing::ManualClock clock;
+  testing::FakeDatabase database;
+  testing::FakeStore store{database, storage::ProcessId{1}};
+  metrics::Ledger ledger;
+  JournalProbe probe;
+  Journal journal;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,216 @@
+// When the server stops reading a stream, when it reads again, and what presence makes of it.
+#include <algorithm>
+
+#include "tests/unit/server/session/session_test.h"
+
+namespace uplink::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class HoldBackTest : public SessionTest {
+ protected:
+  BenchStream& Welcomed() {
+    BenchStream& stream = server().Connect(SessionOf(1));
+    static_cast<void>(stream.Said());
+    return stream;
+  }
+  fleet::Presence Swept() {
+    server().fleet().Sweep(limits_.session.session_idle);
+    return server().robot().state.presence();
+  }
+};
+
+TEST_F(HoldBackTest, AtInFlightMaxNothingMoreIsTaken) {
+  limits_.session.in_flight_uplinks_max = 4;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 3, Fault())));
+  EXPECT_TRUE(stream.reading());
+  stream.Send(BatchFrame(Messages(4, 6, Fault())));
+  EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(server().counts().received, 4U);
+  EXPECT_TRUE(server().robot().state.held_back());
+  EXPECT_EQ(server().probe().held_back.value(), 1);
+  server().Commit();
+  EXPECT_TRUE(stream.reading());
+  EXPECT_FALSE(server().robot().state.held_back());
+  EXPECT_EQ(server().probe().held_back.value(), 0);
+  EXPECT_EQ(server().probe().held_back_total.value(), 1);
+  EXPECT_THAT(Stored(1), ElementsAre(1, 2, 3, 4, 5, 6));
+}
+
+TEST_F(HoldBackTest, ExactlyInFlightMaxHoldsBackTheNextFrame) {
+  limits_.session.in_flight_uplinks_max = 4;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 4, Fault())));
+  EXPECT_FALSE(stream.reading());
+  server().Commit();
+  EXPECT_TRUE(stream.reading());
+}
+
+TEST_F(HoldBackTest, LiveMessagesBehindTheLimitWaitInOrder) {
+  limits_.session.in_flight_uplinks_max = 1;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
+  EXPECT_EQ(server().counts().applied, 0U);
+  server().Commit();
+  EXPECT_EQ(server().counts().applied, 1U);
+}
+
+TEST_F(HoldBackTest, AFullJournalHoldsBackEveryStream) {
+  limits_.journal.bytes_max = 600;
+  BenchStream& stream = Welcomed();
+  BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
+  stream.Send(BatchFrame({{1, Fault()}}));
+  EXPECT_FALSE(server().journal().HasRoom());
+  EXPECT_FALSE(stream.reading());
+  other.Send(BatchFrame({{1, Fault()}}));
+  EXPECT_FALSE(other.reading());
+  EXPECT_EQ(server().counts().received, 1U);
+  server().Commit();
+  EXPECT_TRUE(stream.reading());
+  EXPECT_TRUE(other.reading());
+  EXPECT_EQ(server().counts().stored, 2U);
+}
+
+TEST_F(HoldBackTest, JournalRecordsAreBoundedToo) {
+  limits_.journal.records_max = 2;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 3, Fault())));
+  EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(server().counts().received, 2U);
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 3U);
+}
+
+TEST_F(HoldBackTest, SkippedNumbersCountAgainstTheRobotsFlight) {
+  limits_.session.in_flight_uplinks_max = 2;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{10, Motion()}, {20, Motion()}, {30, Motion()}}));
+  EXPECT_EQ(server().counts().received, 2U) << "two gaps wait for the store";
+  server().Commit();
+  EXPECT_EQ(server().counts().received, 3U);
+}
+
+/// A stream whose agent reads nothing while 1,024 Rejects wait for it.
+class StalledTest : public HoldBackTest {
+ protected:
+  StalledTest() : stream_(Welcomed()) {
+    stream_.StopReading();
+    // Not all in one second, which would be held back as malformed.
+    for (model::Seq first = 1; first <= 1025; first += 205) {
+      server().Pass(std::chrono::seconds(1));
+      stream_.Send(BatchFrame(Messages(first, first + 204, BadFault())));
+    }
+  }
+  BenchStream& stream_;
+};
+
+TEST_F(StalledTest, AFullOutgoingQueueHoldsBack) {
+  EXPECT_FALSE(stream_.reading());
+  EXPECT_TRUE(server().robot().state.held_back());
+  EXPECT_EQ(stream_.end(), "");
+}
+
+TEST_F(StalledTest, ThirtySecondsOfTakingNothingEndTheStream) {
+  server().Pass(kPeerStallMax - milliseconds(1));
+  EXPECT_EQ(stream_.end(), "");
+  server().Pass(milliseconds(1));
+  EXPECT_EQ(stream_.end(),
+            "RESOURCE_EXHAUSTED: the agent read nothing for 30 s while 1024 frames waited for it");
+  EXPECT_TRUE(stream_.cancelled());
+  EXPECT_EQ(server().probe().peer_stalls_total.value(), 1);
+  server().Commit();
+  EXPECT_EQ(server().counts().rejected, server().counts().received) << "what was taken commits";
+}
+
+TEST_F(StalledTest, OneFrameTakenBeginsTheThirtySecondsAnew) {
+  server().Pass(kPeerStallMax - milliseconds(1));
+  stream_.ReadOne();
+  server().Pass(kPeerStallMax - milliseconds(1));
+  EXPECT_EQ(stream_.end(), "");
+}
+
+TEST_F(StalledTest, ReadingAgainGoesOn) {
+  stream_.ReadAgain();
+  EXPECT_TRUE(stream_.reading());
+  EXPECT_FALSE(server().robot().state.held_back());
+  server().Pass(kPeerStallMax * 2);
+  EXPECT_EQ(stream_.end(), "");
+}
+
+TEST_F(HoldBackTest, MoreThanAThousandMalformedASecondHoldBack) {
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 250, BadFault())));
+  stream.Send(BatchFrame(Messages(251, 500, BadFault())));
+  stream.Send(BatchFrame(Messages(501, 750, BadFault())));
+  stream.Send(BatchFrame(Messages(751, 1000, BadFault())));
+  EXPECT_TRUE(stream.reading()) << "a thousand a second pass";
+  stream.Send(BatchFrame({{1001, BadFault()}, {1002, BadFault()}}));
+  EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(server().counts().received, 1001U);
+  server().Pass(milliseconds(999));
+  EXPECT_FALSE(stream.reading());
+  server().Pass(milliseconds(1));
+  EXPECT_TRUE(stream.reading());
+  EXPECT_EQ(server().counts().received, 1002U);
+}
+
+TEST_F(HoldBackTest, ALargeMalformedFrameIsSpreadOverSeconds) {
+  limits_.session.batch_uplinks_max = 4000;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 2500, BadFault())));
+  EXPECT_EQ(server().counts().received, 1001U);
+  server().Pass(std::chrono::seconds(1));
+  EXPECT_EQ(server().counts().received, 2002U);
+  EXPECT_FALSE(stream.reading());
+  server().Pass(std::chrono::seconds(1));
+  EXPECT_EQ(server().counts().received, 2500U);
+  EXPECT_TRUE(stream.reading());
+}
+
+TEST_F(HoldBackTest, NothingIsDroppedWhileHeldBack) {
+  limits_.session.in_flight_uplinks_max = 3;
+  server().StoreAway();
+  BenchStream& stream = server().Connect(SessionOf(1));
+  server().Pass(kWelcomeWait);
+  stream.Send(BatchFrame(Messages(1, 50, Fault())));
+  server().Commit();
+  server().Pass(std::chrono::minutes(10));
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 50U);
+  EXPECT_EQ(stream.Said().back(), "ack 50 judged 50");
+}
+
+TEST_F(HoldBackTest, PresenceIsUnknownInsteadOfOffline) {
+  limits_.session.in_flight_uplinks_max = 2;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Motion()}, {2, Fault()}, {3, Fault()}}));
+  server().Pass(std::chrono::seconds(10));
+  EXPECT_EQ(Swept(), fleet::Presence::kOnline);
+  server().Pass(milliseconds(1));
+  EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
+  server().Commit();
+  EXPECT_EQ(Swept(), fleet::Presence::kUnknown) << "for presence.timeout after";
+  server().Pass(std::chrono::seconds(10));
+  EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
+  server().Pass(milliseconds(1));
+  EXPECT_EQ(Swept(), fleet::Presence::kOffline);
+}
+
+TEST_F(HoldBackTest, ABreakEndsIt) {
+  limits_.session.in_flight_uplinks_max = 1;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Fault()}, {2, Fault()}}));
+  stream.Break();
+  EXPECT_FALSE(server().robot().state.held_back());
+  EXPECT_EQ(server().probe().held_back.value(), 0);
+  server().Commit();
+  EXPECT_THAT(Stored(1), ElementsAre(1)) << "2 was never taken";
+  EXPECT_THAT(server().Connect(SessionOf(1)).Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+}
+
+}  // namespace
+}  // namespace uplink::session

@@ -1,0 +1,190 @@
+// What sessions keep in memory, apart from any stream's frames.
+#include "server/session/robot_sessions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class SilentInbox final : public journal::WakeInbox {
+ public:
+  void Wake(std::uint64_t /*stream*/) override {}
+};
+
+model::SessionId Id(std::uint8_t number) { return model::SessionId({number}); }
+
+const model::Rejection kBad{model::RejectReason::kMissingField, "faultId", "empty"};
+
+class RobotSessionsTest : public ::testing::Test {
+ protected:
+  RobotSessionsTest() {
+    static_cast<void>(sessions_.Attach(Stream(1), clock_.Steady(), clock_.System()));
+    begun_ = *sessions_.Begin(Id(1), clock_.Steady());
+  }
+  journal::StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
+  std::vector<model::Seq> Rejects(const Resume& resume) {
+    std::vector<model::Seq> seqs;
+    for (const RejectedSeq& rejected : resume.rejects) seqs.push_back(rejected.seq);
+    return seqs;
+  }
+  journal::StreamRef Settle(model::Seq seq, storage::Outcome outcome,
+                            std::optional<model::RejectReason> rejected_for = std::nullopt) {
+    const journal::Settled settled{.session = Id(1),
+                                   .seq = seq,
+                                   .outcome = std::move(outcome),
+                                   .rejected_for = rejected_for,
+                                   .arrived = clock_.Steady()};
+    return sessions_.OnSettled({&settled, 1}, ledger_);
+  }
+
+  testing::ManualClock clock_;
+  SilentInbox inbox_;
+  metrics::Ledger ledger_;
+  RobotSessions sessions_;
+  RobotSessions::Begun begun_;
+};
+
+TEST_F(RobotSessionsTest, OpenedOnlyByTheAnswerThatWasAskedFor) {
+  sessions_.OnOpened(begun_.open_id + 1, {.cursor = 9});
+  EXPECT_FALSE(sessions_.Opened(begun_.open_id));
+  EXPECT_EQ(sessions_.OnOpened(begun_.open_id, {.cursor = 9}), Stream(1));
+  EXPECT_TRUE(sessions_.Opened(begun_.open_id));
+  const auto again = sessions_.Begin(Id(1), clock_.Steady());
+  EXPECT_FALSE(sessions_.Opened(begun_.open_id));
+  EXPECT_FALSE(sessions_.Opened(again->open_id));
+}
+
+TEST_F(RobotSessionsTest, ACursorWithoutAllItsQuarantineDoesNotCount) {
+  sessions_.OnOpened(begun_.open_id,
+                     {.cursor = 9, .rejects = {{5, kBad}}, .rejects_complete = false});
+  const Resume resume = sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3);
+  EXPECT_EQ(resume.committed, 3U);
+  EXPECT_THAT(Rejects(resume), ElementsAre(5)) << "what is known is told all the same";
+}
+
+TEST_F(RobotSessionsTest, MemoryAndQuarantineAreJoinedInOrderWithoutDoubles) {
+  for (const model::Seq seq : {2U, 6U, 8U}) {
+    sessions_.AddSettled(Id(1), seq);
+    sessions_.Remember(Id(1), seq, kBad);
+  }
+  sessions_.OnOpened(begun_.open_id, {.cursor = 6, .rejects = {{4, kBad}, {6, kBad}}});
+  EXPECT_THAT(Rejects(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0)), ElementsAre(2, 4, 6, 8));
+  EXPECT_THAT(Rejects(sessions_.ResumeFrom(Id(1), begun_.open_id, 4, 4)), ElementsAre(6, 8));
+}
+
+TEST_F(RobotSessionsTest, WhatIsSkippedIsCountedAboveTheFloorAlone) {
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 2, 6));
+  EXPECT_EQ(sessions_.See(Id(1), 5).missing_first, 0U);
+  const RobotSessions::Seen seen = sessions_.See(Id(1), 9);
+  EXPECT_EQ(seen.place, Place::kNew);
+  EXPECT_EQ(seen.missing_first, 7U);
+  EXPECT_EQ(seen.missing_last, 8U);
+  EXPECT_EQ(sessions_.See(Id(1), 2).place, Place::kDuplicate);
+}
+
+TEST_F(RobotSessionsTest, CommitsWakeTheStreamAndCountOnce) {
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  EXPECT_EQ(sessions_.in_flight(), 1U);
+  EXPECT_EQ(sessions_.waiting(Id(1)), 1U);
+  EXPECT_EQ(Settle(1, {}), Stream(1));
+  Settle(1, {});
+  EXPECT_EQ(ledger_.Read().uplinks.stored, 1U);
+  EXPECT_EQ(ledger_.Read().uplinks.in_flight, -1);
+  EXPECT_EQ(sessions_.in_flight(), 0U);
+  const Progress progress = sessions_.Take(Id(1));
+  EXPECT_EQ(progress.through, 1U);
+  EXPECT_THAT(progress.released, SizeIs(1));
+  EXPECT_THAT(sessions_.Take(Id(1)).released, IsEmpty());
+}
+
+TEST_F(RobotSessionsTest, ARejectionMadeAtJudgementIsNotToldTwice) {
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  sessions_.Remember(Id(1), 1, kBad);
+  Settle(1, {storage::OutcomeKind::kRefused, kBad}, kBad.reason);
+  EXPECT_THAT(sessions_.Take(Id(1)).rejects, IsEmpty());
+  EXPECT_EQ(ledger_.Read().uplinks.rejected, 1U);
+}
+
+TEST_F(RobotSessionsTest, ARefusalOfTheStoreIsToldOnceAndRemembered) {
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  Settle(1, {storage::OutcomeKind::kRefused, kBad});
+  EXPECT_THAT(sessions_.Take(Id(1)).rejects, SizeIs(1));
+  EXPECT_THAT(sessions_.Take(Id(1)).rejects, IsEmpty());
+  EXPECT_THAT(Rejects(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0)), ElementsAre(1));
+}
+
+TEST_F(RobotSessionsTest, ANumberTheStoreKnewIsADuplicate) {
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  Settle(1, {storage::OutcomeKind::kDuplicate, std::nullopt});
+  EXPECT_EQ(ledger_.Read().uplinks.duplicate, 1U);
+}
+
+TEST_F(RobotSessionsTest, AFenceForgetsEverythingThatWaits) {
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 2), 1);
+  EXPECT_EQ(sessions_.OnFenced(ledger_), Stream(1));
+  EXPECT_GT(sessions_.generation(), begun_.generation);
+  EXPECT_EQ(sessions_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
+  EXPECT_EQ(ledger_.Read().uplinks.superseded, 2U);
+  EXPECT_EQ(ledger_.Read().uplinks.in_flight, -2);
+  EXPECT_EQ(sessions_.See(Id(1), 3).place, Place::kVoid);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 3), 0);
+  EXPECT_EQ(sessions_.in_flight(), 0U);
+}
+
+TEST_F(RobotSessionsTest, ASessionThatWaitsIsNotForgotten) {
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  sessions_.Detach(Stream(1), clock_.Steady());
+  clock_.Advance(std::chrono::hours(5));
+  sessions_.Sweep(clock_.Steady(), std::chrono::hours(1));
+  EXPECT_THAT(sessions_.Held(), SizeIs(1));
+  Settle(1, {});
+  sessions_.Sweep(clock_.Steady(), std::chrono::hours(1));
+  EXPECT_THAT(sessions_.Held(), IsEmpty());
+}
+
+TEST_F(RobotSessionsTest, TheStreamsOwnSessionIsNotForgotten) {
+  clock_.Advance(std::chrono::hours(5));
+  sessions_.Sweep(clock_.Steady(), std::chrono::hours(1));
+  EXPECT_THAT(sessions_.Held(), SizeIs(1));
+}
+
+TEST_F(RobotSessionsTest, DetachReturnsTheStreamThatIsNext) {
+  EXPECT_EQ(sessions_.Attach(Stream(2), clock_.Steady(), clock_.System()).place,
+            StreamPlace::kWaiting);
+  EXPECT_EQ(sessions_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
+  EXPECT_EQ(sessions_.PlaceOf(Stream(2)), StreamPlace::kWaiting);
+  EXPECT_EQ(sessions_.Detach(Stream(1), clock_.Steady()), Stream(2));
+  EXPECT_EQ(sessions_.PlaceOf(Stream(2)), StreamPlace::kCurrent);
+  EXPECT_FALSE(sessions_.Detach(Stream(1), clock_.Steady())) << "it is gone already";
+  EXPECT_EQ(sessions_.PlaceOf(Stream(2)), StreamPlace::kCurrent);
+}
+
+TEST_F(RobotSessionsTest, NoticesPastTheBoundShareOneSlot) {
+  const SteadyTime now = clock_.Steady();
+  for (std::size_t i = 0; i < kNoticeFieldsMax; ++i) {
+    EXPECT_TRUE(sessions_.MayNotice("field" + std::to_string(i), now));
+  }
+  EXPECT_TRUE(sessions_.MayNotice("one more", now));
+  EXPECT_FALSE(sessions_.MayNotice("and another", now));
+  EXPECT_FALSE(sessions_.MayNotice("field0", now));
+  EXPECT_TRUE(sessions_.MayNotice("and another", now + std::chrono::seconds(1)));
+}
+
+TEST_F(RobotSessionsTest, PayloadsAreKeptOnceASecondAReason) {
+  const SteadyTime now = clock_.Steady();
+  EXPECT_TRUE(sessions_.KeepPayload(model::RejectReason::kMalformed, now));
+  EXPECT_TRUE(sessions_.KeepPayload(model::RejectReason::kStoreRefused, now));
+  EXPECT_FALSE(sessions_.KeepPayload(model::RejectReason::kMalformed, now + milliseconds(999)));
+  EXPECT_TRUE(sessions_.KeepPayload(model::RejectReason::kMalformed, now + milliseconds(1000)));
+}
+
+}  // namespace
+}  // namespace uplink::session

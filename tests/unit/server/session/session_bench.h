@@ -1,0 +1,154 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "server/session/session.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/manual_clock.h"
+
+/// Scripts for sessions: the real core on the store in memory, moved by hand, without threads.
+namespace uplink::session {
+
+inline constexpr std::string_view kRobot = "rcan://bench/1";
+
+/// A session id that tests tell apart by one number.
+[[nodiscard]] model::SessionId SessionOf(std::uint8_t number);
+
+/// One message of a batch. A value.
+struct Message {
+  model::Seq seq = 0;
+  std::string payload;
+};
+
+// Payloads, serialized.
+[[nodiscard]] std::string Fault(std::string_view id = "BATTERY_LOW");
+/// Rejected by the rules: a fault without an id.
+[[nodiscard]] std::string BadFault();
+/// A fault that the store of the bench refuses.
+[[nodiscard]] std::string RefusedFault();
+[[nodiscard]] std::string Motion(double lat_deg = 47);
+
+[[nodiscard]] v1::RelayRequest HelloFrame(const model::SessionId& session, model::Seq settled = 0,
+                                          model::Seq judged = 0);
+[[nodiscard]] v1::RelayRequest BatchFrame(const std::vector<Message>& messages);
+/// Messages of numbers `first` to `last` with one payload.
+[[nodiscard]] std::vector<Message> Messages(model::Seq first, model::Seq last,
+                                            const std::string& payload);
+
+/// A response as one line: `welcome 3`, `ack 3 judged 5`, `reject 4 missing_field faultId`,
+/// `notice 1 out_of_range battery.socPct`, `drain 1000`.
+[[nodiscard]] std::string ToLine(const v1::RelayResponse& frame);
+
+/// One stream: a session, and an agent that takes every frame at once unless it is told not to.
+class BenchStream final : public FrameSource, public FrameSink {
+ public:
+  BenchStream(const SessionContext& context, identity::PeerIdentity peer, journal::StreamRef self);
+
+  void RequestRead() override { reading_ = true; }
+  void Write(const v1::RelayResponse& frame) override;
+  void Finish(const absl::Status& status) override { status_ = status; }
+  void Cancel() override { cancelled_ = true; }
+
+  // The agent's side. Sending needs a read under way.
+  void Send(const v1::RelayRequest& frame) { SendBytes(frame.SerializeAsString()); }
+  void SendBytes(std::string_view bytes);
+  void SendTooLarge(std::uint64_t bytes);
+  void HalfClose();
+  void Break();
+  /// Writes stay under way until ReadAgain.
+  void StopReading() { agent_reads_ = false; }
+  void ReadAgain();
+  /// Takes the one write that is under way, however the agent reads.
+  void ReadOne();
+
+  // What came of it.
+  /// The lines of all frames since the last call.
+  [[nodiscard]] std::vector<std::string> Said();
+  [[nodiscard]] const std::vector<v1::RelayResponse>& frames() const { return frames_; }
+  /// The server wants a frame.
+  [[nodiscard]] bool reading() const { return reading_; }
+  /// `CODE: message` of the end; empty while the stream goes on.
+  [[nodiscard]] std::string end() const;
+  [[nodiscard]] bool cancelled() const { return cancelled_; }
+
+  void Wake();
+  void Timer();
+  void Drain(milliseconds grace);
+  [[nodiscard]] Session& session() { return session_; }
+
+ private:
+  void Pump();
+
+  std::vector<v1::RelayResponse> frames_;
+  std::size_t told_ = 0;
+  bool reading_ = false;
+  bool writing_ = false;
+  bool agent_reads_ = true;
+  bool cancelled_ = false;
+  std::optional<absl::Status> status_;
+  Session session_;
+};
+
+struct BenchLimits {
+  SessionLimits session;
+  journal::JournalLimits journal;
+  std::size_t robots_max = 100;
+};
+
+/// One life of a server process on a database that outlives it.
+class BenchServer final : public journal::WakeInbox {
+ public:
+  BenchServer(testing::ManualClock& clock, testing::FakeDatabase& database, std::uint8_t process,
+              const BenchLimits& limits);
+
+  void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
+
+  /// A new stream that waits for Hello.
+  BenchStream& Open(std::string_view ruri = kRobot);
+  BenchStream& OpenAs(identity::PeerIdentity peer);
+  /// A stream that was welcomed, if the store answers; records that wait stay where they are.
+  BenchStream& Connect(const model::SessionId& session, model::Seq settled = 0,
+                       model::Seq judged = 0, std::string_view ruri = kRobot);
+  /// Everything that can be done now, is: opened, committed, told.
+  void Commit();
+  /// The store does one step; nobody is woken.
+  journal::Journal::Step Advance();
+  void DeliverWakes();
+  /// Time passes, and timers that are due fire.
+  void Pass(milliseconds time);
+  void StoreAway();
+  void StoreBack();
+
+  [[nodiscard]] fleet::Robot& robot(std::string_view ruri = kRobot);
+  [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
+  [[nodiscard]] journal::Journal& journal() { return journal_; }
+  [[nodiscard]] testing::FakeStore& store() { return store_; }
+  [[nodiscard]] SessionProbe& probe() { return probe_; }
+  [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
+
+ private:
+  testing::ManualClock& clock_;
+  const BenchLimits limits_;
+  testing::FakeStore store_;
+  metrics::LedgerBook book_;
+  SessionProbe probe_;
+  journal::JournalProbe journal_probe_;
+  fleet::Fleet fleet_;
+  journal::Journal journal_;
+  schema::Judge judge_;
+  metrics::Ledger& ledger_;
+  std::set<std::uint64_t> wakes_;
+  std::map<std::uint64_t, std::unique_ptr<BenchStream>> streams_;
+};
+
+}  // namespace uplink::session

@@ -1,0 +1,123 @@
+// One robot has one stream: what happens to the older one, and to what it had taken.
+#include "tests/unit/server/session/session_test.h"
+
+namespace uplink::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+using TakeoverTest = SessionTest;
+
+TEST_F(TakeoverTest, TheNewerStreamWaitsUntilTheOlderHasConfirmed) {
+  BenchStream& older = server().Connect(SessionOf(1));
+  BenchStream& newer = server().Open();
+  newer.Send(HelloFrame(SessionOf(1)));
+  server().Advance();
+  EXPECT_EQ(older.end(), "") << "its own queue has not run yet";
+  EXPECT_THAT(newer.Said(), IsEmpty());
+  server().DeliverWakes();
+  EXPECT_EQ(older.end(), "ABORTED: superseded");
+  EXPECT_THAT(newer.Said(), IsEmpty());
+  server().Commit();
+  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_EQ(server().probe().takeovers_total.value(), 1);
+  EXPECT_EQ(server().probe().superseded_total.value(), 1);
+}
+
+TEST_F(TakeoverTest, TheSameSessionGoesOnInTheSameWindow) {
+  BenchStream& older = server().Connect(SessionOf(1));
+  older.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
+  BenchStream& newer = server().Connect(SessionOf(1));
+  EXPECT_EQ(older.end(), "ABORTED: superseded");
+  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 2"));
+  newer.Send(BatchFrame({{1, Fault()}, {3, Fault()}}));
+  server().Commit();
+  EXPECT_THAT(newer.Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_EQ(server().counts().duplicate, 1U);
+  EXPECT_THAT(Stored(1), ElementsAre(1, 3));
+}
+
+TEST_F(TakeoverTest, AnotherSessionLeavesTheOldersRecordsToCommit) {
+  BenchStream& older = server().Connect(SessionOf(1));
+  older.Send(BatchFrame({{1, Fault()}}));
+  BenchStream& newer = server().Connect(SessionOf(2));
+  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  server().Commit();
+  EXPECT_THAT(Stored(1), ElementsAre(1));
+  EXPECT_EQ(server().counts().superseded, 0U);
+  EXPECT_THAT(newer.Said(), IsEmpty()) << "the commit was of another session";
+}
+
+TEST_F(TakeoverTest, OfThreeStreamsTheLastStays) {
+  BenchStream& first = server().Connect(SessionOf(1));
+  BenchStream& second = server().Open();
+  BenchStream& third = server().Open();
+  second.Send(HelloFrame(SessionOf(1)));
+  third.Send(HelloFrame(SessionOf(1)));
+  server().Commit();
+  EXPECT_EQ(first.end(), "ABORTED: superseded");
+  EXPECT_EQ(second.end(), "ABORTED: superseded");
+  EXPECT_THAT(second.frames(), IsEmpty());
+  EXPECT_THAT(third.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_EQ(server().probe().takeovers_total.value(), 2);
+}
+
+TEST_F(TakeoverTest, AWaitingStreamThatBreaksLeavesNoOneWaiting) {
+  BenchStream& first = server().Connect(SessionOf(1));
+  BenchStream& second = server().Open();
+  second.Send(HelloFrame(SessionOf(1)));
+  second.Break();
+  server().Commit();
+  EXPECT_EQ(first.end(), "ABORTED: superseded") << "it was told before the newer one broke";
+  EXPECT_FALSE(server().robot().sessions.View().connected);
+  EXPECT_THAT(server().Connect(SessionOf(1)).Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+}
+
+TEST_F(TakeoverTest, AStreamThatWaitsForTheStoreIsSupersededToo) {
+  server().StoreAway();
+  BenchStream& older = server().Connect(SessionOf(1));
+  BenchStream& newer = server().Connect(SessionOf(1));
+  EXPECT_EQ(older.end(), "ABORTED: superseded");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+}
+
+TEST_F(TakeoverTest, PresenceDoesNotChange) {
+  BenchStream& older = server().Connect(SessionOf(1));
+  older.Send(BatchFrame({{1, Motion()}}));
+  const SystemTime since =
+      server().robot().state.Snapshot(fleet::RobotState::Parts::kNone).presence_since;
+  server().Pass(milliseconds(500));
+  server().Connect(SessionOf(2));
+  server().fleet().Sweep(limits_.session.session_idle);
+  const auto snapshot = server().robot().state.Snapshot(fleet::RobotState::Parts::kNone);
+  EXPECT_EQ(snapshot.presence, fleet::Presence::kOnline);
+  EXPECT_EQ(snapshot.presence_since, since);
+}
+
+TEST_F(TakeoverTest, TenInAMinuteAreNotContestedElevenAre) {
+  server().Connect(SessionOf(1));
+  for (int i = 0; i < 10; ++i) server().Connect(SessionOf(1));
+  EXPECT_FALSE(server().robot().sessions.View().contested);
+  server().Connect(SessionOf(1));
+  EXPECT_TRUE(server().robot().sessions.View().contested);
+  EXPECT_EQ(server().probe().contested_total.value(), 1);
+  server().Connect(SessionOf(1));
+  EXPECT_EQ(server().probe().contested_total.value(), 1) << "it was flagged already";
+}
+
+TEST_F(TakeoverTest, TheFlagGoesWithTheMinute) {
+  server().Connect(SessionOf(1));
+  for (int i = 0; i < 11; ++i) server().Connect(SessionOf(1));
+  server().Pass(std::chrono::minutes(1));
+  server().fleet().Sweep(limits_.session.session_idle);
+  EXPECT_TRUE(server().robot().sessions.View().contested);
+  server().Pass(milliseconds(1));
+  server().fleet().Sweep(limits_.session.session_idle);
+  EXPECT_FALSE(server().robot().sessions.View().contested);
+}
+
+}  // namespace
+}  // namespace uplink::session
