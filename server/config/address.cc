@@ -1,0 +1,59 @@
+#include "server/config/address.h"
+
+#include <charconv>
+#include <system_error>
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <netinet/in.h>
+
+namespace uplink::config {
+namespace {
+
+std::optional<std::uint16_t> ParsePort(std::string_view text) {
+  std::uint16_t port = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  if (text.empty() || error != std::errc() || stop != end) {
+    return std::nullopt;
+  }
+  return port;
+}
+
+}  // namespace
+
+std::optional<ListenAddress> ParseListenAddress(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::optional<std::uint16_t> port = ParsePort(text.substr(colon + 1));
+  std::string_view host = text.substr(0, colon);
+  const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  if (bracketed) {
+    host = host.substr(1, host.size() - 2);
+  }
+  in6_addr parsed{};
+  const std::string name(host);
+  const bool whole = name.find('\0') == std::string::npos;  // inet_pton would stop there
+  if (!port || !whole || ::inet_pton(bracketed ? AF_INET6 : AF_INET, name.c_str(), &parsed) != 1) {
+    return std::nullopt;
+  }
+  return ListenAddress{name, *port};
+}
+
+std::string ToText(const ListenAddress& address) {
+  const bool v6 = address.host.find(':') != std::string::npos;
+  return v6 ? fmt::format("[{}]:{}", address.host, address.port)
+            : fmt::format("{}:{}", address.host, address.port);
+}
+
+bool IsLoopback(const ListenAddress& address) {
+  in6_addr v6{};
+  if (::inet_pton(AF_INET6, address.host.c_str(), &v6) == 1) {
+    return IN6_IS_ADDR_LOOPBACK(&v6);
+  }
+  return address.host.rfind("127.", 0) == 0;
+}
+
+}  // namespace uplink::config

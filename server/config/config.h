@@ -1,0 +1,127 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "server/config/address.h"
+
+namespace uplink::config {
+
+using std::chrono::milliseconds;
+
+inline constexpr std::size_t kKiB = 1024;
+inline constexpr std::size_t kMiB = 1024 * kKiB;
+
+/// Lowest TLS version that the relay listener accepts.
+enum class TlsVersion : std::uint8_t { k12, k13 };
+/// Who may open a stream: every robot with a certificate, or only enrolled ones.
+enum class Registration : std::uint8_t { kOpen, kClosed };
+enum class LogFormat : std::uint8_t { kText, kJson };
+/// The least severe line that is written.
+enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
+
+// The member initialisers below are the defaults: they stand nowhere else in code. settings.cc
+// binds each member to its key, bounds and text.
+
+struct ListenConfig {
+  ListenAddress relay{"::", 7443};
+  /// Completion queues, each with a thread; 0: one a core.
+  std::size_t relay_threads = 0;
+  ListenAddress fleet{"127.0.0.1", 7444};
+  ListenAddress http{"127.0.0.1", 7480};
+};
+
+struct TlsConfig {
+  /// PEM files; checked by ValidateFiles, read by the listeners.
+  std::string certificate_file;
+  std::string key_file;
+  std::string client_ca_file;
+  /// Empty: client_ca_file.
+  std::string operator_ca_file;
+  TlsVersion min_version = TlsVersion::k12;
+};
+
+struct IdentityConfig {
+  Registration registration = Registration::kOpen;
+};
+
+struct StoreConfig {
+  /// `sqlite:///absolute/path`; SqlitePath reads the path.
+  std::string url = "sqlite:///var/lib/uplinkd/uplinkd.db";
+  /// Apply missing migrations at start; without it a store that needs one refuses the start.
+  bool migrate = true;
+};
+
+struct JournalConfig {
+  /// Payload bytes that wait for a commit; past either bound streams are held back.
+  std::size_t bytes_max = 256 * kMiB;
+  std::size_t records_max = 1'000'000;
+  /// Records of one transaction.
+  std::size_t batch_records_max = 1000;
+};
+
+struct LimitsConfig {
+  std::size_t payload_bytes_max = 256 * kKiB;
+  std::size_t message_bytes_max = 64 * kKiB;
+  std::size_t extras_items_max = 256;
+  std::size_t batch_uplinks_max = 256;
+  std::size_t in_flight_uplinks_max = 4096;
+  std::size_t frame_bytes_max = 1 * kMiB;
+  milliseconds ack_interval = std::chrono::seconds(1);
+  std::size_t robots_max = 20'000;
+  milliseconds session_idle = std::chrono::hours(1);
+  /// Zero: connections are never ended for their age.
+  milliseconds connection_age_max{0};
+};
+
+struct PresenceConfig {
+  milliseconds timeout = std::chrono::seconds(10);
+  milliseconds startup_grace = std::chrono::minutes(2);
+  std::size_t flap_changes = 6;
+  milliseconds flap_window = std::chrono::minutes(5);
+};
+
+struct RcanConfig {
+  std::string subsystem = "acb";
+  std::size_t series_max = 600'000;
+  milliseconds series_ttl = std::chrono::minutes(10);
+  bool counts_as_life = true;
+};
+
+struct HttpConfig {
+  /// Connections held at once; a further one is closed at accept.
+  std::size_t connections_max = 128;
+};
+
+struct LogConfig {
+  LogFormat format = LogFormat::kText;
+  LogLevel level = LogLevel::kInfo;
+};
+
+struct DrainConfig {
+  /// From the signal to the exit; what is unsettled then is counted in a warning.
+  milliseconds timeout = std::chrono::seconds(20);
+};
+
+/// Everything an operator can set, judged whole: whoever holds a Config from LoadConfig need not
+/// check a bound again. A value; shared between threads as `shared_ptr<const Config>`.
+struct Config {
+  ListenConfig listen;
+  TlsConfig tls;
+  IdentityConfig identity;
+  StoreConfig store;
+  JournalConfig journal;
+  LimitsConfig limits;
+  PresenceConfig presence;
+  RcanConfig rcan;
+  HttpConfig http;
+  LogConfig log;
+  DrainConfig drain;
+};
+
+/// The file that `store.url` names; empty if it is not `sqlite:///absolute/path`.
+[[nodiscard]] std::string SqlitePath(const StoreConfig& store);
+
+}  // namespace uplink::config

@@ -1,0 +1,210 @@
+#include "server/config/load.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include <fmt/core.h>
+#include <toml++/toml.h>
+
+#include "schema/base/utf8.h"
+#include "server/config/relations.h"
+#include "server/config/settings.h"
+#include "server/config/value.h"
+
+namespace uplink::config {
+namespace {
+
+constexpr std::string_view kEnvironment = "environment";
+/// Longest part of a key that a problem repeats.
+constexpr std::size_t kShownBytesMax = 200;
+
+/// Fills one Config from several sources and remembers where each key was set.
+/// Confined to one call of ParseConfig.
+class Loader {
+ public:
+  explicit Loader(std::string file) : file_(std::move(file)) {}
+
+  void ReadTable(const toml::table& root) {
+    for (const auto& [name, node] : root) {
+      ReadSection(std::string(name.str()), node);
+    }
+    // toml++ keeps keys sorted by name; people read a file from its top.
+    const auto by_line = [](const Located& a, const Located& b) { return a.line < b.line; };
+    std::stable_sort(located_.begin(), located_.end(), by_line);
+    for (Located& located : located_) {
+      problems_.push_back(std::move(located.problem));
+    }
+    located_.clear();
+  }
+
+  void ReadEnvironment(const Environment& environment) {
+    for (const auto& [name, text] : environment) {
+      const Setting* const setting = FindByEnvironment(name);
+      if (setting == nullptr) {
+        problems_.push_back({std::string(kEnvironment), Shown(name),
+                             "no setting has this variable (UPLINKD_<SECTION>_<KEY>)"});
+        continue;
+      }
+      Take(*setting, InterpretText(*setting, text), std::string(kEnvironment), problems_);
+    }
+  }
+
+  LoadResult Finish() {
+    for (Breach& breach : CheckRelations(config_)) {
+      const std::string key = fmt::format("{}.{}", breach.section, breach.key);
+      // A key that already has a problem keeps its default here; a second line would mislead.
+      if (bad_.count(key) == 0) {
+        problems_.push_back({Where(key), key, std::move(breach.text)});
+      }
+    }
+    LoadResult result;
+    for (const auto& [key, where] : without_effect_) {
+      result.notes.push_back({where, key, "it is checked but has no effect in this version"});
+    }
+    if (problems_.empty()) {
+      result.config = std::move(config_);
+    }
+    result.problems = std::move(problems_);
+    return result;
+  }
+
+  [[nodiscard]] std::string At(std::uint32_t line) const {
+    return fmt::format("{}:{}", file_, line);
+  }
+
+ private:
+  struct Located {
+    std::uint32_t line = 0;
+    Problem problem;
+  };
+
+  static std::string Shown(std::string_view key) { return PrintableUtf8(key, kShownBytesMax); }
+
+  static const Setting* FindByEnvironment(std::string_view name) {
+    for (const Setting& setting : Settings()) {
+      if (EnvironmentName(setting) == name) {
+        return &setting;
+      }
+    }
+    return nullptr;
+  }
+
+  void ReadSection(const std::string& section, const toml::node& node) {
+    const std::uint32_t line = node.source().begin.line;
+    const auto known = [&](const Section& each) { return each.name == section; };
+    if (std::none_of(Sections().begin(), Sections().end(), known)) {
+      located_.push_back({line, {At(line), Shown(section), "unknown section"}});
+      return;
+    }
+    const toml::table* const table = node.as_table();
+    if (table == nullptr) {
+      located_.push_back({line, {At(line), section, fmt::format("write [{}], a table", section)}});
+      return;
+    }
+    for (const auto& [key, value] : *table) {
+      ReadKey(section, std::string(key.str()), value, key.source().begin.line);
+    }
+  }
+
+  void ReadKey(const std::string& section, const std::string& key, const toml::node& node,
+               std::uint32_t line) {
+    const Setting* const setting = FindSetting(section, key);
+    if (setting == nullptr) {
+      located_.push_back(
+          {line, {At(line), fmt::format("{}.{}", section, Shown(key)), "unknown key"}});
+      return;
+    }
+    std::vector<Problem> found;
+    Take(*setting, InterpretNode(*setting, node), At(line), found);
+    for (Problem& problem : found) {
+      located_.push_back({line, std::move(problem)});
+    }
+  }
+
+  static Interpreted InterpretNode(const Setting& setting, const toml::node& node) {
+    if (setting.kind == Kind::kSwitch && node.is_boolean()) {
+      return Value(node.value_or(false));
+    }
+    if (setting.kind == Kind::kCount && node.is_integer()) {
+      return InterpretInteger(setting, node.value_or(std::int64_t{0}));
+    }
+    if (setting.kind != Kind::kSwitch && setting.kind != Kind::kCount && node.is_string()) {
+      return InterpretText(setting, node.value_or(std::string_view()));
+    }
+    return BadValue{fmt::format("it must be {}", AllowedText(setting))};
+  }
+
+  void Take(const Setting& setting, const Interpreted& interpreted, std::string where,
+            std::vector<Problem>& problems) {
+    std::string key = FullKey(setting);
+    if (const auto* bad = std::get_if<BadValue>(&interpreted)) {
+      problems.push_back({std::move(where), key, bad->text});
+      bad_.insert(std::move(key));
+      return;
+    }
+    setting.set(config_, std::get<Value>(interpreted));
+    if (setting.effect == Effect::kNone) {
+      without_effect_[key] = where;
+    }
+    where_[std::move(key)] = std::move(where);
+  }
+
+  [[nodiscard]] std::string Where(const std::string& key) const {
+    const auto at = where_.find(key);
+    return at == where_.end() ? file_ : at->second;
+  }
+
+  std::string file_;
+  Config config_;
+  std::vector<Problem> problems_;
+  std::vector<Located> located_;
+  std::map<std::string, std::string> where_;
+  std::map<std::string, std::string> without_effect_;
+  std::set<std::string> bad_;
+};
+
+}  // namespace
+
+std::string ToText(const Problem& problem) {
+  return problem.key.empty() ? fmt::format("{}: {}", problem.where, problem.text)
+                             : fmt::format("{}: {}: {}", problem.where, problem.key, problem.text);
+}
+
+LoadResult ParseConfig(std::string_view toml, const std::string& name,
+                       const Environment& environment) {
+  Loader loader(name);
+  try {
+    loader.ReadTable(toml::parse(toml));
+  } catch (const toml::parse_error& error) {
+    // Nothing of the file was read, so its required keys are not missing but unread: one problem.
+    LoadResult result;
+    result.problems.push_back(
+        {loader.At(error.source().begin.line), {}, std::string(error.description())});
+    return result;
+  }
+  loader.ReadEnvironment(environment);
+  return loader.Finish();
+}
+
+LoadResult LoadConfig(const std::string& path, const Environment& environment) {
+  LoadResult unread;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kConfigBytesMax + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad() || (!file.eof() && file.gcount() == 0)) {
+    unread.problems.push_back({path, {}, "the file cannot be read"});
+    return unread;
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kConfigBytesMax) {
+    unread.problems.push_back(
+        {path, {}, fmt::format("the file is larger than {} bytes", kConfigBytesMax)});
+    return unread;
+  }
+  return ParseConfig(text, path, environment);
+}
+
+}  // namespace uplink::config

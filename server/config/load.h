@@ -1,0 +1,65 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/config/config.h"
+
+namespace uplink::config {
+
+/// One thing that is wrong in a configuration, or, as a note, worth a line at start.
+struct Problem {
+  /// `file:line`, or `environment`, or the file alone for what concerns no line.
+  std::string where;
+  /// `limits.robots_max`; empty for a file that does not parse.
+  std::string key;
+  /// One sentence with the value and the limit.
+  std::string text;
+
+  friend bool operator==(const Problem&, const Problem&) = default;
+};
+
+/// `where: key: text`, as --check-config prints it.
+[[nodiscard]] std::string ToText(const Problem& problem);
+
+/// The process environment as name and value pairs; passed in, so that tests need none.
+using Environment = std::vector<std::pair<std::string, std::string>>;
+
+/// The environment of this process, only the names that begin with `UPLINKD_`.
+[[nodiscard]] Environment ProcessEnvironment();
+
+struct LoadResult {
+  /// Present only if `problems` is empty.
+  std::optional<Config> config;
+  /// All of them, in the order of the file, then of the environment, then relations.
+  std::vector<Problem> problems;
+  /// Keys that are set but have no effect in this version.
+  std::vector<Problem> notes;
+
+  [[nodiscard]] bool ok() const { return config.has_value(); }
+};
+
+/// Reads the file at `path` and lays the environment over it. Every problem is reported at once.
+///
+/// Thread: any; reads one file of at most kConfigBytesMax.
+[[nodiscard]] LoadResult LoadConfig(const std::string& path, const Environment& environment);
+
+/// The same for text that is already read; `name` stands in `Problem::where`.
+[[nodiscard]] LoadResult ParseConfig(std::string_view toml, const std::string& name,
+                                     const Environment& environment);
+
+/// Bytes of the largest configuration file that is read.
+inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
+
+/// What the files and folders that the configuration names have wrong: certificates and keys that
+/// are missing, unreadable or not PEM, a store folder that is missing. Opens, changes nothing.
+[[nodiscard]] std::vector<Problem> ValidateFiles(const Config& config);
+
+/// The effective configuration as TOML that LoadConfig reads back; secrets are masked.
+[[nodiscard]] std::string PrintConfig(const Config& config);
+
+}  // namespace uplink::config

@@ -1,0 +1,131 @@
+#include "server/config/relations.h"
+
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "server/config/units.h"
+
+namespace uplink::config {
+namespace {
+
+constexpr std::string_view kSqliteScheme = "sqlite://";
+constexpr std::string_view kPostgresSchemes[] = {"postgresql://", "postgres://"};
+/// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
+constexpr std::size_t kSubsystemBytesMax = 32;
+
+class Breaches {
+ public:
+  void Add(std::string_view section, std::string_view key, std::string text) {
+    list_.push_back({section, key, std::move(text)});
+  }
+  [[nodiscard]] std::vector<Breach> Take() { return std::move(list_); }
+
+ private:
+  std::vector<Breach> list_;
+};
+
+void CheckListen(const ListenConfig& listen, Breaches& breaches) {
+  if (!IsLoopback(listen.http)) {
+    breaches.Add("listen", "http",
+                 fmt::format("{} is not a loopback address; this version serves /api without "
+                             "authentication (operator certificates and bearer tokens come "
+                             "later), so it must be 127.0.0.1 or [::1]; put a proxy that "
+                             "authenticates in front of it",
+                             ToText(listen.http)));
+  }
+  if (listen.http.port != 0 && listen.http.port == listen.relay.port) {
+    breaches.Add("listen", "http",
+                 fmt::format("port {} is also the port of listen.relay", listen.http.port));
+  }
+}
+
+void CheckTls(const TlsConfig& tls, Breaches& breaches) {
+  constexpr std::string_view kWhy = "it is required: the relay serves mutual TLS only";
+  if (tls.certificate_file.empty()) {
+    breaches.Add("tls", "certificate_file", std::string(kWhy));
+  }
+  if (tls.key_file.empty()) {
+    breaches.Add("tls", "key_file", std::string(kWhy));
+  }
+  if (tls.client_ca_file.empty()) {
+    breaches.Add("tls", "client_ca_file", std::string(kWhy));
+  }
+}
+
+void CheckStore(const StoreConfig& store, Breaches& breaches) {
+  for (const std::string_view scheme : kPostgresSchemes) {
+    if (store.url.starts_with(scheme)) {
+      breaches.Add("store", "url",
+                   "this version has no PostgreSQL store; use sqlite:///absolute/path");
+      return;
+    }
+  }
+  if (SqlitePath(store).empty()) {
+    breaches.Add("store", "url", "it must be sqlite:/// and the absolute path of a file");
+  }
+}
+
+void CheckLimits(const LimitsConfig& limits, Breaches& breaches) {
+  if (limits.message_bytes_max > limits.payload_bytes_max) {
+    breaches.Add(
+        "limits", "message_bytes_max",
+        fmt::format("{} is over limits.payload_bytes_max, {}", BytesText(limits.message_bytes_max),
+                    BytesText(limits.payload_bytes_max)));
+  }
+  if (limits.payload_bytes_max > limits.frame_bytes_max) {
+    breaches.Add(
+        "limits", "payload_bytes_max",
+        fmt::format("{} is over limits.frame_bytes_max, {}", BytesText(limits.payload_bytes_max),
+                    BytesText(limits.frame_bytes_max)));
+  }
+}
+
+void CheckJournal(const JournalConfig& journal, Breaches& breaches) {
+  if (journal.batch_records_max > journal.records_max) {
+    breaches.Add("journal", "batch_records_max",
+                 fmt::format("{} is over journal.records_max, {}", journal.batch_records_max,
+                             journal.records_max));
+  }
+}
+
+void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
+  const std::string& word = rcan.subsystem;
+  const bool letters = std::all_of(word.begin(), word.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  if (word.empty() || word.size() > kSubsystemBytesMax || !letters) {
+    breaches.Add("rcan", "subsystem",
+                 fmt::format("it must be 1 to {} lower-case letters, digits and underscores",
+                             kSubsystemBytesMax));
+  }
+}
+
+}  // namespace
+
+std::string SqlitePath(const StoreConfig& store) {
+  const std::string_view url = store.url;
+  if (!url.starts_with(kSqliteScheme)) {
+    return {};
+  }
+  const std::string_view path = url.substr(kSqliteScheme.size());
+  return path.size() > 1 && path.front() == '/' && path.back() != '/' ? std::string(path)
+                                                                      : std::string();
+}
+
+std::vector<Breach> CheckRelations(const Config& config) {
+  Breaches breaches;
+  CheckListen(config.listen, breaches);
+  CheckTls(config.tls, breaches);
+  if (config.identity.registration == Registration::kClosed) {
+    breaches.Add("identity", "registration",
+                 "this version does not serve \"closed\"; it must be \"open\"");
+  }
+  CheckStore(config.store, breaches);
+  CheckJournal(config.journal, breaches);
+  CheckLimits(config.limits, breaches);
+  CheckRcan(config.rcan, breaches);
+  return breaches.Take();
+}
+
+}  // namespace uplink::config

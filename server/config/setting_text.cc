@@ -1,0 +1,124 @@
+// The texts of a setting: its names, its values, what it takes.
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "schema/base/check.h"
+#include "server/config/settings.h"
+#include "server/config/units.h"
+
+namespace uplink::config {
+namespace {
+
+/// A TOML basic string. Settings hold well-formed UTF-8; control characters are escaped.
+std::string Quoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      quoted += {'\\', c};
+    } else if (byte < 0x20 || byte == 0x7F) {
+      quoted += fmt::format("\\u{:04X}", byte);
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+/// A URL without the password of its user part.
+std::string MaskedUrl(const std::string& url) {
+  const std::size_t scheme = url.find("://");
+  if (scheme == std::string::npos) {
+    return url;
+  }
+  const std::size_t user = scheme + 3;
+  const std::size_t at = url.substr(0, url.find('/', user)).rfind('@');
+  const std::size_t colon = url.find(':', user);
+  if (at == std::string::npos || at < user || colon == std::string::npos || colon > at) {
+    return url;
+  }
+  return url.substr(0, colon + 1) + "***" + url.substr(at);
+}
+
+std::string NumberText(const Setting& setting, std::uint64_t number) {
+  switch (setting.kind) {
+    case Kind::kBytes:
+      return BytesText(number);
+    case Kind::kDuration:
+      return DurationText(milliseconds(static_cast<std::int64_t>(number)));
+    case Kind::kSwitch:
+    case Kind::kCount:
+    case Kind::kText:
+    case Kind::kFile:
+    case Kind::kChoice:
+    case Kind::kAddress:
+      return fmt::format("{}", number);
+  }
+  CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
+}
+
+std::string RangeText(const Setting& setting, std::string_view form) {
+  const std::string zero =
+      setting.zero.empty() ? std::string() : fmt::format(", or 0: {}", setting.zero);
+  return fmt::format("{} from {} to {}{}", form, NumberText(setting, setting.min),
+                     NumberText(setting, setting.max), zero);
+}
+
+struct ValueTextVisitor {
+  const Setting& setting;
+
+  std::string operator()(bool on) const { return on ? "true" : "false"; }
+  std::string operator()(std::uint64_t number) const {
+    return setting.kind == Kind::kBytes ? Quoted(BytesText(number)) : fmt::format("{}", number);
+  }
+  std::string operator()(milliseconds duration) const { return Quoted(DurationText(duration)); }
+  std::string operator()(const std::string& text) const {
+    return Quoted(setting.secret ? MaskedUrl(text) : text);
+  }
+  std::string operator()(Choice choice) const { return Quoted(setting.choices[choice.index]); }
+  std::string operator()(const ListenAddress& address) const { return Quoted(ToText(address)); }
+};
+
+}  // namespace
+
+std::string FullKey(const Setting& setting) {
+  return fmt::format("{}.{}", setting.section, setting.key);
+}
+
+std::string EnvironmentName(const Setting& setting) {
+  std::string name = fmt::format("UPLINKD_{}_{}", setting.section, setting.key);
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return name;
+}
+
+std::string ValueText(const Setting& setting, const Value& value) {
+  return std::visit(ValueTextVisitor{setting}, value);
+}
+
+std::string AllowedText(const Setting& setting) {
+  switch (setting.kind) {
+    case Kind::kSwitch:
+      return "true or false";
+    case Kind::kCount:
+      return RangeText(setting, "a whole number");
+    case Kind::kBytes:
+      return RangeText(setting, "a size such as \"64KiB\"");
+    case Kind::kDuration:
+      return RangeText(setting, "a duration such as \"10s\"");
+    case Kind::kText:
+      return "a string";
+    case Kind::kFile:
+      return "a path";
+    case Kind::kChoice:
+      return fmt::format("\"{}\"", fmt::join(setting.choices, "\" or \""));
+    case Kind::kAddress:
+      return "a literal address with a port, such as \"127.0.0.1:7480\" or \"[::]:7443\"";
+  }
+  CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
+}
+
+}  // namespace uplink::config

@@ -1,0 +1,356 @@
+#include "server/config/settings.h"
+
+#include <array>
+#include <type_traits>
+
+namespace uplink::config {
+namespace {
+
+using std::string_view;
+
+template <typename T>
+Value ToValue(const T& member) {
+  if constexpr (std::is_enum_v<T>) {
+    return Choice{static_cast<std::size_t>(member)};
+  } else if constexpr (std::is_same_v<T, std::size_t>) {
+    return std::uint64_t{member};
+  } else {
+    return member;
+  }
+}
+
+template <typename T>
+void FromValue(const Value& value, T& member) {
+  if constexpr (std::is_enum_v<T>) {
+    member = static_cast<T>(std::get<Choice>(value).index);
+  } else if constexpr (std::is_same_v<T, std::size_t>) {
+    member = std::get<std::uint64_t>(value);
+  } else {
+    member = std::get<T>(value);
+  }
+}
+
+template <auto kSection, auto kMember>
+Value Get(const Config& config) {
+  return ToValue((config.*kSection).*kMember);
+}
+
+template <auto kSection, auto kMember>
+void Set(Config& config, const Value& value) {
+  FromValue(value, (config.*kSection).*kMember);
+}
+
+// Binds a table row to its member: UPLINK_BIND(limits, LimitsConfig, robots_max).
+#define UPLINK_BIND(section, type, member) \
+  .get = Get<&Config::section, &type::member>, .set = Set<&Config::section, &type::member>
+
+constexpr std::uint64_t kGiB = 1024 * kMiB;
+constexpr std::uint64_t kSecond = 1000;
+constexpr std::uint64_t kMinute = 60 * kSecond;
+constexpr std::uint64_t kHour = 60 * kMinute;
+constexpr std::uint64_t kDay = 24 * kHour;
+
+constexpr std::array<string_view, 2> kTlsVersions = {"1.2", "1.3"};
+constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
+constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
+constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
+
+constexpr std::array<Section, 11> kSections = {{
+    {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
+    {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
+    {"identity", "Who may open a stream."},
+    {"store", "Where durable records go."},
+    {"journal", "The queue between sessions and the store. Past a bound, streams are held back."},
+    {"limits", "Bounds on what robots send and on what the server keeps of them."},
+    {"presence", "When a robot counts as online or offline."},
+    {"rcan", "RCAN Robot State and the robots' Prometheus series."},
+    {"http", "The listener of probes, metrics and JSON."},
+    {"log", "Lines on standard error."},
+    {"drain", "The way down after SIGTERM or SIGINT."},
+}};
+
+constexpr auto kSettings = std::to_array<Setting>({
+    {.section = "listen",
+     .key = "relay",
+     .kind = Kind::kAddress,
+     .text = "Robots: gRPC UplinkRelay, mutual TLS. [::] serves IPv4 and IPv6.",
+     UPLINK_BIND(listen, ListenConfig, relay)},
+    {.section = "listen",
+     .key = "relay_threads",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 256,
+     .zero = "one a core",
+     .text = "Completion queues of the relay, each with a thread. Measure before raising it.",
+     UPLINK_BIND(listen, ListenConfig, relay_threads)},
+    {.section = "listen",
+     .key = "fleet",
+     .kind = Kind::kAddress,
+     .effect = Effect::kNone,
+     .text = "Operators: gRPC FleetView. This version does not open it.",
+     UPLINK_BIND(listen, ListenConfig, fleet)},
+    {.section = "listen",
+     .key = "http",
+     .kind = Kind::kAddress,
+     .text = "Probes, metrics and JSON, without authentication: a loopback address only.",
+     UPLINK_BIND(listen, ListenConfig, http)},
+
+    {.section = "tls",
+     .key = "certificate_file",
+     .kind = Kind::kFile,
+     .text = "The server's certificate chain, leaf first. Required.",
+     UPLINK_BIND(tls, TlsConfig, certificate_file)},
+    {.section = "tls",
+     .key = "key_file",
+     .kind = Kind::kFile,
+     .text = "The private key of that certificate. Required.",
+     UPLINK_BIND(tls, TlsConfig, key_file)},
+    {.section = "tls",
+     .key = "client_ca_file",
+     .kind = Kind::kFile,
+     .text = "The authorities that sign robots' certificates. Required.",
+     UPLINK_BIND(tls, TlsConfig, client_ca_file)},
+    {.section = "tls",
+     .key = "operator_ca_file",
+     .kind = Kind::kFile,
+     .effect = Effect::kNone,
+     .text = "The authorities that sign operators' certificates; empty: tls.client_ca_file. No "
+             "listener of this version asks operators for a certificate.",
+     UPLINK_BIND(tls, TlsConfig, operator_ca_file)},
+    {.section = "tls",
+     .key = "min_version",
+     .kind = Kind::kChoice,
+     .choices = kTlsVersions,
+     .text = "The lowest TLS version that the relay accepts.",
+     UPLINK_BIND(tls, TlsConfig, min_version)},
+
+    {.section = "identity",
+     .key = "registration",
+     .kind = Kind::kChoice,
+     .choices = kRegistrations,
+     .text = "\"open\": every robot whose certificate an authority of tls.client_ca_file signed. "
+             "This version does not serve \"closed\" and refuses it.",
+     UPLINK_BIND(identity, IdentityConfig, registration)},
+
+    {.section = "store",
+     .key = "url",
+     .kind = Kind::kText,
+     .secret = true,
+     .text = "sqlite:/// and the absolute path of the database file; its folder must exist. This "
+             "version has no other store.",
+     UPLINK_BIND(store, StoreConfig, url)},
+    {.section = "store",
+     .key = "migrate",
+     .kind = Kind::kSwitch,
+     .text = "Apply missing migrations at start; false: a store that lacks one refuses the start.",
+     UPLINK_BIND(store, StoreConfig, migrate)},
+
+    {.section = "journal",
+     .key = "bytes_max",
+     .kind = Kind::kBytes,
+     .min = kKiB,
+     .max = 64 * kGiB,
+     .text = "Bytes of records that may wait for a commit.",
+     UPLINK_BIND(journal, JournalConfig, bytes_max)},
+    {.section = "journal",
+     .key = "records_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 100'000'000,
+     .text = "Records that may wait for a commit.",
+     UPLINK_BIND(journal, JournalConfig, records_max)},
+    {.section = "journal",
+     .key = "batch_records_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 100'000,
+     .text = "Records of one transaction; at most journal.records_max.",
+     UPLINK_BIND(journal, JournalConfig, batch_records_max)},
+
+    {.section = "limits",
+     .key = "payload_bytes_max",
+     .kind = Kind::kBytes,
+     .min = kKiB,
+     .max = 16 * kMiB,
+     .text = "A payload of shape, uiCapabilities or currentSettings; at most frame_bytes_max.",
+     UPLINK_BIND(limits, LimitsConfig, payload_bytes_max)},
+    {.section = "limits",
+     .key = "message_bytes_max",
+     .kind = Kind::kBytes,
+     .min = kKiB,
+     .max = 16 * kMiB,
+     .text = "A payload of every other variant; at most payload_bytes_max.",
+     UPLINK_BIND(limits, LimitsConfig, message_bytes_max)},
+    {.section = "limits",
+     .key = "extras_items_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 65'536,
+     .text = "Readings of one telemetryExtras message.",
+     UPLINK_BIND(limits, LimitsConfig, extras_items_max)},
+    {.section = "limits",
+     .key = "batch_uplinks_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 65'536,
+     .text = "Messages of one UplinkBatch frame.",
+     UPLINK_BIND(limits, LimitsConfig, batch_uplinks_max)},
+    {.section = "limits",
+     .key = "in_flight_uplinks_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 1'000'000,
+     .text = "Durable messages of one robot that wait for a commit; at it, its stream is held "
+             "back.",
+     UPLINK_BIND(limits, LimitsConfig, in_flight_uplinks_max)},
+    {.section = "limits",
+     .key = "frame_bytes_max",
+     .kind = Kind::kBytes,
+     .min = 4 * kKiB,
+     .max = 64 * kMiB,
+     .text = "A whole encoded RelayRequest; a larger one ends the stream.",
+     UPLINK_BIND(limits, LimitsConfig, frame_bytes_max)},
+    {.section = "limits",
+     .key = "ack_interval",
+     .kind = Kind::kDuration,
+     .min = 1,
+     .max = kMinute,
+     .text = "How long an Ack that only live messages move may wait. One that a commit releases "
+             "is sent at once.",
+     UPLINK_BIND(limits, LimitsConfig, ack_interval)},
+    {.section = "limits",
+     .key = "robots_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 1'000'000,
+     .text = "Robots that the server holds state of; at it, streams of further robots are refused.",
+     UPLINK_BIND(limits, LimitsConfig, robots_max)},
+    {.section = "limits",
+     .key = "session_idle",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = 30 * kDay,
+     .text = "How long a session is remembered after its last stream, once nothing of it waits.",
+     UPLINK_BIND(limits, LimitsConfig, session_idle)},
+    {.section = "limits",
+     .key = "connection_age_max",
+     .kind = Kind::kDuration,
+     .min = 10 * kSecond,
+     .max = 30 * kDay,
+     .zero = "never",
+     .effect = Effect::kNone,
+     .text = "The age at which a connection is ended, so that agents spread anew. This version "
+             "never ends one for its age.",
+     UPLINK_BIND(limits, LimitsConfig, connection_age_max)},
+
+    {.section = "presence",
+     .key = "timeout",
+     .kind = Kind::kDuration,
+     .min = 100,
+     .max = kHour,
+     .text = "A robot is offline when its last sign of life is older.",
+     UPLINK_BIND(presence, PresenceConfig, timeout)},
+    {.section = "presence",
+     .key = "startup_grace",
+     .kind = Kind::kDuration,
+     .min = 1,
+     .max = kHour,
+     .zero = "none",
+     .text = "After a start, how long a robot that was not heard is unknown instead of offline.",
+     UPLINK_BIND(presence, PresenceConfig, startup_grace)},
+    {.section = "presence",
+     .key = "flap_changes",
+     .kind = Kind::kCount,
+     .min = 2,
+     .max = 1000,
+     .effect = Effect::kNone,
+     .text = "Presence changes within flap_window that flag a robot. This version flags none.",
+     UPLINK_BIND(presence, PresenceConfig, flap_changes)},
+    {.section = "presence",
+     .key = "flap_window",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = kDay,
+     .effect = Effect::kNone,
+     .text = "The span over which flap_changes counts. This version flags none.",
+     UPLINK_BIND(presence, PresenceConfig, flap_window)},
+
+    {.section = "rcan",
+     .key = "subsystem",
+     .kind = Kind::kText,
+     .effect = Effect::kNone,
+     .text = "The second word of the series' names: lower-case letters, digits and underscores. "
+             "This version renders no series.",
+     UPLINK_BIND(rcan, RcanConfig, subsystem)},
+    {.section = "rcan",
+     .key = "series_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 10'000'000,
+     .effect = Effect::kNone,
+     .text = "Series of one scrape. This version renders none.",
+     UPLINK_BIND(rcan, RcanConfig, series_max)},
+    {.section = "rcan",
+     .key = "series_ttl",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = 30 * kDay,
+     .effect = Effect::kNone,
+     .text = "How long the series of a silent robot stay. This version renders none.",
+     UPLINK_BIND(rcan, RcanConfig, series_ttl)},
+    {.section = "rcan",
+     .key = "counts_as_life",
+     .kind = Kind::kSwitch,
+     .effect = Effect::kNone,
+     .text = "Whether an RCAN Robot State is a sign of life. This version rejects the kind.",
+     UPLINK_BIND(rcan, RcanConfig, counts_as_life)},
+
+    {.section = "http",
+     .key = "connections_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 10'000,
+     .text = "Connections held at once; a further one is closed at accept.",
+     UPLINK_BIND(http, HttpConfig, connections_max)},
+
+    {.section = "log",
+     .key = "format",
+     .kind = Kind::kChoice,
+     .choices = kLogFormats,
+     .text = "\"text\": event key=value; \"json\": one object a line.",
+     UPLINK_BIND(log, LogConfig, format)},
+    {.section = "log",
+     .key = "level",
+     .kind = Kind::kChoice,
+     .choices = kLogLevels,
+     .effect = Effect::kReload,
+     .text = "The least severe line that is written; read again at SIGHUP.",
+     UPLINK_BIND(log, LogConfig, level)},
+
+    {.section = "drain",
+     .key = "timeout",
+     .kind = Kind::kDuration,
+     .min = 100,
+     .max = 10 * kMinute,
+     .text = "From the signal to the exit. What is unsettled then is counted in a warning.",
+     UPLINK_BIND(drain, DrainConfig, timeout)},
+});
+
+#undef UPLINK_BIND
+
+}  // namespace
+
+std::span<const Section> Sections() { return kSections; }
+
+std::span<const Setting> Settings() { return kSettings; }
+
+const Setting* FindSetting(std::string_view section, std::string_view key) {
+  for (const Setting& setting : kSettings) {
+    if (setting.section == section && setting.key == key) {
+      return &setting;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace uplink::config

@@ -1,0 +1,100 @@
+#include "server/config/value.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include <fmt/core.h>
+
+#include "schema/base/check.h"
+#include "schema/base/utf8.h"
+#include "server/config/units.h"
+
+namespace uplink::config {
+namespace {
+
+/// Longest part of a wrong value that a problem repeats.
+constexpr std::size_t kShownBytesMax = 200;
+
+BadValue Bad(const Setting& setting, std::string_view shown) {
+  if (setting.secret) {
+    return {fmt::format("the value is not allowed; it must be {}", AllowedText(setting))};
+  }
+  return {fmt::format("{} is not allowed; it must be {}", shown, AllowedText(setting))};
+}
+
+bool InBounds(const Setting& setting, std::uint64_t number) {
+  return (number == 0 && !setting.zero.empty()) || (number >= setting.min && number <= setting.max);
+}
+
+Interpreted Bounded(const Setting& setting, std::optional<std::uint64_t> number,
+                    const std::string& shown) {
+  if (!number || !InBounds(setting, *number)) {
+    return Bad(setting, shown);
+  }
+  return Value(*number);
+}
+
+Interpreted BoundedDuration(const Setting& setting, std::string_view text,
+                            const std::string& shown) {
+  const std::optional<milliseconds> duration = ParseDuration(text);
+  if (!duration || !InBounds(setting, static_cast<std::uint64_t>(duration->count()))) {
+    return Bad(setting, shown);
+  }
+  return Value(*duration);
+}
+
+Interpreted Chosen(const Setting& setting, std::string_view text, const std::string& shown) {
+  const auto at = std::find(setting.choices.begin(), setting.choices.end(), text);
+  if (at == setting.choices.end()) {
+    return Bad(setting, shown);
+  }
+  return Value(Choice{static_cast<std::size_t>(at - setting.choices.begin())});
+}
+
+std::string Shown(std::string_view text) {
+  return fmt::format("\"{}\"", PrintableUtf8(text, kShownBytesMax));
+}
+
+}  // namespace
+
+Interpreted InterpretText(const Setting& setting, std::string_view text) {
+  const std::string shown = Shown(text);
+  switch (setting.kind) {
+    case Kind::kSwitch:
+      if (text == "true" || text == "false") {
+        return Value(text == "true");
+      }
+      return Bad(setting, shown);
+    case Kind::kCount:
+      return Bounded(setting, ParseCount(text), shown);
+    case Kind::kBytes:
+      return Bounded(setting, ParseBytes(text), shown);
+    case Kind::kDuration:
+      return BoundedDuration(setting, text, shown);
+    case Kind::kText:
+    case Kind::kFile:
+      if (!IsCleanUtf8(text)) {
+        return Bad(setting, shown);
+      }
+      return Value(std::string(text));
+    case Kind::kChoice:
+      return Chosen(setting, text, shown);
+    case Kind::kAddress:
+      if (const std::optional<ListenAddress> address = ParseListenAddress(text)) {
+        return Value(*address);
+      }
+      return Bad(setting, shown);
+  }
+  CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
+}
+
+Interpreted InterpretInteger(const Setting& setting, std::int64_t number) {
+  const std::string shown = fmt::format("{}", number);
+  if (setting.kind != Kind::kCount || number < 0) {
+    return Bad(setting, shown);
+  }
+  return Bounded(setting, static_cast<std::uint64_t>(number), shown);
+}
+
+}  // namespace uplink::config

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "schema/base/clock.h"
+
+namespace uplink::log {
+
+/// Error: a person should look. Warn: degraded, handled. Info: lifecycle. Never a line a message.
+enum class Level : std::uint8_t { kDebug, kInfo, kWarn, kError };
+
+enum class Format : std::uint8_t {
+  kText,  // 2025-11-21T00:00:00.000Z warn store_away path=/x error="disk full"
+  kJson,  // one object a line, the same keys
+};
+
+/// One `key=value` of a line. Made in place by the caller; holds no reference. Bytes that are not
+/// text are shown as hex, and a value is cut at kValueBytesMax.
+class Field {
+ public:
+  static constexpr std::size_t kValueBytesMax = 1024;
+
+  Field(std::string_view key, std::string_view text);
+  Field(std::string_view key, const std::string& text) : Field(key, std::string_view(text)) {}
+  Field(std::string_view key, const char* text) : Field(key, std::string_view(text)) {}
+  template <typename T>
+  requires std::is_arithmetic_v<T> Field(std::string_view key, T number)
+      : Field(key, ToText(number), Bare{}) {}
+
+  [[nodiscard]] const std::string& key() const { return key_; }
+  [[nodiscard]] const std::string& value() const { return value_; }
+  /// A number or switch, which JSON shows without quotes.
+  [[nodiscard]] bool bare() const { return bare_; }
+
+ private:
+  struct Bare {};
+  Field(std::string_view key, std::string text, Bare /*tag*/)
+      : key_(key), value_(std::move(text)), bare_(true) {}
+
+  static std::string ToText(bool value) { return value ? "true" : "false"; }
+  static std::string ToText(double value);
+  template <typename T>
+  static std::string ToText(T value) {
+    return std::to_string(value);
+  }
+
+  std::string key_;
+  std::string value_;
+  bool bare_ = false;
+};
+
+using Fields = std::initializer_list<Field>;
+
+/// Where finished lines go. An implementation is thread-safe and does not throw.
+class LineSink {
+ public:
+  virtual ~LineSink() = default;
+  /// `line` ends without a newline.
+  virtual void Write(std::string_view line) = 0;
+};
+
+/// Standard error by spdlog; a line is written whole.
+[[nodiscard]] std::unique_ptr<LineSink> StandardError();
+
+/// Writes one line an event. Made once by the composition root and passed by reference. No
+/// payloads, tokens or keys are ever logged.
+///
+/// Thread: thread-safe; a line costs a lock and a write, so events that an outsider can trigger go
+/// through RateLimited.
+class Logger final {
+ public:
+  /// `clock` stamps the lines and outlives the logger.
+  Logger(std::unique_ptr<LineSink> sink, const Clock& clock, Format format, Level level);
+  Logger(const Logger&) = delete;
+  Logger& operator=(const Logger&) = delete;
+
+  /// `event` is snake_case: store_away.
+  void Write(Level level, std::string_view event, std::span<const Field> fields) const;
+  void Write(Level level, std::string_view event, Fields fields = {}) const {
+    Write(level, event, std::span<const Field>(fields.begin(), fields.size()));
+  }
+
+  void Debug(std::string_view event, Fields fields = {}) const {
+    Write(Level::kDebug, event, fields);
+  }
+  void Info(std::string_view event, Fields fields = {}) const {
+    Write(Level::kInfo, event, fields);
+  }
+  void Warn(std::string_view event, Fields fields = {}) const {
+    Write(Level::kWarn, event, fields);
+  }
+  void Error(std::string_view event, Fields fields = {}) const {
+    Write(Level::kError, event, fields);
+  }
+
+  [[nodiscard]] bool Enabled(Level level) const { return level >= level_.load(); }
+  /// Lines below `level` are left out from now on.
+  void SetLevel(Level level) { level_.store(level); }
+  [[nodiscard]] const Clock& clock() const { return clock_; }
+
+ private:
+  std::unique_ptr<LineSink> sink_;
+  const Clock& clock_;
+  Format format_;
+  std::atomic<Level> level_;
+};
+
+}  // namespace uplink::log

@@ -1,0 +1,48 @@
+#include "server/config/address.h"
+
+#include <gtest/gtest.h>
+
+namespace uplink::config {
+namespace {
+
+TEST(ParseListenAddressTest, ReadsBothFamilies) {
+  EXPECT_EQ(ParseListenAddress("127.0.0.1:7480"), (ListenAddress{"127.0.0.1", 7480}));
+  EXPECT_EQ(ParseListenAddress("[::]:7443"), (ListenAddress{"::", 7443}));
+  EXPECT_EQ(ParseListenAddress("[fe80::1]:1"), (ListenAddress{"fe80::1", 1}));
+}
+
+TEST(ParseListenAddressTest, ReadsPortsFromZeroToTheLast) {
+  EXPECT_EQ(ParseListenAddress("0.0.0.0:0"), (ListenAddress{"0.0.0.0", 0}));
+  EXPECT_EQ(ParseListenAddress("0.0.0.0:65535"), (ListenAddress{"0.0.0.0", 65535}));
+  EXPECT_EQ(ParseListenAddress("0.0.0.0:65536"), std::nullopt);
+}
+
+TEST(ParseListenAddressTest, RefusesWhatIsNoLiteralAddressWithAPort) {
+  for (const char* const text :
+       {"", ":", ":7443", "127.0.0.1", "127.0.0.1:", "localhost:7443", "::1:7443", "[127.0.0.1]:1",
+        "[::]", "[]:1", "127.0.0.1:-1", "127.0.0.1: 1", "127.0.0.256:1", "*:7443"}) {
+    EXPECT_EQ(ParseListenAddress(text), std::nullopt) << text;
+  }
+}
+
+TEST(ParseListenAddressTest, RefusesAnEmbeddedNul) {
+  EXPECT_EQ(ParseListenAddress(std::string_view("127.0.0.1\0x:1", 13)), std::nullopt);
+}
+
+TEST(ListenAddressTextTest, ReadsBackToTheSameAddress) {
+  for (const char* const text : {"[::]:7443", "127.0.0.1:0", "[::1]:7480"}) {
+    EXPECT_EQ(ToText(ParseListenAddress(text).value()), text);
+  }
+}
+
+TEST(IsLoopbackTest, KnowsTheMachineFromTheNetwork) {
+  EXPECT_TRUE(IsLoopback({"127.0.0.1", 1}));
+  EXPECT_TRUE(IsLoopback({"127.9.9.9", 1}));
+  EXPECT_TRUE(IsLoopback({"::1", 1}));
+  EXPECT_FALSE(IsLoopback({"::", 1}));
+  EXPECT_FALSE(IsLoopback({"0.0.0.0", 1}));
+  EXPECT_FALSE(IsLoopback({"128.0.0.1", 1}));
+}
+
+}  // namespace
+}  // namespace uplink::config

@@ -1,0 +1,172 @@
+#include "server/config/load.h"
+
+#include <cstdio>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/server/config/minimal.h"
+
+namespace uplink::config {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::uplink::config::testing::kMinimal;
+using ::uplink::config::testing::ParseWith;
+
+auto IsProblem(const std::string& where, const std::string& key, const std::string& part) {
+  return AllOf(Field("where", &Problem::where, where), Field("key", &Problem::key, key),
+               Field("text", &Problem::text, HasSubstr(part)));
+}
+
+TEST(ParseConfigTest, TakesTheMinimumAndKeepsTheDefaults) {
+  const LoadResult result = ParseWith("");
+  ASSERT_THAT(result.problems, IsEmpty());
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result.config->tls.key_file, "s.key");
+  EXPECT_EQ(result.config->limits.frame_bytes_max, 1 * kMiB);
+  EXPECT_EQ(result.config->presence.timeout, milliseconds(10'000));
+}
+
+TEST(ParseConfigTest, ReadsEveryKindOfValue) {
+  const LoadResult result = ParseWith(
+      "[listen]\nrelay = \"127.0.0.1:0\"\n[limits]\nrobots_max = 7\nframe_bytes_max = \"2MiB\"\n"
+      "ack_interval = \"250ms\"\n[store]\nmigrate = false\nurl = \"sqlite:///a b/c.db\"\n[log]\n"
+      "format = \"json\"\nlevel = \"debug\"\n[drain]\ntimeout = \"1s\"\n");
+  ASSERT_THAT(result.problems, IsEmpty());
+  EXPECT_EQ(result.config->listen.relay, (ListenAddress{"127.0.0.1", 0}));
+  EXPECT_EQ(result.config->limits.robots_max, 7U);
+  EXPECT_EQ(result.config->limits.frame_bytes_max, 2 * kMiB);
+  EXPECT_EQ(result.config->limits.ack_interval, milliseconds(250));
+  EXPECT_FALSE(result.config->store.migrate);
+  EXPECT_EQ(SqlitePath(result.config->store), "/a b/c.db");
+  EXPECT_EQ(result.config->log.format, LogFormat::kJson);
+  EXPECT_EQ(result.config->log.level, LogLevel::kDebug);
+}
+
+TEST(ParseConfigTest, ReportsEveryProblemAtOnceInTheOrderOfTheFile) {
+  const LoadResult result = ParseWith(
+      "min_version = \"1.1\"\n[presence]\ntimeout = 10\n[limits]\nrobots_max = 0\n"
+      "robot_max = 5\n[rates]\n[journal]\nbytes_max = \"1KB\"\n");
+  EXPECT_FALSE(result.ok());
+  EXPECT_THAT(result.problems,
+              ElementsAre(IsProblem("u.toml:5", "tls.min_version", "\"1.1\" is not allowed"),
+                          IsProblem("u.toml:7", "presence.timeout", "a duration"),
+                          IsProblem("u.toml:9", "limits.robots_max", "0 is not allowed"),
+                          IsProblem("u.toml:10", "limits.robot_max", "unknown key"),
+                          IsProblem("u.toml:11", "rates", "unknown section"),
+                          IsProblem("u.toml:13", "journal.bytes_max", "\"1KB\" is not allowed")));
+}
+
+TEST(ParseConfigTest, NamesValueAndLimitOfAnOutOfBoundsNumber) {
+  const LoadResult result = ParseWith("[limits]\nrobots_max = 1000001\n");
+  ASSERT_THAT(result.problems, SizeIs(1));
+  EXPECT_EQ(ToText(result.problems[0]),
+            "u.toml:6: limits.robots_max: 1000001 is not allowed; it must be a whole number from 1 "
+            "to 1000000");
+}
+
+TEST(ParseConfigTest, RefusesAValueOfTheWrongType) {
+  for (const char* const line :
+       {"[store]\nmigrate = \"true\"\n", "[store]\nmigrate = 1\n", "[limits]\nrobots_max = \"5\"\n",
+        "[limits]\nrobots_max = 5.0\n", "[limits]\nrobots_max = -5\n", "[log]\nlevel = 3\n",
+        "[limits]\nframe_bytes_max = 1048576\n", "[log]\nlevel = [\"info\"]\n"}) {
+    EXPECT_THAT(ParseWith(line).problems, SizeIs(1)) << line;
+  }
+}
+
+TEST(ParseConfigTest, RefusesAKeyOutsideItsSection) {
+  EXPECT_THAT(ParseConfig("robots_max = 5\n" + std::string(kMinimal), "u.toml", {}).problems,
+              ElementsAre(IsProblem("u.toml:1", "robots_max", "unknown section")));
+}
+
+TEST(ParseConfigTest, RefusesASectionThatIsNoTable) {
+  EXPECT_THAT(ParseConfig("limits = 5\n" + std::string(kMinimal), "u.toml", {}).problems,
+              ElementsAre(IsProblem("u.toml:1", "limits", "write [limits]")));
+}
+
+TEST(ParseConfigTest, ReportsTextThatIsNoTomlWithItsLineAlone) {
+  EXPECT_THAT(ParseConfig("[tls]\nkey_file =\n", "u.toml", {}).problems, SizeIs(1));
+  EXPECT_EQ(ParseConfig("[tls]\nkey_file = = 1\n", "u.toml", {}).problems[0].where, "u.toml:2");
+}
+
+TEST(ParseConfigTest, RefusesAKeyThatStandsTwice) {
+  EXPECT_THAT(ParseWith("key_file = \"again\"\n").problems, SizeIs(1));
+}
+
+TEST(ParseConfigTest, LaysTheEnvironmentOverTheFile) {
+  const LoadResult result =
+      ParseWith("[limits]\nrobots_max = 5\n", {{"UPLINKD_LIMITS_ROBOTS_MAX", "6"},
+                                               {"UPLINKD_STORE_MIGRATE", "false"},
+                                               {"UPLINKD_PRESENCE_TIMEOUT", "3s"}});
+  ASSERT_THAT(result.problems, IsEmpty());
+  EXPECT_EQ(result.config->limits.robots_max, 6U);
+  EXPECT_FALSE(result.config->store.migrate);
+  EXPECT_EQ(result.config->presence.timeout, milliseconds(3000));
+}
+
+TEST(ParseConfigTest, ReportsWhatTheEnvironmentHasWrong) {
+  const LoadResult result = ParseWith(
+      "", {{"UPLINKD_LIMITS_ROBOTS_MAX", "many"}, {"UPLINKD_NO_SUCH", "1"}, {"UPLINKD_X", ""}});
+  EXPECT_THAT(result.problems,
+              ElementsAre(IsProblem("environment", "limits.robots_max", "\"many\" is not allowed"),
+                          IsProblem("environment", "UPLINKD_NO_SUCH", "no setting"),
+                          IsProblem("environment", "UPLINKD_X", "no setting")));
+}
+
+TEST(ParseConfigTest, NotesKeysThatHaveNoEffectYet) {
+  const LoadResult result =
+      ParseWith("[rcan]\nseries_max = 5\n", {{"UPLINKD_RCAN_SUBSYSTEM", "x"}});
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result.config->rcan.series_max, 5U);
+  EXPECT_THAT(result.notes, ElementsAre(IsProblem("u.toml:6", "rcan.series_max", "no effect"),
+                                        IsProblem("environment", "rcan.subsystem", "no effect")));
+  EXPECT_THAT(ParseWith("").notes, IsEmpty());
+}
+
+TEST(PrintConfigTest, ReadsBackToTheSameConfiguration) {
+  const LoadResult first = ParseWith(
+      "operator_ca_file = \"q\\\"\\\\\\u0001.crt\"\nmin_version = \"1.3\"\n[limits]\n"
+      "session_idle = \"90s\"\n");
+  ASSERT_THAT(first.problems, IsEmpty());
+  const std::string printed = PrintConfig(*first.config);
+  const LoadResult second = ParseConfig(printed, "printed", {});
+  ASSERT_THAT(second.problems, IsEmpty());
+  EXPECT_EQ(PrintConfig(*second.config), printed);
+  EXPECT_EQ(second.config->tls.operator_ca_file, first.config->tls.operator_ca_file);
+  EXPECT_EQ(second.config->tls.min_version, TlsVersion::k13);
+}
+
+TEST(LoadConfigTest, ReadsAFileAndNamesItInProblems) {
+  const std::string path = ::testing::TempDir() + "uplinkd_load_test.toml";
+  std::ofstream(path) << kMinimal << "[limits]\nnope = 1\n";
+  EXPECT_THAT(LoadConfig(path, {}).problems,
+              ElementsAre(IsProblem(path + ":6", "limits.nope", "unknown key")));
+  EXPECT_EQ(std::remove(path.c_str()), 0);
+}
+
+TEST(LoadConfigTest, ReadsFilesUpToTheBoundAndNotPastIt) {
+  const std::string path = ::testing::TempDir() + "uplinkd_load_size_test.toml";
+  std::string text(kMinimal);
+  text += "#" + std::string(kConfigBytesMax - text.size() - 1, 'x');
+  std::ofstream(path) << text;
+  EXPECT_TRUE(LoadConfig(path, {}).ok());
+  std::ofstream(path) << text << "x";
+  EXPECT_THAT(LoadConfig(path, {}).problems, ElementsAre(IsProblem(path, "", "larger than")));
+  EXPECT_EQ(std::remove(path.c_str()), 0);
+}
+
+TEST(LoadConfigTest, ReportsAFileThatIsNotThereOrAFolder) {
+  EXPECT_THAT(LoadConfig("/no/such/file.toml", {}).problems,
+              ElementsAre(IsProblem("/no/such/file.toml", "", "cannot be read")));
+  EXPECT_THAT(LoadConfig("/", {}).problems, ElementsAre(IsProblem("/", "", "cannot be read")));
+}
+
+}  // namespace
+}  // namespace uplink::config

@@ -1,0 +1,101 @@
+#include "server/config/relations.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/server/config/minimal.h"
+
+namespace uplink::config {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::uplink::config::testing::ParseWith;
+
+/// The text of the one problem of kMinimal with `more`; empty if there is none.
+std::string OneProblem(std::string_view more) {
+  const LoadResult result = ParseWith(more);
+  EXPECT_LE(result.problems.size(), 1U);
+  return result.problems.empty() ? std::string() : ToText(result.problems[0]);
+}
+
+TEST(RelationsTest, RequiresTheCertificateFiles) {
+  EXPECT_THAT(ParseConfig("", "u.toml", {}).problems, SizeIs(3));
+}
+
+TEST(RelationsTest, AMessageMayBeAsLargeAsAPayloadButNotLarger) {
+  EXPECT_EQ(OneProblem("[limits]\nmessage_bytes_max = \"256KiB\"\n"), "");
+  EXPECT_THAT(OneProblem("[limits]\nmessage_bytes_max = \"257KiB\"\n"),
+              HasSubstr("u.toml:6: limits.message_bytes_max: 257KiB is over "
+                        "limits.payload_bytes_max, 256KiB"));
+}
+
+TEST(RelationsTest, APayloadMayBeAsLargeAsAFrameButNotLarger) {
+  EXPECT_EQ(OneProblem("[limits]\npayload_bytes_max = \"1MiB\"\n"), "");
+  EXPECT_THAT(OneProblem("[limits]\npayload_bytes_max = \"1025KiB\"\n"),
+              HasSubstr("limits.payload_bytes_max: 1025KiB is over limits.frame_bytes_max"));
+}
+
+TEST(RelationsTest, ABatchMayTakeTheWholeJournalButNotMore) {
+  EXPECT_EQ(OneProblem("[journal]\nrecords_max = 1000\n"), "");
+  EXPECT_THAT(OneProblem("[journal]\nrecords_max = 999\n"),
+              HasSubstr("journal.batch_records_max: 1000 is over journal.records_max, 999"));
+}
+
+TEST(RelationsTest, HttpStaysOnLoopback) {
+  EXPECT_EQ(OneProblem("[listen]\nhttp = \"[::1]:7480\"\n"), "");
+  EXPECT_THAT(OneProblem("[listen]\nhttp = \"0.0.0.0:7480\"\n"),
+              HasSubstr("is not a loopback address"));
+}
+
+TEST(RelationsTest, TwoListenersDoNotShareAPort) {
+  EXPECT_THAT(OneProblem("[listen]\nhttp = \"127.0.0.1:7443\"\n"), HasSubstr("port 7443"));
+  EXPECT_EQ(OneProblem("[listen]\nhttp = \"127.0.0.1:0\"\nrelay = \"[::]:0\"\n"), "");
+}
+
+TEST(RelationsTest, ClosedRegistrationIsNotServed) {
+  EXPECT_EQ(OneProblem("[identity]\nregistration = \"open\"\n"), "");
+  EXPECT_THAT(OneProblem("[identity]\nregistration = \"closed\"\n"),
+              HasSubstr("does not serve \"closed\""));
+}
+
+TEST(RelationsTest, OnlyAnAbsoluteSqlitePathIsAStore) {
+  EXPECT_EQ(OneProblem("[store]\nurl = \"sqlite:///x.db\"\n"), "");
+  for (const char* const url :
+       {"", "sqlite://", "sqlite:///", "sqlite://x.db", "sqlite:///x/", "/x.db", "mysql://h/d"}) {
+    const std::string more = std::string("[store]\nurl = \"") + url + "\"\n";
+    EXPECT_THAT(OneProblem(more), HasSubstr("store.url: it must be sqlite:///")) << url;
+  }
+}
+
+TEST(RelationsTest, PostgresIsRefusedWithoutRepeatingItsPassword) {
+  const std::string problem = OneProblem("[store]\nurl = \"postgresql://me:pw@h/d\"\n");
+  EXPECT_THAT(problem, HasSubstr("no PostgreSQL store"));
+  EXPECT_EQ(problem.find("pw"), std::string::npos);
+}
+
+TEST(RelationsTest, TheSubsystemIsAWordOfASeriesName) {
+  EXPECT_EQ(OneProblem("[rcan]\nsubsystem = \"" + std::string(32, 'a') + "\"\n"), "");
+  for (const std::string& word :
+       {std::string(), std::string("A"), std::string("a-b"), std::string(33, 'a')}) {
+    EXPECT_THAT(OneProblem("[rcan]\nsubsystem = \"" + word + "\"\n"), HasSubstr("rcan.subsystem"))
+        << word;
+  }
+}
+
+TEST(RelationsTest, ABadValueIsNotReportedTwice) {
+  EXPECT_THAT(ParseWith("[store]\nurl = 5\n").problems, SizeIs(1));
+}
+
+TEST(RelationsTest, TheDefaultsLackOnlyTheFiles) {
+  Config config;
+  EXPECT_THAT(CheckRelations(config), SizeIs(3));
+  config.tls.certificate_file = "a";
+  config.tls.key_file = "b";
+  config.tls.client_ca_file = "c";
+  EXPECT_THAT(CheckRelations(config), IsEmpty());
+}
+
+}  // namespace
+}  // namespace uplink::config

@@ -1,0 +1,110 @@
+#include "server/config/settings.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "server/config/load.h"
+#include "server/config/value.h"
+
+namespace uplink::config {
+namespace {
+
+TEST(SettingsTest, EveryKeyStandsOnceInAKnownSection) {
+  std::set<std::string> keys;
+  for (const Setting& setting : Settings()) {
+    EXPECT_TRUE(keys.insert(FullKey(setting)).second) << FullKey(setting);
+    bool known = false;
+    for (const Section& section : Sections()) {
+      known = known || section.name == setting.section;
+    }
+    EXPECT_TRUE(known) << FullKey(setting);
+    EXPECT_FALSE(setting.text.empty()) << FullKey(setting);
+  }
+}
+
+TEST(SettingsTest, EveryDefaultIsWithinItsOwnBounds) {
+  const Config defaults;
+  for (const Setting& setting : Settings()) {
+    if (setting.secret) {
+      continue;  // shown masked
+    }
+    std::string text = ValueText(setting, setting.get(defaults));
+    if (text.front() == '"') {
+      text = text.substr(1, text.size() - 2);
+    }
+    const Interpreted read = InterpretText(setting, text);
+    ASSERT_TRUE(std::holds_alternative<Value>(read)) << FullKey(setting);
+    EXPECT_EQ(std::get<Value>(read), setting.get(defaults)) << FullKey(setting);
+  }
+}
+
+TEST(SettingsTest, EveryBoundIsTakenAndOnePastItIsNot) {
+  for (const Setting& setting : Settings()) {
+    if (setting.kind != Kind::kCount) {
+      continue;
+    }
+    const auto taken = [&](std::uint64_t number) {
+      return std::holds_alternative<Value>(
+          InterpretInteger(setting, static_cast<std::int64_t>(number)));
+    };
+    EXPECT_TRUE(taken(setting.min)) << FullKey(setting);
+    EXPECT_TRUE(taken(setting.max)) << FullKey(setting);
+    EXPECT_FALSE(taken(setting.max + 1)) << FullKey(setting);
+    EXPECT_EQ(taken(setting.min - 1), setting.min == 1 && !setting.zero.empty())
+        << FullKey(setting);
+  }
+}
+
+TEST(SettingsTest, EachMemberIsBoundToItsOwnKey) {
+  // Setting one key changes that key's value and no other's.
+  for (const Setting& changed : Settings()) {
+    Config config;
+    Value value = changed.get(config);
+    if (auto* on = std::get_if<bool>(&value)) {
+      *on = !*on;
+    } else if (auto* number = std::get_if<std::uint64_t>(&value)) {
+      ++*number;
+    } else if (auto* duration = std::get_if<std::chrono::milliseconds>(&value)) {
+      ++*duration;
+    } else if (auto* text = std::get_if<std::string>(&value)) {
+      *text += "x";
+    } else if (auto* choice = std::get_if<Choice>(&value)) {
+      choice->index = choice->index == 0 ? 1 : 0;
+    } else {
+      ++std::get<ListenAddress>(value).port;
+    }
+    changed.set(config, value);
+    const Config defaults;
+    for (const Setting& other : Settings()) {
+      EXPECT_EQ(other.get(config) == other.get(defaults), &other != &changed)
+          << FullKey(changed) << " and " << FullKey(other);
+    }
+  }
+}
+
+TEST(SettingsTest, APasswordInAUrlIsMasked) {
+  const Setting* const url = FindSetting("store", "url");
+  ASSERT_NE(url, nullptr);
+  EXPECT_EQ(ValueText(*url, Value(std::string("postgresql://me:pw@host/db"))),
+            "\"postgresql://me:***@host/db\"");
+  EXPECT_EQ(ValueText(*url, Value(std::string("sqlite:///a:b@c/d.db"))),
+            "\"sqlite:///a:b@c/d.db\"");
+}
+
+TEST(SettingsTest, ASecretIsNotRepeatedInAProblem) {
+  const Setting* const url = FindSetting("store", "url");
+  ASSERT_NE(url, nullptr);
+  const Interpreted read = InterpretText(*url, "pw\xff");
+  ASSERT_TRUE(std::holds_alternative<BadValue>(read));
+  EXPECT_EQ(std::get<BadValue>(read).text.find("pw"), std::string::npos);
+}
+
+TEST(SettingsTest, NamesTheEnvironmentVariable) {
+  const Setting* const setting = FindSetting("limits", "robots_max");
+  ASSERT_NE(setting, nullptr);
+  EXPECT_EQ(EnvironmentName(*setting), "UPLINKD_LIMITS_ROBOTS_MAX");
+}
+
+}  // namespace
+}  // namespace uplink::config

@@ -1,0 +1,83 @@
+#include "server/log/logger.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+#include "tests/unit/server/log/line_recorder.h"
+
+namespace uplink::log {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::uplink::log::testing::RecordedLog;
+using ::uplink::testing::ManualClock;
+
+constexpr SystemTime kNoon = FromUnixMs(1'700'000'000'007);
+
+TEST(LoggerTest, WritesTimeLevelEventAndFieldsAsText) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kText, Level::kDebug);
+  log.logger.Warn("store_away", {{"path", "/x"}, {"tries", 3}, {"held", true}});
+  EXPECT_THAT(log.lines,
+              ElementsAre("2023-11-14T22:13:20.007Z warn store_away path=/x tries=3 held=true"));
+}
+
+TEST(LoggerTest, QuotesTextValuesThatWouldNotReadBack) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kText, Level::kDebug);
+  log.logger.Info("e", {{"a", "two words"}, {"b", ""}, {"c", "x=y"}, {"d", "\"\\"}});
+  EXPECT_THAT(log.lines, ElementsAre("2023-11-14T22:13:20.007Z info e a=\"two words\" b=\"\" "
+                                     "c=\"x=y\" d=\"\\\"\\\\\""));
+}
+
+TEST(LoggerTest, WritesOneObjectALineAsJson) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kJson, Level::kDebug);
+  log.logger.Error("bad", {{"text", "a \"b\""}, {"count", 7U}, {"on", false}, {"ratio", 0.5}});
+  EXPECT_THAT(log.lines, ElementsAre(R"({"time":"2023-11-14T22:13:20.007Z","level":"error",)"
+                                     R"("event":"bad","text":"a \"b\"","count":7,"on":false,)"
+                                     R"("ratio":0.5})"));
+}
+
+TEST(LoggerTest, ShowsForeignBytesAndControlCharactersAsHex) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kText, Level::kDebug);
+  log.logger.Info("e", {{"peer", std::string("a\nb\xff")}});
+  EXPECT_THAT(log.lines, ElementsAre("2023-11-14T22:13:20.007Z info e peer=\"a\\\\x0ab\\\\xff\""));
+}
+
+TEST(LoggerTest, CutsALongValueAtItsBound) {
+  EXPECT_EQ(Field("k", std::string(Field::kValueBytesMax, 'x')).value().size(),
+            Field::kValueBytesMax);
+  EXPECT_EQ(Field("k", std::string(Field::kValueBytesMax + 1, 'x')).value().size(),
+            Field::kValueBytesMax);
+}
+
+TEST(LoggerTest, KeepsBackWhatIsBelowItsLevel) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kText, Level::kWarn);
+  log.logger.Debug("d");
+  log.logger.Info("i");
+  EXPECT_THAT(log.lines, IsEmpty());
+  log.logger.Warn("w");
+  log.logger.Error("e");
+  EXPECT_EQ(log.lines.size(), 2U);
+}
+
+TEST(LoggerTest, ShowsNumbersThatJsonLacksAsNull) {
+  EXPECT_EQ(Field("k", std::numeric_limits<double>::quiet_NaN()).value(), "null");
+  EXPECT_EQ(Field("k", std::numeric_limits<double>::infinity()).value(), "null");
+}
+
+TEST(StandardErrorTest, WritesTheLineAndNothingElse) {
+  ::testing::internal::CaptureStderr();
+  StandardError()->Write("one line {} %v");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "one line {} %v\n");
+}
+
+}  // namespace
+}  // namespace uplink::log
