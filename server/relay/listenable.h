@@ -1,0 +1,13 @@
+#pragma once
+
+#include <absl/status/status.h>
+
+#include "server/config/address.h"
+
+namespace uplink::relay {
+
+/// OK if the system lets us bind `address`, asked before gRPC, which says only that it failed.
+/// kUnavailable names the address and the system's reason.
+[[nodiscard]] absl::Status CheckListenable(const config::ListenAddress& address);
+
+}  // namespace uplink::relay

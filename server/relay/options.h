@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <variant>
+
+#include "metrics/cells.h"
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/judge.h"
+#include "server/config/address.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/journal.h"
+#include "server/session/limits.h"
+#include "server/session/probe.h"
+
+namespace uplink::relay {
+
+/// PEM files; new handshakes use what replaced them (swap by rename) within kFilesRefresh.
+struct PemFiles {
+  std::string certificate;
+  std::string key;
+  std::string client_ca;
+};
+
+/// The same as text, for tests; never changes.
+struct PemTexts {
+  std::string certificate;
+  std::string key;
+  std::string client_ca;
+};
+
+using KeyMaterial = std::variant<PemFiles, PemTexts>;
+
+/// How often the files are looked at.
+inline constexpr std::chrono::seconds kFilesRefresh{5};
+
+struct RelayOptions {
+  config::ListenAddress address;
+  KeyMaterial key_material;
+  /// Completion queues, each with a thread; 0: one a core.
+  std::size_t queues = 0;
+  /// Streams held at once. Twice limits.robots_max lets every robot reconnect before its old stream
+  /// has ended.
+  std::size_t streams_max = 40'000;
+  /// limits.connection_age_max; zero: never.
+  milliseconds connection_age_max{0};
+  /// Memory that gRPC may use before it resets connections, a backstop against frames that are
+  /// assembled before their size is known (measured); 0: no bound.
+  std::size_t memory_bytes_max = 0;
+};
+
+/// What the transport counts beside its sessions. Thread-safe; one for all queues.
+struct RelayProbe {
+  /// Calls that ended before they became a session.
+  metrics::Cell refused_full_total;
+  metrics::Cell refused_draining_total;
+  metrics::Cell refused_identity_total;
+  /// Calls that were cancelled because the peer did not take their end.
+  metrics::Cell finish_timeouts_total;
+  /// Wakes that a queue's thread answered; one may stand for many.
+  metrics::Cell wakes_total;
+};
+
+/// What the relay works with. All of it outlives the server.
+struct RelayParts {
+  const Clock& clock;
+  fleet::Fleet& fleet;
+  journal::Journal& journal;
+  session::SessionProbe& session_probe;
+  RelayProbe& probe;
+  /// Each queue takes a page.
+  metrics::LedgerBook& ledgers;
+  const session::SessionLimits& limits;
+  schema::JudgeLimits judge_limits;
+};
+
+}  // namespace uplink::relay

@@ -1,0 +1,161 @@
+#include "server/relay/queue.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include "schema/base/check.h"
+#include "server/relay/call.h"
+
+namespace uplink::relay {
+
+Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
+             RelayService& service, Gate& gate, const RelayParts& parts)
+    : index_(index),
+      completions_(std::move(completions)),
+      service_(service),
+      gate_(gate),
+      parts_(parts),
+      judge_(parts.judge_limits),
+      context_{
+          parts.clock, parts.fleet, parts.journal, parts.session_probe, parts.ledgers.NewPage(),
+          judge_,      parts.limits},
+      now_(parts.clock.Steady()) {}
+
+Queue::~Queue() {
+  UPLINK_CHECK(!thread_.joinable(), "a queue that was started must be closed");
+  if (closed_) return;
+  // It never started: gRPC wants every queue shut down and emptied.
+  completions_->Shutdown();
+  void* tag = nullptr;
+  bool ok = false;
+  while (completions_->Next(&tag, &ok)) {
+  }
+}
+
+void Queue::Start() {
+  thread_ = std::jthread([this] { Run(); });
+}
+
+template <typename Change>
+void Queue::Post(const Change& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    change(inbox_);
+    if (alarm_pending_) return;
+    alarm_pending_ = true;
+  }
+  // The queue does not close while the alarm is pending, so this needs no lock.
+  alarm_.Set(completions_.get(), gpr_inf_past(GPR_CLOCK_MONOTONIC), &inbox_tag_);
+}
+
+void Queue::Wake(std::uint64_t stream) {
+  Post([stream](Inbox& inbox) { inbox.wakes.insert(stream); });
+}
+
+void Queue::Drain(milliseconds grace) {
+  Post([grace](Inbox& inbox) { inbox.drain = grace; });
+}
+
+void Queue::Close() {
+  if (!thread_.joinable()) return;
+  Post([](Inbox& inbox) { inbox.close = true; });
+  thread_.join();
+}
+
+void Queue::Run() {
+  const std::string name = fmt::format("relay-{}", index_);
+  ::pthread_setname_np(::pthread_self(), name.c_str());
+  for (std::size_t i = 0; i < kOffersMax; ++i) Offer();
+  void* tag = nullptr;
+  bool ok = false;
+  while (true) {
+    switch (completions_->AsyncNext(&tag, &ok, NextDeadline())) {
+      case grpc::CompletionQueue::SHUTDOWN:
+        return;
+      case grpc::CompletionQueue::GOT_EVENT:
+        now_ = parts_.clock.Steady();
+        static_cast<Tag*>(tag)->Proceed(ok);
+        break;
+      case grpc::CompletionQueue::TIMEOUT:
+        now_ = parts_.clock.Steady();
+        if (closing_ && CloseIfDone()) completions_->Shutdown();
+        break;
+    }
+    RunTimers();
+  }
+}
+
+gpr_timespec Queue::NextDeadline() const {
+  // Closing: look at each event that is there already, then shut down.
+  if (closing_ && calls_.empty()) return gpr_inf_past(GPR_CLOCK_MONOTONIC);
+  const std::optional<SteadyTime> next = timers_.next();
+  if (!next) return gpr_inf_future(GPR_CLOCK_MONOTONIC);
+  // Our clock is not gRPC's, so only the distance counts.
+  const auto wait = std::max(*next - now_, SteadyTime::duration(0));
+  const auto micros = std::chrono::ceil<std::chrono::microseconds>(wait).count();
+  return gpr_time_add(gpr_now(GPR_CLOCK_MONOTONIC), gpr_time_from_micros(micros, GPR_TIMESPAN));
+}
+
+void Queue::EmptyInbox() {
+  Inbox inbox;
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(inbox, inbox_);
+    alarm_pending_ = false;
+  }
+  parts_.probe.wakes_total.Add();
+  for (const std::uint64_t id : inbox.wakes) {
+    if (const auto found = calls_.find(id); found != calls_.end()) found->second->OnWake();
+  }
+  if (inbox.drain) BeginDrain(*inbox.drain);
+  closing_ = closing_ || inbox.close;
+}
+
+void Queue::RunTimers() {
+  while (const std::optional<std::uint64_t> id = timers_.PopDue(now_)) {
+    // An entry is taken out when its call retires, so the call is there.
+    calls_.at(*id)->OnTimer();
+  }
+}
+
+void Queue::BeginDrain(milliseconds grace) {
+  const SteadyTime end = now_ + grace;
+  std::vector<Call*> streams;
+  for (const auto& [id, call] : calls_) {
+    if (call->has_session()) streams.push_back(call.get());
+  }
+  if (streams.empty()) return;
+  const auto count = static_cast<milliseconds::rep>(streams.size());
+  const auto spread = std::min<SteadyTime::duration>(grace / kDrainPart, count * kDrainSpacing);
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    streams[i]->DrainAt(now_ + spread * static_cast<milliseconds::rep>(i) / count, end);
+  }
+}
+
+bool Queue::CloseIfDone() {
+  if (!calls_.empty()) return false;
+  const std::lock_guard lock(mutex_);
+  if (closed_ || alarm_pending_) return false;
+  closed_ = true;
+  return true;
+}
+
+void Queue::Offer() {
+  const std::uint64_t id = next_id_++;
+  Call& call = *calls_.emplace(id, std::make_unique<Call>(*this, id)).first->second;
+  call.Offer();
+}
+
+void Queue::Retire(Call& call) { calls_.erase(call.id()); }
+
+void Queue::CallAt(std::uint64_t id, Timers::Slot& slot, SteadyTime deadline) {
+  timers_.Want(id, slot, deadline, now_);
+}
+
+}  // namespace uplink::relay

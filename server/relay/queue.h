@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <grpcpp/alarm.h>
+#include <grpcpp/completion_queue.h>
+
+#include "server/journal/wake.h"
+#include "server/relay/gate.h"
+#include "server/relay/options.h"
+#include "server/relay/service.h"
+#include "server/relay/tag.h"
+#include "server/relay/timers.h"
+#include "server/session/session.h"
+
+namespace uplink::relay {
+
+class Call;
+
+/// Calls that a queue offers to gRPC at once. With fewer, a burst of new streams spills over to the
+/// queues of other connections' threads.
+inline constexpr std::size_t kOffersMax = 16;
+/// Streams of one queue that a drain tells a millisecond.
+inline constexpr milliseconds kDrainSpacing{1};
+/// The part of the grace over which streams are told, at most.
+inline constexpr int kDrainPart = 4;
+
+/// One completion queue with its thread, the streams that stay on it, their timers, and the inbox
+/// through which other threads wake them.
+///
+/// Order:  the gRPC server starts after the queues are made; Start after that; Close once the
+/// server
+///         was shut down. Outlives nobody's calls: Wake does nothing once the queue has closed.
+/// Thread: Wake, Drain: any; Start, Close: main; the rest: its own.
+class Queue final : public journal::WakeInbox {
+ public:
+  Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
+        RelayService& service, Gate& gate, const RelayParts& parts);
+  ~Queue() override;
+  Queue(const Queue&) = delete;
+  Queue& operator=(const Queue&) = delete;
+
+  void Start();
+  void Wake(std::uint64_t stream) override;
+  /// Tells every stream to drain, one after the other, over a part of the grace.
+  void Drain(milliseconds grace);
+  /// Ends the thread once its last call is gone. Blocks.
+  void Close();
+
+  // --- For its calls, on its thread ---
+
+  /// One more call that waits for a robot.
+  void Offer();
+  /// The last tag of the call has returned; destroys it.
+  void Retire(Call& call);
+  /// When the call wants OnTimer.
+  void CallAt(std::uint64_t id, Timers::Slot& slot, SteadyTime deadline);
+  void Forget(std::uint64_t id, Timers::Slot& slot) { timers_.Forget(id, slot); }
+
+  [[nodiscard]] grpc::ServerCompletionQueue& completions() { return *completions_; }
+  [[nodiscard]] RelayService& service() { return service_; }
+  [[nodiscard]] Gate& gate() { return gate_; }
+  [[nodiscard]] const RelayParts& parts() const { return parts_; }
+  [[nodiscard]] const session::SessionContext& session_context() const { return context_; }
+  /// The time at the event that is being handled.
+  [[nodiscard]] SteadyTime now() const { return now_; }
+
+ private:
+  /// The alarm has rung: the inbox holds something.
+  class InboxTag final : public Tag {
+   public:
+    explicit InboxTag(Queue& queue) : queue_(queue) {}
+    void Proceed(bool /*ok*/) override { queue_.EmptyInbox(); }
+
+   private:
+    Queue& queue_;
+  };
+  /// What other threads have left for this one.
+  struct Inbox {
+    /// Streams to wake; each once, so at most as many as there are.
+    std::unordered_set<std::uint64_t> wakes;
+    std::optional<milliseconds> drain;
+    bool close = false;
+  };
+
+  void Run();
+  void Tend();
+  void EmptyInbox();
+  void RunTimers();
+  void BeginDrain(milliseconds grace);
+  bool CloseIfDone();
+  template <typename Change>
+  void Post(const Change& change);
+  [[nodiscard]] gpr_timespec NextDeadline() const;
+
+  const std::size_t index_;
+  const std::unique_ptr<grpc::ServerCompletionQueue> completions_;
+  RelayService& service_;
+  Gate& gate_;
+  const RelayParts& parts_;
+  schema::Judge judge_;
+  const session::SessionContext context_;
+
+  Timers timers_;
+  std::unordered_map<std::uint64_t, std::unique_ptr<Call>> calls_;
+  std::uint64_t next_id_ = 1;
+  SteadyTime now_;
+  bool closing_ = false;
+
+  std::mutex mutex_;
+  Inbox inbox_;
+  /// A pending alarm must not be set again, nor any on a queue that is shut down: both abort.
+  bool alarm_pending_ = false;
+  bool closed_ = false;
+  InboxTag inbox_tag_{*this};
+  grpc::Alarm alarm_;
+
+  std::jthread thread_;
+};
+
+}  // namespace uplink::relay

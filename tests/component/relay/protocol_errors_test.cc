@@ -1,0 +1,199 @@
+// Every way to break the protocol, as the agent sees it over the wire.
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/relay_world.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What an agent does wrong, and how its call ends.
+struct Fault {
+  const char* name;
+  /// True: a Hello and its Welcome come first.
+  bool after_welcome;
+  std::function<std::vector<std::string>()> frames;
+  grpc::StatusCode code;
+  const char* text;
+};
+
+std::string Bytes(const v1::RelayRequest& frame) { return frame.SerializeAsString(); }
+
+std::string Hello(const std::function<void(v1::Hello&)>& change) {
+  v1::RelayRequest frame = HelloFrame(SessionOf(1));
+  change(*frame.mutable_hello());
+  return Bytes(frame);
+}
+
+std::string Numbers(const std::vector<model::Seq>& numbers) {
+  std::vector<Sent> messages;
+  for (const model::Seq seq : numbers) messages.push_back({seq, MotionPayload()});
+  return Bytes(BatchFrame(messages));
+}
+
+std::string NotUtf8InHello() {
+  // The checked setter of the library takes the bytes, but says so in the log: build them by hand.
+  std::string hello = HelloFrame(SessionOf(1)).hello().SerializeAsString();
+  hello += std::string("\x2a\x02\xc3\x28", 4);  // agent_version, two bytes
+  std::string frame = "\x0a";
+  frame.push_back(static_cast<char>(hello.size()));
+  return frame + hello;
+}
+
+constexpr auto kInvalid = grpc::StatusCode::INVALID_ARGUMENT;
+constexpr model::Seq kPastMax = model::kSeqMax + 1;
+
+const std::vector<Fault>& Faults() {
+  static const std::vector<Fault> kFaults = {
+      {"NotProtobuf", false, [] { return std::vector<std::string>{"\xff\xff\xff"}; }, kInvalid,
+       "frame 1: not a RelayRequest"},
+      {"TextNotUtf8", false, [] { return std::vector{NotUtf8InHello()}; }, kInvalid,
+       "frame 1: not a RelayRequest"},
+      {"NotProtobufLater", true,
+       [] {
+         return std::vector{Numbers({1}), std::string("\x0a\x7f")};
+       },
+       kInvalid, "frame 3: not a RelayRequest"},
+      {"EmptyFrame", false, [] { return std::vector{std::string()}; }, kInvalid,
+       "frame 1: it holds neither hello nor batch"},
+      {"BatchFirst", false, [] { return std::vector{Numbers({1})}; }, kInvalid,
+       "frame 1: the first frame must be a hello"},
+      {"HelloTwice", true, [] { return std::vector{Bytes(HelloFrame(SessionOf(1)))}; }, kInvalid,
+       "frame 2: hello: only the first frame may be one"},
+      {"SessionIdShort", false,
+       [] {
+         return std::vector{
+             Hello([](v1::Hello& hello) { hello.set_session_id(std::string(15, 'x')); })};
+       },
+       kInvalid, "frame 1: hello.session_id: 15 bytes"},
+      {"SessionIdLong", false,
+       [] {
+         return std::vector{
+             Hello([](v1::Hello& hello) { hello.set_session_id(std::string(17, 'x')); })};
+       },
+       kInvalid, "frame 1: hello.session_id: 17 bytes"},
+      {"SchemaUnspecified", false,
+       [] { return std::vector{Hello([](v1::Hello& hello) { hello.clear_schema(); })}; }, kInvalid,
+       "frame 1: hello.schema: it must be given"},
+      {"SchemaUnknown", false,
+       [] {
+         return std::vector{
+             Hello([](v1::Hello& hello) { hello.set_schema(static_cast<v1::PayloadSchema>(99)); })};
+       },
+       kInvalid, "frame 1: hello.schema: 99"},
+      {"AgentVersionLong", false,
+       [] {
+         return std::vector{
+             Hello([](v1::Hello& hello) { hello.set_agent_version(std::string(257, 'v')); })};
+       },
+       kInvalid, "frame 1: hello.agent_version: 257 bytes"},
+      {"RuriLong", false,
+       [] {
+         return std::vector{
+             Hello([](v1::Hello& hello) { hello.set_robot_ruri(std::string(257, 'r')); })};
+       },
+       kInvalid, "frame 1: hello.robot_ruri: 257 bytes"},
+      {"JudgedBelowSettled", false,
+       [] { return std::vector{Bytes(HelloFrame(SessionOf(1), 5, 4))}; }, kInvalid,
+       "frame 1: hello.judged_seq: 4 is below settled_seq 5"},
+      {"SettledPastMax", false,
+       [] { return std::vector{Bytes(HelloFrame(SessionOf(1), kPastMax, kPastMax))}; }, kInvalid,
+       "frame 1: hello.settled_seq: 9223372036854775808 is over 2^63-1"},
+      {"JudgedPastMax", false,
+       [] { return std::vector{Bytes(HelloFrame(SessionOf(1), 1, kPastMax))}; }, kInvalid,
+       "frame 1: hello.judged_seq: 9223372036854775808 is over 2^63-1"},
+      {"NumberZero", true, [] { return std::vector{Numbers({0})}; }, kInvalid,
+       "frame 2: batch.uplinks[0].seq: it must be at least 1"},
+      {"NumberPastMax", true, [] { return std::vector{Numbers({kPastMax})}; }, kInvalid,
+       "frame 2: batch.uplinks[0].seq: 9223372036854775808 is over 2^63-1"},
+      {"NumberTwiceInAFrame", true,
+       [] {
+         return std::vector{Numbers({1, 2, 2})};
+       },
+       kInvalid, "frame 2: batch.uplinks[2].seq: 2 does not increase over 2"},
+      {"NumberFallsOverFrames", true,
+       [] {
+         return std::vector{Numbers({5}), Numbers({4})};
+       },
+       kInvalid, "frame 3: batch.uplinks[0].seq: 4 does not increase over 5"},
+      {"NumberJumps", true,
+       [] {
+         return std::vector{Numbers({1}), Numbers({2 + (std::uint64_t{1} << 32U)})};
+       },
+       kInvalid, "frame 3: batch.uplinks[0].seq: 4294967298 jumps over more than 2^32"},
+      {"TooManyMessages", true,
+       [] {
+         return std::vector{Numbers({1, 2, 3, 4, 5, 6, 7, 8, 9})};
+       },
+       kInvalid, "frame 2: batch.uplinks: 9 messages, the limit is 8"},
+  };
+  return kFaults;
+}
+
+class ProtocolErrorTest : public ::testing::TestWithParam<Fault> {};
+
+TEST_P(ProtocolErrorTest, EndsTheStream) {
+  RelayWorld world({.session = {.batch_uplinks_max = 8}});
+  TestAgent agent(world.Channel(RuriOf(1)));
+  if (GetParam().after_welcome) {
+    ASSERT_TRUE(agent.Connect(SessionOf(1)));
+  }
+  for (const std::string& frame : GetParam().frames()) agent.SendBytes(frame);
+  const grpc::Status status = agent.End();
+  EXPECT_EQ(status.error_code(), GetParam().code) << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr(GetParam().text));
+  EXPECT_EQ(world.session_probe.protocol_errors_total.value(), 1);
+  EXPECT_TRUE(Eventually([&] { return world.server().streams() == 0; }));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ProtocolErrorTest, ::testing::ValuesIn(Faults()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(ProtocolErrors, HalfCloseBeforeHello) {
+  RelayWorld world;
+  TestAgent agent(world.Channel(RuriOf(1)));
+  agent.HalfClose();
+  const grpc::Status status = agent.End();
+  EXPECT_EQ(status.error_code(), kInvalid);
+  EXPECT_THAT(status.error_message(), HasSubstr("half-closed before a hello"));
+}
+
+TEST(ProtocolErrors, ABreakBeforeHelloIsNone) {
+  RelayWorld world;
+  TestAgent agent(world.Channel(RuriOf(1)));
+  ASSERT_TRUE(Eventually([&] { return world.session_probe.streams.value() == 1; }));
+  agent.Cancel();
+  EXPECT_TRUE(Eventually([&] { return world.session_probe.streams.value() == 0; }));
+  EXPECT_EQ(world.session_probe.protocol_errors_total.value(), 0);
+}
+
+TEST(ProtocolErrors, WhatWasTakenBeforeStillCommits) {
+  RelayWorld world;
+  TestAgent agent(world.Channel(RuriOf(1)));
+  ASSERT_TRUE(agent.Connect(SessionOf(1)));
+  agent.Send(BatchFrame({{1, FaultPayload("a")}, {2, FaultPayload("b")}}));
+  agent.Send(BatchFrame({{3, FaultPayload("c")}, {3, FaultPayload("d")}}));
+  EXPECT_EQ(agent.End().error_code(), kInvalid);
+  EXPECT_TRUE(world.Settles());
+  // Nothing of the frame at fault was taken.
+  EXPECT_EQ(world.database.Log(RuriOf(1), SessionOf(1)).stored, (std::vector<model::Seq>{1, 2}));
+}
+
+TEST(ProtocolErrors, AFirstNumberMayJump) {
+  RelayWorld world;
+  TestAgent agent(world.Channel(RuriOf(1)));
+  ASSERT_TRUE(agent.Connect(SessionOf(1)));
+  const model::Seq far = std::uint64_t{1} << 40U;
+  agent.Send(BatchFrame({{far, FaultPayload("a")}}));
+  EXPECT_TRUE(agent.ReadThrough(far));
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,115 @@
+#include "tests/support/relay_world.h"
+
+#include <array>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "schema/encode.h"
+
+namespace uplink::testing {
+
+RelayWorld::RelayWorld(const Options& given)
+    : options(given),
+      fleet(clock, given.robots_max, fleet::PresenceLimits{}),
+      journal(store, given.journal, clock, ledgers.NewPage(), journal_probe),
+      server_identity_(authority.Issue(ServerSpec())) {
+  // Short pauses: tests order failures by their number, not by their time.
+  writer_.emplace(journal,
+                  storage::BackoffLimits{.first = milliseconds(2), .longest = milliseconds(5)},
+                  [] { return std::uint64_t{0}; });
+  auto started = relay::RelayServer::Start({.address = {"127.0.0.1", 0},
+                                            .key_material = ServerTexts(),
+                                            .queues = options.queues,
+                                            .streams_max = options.streams_max,
+                                            .connection_age_max = options.connection_age_max},
+                                           Parts());
+  UPLINK_CHECK(started.ok(), started.status().ToString());
+  server_ = *std::move(started);
+}
+
+RelayWorld::~RelayWorld() {
+  store.Heal();
+  StopServer();
+  writer_->Stop();
+}
+
+relay::RelayParts RelayWorld::Parts() {
+  return {.clock = clock,
+          .fleet = fleet,
+          .journal = journal,
+          .session_probe = session_probe,
+          .probe = relay_probe,
+          .ledgers = ledgers,
+          .limits = options.session,
+          .judge_limits = {.payload_bytes_max = options.session.payload_bytes_max,
+                           .message_bytes_max = options.session.message_bytes_max,
+                           .extras_items_max = options.session.extras_items_max}};
+}
+
+void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }
+
+absl::StatusOr<std::unique_ptr<relay::RelayServer>> RelayWorld::StartAnother(
+    const config::ListenAddress& address, const relay::KeyMaterial& material) {
+  return relay::RelayServer::Start(
+      {.address = address, .key_material = material, .queues = 1, .streams_max = 10}, Parts());
+}
+
+ChannelSpec RelayWorld::SpecFor(const std::string& ruri) const {
+  return {.port = server_->port(),
+          .server_ca = authority.certificate(),
+          .identity = authority.Issue(RobotSpec(ruri))};
+}
+
+std::shared_ptr<grpc::Channel> RelayWorld::Channel(const std::string& ruri) const {
+  return MakeChannel(SpecFor(ruri));
+}
+
+std::shared_ptr<grpc::Channel> RelayWorld::Channel(const KeyPair& identity) const {
+  return MakeChannel(
+      {.port = server_->port(), .server_ca = authority.certificate(), .identity = identity});
+}
+
+relay::PemTexts RelayWorld::ServerTexts() const {
+  return {.certificate = server_identity_.certificate,
+          .key = server_identity_.key,
+          .client_ca = authority.certificate()};
+}
+
+bool RelayWorld::Settles() const {
+  return Eventually([this] {
+    const metrics::UplinkCounts counts = Counts();
+    return counts.in_flight == 0 && counts.Balanced();
+  });
+}
+
+std::string FaultPayload(const std::string& fault_id) {
+  model::Fault fault;
+  fault.unix_time_ms = 1'763'683'200'000;
+  fault.fault_id = fault_id;
+  fault.source = "drive";
+  fault.severity = model::FaultSeverity::kMajor;
+  fault.active = true;
+  fault.category = "motor";
+  fault.description = "a motor is hot";
+  return schema::Encode(fault);
+}
+
+std::string MotionPayload(double lat_deg) {
+  model::MotionTelemetry motion;
+  motion.unix_time_ms = 1'763'683'200'000;
+  motion.pose = model::Pose{.lat_deg = lat_deg, .lon_deg = 13.4};
+  motion.velocity = model::VelTwist{.linear_mps = 1.0F, .angular_rps = 0.0F};
+  return schema::Encode(motion);
+}
+
+model::SessionId SessionOf(std::uint8_t number) {
+  std::array<std::uint8_t, model::SessionId::kBytes> bytes{};
+  bytes.back() = number;
+  return model::SessionId(bytes);
+}
+
+std::string RuriOf(int number) {
+  return "rcan://example.org/acme/rover/r" + std::to_string(number);
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "metrics/ledger.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/journal.h"
+#include "server/journal/writer.h"
+#include "server/relay/server.h"
+#include "server/session/limits.h"
+#include "tests/support/certificates.h"
+#include "tests/support/eventually.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/test_agent.h"
+
+namespace uplink::testing {
+
+/// The real relay on loopback with real sessions, journal and writer thread, on the fake store.
+class RelayWorld final {
+ public:
+  struct Options {
+    session::SessionLimits session;
+    journal::JournalLimits journal;
+    std::size_t robots_max = 1000;
+    std::size_t streams_max = 1000;
+    std::size_t queues = 2;
+    milliseconds connection_age_max{0};
+  };
+
+  RelayWorld() : RelayWorld(Options{}) {}
+  explicit RelayWorld(const Options& options);
+  /// Releases the store, ends the streams, stops the writer.
+  ~RelayWorld();
+  RelayWorld(const RelayWorld&) = delete;
+  RelayWorld& operator=(const RelayWorld&) = delete;
+
+  [[nodiscard]] relay::RelayServer& server() { return *server_; }
+  /// Stops the server; agents see their streams break.
+  void StopServer();
+  /// Starts a second server in this world, on `address`.
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<relay::RelayServer>> StartAnother(
+      const config::ListenAddress& address, const relay::KeyMaterial& material);
+
+  [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const std::string& ruri) const;
+  [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const KeyPair& identity) const;
+  [[nodiscard]] ChannelSpec SpecFor(const std::string& ruri) const;
+  /// What the server shows and trusts.
+  [[nodiscard]] relay::PemTexts ServerTexts() const;
+
+  /// The sum of the ledger's pages.
+  [[nodiscard]] metrics::UplinkCounts Counts() const { return ledgers.Sum().uplinks; }
+  /// True once nothing is in flight and the conservation law holds.
+  [[nodiscard]] bool Settles() const;
+
+  SystemClock clock;
+  FakeDatabase database;
+  FakeStore store{database, storage::ProcessId{1}};
+  TestAuthority authority;
+  metrics::LedgerBook ledgers;
+  journal::JournalProbe journal_probe;
+  session::SessionProbe session_probe;
+  relay::RelayProbe relay_probe;
+  const Options options;
+  fleet::Fleet fleet;
+  journal::Journal journal;
+
+ private:
+  [[nodiscard]] relay::RelayParts Parts();
+
+  KeyPair server_identity_;
+  std::optional<journal::JournalWriter> writer_;
+  std::unique_ptr<relay::RelayServer> server_;
+};
+
+/// A fault report, as an agent encodes it: durable.
+[[nodiscard]] std::string FaultPayload(const std::string& fault_id);
+/// A motion report: live.
+[[nodiscard]] std::string MotionPayload(double lat_deg = 52.0);
+/// A session id that `number` tells apart.
+[[nodiscard]] model::SessionId SessionOf(std::uint8_t number);
+/// A robot's address that `number` tells apart.
+[[nodiscard]] std::string RuriOf(int number);
+
+}  // namespace uplink::testing
