@@ -1,0 +1,140 @@
+#include "metrics/catalogue.h"
+
+#include <array>
+
+namespace uplink::metrics {
+namespace {
+
+using enum MetricId;
+using enum MetricType;
+
+constexpr std::array<std::string_view, 1> kByOutcome{"outcome"};
+constexpr std::array<std::string_view, 1> kByReason{"reason"};
+constexpr std::array<std::string_view, 2> kByVariantReason{"variant", "reason"};
+constexpr std::array<std::string_view, 1> kByKind{"kind"};
+constexpr std::array<std::string_view, 1> kByPresence{"presence"};
+constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
+constexpr std::array<std::string_view, 1> kByCause{"cause"};
+constexpr std::array<std::string_view, 1> kByVersion{"version"};
+
+constexpr auto kSpecs = std::to_array<MetricSpec>({
+    {kUplinksReceived, "uplinkd_uplinks_received_total", kCounter, "messages",
+     "Messages that were judged, each once."},
+    {kUplinksSettled, "uplinkd_uplinks_settled_total", kCounter, "messages",
+     "Messages that are settled, by what became of them.", kByOutcome},
+    {kUplinksInFlight, "uplinkd_uplinks_in_flight", kGauge, "messages",
+     "Messages that wait for their commit, as the ack windows count them."},
+    {kRejects, "uplinkd_rejects_total", kCounter, "messages", "Settled rejections by reason.",
+     kByReason},
+    {kFieldsDropped, "uplinkd_fields_dropped_total", kCounter, "fields",
+     "Fields of live messages that were at fault and dropped.", kByVariantReason},
+    {kUplinksMissing, "uplinkd_uplinks_missing_total", kCounter, "messages",
+     "Numbers that agents skipped; after a restart of the server an upper bound."},
+    {kRecords, "uplinkd_records_total", kCounter, "messages", "Good messages by kind.", kByKind},
+    {kTimesUnknown, "uplinkd_times_unknown_total", kCounter, "fields",
+     "Times of robots that were taken as unknown."},
+    {kEnumerantsUnrecognized, "uplinkd_enumerants_unrecognized_total", kCounter, "fields",
+     "Enumerants that this version does not know, kept as their number."},
+    {kRobots, "uplinkd_robots", kGauge, "robots", "Known robots by presence.", kByPresence},
+    {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
+     "Robots that are admitted at most (limits.robots_max)."},
+    {kStreams, "uplinkd_streams", kGauge, "streams", "Open streams."},
+    {kStreamsOpened, "uplinkd_streams_opened_total", kCounter, "streams",
+     "Streams that were opened."},
+    {kStreamsHeldBack, "uplinkd_streams_held_back", kGauge, "streams",
+     "Streams that are not read now."},
+    {kHoldBacks, "uplinkd_stream_hold_backs_total", kCounter, "times",
+     "Times that a stream was held back."},
+    {kTakeovers, "uplinkd_takeovers_total", kCounter, "streams",
+     "Streams that took over from an older one of the same robot."},
+    {kContested, "uplinkd_robots_contested_total", kCounter, "times",
+     "Takeovers over ten a minute of one robot: two agents share an identity."},
+    {kSuperseded, "uplinkd_streams_superseded_total", kCounter, "streams",
+     "Streams that ended because a newer one has the robot."},
+    {kProtocolErrors, "uplinkd_protocol_errors_total", kCounter, "streams",
+     "Streams that ended for an error of the agent."},
+    {kPeerStalls, "uplinkd_peer_stalls_total", kCounter, "streams",
+     "Streams that ended because the peer took nothing."},
+    {kResumes, "uplinkd_resumes_total", kCounter, "streams",
+     "Streams that went on with a session that was known."},
+    {kFrames, "uplinkd_frames_received_total", kCounter, "frames",
+     "Frames that streams delivered."},
+    {kFrameBytes, "uplinkd_frame_bytes_received_total", kCounter, "bytes",
+     "Bytes of the frames that streams delivered."},
+    {kAcks, "uplinkd_acks_sent_total", kCounter, "frames", "Acks that were sent."},
+    {kNotices, "uplinkd_notices_sent_total", kCounter, "frames", "Notices that were sent."},
+    {kStreamsRefused, "uplinkd_streams_refused_total", kCounter, "streams",
+     "Calls that ended before they became a stream.", kByCause},
+    {kFinishTimeouts, "uplinkd_finish_timeouts_total", kCounter, "streams",
+     "Streams that were cancelled because the peer did not take their end."},
+    {kWakes, "uplinkd_relay_wakes_total", kCounter, "wakes",
+     "Wakes of streams that the relay's threads answered."},
+    {kAckSeconds, "uplinkd_ack_seconds", kHistogram, "seconds",
+     "Arrival of a durable message to the Ack that covers it."},
+    {kJournalRecords, "uplinkd_journal_records", kGauge, "records",
+     "Records that wait for a commit."},
+    {kJournalRecordsLimit, "uplinkd_journal_records_limit", kGauge, "records",
+     "Records at which streams are held back (journal.records_max)."},
+    {kJournalBytes, "uplinkd_journal_bytes", kGauge, "bytes",
+     "Bytes of the records that wait for a commit."},
+    {kJournalBytesLimit, "uplinkd_journal_bytes_limit", kGauge, "bytes",
+     "Bytes at which streams are held back (journal.bytes_max)."},
+    {kJournalOldestSeconds, "uplinkd_journal_oldest_seconds", kGauge, "seconds",
+     "Age of the oldest record that waits; 0 if none does."},
+    {kStoreCommitSeconds, "uplinkd_store_commit_seconds", kHistogram, "seconds",
+     "Duration of a commit."},
+    {kStoreCommitRecords, "uplinkd_store_commit_records", kHistogram, "records",
+     "Records of a commit."},
+    {kStoreErrors, "uplinkd_store_errors_total", kCounter, "errors",
+     "Calls of the store that failed and are tried again."},
+    {kStoreFailing, "uplinkd_store_failing", kGauge, "0 or 1",
+     "1 while the last call of the store failed."},
+    {kHttpRequests, "uplinkd_http_requests_total", kCounter, "requests",
+     "HTTP requests that were answered.", kByRouteCode},
+    {kHttpRequestSeconds, "uplinkd_http_request_seconds", kHistogram, "seconds",
+     "Duration from a whole request to its answer, the wait for a read included."},
+    {kHttpConnections, "uplinkd_http_connections", kGauge, "connections", "Open HTTP connections."},
+    {kHttpConnectionsLimit, "uplinkd_http_connections_limit", kGauge, "connections",
+     "HTTP connections that are held at most (http.connections_max)."},
+    {kHttpConnectionsRefused, "uplinkd_http_connections_refused_total", kCounter, "connections",
+     "HTTP connections that were closed at accept because the limit was reached."},
+    {kHttpReadsWaiting, "uplinkd_http_reads_waiting", kGauge, "requests",
+     "API requests that wait for the thread that reads."},
+    {kHttpReadsWaitingLimit, "uplinkd_http_reads_waiting_limit", kGauge, "requests",
+     "API requests that wait at most; further ones get 503."},
+    {kHttpReadsRefused, "uplinkd_http_reads_refused_total", kCounter, "requests",
+     "API requests that got 503 because too many waited."},
+    {kRelayLastHandshakeSeconds, "uplinkd_relay_last_handshake_seconds", kGauge, "seconds",
+     "Age of the last sign that the relay listener answers; /livez fails above 60."},
+    {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
+     "Unix time at which the server's certificate expires."},
+    {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},
+    {kBuildInfo, "uplinkd_build_info", kGauge, "1", "Version of the server.", kByVersion},
+    {kProcessStartTime, "process_start_time_seconds", kGauge, "seconds",
+     "Unix time at which the server started."},
+    {kProcessCpuSeconds, "process_cpu_seconds_total", kCounter, "seconds",
+     "User and system time of the process."},
+    {kProcessResidentBytes, "process_resident_memory_bytes", kGauge, "bytes",
+     "Memory of the process that is resident."},
+    {kProcessThreads, "process_threads", kGauge, "threads", "Threads of the process."},
+    {kProcessOpenFds, "process_open_fds", kGauge, "descriptors", "Open file descriptors."},
+    {kProcessMaxFds, "process_max_fds", kGauge, "descriptors",
+     "File descriptors that the process may open."},
+});
+static_assert(kSpecs.size() == kMetrics, "each MetricId has one entry");
+
+constexpr bool InOrder() {
+  for (std::size_t i = 0; i < kSpecs.size(); ++i) {
+    if (static_cast<std::size_t>(kSpecs[i].id) != i) return false;
+  }
+  return true;
+}
+static_assert(InOrder(), "the table stands in the order of MetricId");
+
+}  // namespace
+
+std::span<const MetricSpec> Catalogue() { return kSpecs; }
+
+const MetricSpec& SpecOf(MetricId id) { return kSpecs[static_cast<std::size_t>(id)]; }
+
+}  // namespace uplink::metrics

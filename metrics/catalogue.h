@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace uplink::metrics {
+
+enum class MetricType : std::uint8_t { kCounter, kGauge, kHistogram };
+
+/// `counter`, `gauge` or `histogram`.
+[[nodiscard]] std::string_view ToText(MetricType type);
+
+/// Our own metrics, in the order of the reference page. A metric exists by its entry here and in
+/// the table of catalogue.cc; nothing else names one.
+enum class MetricId : std::uint8_t {
+  kUplinksReceived,
+  kUplinksSettled,
+  kUplinksInFlight,
+  kRejects,
+  kFieldsDropped,
+  kUplinksMissing,
+  kRecords,
+  kTimesUnknown,
+  kEnumerantsUnrecognized,
+  kRobots,
+  kRobotsLimit,
+  kStreams,
+  kStreamsOpened,
+  kStreamsHeldBack,
+  kHoldBacks,
+  kTakeovers,
+  kContested,
+  kSuperseded,
+  kProtocolErrors,
+  kPeerStalls,
+  kResumes,
+  kFrames,
+  kFrameBytes,
+  kAcks,
+  kNotices,
+  kStreamsRefused,
+  kFinishTimeouts,
+  kWakes,
+  kAckSeconds,
+  kJournalRecords,
+  kJournalRecordsLimit,
+  kJournalBytes,
+  kJournalBytesLimit,
+  kJournalOldestSeconds,
+  kStoreCommitSeconds,
+  kStoreCommitRecords,
+  kStoreErrors,
+  kStoreFailing,
+  kHttpRequests,
+  kHttpRequestSeconds,
+  kHttpConnections,
+  kHttpConnectionsLimit,
+  kHttpConnectionsRefused,
+  kHttpReadsWaiting,
+  kHttpReadsWaitingLimit,
+  kHttpReadsRefused,
+  kRelayLastHandshakeSeconds,
+  kCertificateExpiry,
+  kDraining,
+  kBuildInfo,
+  kProcessStartTime,
+  kProcessCpuSeconds,
+  kProcessResidentBytes,
+  kProcessThreads,
+  kProcessOpenFds,
+  kProcessMaxFds,
+};
+inline constexpr std::size_t kMetrics = static_cast<std::size_t>(MetricId::kProcessMaxFds) + 1;
+
+/// What is declared of one metric. Immutable.
+struct MetricSpec {
+  MetricId id;
+  std::string_view name;
+  MetricType type;
+  /// `seconds`, `bytes`, or what is counted.
+  std::string_view unit;
+  /// One sentence for an operator.
+  std::string_view help;
+  /// Names of the labels, in the order in which their values are given.
+  std::span<const std::string_view> labels{};
+};
+
+/// All metrics, by MetricId.
+[[nodiscard]] std::span<const MetricSpec> Catalogue();
+[[nodiscard]] const MetricSpec& SpecOf(MetricId id);
+
+/// The catalogue as a Markdown table: `uplinkd --print-metrics`, docs/reference/metrics.md.
+[[nodiscard]] std::string CatalogueTable();
+
+}  // namespace uplink::metrics

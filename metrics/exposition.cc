@@ -1,0 +1,118 @@
+#include "metrics/exposition.h"
+
+#include <limits>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <prometheus/metric_family.h>
+#include <prometheus/text_serializer.h>
+
+#include "schema/base/check.h"
+#include "schema/model/record.h"
+#include "schema/model/rejection.h"
+
+namespace uplink::metrics {
+namespace {
+
+prometheus::MetricType TypeOf(MetricType type) {
+  switch (type) {
+    case MetricType::kCounter:
+      return prometheus::MetricType::Counter;
+    case MetricType::kGauge:
+      return prometheus::MetricType::Gauge;
+    case MetricType::kHistogram:
+      return prometheus::MetricType::Histogram;
+  }
+  return prometheus::MetricType::Untyped;
+}
+
+double Number(std::uint64_t value) { return static_cast<double>(value); }
+
+}  // namespace
+
+struct Exposition::Families {
+  std::array<prometheus::MetricFamily, kMetrics> by_id;
+
+  prometheus::ClientMetric& NewSample(MetricId id) {
+    const MetricSpec& spec = SpecOf(id);
+    prometheus::MetricFamily& family = by_id[static_cast<std::size_t>(id)];
+    if (family.metric.empty()) {
+      family.name = spec.name;
+      family.help = spec.help;
+      family.type = TypeOf(spec.type);
+    }
+    return family.metric.emplace_back();
+  }
+};
+
+Exposition::Exposition() : families_(std::make_unique<Families>()) {}
+Exposition::~Exposition() = default;
+
+void Exposition::Add(MetricId id, double value, std::initializer_list<std::string_view> labels) {
+  const MetricSpec& spec = SpecOf(id);
+  UPLINK_CHECK(spec.labels.size() == labels.size(), "a sample has the labels of its entry");
+  UPLINK_CHECK(spec.type != MetricType::kHistogram, "a histogram is added whole");
+  prometheus::ClientMetric& sample = families_->NewSample(id);
+  std::size_t i = 0;
+  for (const std::string_view label : labels) {
+    sample.label.push_back({std::string(spec.labels[i++]), std::string(label)});
+  }
+  // The serializer reads the one that belongs to the family's type.
+  sample.counter.value = value;
+  sample.gauge.value = value;
+}
+
+void Exposition::AddHistogram(MetricId id, std::span<const double> bounds,
+                              std::span<const std::uint64_t> counts, double sum) {
+  UPLINK_CHECK(SpecOf(id).type == MetricType::kHistogram, "a distribution belongs to a histogram");
+  prometheus::ClientMetric::Histogram& histogram = families_->NewSample(id).histogram;
+  std::uint64_t cumulative = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    cumulative += counts[i];
+    const double bound = i < bounds.size() ? bounds[i] : std::numeric_limits<double>::infinity();
+    histogram.bucket.push_back({cumulative, bound});
+  }
+  histogram.sample_count = cumulative;
+  histogram.sample_sum = sum;
+}
+
+void Exposition::AddLedger(const Ledger::Page& sum) {
+  const UplinkCounts& uplinks = sum.uplinks;
+  Add(MetricId::kUplinksReceived, Number(uplinks.received));
+  Add(MetricId::kUplinksSettled, Number(uplinks.stored), {"stored"});
+  Add(MetricId::kUplinksSettled, Number(uplinks.applied), {"applied"});
+  Add(MetricId::kUplinksSettled, Number(uplinks.superseded), {"superseded"});
+  Add(MetricId::kUplinksSettled, Number(uplinks.duplicate), {"duplicate"});
+  Add(MetricId::kUplinksSettled, Number(uplinks.rejected), {"rejected"});
+  Add(MetricId::kUplinksInFlight, static_cast<double>(uplinks.in_flight));
+  Add(MetricId::kUplinksMissing, Number(uplinks.missing));
+  for (const model::RejectReason reason : model::kAllRejectReasons) {
+    const auto index = static_cast<std::size_t>(reason);
+    Add(MetricId::kRejects, Number(uplinks.rejects[index]), {model::ToText(reason)});
+  }
+  for (std::size_t v = 0; v < model::kVariants; ++v) {
+    const auto variant = static_cast<model::Variant>(v);
+    Add(MetricId::kRecords, Number(uplinks.records[v]), {model::ToText(variant)});
+    if (model::IsDurable(variant)) continue;
+    for (const model::RejectReason reason : model::kAllRejectReasons) {
+      Add(MetricId::kFieldsDropped, Number(sum.dropped[v][static_cast<std::size_t>(reason)]),
+          {model::ToText(variant), model::ToText(reason)});
+    }
+  }
+  Add(MetricId::kTimesUnknown, Number(sum.times_unknown));
+  Add(MetricId::kEnumerantsUnrecognized, Number(sum.enumerants_unrecognized));
+}
+
+std::string Exposition::Text() const {
+  std::vector<prometheus::MetricFamily> families;
+  families.reserve(kMetrics);
+  for (const prometheus::MetricFamily& family : families_->by_id) {
+    if (!family.metric.empty()) families.push_back(family);
+  }
+  std::ostringstream out;
+  prometheus::TextSerializer().Serialize(out, families);
+  return std::move(out).str();
+}
+
+}  // namespace uplink::metrics

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "metrics/catalogue.h"
+#include "metrics/cells.h"
+#include "metrics/ledger.h"
+
+namespace uplink::metrics {
+
+/// Media type of Exposition::Text.
+inline constexpr std::string_view kTextFormat = "text/plain; version=0.0.4; charset=utf-8";
+
+/// One scrape under construction: samples of catalogue entries, then the text. Each entry is
+/// written in the catalogue's order, whatever the order of the calls; one without a sample is left
+/// out.
+///
+/// Limits:  label values are the caller's: only closed sets, never a robot's.
+/// Thread:  confined to one thread.
+class Exposition final {
+ public:
+  Exposition();
+  ~Exposition();
+  Exposition(const Exposition&) = delete;
+  Exposition& operator=(const Exposition&) = delete;
+
+  /// A sample of a counter or gauge; `labels` are the values in the order of the entry's names.
+  void Add(MetricId id, double value, std::initializer_list<std::string_view> labels = {});
+  void Add(MetricId id, const Cell& cell) { Add(id, static_cast<double>(cell.value())); }
+
+  template <std::size_t kBuckets>
+  void Add(MetricId id, const Distribution<kBuckets>& distribution) {
+    std::array<std::uint64_t, kBuckets + 1> counts{};
+    for (std::size_t i = 0; i <= kBuckets; ++i) counts[i] = distribution.count(i);
+    AddHistogram(id, distribution.upper_bounds(), counts, distribution.sum());
+  }
+
+  /// All samples that come from the ledgers: what belongs together is taken from one sum.
+  void AddLedger(const Ledger::Page& sum);
+
+  /// Prometheus text format 0.0.4.
+  [[nodiscard]] std::string Text() const;
+
+ private:
+  struct Families;
+
+  void AddHistogram(MetricId id, std::span<const double> bounds,
+                    std::span<const std::uint64_t> counts, double sum);
+
+  std::unique_ptr<Families> families_;
+};
+
+}  // namespace uplink::metrics

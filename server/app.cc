@@ -1,0 +1,274 @@
+#include "server/app.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <semaphore>
+#include <utility>
+
+#include <fmt/ranges.h>
+#include <signal.h>
+
+#include "metrics/exposition.h"
+#include "metrics/ledger.h"
+#include "server/app_limits.h"
+#include "server/deadline.h"
+#include "server/fleet/fleet.h"
+#include "server/health/certificate.h"
+#include "server/health/monitor.h"
+#include "server/health/process.h"
+#include "server/http/event_loop.h"
+#include "server/http/handshake_probe.h"
+#include "server/http/read_thread.h"
+#include "server/http/scrape.h"
+#include "server/http/server.h"
+#include "server/http/site.h"
+#include "server/journal/journal.h"
+#include "server/journal/writer.h"
+#include "server/relay/server.h"
+#include "server/reload.h"
+#include "server/view/queries.h"
+#include "storage/sqlite/reader.h"
+#include "storage/sqlite/store.h"
+
+namespace uplink {
+namespace {
+
+/// How often a drain looks whether the journal is empty.
+constexpr milliseconds kIdleLook{10};
+
+void AddRelaySamples(const relay::RelayProbe& probe, metrics::Exposition& page) {
+  using enum metrics::MetricId;
+  const auto value = [](const metrics::Cell& cell) { return static_cast<double>(cell.value()); };
+  page.Add(kStreamsRefused, value(probe.refused_full_total), {"full"});
+  page.Add(kStreamsRefused, value(probe.refused_draining_total), {"draining"});
+  page.Add(kStreamsRefused, value(probe.refused_identity_total), {"identity"});
+  page.Add(kFinishTimeouts, probe.finish_timeouts_total);
+  page.Add(kWakes, probe.wakes_total);
+}
+
+/// What was opened before the rest could be built on it.
+struct Opened {
+  std::unique_ptr<storage::sqlite::SqliteStore> store;
+  std::unique_ptr<storage::sqlite::SqliteReader> reader;
+  SystemTime certificate_expiry;
+};
+
+absl::StatusOr<Opened> Open(const App::Options& options) {
+  Opened opened;
+  auto expiry = health::CertificateExpiry(options.config.tls.certificate_file);
+  if (!expiry.ok()) return expiry.status();
+  opened.certificate_expiry = *expiry;
+  const std::string path = config::SqlitePath(options.config.store);
+  storage::sqlite::StoreOptions store_options;
+  store_options.process = options.process;
+  store_options.migrate = options.config.store.migrate;
+  auto store = storage::sqlite::SqliteStore::Open(path, store_options);
+  if (!store.ok()) return store.status();
+  opened.store = *std::move(store);
+  auto reader = storage::sqlite::SqliteReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  opened.reader = *std::move(reader);
+  return opened;
+}
+
+}  // namespace
+
+class App::Impl {
+ public:
+  Impl(Options options, Opened opened)
+      : options_(std::move(options)),
+        opened_(std::move(opened)),
+        journal_limits_(JournalLimitsOf(options_.config.journal)),
+        session_limits_(SessionLimitsOf(options_.config, options_.version)),
+        fleet_(options_.clock, options_.config.limits.robots_max,
+               PresenceLimitsOf(options_.config.presence)),
+        journal_(*opened_.store, journal_limits_, options_.clock, ledgers_.NewPage(),
+                 journal_probe_),
+        queries_({options_.clock, fleet_, *opened_.reader, journal_, ledgers_, session_probe_,
+                  options_.version}),
+        monitor_({options_.clock, fleet_, journal_, journal_probe_, session_probe_, journal_limits_,
+                  opened_.certificate_expiry}),
+        scrape_({.clock = options_.clock,
+                 .fleet = fleet_,
+                 .journal = journal_,
+                 .journal_probe = journal_probe_,
+                 .sessions = session_probe_,
+                 .ledgers = ledgers_,
+                 .monitor = monitor_,
+                 .http = http_probe_,
+                 .journal_limits = journal_limits_,
+                 .http_connections_max = options_.config.http.connections_max,
+                 .version = options_.version,
+                 .add_relay = [this](auto& page) { AddRelaySamples(relay_probe_, page); }}),
+        site_(queries_, monitor_, scrape_),
+        loop_(options_.logger) {}
+
+  ~Impl() { Stop(); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  absl::Status Start() {
+    if (absl::Status seeded = SeedFleet(); !seeded.ok()) return seeded;
+    reads_.emplace(http_probe_);
+    auto http = http::HttpServer::Listen(
+        {loop_, site_, *reads_, http_probe_, options_.clock},
+        {options_.config.listen.http, options_.config.http.connections_max});
+    if (!http.ok()) return http.status();
+    http_ = *std::move(http);
+    writer_.emplace(journal_, storage::BackoffLimits{}, options_.random);
+    auto relay = relay::RelayServer::Start(
+        RelayOptionsOf(options_.config, health::MemoryMax()),
+        {options_.clock, fleet_, journal_, session_probe_, relay_probe_, ledgers_, session_limits_,
+         JudgeLimitsOf(options_.config.limits)});
+    if (!relay.ok()) return relay.status();
+    relay_ = *std::move(relay);
+    StartLoop();
+    options_.logger.Info("listening", {{"relay", config::ToText(RelayAddress())},
+                                       {"http", config::ToText(http_->bound())},
+                                       {"version", options_.version},
+                                       {"robots", fleet_.size()}});
+    return absl::OkStatus();
+  }
+
+  void WaitForSignal() { stop_.acquire(); }
+
+  void Drain() {
+    const milliseconds timeout = options_.config.drain.timeout;
+    const SteadyTime deadline = options_.clock.Steady() + timeout;
+    options_.logger.Info("draining",
+                         {{"streams", relay_->streams()}, {"timeout_ms", timeout.count()}});
+    monitor_.BeginDrain();
+    const Deadline last(timeout + kStopWait, [this] { EndUnfinished(); });
+    relay_->Drain(timeout);
+    if (!relay_->WaitForStreams(timeout)) {
+      options_.logger.Warn("streams_left", {{"streams", relay_->streams()}});
+    }
+    while (!journal_.idle() && options_.clock.Steady() < deadline) {
+      // Nothing releases it a second time: a second signal ends the process.
+      static_cast<void>(stop_.try_acquire_for(kIdleLook));
+    }
+    Stop();
+    const std::int64_t unsettled = ledgers_.Sum().uplinks.in_flight;
+    if (unsettled == 0) {
+      options_.logger.Info("stopped");
+    } else {
+      options_.logger.Warn("stopped_unsettled", {{"uplinks", unsettled}});
+    }
+  }
+
+ private:
+  absl::Status SeedFleet() {
+    const auto rows =
+        opened_.reader->Robots(static_cast<std::uint32_t>(options_.config.limits.robots_max));
+    if (!rows.ok()) return rows.status();
+    for (const storage::RobotRow& row : *rows) {
+      if (const auto robot = fleet_.FindOrAdmit(row.robot); !robot.ok()) return robot.status();
+    }
+    return absl::OkStatus();
+  }
+
+  void StartLoop() {
+    loop_.Every(kSweepEvery, [this] { fleet_.Sweep(session_limits_.session_idle); });
+    // The relay watches the file by itself; what probes say of it must follow a rotation.
+    loop_.Every(kCertificateEvery, [this] {
+      const auto expiry = health::CertificateExpiry(options_.config.tls.certificate_file);
+      if (expiry.ok()) monitor_.SetCertificateExpiry(*expiry);
+    });
+    loop_.Every(health::kHandshakeEvery, [this] {
+      http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
+        if (answered) monitor_.liveness().NoteHandshake();
+      });
+    });
+    loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { OnStopSignal(signal); });
+    loop_.OnSignals({SIGHUP}, [this](int) { OnReloadSignal(); });
+    loop_.Start();
+  }
+
+  void OnStopSignal(int signal) {
+    if (stopping_) {
+      options_.logger.Warn("stopped_at_once", {{"signal", signal}});
+      std::_Exit(1);
+    }
+    stopping_ = true;
+    stop_.release();
+  }
+
+  void OnReloadSignal() {
+    const config::LoadResult read = options_.read_config();
+    for (const config::Problem& problem : read.problems) {
+      options_.logger.Error("reload_refused", {{"problem", config::ToText(problem)}});
+    }
+    if (!read.ok()) return;
+    const Reload reload = CompareConfigs(options_.config, *read.config);
+    const log::Level before = LogLevelOf(options_.config.log.level);
+    const log::Level after = LogLevelOf(read.config->log.level);
+    // Only the level is taken over, so that the next reload names the rest again.
+    options_.config.log.level = read.config->log.level;
+    // By whichever level lets the line through.
+    options_.logger.SetLevel(std::min(before, after));
+    options_.logger.Warn(
+        "reloaded", {{"log_level_changed", reload.log_level},
+                     {"needs_restart", fmt::format("{}", fmt::join(reload.needs_restart, ","))}});
+    options_.logger.SetLevel(after);
+  }
+
+  /// The rest did not end in time: the process does, with what it has.
+  void EndUnfinished() {
+    options_.logger.Warn("stopped_unsettled", {{"uplinks", ledgers_.Sum().uplinks.in_flight}});
+    std::_Exit(0);
+  }
+
+  void Stop() {
+    if (relay_ != nullptr) relay_->Shutdown(kStopWait / 2);
+    if (writer_) writer_->Stop();
+    loop_.Stop();
+    reads_.reset();
+  }
+
+  [[nodiscard]] config::ListenAddress RelayAddress() const {
+    return {options_.config.listen.relay.host, relay_->port()};
+  }
+
+  Options options_;
+  Opened opened_;
+  const journal::JournalLimits journal_limits_;
+  const session::SessionLimits session_limits_;
+  metrics::LedgerBook ledgers_;
+  session::SessionProbe session_probe_;
+  journal::JournalProbe journal_probe_;
+  relay::RelayProbe relay_probe_;
+  http::HttpProbe http_probe_;
+  fleet::Fleet fleet_;
+  journal::Journal journal_;
+  view::Queries queries_;
+  health::Monitor monitor_;
+  http::Scrape scrape_;
+  http::Site site_;
+  /// The io thread's own.
+  bool stopping_ = false;
+  std::binary_semaphore stop_{0};
+  http::EventLoop loop_;
+  std::optional<http::ReadThread> reads_;
+  std::unique_ptr<http::HttpServer> http_;
+  std::unique_ptr<relay::RelayServer> relay_;
+  std::optional<journal::JournalWriter> writer_;
+};
+
+App::App(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+App::~App() = default;
+
+absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
+  absl::StatusOr<Opened> opened = Open(options);
+  if (!opened.ok()) return opened.status();
+  auto impl = std::make_unique<Impl>(std::move(options), *std::move(opened));
+  if (absl::Status started = impl->Start(); !started.ok()) return started;
+  return std::unique_ptr<App>(new App(std::move(impl)));
+}
+
+void App::Run() {
+  impl_->WaitForSignal();
+  impl_->Drain();
+}
+
+}  // namespace uplink

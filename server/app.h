@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/config/address.h"
+#include "server/config/load.h"
+#include "server/log/logger.h"
+#include "storage/types.h"
+
+namespace uplink {
+
+/// The presence sweep.
+inline constexpr std::chrono::seconds kSweepEvery{1};
+/// How often the relay's certificate file is looked at for its expiry.
+inline constexpr std::chrono::seconds kCertificateEvery{10};
+/// After drain.timeout, for ending what did not end: streams, the commit under way.
+inline constexpr std::chrono::seconds kStopWait{5};
+
+/// The server: constructs the components, connects them, starts them in order and stops them in
+/// reverse. The only place that knows them all.
+///
+/// Thread: main. Signals arrive on the io thread.
+class App final {
+ public:
+  /// What main passes in; the references outlive the app.
+  struct Options {
+    config::Config config;
+    /// Reads the configuration again, for SIGHUP.
+    std::function<config::LoadResult()> read_config;
+    log::Logger& logger;
+    const Clock& clock;
+    /// Drawn anew for each life of the process.
+    storage::ProcessId process{};
+    /// Evenly drawn numbers, for the backoff's jitter; called on the journal's thread alone.
+    std::function<std::uint64_t()> random;
+    std::string version;
+  };
+
+  /// Opens the store, reads the fleet, then serves robots and HTTP, and logs `listening` with the
+  /// addresses that were really bound.
+  ///
+  /// Errors: of the store, the listeners and the certificate, each naming its file or address;
+  ///         nothing is left running.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<App>> Start(Options options);
+  ~App();
+  App(const App&) = delete;
+  App& operator=(const App&) = delete;
+
+  /// Serves until SIGTERM or SIGINT, then drains: at most drain.timeout for the streams and what
+  /// waits for a commit, then kStopWait to end the rest. What is unsettled then is counted in a
+  /// warning. A second signal ends the process at once, with 1.
+  void Run();
+
+ private:
+  class Impl;
+  explicit App(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace uplink

@@ -1,0 +1,78 @@
+#include "server/app_limits.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace uplink {
+
+journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
+  journal::JournalLimits limits;
+  limits.bytes_max = journal.bytes_max;
+  limits.records_max = journal.records_max;
+  limits.batch_records_max = journal.batch_records_max;
+  return limits;
+}
+
+fleet::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence) {
+  return {.timeout = presence.timeout, .startup_grace = presence.startup_grace};
+}
+
+schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits) {
+  return {.payload_bytes_max = limits.payload_bytes_max,
+          .message_bytes_max = limits.message_bytes_max,
+          .extras_items_max = limits.extras_items_max};
+}
+
+session::SessionLimits SessionLimitsOf(const config::Config& config, const std::string& version) {
+  // The configuration's bounds keep each of these far below 2^32.
+  const config::LimitsConfig& limits = config.limits;
+  return {.payload_bytes_max = static_cast<std::uint32_t>(limits.payload_bytes_max),
+          .message_bytes_max = static_cast<std::uint32_t>(limits.message_bytes_max),
+          .batch_uplinks_max = static_cast<std::uint32_t>(limits.batch_uplinks_max),
+          .extras_items_max = static_cast<std::uint32_t>(limits.extras_items_max),
+          .in_flight_uplinks_max = static_cast<std::uint32_t>(limits.in_flight_uplinks_max),
+          .frame_bytes_max = static_cast<std::uint32_t>(limits.frame_bytes_max),
+          .ack_interval = limits.ack_interval,
+          .session_idle = limits.session_idle,
+          .drain_timeout = config.drain.timeout,
+          .server_version = version};
+}
+
+relay::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t memory_max) {
+  relay::RelayOptions options;
+  options.address = config.listen.relay;
+  options.key_material = relay::PemFiles{.certificate = config.tls.certificate_file,
+                                         .key = config.tls.key_file,
+                                         .client_ca = config.tls.client_ca_file};
+  options.queues = config.listen.relay_threads;
+  options.streams_max = 2 * config.limits.robots_max;
+  options.connection_age_max = config.limits.connection_age_max;
+  options.memory_bytes_max = memory_max / 2;
+  return options;
+}
+
+log::Level LogLevelOf(config::LogLevel level) {
+  switch (level) {
+    case config::LogLevel::kDebug:
+      return log::Level::kDebug;
+    case config::LogLevel::kInfo:
+      return log::Level::kInfo;
+    case config::LogLevel::kWarn:
+      return log::Level::kWarn;
+    case config::LogLevel::kError:
+      return log::Level::kError;
+  }
+  return log::Level::kInfo;
+}
+
+log::Format LogFormatOf(config::LogFormat format) {
+  switch (format) {
+    case config::LogFormat::kText:
+      return log::Format::kText;
+    case config::LogFormat::kJson:
+      return log::Format::kJson;
+  }
+  return log::Format::kText;
+}
+
+}  // namespace uplink

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "schema/judge.h"
+#include "server/config/config.h"
+#include "server/fleet/presence.h"
+#include "server/journal/journal.h"
+#include "server/log/logger.h"
+#include "server/relay/options.h"
+#include "server/session/limits.h"
+
+namespace uplink {
+
+// What the configuration means for each component. Pure.
+
+[[nodiscard]] journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal);
+[[nodiscard]] fleet::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence);
+[[nodiscard]] schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits);
+[[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
+                                                     const std::string& version);
+/// `memory_max`: what the process may use; the transport gets half of it.
+[[nodiscard]] relay::RelayOptions RelayOptionsOf(const config::Config& config,
+                                                 std::size_t memory_max);
+[[nodiscard]] log::Level LogLevelOf(config::LogLevel level);
+[[nodiscard]] log::Format LogFormatOf(config::LogFormat format);
+
+}  // namespace uplink

@@ -1,0 +1,27 @@
+#include "server/health/liveness.h"
+
+namespace uplink::health {
+
+Liveness::Liveness(const Clock& clock, const session::SessionProbe& sessions)
+    : clock_(clock),
+      sessions_(sessions),
+      last_(clock.Steady()),
+      streams_seen_(sessions.streams_total.value()) {}
+
+void Liveness::NoteHandshake() {
+  const std::lock_guard lock(mutex_);
+  last_ = clock_.Steady();
+}
+
+milliseconds Liveness::age() const {
+  const SteadyTime now = clock_.Steady();
+  const std::int64_t streams = sessions_.streams_total.value();
+  const std::lock_guard lock(mutex_);
+  if (streams != streams_seen_) {
+    streams_seen_ = streams;
+    last_ = now;
+  }
+  return std::chrono::duration_cast<milliseconds>(now - last_);
+}
+
+}  // namespace uplink::health

@@ -1,0 +1,27 @@
+#include "server/health/monitor.h"
+
+#include "server/health/process.h"
+
+namespace uplink::health {
+
+Monitor::Monitor(const Sources& sources)
+    : sources_(sources),
+      liveness_(sources.clock, sources.sessions),
+      certificate_expiry_ms_(UnixMs(sources.certificate_expiry)) {}
+
+Readiness Monitor::readiness() const {
+  const journal::JournalLimits& limits = sources_.journal_limits;
+  return ReadinessOf({
+      .now = sources_.clock.System(),
+      .draining = draining(),
+      .certificate_expiry = certificate_expiry(),
+      .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
+      .store_failing = sources_.journal_probe.store_failing.value() != 0,
+      .journal_bytes = {sources_.journal.bytes(), limits.bytes_max},
+      .journal_records = {sources_.journal.records(), limits.records_max},
+      .journal_oldest = sources_.journal.oldest(sources_.clock.Steady()),
+      .descriptors = {OpenDescriptors(), DescriptorsMax()},
+  });
+}
+
+}  // namespace uplink::health

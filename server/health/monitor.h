@@ -1,0 +1,49 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/health/liveness.h"
+#include "server/health/readiness.h"
+#include "server/journal/journal.h"
+#include "server/session/probe.h"
+
+namespace uplink::health {
+
+/// Whether the process lives and may get traffic, from the components themselves. Waits for
+/// nothing. Thread-safe.
+class Monitor final {
+ public:
+  struct Sources {
+    const Clock& clock;
+    const fleet::Fleet& fleet;
+    const journal::Journal& journal;
+    const journal::JournalProbe& journal_probe;
+    const session::SessionProbe& sessions;
+    journal::JournalLimits journal_limits;
+    /// At start; SetCertificateExpiry follows a rotation.
+    SystemTime certificate_expiry;
+  };
+  explicit Monitor(const Sources& sources);
+
+  [[nodiscard]] Liveness& liveness() { return liveness_; }
+  [[nodiscard]] Readiness readiness() const;
+  [[nodiscard]] SystemTime certificate_expiry() const {
+    return FromUnixMs(certificate_expiry_ms_.load());
+  }
+  /// The relay's certificate was replaced.
+  void SetCertificateExpiry(SystemTime expiry) { certificate_expiry_ms_.store(UnixMs(expiry)); }
+  /// New streams are refused from now on.
+  void BeginDrain() { draining_.store(true); }
+  [[nodiscard]] bool draining() const { return draining_.load(); }
+
+ private:
+  const Sources sources_;
+  Liveness liveness_;
+  std::atomic<std::int64_t> certificate_expiry_ms_;
+  std::atomic<bool> draining_{false};
+};
+
+}  // namespace uplink::health

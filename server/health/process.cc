@@ -1,0 +1,84 @@
+#include "server/health/process.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <system_error>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace uplink::health {
+namespace {
+
+std::size_t Cap(rlim_t limit) {
+  return limit == RLIM_INFINITY ? std::numeric_limits<std::int32_t>::max()
+                                : static_cast<std::size_t>(limit);
+}
+
+double Seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) / 1e6;
+}
+
+/// Entries of a folder of /proc; 0 if it cannot be read.
+std::size_t Entries(const char* folder) {
+  std::error_code error;
+  std::size_t count = 0;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+ProcessFigures ReadProcess() {
+  ProcessFigures figures;
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) {
+    figures.cpu_seconds = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  }
+  std::ifstream statm("/proc/self/statm");
+  std::size_t total_pages = 0;
+  std::size_t resident_pages = 0;
+  if (statm >> total_pages >> resident_pages) {
+    figures.resident_bytes = resident_pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  }
+  figures.threads = Entries("/proc/self/task");
+  return figures;
+}
+
+std::size_t OpenDescriptors() {
+  const std::size_t entries = Entries("/proc/self/fd");
+  // One of them is the folder while it is read.
+  return entries == 0 ? 0 : entries - 1;
+}
+
+std::size_t DescriptorsMax() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? Cap(limit.rlim_cur) : 0;
+}
+
+std::size_t MemoryMax() {
+  const auto machine = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+                       static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  std::ifstream group("/sys/fs/cgroup/memory.max");
+  std::size_t limit = 0;
+  // The file says `max` where there is no limit; that does not read as a number.
+  return group >> limit && limit > 0 ? std::min(limit, machine) : machine;
+}
+
+std::size_t RaiseDescriptorsMax() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < limit.rlim_max) {
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  return DescriptorsMax();
+}
+
+}  // namespace uplink::health

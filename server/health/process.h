@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+
+namespace uplink::health {
+
+/// The process as the kernel sees it. A value.
+struct ProcessFigures {
+  double cpu_seconds = 0;
+  std::size_t resident_bytes = 0;
+  std::size_t threads = 0;
+};
+
+/// Reads /proc/self; a figure that cannot be read is 0. Any thread.
+[[nodiscard]] ProcessFigures ReadProcess();
+
+/// Open file descriptors, and how many may be open (soft RLIMIT_NOFILE). Counts the entries of
+/// /proc/self/fd: for probes and scrapes, not for each message.
+[[nodiscard]] std::size_t OpenDescriptors();
+[[nodiscard]] std::size_t DescriptorsMax();
+
+/// Memory that the process may use: the machine's, or its control group's (version 2) if that is
+/// less.
+[[nodiscard]] std::size_t MemoryMax();
+
+/// Raises the soft RLIMIT_NOFILE to the hard one; returns what holds then.
+std::size_t RaiseDescriptorsMax();
+
+}  // namespace uplink::health

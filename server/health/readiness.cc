@@ -1,0 +1,24 @@
+#include "server/health/readiness.h"
+
+namespace uplink::health {
+
+Readiness ReadinessOf(const ReadinessFacts& facts) {
+  Readiness readiness;
+  if (facts.draining) readiness.refuses.emplace_back("draining");
+  const bool expired = facts.certificate_expiry <= facts.now;
+  if (expired) readiness.refuses.emplace_back("certificate_expired");
+  if (facts.robots.used >= facts.robots.limit) readiness.refuses.emplace_back("robots_max");
+
+  if (facts.store_failing) readiness.degraded.emplace_back("store");
+  if (facts.journal_bytes.above(kBacklogPercent) || facts.journal_records.above(kBacklogPercent) ||
+      facts.journal_oldest > kBacklogAge) {
+    readiness.degraded.emplace_back("journal_backlog");
+  }
+  if (!expired && facts.certificate_expiry - facts.now < kCertificateNotice) {
+    readiness.degraded.emplace_back("certificate_expiring");
+  }
+  if (facts.descriptors.above(kDescriptorsPercent)) readiness.degraded.emplace_back("descriptors");
+  return readiness;
+}
+
+}  // namespace uplink::health

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "schema/base/clock.h"
+
+namespace uplink::health {
+
+/// The journal counts as behind above this share of either bound, or when its oldest record is
+/// older.
+inline constexpr std::size_t kBacklogPercent = 80;
+inline constexpr std::chrono::seconds kBacklogAge{60};
+/// Descriptors count as short above this share of what the process may open.
+inline constexpr std::size_t kDescriptorsPercent = 90;
+/// A certificate is reported for so long before it expires.
+inline constexpr std::chrono::hours kCertificateNotice{24 * 7};
+
+/// How full something bounded is. A value.
+struct Fill {
+  std::size_t used = 0;
+  std::size_t limit = 0;
+
+  [[nodiscard]] bool above(std::size_t percent) const { return used * 100 > limit * percent; }
+};
+
+/// All that readiness depends on. A value.
+struct ReadinessFacts {
+  SystemTime now;
+  bool draining = false;
+  SystemTime certificate_expiry;
+  Fill robots;
+  bool store_failing = false;
+  Fill journal_bytes;
+  Fill journal_records;
+  milliseconds journal_oldest{0};
+  Fill descriptors;
+};
+
+/// What /readyz says. A value.
+struct Readiness {
+  /// Why a new stream would be refused: draining, certificate_expired, robots_max.
+  std::vector<std::string> refuses;
+  /// What does not work as it should, though streams are taken: store, journal_backlog,
+  /// certificate_expiring, descriptors.
+  std::vector<std::string> degraded;
+
+  [[nodiscard]] bool ready() const { return refuses.empty(); }
+};
+
+/// A pure function.
+[[nodiscard]] Readiness ReadinessOf(const ReadinessFacts& facts);
+
+}  // namespace uplink::health

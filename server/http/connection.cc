@@ -1,0 +1,189 @@
+#include "server/http/connection.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include <boost/asio/post.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+
+#include "server/http/errors.h"
+
+namespace uplink::http {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace bhttp = boost::beast::http;
+using asio::ip::tcp;
+
+/// What is read and thrown away after the last answer, so that closing with unread bytes does not
+/// reset the connection before the peer has read that answer.
+constexpr std::size_t kLingerBytesMax = 64UL * 1024;
+constexpr std::chrono::seconds kLingerWait{1};
+
+Method MethodOf(bhttp::verb verb) {
+  if (verb == bhttp::verb::get) return Method::kGet;
+  if (verb == bhttp::verb::head) return Method::kHead;
+  return Method::kOther;
+}
+
+class Connection final : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket)
+      : context_(std::move(context)), stream_(std::move(socket)) {
+    context_->connections.fetch_add(1);
+    context_->parts.probe.connections.Add(1);
+  }
+  ~Connection() {
+    context_->connections.fetch_sub(1);
+    context_->parts.probe.connections.Add(-1);
+  }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  void ReadRequest() {
+    parser_.emplace();
+    parser_->header_limit(kHeaderBytesMax);
+    parser_->body_limit(kBodyBytesMax);
+    stream_.expires_after(context_->request_wait);
+    bhttp::async_read(stream_, buffer_, *parser_,
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (error) {
+                          self->OnReadFailed(error);
+                        } else {
+                          self->OnRequest();
+                        }
+                      });
+  }
+
+ private:
+  void OnRequest() {
+    started_ = context_->parts.clock.Steady();
+    const auto& message = parser_->get();
+    method_ = MethodOf(message.method());
+    version_ = message.version();
+    keep_alive_ = message.keep_alive();
+    Resolved resolved = context_->parts.site.Resolve({method_, std::string(message.target())});
+    route_ = resolved.route;
+    if (resolved.lane == Lane::kIo) return Answer(resolved.run());
+
+    stream_.expires_never();  // the answer's time is the store's
+    const bool taken = context_->parts.reads.TryPost(
+        [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
+          Response response = run();
+          // The reference moves along, so that the connection always ends on the loop's thread.
+          asio::any_io_executor executor = self->stream_.get_executor();
+          asio::post(executor, [moved = std::move(self), answer = std::move(response)]() mutable {
+            moved->Answer(std::move(answer));
+          });
+        });
+    if (!taken) Answer(TooBusy());
+  }
+
+  void OnReadFailed(const beast::error_code& error) {
+    started_ = context_->parts.clock.Steady();
+    route_ = RouteId::kOther;
+    method_ = Method::kGet;
+    keep_alive_ = false;
+    if (error == bhttp::error::header_limit) {
+      return Answer(BadRequest(431, "the request's headers are too large"));
+    }
+    if (error == bhttp::error::body_limit) {
+      return Answer(BadRequest(413, "the request's body is too large"));
+    }
+    const bool not_http =
+        error.category() == bhttp::make_error_code(bhttp::error::bad_method).category() &&
+        error != bhttp::error::end_of_stream && error != bhttp::error::partial_message;
+    if (not_http) return Answer(BadRequest(400, error.message()));
+    // The peer is gone, or took too long.
+  }
+
+  template <typename Body>
+  bhttp::response<Body> Head(const Response& answer) const {
+    bhttp::response<Body> message(bhttp::int_to_status(static_cast<unsigned>(answer.status)),
+                                  version_);
+    message.set(bhttp::field::content_type,
+                beast::string_view(answer.content_type.data(), answer.content_type.size()));
+    message.set(bhttp::field::cache_control, "no-store");
+    message.set("X-Content-Type-Options", "nosniff");
+    if (!answer.allow.empty()) {
+      message.set(bhttp::field::allow,
+                  beast::string_view(answer.allow.data(), answer.allow.size()));
+    }
+    message.keep_alive(keep_alive_);
+    message.content_length(answer.body.size());
+    return message;
+  }
+
+  void Answer(Response answer) {
+    const auto took = context_->parts.clock.Steady() - started_;
+    context_->parts.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
+    context_->parts.probe.CountRequest(route_, answer.status);
+    if (method_ == Method::kHead) {
+      Send(answer_.emplace<HeadOnly>(Head<bhttp::empty_body>(answer)));
+    } else {
+      auto& message = answer_.emplace<Whole>(Head<bhttp::string_body>(answer));
+      message.body() = std::move(answer.body);
+      Send(message);
+    }
+  }
+
+  template <typename Message>
+  void Send(Message& message) {
+    stream_.expires_after(kAnswerWait);
+    bhttp::async_write(stream_, message,
+                       [self = shared_from_this()](beast::error_code error, std::size_t) {
+                         if (error) return;
+                         if (self->keep_alive_) return self->ReadRequest();
+                         self->Close();
+                       });
+  }
+
+  void Close() {
+    beast::error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(kLingerWait);
+    Linger();
+  }
+
+  void Linger() {
+    stream_.async_read_some(asio::buffer(discard_),
+                            [self = shared_from_this()](beast::error_code error, std::size_t n) {
+                              self->lingered_ += n;
+                              if (!error && self->lingered_ < kLingerBytesMax) self->Linger();
+                            });
+  }
+
+  using Whole = bhttp::response<bhttp::string_body>;
+  using HeadOnly = bhttp::response<bhttp::empty_body>;
+
+  const std::shared_ptr<ConnectionContext> context_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<bhttp::request_parser<bhttp::string_body>> parser_;
+  std::variant<std::monostate, Whole, HeadOnly> answer_;
+  Method method_ = Method::kGet;
+  RouteId route_ = RouteId::kOther;
+  unsigned version_ = 11;
+  bool keep_alive_ = false;
+  SteadyTime started_;
+  std::array<char, 4096> discard_;
+  std::size_t lingered_ = 0;
+};
+
+}  // namespace
+
+void ServeConnection(const std::shared_ptr<ConnectionContext>& context, tcp::socket socket) {
+  std::make_shared<Connection>(context, std::move(socket))->ReadRequest();
+}
+
+}  // namespace uplink::http

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string_view>
+
+#include <absl/status/status.h>
+
+#include "server/http/message.h"
+#include "server/http/parameters.h"
+
+namespace uplink::http {
+
+/// The answer for a failure: kInvalidArgument is 400 (a message that begins with `pageToken` names
+/// that field), kNotFound 404, what is worth a retry 503 UNAVAILABLE, anything else 500.
+[[nodiscard]] Response ErrorResponse(const absl::Status& status);
+[[nodiscard]] Response ErrorResponse(const BadParameter& problem);
+/// 404 for a path that is none of ours.
+[[nodiscard]] Response NoSuchPath(std::string_view path);
+/// 405; the path takes GET and HEAD.
+[[nodiscard]] Response MethodNotAllowed();
+/// 503: too many requests wait already.
+[[nodiscard]] Response TooBusy();
+/// A request that is not HTTP as we take it: `status` is 400, 413 or 431.
+[[nodiscard]] Response BadRequest(int status, std::string_view message);
+
+}  // namespace uplink::http

@@ -1,0 +1,117 @@
+#include "server/http/parameters.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/core.h>
+
+#include "server/http/target.h"
+
+namespace uplink::http {
+namespace {
+
+template <typename Number>
+std::optional<Number> ParseNumber(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// 2100-01-01: a later time is a mistake, and far ones would overflow in arithmetic.
+constexpr std::int64_t kTimeMsMax = 4'102'444'800'000;
+
+}  // namespace
+
+Parameters::Parameters(std::string_view query) {
+  while (!query.empty() && !problem_) {
+    const std::size_t end = query.find('&');
+    AddItem(query.substr(0, end));
+    query = end == std::string_view::npos ? "" : query.substr(end + 1);
+  }
+}
+
+void Parameters::AddItem(std::string_view item) {
+  if (item.empty()) return;
+  const std::size_t equals = item.find('=');
+  std::optional<std::string> name = PercentDecode(item.substr(0, equals));
+  std::optional<std::string> value =
+      equals == std::string_view::npos ? std::string() : PercentDecode(item.substr(equals + 1));
+  if (!name || !value) {
+    Reject(item.substr(0, equals), "a % must be followed by two hex digits other than 00");
+    return;
+  }
+  const bool twice =
+      std::any_of(items_.begin(), items_.end(), [&](const Item& i) { return i.name == *name; });
+  if (twice) {
+    Reject(*name, "is given twice");
+  } else if (items_.size() == kParametersMax) {
+    Reject(*name, fmt::format("is one parameter too many: at most {}", kParametersMax));
+  } else {
+    items_.push_back({std::move(*name), std::move(*value)});
+  }
+}
+
+const std::string* Parameters::Find(std::string_view name) {
+  for (Item& item : items_) {
+    if (item.name != name) continue;
+    item.read = true;
+    return &item.value;
+  }
+  return nullptr;
+}
+
+std::string Parameters::Text(std::string_view name) {
+  const std::string* value = Find(name);
+  return value == nullptr ? std::string() : *value;
+}
+
+bool Parameters::Flag(std::string_view name) {
+  const std::string* value = Find(name);
+  if (value == nullptr || value->empty()) return false;
+  if (*value != "true" && *value != "false") Reject(name, "must be true or false");
+  return *value == "true";
+}
+
+std::uint32_t Parameters::Number(std::string_view name, std::uint32_t absent, std::uint32_t max) {
+  const std::string* value = Find(name);
+  if (value == nullptr || value->empty()) return absent;
+  const std::optional<std::uint32_t> number = ParseNumber<std::uint32_t>(*value);
+  if (number && *number >= 1 && *number <= max) return *number;
+  Reject(name, fmt::format("must be a number from 1 to {}", max));
+  return absent;
+}
+
+std::optional<SystemTime> Parameters::Time(std::string_view name) {
+  const std::string* value = Find(name);
+  if (value == nullptr || value->empty()) return std::nullopt;
+  const std::optional<std::int64_t> number = ParseNumber<std::int64_t>(*value);
+  if (number && *number >= 0 && *number <= kTimeMsMax) return FromUnixMs(*number);
+  Reject(name, fmt::format("must be Unix milliseconds from 0 to {}", kTimeMsMax));
+  return std::nullopt;
+}
+
+std::vector<std::string> Parameters::Words(std::string_view name) {
+  std::vector<std::string> words;
+  const std::string* value = Find(name);
+  std::string_view rest = value == nullptr ? std::string_view() : std::string_view(*value);
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(',');
+    if (end != 0) words.emplace_back(rest.substr(0, end));
+    rest = end == std::string_view::npos ? "" : rest.substr(end + 1);
+  }
+  return words;
+}
+
+void Parameters::Reject(std::string_view name, std::string message) {
+  if (!problem_) problem_ = BadParameter{std::string(name), std::move(message)};
+}
+
+std::optional<BadParameter> Parameters::Problem() {
+  for (const Item& item : items_) {
+    if (!item.read) Reject(item.name, "is not a parameter of this path");
+  }
+  return problem_;
+}
+
+}  // namespace uplink::http

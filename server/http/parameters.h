@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "schema/base/clock.h"
+
+namespace uplink::http {
+
+/// Parameters of one request; more are an error.
+inline constexpr std::size_t kParametersMax = 16;
+
+/// What is wrong with a query: `field` is the parameter's name. A value.
+struct BadParameter {
+  std::string field;
+  std::string message;
+};
+
+/// The query of a request, read parameter by parameter. Whatever is wrong is remembered, the first
+/// of it, and told by Problem; until then readers get the default. Confined to one thread.
+class Parameters final {
+ public:
+  explicit Parameters(std::string_view query);
+
+  /// Empty if absent.
+  [[nodiscard]] std::string Text(std::string_view name);
+  /// `true` or `false`; false if absent.
+  [[nodiscard]] bool Flag(std::string_view name);
+  [[nodiscard]] std::uint32_t Number(std::string_view name, std::uint32_t absent,
+                                     std::uint32_t max);
+  /// Unix milliseconds.
+  [[nodiscard]] std::optional<SystemTime> Time(std::string_view name);
+  /// Words between commas; none if absent.
+  [[nodiscard]] std::vector<std::string> Words(std::string_view name);
+
+  /// The handler found the value of `name` wrong.
+  void Reject(std::string_view name, std::string message);
+
+  /// Call after all reads: the first problem, or a parameter that nothing read.
+  [[nodiscard]] std::optional<BadParameter> Problem();
+
+ private:
+  struct Item {
+    std::string name;
+    std::string value;
+    bool read = false;
+  };
+  void AddItem(std::string_view item);
+  [[nodiscard]] const std::string* Find(std::string_view name);
+
+  std::vector<Item> items_;
+  std::optional<BadParameter> problem_;
+};
+
+}  // namespace uplink::http

@@ -1,0 +1,110 @@
+#include "server/http/scrape.h"
+
+#include <utility>
+
+#include "server/health/process.h"
+#include "server/http/read_thread.h"
+
+namespace uplink::http {
+namespace {
+
+using enum metrics::MetricId;
+
+template <typename Number>
+double Value(Number number) {
+  return static_cast<double>(number);
+}
+
+double Seconds(milliseconds duration) { return Value(duration.count()) / 1e3; }
+
+}  // namespace
+
+Scrape::Scrape(Sources sources)
+    : sources_(std::move(sources)), started_at_(sources_.clock.System()) {}
+
+std::string Scrape::Text() const {
+  metrics::Exposition page;
+  page.AddLedger(sources_.ledgers.Sum());
+  AddSessions(page);
+  AddFleet(page);
+  AddJournal(page);
+  AddHttp(page);
+  AddProcess(page);
+  sources_.add_relay(page);
+  return page.Text();
+}
+
+void Scrape::AddSessions(metrics::Exposition& page) const {
+  const session::SessionProbe& probe = sources_.sessions;
+  page.Add(kStreams, probe.streams);
+  page.Add(kStreamsOpened, probe.streams_total);
+  page.Add(kStreamsHeldBack, probe.held_back);
+  page.Add(kHoldBacks, probe.held_back_total);
+  page.Add(kTakeovers, probe.takeovers_total);
+  page.Add(kContested, probe.contested_total);
+  page.Add(kSuperseded, probe.superseded_total);
+  page.Add(kProtocolErrors, probe.protocol_errors_total);
+  page.Add(kPeerStalls, probe.peer_stalls_total);
+  page.Add(kResumes, probe.resumes_total);
+  page.Add(kFrames, probe.frames_total);
+  page.Add(kFrameBytes, probe.frame_bytes_total);
+  page.Add(kAcks, probe.acks_total);
+  page.Add(kNotices, probe.notices_total);
+  page.Add(kAckSeconds, probe.ack_seconds);
+}
+
+void Scrape::AddFleet(metrics::Exposition& page) const {
+  const fleet::PresenceCounts counts = sources_.fleet.presence_counts();
+  page.Add(kRobots, Value(counts.online), {"online"});
+  page.Add(kRobots, Value(counts.offline), {"offline"});
+  page.Add(kRobots, Value(counts.unknown), {"unknown"});
+  page.Add(kRobotsLimit, Value(sources_.fleet.robots_max()));
+}
+
+void Scrape::AddJournal(metrics::Exposition& page) const {
+  const journal::Journal& journal = sources_.journal;
+  page.Add(kJournalRecords, Value(journal.records()));
+  page.Add(kJournalRecordsLimit, Value(sources_.journal_limits.records_max));
+  page.Add(kJournalBytes, Value(journal.bytes()));
+  page.Add(kJournalBytesLimit, Value(sources_.journal_limits.bytes_max));
+  page.Add(kJournalOldestSeconds, Seconds(journal.oldest(sources_.clock.Steady())));
+  const journal::JournalProbe& probe = sources_.journal_probe;
+  page.Add(kStoreCommitSeconds, probe.commit_seconds);
+  page.Add(kStoreCommitRecords, probe.commit_records);
+  page.Add(kStoreErrors, probe.store_errors);
+  page.Add(kStoreFailing, probe.store_failing);
+}
+
+void Scrape::AddHttp(metrics::Exposition& page) const {
+  const HttpProbe& probe = sources_.http;
+  for (std::size_t route = 0; route < kRouteNames.size(); ++route) {
+    for (std::size_t code = 0; code < kCodeClasses.size(); ++code) {
+      page.Add(kHttpRequests, Value(probe.requests[route][code].value()),
+               {kRouteNames[route], kCodeClasses[code]});
+    }
+  }
+  page.Add(kHttpRequestSeconds, probe.request_seconds);
+  page.Add(kHttpConnections, probe.connections);
+  page.Add(kHttpConnectionsLimit, Value(sources_.http_connections_max));
+  page.Add(kHttpConnectionsRefused, probe.connections_refused);
+  page.Add(kHttpReadsWaiting, probe.reads_waiting);
+  page.Add(kHttpReadsWaitingLimit, Value(kReadsWaitingMax));
+  page.Add(kHttpReadsRefused, probe.reads_refused);
+}
+
+void Scrape::AddProcess(metrics::Exposition& page) const {
+  health::Monitor& monitor = sources_.monitor;
+  page.Add(kRelayLastHandshakeSeconds, Seconds(monitor.liveness().age()));
+  page.Add(kCertificateExpiry, Value(UnixMs(monitor.certificate_expiry())) / 1e3);
+  page.Add(kDraining, monitor.draining() ? 1 : 0);
+  page.Add(kBuildInfo, 1, {sources_.version});
+  page.Add(kProcessStartTime, Value(UnixMs(started_at_)) / 1e3);
+  const health::ProcessFigures process = health::ReadProcess();
+  page.Add(kProcessCpuSeconds, process.cpu_seconds);
+  page.Add(kProcessResidentBytes, Value(process.resident_bytes));
+  page.Add(kProcessThreads, Value(process.threads));
+  page.Add(kProcessOpenFds, Value(health::OpenDescriptors()));
+  page.Add(kProcessMaxFds, Value(health::DescriptorsMax()));
+}
+
+}  // namespace uplink::http

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "metrics/exposition.h"
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/health/monitor.h"
+#include "server/http/probe.h"
+#include "server/journal/journal.h"
+#include "server/session/probe.h"
+
+namespace uplink::http {
+
+/// What /metrics answers: every metric of the catalogue, read from the components. The ledgers are
+/// summed once, so that received = settled + in flight holds in each text. Thread-safe.
+class Scrape final {
+ public:
+  struct Sources {
+    const Clock& clock;
+    const fleet::Fleet& fleet;
+    const journal::Journal& journal;
+    const journal::JournalProbe& journal_probe;
+    const session::SessionProbe& sessions;
+    const metrics::LedgerBook& ledgers;
+    health::Monitor& monitor;
+    const HttpProbe& http;
+    journal::JournalLimits journal_limits;
+    std::size_t http_connections_max = 0;
+    std::string version;
+    /// Adds the samples of the robots' transport, which this folder does not know.
+    std::function<void(metrics::Exposition&)> add_relay;
+  };
+  explicit Scrape(Sources sources);
+
+  [[nodiscard]] std::string Text() const;
+
+ private:
+  void AddSessions(metrics::Exposition& page) const;
+  void AddFleet(metrics::Exposition& page) const;
+  void AddJournal(metrics::Exposition& page) const;
+  void AddHttp(metrics::Exposition& page) const;
+  void AddProcess(metrics::Exposition& page) const;
+
+  const Sources sources_;
+  const SystemTime started_at_;
+};
+
+}  // namespace uplink::http

@@ -1,0 +1,98 @@
+#include "server/http/server.h"
+
+#include <string>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <fmt/core.h>
+
+#include "server/http/asio_context.h"
+#include "server/http/connection.h"
+
+namespace uplink::http {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+}  // namespace
+
+/// Accepts for ever; one accept is outstanding.
+class HttpServer::Listener final : public std::enable_shared_from_this<HttpServer::Listener> {
+ public:
+  Listener(const Parts& parts, const Options& options)
+      : context_(std::make_shared<ConnectionContext>(parts, options.request_wait)),
+        connections_max_(options.connections_max),
+        acceptor_(parts.loop.context().io),
+        pause_(parts.loop.context().io) {}
+
+  error_code Open(const tcp::endpoint& endpoint) {
+    error_code error;
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error && endpoint.address().is_v6()) {
+      acceptor_.set_option(asio::ip::v6_only(false), error);
+    }
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    return error;
+  }
+
+  [[nodiscard]] tcp::endpoint local() const { return acceptor_.local_endpoint(); }
+
+  void Accept() {
+    acceptor_.async_accept([self = shared_from_this()](error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (error) return self->Rest();
+      if (self->context_->connections.load() >= self->connections_max_) {
+        self->context_->parts.probe.connections_refused.Add();
+        error_code ignored;
+        socket.close(ignored);
+      } else {
+        ServeConnection(self->context_, std::move(socket));
+      }
+      self->Accept();
+    });
+  }
+
+ private:
+  void Rest() {
+    pause_.expires_after(kAcceptPause);
+    pause_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error) self->Accept();
+    });
+  }
+
+  const std::shared_ptr<ConnectionContext> context_;
+  const std::size_t connections_max_;
+  tcp::acceptor acceptor_;
+  asio::steady_timer pause_;
+};
+
+absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Parts& parts,
+                                                               const Options& options) {
+  error_code error;
+  const asio::ip::address address = asio::ip::make_address(options.address.host, error);
+  auto listener = std::make_shared<Listener>(parts, options);
+  if (!error) error = listener->Open(tcp::endpoint(address, options.address.port));
+  if (error) {
+    return absl::UnavailableError(fmt::format("listen.http: {} cannot be bound: {}",
+                                              config::ToText(options.address), error.message()));
+  }
+  listener->Accept();
+  return std::unique_ptr<HttpServer>(new HttpServer(std::move(listener)));
+}
+
+HttpServer::HttpServer(std::shared_ptr<Listener> listener) : listener_(std::move(listener)) {}
+HttpServer::~HttpServer() = default;
+
+config::ListenAddress HttpServer::bound() const {
+  const tcp::endpoint endpoint = listener_->local();
+  return {endpoint.address().to_string(), endpoint.port()};
+}
+
+}  // namespace uplink::http

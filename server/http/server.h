@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/config/address.h"
+#include "server/http/event_loop.h"
+#include "server/http/probe.h"
+#include "server/http/read_thread.h"
+#include "server/http/site.h"
+
+namespace uplink::http {
+
+/// Bytes of a request's line and headers together, and of a body, which is read and not looked at.
+inline constexpr std::size_t kHeaderBytesMax = 16UL * 1024;
+inline constexpr std::size_t kBodyBytesMax = 16UL * 1024;
+/// A whole request must come within this, the idle time before it included; so must the peer take a
+/// whole answer.
+inline constexpr std::chrono::seconds kRequestWait{30};
+inline constexpr std::chrono::seconds kAnswerWait{30};
+/// After a failed accept (no descriptors) the listener rests for so long.
+inline constexpr std::chrono::milliseconds kAcceptPause{100};
+
+/// The HTTP/1.1 listener: bounded connections with keep-alive on one event loop.
+///
+/// Thread: made and destroyed by the loop's owner while the loop does not run.
+class HttpServer final {
+ public:
+  struct Options {
+    config::ListenAddress address;
+    std::size_t connections_max = 0;
+    milliseconds request_wait = kRequestWait;
+  };
+  struct Parts {
+    EventLoop& loop;
+    const Site& site;
+    ReadThread& reads;
+    HttpProbe& probe;
+    const Clock& clock;
+  };
+
+  /// Binds and listens; answers once the loop runs. The parts must outlive the loop.
+  ///
+  /// Errors: kUnavailable naming the address, if it cannot be bound.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<HttpServer>> Listen(const Parts& parts,
+                                                                          const Options& options);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  /// The address with the port that was really bound.
+  [[nodiscard]] config::ListenAddress bound() const;
+
+ private:
+  class Listener;
+  explicit HttpServer(std::shared_ptr<Listener> listener);
+  std::shared_ptr<Listener> listener_;
+};
+
+}  // namespace uplink::http

@@ -1,0 +1,149 @@
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <absl/synchronization/mutex.h>
+#include <fmt/core.h>
+
+#include "metrics/catalogue.h"
+#include "schema/base/clock.h"
+#include "server/app.h"
+#include "server/app_limits.h"
+#include "server/config/load.h"
+#include "server/health/process.h"
+#include "server/log/logger.h"
+#include "server/relay/environment.h"
+
+namespace uplink {
+namespace {
+
+constexpr int kExitDone = 0;
+constexpr int kExitFailed = 1;
+constexpr int kExitWrongUse = 2;
+
+struct Flags {
+  std::string config_file = "/etc/uplinkd/uplinkd.toml";
+  bool check_config = false;
+  bool print_config = false;
+  bool print_metrics = false;
+};
+
+void PrintProblems(const std::vector<config::Problem>& problems) {
+  for (const config::Problem& problem : problems) {
+    fmt::print(stderr, "uplinkd: {}\n", config::ToText(problem));
+  }
+}
+
+/// The configuration with every problem of the text and of the files that it names.
+config::LoadResult Load(const std::string& path) {
+  config::LoadResult result = config::LoadConfig(path, config::ProcessEnvironment());
+  if (!result.ok()) return result;
+  result.problems = config::ValidateFiles(*result.config);
+  if (!result.problems.empty()) result.config.reset();
+  return result;
+}
+
+int CheckConfig(const Flags& flags) {
+  const config::LoadResult result = Load(flags.config_file);
+  for (const config::Problem& note : result.notes) {
+    fmt::print(stderr, "uplinkd: note: {}\n", config::ToText(note));
+  }
+  PrintProblems(result.problems);
+  if (!result.ok()) return kExitWrongUse;
+  fmt::print("{}: good\n", flags.config_file);
+  return kExitDone;
+}
+
+int PrintConfig(const Flags& flags) {
+  const config::LoadResult result =
+      config::LoadConfig(flags.config_file, config::ProcessEnvironment());
+  PrintProblems(result.problems);
+  if (!result.ok()) return kExitWrongUse;
+  fmt::print("{}", config::PrintConfig(*result.config));
+  return kExitDone;
+}
+
+storage::ProcessId DrawProcessId() {
+  std::random_device device;
+  std::uniform_int_distribution<unsigned> byte(0, 255);
+  storage::ProcessId id{};
+  for (std::uint8_t& part : id) part = static_cast<std::uint8_t>(byte(device));
+  return id;
+}
+
+int Serve(const Flags& flags) {
+  // Before the first thread, and before gRPC is used.
+  if (const absl::Status fit = relay::CheckEnvironment(::getenv); !fit.ok()) {
+    fmt::print(stderr, "uplinkd: {}\n", std::string(fit.message()));
+    return kExitWrongUse;
+  }
+  const config::LoadResult loaded = Load(flags.config_file);
+  PrintProblems(loaded.problems);
+  if (!loaded.ok()) return kExitWrongUse;
+  const config::Config& config = *loaded.config;
+  relay::ApplyTlsMinimum(config.tls.min_version);
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  relay::SilenceProtobuf();
+  // A peer or a log reader that went away is an error of a write, not the end of the process.
+  std::signal(SIGPIPE, SIG_IGN);
+  const std::size_t descriptors = health::RaiseDescriptorsMax();
+
+  const SystemClock clock;
+  log::Logger logger(log::StandardError(), clock, LogFormatOf(config.log.format),
+                     LogLevelOf(config.log.level));
+  logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
+  for (const config::Problem& note : loaded.notes) {
+    logger.Warn("setting_without_effect", {{"note", config::ToText(note)}});
+  }
+  std::mt19937_64 random(std::random_device{}());
+  auto app = App::Start({.config = config,
+                         .read_config = [path = flags.config_file] { return Load(path); },
+                         .logger = logger,
+                         .clock = clock,
+                         .process = DrawProcessId(),
+                         .random = [&random] { return random(); },
+                         .version = UPLINK_VERSION});
+  if (!app.ok()) {
+    logger.Error("start_failed", {{"error", std::string(app.status().message())}});
+    return kExitFailed;
+  }
+  (*app)->Run();
+  return kExitDone;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App cli("Telemetry ingestion for robot fleets", "uplinkd");
+  Flags flags;
+  cli.set_version_flag("--version", "uplinkd " UPLINK_VERSION);
+  cli.add_option("--config", flags.config_file, "The configuration file")->capture_default_str();
+  auto* check = cli.add_flag("--check-config", flags.check_config,
+                             "Report every problem of the configuration; exit 0 or 2");
+  auto* print = cli.add_flag("--print-config", flags.print_config,
+                             "Print the effective configuration, secrets masked");
+  auto* metrics =
+      cli.add_flag("--print-metrics", flags.print_metrics, "Print the metrics as a table");
+  check->excludes(print)->excludes(metrics);
+  print->excludes(metrics);
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? kExitDone : kExitWrongUse;
+  }
+  if (flags.print_metrics) {
+    fmt::print("{}", metrics::CatalogueTable());
+    return kExitDone;
+  }
+  if (flags.check_config) return CheckConfig(flags);
+  if (flags.print_config) return PrintConfig(flags);
+  return Serve(flags);
+}
+
+}  // namespace
+}  // namespace uplink
+
+int main(int argc, char** argv) { return uplink::Main(argc, argv); }

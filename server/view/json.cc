@@ -1,0 +1,83 @@
+#include "server/view/json.h"
+
+#include <cstddef>
+
+#include <absl/status/status.h>
+#include <fmt/core.h>
+#include <google/protobuf/util/json_util.h>
+
+#include "schema/base/utf8.h"
+#include "server/view/messages.h"
+
+namespace uplink::view {
+namespace {
+
+/// Bytes of a text in an error; enough for a RURI with every byte shown as hex.
+constexpr std::size_t kErrorTextBytesMax = 2048;
+
+absl::StatusOr<std::string> Print(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  const auto status = google::protobuf::util::MessageToJsonString(message, &json, options);
+  if (!status.ok()) {
+    return absl::InternalError(fmt::format("{} has no JSON form: {}", message.GetTypeName(),
+                                           std::string(status.message())));
+  }
+  return json;
+}
+
+/// A text as JSON string. PrintableUtf8 leaves no control character in it.
+std::string Quoted(std::string_view text) {
+  std::string json = "\"";
+  for (const char c : PrintableUtf8(text, kErrorTextBytesMax)) {
+    if (c == '"' || c == '\\') json += '\\';
+    json += c;
+  }
+  return json + '"';
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts) {
+  return Print(ToMessage(robot, parts));
+}
+
+absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts) {
+  return Print(ToMessage(page, parts));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::FaultRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::QuarantineRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::GapRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const StatusView& status,
+                                   const std::vector<std::string>& degraded) {
+  return Print(ToMessage(status, degraded));
+}
+
+std::string WordsJson(std::string_view key, const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) {
+    if (!list.empty()) list += ',';
+    list += Quoted(word);
+  }
+  return fmt::format("{{{}:[{}]}}", Quoted(key), list);
+}
+
+std::string ErrorJson(const ErrorText& error) {
+  std::string json = fmt::format(R"({{"error":{{"code":{},"message":{})", Quoted(error.code),
+                                 Quoted(error.message));
+  if (!error.field.empty()) json += fmt::format(R"(,"field":{})", Quoted(error.field));
+  return json + "}}";
+}
+
+}  // namespace uplink::view

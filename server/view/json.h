@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "server/view/parts.h"
+#include "server/view/queries.h"
+#include "storage/reader.h"
+
+namespace uplink::view {
+
+// The proto3 JSON mapping of the fleet contract's messages, default scalars printed.
+//
+// Errors:  kInternal if the mapping refuses a message.
+// Thread:  pure; any thread.
+
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::FaultRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::QuarantineRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::GapRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
+                                                 const std::vector<std::string>& degraded);
+
+/// `{"<key>":["<word>",...]}`: what /readyz says. The words are ours.
+[[nodiscard]] std::string WordsJson(std::string_view key, const std::vector<std::string>& words);
+
+/// An answer that says what went wrong. `field` may be empty.
+struct ErrorText {
+  /// The canonical name: `INVALID_ARGUMENT`.
+  std::string_view code;
+  std::string_view message;
+  std::string_view field{};
+};
+
+/// `{"error":{"code":...,"message":...,"field":...}}`; bytes that are no text are shown as hex.
+[[nodiscard]] std::string ErrorJson(const ErrorText& error);
+
+}  // namespace uplink::view

@@ -1,0 +1,46 @@
+#include "server/view/live_parts.h"
+
+#include "server/view/render/fields.h"
+#include "server/view/render/render.h"
+
+namespace uplink::view {
+namespace {
+
+using google::protobuf::Struct;
+
+/// Key to rendered value; unset if there is none.
+template <typename Items, typename RenderItem>
+void SetByKey(const Items& items, Struct* (v1::Robot::*mutable_part)(), v1::Robot& robot,
+              RenderItem render) {
+  if (items.empty()) return;
+  Fields fields;
+  for (const auto& [key, value] : items) fields.Set(key, render(value));
+  *(robot.*mutable_part)() = fields.Take();
+}
+
+Struct RenderExtra(const fleet::Extra& extra) {
+  return Fields().Set("value", Render(extra.value)).Set("sampledAtMs", extra.sampled_at_ms).Take();
+}
+
+}  // namespace
+
+void SetLiveParts(const fleet::LiveParts& live, const PartSet& wanted, v1::Robot& robot) {
+  const auto render = [](const auto& value) { return Render(value); };
+  if (wanted.Has(Part::kMotion) && live.motion) *robot.mutable_motion() = Render(*live.motion);
+  if (wanted.Has(Part::kStatus) && live.status) *robot.mutable_status() = Render(*live.status);
+  if (wanted.Has(Part::kUsage) && live.usage) *robot.mutable_usage() = Render(*live.usage);
+  if (wanted.Has(Part::kExtras)) {
+    SetByKey(live.extras.items(), &v1::Robot::mutable_extras, robot, RenderExtra);
+  }
+  if (wanted.Has(Part::kHealth)) {
+    SetByKey(live.health.items(), &v1::Robot::mutable_health, robot, render);
+  }
+  if (wanted.Has(Part::kConsumables)) {
+    SetByKey(live.consumables.items(), &v1::Robot::mutable_consumables, robot, render);
+  }
+  if (wanted.Has(Part::kDirectives)) {
+    SetByKey(live.directives.items(), &v1::Robot::mutable_directives, robot, render);
+  }
+}
+
+}  // namespace uplink::view

@@ -1,0 +1,133 @@
+#include "server/view/queries.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <fmt/core.h>
+
+#include "server/view/page_token.h"
+
+namespace uplink::view {
+namespace {
+
+RobotView Look(const fleet::Robot& robot, fleet::RobotState::Parts parts) {
+  return RobotView{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0};
+}
+
+fleet::RobotState::Parts Wanted(const PartSet& parts) {
+  return parts == PartSet() ? fleet::RobotState::Parts::kNone : fleet::RobotState::Parts::kAll;
+}
+
+bool Matches(const fleet::Robot& robot, const RobotsQuery& query) {
+  if (query.presence && robot.state.presence() != *query.presence) return false;
+  return query.fleet.empty() || robot.id()->fleet == query.fleet;
+}
+
+}  // namespace
+
+Queries::Queries(Sources sources)
+    : sources_(std::move(sources)), started_at_(sources_.clock.System()) {}
+
+absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
+  std::string after;
+  if (!query.page_token.empty()) {
+    std::optional<std::string> ruri = RuriFromToken(query.page_token);
+    if (!ruri) return absl::InvalidArgumentError("pageToken is not one that this list gave");
+    after = std::move(*ruri);
+  }
+  RobotsPage page;
+  for (const fleet::Robot* robot : sources_.fleet.Sorted()) {
+    if (!Matches(*robot, query)) continue;
+    ++page.total;
+    if (robot->ruri() <= after) continue;
+    if (page.robots.size() < query.page_size) {
+      page.robots.push_back(Look(*robot, Wanted(query.parts)));
+    } else if (page.next_token.empty()) {
+      page.next_token = RobotsToken(page.robots.back().id.ruri);
+    }
+  }
+  FillActiveFaults(page.robots);
+  return page;
+}
+
+absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
+  if (absl::Status known = CheckKnown(ruri); !known.ok()) return known;
+  std::vector<RobotView> one;
+  one.push_back(Look(*sources_.fleet.Find(ruri), fleet::RobotState::Parts::kAll));
+  FillActiveFaults(one);
+  return std::move(one.front());
+}
+
+absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultsActive(
+    const storage::HistoryQuery& query) {
+  return sources_.reader.FaultsActive(query);
+}
+
+absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultHistory(
+    const storage::HistoryQuery& query) {
+  return sources_.reader.FaultHistory(query);
+}
+
+absl::StatusOr<storage::Page<storage::QuarantineRow>> Queries::Quarantine(
+    const storage::HistoryQuery& query) {
+  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
+  return sources_.reader.Quarantine(query);
+}
+
+absl::StatusOr<storage::Page<storage::GapRow>> Queries::Gaps(const storage::HistoryQuery& query) {
+  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
+  return sources_.reader.Gaps(query);
+}
+
+StatusView Queries::Status() const {
+  StatusView status;
+  status.version = sources_.version;
+  status.started_at = started_at_;
+  status.now = sources_.clock.System();
+  for (const fleet::Robot* robot : sources_.fleet.Sorted()) {
+    switch (robot->state.presence()) {
+      case fleet::Presence::kUnknown:
+        ++status.robots.unknown;
+        break;
+      case fleet::Presence::kOnline:
+        ++status.robots.online;
+        break;
+      case fleet::Presence::kOffline:
+        ++status.robots.offline;
+        break;
+    }
+  }
+  status.streams = sources_.sessions.streams.value();
+  status.uplinks = sources_.ledgers.Sum().uplinks;
+  status.journal_records = sources_.journal.records();
+  status.journal_bytes = sources_.journal.bytes();
+  status.journal_oldest = sources_.journal.oldest(sources_.clock.Steady());
+  return status;
+}
+
+absl::Status Queries::CheckKnown(const std::string& ruri) const {
+  if (sources_.fleet.Find(ruri) != nullptr) return absl::OkStatus();
+  return absl::NotFoundError(fmt::format("no robot with the RURI {} was ever seen", ruri));
+}
+
+void Queries::FillActiveFaults(std::vector<RobotView>& robots) {
+  std::vector<std::string> ruris;
+  ruris.reserve(robots.size());
+  for (const RobotView& robot : robots) ruris.push_back(robot.id.ruri);
+  if (ruris.empty()) return;
+  const auto counts = sources_.reader.ActiveFaultCounts(ruris);
+
+  const std::lock_guard lock(mutex_);
+  if (counts.ok()) {
+    for (const std::string& ruri : ruris) active_faults_[ruri] = 0;
+    for (const storage::ActiveFaults& count : *counts) active_faults_[count.ruri] = count.count;
+  }
+  for (RobotView& robot : robots) {
+    const auto known = active_faults_.find(robot.id.ruri);
+    if (known != active_faults_.end()) robot.active_faults = known->second;
+  }
+}
+
+}  // namespace uplink::view

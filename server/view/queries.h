@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "server/fleet/fleet.h"
+#include "server/fleet/robot_state.h"
+#include "server/journal/journal.h"
+#include "server/session/probe.h"
+#include "server/session/robot_sessions.h"
+#include "server/view/parts.h"
+#include "storage/reader.h"
+
+namespace uplink::view {
+
+/// One robot as it is now. A value.
+struct RobotView {
+  model::RobotId id;
+  fleet::StateSnapshot state;
+  session::SessionView session;
+  /// As the store last said.
+  std::int64_t active_faults = 0;
+};
+
+/// Which robots, by RURI. Empty texts match everything.
+struct RobotsQuery {
+  std::string fleet;
+  std::optional<fleet::Presence> presence;
+  /// 1 to storage::kPageSizeMax.
+  std::uint32_t page_size = storage::kPageSizeDefault;
+  std::string page_token;
+  /// Live parts are copied only if one is wanted.
+  PartSet parts = PartSet::OfLists();
+};
+
+struct RobotsPage {
+  std::vector<RobotView> robots;
+  /// Empty when this page is the last.
+  std::string next_token;
+  /// Robots that match, on all pages.
+  std::int64_t total = 0;
+};
+
+/// The server in figures. A value.
+struct StatusView {
+  std::string version;
+  SystemTime started_at;
+  SystemTime now;
+  fleet::PresenceCounts robots;
+  std::int64_t streams = 0;
+  /// Taken together: the conservation law holds on it.
+  metrics::UplinkCounts uplinks;
+  std::size_t journal_records = 0;
+  std::size_t journal_bytes = 0;
+  milliseconds journal_oldest{0};
+};
+
+/// Everything that readers of the fleet ask, once, for every transport.
+///
+/// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
+///          was never seen; what the Reader says, where rows are asked for. Robots are answered
+///          while the store is away too: their active faults are then the last that were read.
+/// Limits:  remembers one number a robot of the fleet.
+/// Thread:  thread-safe; waits for the store, so never on the thread that serves probes.
+class Queries final {
+ public:
+  struct Sources {
+    const Clock& clock;
+    fleet::Fleet& fleet;
+    storage::Reader& reader;
+    const journal::Journal& journal;
+    const metrics::LedgerBook& ledgers;
+    const session::SessionProbe& sessions;
+    std::string version;
+  };
+  explicit Queries(Sources sources);
+
+  [[nodiscard]] absl::StatusOr<RobotsPage> Robots(const RobotsQuery& query);
+  /// With all parts.
+  [[nodiscard]] absl::StatusOr<RobotView> Robot(const std::string& ruri);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
+      const storage::HistoryQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
+      const storage::HistoryQuery& query);
+  /// Both: query.ruri names one robot, kNotFound if it was never seen.
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
+      const storage::HistoryQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
+      const storage::HistoryQuery& query);
+  /// Waits for nothing.
+  [[nodiscard]] StatusView Status() const;
+
+ private:
+  [[nodiscard]] absl::Status CheckKnown(const std::string& ruri) const;
+  void FillActiveFaults(std::vector<RobotView>& robots);
+
+  Sources sources_;
+  const SystemTime started_at_;
+  std::mutex mutex_;
+  std::unordered_map<std::string, std::int64_t> active_faults_;
+};
+
+}  // namespace uplink::view

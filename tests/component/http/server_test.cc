@@ -1,0 +1,230 @@
+#include "server/http/server.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/http/event_loop.h"
+#include "tests/support/raw_http.h"
+#include "tests/support/server_world.h"
+
+namespace uplink::http {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::HttpGet;
+using testing::RawAnswer;
+using testing::RawConnection;
+
+class NoLines final : public log::LineSink {
+ public:
+  void Write(std::string_view /*line*/) override {}
+};
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kConnectionsMax = 4;
+
+  HttpServerTest() { reads_.emplace(world_.http_probe); }
+  ~HttpServerTest() override {
+    world_.reader.Release();
+    loop_.Stop();
+    reads_.reset();
+  }
+
+  std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait) {
+    auto server = HttpServer::Listen({loop_, world_.site, *reads_, world_.http_probe, clock_},
+                                     {{host, 0}, kConnectionsMax, wait});
+    EXPECT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    loop_.Start();
+    return server_->bound().port;
+  }
+
+  testing::ServerWorld world_;
+  SystemClock clock_;
+  log::Logger logger_{std::make_unique<NoLines>(), clock_, log::Format::kText, log::Level::kError};
+  EventLoop loop_{logger_};
+  std::optional<ReadThread> reads_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
+  RawConnection connection(Serve());
+  for (const char* target : {"/livez", "/api/v1/status", "/nowhere", "/metrics", "/readyz"}) {
+    connection.SendGet(target);
+    const std::optional<RawAnswer> answer = connection.Read();
+    ASSERT_TRUE(answer) << target;
+    EXPECT_EQ(answer->status, std::string(target) == "/nowhere" ? 404 : 200) << target;
+  }
+  EXPECT_EQ(world_.http_probe.connections.value(), 1);
+}
+
+TEST_F(HttpServerTest, AnswersRequestsThatCameTogetherInOrder) {
+  RawConnection connection(Serve());
+  connection.Send(
+      "GET /api/v1/status HTTP/1.1\r\nHost: t\r\n\r\n"
+      "GET /readyz HTTP/1.1\r\nHost: t\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(connection.Read()->body, HasSubstr("startedAtMs"));
+  EXPECT_THAT(connection.Read()->body, HasSubstr("degraded"));
+  EXPECT_TRUE(connection.AtEnd());
+}
+
+TEST_F(HttpServerTest, HeadHasTheLengthAndNoBody) {
+  RawConnection connection(Serve());
+  connection.Send("HEAD /readyz HTTP/1.1\r\nHost: t\r\n\r\n");
+  const std::optional<RawAnswer> head = connection.Read(RawConnection::Body::kNone);
+  ASSERT_TRUE(head);
+  EXPECT_EQ(head->status, 200);
+  EXPECT_THAT(head->head, HasSubstr("Content-Length: 15\r\n"));
+  // The connection is still in step: nothing of a body lies before the next answer.
+  connection.SendGet("/readyz");
+  EXPECT_EQ(connection.Read()->body, R"({"degraded":[]})");
+}
+
+TEST_F(HttpServerTest, OtherMethodsNameTheAllowedOnes) {
+  RawConnection connection(Serve());
+  connection.Send("POST /api/v1/robots HTTP/1.1\r\nHost: t\r\nContent-Length: 2\r\n\r\nhi");
+  const std::optional<RawAnswer> answer = connection.Read();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 405);
+  EXPECT_THAT(answer->head, HasSubstr("Allow: GET, HEAD\r\n"));
+  connection.SendGet("/readyz");
+  EXPECT_EQ(connection.Read()->status, 200);
+}
+
+TEST_F(HttpServerTest, RefusesHeadersPastTheirBoundAndCloses) {
+  const std::uint16_t port = Serve();
+  const auto request = [](std::size_t bytes) {
+    return "GET /readyz HTTP/1.1\r\nHost: t\r\nX-Fill: " + std::string(bytes, 'x') + "\r\n\r\n";
+  };
+  RawConnection within(port);
+  within.Send(request(kHeaderBytesMax - 100));
+  EXPECT_EQ(within.Read()->status, 200);
+  RawConnection past(port);
+  past.Send(request(kHeaderBytesMax));
+  EXPECT_EQ(past.Read()->status, 431);
+  EXPECT_TRUE(past.AtEnd());
+}
+
+TEST_F(HttpServerTest, RefusesABodyPastItsBoundAndCloses) {
+  const std::uint16_t port = Serve();
+  const auto request = [](std::size_t bytes) {
+    return "GET /readyz HTTP/1.1\r\nHost: t\r\nContent-Length: " + std::to_string(bytes) +
+           "\r\n\r\n" + std::string(bytes, 'x');
+  };
+  RawConnection within(port);
+  within.Send(request(kBodyBytesMax));
+  EXPECT_EQ(within.Read()->status, 200);
+  RawConnection past(port);
+  past.Send(request(kBodyBytesMax + 1));
+  EXPECT_EQ(past.Read()->status, 413);
+  EXPECT_TRUE(past.AtEnd());
+}
+
+TEST_F(HttpServerTest, AnswersWhatIsNotHttpWith400) {
+  RawConnection connection(Serve());
+  connection.Send("\x16\x03\x01 this is no request\r\n\r\n");
+  const std::optional<RawAnswer> answer = connection.Read();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 400);
+  EXPECT_THAT(answer->body, HasSubstr("INVALID_ARGUMENT"));
+  EXPECT_TRUE(connection.AtEnd());
+}
+
+TEST_F(HttpServerTest, ClosesAConnectionThatSendsNoWholeRequest) {
+  RawConnection connection(Serve("127.0.0.1", milliseconds(50)));
+  connection.Send("GET /readyz HTTP/1.1\r\nHos");
+  EXPECT_TRUE(connection.AtEnd());
+}
+
+TEST_F(HttpServerTest, ClosesAConnectionPastTheBoundAtOnce) {
+  const std::uint16_t port = Serve();
+  std::vector<std::unique_ptr<RawConnection>> held;
+  for (std::size_t i = 0; i < kConnectionsMax; ++i) {
+    held.push_back(std::make_unique<RawConnection>(port));
+    held.back()->SendGet("/readyz");
+    ASSERT_EQ(held.back()->Read()->status, 200);
+  }
+  RawConnection past(port);
+  EXPECT_TRUE(past.AtEnd());
+  EXPECT_EQ(world_.http_probe.connections_refused.value(), 1);
+  held.front()->SendGet("/readyz");
+  EXPECT_EQ(held.front()->Read()->status, 200);
+}
+
+TEST_F(HttpServerTest, ASlowReadDoesNotStallProbes) {
+  const std::uint16_t port = Serve();
+  world_.reader.Hold();
+  RawConnection slow(port);
+  slow.SendGet("/api/v1/faults");
+  ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
+  RawConnection probe(port);
+  for (const char* target : {"/livez", "/readyz", "/metrics"}) {
+    probe.SendGet(target);
+    EXPECT_EQ(probe.Read()->status, 200) << target;
+  }
+  world_.reader.Release();
+  EXPECT_EQ(slow.Read()->status, 200);
+}
+
+TEST_F(HttpServerTest, ReadsPastTheirBoundAre503) {
+  const std::uint16_t port = Serve();
+  world_.reader.Hold();
+  RawConnection slow(port);
+  slow.SendGet("/api/v1/faults");
+  ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
+  for (std::size_t i = 0; i < kReadsWaitingMax; ++i) ASSERT_TRUE(reads_->TryPost([] {}));
+  const RawAnswer refused = HttpGet(port, "/api/v1/robots");
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_THAT(refused.body, HasSubstr("UNAVAILABLE"));
+}
+
+TEST_F(HttpServerTest, AClientThatLeavesDuringAReadHarmsNobody) {
+  const std::uint16_t port = Serve();
+  world_.reader.Hold();
+  {
+    RawConnection leaver(port);
+    leaver.SendGet("/api/v1/faults");
+    ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
+  }
+  world_.reader.Release();
+  EXPECT_EQ(HttpGet(port, "/api/v1/faults").status, 200);
+}
+
+TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
+  EXPECT_EQ(HttpGet(Serve("::"), "/readyz").status, 200);
+  EXPECT_EQ(server_->bound().host, "::");
+}
+
+TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
+  const std::uint16_t port = Serve();
+  const auto second = HttpServer::Listen({loop_, world_.site, *reads_, world_.http_probe, clock_},
+                                         {{"127.0.0.1", port}, 1});
+  EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(second.status().message()),
+              HasSubstr("127.0.0.1:" + std::to_string(port)));
+}
+
+TEST_F(HttpServerTest, CountsAnswersByRouteAndClass) {
+  const std::uint16_t port = Serve();
+  EXPECT_EQ(HttpGet(port, "/readyz").status, 200);
+  EXPECT_EQ(HttpGet(port, "/nowhere").status, 404);
+  const std::string text = HttpGet(port, "/metrics").body;
+  EXPECT_THAT(text, HasSubstr("uplinkd_http_requests_total{route=\"readyz\",code=\"2xx\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("uplinkd_http_requests_total{route=\"other\",code=\"4xx\"} 1\n"));
+}
+
+TEST_F(HttpServerTest, JsonOfARobotComesOverTheWire) {
+  world_.AddRobot("rcan://a/b", "north");
+  const RawAnswer answer = HttpGet(Serve(), "/api/v1/robots/rcan%3A%2F%2Fa%2Fb");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.head, HasSubstr("Content-Type: application/json\r\n"));
+  EXPECT_THAT(answer.body, HasSubstr(R"("ruri":"rcan://a/b")"));
+}
+
+}  // namespace
+}  // namespace uplink::http

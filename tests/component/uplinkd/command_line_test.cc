@@ -1,0 +1,102 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "metrics/catalogue.h"
+#include "tests/component/uplinkd/folder.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Ended {
+  int code = -1;
+  std::string text;
+};
+
+Ended RunToEnd(const UplinkdFolder& folder, const std::vector<std::string>& arguments,
+               const std::vector<std::string>& environment = {}) {
+  const auto process = folder.Start(arguments, environment);
+  const std::optional<int> code = process->WaitForExit();
+  return {code.value_or(-1), process->text()};
+}
+
+TEST(CommandLine, CheckConfigIsZeroForAGoodFile) {
+  const UplinkdFolder folder;
+  const Ended ended = RunToEnd(folder, {"--check-config"});
+  EXPECT_EQ(ended.code, 0) << ended.text;
+}
+
+TEST(CommandLine, CheckConfigIsTwoAndNamesEveryProblemAtOnce) {
+  const UplinkdFolder folder;
+  folder.WriteConfig("[presence]\ntimeout = \"soon\"\n[limits]\nno_such_key = 1\n");
+  const Ended text = RunToEnd(folder, {"--check-config"});
+  EXPECT_EQ(text.code, 2);
+  EXPECT_THAT(text.text, AllOf(HasSubstr("presence.timeout"), HasSubstr("limits.no_such_key")));
+
+  folder.WriteConfig();
+  folder.Write("server.crt", "no certificate");
+  folder.Write("ca.crt", "no certificate");
+  const Ended files = RunToEnd(folder, {"--check-config"});
+  EXPECT_EQ(files.code, 2);
+  EXPECT_THAT(files.text,
+              AllOf(HasSubstr("tls.certificate_file"), HasSubstr("tls.client_ca_file")));
+}
+
+TEST(CommandLine, CheckConfigIsTwoForAFileThatIsMissing) {
+  const UplinkdFolder folder;
+  EXPECT_EQ(RunToEnd(folder, {"--check-config", "--config", folder.Path("none.toml")}).code, 2);
+}
+
+TEST(CommandLine, CheckConfigSeesTheEnvironment) {
+  const UplinkdFolder folder;
+  const Ended ended = RunToEnd(folder, {"--check-config"}, {"UPLINKD_PRESENCE_TIMEOUT=soon"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.text, HasSubstr("environment: presence.timeout"));
+}
+
+TEST(CommandLine, PrintConfigShowsWhatIsEffective) {
+  const UplinkdFolder folder;
+  const Ended ended = RunToEnd(folder, {"--print-config"}, {"UPLINKD_PRESENCE_TIMEOUT=11s"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.text, HasSubstr("timeout = \"11s\""));
+}
+
+TEST(CommandLine, PrintMetricsIsTheCatalogue) {
+  const UplinkdFolder folder;
+  const Ended ended = RunToEnd(folder, {"--print-metrics"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_EQ(ended.text, metrics::CatalogueTable());
+}
+
+TEST(CommandLine, VersionIsOneLine) {
+  const UplinkdFolder folder;
+  const Ended ended = RunToEnd(folder, {"--version"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.text, ::testing::MatchesRegex("uplinkd [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(CommandLine, WrongUseIsTwo) {
+  const UplinkdFolder folder;
+  EXPECT_EQ(RunToEnd(folder, {"--no-such-flag"}).code, 2);
+  EXPECT_EQ(RunToEnd(folder, {"--check-config", "--print-config"}).code, 2);
+}
+
+TEST(CommandLine, ABadConfigurationStopsTheStartWithTwo) {
+  const UplinkdFolder folder;
+  folder.WriteConfig("[limits]\nrobots_max = 0\n");
+  const Ended ended = RunToEnd(folder, {});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.text, HasSubstr("limits.robots_max"));
+}
+
+TEST(CommandLine, APollingEngineThatCostsTooMuchStopsTheStart) {
+  const UplinkdFolder folder;
+  const Ended ended = RunToEnd(folder, {}, {"GRPC_POLL_STRATEGY=poll"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.text, HasSubstr("GRPC_POLL_STRATEGY"));
+}
+
+}  // namespace
+}  // namespace uplink::testing

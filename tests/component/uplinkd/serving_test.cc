@@ -1,0 +1,154 @@
+#include <future>
+#include <memory>
+#include <span>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "server/http/event_loop.h"
+#include "server/http/handshake_probe.h"
+#include "storage/sqlite/store.h"
+#include "tests/component/uplinkd/folder.h"
+#include "tests/support/raw_http.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class NoLines final : public log::LineSink {
+ public:
+  void Write(std::string_view /*line*/) override {}
+};
+
+class ServingTest : public ::testing::Test {
+ protected:
+  void Serve(const std::vector<std::string>& environment = {}) {
+    process_ = folder_.Start({}, environment);
+    ASSERT_TRUE(process_->WaitFor("listening ") && process_->WaitFor("version=", seconds(10)))
+        << process_->text();
+    const std::string line = process_->text().substr(process_->text().find("listening "));
+    http_ = PortIn(line, "http").value_or(0);
+    relay_ = PortIn(line, "relay").value_or(0);
+    ASSERT_NE(http_, 0);
+    ASSERT_NE(relay_, 0);
+  }
+
+  using seconds = std::chrono::seconds;
+  UplinkdFolder folder_;
+  std::unique_ptr<ServerProcess> process_;
+  std::uint16_t http_ = 0;
+  std::uint16_t relay_ = 0;
+};
+
+TEST_F(ServingTest, AnswersProbesAndStopsCleanly) {
+  Serve();
+  EXPECT_EQ(HttpGet(http_, "/livez").status, 200);
+  EXPECT_THAT(HttpGet(http_, "/readyz").body, HasSubstr(R"({"degraded":[)"));
+  EXPECT_EQ(HttpGet(http_, "/api/v1/robots").status, 200);
+  EXPECT_EQ(HttpGet(http_, "/api/v1/faults?active=true").status, 200);
+  EXPECT_EQ(HttpGet(http_, "/api/v1/status").status, 200);
+  process_->Signal(SIGTERM);
+  EXPECT_EQ(process_->WaitForExit(), 0);
+  EXPECT_THAT(process_->text(), HasSubstr("draining"));
+  EXPECT_THAT(process_->text(), HasSubstr("stopped"));
+}
+
+TEST_F(ServingTest, SigintDrainsToo) {
+  Serve();
+  process_->Signal(SIGINT);
+  EXPECT_EQ(process_->WaitForExit(), 0);
+}
+
+TEST_F(ServingTest, ARealScrapePassesPrometheusChecker) {
+  Serve();
+  const RawAnswer scrape = HttpGet(http_, "/metrics");
+  ASSERT_EQ(scrape.status, 200);
+  EXPECT_THAT(scrape.body, HasSubstr("uplinkd_uplinks_received_total 0\n"));
+  EXPECT_THAT(scrape.body, HasSubstr("uplinkd_streams_refused_total{cause=\"full\"} 0\n"));
+  folder_.Write("scrape.txt", scrape.body);
+  ServerProcess checker(
+      {"/bin/sh", "-c", "exec promtool check metrics < \"$0\"", folder_.Path("scrape.txt")});
+  EXPECT_EQ(checker.WaitForExit(), 0) << checker.text();
+  EXPECT_EQ(checker.text(), "");
+}
+
+TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
+  for (const char* version : {"1.2", "1.3"}) {
+    Serve({std::string("UPLINKD_TLS_MIN_VERSION=") + version});
+    const SystemClock clock;
+    const log::Logger logger(std::make_unique<NoLines>(), clock, log::Format::kText,
+                             log::Level::kError);
+    http::EventLoop loop(logger);
+    std::promise<bool> answered;
+    loop.Post([&] {
+      http::ProbeHandshake(loop, {"127.0.0.1", relay_}, seconds(10),
+                           [&](bool good) { answered.set_value(good); });
+    });
+    loop.Start();
+    EXPECT_TRUE(answered.get_future().get()) << version;
+    process_->Signal(SIGTERM);
+    EXPECT_EQ(process_->WaitForExit(), 0);
+  }
+}
+
+TEST_F(ServingTest, RobotsOfTheStoreAreKnownFromTheStart) {
+  {
+    storage::sqlite::StoreOptions options;
+    options.process = {1};
+    auto store = storage::sqlite::SqliteStore::Open(folder_.Path("uplinkd.db"), options);
+    ASSERT_TRUE(store.ok()) << store.status();
+    const storage::OpenRequest open{
+        .robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://a/b", "north"}),
+        .at = FromUnixMs(1'763'683'200'000)};
+    ASSERT_TRUE((*store)->OpenStreams(std::span(&open, 1)).ok());
+  }
+  Serve();
+  const RawAnswer answer = HttpGet(http_, "/api/v1/robots/rcan%3A%2F%2Fa%2Fb");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.body, HasSubstr(R"("presence":"PRESENCE_UNKNOWN")"));
+  EXPECT_THAT(answer.body, HasSubstr(R"("fleet":"north")"));
+}
+
+TEST_F(ServingTest, SighupTakesTheLogLevelAndNamesWhatNeedsARestart) {
+  Serve();
+  folder_.WriteConfig("[log]\nlevel = \"error\"\n[presence]\ntimeout = \"11s\"\n");
+  const std::size_t before = process_->text().size();
+  process_->Signal(SIGHUP);
+  ASSERT_TRUE(process_->WaitFor("needs_restart=presence.timeout", seconds(30), before))
+      << process_->text();
+  process_->Signal(SIGTERM);
+  EXPECT_EQ(process_->WaitForExit(), 0);
+  // Of level info, so left out now.
+  EXPECT_EQ(process_->text().find("stopped", before), std::string::npos);
+}
+
+TEST_F(ServingTest, SighupWithABadFileChangesNothing) {
+  Serve();
+  folder_.WriteConfig("[log]\nlevel = \"loud\"\n");
+  process_->Signal(SIGHUP);
+  EXPECT_TRUE(process_->WaitFor("reload_refused")) << process_->text();
+  EXPECT_EQ(HttpGet(http_, "/readyz").status, 200);
+}
+
+TEST_F(ServingTest, AStoreThatAnotherProcessHoldsStopsTheStart) {
+  Serve();
+  const auto second = folder_.Start();
+  EXPECT_EQ(second->WaitForExit(), 1);
+  EXPECT_THAT(second->text(), HasSubstr(folder_.Path("uplinkd.db")));
+}
+
+TEST_F(ServingTest, APortThatIsTakenStopsTheStart) {
+  Serve();
+  for (const auto& [name, port] : {std::pair{"HTTP", http_}, std::pair{"RELAY", relay_}}) {
+    const UplinkdFolder other;
+    const std::string address = "127.0.0.1:" + std::to_string(port);
+    const auto second = other.Start({}, {std::string("UPLINKD_LISTEN_") + name + "=" + address});
+    EXPECT_EQ(second->WaitForExit(), 1) << name;
+    EXPECT_THAT(second->text(), HasSubstr(address)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,111 @@
+#include "metrics/ledger.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace uplink::metrics {
+namespace {
+
+TEST(UplinkCountsTest, NothingIsBalanced) { EXPECT_TRUE(UplinkCounts().Balanced()); }
+
+TEST(UplinkCountsTest, EveryColumnIsPartOfTheLaw) {
+  UplinkCounts counts{.received = 21,
+                      .stored = 1,
+                      .applied = 2,
+                      .superseded = 3,
+                      .duplicate = 4,
+                      .rejected = 5,
+                      .in_flight = 6};
+  EXPECT_TRUE(counts.Balanced());
+  for (std::uint64_t UplinkCounts::*column :
+       {&UplinkCounts::received, &UplinkCounts::stored, &UplinkCounts::applied,
+        &UplinkCounts::superseded, &UplinkCounts::duplicate, &UplinkCounts::rejected}) {
+    ++(counts.*column);
+    EXPECT_FALSE(counts.Balanced());
+    --(counts.*column);
+  }
+  ++counts.in_flight;
+  EXPECT_FALSE(counts.Balanced());
+}
+
+TEST(UplinkCountsTest, MissingReasonsAndVariantsAreOutsideTheLaw) {
+  UplinkCounts counts;
+  counts.missing = 5;
+  counts.rejects[1] = 3;
+  counts.records[2] = 4;
+  EXPECT_TRUE(counts.Balanced());
+}
+
+TEST(UplinkCountsTest, AddsEveryColumn) {
+  UplinkCounts delta{.received = 1,
+                     .stored = 2,
+                     .applied = 3,
+                     .superseded = 4,
+                     .duplicate = 5,
+                     .rejected = 6,
+                     .in_flight = -7,
+                     .missing = 8};
+  delta.rejects[model::kRejectReasons] = 9;
+  delta.records[model::kVariants - 1] = 10;
+  UplinkCounts sum;
+  sum += delta;
+  sum += delta;
+  EXPECT_EQ(sum.received, 2U);
+  EXPECT_EQ(sum.stored, 4U);
+  EXPECT_EQ(sum.applied, 6U);
+  EXPECT_EQ(sum.superseded, 8U);
+  EXPECT_EQ(sum.duplicate, 10U);
+  EXPECT_EQ(sum.rejected, 12U);
+  EXPECT_EQ(sum.in_flight, -14);
+  EXPECT_EQ(sum.missing, 16U);
+  EXPECT_EQ(sum.rejects[model::kRejectReasons], 18U);
+  EXPECT_EQ(sum.records[model::kVariants - 1], 20U);
+}
+
+TEST(UplinkCountsTest, MissingStopsAtTheTopInsteadOfWrapping) {
+  constexpr std::uint64_t kTop = std::numeric_limits<std::uint64_t>::max();
+  UplinkCounts counts{.missing = kTop - 1};
+  counts += {.missing = 1};
+  EXPECT_EQ(counts.missing, kTop);
+  counts += {.missing = 1};
+  EXPECT_EQ(counts.missing, kTop);
+}
+
+TEST(LedgerTest, APageHoldsWhatWasPublished) {
+  Ledger ledger;
+  ledger.Publish({.received = 2, .in_flight = 2});
+  ledger.Publish({.stored = 1, .in_flight = -1});
+  ledger.CountDropped(model::Variant::kStatusTelemetry, model::RejectReason::kOutOfRange);
+  ledger.CountOdd(3, 4);
+  const Ledger::Page page = ledger.Read();
+  EXPECT_EQ(page.uplinks.in_flight, 1);
+  EXPECT_TRUE(page.uplinks.Balanced());
+  EXPECT_EQ(page.dropped[static_cast<std::size_t>(model::Variant::kStatusTelemetry)]
+                        [static_cast<std::size_t>(model::RejectReason::kOutOfRange)],
+            1U);
+  EXPECT_EQ(page.times_unknown, 3U);
+  EXPECT_EQ(page.enumerants_unrecognized, 4U);
+}
+
+TEST(LedgerBookTest, TheLawHoldsInTheSumOverPages) {
+  LedgerBook book;
+  Ledger& intake = book.NewPage();
+  Ledger& journal = book.NewPage();
+  intake.Publish({.received = 5, .in_flight = 5});
+  journal.Publish({.stored = 3, .in_flight = -3});
+  intake.CountOdd(1, 1);
+  journal.CountOdd(1, 1);
+  intake.CountDropped(model::Variant::kFault, model::RejectReason::kMalformed);
+  journal.CountDropped(model::Variant::kFault, model::RejectReason::kMalformed);
+  const Ledger::Page sum = book.Sum();
+  EXPECT_TRUE(sum.uplinks.Balanced());
+  EXPECT_EQ(sum.uplinks.in_flight, 2);
+  EXPECT_EQ(sum.times_unknown, 2U);
+  EXPECT_EQ(sum.dropped[static_cast<std::size_t>(model::Variant::kFault)]
+                       [static_cast<std::size_t>(model::RejectReason::kMalformed)],
+            2U);
+}
+
+}  // namespace
+}  // namespace uplink::metrics

@@ -1,0 +1,72 @@
+#include "server/app_limits.h"
+
+#include <gtest/gtest.h>
+
+namespace uplink {
+namespace {
+
+TEST(AppLimits, EverySettingOfASessionReachesIt) {
+  config::Config config;
+  config.limits.payload_bytes_max = 101;
+  config.limits.message_bytes_max = 102;
+  config.limits.batch_uplinks_max = 103;
+  config.limits.extras_items_max = 104;
+  config.limits.in_flight_uplinks_max = 105;
+  config.limits.frame_bytes_max = 106;
+  config.limits.ack_interval = milliseconds(107);
+  config.limits.session_idle = milliseconds(108);
+  config.drain.timeout = milliseconds(109);
+  const session::SessionLimits session = SessionLimitsOf(config, "1.2.3");
+  EXPECT_EQ(session.payload_bytes_max, 101U);
+  EXPECT_EQ(session.message_bytes_max, 102U);
+  EXPECT_EQ(session.batch_uplinks_max, 103U);
+  EXPECT_EQ(session.extras_items_max, 104U);
+  EXPECT_EQ(session.in_flight_uplinks_max, 105U);
+  EXPECT_EQ(session.frame_bytes_max, 106U);
+  EXPECT_EQ(session.ack_interval, milliseconds(107));
+  EXPECT_EQ(session.session_idle, milliseconds(108));
+  EXPECT_EQ(session.drain_timeout, milliseconds(109));
+  EXPECT_EQ(session.server_version, "1.2.3");
+  const schema::JudgeLimits judge = JudgeLimitsOf(config.limits);
+  EXPECT_EQ(judge.payload_bytes_max, 101U);
+  EXPECT_EQ(judge.message_bytes_max, 102U);
+  EXPECT_EQ(judge.extras_items_max, 104U);
+}
+
+TEST(AppLimits, JournalAndPresenceGetTheirs) {
+  config::JournalConfig journal;
+  journal.bytes_max = 1;
+  journal.records_max = 2;
+  journal.batch_records_max = 3;
+  EXPECT_EQ(JournalLimitsOf(journal).bytes_max, 1U);
+  EXPECT_EQ(JournalLimitsOf(journal).records_max, 2U);
+  EXPECT_EQ(JournalLimitsOf(journal).batch_records_max, 3U);
+  config::PresenceConfig presence;
+  presence.timeout = milliseconds(4);
+  presence.startup_grace = milliseconds(5);
+  EXPECT_EQ(PresenceLimitsOf(presence).timeout, milliseconds(4));
+  EXPECT_EQ(PresenceLimitsOf(presence).startup_grace, milliseconds(5));
+}
+
+TEST(AppLimits, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
+  config::Config config;
+  config.limits.robots_max = 10;
+  config.listen.relay_threads = 3;
+  config.limits.connection_age_max = milliseconds(6);
+  config.tls.certificate_file = "c";
+  config.tls.key_file = "k";
+  config.tls.client_ca_file = "a";
+  const relay::RelayOptions options = RelayOptionsOf(config, 1000);
+  EXPECT_EQ(options.streams_max, 20U);
+  EXPECT_EQ(options.memory_bytes_max, 500U);
+  EXPECT_EQ(options.queues, 3U);
+  EXPECT_EQ(options.connection_age_max, milliseconds(6));
+  EXPECT_EQ(options.address.port, config.listen.relay.port);
+  const auto& files = std::get<relay::PemFiles>(options.key_material);
+  EXPECT_EQ(files.certificate, "c");
+  EXPECT_EQ(files.key, "k");
+  EXPECT_EQ(files.client_ca, "a");
+}
+
+}  // namespace
+}  // namespace uplink

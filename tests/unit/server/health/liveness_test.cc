@@ -1,0 +1,46 @@
+#include "server/health/liveness.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::health {
+namespace {
+
+class LivenessTest : public ::testing::Test {
+ protected:
+  testing::ManualClock clock_;
+  session::SessionProbe sessions_;
+  Liveness liveness_{clock_, sessions_};
+};
+
+TEST_F(LivenessTest, LivesForAMinuteWithoutASign) {
+  clock_.Advance(kAliveMax);
+  EXPECT_TRUE(liveness_.alive());
+  clock_.Advance(milliseconds(1));
+  EXPECT_FALSE(liveness_.alive());
+}
+
+TEST_F(LivenessTest, AHandshakeBringsItBack) {
+  clock_.Advance(kAliveMax * 2);
+  EXPECT_FALSE(liveness_.alive());
+  liveness_.NoteHandshake();
+  EXPECT_TRUE(liveness_.alive());
+  EXPECT_EQ(liveness_.age(), milliseconds(0));
+}
+
+TEST_F(LivenessTest, AStreamThatOpensCountsOnce) {
+  clock_.Advance(kAliveMax * 2);
+  sessions_.streams_total.Add();
+  EXPECT_TRUE(liveness_.alive());
+  clock_.Advance(kAliveMax + milliseconds(1));
+  EXPECT_FALSE(liveness_.alive());
+}
+
+TEST_F(LivenessTest, CivilTimeDoesNotMatter) {
+  clock_.SetSystem(FromUnixMs(0));
+  EXPECT_EQ(liveness_.age(), milliseconds(0));
+}
+
+}  // namespace
+}  // namespace uplink::health

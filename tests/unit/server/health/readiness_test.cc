@@ -1,0 +1,106 @@
+#include "server/health/readiness.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::health {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+ReadinessFacts Good() {
+  ReadinessFacts facts;
+  facts.now = FromUnixMs(1'000'000'000'000);
+  facts.certificate_expiry = facts.now + std::chrono::hours(24 * 90);
+  facts.robots = {1, 10};
+  facts.journal_bytes = {0, 1000};
+  facts.journal_records = {0, 1000};
+  facts.descriptors = {10, 1000};
+  return facts;
+}
+
+TEST(Readiness, IsReadyAndWholeByDefault) {
+  const Readiness readiness = ReadinessOf(Good());
+  EXPECT_TRUE(readiness.ready());
+  EXPECT_THAT(readiness.degraded, IsEmpty());
+}
+
+TEST(Readiness, RefusesWhileDraining) {
+  ReadinessFacts facts = Good();
+  facts.draining = true;
+  EXPECT_THAT(ReadinessOf(facts).refuses, ElementsAre("draining"));
+}
+
+TEST(Readiness, RefusesFromTheMomentTheCertificateExpires) {
+  ReadinessFacts facts = Good();
+  facts.certificate_expiry = facts.now + milliseconds(1);
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("certificate_expiring"));
+  facts.certificate_expiry = facts.now;
+  EXPECT_THAT(ReadinessOf(facts).refuses, ElementsAre("certificate_expired"));
+  EXPECT_THAT(ReadinessOf(facts).degraded, IsEmpty());
+}
+
+TEST(Readiness, ReportsACertificateAWeekAhead) {
+  ReadinessFacts facts = Good();
+  facts.certificate_expiry = facts.now + kCertificateNotice;
+  EXPECT_THAT(ReadinessOf(facts).degraded, IsEmpty());
+  facts.certificate_expiry -= milliseconds(1);
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("certificate_expiring"));
+}
+
+TEST(Readiness, RefusesAtTheLastRobot) {
+  ReadinessFacts facts = Good();
+  facts.robots = {9, 10};
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  facts.robots = {10, 10};
+  EXPECT_THAT(ReadinessOf(facts).refuses, ElementsAre("robots_max"));
+}
+
+TEST(Readiness, IsDegradedButReadyWithoutTheStore) {
+  ReadinessFacts facts = Good();
+  facts.store_failing = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store"));
+}
+
+TEST(Readiness, ReportsABacklogByBytesRecordsAndAge) {
+  ReadinessFacts at = Good();
+  at.journal_bytes = {800, 1000};
+  at.journal_records = {800, 1000};
+  at.journal_oldest = kBacklogAge;
+  EXPECT_THAT(ReadinessOf(at).degraded, IsEmpty());
+
+  ReadinessFacts bytes = at;
+  bytes.journal_bytes.used = 801;
+  EXPECT_THAT(ReadinessOf(bytes).degraded, ElementsAre("journal_backlog"));
+  ReadinessFacts records = at;
+  records.journal_records.used = 801;
+  EXPECT_THAT(ReadinessOf(records).degraded, ElementsAre("journal_backlog"));
+  ReadinessFacts age = at;
+  age.journal_oldest += milliseconds(1);
+  EXPECT_THAT(ReadinessOf(age).degraded, ElementsAre("journal_backlog"));
+}
+
+TEST(Readiness, ReportsDescriptorsThatRunOut) {
+  ReadinessFacts facts = Good();
+  facts.descriptors = {900, 1000};
+  EXPECT_THAT(ReadinessOf(facts).degraded, IsEmpty());
+  facts.descriptors.used = 901;
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("descriptors"));
+}
+
+TEST(Readiness, NamesEverythingAtOnce) {
+  ReadinessFacts facts = Good();
+  facts.draining = true;
+  facts.robots = {10, 10};
+  facts.store_failing = true;
+  facts.descriptors = {1000, 1000};
+  const Readiness readiness = ReadinessOf(facts);
+  EXPECT_THAT(readiness.refuses, ElementsAre("draining", "robots_max"));
+  EXPECT_THAT(readiness.degraded, ElementsAre("store", "descriptors"));
+}
+
+}  // namespace
+}  // namespace uplink::health

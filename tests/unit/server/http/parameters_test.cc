@@ -1,0 +1,87 @@
+#include "server/http/parameters.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::http {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Parameters, ReadsWhatIsThereAndDefaultsTheRest) {
+  Parameters parameters("ruri=rcan%3A%2F%2Fa&active=true&pageSize=7&fromMs=12&parts=a,,b&x=");
+  EXPECT_EQ(parameters.Text("ruri"), "rcan://a");
+  EXPECT_TRUE(parameters.Flag("active"));
+  EXPECT_EQ(parameters.Number("pageSize", 100, 1000), 7U);
+  EXPECT_EQ(parameters.Time("fromMs"), FromUnixMs(12));
+  EXPECT_EQ(parameters.Time("toMs"), std::nullopt);
+  EXPECT_THAT(parameters.Words("parts"), ElementsAre("a", "b"));
+  EXPECT_EQ(parameters.Text("x"), "");
+  EXPECT_EQ(parameters.Text("fleet"), "");
+  EXPECT_FALSE(parameters.Problem());
+}
+
+TEST(Parameters, NamesAParameterThatNothingReads) {
+  Parameters parameters("pagesize=7");
+  EXPECT_EQ(parameters.Number("pageSize", 100, 1000), 100U);
+  ASSERT_TRUE(parameters.Problem());
+  EXPECT_EQ(parameters.Problem()->field, "pagesize");
+}
+
+struct NumberCase {
+  const char* query;
+  bool good;
+};
+class ParametersNumber : public ::testing::TestWithParam<NumberCase> {};
+
+TEST_P(ParametersNumber, IsAWholeNumberFromOneToTheMost) {
+  Parameters parameters(GetParam().query);
+  const std::uint32_t number = parameters.Number("pageSize", 100, 1000);
+  EXPECT_EQ(parameters.Problem().has_value(), !GetParam().good) << number;
+  if (!GetParam().good) {
+    EXPECT_EQ(parameters.Problem()->field, "pageSize");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Bounds, ParametersNumber,
+    ::testing::Values(NumberCase{"pageSize=1", true}, NumberCase{"pageSize=1000", true},
+                      NumberCase{"pageSize=", true}, NumberCase{"pageSize=0", false},
+                      NumberCase{"pageSize=1001", false}, NumberCase{"pageSize=-1", false},
+                      NumberCase{"pageSize=1x", false}, NumberCase{"pageSize=99999999999", false}));
+
+TEST(Parameters, RefusesTimesOutOfReach) {
+  for (const char* query : {"fromMs=-1", "fromMs=4102444800001", "fromMs=1.5"}) {
+    Parameters parameters(query);
+    EXPECT_EQ(parameters.Time("fromMs"), std::nullopt);
+    EXPECT_TRUE(parameters.Problem()) << query;
+  }
+  Parameters at("fromMs=4102444800000");
+  EXPECT_TRUE(at.Time("fromMs"));
+  EXPECT_FALSE(at.Problem());
+}
+
+TEST(Parameters, RefusesWordsThatAreNoFlag) {
+  Parameters parameters("active=yes");
+  EXPECT_FALSE(parameters.Flag("active"));
+  EXPECT_EQ(parameters.Problem()->field, "active");
+}
+
+TEST(Parameters, RefusesANameGivenTwiceAndBrokenEncoding) {
+  EXPECT_EQ(Parameters("a=1&a=2").Problem()->message, "is given twice");
+  EXPECT_EQ(Parameters("a=%4").Problem()->field, "a");
+}
+
+TEST(Parameters, BoundsTheirNumber) {
+  std::string query;
+  for (std::size_t i = 0; i < kParametersMax; ++i) query += "p" + std::to_string(i) + "=&";
+  Parameters most(query);
+  for (std::size_t i = 0; i < kParametersMax; ++i) {
+    EXPECT_EQ(most.Text("p" + std::to_string(i)), "");
+  }
+  EXPECT_FALSE(most.Problem());
+  EXPECT_EQ(Parameters(query + "one=more").Problem()->field, "one");
+}
+
+}  // namespace
+}  // namespace uplink::http

@@ -1,0 +1,43 @@
+#include "server/http/read_thread.h"
+
+#include <future>
+
+#include <gtest/gtest.h>
+
+namespace uplink::http {
+namespace {
+
+TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
+  HttpProbe probe;
+  ReadThread thread(probe);
+  std::promise<std::thread::id> first;
+  std::promise<int> second;
+  ASSERT_TRUE(thread.TryPost([&] { first.set_value(std::this_thread::get_id()); }));
+  ASSERT_TRUE(thread.TryPost([&] { second.set_value(2); }));
+  EXPECT_NE(first.get_future().get(), std::this_thread::get_id());
+  EXPECT_EQ(second.get_future().get(), 2);
+}
+
+TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
+  HttpProbe probe;
+  ReadThread thread(probe);
+  std::promise<void> started;
+  std::promise<void> release;
+  std::promise<void> last;
+  ASSERT_TRUE(thread.TryPost([&] {
+    started.set_value();
+    release.get_future().wait();
+  }));
+  started.get_future().wait();
+  for (std::size_t i = 0; i + 1 < kReadsWaitingMax; ++i) ASSERT_TRUE(thread.TryPost([] {}));
+  ASSERT_TRUE(thread.TryPost([&] { last.set_value(); }));
+  EXPECT_EQ(probe.reads_waiting.value(), static_cast<std::int64_t>(kReadsWaitingMax));
+  EXPECT_FALSE(thread.TryPost([] {}));
+  EXPECT_EQ(probe.reads_refused.value(), 1);
+  release.set_value();
+  last.get_future().wait();
+  EXPECT_TRUE(thread.TryPost([] {}));
+}
+
+}  // namespace
+}  // namespace uplink::http

@@ -1,0 +1,62 @@
+#include "server/http/scrape.h"
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/server_world.h"
+
+namespace uplink::http {
+namespace {
+
+constexpr const char* kGoldenFile = "tests/unit/server/http/metrics.golden";
+
+/// The TYPE lines: names and types without values.
+std::string Types(const std::string& text) {
+  std::string types;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("# TYPE ")) types += line.substr(7) + "\n";
+  }
+  return types;
+}
+
+TEST(Scrape, HoldsTheGoldenListOfMetrics) {
+  const testing::ServerWorld world;
+  std::ifstream file(kGoldenFile);
+  std::stringstream golden;
+  golden << file.rdbuf();
+  EXPECT_EQ(Types(world.scrape.Text()), golden.str())
+      << "names are what dashboards depend on; if the change is meant, change " << kGoldenFile;
+}
+
+TEST(Scrape, HoldsEveryMetricOfTheCatalogue) {
+  const testing::ServerWorld world;
+  const std::string text = world.scrape.Text();
+  for (const metrics::MetricSpec& spec : metrics::Catalogue()) {
+    EXPECT_NE(text.find("# TYPE " + std::string(spec.name) + " "), std::string::npos) << spec.name;
+  }
+}
+
+TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
+  testing::ServerWorld world;
+  const std::string text = world.scrape.Text();
+  EXPECT_NE(text.find("uplinkd_robots_limit 5\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_journal_bytes_limit 268435456\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_http_connections_limit 4\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_http_reads_waiting_limit 64\n"), std::string::npos);
+}
+
+TEST(Scrape, NeverNamesARobot) {
+  testing::ServerWorld world;
+  world.AddRobot("rcan://secret");
+  world.fleet.Sweep(std::chrono::hours(1));
+  const std::string text = world.scrape.Text();
+  EXPECT_NE(text.find("uplinkd_robots{presence=\"unknown\"} 1\n"), std::string::npos);
+  EXPECT_EQ(text.find("rcan://"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace uplink::http

@@ -1,0 +1,198 @@
+#include "server/http/site.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/server_world.h"
+
+namespace uplink::http {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class SiteTest : public ::testing::Test {
+ protected:
+  Response Get(const std::string& target) { return world_.Get(target); }
+
+  testing::ServerWorld world_;
+};
+
+TEST_F(SiteTest, LivezFailsAfterAMinuteWithoutAHandshake) {
+  world_.clock.Advance(health::kAliveMax);
+  EXPECT_EQ(Get("/livez").status, 200);
+  world_.clock.Advance(milliseconds(1));
+  EXPECT_EQ(Get("/livez").status, 503);
+  world_.monitor.liveness().NoteHandshake();
+  EXPECT_EQ(Get("/livez").status, 200);
+}
+
+TEST_F(SiteTest, ReadyzSaysWhatIsDegradedAndStaysReady) {
+  EXPECT_EQ(Get("/readyz").body, R"({"degraded":[]})");
+  world_.journal_probe.store_failing.Set(1);
+  const Response response = Get("/readyz");
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.body, R"({"degraded":["store"]})");
+}
+
+TEST_F(SiteTest, ReadyzFailsWhenANewStreamWouldBeRefused) {
+  for (std::size_t i = 0; i < testing::ServerWorld::kRobotsMax; ++i) {
+    EXPECT_EQ(Get("/readyz").status, 200);
+    world_.AddRobot("rcan://" + std::to_string(i));
+  }
+  world_.monitor.BeginDrain();
+  const Response response = Get("/readyz");
+  EXPECT_EQ(response.status, 503);
+  EXPECT_EQ(response.body, R"({"refuses":["draining","robots_max"]})");
+}
+
+TEST_F(SiteTest, ReadyzFailsOnceTheCertificateExpired) {
+  world_.clock.Advance(std::chrono::hours(24 * 365));
+  EXPECT_THAT(Get("/readyz").body, HasSubstr("certificate_expired"));
+}
+
+TEST_F(SiteTest, ReadyzFollowsACertificateThatWasReplaced) {
+  world_.clock.Advance(std::chrono::hours(24 * 365));
+  world_.monitor.SetCertificateExpiry(world_.clock.System() + std::chrono::hours(24 * 90));
+  EXPECT_EQ(Get("/readyz").body, R"({"degraded":[]})");
+}
+
+TEST_F(SiteTest, MetricsAreTextOfVersion004) {
+  const Response response = Get("/metrics");
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.content_type, "text/plain; version=0.0.4; charset=utf-8");
+  EXPECT_THAT(response.body, HasSubstr("uplinkd_uplinks_received_total 0\n"));
+}
+
+TEST_F(SiteTest, StatusNamesWhatIsDegraded) {
+  world_.journal_probe.store_failing.Set(1);
+  const Response response = Get("/api/v1/status");
+  EXPECT_EQ(response.status, 200);
+  EXPECT_THAT(response.body, HasSubstr(R"("degraded":["store"])"));
+  EXPECT_THAT(response.body, HasSubstr(R"("version":"9.9.9")"));
+}
+
+TEST_F(SiteTest, RobotsAreFilteredAndPaged) {
+  world_.AddRobot("rcan://a", "north");
+  world_.AddRobot("rcan://b", "south");
+  EXPECT_THAT(Get("/api/v1/robots?fleet=north").body, HasSubstr(R"("total":"1")"));
+  EXPECT_THAT(Get("/api/v1/robots?presence=online").body, HasSubstr(R"("total":"0")"));
+  EXPECT_THAT(Get("/api/v1/robots?presence=unknown").body, HasSubstr(R"("total":"2")"));
+  const Response first = Get("/api/v1/robots?pageSize=1");
+  EXPECT_THAT(first.body, HasSubstr("rcan://a"));
+  EXPECT_THAT(first.body, Not(HasSubstr("rcan://b")));
+  const std::string marker = R"("nextPageToken":")";
+  const std::size_t at = first.body.find(marker) + marker.size();
+  const std::string token = first.body.substr(at, first.body.find('"', at) - at);
+  EXPECT_THAT(Get("/api/v1/robots?pageSize=1&pageToken=" + token).body, HasSubstr("rcan://b"));
+}
+
+TEST_F(SiteTest, ARobotIsFoundByItsEncodedRuri) {
+  world_.AddRobot("rcan://a/b");
+  EXPECT_EQ(Get("/api/v1/robots/rcan%3A%2F%2Fa%2Fb").status, 200);
+  EXPECT_EQ(Get("/api/v1/robots/rcan://a/b").status, 404);
+  const Response missing = Get("/api/v1/robots/rcan%3A%2F%2Fx");
+  EXPECT_EQ(missing.status, 404);
+  EXPECT_THAT(missing.body, HasSubstr(R"("code":"NOT_FOUND")"));
+  EXPECT_THAT(missing.body, HasSubstr("rcan://x"));
+}
+
+TEST_F(SiteTest, FaultsAreTheActiveSetOrTheHistory) {
+  world_.AddRobot("rcan://a");
+  world_.CommitFault("rcan://a",
+                     {.unix_time_ms = 1, .fault_id = "E", .source = "s", .active = true});
+  EXPECT_THAT(Get("/api/v1/faults?active=true&ruri=rcan%3A%2F%2Fa").body,
+              HasSubstr(R"("faultId":"E")"));
+  world_.CommitFault("rcan://a",
+                     {.unix_time_ms = 2, .fault_id = "E", .source = "s", .active = false});
+  EXPECT_THAT(Get("/api/v1/faults?active=true").body, HasSubstr(R"("faults":[])"));
+  EXPECT_THAT(Get("/api/v1/faults").body, HasSubstr(R"("faultId":"E")"));
+  EXPECT_THAT(Get("/api/v1/faults?fleet=other").body, HasSubstr(R"("faults":[])"));
+}
+
+TEST_F(SiteTest, QuarantineAndGapsAreARobotsOwn) {
+  world_.AddRobot("rcan://a");
+  world_.AddRobot("rcan://b");
+  world_.CommitQuarantine("rcan://a", {model::RejectReason::kOutOfRange, "x", "far"}, "bytes");
+  world_.CommitGap("rcan://a", 10, 12);
+  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fa/quarantine").body,
+              HasSubstr(R"("reason":"out_of_range")"));
+  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fa/gaps").body, HasSubstr(R"("firstSeq":"10")"));
+  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fb/quarantine").body, HasSubstr(R"("items":[])"));
+  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fb/gaps").body, HasSubstr(R"("gaps":[])"));
+  EXPECT_EQ(Get("/api/v1/robots/rcan%3A%2F%2Fc/gaps").status, 404);
+}
+
+TEST_F(SiteTest, AReadWhileTheStoreIsAwayIs503) {
+  world_.AddRobot("rcan://a");
+  world_.reader.SetAway(true);
+  for (const char* target :
+       {"/api/v1/faults", "/api/v1/faults?active=true", "/api/v1/robots/rcan%3A%2F%2Fa/quarantine",
+        "/api/v1/robots/rcan%3A%2F%2Fa/gaps"}) {
+    const Response response = Get(target);
+    EXPECT_EQ(response.status, 503) << target;
+    EXPECT_THAT(response.body, HasSubstr(R"("code":"UNAVAILABLE")"));
+  }
+  // What memory knows is still answered.
+  EXPECT_EQ(Get("/api/v1/robots").status, 200);
+  EXPECT_EQ(Get("/api/v1/status").status, 200);
+}
+
+struct BadCase {
+  const char* target;
+  const char* field;
+};
+class SiteBad : public SiteTest, public ::testing::WithParamInterface<BadCase> {};
+
+TEST_P(SiteBad, NamesTheParameterAtFault) {
+  world_.AddRobot("rcan://a");
+  const Response response = Get(GetParam().target);
+  EXPECT_EQ(response.status, 400) << response.body;
+  EXPECT_THAT(response.body, HasSubstr(R"("code":"INVALID_ARGUMENT")"));
+  EXPECT_THAT(response.body, HasSubstr(std::string(R"("field":")") + GetParam().field + '"'));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Parameters, SiteBad,
+    ::testing::Values(BadCase{"/livez?a=b", "a"}, BadCase{"/readyz?verbose", "verbose"},
+                      BadCase{"/metrics?name=x", "name"}, BadCase{"/api/v1/status?x=1", "x"},
+                      BadCase{"/api/v1/robots?pageSize=0", "pageSize"},
+                      BadCase{"/api/v1/robots?pageSize=1001", "pageSize"},
+                      BadCase{"/api/v1/robots?presence=ONLINE", "presence"},
+                      BadCase{"/api/v1/robots?parts=motion,wheels", "parts"},
+                      BadCase{"/api/v1/robots?pageToken=x", "pageToken"},
+                      BadCase{"/api/v1/robots?ruri=x", "ruri"},
+                      BadCase{"/api/v1/robots/rcan%3A%2F%2Fa?parts=motion", "parts"},
+                      BadCase{"/api/v1/robots/rcan%3A%2F%2Fa/gaps?fromMs=x", "fromMs"},
+                      BadCase{"/api/v1/robots/rcan%3A%2F%2Fa/gaps?pageToken=x", "pageToken"},
+                      BadCase{"/api/v1/robots/rcan%3A%2F%2Fa/quarantine?toMs=-1", "toMs"},
+                      BadCase{"/api/v1/faults?active=1", "active"},
+                      BadCase{"/api/v1/faults?pageToken=x", "pageToken"}));
+
+TEST_F(SiteTest, PathsThatAreNotOursAre404) {
+  for (const char* target :
+       {"/", "", "*", "/api", "/api/v1/robots/", "/metrics/", "/api/v2/status"}) {
+    EXPECT_EQ(Get(target).status, 404) << target;
+  }
+}
+
+TEST_F(SiteTest, OtherMethodsAre405WithAllow) {
+  const Response response = world_.site.Resolve({Method::kOther, "/api/v1/robots"}).run();
+  EXPECT_EQ(response.status, 405);
+  EXPECT_EQ(response.allow, "GET, HEAD");
+  EXPECT_EQ(world_.site.Resolve({Method::kOther, "/nowhere"}).run().status, 404);
+}
+
+TEST_F(SiteTest, ProbesAndScrapesNeverWaitForTheStore) {
+  for (const char* target : {"/livez", "/readyz", "/metrics", "/nowhere"}) {
+    EXPECT_EQ(world_.site.Resolve({Method::kGet, target}).lane, Lane::kIo) << target;
+    EXPECT_NE(Get(target).status, 500);
+  }
+  EXPECT_EQ(world_.reader.calls(), 0);
+  for (const char* target : {"/api/v1/robots", "/api/v1/faults", "/api/v1/robots/a"}) {
+    EXPECT_EQ(world_.site.Resolve({Method::kGet, target}).lane, Lane::kRead) << target;
+  }
+}
+
+}  // namespace
+}  // namespace uplink::http

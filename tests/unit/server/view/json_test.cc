@@ -1,0 +1,212 @@
+#include "server/view/json.h"
+
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include "server/fleet/fleet.h"
+#include "tests/support/manual_clock.h"
+#include "tests/support/records.h"
+
+namespace uplink::view {
+namespace {
+
+google::protobuf::Struct Parse(const std::string& json) {
+  google::protobuf::Struct parsed;
+  const auto status = google::protobuf::util::JsonStringToMessage(json, &parsed);
+  EXPECT_TRUE(status.ok()) << json;
+  return parsed;
+}
+
+/// The order of members does not count.
+void ExpectSameJson(const std::string& actual, const std::string& expected) {
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(Parse(actual), Parse(expected)))
+      << "actual:   " << actual << "\nexpected: " << expected;
+}
+
+RobotView EmptyRobot() {
+  RobotView robot;
+  robot.id = {"rcan://a/b", "north"};
+  robot.state.presence_since = FromUnixMs(1000);
+  return robot;
+}
+
+fleet::LiveParts EveryPart() {
+  fleet::RobotState state(SteadyTime(), FromUnixMs(0));
+  std::vector<model::Record> records;
+  records.push_back(uplink::test::RecordOf(model::MotionTelemetry{
+      .unix_time_ms = 11,
+      .pose = model::Pose{.lat_deg = 47.5, .lon_deg = 8.25, .heading_deg = 90.0},
+      .velocity = model::VelTwist{.linear_mps = 1.5F, .angular_rps = 0.25F}}));
+  model::StatusTelemetry status;
+  status.unix_time_ms = 12;
+  status.mode = model::RobotMode::kAuto;
+  status.status = "fine";
+  records.push_back(uplink::test::RecordOf(status));
+  records.push_back(uplink::test::RecordOf(model::TelemetryExtras{
+      .unix_time_ms = 13,
+      .kv = {{.key = "blade", .value = true}, {.key = "rpm", .value = 2.5, .unix_time_ms = 14}}}));
+  records.push_back(uplink::test::RecordOf(
+      model::SystemHealth{.unix_time_ms = 15, .device_id = "main", .cpu_pct = 12.5F}));
+  model::UsageTelemetry usage;
+  usage.unix_time_ms = 16;
+  usage.total_distance_m = 1000.5;
+  usage.auto_distance_m = 1000;
+  usage.manual_distance_m = 0.5;
+  usage.uptime_total_s = 5;
+  usage.drive_time_total_s = 4;
+  usage.auto_time_total_s = 3;
+  usage.reboot_count = 2;
+  records.push_back(uplink::test::RecordOf(usage));
+  records.push_back(uplink::test::RecordOf(model::ConsumableStatus{.unix_time_ms = 17,
+                                                                   .kind = "paint",
+                                                                   .tank_id = "left",
+                                                                   .level_pct = 50,
+                                                                   .amount_remaining = 2,
+                                                                   .unit = "l"}));
+  records.push_back(uplink::test::RecordOf(model::SpatialDirectiveStatus{
+      .directive_id = "d1", .last_eval_time_ms = 18, .active = true, .inside_zone = true}));
+  state.Apply(records);
+  return state.Snapshot(fleet::RobotState::Parts::kAll).parts;
+}
+
+TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
+  ExpectSameJson(*ToJson(EmptyRobot(), PartSet::All()), R"({
+    "ruri": "rcan://a/b", "fleet": "north", "presence": "PRESENCE_UNKNOWN",
+    "presenceSinceMs": "1000", "lastSignOfLifeMs": "0", "connected": false,
+    "connectedSinceMs": "0", "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
+    "activeFaults": 0, "fieldsDropped": "0", "uplinksMissing": "0"})");
+}
+
+TEST(Json, ARobotWithEveryPart) {
+  RobotView robot = EmptyRobot();
+  robot.state.presence = fleet::Presence::kOnline;
+  robot.state.last_sign_of_life = FromUnixMs(2000);
+  robot.state.clock_skew_ms = -250;
+  robot.state.fields_dropped = 3;
+  robot.session.connected = true;
+  robot.session.connected_since = FromUnixMs(1500);
+  robot.session.session = model::SessionId::FromHex("000102030405060708090a0b0c0d0e0f");
+  robot.session.settled_seq = 9'007'199'254'740'993;
+  robot.session.missing = 4;
+  robot.active_faults = 2;
+  robot.state.parts = EveryPart();
+  ExpectSameJson(*ToJson(robot, PartSet::All()), R"({
+    "ruri": "rcan://a/b", "fleet": "north", "presence": "PRESENCE_ONLINE",
+    "presenceSinceMs": "1000", "lastSignOfLifeMs": "2000", "connected": true,
+    "connectedSinceMs": "1500", "sessionId": "000102030405060708090a0b0c0d0e0f",
+    "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
+    "fieldsDropped": "3", "uplinksMissing": "4",
+    "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
+               "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
+    "status": {"unixTimeMs": 12, "mode": "auto", "faulted": false, "missionActive": false,
+               "status": "fine"},
+    "extras": {"blade": {"value": true, "sampledAtMs": 13},
+               "rpm": {"value": 2.5, "sampledAtMs": 14}},
+    "health": {"main": {"unixTimeMs": 15, "deviceId": "main", "cpuPct": 12.5}},
+    "usage": {"unixTimeMs": 16, "totalDistanceM": 1000.5, "autoDistanceM": 1000,
+              "manualDistanceM": 0.5, "uptimeTotalS": 5, "driveTimeTotalS": 4,
+              "autoTimeTotalS": 3, "missionCountTotal": 0, "chargeCyclesTotal": 0,
+              "rebootCount": 2, "lastRebootUnixTimeMs": 0},
+    "consumables": {"paint/left": {"unixTimeMs": 17, "kind": "paint", "tankId": "left",
+                    "levelPct": 50, "amountRemaining": 2, "unit": "l", "isCritical": false}},
+    "directives": {"d1": {"directiveId": "d1", "lastEvalTimeMs": 18, "active": true,
+                   "insideZone": true}}})");
+}
+
+TEST(Json, OnlyTheWantedPartsAreShown) {
+  RobotView robot = EmptyRobot();
+  robot.state.parts = EveryPart();
+  PartSet wanted;
+  wanted.Add(Part::kHealth);
+  const google::protobuf::Struct json = Parse(*ToJson(robot, wanted));
+  EXPECT_EQ(json.fields().count("health"), 1U);
+  for (const char* other : {"motion", "status", "extras", "usage", "consumables", "directives"}) {
+    EXPECT_EQ(json.fields().count(other), 0U) << other;
+  }
+}
+
+TEST(Json, EveryPartOfTheContractHasItsName) {
+  std::size_t known = 0;
+  for (const char* name : {"motion", "status", "extras", "health", "usage", "consumables",
+                           "directives", "agentInfo", "settings", "uiCapabilities", "rcanState"}) {
+    const std::optional<Part> part = PartFromText(name);
+    ASSERT_TRUE(part) << name;
+    EXPECT_EQ(static_cast<std::size_t>(*part), known++);
+  }
+  EXPECT_EQ(known, kParts);
+  EXPECT_FALSE(PartFromText("Motion"));
+}
+
+TEST(Json, RowsOfQuarantineHoldBytesAsBase64) {
+  storage::Page<storage::QuarantineRow> page;
+  page.rows.push_back({.robot = {"rcan://a", "f"},
+                       .session = {},
+                       .seq = 7,
+                       .rejection = {model::RejectReason::kOutOfRange, "pose.latDeg", "too far"},
+                       .received_at = FromUnixMs(5),
+                       .payload = std::string("\xff\x00", 2),
+                       .payload_bytes = 2});
+  page.next_token = "t";
+  ExpectSameJson(*ToJson(page), R"({"items": [{"ruri": "rcan://a",
+    "sessionId": "00000000000000000000000000000000", "seq": "7", "reason": "out_of_range",
+    "field": "pose.latDeg", "detail": "too far", "receivedAtMs": "5", "payload": "/wA=",
+    "payloadBytes": "2"}], "nextPageToken": "t"})");
+}
+
+TEST(Json, FaultsShowWhenTheyWereRaisedOnlyInTheActiveSet) {
+  storage::Page<storage::FaultRow> page;
+  page.rows.push_back({.robot = {"rcan://a", "f"},
+                       .fault = {.unix_time_ms = 1,
+                                 .fault_id = "E1",
+                                 .source = "arm",
+                                 .severity = model::FaultSeverity::kMajor,
+                                 .active = true},
+                       .received_at = FromUnixMs(2),
+                       .raised_at = FromUnixMs(3)});
+  page.rows.push_back(page.rows.front());
+  page.rows.back().raised_at.reset();
+  const std::string start = R"({"ruri": "rcan://a", "faultId": "E1", "source": "arm",
+    "severity": "major", "active": true, "category": "", "description": "",
+    "suggestedAction": "", "sampledAtMs": "1", "receivedAtMs": "2", "raisedAtMs": )";
+  ExpectSameJson(*ToJson(page), "{\"faults\": [" + start + "\"3\"}, " + start +
+                                    "\"0\"}], \"nextPageToken\": \"\"}");
+}
+
+TEST(Json, EmptyListsArePrinted) {
+  ExpectSameJson(*ToJson(storage::Page<storage::GapRow>()), R"({"gaps": [], "nextPageToken": ""})");
+}
+
+TEST(Json, StatusHoldsEveryColumnOfTheLaw) {
+  StatusView status;
+  status.version = "1.2.3";
+  status.uplinks.received = 1;
+  status.uplinks.in_flight = 1;
+  const google::protobuf::Struct json = Parse(*ToJson(status, {"store"}));
+  const auto& uplinks = json.fields().at("uplinks").struct_value().fields();
+  EXPECT_EQ(uplinks.size(), 7U);
+  EXPECT_EQ(uplinks.at("received").string_value(), "1");
+  EXPECT_EQ(uplinks.at("inFlight").string_value(), "1");
+  EXPECT_EQ(json.fields().at("rejectsByReason").struct_value().fields().size(),
+            model::kRejectReasons);
+  EXPECT_EQ(json.fields().at("robots").struct_value().fields().size(), 3U);
+  EXPECT_EQ(json.fields().at("degraded").list_value().values(0).string_value(), "store");
+}
+
+TEST(Json, ErrorsAreJsonWhateverBytesTheyRepeat) {
+  ExpectSameJson(ErrorJson({"NOT_FOUND", "a \"b\" \\ c\n\xff", "f"}),
+                 R"({"error": {"code": "NOT_FOUND", "message": "a \"b\" \\ c\\x0a\\xff",
+                     "field": "f"}})");
+  ExpectSameJson(ErrorJson({"NOT_FOUND", "m"}),
+                 R"({"error": {"code": "NOT_FOUND", "message": "m"}})");
+  ExpectSameJson(WordsJson("degraded", {"store", "descriptors"}),
+                 R"({"degraded": ["store", "descriptors"]})");
+}
+
+}  // namespace
+}  // namespace uplink::view

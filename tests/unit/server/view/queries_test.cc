@@ -1,0 +1,140 @@
+#include "server/view/queries.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/server_world.h"
+
+namespace uplink::view {
+namespace {
+
+using ::testing::ElementsAre;
+
+std::vector<std::string> Ruris(const RobotsPage& page) {
+  std::vector<std::string> ruris;
+  for (const RobotView& robot : page.robots) ruris.push_back(robot.id.ruri);
+  return ruris;
+}
+
+class QueriesTest : public ::testing::Test {
+ protected:
+  RobotsPage Robots(const RobotsQuery& query) {
+    auto page = world_.queries.Robots(query);
+    EXPECT_TRUE(page.ok()) << page.status();
+    return page.ok() ? *std::move(page) : RobotsPage();
+  }
+
+  testing::ServerWorld world_;
+};
+
+TEST_F(QueriesTest, WalksRobotsByRuriWithATotal) {
+  for (const char* ruri : {"rcan://c", "rcan://a", "rcan://b"}) world_.AddRobot(ruri);
+  RobotsQuery query;
+  query.page_size = 2;
+  const RobotsPage first = Robots(query);
+  EXPECT_THAT(Ruris(first), ElementsAre("rcan://a", "rcan://b"));
+  EXPECT_EQ(first.total, 3);
+  query.page_token = first.next_token;
+  const RobotsPage last = Robots(query);
+  EXPECT_THAT(Ruris(last), ElementsAre("rcan://c"));
+  EXPECT_EQ(last.next_token, "");
+  EXPECT_EQ(last.total, 3);
+}
+
+TEST_F(QueriesTest, APageThatEndsWithTheLastRobotIsTheLast) {
+  world_.AddRobot("rcan://a");
+  world_.AddRobot("rcan://b");
+  RobotsQuery query;
+  query.page_size = 2;
+  EXPECT_EQ(Robots(query).next_token, "");
+}
+
+TEST_F(QueriesTest, ATokenStaysValidWhileRobotsAreAdded) {
+  world_.AddRobot("rcan://b");
+  world_.AddRobot("rcan://d");
+  RobotsQuery query;
+  query.page_size = 1;
+  query.page_token = Robots(query).next_token;
+  world_.AddRobot("rcan://a");
+  world_.AddRobot("rcan://c");
+  query.page_size = 10;
+  EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://c", "rcan://d"));
+}
+
+TEST_F(QueriesTest, FiltersByFleetAndPresence) {
+  world_.AddRobot("rcan://a", "north");
+  fleet::Robot& online = world_.AddRobot("rcan://b", "north");
+  world_.AddRobot("rcan://c", "south");
+  online.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
+                          world_.fleet.presence_limits());
+  RobotsQuery query;
+  query.fleet = "north";
+  EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://a", "rcan://b"));
+  query.presence = fleet::Presence::kOnline;
+  EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://b"));
+  query.fleet = "south";
+  EXPECT_THAT(Ruris(Robots(query)), ElementsAre());
+}
+
+TEST_F(QueriesTest, ABadTokenNamesItsField) {
+  RobotsQuery query;
+  query.page_token = "mine";
+  const auto page = world_.queries.Robots(query);
+  EXPECT_EQ(page.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_TRUE(page.status().message().rfind("pageToken", 0) == 0) << page.status();
+}
+
+TEST_F(QueriesTest, CountsActiveFaultsAndKeepsTheLastCountWhileTheStoreIsAway) {
+  world_.AddRobot("rcan://a");
+  world_.AddRobot("rcan://b");
+  world_.CommitFault("rcan://a",
+                     {.unix_time_ms = 1, .fault_id = "f", .source = "s", .active = true});
+  EXPECT_EQ(world_.queries.Robot("rcan://a")->active_faults, 1);
+  EXPECT_EQ(world_.queries.Robot("rcan://b")->active_faults, 0);
+
+  world_.reader.SetAway(true);
+  EXPECT_EQ(world_.queries.Robot("rcan://a")->active_faults, 1);
+
+  world_.reader.SetAway(false);
+  world_.CommitFault("rcan://a",
+                     {.unix_time_ms = 2, .fault_id = "f", .source = "s", .active = false});
+  EXPECT_EQ(world_.queries.Robot("rcan://a")->active_faults, 0);
+}
+
+TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
+  world_.AddRobot("rcan://a");
+  world_.reader.SetAway(true);
+  storage::HistoryQuery query;
+  query.ruri = "rcan://a";
+  EXPECT_EQ(world_.queries.FaultsActive(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.FaultHistory(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Gaps(query).status().code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
+  EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kNotFound);
+  storage::HistoryQuery query;
+  query.ruri = "rcan://x";
+  EXPECT_EQ(world_.queries.Gaps(query).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(QueriesTest, StatusHoldsTheConservationTable) {
+  metrics::UplinkCounts counts;
+  counts.received = 5;
+  counts.applied = 3;
+  counts.stored = 1;
+  counts.in_flight = 1;
+  world_.ledgers.NewPage().Publish(counts);
+  world_.AddRobot("rcan://a");
+  world_.sessions.streams.Add();
+  const StatusView status = world_.queries.Status();
+  EXPECT_TRUE(status.uplinks.Balanced());
+  EXPECT_EQ(status.uplinks.received, 5U);
+  EXPECT_EQ(status.robots.unknown, 1);
+  EXPECT_EQ(status.streams, 1);
+}
+
+}  // namespace
+}  // namespace uplink::view
