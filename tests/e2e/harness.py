@@ -1,0 +1,222 @@
+"""What the end-to-end tests share: the real programs, started in a folder of their own.
+
+Nothing here sleeps: waiting is done on a process, with a deadline, and a server that dies while it
+is waited for is a failure with its log.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+BIN = pathlib.Path(os.environ["UPLINK_BIN_DIR"])
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+START_SECONDS = 30
+LOOK_SECONDS = 0.02
+BREAKS = re.compile(r"(\d+) breaks\n")
+LISTENING = re.compile(r" listening .*?relay=\"?([^ \"]+)\"? http=\"?([^ \"]+)\"?")
+
+
+def run(*arguments, code=0, timeout=60, env=None):
+    """Runs a program to its end; anything but the expected exit code fails, with its output."""
+    done = subprocess.run(
+        [str(argument) for argument in arguments],
+        capture_output=True, text=True, timeout=timeout, env=env, check=False,
+    )  # fmt: skip
+    if done.returncode != code:
+        raise AssertionError(
+            f"{arguments} ended with {done.returncode}, not {code}\n{done.stdout}\n{done.stderr}"
+        )
+    return done
+
+
+def uplinkctl(*arguments, code=0):
+    return run(BIN / "uplinkctl", *arguments, code=code)
+
+
+def wait_until(process, condition, seconds, what):
+    """Waits until `condition` gives something true, while `process` lives."""
+    deadline = time.monotonic() + seconds
+    while True:
+        found = condition()
+        if found:
+            return found
+        if time.monotonic() > deadline:
+            raise AssertionError(f"not within {seconds} s: {what}")
+        try:
+            code = process.wait(LOOK_SECONDS)
+        except subprocess.TimeoutExpired:
+            continue
+        raise AssertionError(f"{process.args[0]} ended with {code} while waiting: {what}")
+
+
+class Server:
+    """An uplinkd with its store in `folder`. The ports of the first start are kept."""
+
+    def __init__(self, folder, settings=""):
+        self.folder = pathlib.Path(folder)
+        self.pki = self.folder / "pki"
+        self.relay = self.http = "127.0.0.1:0"
+        self.settings = settings
+        self.starts = 0
+        self.process = None
+        if not self.pki.exists():
+            uplinkctl("pki", "init", "--dir", self.pki)
+            uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost", "--host", "127.0.0.1")
+
+    def configuration(self):
+        path = self.folder / "uplinkd.toml"
+        path.write_text(
+            f"""
+[listen]
+relay = "{self.relay}"
+http = "{self.http}"
+[tls]
+certificate_file = "{self.pki}/server.crt"
+key_file = "{self.pki}/server.key"
+client_ca_file = "{self.pki}/ca.crt"
+[store]
+url = "sqlite://{self.folder}/uplinkd.db"
+{self.settings}
+""",
+            encoding="utf-8",
+        )
+        return path
+
+    def start(self):
+        self.starts += 1
+        self.log = self.folder / f"uplinkd-{self.starts}.log"
+        with self.log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [str(BIN / "uplinkd"), "--config", str(self.configuration())],
+                stdout=log, stderr=subprocess.STDOUT,
+            )  # fmt: skip
+        try:
+            found = wait_until(
+                self.process, lambda: LISTENING.search(self.text()), START_SECONDS, "uplinkd listens"
+            )
+        except AssertionError as error:
+            raise AssertionError(f"{error}\n{self.text()}") from None
+        self.relay, self.http = found.group(1), found.group(2)
+        return self
+
+    def text(self):
+        return self.log.read_text(encoding="utf-8", errors="replace")
+
+    def get(self, path):
+        """The JSON of a path; None while the server cannot be reached."""
+        try:
+            with urllib.request.urlopen(f"http://{self.http}{path}", timeout=10) as answer:
+                return json.load(answer)
+        except (urllib.error.URLError, ConnectionError, TimeoutError):
+            return None
+
+    def wait_for_status(self, condition, seconds, what):
+        """Waits until the status meets the condition; 64-bit numbers come as texts in JSON."""
+
+        def look():
+            status = self.get("/api/v1/status")
+            return status if status and condition(status) else None
+
+        return wait_until(self.process, look, seconds, what)
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait(30)
+
+    def terminate(self, seconds):
+        """Asks it to drain; gives its exit code."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(seconds)
+
+    def close(self):
+        if self.process is not None and self.process.poll() is None:
+            self.kill()
+
+
+class Fleet:
+    """An uplink-fleet that runs until it is told to finish."""
+
+    def __init__(self, server, *flags):
+        self.folder = server.folder
+        self.progress = (self.folder / "fleet.log").open("wb")
+        self.process = subprocess.Popen(
+            [str(BIN / "uplink-fleet"), "--target", server.relay, "--http", server.http,
+             "--pki", str(server.pki), "--report", "json", "--for", "1h", *map(str, flags)],
+            stdout=subprocess.PIPE, stderr=self.progress,
+        )  # fmt: skip
+
+    def log(self):
+        return (self.folder / "fleet.log").read_text(encoding="utf-8", errors="replace")
+
+    def breaks(self):
+        """Streams that it broke off, by its last line of progress."""
+        found = BREAKS.findall(self.log())
+        return int(found[-1]) if found else 0
+
+    def finish(self, seconds=120):
+        """Ends the run, lets it settle and verify; gives exit code and report."""
+        self.process.send_signal(signal.SIGINT)
+        output, _ = self.process.communicate(timeout=seconds)
+        try:
+            return self.process.returncode, json.loads(output)
+        except ValueError:
+            raise AssertionError(
+                f"uplink-fleet ended with {self.process.returncode}: {self.log()[-2000:]}"
+            ) from None
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate(timeout=30)
+        self.process.stdout.close()
+        self.progress.close()
+
+
+def mismatches(report):
+    return [check for check in report["checks"] if not check["ok"]]
+
+
+class EndToEnd(unittest.TestCase):
+    """A folder of its own, kept if the test fails."""
+
+    maxDiff = None
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="uplink-e2e-"))
+        self.open_things = []
+
+    def tearDown(self):
+        for thing in reversed(self.open_things):
+            thing.close()
+        # Errors of this test alone: unittest keeps them by test.
+        result = self._outcome.result
+        if any(test is self for test, _ in (*result.errors, *result.failures)):
+            print(f"kept: {self.folder}")
+        else:
+            shutil.rmtree(self.folder)
+
+    def server(self, settings=""):
+        server = Server(self.folder, settings)
+        self.open_things.append(server)
+        return server
+
+    def fleet(self, server, *flags):
+        fleet = Fleet(server, *flags)
+        self.open_things.append(fleet)
+        return fleet
+
+    def assert_agrees(self, fleet):
+        code, report = fleet.finish()
+        self.assertEqual(mismatches(report), [], report["run"])
+        self.assertEqual(code, 0)
+        self.assertTrue(report["ok"])
+        return report

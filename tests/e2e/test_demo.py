@@ -1,0 +1,71 @@
+"""The demo as a new user runs it, in a folder of the test's."""
+
+import os
+import pathlib
+import unittest
+
+from harness import BIN, SOURCE, EndToEnd, run
+
+
+def script(path, lines):
+    path.write_text(f"#!/bin/sh\n{lines}\n", encoding="utf-8")
+    path.chmod(0o755)
+
+
+class Demo(EndToEnd):
+    def demo(self, *flags, code=0, programs=BIN):
+        env = dict(os.environ, UPLINK_BIN_DIR=str(programs), UPLINK_DEMO_DIR=str(self.folder / "demo"))
+        return run(SOURCE / "tools/dev/demo.sh", *flags, code=code, timeout=120, env=env)
+
+    def left_running(self):
+        """Processes that were started with the demo's configuration and still live."""
+        mine = str(self.folder / "demo/uplinkd.toml").encode()
+        found = []
+        for process in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+            try:
+                if mine in process.read_bytes():
+                    found.append(process)
+            except OSError:
+                continue
+        return found
+
+    def with_fleet(self, lines):
+        """Programs whose uplink-fleet is replaced."""
+        programs = self.folder / "bin"
+        programs.mkdir()
+        for name in ("uplinkd", "uplinkctl"):
+            (programs / name).symlink_to(BIN / name)
+        script(programs / "uplink-fleet", lines)
+        return programs
+
+    def test_it_adds_up_and_leaves_nothing_running(self):
+        done = self.demo("--for", "3s", "--robots", "5", "--seed", "7")
+        self.assertIn("verification: all agree", done.stdout)
+        self.assertIn("/api/v1/robots", done.stdout)
+        self.assertNotIn("MISMATCH", done.stdout)
+        self.assertEqual(self.left_running(), [])
+
+    def test_a_mismatch_is_passed_on(self):
+        self.demo(code=3, programs=self.with_fleet("exit 3"))
+        self.assertEqual(self.left_running(), [])
+
+    def test_a_server_that_ends_badly_fails_the_demo(self):
+        programs = self.with_fleet("exit 0")
+        (programs / "uplinkd").unlink()
+        badly = f"""{BIN}/uplinkd "$@" & pid=$!
+trap 'kill -TERM $pid; wait $pid; exit 7' TERM
+wait $pid"""
+        script(programs / "uplinkd", badly)
+        done = self.demo(code=1, programs=programs)
+        self.assertIn("uplinkd ended with 7", done.stderr)
+        self.assertEqual(self.left_running(), [])
+
+    def test_wrong_use_ends_with_2(self):
+        for flags in (["--store", "postgres"], ["--store", "oracle"], ["--robots", "0"],
+                      ["--for", "soon"], ["--for"], ["--nonsense"]):  # fmt: skip
+            with self.subTest(flags):
+                self.demo(*flags, code=2)
+
+
+if __name__ == "__main__":
+    unittest.main()

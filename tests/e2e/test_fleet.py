@@ -1,0 +1,94 @@
+"""uplink-fleet against a real uplinkd: what agrees, and that a disagreement is seen."""
+
+import sqlite3
+import unittest
+
+from harness import BIN, EndToEnd, mismatches, run, wait_until
+
+WAIT_SECONDS = 30
+
+
+class FleetRun(EndToEnd):
+    def at_work(self, *flags):
+        server = self.server().start()
+        fleet = self.fleet(server, *flags)
+        server.wait_for_status(
+            lambda status: int(status["uplinks"]["stored"]) >= 30, WAIT_SECONDS, "the fleet is at work"
+        )
+        return server, fleet
+
+    def test_an_undisturbed_run_agrees_to_the_message(self):
+        _, fleet = self.at_work("--robots", 10, "--faults", 10)
+        report = self.assert_agrees(fleet)
+        checks = {check["what"]: check for check in report["checks"]}
+        self.assertEqual(report["run"]["resent"], 0)
+        # Nothing was sent twice, so the server counts exactly what was sent.
+        self.assertEqual(checks["messages with repeats"]["fleet"], checks["messages with repeats"]["server"])
+
+    def test_breaks_batches_and_wrong_messages_add_up(self):
+        server, fleet = self.at_work(
+            "--robots", 10, "--rate", 20, "--faults", 10, "--batch", 5,
+            "--breaks-per-minute", 60, "--malformed-share", 0.1,
+        )  # fmt: skip
+        wait_until(fleet.process, lambda: fleet.breaks() >= 30, WAIT_SECONDS, "30 breaks")
+        report = self.assert_agrees(fleet)
+        self.assertFalse(report["run"]["serverRestarted"])
+        self.assertGreater(report["run"]["breaks"], 0)
+        self.assertGreater(report["run"]["resent"], 0)
+        self.assertGreater(report["run"]["rejects"], 0)
+
+    def test_a_second_run_on_the_same_server_agrees_too(self):
+        server, fleet = self.at_work("--robots", 3, "--faults", 20)
+        self.assert_agrees(fleet)
+        again = self.fleet(server, "--robots", 3, "--faults", 20)
+        before = int(server.get("/api/v1/status")["uplinks"]["stored"])
+        server.wait_for_status(
+            lambda status: int(status["uplinks"]["stored"]) > before, WAIT_SECONDS, "it is at work again"
+        )
+        self.assert_agrees(again)
+
+    def test_a_row_that_is_lost_after_its_ack_is_a_mismatch(self):
+        server, fleet = self.at_work("--robots", 3, "--faults", 20)
+        with sqlite3.connect(self.folder / "uplinkd.db", timeout=WAIT_SECONDS) as store:
+            lost = store.execute(
+                "DELETE FROM faults_history WHERE entry = (SELECT min(entry) FROM faults_history)"
+            )
+            self.assertEqual(lost.rowcount, 1)
+        store.close()
+        code, report = fleet.finish()
+        self.assertEqual(code, 3)
+        self.assertFalse(report["ok"])
+        self.assertIn("faults acked", [check["what"] for check in mismatches(report)])
+
+
+class FleetUse(EndToEnd):
+    def test_wrong_use_ends_with_2(self):
+        for flags in (
+            ["--robots", "0"], ["--for", "soon"], ["--target", "nowhere"], ["--malformed-share", "2"],
+            ["--report", "xml"], ["--no-such-flag"],
+        ):  # fmt: skip
+            with self.subTest(flags):
+                run(BIN / "uplink-fleet", *flags, code=2)
+
+    def test_a_server_that_cannot_be_reached_ends_with_1_and_is_named(self):
+        done = run(BIN / "uplink-fleet", "--http", "127.0.0.1:1", code=1)
+        self.assertIn("127.0.0.1:1", done.stderr)
+
+    def test_a_missing_authority_ends_with_1_and_is_named(self):
+        server = self.server().start()
+        nowhere = self.folder / "nowhere"
+        done = run(BIN / "uplink-fleet", "--http", server.http, "--target", server.relay,
+                   "--pki", nowhere, code=1)  # fmt: skip
+        self.assertIn(str(nowhere / "ca.crt"), done.stderr)
+
+    def test_robots_of_a_foreign_authority_are_not_welcomed(self):
+        server = self.server().start()
+        foreign = self.folder / "foreign"
+        run(BIN / "uplinkctl", "pki", "init", "--dir", foreign)
+        done = run(BIN / "uplink-fleet", "--http", server.http, "--target", server.relay,
+                   "--pki", foreign, "--robots", 1, "--for", "2s", code=1)  # fmt: skip
+        self.assertIn("no robot was welcomed", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

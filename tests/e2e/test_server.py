@@ -1,0 +1,121 @@
+"""The life of a real uplinkd: crashes, restarts, drain, starts that must fail."""
+
+import random
+import socket
+import unittest
+import urllib.parse
+
+from harness import BIN, EndToEnd, run
+
+KILLS = 20
+ROUND_SECONDS = 30
+DRAIN_SECONDS = 10
+
+
+class Crash(EndToEnd):
+    def test_kill_under_load_loses_nothing_acked_and_doubles_nothing(self):
+        choose = random.Random(3)
+        server = self.server().start()
+        fleet = self.fleet(
+            server, "--robots", 8, "--rate", 10, "--faults", 20, "--malformed-share", 0.05, "--seed", 3
+        )
+        for kill in range(KILLS):
+            # The counters begin anew with each process: so many commits, then the end.
+            stored = choose.randint(1, 150)
+            server.wait_for_status(
+                lambda status: int(status["uplinks"]["stored"]) >= stored,
+                ROUND_SECONDS,
+                f"{stored} stored after kill {kill}",
+            )
+            server.kill()
+            server.start()
+        server.wait_for_status(lambda status: int(status["streams"]) == 8, ROUND_SECONDS, "all are back")
+        report = self.assert_agrees(fleet)
+        self.assertTrue(report["run"]["serverRestarted"])
+        self.assertGreater(report["run"]["resent"], 0)
+        self.assertGreater(report["run"]["ackedDurable"], KILLS)
+        self.assertGreaterEqual(report["run"]["welcomes"], 8 + KILLS)
+        self.assertEqual(server.terminate(DRAIN_SECONDS + 10), 0)
+
+    def test_a_restart_keeps_robots_known_and_their_presence_unknown(self):
+        server = self.server().start()
+        fleet = self.fleet(server, "--robots", 5, "--faults", 5)
+        server.wait_for_status(
+            lambda status: int(status["uplinks"]["stored"]) >= 5, ROUND_SECONDS, "something is stored"
+        )
+        self.assert_agrees(fleet)
+        server.kill()
+        server.start()
+        robots = server.get("/api/v1/robots")["robots"]
+        self.assertEqual(len(robots), 5)
+        for robot in robots:
+            self.assertEqual(robot["presence"], "PRESENCE_UNKNOWN")
+            self.assertFalse(robot.get("connected", False))
+            name = urllib.parse.quote(robot["ruri"], safe="")
+            self.assertEqual(server.get(f"/api/v1/robots/{name}")["ruri"], robot["ruri"])
+        status = server.get("/api/v1/status")
+        self.assertEqual(int(status["robots"]["unknown"]), 5)
+
+
+class Drain(EndToEnd):
+    def test_a_drain_finishes_acks_and_the_fleet_comes_back(self):
+        server = self.server(f'[drain]\ntimeout = "{DRAIN_SECONDS}s"').start()
+        fleet = self.fleet(server, "--robots", 8, "--faults", 20, "--malformed-share", 0.02)
+        server.wait_for_status(
+            lambda status: int(status["uplinks"]["stored"]) >= 20, ROUND_SECONDS, "the fleet is at work"
+        )
+        self.assertEqual(server.terminate(DRAIN_SECONDS + 5), 0, server.text())
+        self.assertNotIn("stopped_unsettled", server.text())
+        server.start()
+        server.wait_for_status(lambda status: int(status["streams"]) == 8, ROUND_SECONDS, "all are back")
+        report = self.assert_agrees(fleet)
+        self.assertGreaterEqual(report["run"]["drains"], 8)
+        self.assertGreaterEqual(report["run"]["ends"]["UNAVAILABLE"], 8)
+
+    def test_an_idle_server_drains_at_once(self):
+        server = self.server().start()
+        self.assertEqual(server.terminate(5), 0)
+
+
+class Start(EndToEnd):
+    def test_a_bad_configuration_ends_with_2_and_names_every_problem(self):
+        path = self.folder / "bad.toml"
+        path.write_text(
+            "[limits]\nrobots_max = -1\nno_such_key = 3\n[presence]\ntimeout = \"soon\"\n[nonsense]\n",
+            encoding="utf-8",
+        )
+        for flags in (["--config", path], ["--config", path, "--check-config"]):
+            done = run(BIN / "uplinkd", *flags, code=2)
+            for problem in ("robots_max", "no_such_key", "presence.timeout", "nonsense"):
+                self.assertIn(problem, done.stdout + done.stderr)
+
+    def test_files_that_are_missing_end_with_2_and_are_named(self):
+        server = self.server()
+        path = server.configuration()
+        missing = [server.pki / "server.crt", server.pki / "server.key"]
+        for file in missing:
+            file.unlink()
+        done = run(BIN / "uplinkd", "--config", path, "--check-config", code=2)
+        for file in missing:
+            self.assertIn(str(file), done.stdout + done.stderr)
+
+    def test_a_good_configuration_passes_the_check(self):
+        run(BIN / "uplinkd", "--config", self.server().configuration(), "--check-config")
+
+    def test_wrong_use_ends_with_2(self):
+        run(BIN / "uplinkd", "--no-such-flag", code=2)
+
+    def test_a_port_in_use_ends_with_1_and_names_the_address(self):
+        for which in ("relay", "http"):
+            with self.subTest(which), socket.socket() as taken:
+                taken.bind(("127.0.0.1", 0))
+                taken.listen()
+                address = f"127.0.0.1:{taken.getsockname()[1]}"
+                server = self.server()
+                setattr(server, which, address)
+                done = run(BIN / "uplinkd", "--config", server.configuration(), code=1)
+                self.assertIn(address, done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,106 @@
+"""uplinkctl pki, held against the openssl program."""
+
+import stat
+import unittest
+
+from harness import EndToEnd, run, uplinkctl
+
+
+class Pki(EndToEnd):
+    def setUp(self):
+        super().setUp()
+        self.pki = self.folder / "pki"
+        uplinkctl("pki", "init", "--dir", self.pki)
+
+    def verify(self, name, purpose):
+        run("openssl", "verify", "-x509_strict", "-purpose", purpose, "-CAfile", self.pki / "ca.crt",
+            self.pki / f"{name}.crt")  # fmt: skip
+
+    def text_of(self, name):
+        return run("openssl", "x509", "-in", self.pki / f"{name}.crt", "-noout", "-text",
+                   "-nameopt", "RFC2253").stdout  # fmt: skip
+
+    def test_every_role_verifies_and_says_what_it_must(self):
+        uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost", "--host", "127.0.0.1")
+        uplinkctl("pki", "robot", "--dir", self.pki, "--ruri", "rcan://a/b/c/d/1", "--fleet", "north",
+                  "--name", "r1")  # fmt: skip
+        uplinkctl("pki", "operator", "--dir", self.pki, "--role", "admin", "--fleet", "*")
+        uplinkctl("pki", "gateway", "--dir", self.pki, "--ruri", "rcan://a/1", "--ruri", "rcan://a/2")
+        self.verify("server", "sslserver")
+        for name in ("r1", "operator", "gateway"):
+            self.verify(name, "sslclient")
+        self.assertRegex(self.text_of("server"), "DNS:localhost, IP Address:127.0.0.1")
+        robot = self.text_of("r1")
+        for part in ("O=north", "URI:rcan://a/b/c/d/1", "TLS Web Client Authentication", "prime256v1",
+                     "ecdsa-with-SHA256"):  # fmt: skip
+            self.assertIn(part, robot)
+        self.assertNotIn("OU=", robot)
+        self.assertIn("OU=admin", self.text_of("operator"))
+        self.assertIn("URI:rcan://a/1, URI:rcan://a/2", self.text_of("gateway"))
+        self.assertIn("OU=gateway", self.text_of("gateway"))
+
+    def test_a_server_certificate_is_no_client_and_the_other_way_round(self):
+        uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost")
+        uplinkctl("pki", "robot", "--dir", self.pki, "--ruri", "rcan://a", "--name", "r1")
+        with self.assertRaises(AssertionError):
+            self.verify("server", "sslclient")
+        with self.assertRaises(AssertionError):
+            self.verify("r1", "sslserver")
+
+    def test_every_file_is_for_its_owner_only(self):
+        uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost")
+        uplinkctl("pki", "robot", "--dir", self.pki, "--count", "3")
+        files = sorted(self.pki.iterdir())
+        self.assertEqual(len(files), 2 * (1 + 1 + 3))
+        for file in files:
+            self.assertEqual(stat.S_IMODE(file.stat().st_mode), 0o600, file)
+        self.assertEqual(stat.S_IMODE(self.pki.stat().st_mode), 0o700)
+        self.assertIn("/robot-0003", self.text_of("robot-0003"))
+
+    def test_nothing_is_overwritten_without_force(self):
+        authority = (self.pki / "ca.crt").read_bytes()
+        done = uplinkctl("pki", "init", "--dir", self.pki, code=1)
+        self.assertIn(str(self.pki / "ca.crt"), done.stderr)
+        self.assertEqual((self.pki / "ca.crt").read_bytes(), authority)
+        uplinkctl("pki", "init", "--dir", self.pki, "--force")
+        self.assertNotEqual((self.pki / "ca.crt").read_bytes(), authority)
+
+    def test_a_validity_is_kept(self):
+        uplinkctl("pki", "robot", "--dir", self.pki, "--ruri", "rcan://a", "--name", "r1", "--days", "2")
+        day = 24 * 3600
+        certificate = self.pki / "r1.crt"
+        run("openssl", "x509", "-in", certificate, "-noout", "-checkend", 2 * day - 600)
+        run("openssl", "x509", "-in", certificate, "-noout", "-checkend", 2 * day + 600, code=1)
+
+    def test_wrong_use_ends_with_2(self):
+        for arguments in (
+            [], ["pki"], ["robots", "list"], ["pki", "server", "--dir", self.pki],
+            ["pki", "robot", "--dir", self.pki, "--ruri", "http://a"],
+            ["pki", "robot", "--dir", self.pki], ["pki", "robot", "--count", "0"],
+            ["pki", "robot", "--dir", self.pki, "--ruri", "rcan://a", "--name", "ca"],
+            ["pki", "robot", "--dir", self.pki, "--ruri", "rcan://a", "--name", "../r1"],
+            ["pki", "operator", "--dir", self.pki, "--role", "owner"],
+            ["pki", "init", "--dir", self.pki, "--days", "0"],
+        ):  # fmt: skip
+            with self.subTest(arguments):
+                uplinkctl(*arguments, code=2)
+
+    def test_a_missing_authority_ends_with_1_and_is_named(self):
+        nowhere = self.folder / "nowhere"
+        done = uplinkctl("pki", "robot", "--dir", nowhere, "--ruri", "rcan://a", code=1)
+        self.assertIn(str(nowhere / "ca.crt"), done.stderr)
+
+
+class Config(EndToEnd):
+    def test_check_reports_every_problem(self):
+        server = self.server()
+        path = server.configuration()
+        self.assertIn("good", uplinkctl("config", "check", path).stdout)
+        path.write_text("[limits]\nrobots_max = -1\nno_such_key = 3\n", encoding="utf-8")
+        done = uplinkctl("config", "check", path, code=2)
+        for problem in ("robots_max", "no_such_key"):
+            self.assertIn(problem, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,160 @@
+#include "tools/uplink-fleet/agent.h"
+
+#include <array>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::synthetic {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// One agent at ten ticks a second and a server that answers as the test says.
+class AgentTest : public ::testing::Test {
+ protected:
+  static ScenarioOptions Options() {
+    ScenarioOptions options;
+    options.run = "test";
+    options.faults_hz = 10;
+    options.malformed_share = 0.2;
+    return options;
+  }
+
+  Agent Make(std::size_t batch = 1) {
+    return {Options(), 0, batch, model::SessionId(std::array<std::uint8_t, 16>{1}), shared_};
+  }
+
+  void Welcome(Agent& agent) {
+    static_cast<void>(agent.BeginStream());
+    v1::RelayResponse frame;
+    frame.mutable_welcome()->mutable_limits()->set_batch_uplinks_max(256);
+    frame.mutable_welcome()->mutable_limits()->set_frame_bytes_max(1 << 20);
+    ASSERT_TRUE(agent.OnFrame(frame, clock_.Steady()).ok());
+  }
+
+  void Tick(Agent& agent) {
+    clock_.Advance(milliseconds(100));
+    agent.Tick(clock_.Steady(), clock_.System());
+  }
+
+  /// Takes every frame that is due; the highest number sent, and how many frames it took.
+  int Take(Agent& agent) {
+    int frames = 0;
+    while (const auto frame = agent.NextFrame(clock_.Steady(), clock_.System())) {
+      EXPECT_GT(frame->batch().sent_unix_ms(), 0);
+      for (const v1::Uplink& uplink : frame->batch().uplinks()) highest_ = uplink.seq();
+      ++frames;
+    }
+    return frames;
+  }
+
+  void Ack(Agent& agent) {
+    v1::RelayResponse frame;
+    frame.mutable_ack()->set_through_seq(highest_);
+    frame.mutable_ack()->set_judged_seq(highest_);
+    ASSERT_TRUE(agent.OnFrame(frame, clock_.Steady()).ok());
+  }
+
+  testing::ManualClock clock_;
+  Shared shared_;
+  model::Seq highest_ = 0;
+};
+
+TEST_F(AgentTest, GathersABatchForASecondAtMost) {
+  Agent agent = Make(100);
+  Welcome(agent);
+  for (int i = 0; i < 10; ++i) {
+    Tick(agent);
+    EXPECT_EQ(Take(agent), 0) << i;
+  }
+  Tick(agent);
+  EXPECT_EQ(Take(agent), 1);
+  EXPECT_GE(highest_, 11U);
+  Tick(agent);
+  EXPECT_EQ(Take(agent), 0);
+}
+
+TEST_F(AgentTest, AFullBatchGoesAtOnce) {
+  Agent agent = Make(2);
+  Welcome(agent);
+  Tick(agent);
+  Tick(agent);
+  EXPECT_EQ(Take(agent), 1);
+}
+
+TEST_F(AgentTest, GoesThroughTheStagesAndClosesOnlyWhenAllIsSettled) {
+  Agent agent = Make();
+  Welcome(agent);
+  for (int i = 0; i < 50; ++i) {
+    Tick(agent);
+    Take(agent);
+  }
+  shared_.stage = Stage::kSettle;
+  Tick(agent);
+  Take(agent);
+  EXPECT_EQ(shared_.settled_robots.load(), 0U);
+  Ack(agent);
+  Tick(agent);
+  Tick(agent);
+  EXPECT_EQ(shared_.settled_robots.load(), 1U);
+  const model::Seq before = highest_;
+  shared_.stage = Stage::kLast;
+  Tick(agent);
+  Take(agent);
+  EXPECT_GE(highest_, before + 2);
+  EXPECT_EQ(shared_.last_robots.load(), 0U);
+  Ack(agent);
+  Tick(agent);
+  EXPECT_EQ(shared_.last_robots.load(), 1U);
+  EXPECT_FALSE(agent.may_close());
+  shared_.stage = Stage::kClose;
+  EXPECT_TRUE(agent.may_close());
+  agent.OnEndedOk();
+  EXPECT_EQ(shared_.rules_broken.load(), 0U);
+}
+
+TEST_F(AgentTest, EndingOkWithUnsettledMessagesBreaksARule) {
+  Agent agent = Make();
+  Welcome(agent);
+  Tick(agent);
+  Take(agent);
+  agent.OnEndedOk();
+  EXPECT_EQ(shared_.rules_broken.load(), 1U);
+  EXPECT_THAT(shared_.FirstBrokenRule(), HasSubstr("unsettled"));
+}
+
+TEST_F(AgentTest, TheLedgerKnowsWhatWasAckedAndWhatWasTold) {
+  Agent agent = Make();
+  Welcome(agent);
+  for (int i = 0; i < 200; ++i) {
+    Tick(agent);
+    Take(agent);
+  }
+  v1::RelayResponse reject;
+  reject.mutable_reject()->set_reason(v1::REJECT_REASON_MALFORMED);
+  for (model::Seq seq = 1; seq <= highest_; ++seq) {
+    reject.mutable_reject()->set_seq(seq);
+    ASSERT_TRUE(agent.OnFrame(reject, clock_.Steady()).ok());
+  }
+  Ack(agent);
+  const RobotOutcome outcome = agent.TakeOutcome("rcan://test");
+  EXPECT_EQ(outcome.last_seq, highest_);
+  EXPECT_TRUE(outcome.all_settled);
+  EXPECT_THAT(outcome.ledger.open_faults, IsEmpty());
+  ASSERT_FALSE(outcome.ledger.wrongs.empty());
+  for (const auto& [tag, wrong] : outcome.ledger.wrongs) {
+    EXPECT_TRUE(wrong.acked);
+    ASSERT_TRUE(wrong.told.has_value());
+    EXPECT_EQ(wrong.told->reason, model::RejectReason::kMalformed);
+  }
+  ASSERT_FALSE(outcome.ledger.faults.empty());
+  for (const auto& [description, report] : outcome.ledger.faults) EXPECT_TRUE(report.acked);
+  EXPECT_EQ(outcome.ledger.faults_rejected, outcome.ledger.faults.size());
+}
+
+}  // namespace
+}  // namespace uplink::synthetic

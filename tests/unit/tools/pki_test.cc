@@ -1,0 +1,170 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "server/identity/peer_identity.h"
+#include "tools/pki/directory.h"
+#include "tools/pki/profile.h"
+
+namespace uplink::pki {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "uplink-pki-XXXXXX").string();
+    EXPECT_NE(mkdtemp(name.data()), nullptr);
+    path_ = name;
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string operator/(const std::string& name) const {
+    return (path_ / name).string();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+mode_t ModeOf(const std::string& path) {
+  struct stat info {};
+  EXPECT_EQ(stat(path.c_str(), &info), 0) << path;
+  return info.st_mode & 07777U;
+}
+
+std::string Message(const absl::Status& status) { return std::string(status.message()); }
+
+TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
+  const auto authority = Authority::Create("test", 10);
+  ASSERT_TRUE(authority.ok());
+  const auto identity_of = [&](const absl::StatusOr<Profile>& profile) {
+    EXPECT_TRUE(profile.ok()) << profile.status();
+    const auto made = (*authority)->Issue(*profile, 10);
+    EXPECT_TRUE(made.ok()) << made.status();
+    return identity::PeerIdentityOf(made->certificate_pem);
+  };
+  const auto robot = identity_of(RobotProfile("rcan://a/b/c/d/1", "north", "r1"));
+  ASSERT_TRUE(robot.ok()) << robot.status();
+  EXPECT_EQ(robot->role, identity::Role::kRobot);
+  EXPECT_EQ(robot->fleet, "north");
+  EXPECT_EQ(robot->ruri(), "rcan://a/b/c/d/1");
+  const auto gateway = identity_of(GatewayProfile({"rcan://a/1", "rcan://a/2"}, "north", "g"));
+  ASSERT_TRUE(gateway.ok()) << gateway.status();
+  EXPECT_EQ(gateway->role, identity::Role::kGateway);
+  EXPECT_THAT(gateway->ruris, ElementsAre("rcan://a/1", "rcan://a/2"));
+  const auto admin = identity_of(OperatorProfile("admin", "*", "ann"));
+  ASSERT_TRUE(admin.ok()) << admin.status();
+  EXPECT_EQ(admin->role, identity::Role::kAdmin);
+  EXPECT_EQ(admin->fleet, "*");
+  // A server's certificate is nobody's identity.
+  EXPECT_FALSE(identity_of(ServerProfile({"localhost", "::1"})).ok());
+}
+
+TEST(Profiles, RuriAtItsLimit) {
+  const std::string longest = "rcan://" + std::string(249, 'x');
+  EXPECT_TRUE(RobotProfile(longest, "f", "n").ok());
+  EXPECT_FALSE(RobotProfile(longest + "x", "f", "n").ok());
+}
+
+TEST(Profiles, RuriThatIsNone) {
+  for (const char* const ruri : {"", "rcan://", "http://a/b", "rcan://a,URI:rcan://b", "rcan://a b",
+                                 "rcan://\xC3\xA9", "RCAN://a"}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(RobotProfile(ruri, "f", "n").status())) << ruri;
+  }
+}
+
+TEST(Profiles, NamesAtTheirLimit) {
+  const std::string longest(64, 'f');
+  EXPECT_TRUE(RobotProfile("rcan://a", longest, "n").ok());
+  EXPECT_FALSE(RobotProfile("rcan://a", longest + "f", "n").ok());
+  EXPECT_FALSE(RobotProfile("rcan://a", "", "n").ok());
+  EXPECT_FALSE(OperatorProfile("owner", "f", "n").ok());
+}
+
+TEST(Profiles, HostsOfAServer) {
+  const auto profile = ServerProfile({"localhost", "127.0.0.1", "::1"});
+  ASSERT_TRUE(profile.ok());
+  EXPECT_THAT(profile->alternative_names, ElementsAre("DNS:localhost", "IP:127.0.0.1", "IP:::1"));
+  EXPECT_FALSE(ServerProfile({}).ok());
+  EXPECT_THAT(Message(ServerProfile({"a,DNS:b"}).status()), HasSubstr("\"a,DNS:b\""));
+}
+
+TEST(Authority, RefusesAValidityOutOfRange) {
+  EXPECT_TRUE(Authority::Create("test", 1).ok());
+  EXPECT_TRUE(Authority::Create("test", kDaysMax).ok());
+  EXPECT_FALSE(Authority::Create("test", 0).ok());
+  EXPECT_FALSE(Authority::Create("test", kDaysMax + 1).ok());
+}
+
+TEST(Authority, RefusesAKeyOfAnother) {
+  const auto one = Authority::Create("one", 1);
+  const auto two = Authority::Create("two", 1);
+  ASSERT_TRUE(one.ok() && two.ok());
+  EXPECT_TRUE(Authority::Load((*one)->credentials()).ok());
+  const auto mixed =
+      Authority::Load({(*one)->credentials().certificate_pem, (*two)->credentials().key_pem});
+  EXPECT_THAT(Message(mixed.status()), HasSubstr("does not belong"));
+  EXPECT_FALSE(Authority::Load({"no PEM", (*two)->credentials().key_pem}).ok());
+  EXPECT_FALSE(Authority::Load({(*one)->credentials().certificate_pem, ""}).ok());
+}
+
+TEST(Directory, WritesFilesForTheirOwnerOnly) {
+  const Folder folder;
+  const Directory directory(folder / "new/pki");
+  ASSERT_TRUE(directory.Prepare().ok());
+  ASSERT_TRUE(directory.Write("r1", {"certificate", "key"}, Existing::kRefuse).ok());
+  EXPECT_EQ(ModeOf(directory.path()), 0700U);
+  EXPECT_EQ(ModeOf(directory.CertificatePath("r1")), 0600U);
+  EXPECT_EQ(ModeOf(directory.KeyPath("r1")), 0600U);
+  const auto read = directory.Read("r1");
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read->certificate_pem, "certificate");
+  EXPECT_EQ(read->key_pem, "key");
+  // Nothing else is left behind.
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 2);
+}
+
+TEST(Directory, ReplacesOnlyWhenAsked) {
+  const Folder folder;
+  const Directory directory(folder / "pki");
+  ASSERT_TRUE(directory.Prepare().ok());
+  ASSERT_TRUE(directory.Write("r1", {"old", "old key"}, Existing::kRefuse).ok());
+  const absl::Status refused = directory.Write("r1", {"new", "new key"}, Existing::kRefuse);
+  EXPECT_TRUE(absl::IsAlreadyExists(refused));
+  EXPECT_THAT(Message(refused), HasSubstr(directory.CertificatePath("r1")));
+  EXPECT_EQ(directory.Read("r1")->certificate_pem, "old");
+  ASSERT_TRUE(directory.Write("r1", {"new", "new key"}, Existing::kReplace).ok());
+  EXPECT_EQ(directory.Read("r1")->certificate_pem, "new");
+  EXPECT_EQ(directory.Read("r1")->key_pem, "new key");
+}
+
+TEST(Directory, ACertificateWithoutItsKeyIsNotReplacedEither) {
+  const Folder folder;
+  const Directory directory(folder / "pki");
+  ASSERT_TRUE(directory.Prepare().ok());
+  std::ofstream(directory.CertificatePath("r1")) << "somebody's";
+  EXPECT_TRUE(absl::IsAlreadyExists(directory.Write("r1", {"c", "k"}, Existing::kRefuse)));
+  EXPECT_FALSE(std::filesystem::exists(directory.KeyPath("r1")));
+}
+
+TEST(Directory, ErrorsNameThePath) {
+  const Folder folder;
+  const Directory missing(folder / "missing");
+  EXPECT_TRUE(absl::IsNotFound(missing.LoadAuthority().status()));
+  EXPECT_THAT(Message(missing.LoadAuthority().status()), HasSubstr(missing.CertificatePath("ca")));
+  std::ofstream(folder / "file") << "not a folder";
+  EXPECT_THAT(Message(Directory(folder / "file").Prepare()), HasSubstr(folder / "file"));
+  std::ofstream(folder / "big.crt") << std::string(kPemBytesMax + 1, 'x');
+  EXPECT_THAT(Message(Directory(folder / "").Read("big").status()), HasSubstr("big.crt"));
+}
+
+}  // namespace
+}  // namespace uplink::pki

@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# demo.sh [--for 30s] [--robots 50] [--store sqlite] [--seed N]: a development authority, an uplinkd
+# with the embedded store, a synthetic fleet that breaks off and sends wrong things on purpose, and
+# the comparison of what was sent, counted and stored. Everything lies in build/demo, made anew;
+# nothing is left running. Fails if anything does not add up.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+# shellcheck source=tools/dev/lib.sh
+source tools/dev/lib.sh
+
+# Tests put other folders here.
+readonly bin="${UPLINK_BIN_DIR:-$PWD/build/release/bin}"
+readonly demo="${UPLINK_DEMO_DIR:-$PWD/build/demo}"
+readonly start_seconds=30
+
+duration=30s
+robots=50
+store=sqlite
+seed=1
+while [[ $# -gt 0 ]]; do
+  case "$1" in
+    --for | --robots | --store | --seed)
+      [[ $# -ge 2 ]] || die_usage "$1 needs a value"
+      case "$1" in
+        --for) duration="$2" ;;
+        --robots) robots="$2" ;;
+        --store) store="$2" ;;
+        --seed) seed="$2" ;;
+      esac
+      shift 2
+      ;;
+    *) die_usage "demo: unknown argument: $1" ;;
+  esac
+done
+case "$store" in
+  sqlite) ;;
+  postgres) die_usage "demo: --store postgres is not in this version; sqlite is the store it holds" ;;
+  *) die_usage "demo: unknown store: $store (sqlite)" ;;
+esac
+[[ "$robots" =~ ^[1-9][0-9]{0,4}$ ]] || die_usage "demo: --robots takes a number from 1 to 99999"
+[[ "$seed" =~ ^[0-9]{1,18}$ ]] || die_usage "demo: --seed takes a number"
+[[ "$duration" =~ ^[1-9][0-9]*(ms|s|m|h)$ ]] || die_usage "demo: --for takes a duration such as 30s"
+for program in uplinkd uplinkctl uplink-fleet; do
+  [[ -x "$bin/$program" ]] || die "$bin/$program is not built: ./dev build"
+done
+
+server_pid=
+stop_server() {
+  [[ -n "$server_pid" ]] || return 0
+  local pid="$server_pid"
+  server_pid=
+  kill -TERM "$pid" 2>/dev/null || true
+  wait "$pid"
+}
+trap 'stop_server || true' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+rm -rf "$demo"
+mkdir -p "$demo"
+readonly pki="$demo/pki" log="$demo/uplinkd.log"
+{
+  "$bin/uplinkctl" pki init --dir "$pki"
+  "$bin/uplinkctl" pki server --dir "$pki" --host localhost --host 127.0.0.1
+} >"$demo/pki.log"
+cat >"$demo/uplinkd.toml" <<TOML
+[listen]
+relay = "127.0.0.1:0"
+http = "127.0.0.1:0"
+
+[tls]
+certificate_file = "$pki/server.crt"
+key_file = "$pki/server.key"
+client_ca_file = "$pki/ca.crt"
+
+[store]
+url = "sqlite://$demo/uplinkd.db"
+TOML
+
+# A session of its own: an interrupt on the terminal is for this script, which drains the server.
+setsid "$bin/uplinkd" --config "$demo/uplinkd.toml" >"$log" 2>&1 &
+server_pid=$!
+
+# The line `listening relay=ADDRESS http=ADDRESS`: the ports were free when they were bound.
+listening=
+for ((i = 0; i < start_seconds * 10; i++)); do
+  if listening="$(grep -m1 -E ' listening .*relay=' "$log")"; then break; fi
+  if ! kill -0 "$server_pid" 2>/dev/null; then
+    cat "$log" >&2
+    die "uplinkd ended before it listened"
+  fi
+  sleep 0.1
+done
+[[ -n "$listening" ]] || die "uplinkd did not listen within $start_seconds s: see $log"
+address_of() {
+  sed -E "s/.* $1=\"?([^ \"]+)\"?.*/\1/" <<<"$listening"
+}
+relay="$(address_of relay)"
+http="$(address_of http)"
+
+printf 'uplinkd: robots at %s, log in %s\n' "$relay" "$log"
+printf 'while it runs: http://%s/api/v1/robots  /api/v1/faults  /api/v1/status  /metrics\n\n' "$http"
+
+fleet_code=0
+"$bin/uplink-fleet" --target "$relay" --http "$http" --pki "$pki" --robots "$robots" \
+  --for "$duration" --seed "$seed" --malformed-share 0.005 --breaks-per-minute 2 || fleet_code=$?
+
+server_code=0
+stop_server || server_code=$?
+if [[ "$server_code" -ne 0 ]]; then
+  tail -n 20 "$log" >&2
+  die "uplinkd ended with $server_code: see $log"
+fi
+if [[ "$fleet_code" -ne 0 ]]; then
+  exit "$fleet_code"
+fi
+printf 'uplinkd drained and stopped; everything lies in %s\n' "$demo"

@@ -1,0 +1,133 @@
+#include "tools/uplink-fleet/agent.h"
+
+#include <chrono>
+#include <limits>
+#include <utility>
+
+namespace uplink::synthetic {
+namespace {
+
+constexpr std::chrono::seconds kBatchAgeMax{1};
+/// While the robots settle, each still says once a second that it is alive.
+constexpr std::chrono::seconds kIdleMotion{1};
+constexpr const char* kAgentVersion = "uplink-fleet " UPLINK_VERSION;
+
+}  // namespace
+
+Agent::Agent(const ScenarioOptions& options, std::size_t index, std::size_t batch,
+             const model::SessionId& session, Shared& shared)
+    : script_(options, index), model_(session), shared_(shared), batch_(batch) {}
+
+void Agent::Tick(SteadyTime now, SystemTime system_now) {
+  const std::int64_t now_ms = UnixMs(system_now);
+  switch (shared_.stage.load(std::memory_order_acquire)) {
+    case Stage::kRun:
+      for (Outgoing& message : script_.Tick(now_ms, ledger_)) {
+        // Refused only when 100,000 durable messages wait: the ledger then holds what was not sent
+        // as never acked, and the report says so.
+        if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
+      }
+      break;
+    case Stage::kSettle:
+      if (now >= next_idle_motion_) {
+        next_idle_motion_ = now + kIdleMotion;
+        model_.Offer(script_.Motion(now_ms, ledger_));
+      }
+      if (model_.durable_settled() && !std::exchange(reported_settled_, true)) {
+        shared_.settled_robots.fetch_add(1);
+      }
+      break;
+    case Stage::kLast:
+      if (!std::exchange(last_offered_, true)) {
+        model_.Offer(script_.Motion(now_ms, ledger_));
+        model_.Offer(script_.Status(now_ms, ledger_));
+      }
+      if (model_.all_settled() && !std::exchange(reported_last_, true)) {
+        shared_.last_robots.fetch_add(1);
+      }
+      break;
+    case Stage::kClose:
+      break;
+  }
+  if (model_.waiting() == 0) {
+    waiting_since_.reset();
+  } else if (!waiting_since_) {
+    waiting_since_ = now;
+  }
+}
+
+std::optional<v1::RelayRequest> Agent::NextFrame(SteadyTime now, SystemTime system_now) {
+  const bool due = shared_.stage.load(std::memory_order_relaxed) != Stage::kRun ||
+                   model_.resending() || model_.waiting() >= batch_ ||
+                   (waiting_since_ && now - *waiting_since_ >= kBatchAgeMax);
+  if (!due) return std::nullopt;
+  std::optional<v1::UplinkBatch> batch =
+      model_.NextBatch(now, std::numeric_limits<std::size_t>::max());
+  if (!batch) return std::nullopt;
+  waiting_since_.reset();
+  shared_.sent.fetch_add(static_cast<std::uint64_t>(batch->uplinks_size()),
+                         std::memory_order_relaxed);
+  batch->set_sent_unix_ms(UnixMs(system_now));
+  v1::RelayRequest frame;
+  *frame.mutable_batch() = std::move(*batch);
+  return frame;
+}
+
+v1::RelayRequest Agent::BeginStream() {
+  v1::RelayRequest frame;
+  *frame.mutable_hello() = model_.BeginStream(kAgentVersion);
+  return frame;
+}
+
+absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
+  if (frame.has_drain()) shared_.drains.fetch_add(1, std::memory_order_relaxed);
+  if (frame.has_reject()) shared_.rejects.fetch_add(1, std::memory_order_relaxed);
+  if (frame.has_welcome()) shared_.welcomes.fetch_add(1, std::memory_order_relaxed);
+  absl::Status status = model_.OnFrame(frame, now);
+  for (Settled& settled : model_.TakeSettled()) {
+    shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
+    if (const auto wrong = ledger_.wrongs.find(settled.tag); wrong != ledger_.wrongs.end()) {
+      wrong->second.seq = settled.seq;
+      wrong->second.acked = true;
+      wrong->second.told = std::move(settled.rejection);
+      continue;
+    }
+    const auto open = ledger_.open_faults.find(settled.tag);
+    if (open == ledger_.open_faults.end()) continue;
+    ledger_.faults[open->second].acked = true;
+    ledger_.open_faults.erase(open);
+    if (settled.rejection) {
+      if (ledger_.faults_rejected++ == 0) ledger_.first_fault_rejection = settled.rejection->detail;
+    }
+  }
+  return status;
+}
+
+void Agent::OnEndedOk() {
+  if (!model_.all_settled()) {
+    shared_.KeepFirstBrokenRule("a stream ended OK while messages of it were unsettled");
+  }
+  ended_ok_ = true;
+}
+
+bool Agent::may_close() const {
+  return shared_.stage.load(std::memory_order_acquire) == Stage::kClose && model_.may_send() &&
+         model_.all_settled();
+}
+
+RobotOutcome Agent::TakeOutcome(const std::string& ruri) {
+  RobotOutcome outcome;
+  outcome.ruri = ruri;
+  outcome.session_hex = model_.session().ToHex();
+  outcome.ledger = std::move(ledger_);
+  outcome.last_seq = model_.last_seq();
+  outcome.sent = model_.sent();
+  outcome.resent = model_.resent();
+  outcome.live_dropped = model_.live_dropped();
+  outcome.notices = model_.notices();
+  outcome.all_settled = model_.all_settled();
+  outcome.ended_ok = ended_ok_;
+  return outcome;
+}
+
+}  // namespace uplink::synthetic

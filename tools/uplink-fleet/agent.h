@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/agent_model.h"
+#include "tools/uplink-fleet/ledger.h"
+#include "tools/uplink-fleet/run.h"
+#include "tools/uplink-fleet/scenario.h"
+
+namespace uplink::synthetic {
+
+/// One robot without its connection: its script feeds its model, and what the model learns goes
+/// into the ledger. The connection (robot.h) moves the frames.
+///
+/// Thread: confined to the robot's thread; `shared` is the whole run's.
+class Agent final {
+ public:
+  /// `batch` is how many messages are gathered before they are sent, one second at most.
+  Agent(const ScenarioOptions& options, std::size_t index, std::size_t batch,
+        const model::SessionId& session, Shared& shared);
+
+  /// Makes this tick's messages, as the stage asks.
+  void Tick(SteadyTime now, SystemTime system_now);
+  /// The next frame to send; none if nothing is due.
+  [[nodiscard]] std::optional<v1::RelayRequest> NextFrame(SteadyTime now, SystemTime system_now);
+  [[nodiscard]] v1::RelayRequest BeginStream();
+  [[nodiscard]] absl::Status OnFrame(const v1::RelayResponse& frame, SteadyTime now);
+  void EndStream() { model_.EndStream(); }
+  /// The stream ended OK after our half-close.
+  void OnEndedOk();
+
+  /// Everything is settled and the stage says to close.
+  [[nodiscard]] bool may_close() const;
+  [[nodiscard]] bool ended_ok() const { return ended_ok_; }
+  [[nodiscard]] bool welcomed() const { return model_.welcomed(); }
+  [[nodiscard]] RobotOutcome TakeOutcome(const std::string& ruri);
+
+ private:
+  RobotScript script_;
+  AgentModel model_;
+  Ledger ledger_;
+  Shared& shared_;
+  std::size_t batch_;
+  std::optional<SteadyTime> waiting_since_;
+  SteadyTime next_idle_motion_{};
+  bool last_offered_ = false;
+  bool reported_settled_ = false;
+  bool reported_last_ = false;
+  bool ended_ok_ = false;
+};
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/flags.h"
+#include "tools/uplink-fleet/report.h"
+#include "tools/uplink-fleet/server_view.h"
+#include "tools/uplink-fleet/swarm.h"
+#include "tools/uplink-fleet/verify.h"
+
+namespace uplink::synthetic {
+namespace {
+
+constexpr milliseconds kLook{100};
+constexpr milliseconds kProgressEvery{1000};
+/// For the last motion and status, and for the half-close.
+constexpr milliseconds kCloseDeadline{30'000};
+/// Without any Welcome for that long at the start, nothing can be run.
+constexpr milliseconds kFirstWelcomeDeadline{15'000};
+/// The counters of the queue threads are published a moment after the acks.
+constexpr milliseconds kCountersDeadline{3000};
+
+constexpr std::array<const char*, kStatusCodes> kStatusNames = {
+    "OK",        "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",
+    "NOT_FOUND", "ALREADY_EXISTS", "PERMISSION_DENIED", "RESOURCE_EXHAUSTED", "FAILED_PRECONDITION",
+    "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
+    "DATA_LOSS", "UNAUTHENTICATED"};
+
+/// SIGINT and SIGTERM, taken synchronously by main; every thread inherits the mask.
+class Signals {
+ public:
+  Signals() {
+    sigemptyset(&set_);
+    sigaddset(&set_, SIGINT);
+    sigaddset(&set_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+  }
+  /// True if one came within `wait`.
+  [[nodiscard]] bool Wait(milliseconds wait) const {
+    const timespec time{static_cast<std::time_t>(wait.count() / 1000),
+                        static_cast<long>(wait.count() % 1000) * 1'000'000};
+    return sigtimedwait(&set_, nullptr, &time) > 0;
+  }
+
+ private:
+  sigset_t set_{};
+};
+
+class Run {
+ public:
+  explicit Run(const Flags& flags) : flags_(flags), view_(flags.http) {}
+
+  int Main() {
+    flags_.swarm.scenario.run = RandomRun();
+    const absl::StatusOr<v1::ServerStatus> before = view_.Status();
+    if (!before.ok()) return CannotRun(before.status());
+    evidence_.before = *before;
+    absl::StatusOr<std::unique_ptr<Swarm>> swarm = Swarm::Create(flags_.swarm, clock_, shared_);
+    if (!swarm.ok()) return CannotRun(swarm.status());
+    const SteadyTime started = clock_.Steady();
+    (*swarm)->Start();
+    const bool reached = Send();
+    figures_.seconds = std::chrono::duration<double>(clock_.Steady() - started).count();
+    if (reached) Settle();
+    shared_.stage.store(Stage::kClose);
+    if (!reached || !WaitFor(shared_.closed_robots, kCloseDeadline)) shared_.abandon.store(true);
+    evidence_.robots = (*swarm)->Finish();
+    ClearProgress();
+    if (!reached) {
+      return CannotRun(absl::UnavailableError("no robot was welcomed: " + shared_.FirstError()));
+    }
+    if (const absl::Status status = Gather(); !status.ok()) return CannotRun(status);
+    return Conclude();
+  }
+
+ private:
+  static std::string RandomRun() {
+    std::random_device random;
+    return fmt::format("{:08x}", random());
+  }
+
+  static int CannotRun(const absl::Status& status) {
+    fmt::print(stderr, "uplink-fleet: {}\n", std::string(status.message()));
+    return kExitFailed;
+  }
+
+  /// The run itself; false if the server never welcomed a robot.
+  bool Send() {
+    const SteadyTime start = clock_.Steady();
+    while (clock_.Steady() - start < flags_.run_for) {
+      Progress();
+      if (signals_.Wait(kLook)) break;
+      if (shared_.welcomes.load() == 0 && clock_.Steady() - start > kFirstWelcomeDeadline) {
+        return false;
+      }
+    }
+    return shared_.welcomes.load() > 0;
+  }
+
+  /// Settles all, and looks at the live state while the robots are still there.
+  void Settle() {
+    shared_.stage.store(Stage::kSettle);
+    if (!WaitFor(shared_.settled_robots, flags_.settle_for)) return;
+    shared_.stage.store(Stage::kLast);
+    if (!WaitFor(shared_.last_robots, kCloseDeadline)) return;
+    auto live = view_.Robots(flags_.swarm.fleet);
+    if (live.ok()) {
+      evidence_.live = std::move(*live);
+    } else {
+      shared_.KeepFirstError(std::string(live.status().message()));
+    }
+  }
+
+  bool WaitFor(const std::atomic<std::size_t>& robots, milliseconds deadline) {
+    const SteadyTime start = clock_.Steady();
+    while (robots.load() < flags_.swarm.robots) {
+      if (clock_.Steady() - start > deadline) return false;
+      Progress();
+      // A second signal while settling gives up the rest.
+      if (signals_.Wait(kLook)) return false;
+    }
+    return true;
+  }
+
+  absl::Status Gather() {
+    const SteadyTime start = clock_.Steady();
+    while (true) {
+      absl::StatusOr<v1::ServerStatus> after = view_.Status();
+      if (!after.ok()) return after.status();
+      evidence_.after = std::move(*after);
+      const auto in_flight = evidence_.after.uplinks().find("inFlight");
+      if (in_flight == evidence_.after.uplinks().end() || in_flight->second == 0 ||
+          clock_.Steady() - start > kCountersDeadline || signals_.Wait(kLook)) {
+        break;
+      }
+    }
+    for (const RobotOutcome& robot : evidence_.robots) {
+      absl::StatusOr<StoredRobot> stored = view_.Stored(robot.ruri);
+      if (!stored.ok()) return stored.status();
+      evidence_.stored[robot.ruri] = std::move(*stored);
+    }
+    return absl::OkStatus();
+  }
+
+  int Conclude() {
+    evidence_.run = flags_.swarm.scenario.run;
+    evidence_.rules_broken = shared_.rules_broken.load();
+    evidence_.first_broken_rule = shared_.FirstBrokenRule();
+    FillFigures();
+    evidence_.disturbed = figures_.breaks > 0 || figures_.ends.size() > figures_.ends.count("OK") ||
+                          figures_.drains > 0;
+    const std::vector<CheckRow> rows = Verify(evidence_);
+    const std::string text = flags_.json ? JsonReport(figures_, rows) : TextReport(figures_, rows);
+    std::fputs(text.c_str(), stdout);
+    return AllOk(rows) ? kExitDone : kExitMismatch;
+  }
+
+  void FillFigures() {
+    figures_.robots = evidence_.robots.size();
+    figures_.seed = flags_.swarm.scenario.seed;
+    figures_.run = evidence_.run;
+    for (const RobotOutcome& robot : evidence_.robots) {
+      figures_.sent += robot.sent;
+      figures_.resent += robot.resent;
+      figures_.notices += robot.notices;
+    }
+    figures_.acked_durable = shared_.acked_durable.load();
+    figures_.rejects = shared_.rejects.load();
+    figures_.welcomes = shared_.welcomes.load();
+    figures_.breaks = shared_.breaks.load();
+    figures_.drains = shared_.drains.load();
+    figures_.restarted = Restarted(evidence_);
+    figures_.first_error = shared_.FirstError();
+    for (std::size_t code = 0; code < kStatusCodes; ++code) {
+      const std::uint64_t count = shared_.ends[code].load();
+      if (count > 0) figures_.ends[kStatusNames[code]] = count;
+    }
+  }
+
+  /// A line that is overwritten on a terminal, plain lines elsewhere; on standard error.
+  void Progress() {
+    const SteadyTime now = clock_.Steady();
+    if (now < next_progress_) return;
+    next_progress_ = now + kProgressEvery;
+    const std::string line =
+        fmt::format("{} streams, {} sent, {} durable acked, {} rejects, {} breaks",
+                    shared_.streams.load(), shared_.sent.load(), shared_.acked_durable.load(),
+                    shared_.rejects.load(), shared_.breaks.load());
+    const std::string text = terminal_ ? "\r\x1b[K" + line : line + "\n";
+    std::fputs(text.c_str(), stderr);
+    std::fflush(stderr);
+  }
+
+  void ClearProgress() const {
+    if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  }
+
+  Flags flags_;
+  Signals signals_;
+  SystemClock clock_;
+  Shared shared_;
+  ServerView view_;
+  Evidence evidence_;
+  RunFigures figures_;
+  SteadyTime next_progress_{};
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+};
+
+}  // namespace
+}  // namespace uplink::synthetic
+
+int main(int argc, char** argv) {
+  int code = uplink::synthetic::kExitDone;
+  const auto flags = uplink::synthetic::ReadFlags(argc, argv, code);
+  if (!flags) return code;
+  uplink::synthetic::Run run(*flags);
+  return run.Main();
+}

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/uplink-fleet/verify.h"
+
+namespace uplink::synthetic {
+
+/// What a run did, beside the table. A value.
+struct RunFigures {
+  std::uint64_t robots = 0;
+  std::uint64_t seed = 0;
+  std::string run;
+  double seconds = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t resent = 0;
+  std::uint64_t acked_durable = 0;
+  std::uint64_t rejects = 0;
+  std::uint64_t notices = 0;
+  std::uint64_t welcomes = 0;
+  std::uint64_t breaks = 0;
+  std::uint64_t drains = 0;
+  bool restarted = false;
+  /// Streams that ended on their own, by gRPC status name.
+  std::map<std::string, std::uint64_t> ends;
+  /// First trouble that was overcome by reconnecting; empty if none.
+  std::string first_error;
+};
+
+[[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
+
+/// The table for people, ending with one line that says whether all agree.
+[[nodiscard]] std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows);
+
+/// The same as one JSON object: `{"ok":...,"run":{...},"checks":[...]}`.
+[[nodiscard]] std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows);
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace uplink::synthetic {
+
+/// What the robots are to do now; only ever moves forward.
+enum class Stage : std::uint8_t {
+  /// Live as the scenario says.
+  kRun,
+  /// Raise nothing new, keep moving, until every durable message is settled.
+  kSettle,
+  /// One last motion and status, settled too.
+  kLast,
+  /// Half-close and wait for OK.
+  kClose,
+};
+
+/// gRPC's status codes, 0 to 16.
+inline constexpr std::size_t kStatusCodes = 17;
+
+/// What main and the robots' threads share. Thread-safe: counters are atomic and only grow.
+struct Shared {
+  std::atomic<Stage> stage{Stage::kRun};
+  /// Robots give up what they wait for.
+  std::atomic<bool> abandon{false};
+
+  std::atomic<std::int64_t> streams{0};
+  std::atomic<std::uint64_t> welcomes{0};
+  std::atomic<std::uint64_t> sent{0};
+  std::atomic<std::uint64_t> acked_durable{0};
+  std::atomic<std::uint64_t> rejects{0};
+  std::atomic<std::uint64_t> breaks{0};
+  std::atomic<std::uint64_t> drains{0};
+  std::atomic<std::uint64_t> rules_broken{0};
+  /// Ends of streams by status code.
+  std::array<std::atomic<std::uint64_t>, kStatusCodes> ends{};
+  /// Robots that have done what the stage asks for.
+  std::atomic<std::size_t> settled_robots{0};
+  std::atomic<std::size_t> last_robots{0};
+  std::atomic<std::size_t> closed_robots{0};
+
+  /// Keeps the first text of its kind, for the report.
+  void KeepFirstError(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    if (first_error_.empty()) first_error_ = text;
+  }
+  void KeepFirstBrokenRule(const std::string& text) {
+    rules_broken.fetch_add(1, std::memory_order_relaxed);
+    const std::lock_guard lock(mutex_);
+    if (first_broken_rule_.empty()) first_broken_rule_ = text;
+  }
+  [[nodiscard]] std::string FirstError() {
+    const std::lock_guard lock(mutex_);
+    return first_error_;
+  }
+  [[nodiscard]] std::string FirstBrokenRule() {
+    const std::lock_guard lock(mutex_);
+    return first_broken_rule_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string first_error_;
+  std::string first_broken_rule_;
+};
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <absl/status/status.h>
+
+namespace CLI {
+class App;
+}
+
+namespace uplink::ctl {
+
+/// Exit codes of the program (surface page).
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitFailed = 1;
+inline constexpr int kExitWrongUse = 2;
+
+/// What the parsed command line asks for; runs after parsing and returns the exit code.
+using Action = std::function<int()>;
+
+/// Adds the noun `pki` and its verbs; the chosen verb puts its work into `action`.
+void AddPki(CLI::App& app, Action& action);
+
+/// Adds the noun `config` and its verbs.
+void AddConfig(CLI::App& app, Action& action);
+
+/// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
+[[nodiscard]] int ExitOf(const absl::Status& status);
+
+}  // namespace uplink::ctl
