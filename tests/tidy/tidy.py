@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""Checks the rules of the house that no compiler checks. Standard library only.
+
+Each rule is a function that takes a Tree and yields Findings; test_tidy.py shows each to fail and to
+pass. A finding names the file, the line and what to do.
+"""
+
+import argparse
+import sys
+
+import includes
+import text
+import whole
+from tree import Tree
+
+RULES = (
+    includes.direction,
+    includes.foreign,
+    includes.transports,
+    includes.form,
+    text.length,
+    text.banned,
+    text.words,
+    whole.built,
+    whole.settings,
+    whole.links,
+    whole.readmes,
+)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--root", default=".")
+    tree = Tree(parser.parse_args().root)
+    if not tree.cxx:
+        print("tidy: the tree holds no C++ file; wrong --root?", file=sys.stderr)
+        return 2
+    findings = sorted(finding for rule in RULES for finding in rule(tree))
+    for finding in findings:
+        print(finding)
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,100 @@
+"""Rules about the tree as a whole: what is built, configured, linked and explained."""
+
+import posixpath
+import re
+
+from tree import SOURCE_FOLDERS, Finding
+
+SETTINGS = "server/config/settings.cc"
+EXAMPLE = "deploy/uplinkd.toml"
+SETTING = re.compile(r'\.section\s*=\s*"([a-z_]+)",\s*\.key\s*=\s*"([a-z_]+)"')
+SECTION_LINE = re.compile(r"^\[([a-z_]+)\]")
+KEY_LINE = re.compile(r"^(?:#\s*)?([a-z_]+)\s*=\s")
+
+README_FOLDERS = ("proto", "schema", "metrics", "storage", "server", "tools", "deploy", "tests")
+CMAKE_COMMENT = re.compile(r"#.*")
+CMAKE_SOURCE = re.compile(r"[\w./+-]+\.(?:cc|h)\b")
+SUBDIRECTORY = re.compile(r"\badd_subdirectory\(\s*([\w./-]+)")
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s#]+)(?:#[^)]*)?\)")
+
+
+def _cmake(tree, path):
+    return CMAKE_COMMENT.sub("", tree.text(path))
+
+
+def _cmake_files(tree):
+    return [path for path in tree.files if posixpath.basename(path) == "CMakeLists.txt"]
+
+
+def built(tree):
+    """Every source is named in a CMakeLists.txt, every header is included, every list is entered."""
+    named, entered = set(), set()
+    for path in _cmake_files(tree):
+        folder = posixpath.dirname(path)
+        text = _cmake(tree, path)
+        for name in CMAKE_SOURCE.findall(text):
+            named.add(posixpath.normpath(posixpath.join(folder, name)))
+        for name in SUBDIRECTORY.findall(text):
+            entered.add(posixpath.normpath(posixpath.join(folder, name, "CMakeLists.txt")))
+    included = {include.name for path in tree.cxx for include in tree.includes(path)}
+    for path in tree.cxx:
+        if not path.startswith(tuple(folder + "/" for folder in SOURCE_FOLDERS)):
+            continue
+        if path.endswith(".cc") and path not in named:
+            yield Finding(path, 1, "not-built", "no CMakeLists.txt names it")
+        # A precompiled header is named by its target instead of being included.
+        if path.endswith(".h") and path not in included and path not in named:
+            yield Finding(path, 1, "not-built", "nothing includes it")
+    for path in _cmake_files(tree):
+        if path != "CMakeLists.txt" and path not in entered:
+            yield Finding(path, 1, "not-built", "no add_subdirectory enters it")
+
+
+def settings(tree):
+    """The keys of the settings table are those of the example file."""
+    if not tree.has(SETTINGS) or not tree.has(EXAMPLE):
+        missing = EXAMPLE if tree.has(SETTINGS) else SETTINGS
+        yield Finding(missing, 1, "settings", "the file is not there")
+        return
+    text = tree.text(SETTINGS)
+    table = {}
+    for match in SETTING.finditer(text):
+        table[f"{match.group(1)}.{match.group(2)}"] = text.count("\n", 0, match.start()) + 1
+    example, section = {}, ""
+    for number, line in enumerate(tree.lines(EXAMPLE), 1):
+        head, key = SECTION_LINE.match(line), KEY_LINE.match(line)
+        if head:
+            section = head.group(1)
+        elif key:
+            example[f"{section}.{key.group(1)}"] = number
+    for key in sorted(table.keys() - example.keys()):
+        yield Finding(SETTINGS, table[key], "settings", f"{key} is not in {EXAMPLE}")
+    for key in sorted(example.keys() - table.keys()):
+        yield Finding(EXAMPLE, example[key], "settings", f"{key} is no setting")
+    if not table:
+        yield Finding(SETTINGS, 1, "settings", "no setting was found: the pattern is out of date")
+
+
+def links(tree):
+    """Relative links of the documents lead somewhere."""
+    folders = {posixpath.dirname(path) for path in tree.files}
+    for path in tree.files:
+        if not path.endswith(".md"):
+            continue
+        for number, line in enumerate(tree.lines(path), 1):
+            for name in LINK.findall(line):
+                if re.match(r"[a-z]+:", name):
+                    continue
+                target = posixpath.normpath(posixpath.join(posixpath.dirname(path), name))
+                if not tree.has(target) and not any(
+                    each == target or each.startswith(target + "/") for each in folders
+                ):
+                    yield Finding(path, number, "link", f"leads nowhere: {name}")
+
+
+def readmes(tree):
+    """Each top folder says what it is for."""
+    for folder in README_FOLDERS:
+        inside = any(path.startswith(folder + "/") for path in tree.files)
+        if inside and not tree.has(f"{folder}/README.md"):
+            yield Finding(f"{folder}/README.md", 1, "readme", "the folder has no README.md")
