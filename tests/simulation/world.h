@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/simulation/payloads.h"
@@ -59,6 +60,8 @@ class World final {
 
  private:
   struct Robot {
+    explicit Robot(SimAgent given) : agent(std::move(given)) {}
+
     SimAgent agent;
     std::optional<std::uint64_t> stream;
     std::uint64_t batches_acked = 0;
