@@ -227,9 +227,9 @@ void World::End() {
   // A session that the store evicted may begin anew under its id.
   if (sessions_.size() > storage::kSessionsPerRobotMax) return;
   for (const auto& [ruri, session] : database_.Sessions()) {
-    for (const auto& [seq, times] : database_.Log(ruri, session).times_written) {
-      UPLINK_CHECK(times == 1, "nothing is written twice");
-    }
+    const auto& written = database_.Log(ruri, session).times_written;
+    UPLINK_CHECK(std::ranges::all_of(written, [](const auto& each) { return each.second == 1; }),
+                 "nothing is written twice");
   }
 }
 

@@ -36,12 +36,12 @@ std::string EveryContent() {
   return Bytes({6, 1, kGood, 1, kBad, 1, kRefused, 1, kLive, 1, kRcan, 1, kEmpty});
 }
 
-std::map<std::string, std::string> Seeds() {
+/// Whole frames and pieces of them.
+void AddFrameSeeds(std::map<std::string, std::string>& seeds) {
   const std::string hello = session::HelloFrame(SessionOf(1)).SerializeAsString();
   const std::string batch =
       BatchFrame({{1, session::Fault()}, {2, session::BadFault()}, {3, session::Motion()}})
           .SerializeAsString();
-  std::map<std::string, std::string> seeds;
   seeds["frames"] = Script().Frame(hello).Do(Step::kCommit).Frame(batch).Do(Step::kCommit).bytes();
   seeds["cut_frame"] = Script().Frame(hello).Do(Step::kCommit).Frame(batch.substr(0, 40)).bytes();
   seeds["hello_twice"] = Welcomed().Frame(hello).bytes();
@@ -53,6 +53,11 @@ std::map<std::string, std::string> Seeds() {
                       .Do(Step::kTime, Bytes({20}))
                       .Do(Step::kCommit)
                       .bytes();
+  seeds["too_large"] = Welcomed().Do(Step::kTooLarge).bytes();
+}
+
+/// Streams that end and sessions that go on.
+void AddResumeSeeds(std::map<std::string, std::string>& seeds) {
   seeds["resume"] = Welcomed()
                         .Do(Step::kBatch, EveryContent())
                         .Do(Step::kBreak)
@@ -92,6 +97,21 @@ std::map<std::string, std::string> Seeds() {
                           .Do(Step::kCommit)
                           .Do(Step::kBatch, EveryContent())
                           .bytes();
+  seeds["taken_by_another_process"] = Welcomed()
+                                          .Do(Step::kBatch, EveryContent())
+                                          .Do(Step::kTaken, Bytes({0}))
+                                          .Do(Step::kJournal)
+                                          .Do(Step::kJournal)
+                                          .Do(Step::kBatch, EveryContent())
+                                          .Do(Step::kWakes)
+                                          .Do(Step::kStream, Bytes({0}))
+                                          .Do(Step::kHello, Bytes({1, 0, 6}))
+                                          .Do(Step::kCommit)
+                                          .bytes();
+}
+
+/// A store, a reader or a server in trouble.
+void AddStoreSeeds(std::map<std::string, std::string>& seeds) {
   seeds["held_back"] = Welcomed()
                            .Do(Step::kStoreAway)
                            .Do(Step::kBatch, Bytes({8, 1, kGood, 1, kGood, 1, kGood, 1, kGood, 1,
@@ -121,24 +141,19 @@ std::map<std::string, std::string> Seeds() {
                                .Do(Step::kDrain, Bytes({10}))
                                .Do(Step::kTime, Bytes({20}))
                                .bytes();
-  seeds["too_large"] = Welcomed().Do(Step::kTooLarge).bytes();
-  seeds["taken_by_another_process"] = Welcomed()
-                                          .Do(Step::kBatch, EveryContent())
-                                          .Do(Step::kTaken, Bytes({0}))
-                                          .Do(Step::kJournal)
-                                          .Do(Step::kJournal)
-                                          .Do(Step::kBatch, EveryContent())
-                                          .Do(Step::kWakes)
-                                          .Do(Step::kStream, Bytes({0}))
-                                          .Do(Step::kHello, Bytes({1, 0, 6}))
-                                          .Do(Step::kCommit)
-                                          .bytes();
   seeds["lost_answer"] = Welcomed()
                              .Do(Step::kBatch, EveryContent())
                              .Do(Step::kStoreFails, Bytes({1}))
                              .Do(Step::kJournal)
                              .Do(Step::kCommit)
                              .bytes();
+}
+
+std::map<std::string, std::string> Seeds() {
+  std::map<std::string, std::string> seeds;
+  AddFrameSeeds(seeds);
+  AddResumeSeeds(seeds);
+  AddStoreSeeds(seeds);
   return seeds;
 }
 
