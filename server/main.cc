@@ -18,6 +18,7 @@
 #include "server/health/process.h"
 #include "server/log/logger.h"
 #include "server/relay/environment.h"
+#include "server/relay/grpc_log.h"
 
 namespace uplink {
 namespace {
@@ -96,6 +97,7 @@ int Serve(const Flags& flags) {
   const SystemClock clock;
   log::Logger logger(log::StandardError(), clock, LogFormatOf(config.log.format),
                      LogLevelOf(config.log.level));
+  const relay::GrpcLog grpc_log(logger);
   logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
   for (const config::Problem& note : loaded.notes) {
     logger.Warn("setting_without_effect", {{"note", config::ToText(note)}});

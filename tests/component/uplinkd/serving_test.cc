@@ -1,6 +1,8 @@
 #include <future>
 #include <memory>
 #include <span>
+#include <sstream>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -93,6 +95,24 @@ TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
   }
 }
 
+TEST_F(ServingTest, EveryLineOfTheLogIsOursEvenWhenGrpcComplains) {
+  process_ = folder_.Start({}, {"UPLINKD_LOG_FORMAT=json"});
+  const std::string key = R"("relay":"127.0.0.1:)";
+  ASSERT_TRUE(process_->WaitFor(key) &&
+              process_->WaitFor("\n", seconds(10), process_->text().find(key)))
+      << process_->text();
+  const std::string port = process_->text().substr(process_->text().find(key) + key.size());
+  // Not TLS: gRPC has something to say of it.
+  static_cast<void>(HttpGet(static_cast<std::uint16_t>(std::stoul(port)), "/"));
+  ASSERT_TRUE(process_->WaitFor(R"("event":"grpc","text":")")) << process_->text();
+  process_->Signal(SIGTERM);
+  EXPECT_EQ(process_->WaitForExit(), 0);
+  std::istringstream lines(process_->text());
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_TRUE(line.starts_with(R"({"time":")") && line.ends_with('}')) << line;
+  }
+}
+
 TEST_F(ServingTest, RobotsOfTheStoreAreKnownFromTheStart) {
   {
     storage::sqlite::StoreOptions options;
@@ -121,7 +141,7 @@ TEST_F(ServingTest, SighupTakesTheLogLevelAndNamesWhatNeedsARestart) {
   process_->Signal(SIGTERM);
   EXPECT_EQ(process_->WaitForExit(), 0);
   // Of level info, so left out now.
-  EXPECT_EQ(process_->text().find("stopped", before), std::string::npos);
+  EXPECT_EQ(process_->text().find(" stopped", before), std::string::npos) << process_->text();
 }
 
 TEST_F(ServingTest, SighupWithABadFileChangesNothing) {
