@@ -110,6 +110,7 @@ TEST(Bounds, StreamsOfOneConnectionWaitForEachOther) {
   RelayWorld world;
   const auto channel = world.Channel(RuriOf(1));
   std::vector<std::unique_ptr<TestAgent>> agents;
+  agents.reserve(kStreamsPerConnectionMax);
   for (int i = 0; i < kStreamsPerConnectionMax; ++i) {
     agents.push_back(std::make_unique<TestAgent>(channel));
   }

@@ -164,6 +164,7 @@ TEST(Lifecycle, ShutdownUnderLoadLosesNothingThatWasAcked) {
   constexpr int kRobots = 8;
   std::vector<model::Seq> acked(kRobots, 0);
   std::vector<std::jthread> threads;
+  threads.reserve(kRobots);
   for (int i = 0; i < kRobots; ++i) {
     threads.emplace_back([&world, &acked, i] {
       TestAgent agent(world.Channel(RuriOf(i)));

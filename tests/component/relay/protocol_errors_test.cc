@@ -34,6 +34,7 @@ std::string Hello(const std::function<void(v1::Hello&)>& change) {
 
 std::string Numbers(const std::vector<model::Seq>& numbers) {
   std::vector<Sent> messages;
+  messages.reserve(numbers.size());
   for (const model::Seq seq : numbers) messages.push_back({seq, MotionPayload()});
   return Bytes(BatchFrame(messages));
 }
@@ -50,8 +51,8 @@ std::string NotUtf8InHello() {
 constexpr auto kInvalid = grpc::StatusCode::INVALID_ARGUMENT;
 constexpr model::Seq kPastMax = model::kSeqMax + 1;
 
-const std::vector<Fault>& Faults() {
-  static const std::vector<Fault> kFaults = {
+std::vector<Fault> FrameFaults() {
+  return {
       {"NotProtobuf", false, [] { return std::vector<std::string>{"\xff\xff\xff"}; }, kInvalid,
        "frame 1: not a RelayRequest"},
       {"TextNotUtf8", false, [] { return std::vector{NotUtf8InHello()}; }, kInvalid,
@@ -67,6 +68,11 @@ const std::vector<Fault>& Faults() {
        "frame 1: the first frame must be a hello"},
       {"HelloTwice", true, [] { return std::vector{Bytes(HelloFrame(SessionOf(1)))}; }, kInvalid,
        "frame 2: hello: only the first frame may be one"},
+  };
+}
+
+std::vector<Fault> HelloFaults() {
+  return {
       {"SessionIdShort", false,
        [] {
          return std::vector{
@@ -109,6 +115,11 @@ const std::vector<Fault>& Faults() {
       {"JudgedPastMax", false,
        [] { return std::vector{Bytes(HelloFrame(SessionOf(1), 1, kPastMax))}; }, kInvalid,
        "frame 1: hello.judged_seq: 9223372036854775808 is over 2^63-1"},
+  };
+}
+
+std::vector<Fault> NumberFaults() {
+  return {
       {"NumberZero", true, [] { return std::vector{Numbers({0})}; }, kInvalid,
        "frame 2: batch.uplinks[0].seq: it must be at least 1"},
       {"NumberPastMax", true, [] { return std::vector{Numbers({kPastMax})}; }, kInvalid,
@@ -134,7 +145,6 @@ const std::vector<Fault>& Faults() {
        },
        kInvalid, "frame 2: batch.uplinks: 9 messages, the limit is 8"},
   };
-  return kFaults;
 }
 
 class ProtocolErrorTest : public ::testing::TestWithParam<Fault> {};
@@ -153,8 +163,10 @@ TEST_P(ProtocolErrorTest, EndsTheStream) {
   EXPECT_TRUE(Eventually([&] { return world.server().streams() == 0; }));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ProtocolErrorTest, ::testing::ValuesIn(Faults()),
-                         [](const auto& instance) { return instance.param.name; });
+const auto kName = [](const auto& instance) { return instance.param.name; };
+INSTANTIATE_TEST_SUITE_P(Frames, ProtocolErrorTest, ::testing::ValuesIn(FrameFaults()), kName);
+INSTANTIATE_TEST_SUITE_P(Hellos, ProtocolErrorTest, ::testing::ValuesIn(HelloFaults()), kName);
+INSTANTIATE_TEST_SUITE_P(Numbers, ProtocolErrorTest, ::testing::ValuesIn(NumberFaults()), kName);
 
 TEST(ProtocolErrors, HalfCloseBeforeHello) {
   RelayWorld world;
