@@ -14,5 +14,6 @@ find_package(GTest REQUIRED)
 if(UPLINK_WITH_GRPC)
   find_package(gRPC REQUIRED CONFIG)
 endif()
-# Beast and Asio are headers only; no Boost library is linked.
+# Beast and Asio are headers only; of Boost only JSON is linked.
 find_path(UPLINK_BOOST_INCLUDE_DIR boost/beast/version.hpp REQUIRED)
+find_package(boost_json 1.81 REQUIRED CONFIG)

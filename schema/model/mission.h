@@ -27,6 +27,12 @@ inline constexpr auto kEnumNames<MissionStatus> =
     std::to_array<std::string_view>({"unknown", "ready", "starting", "running", "paused", "blocked",
                                      "aborted", "complete", "error"});
 
+/// True for a status after which a run makes no more progress. A report may follow all the same.
+[[nodiscard]] constexpr bool IsTerminal(MissionStatus status) {
+  return status == MissionStatus::kAborted || status == MissionStatus::kComplete ||
+         status == MissionStatus::kError;
+}
+
 /// Progress or outcome of one run of a mission. Durable. A value.
 struct MissionRunStatus {
   std::int64_t unix_time_ms = 0;

@@ -40,9 +40,10 @@ FOREIGN = (
         re.compile(r"^(capnp|kj)/|\.capnp\.h$"),
         ("schema/", "tests/unit/schema/", "tests/conformance/", "tests/fuzz/"),
     ),
+    Foreign("Boost.JSON", re.compile(r"^boost/json"), ("schema/json/", "server/view/", "tools/", "tests/")),
     Foreign(
         "Boost",
-        re.compile(r"^boost/"),
+        re.compile(r"^boost/(?!json)"),
         ("server/http/", "server/health/", "server/app", "tools/", "tests/"),
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),

@@ -56,6 +56,7 @@ class ForeignTest(RuleTest):
         ('"schema/uplink.capnp.h"', "schema/decode.cc", "server/view/a.cc"),
         ("<boost/beast/core.hpp>", "server/http/a.cc", "server/relay/a.cc"),
         ("<boost/asio.hpp>", "server/app.cc", "server/main.cc"),
+        ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/app.cc"),
         ("<spdlog/spdlog.h>", "server/log/a.cc", "server/relay/a.cc"),
         ("<CLI/CLI.hpp>", "server/main.cc", "server/app.cc"),

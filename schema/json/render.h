@@ -1,0 +1,43 @@
+#pragma once
+
+#include <boost/json.hpp>
+
+#include "schema/model/record.h"
+
+/// The model as JSON values, by the specification's names: absent optionals are absent, hasX flags
+/// never appear, enumerants are names, a Value is its bare scalar, a void union member is null,
+/// 32-bit floats are the double that they are. What is shown was judged before, so every number is
+/// finite. Pure; any thread.
+namespace uplink::json {
+
+[[nodiscard]] boost::json::object Render(const model::MissionRunStatus& body);
+[[nodiscard]] boost::json::object Render(const model::MotionTelemetry& body);
+[[nodiscard]] boost::json::object Render(const model::StatusTelemetry& body);
+[[nodiscard]] boost::json::object Render(const model::TelemetryExtras& body);
+[[nodiscard]] boost::json::object Render(const model::EventTelemetry& body);
+[[nodiscard]] boost::json::object Render(const model::UiCapabilities& body);
+[[nodiscard]] boost::json::object Render(const model::Fault& body);
+[[nodiscard]] boost::json::object Render(const model::ShapeOp& body);
+[[nodiscard]] boost::json::object Render(const model::ObjectOp& body);
+[[nodiscard]] boost::json::object Render(const model::SystemHealth& body);
+[[nodiscard]] boost::json::object Render(const model::UsageTelemetry& body);
+[[nodiscard]] boost::json::object Render(const model::ConsumableStatus& body);
+/// The bare list of the specification; RenderByKey is what operators see.
+[[nodiscard]] boost::json::array Render(const model::CurrentSettings& body);
+[[nodiscard]] boost::json::object Render(const model::Message& body);
+[[nodiscard]] boost::json::object Render(const model::AgentInfo& body);
+[[nodiscard]] boost::json::object Render(const model::SpatialDirectiveStatus& body);
+
+/// The whole message: `{"motionTelemetry": {...}}`.
+[[nodiscard]] boost::json::object RenderBody(const model::Body& body);
+
+// Parts that views show on their own.
+[[nodiscard]] boost::json::object Render(const model::Pose& pose);
+[[nodiscard]] boost::json::object Render(const model::Trajectory& trajectory);
+[[nodiscard]] boost::json::value Render(const model::Value& value);
+/// What the event's union member holds: Event.detail; empty for the e-stop kinds.
+[[nodiscard]] boost::json::object RenderDetail(const model::EventKind& kind);
+/// Key to value.
+[[nodiscard]] boost::json::object RenderByKey(const model::CurrentSettings& settings);
+
+}  // namespace uplink::json

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "schema/model/capabilities.h"
+#include "schema/model/fault.h"
+#include "schema/model/health.h"
+#include "schema/model/mission.h"
+#include "schema/model/spatial.h"
+
+/// What the stores keep as JSON text: an object by the specification's names, rendered as in
+/// render.h. No whitespace; UTF-8. Pure; any thread.
+namespace uplink::json {
+
+/// What the event's union member holds; `{}` for the e-stop kinds.
+[[nodiscard]] std::string DetailText(const model::EventKind& kind);
+[[nodiscard]] std::string Text(const model::MissionRunStatus& body);
+[[nodiscard]] std::string Text(const model::UiCapabilities& body);
+/// Key to value.
+[[nodiscard]] std::string Text(const model::CurrentSettings& body);
+[[nodiscard]] std::string Text(const model::AgentInfo& body);
+[[nodiscard]] std::string Text(const model::Pose& pose);
+[[nodiscard]] std::string Text(const model::Trajectory& trajectory);
+/// A GeoJSON geometry (RFC 7946): longitude before latitude, rings closed. The direction of a ring
+/// is left as it was sent.
+[[nodiscard]] std::string GeometryText(const model::ShapeData& data);
+
+}  // namespace uplink::json
