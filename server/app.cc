@@ -63,6 +63,7 @@ absl::StatusOr<Opened> Open(const App::Options& options) {
   storage::sqlite::StoreOptions store_options;
   store_options.process = options.process;
   store_options.migrate = options.config.store.migrate;
+  store_options.rules.object_ttl = options.config.forward.object_ttl;
   auto store = storage::sqlite::SqliteStore::Open(path, store_options);
   if (!store.ok()) return store.status();
   opened.store = *std::move(store);
@@ -84,7 +85,7 @@ class App::Impl {
         fleet_(options_.clock, options_.config.limits.robots_max,
                PresenceLimitsOf(options_.config.presence)),
         journal_(*opened_.store, journal_limits_, options_.clock, ledgers_.NewPage(),
-                 journal_probe_),
+                 journal_probe_, options_.process),
         queries_({options_.clock, fleet_, *opened_.reader, journal_, ledgers_, session_probe_,
                   options_.version}),
         monitor_({options_.clock, fleet_, journal_, journal_probe_, session_probe_, journal_limits_,
@@ -109,6 +110,8 @@ class App::Impl {
   Impl& operator=(const Impl&) = delete;
 
   absl::Status Start() {
+    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                             SystemTime at) { journal_.NotePresence(robot, presence, at); });
     if (absl::Status seeded = SeedFleet(); !seeded.ok()) return seeded;
     reads_.emplace(http_probe_);
     auto http = http::HttpServer::Listen(
@@ -163,7 +166,10 @@ class App::Impl {
         opened_.reader->Robots(static_cast<std::uint32_t>(options_.config.limits.robots_max));
     if (!rows.ok()) return rows.status();
     for (const storage::RobotRow& row : *rows) {
-      if (const auto robot = fleet_.FindOrAdmit(row.robot); !robot.ok()) return robot.status();
+      const auto robot = fleet_.FindOrAdmit(row.robot);
+      if (!robot.ok()) return robot.status();
+      if (!row.last_presence) continue;
+      journal_.BeginPresence((*robot)->id(), *row.last_presence, options_.clock.System());
     }
     return absl::OkStatus();
   }

@@ -18,6 +18,13 @@ enum class PageKind : std::uint8_t {
   kFaultHistory = 2,
   kQuarantine = 3,
   kGaps = 4,
+  kEvents = 5,
+  kMessages = 6,
+  kMissionRuns = 7,
+  kMissionReports = 8,
+  kShapes = 9,
+  kObjects = 10,
+  kPresence = 11,
 };
 
 /// Where a page ended: the next one begins with the newest row below it. `entry` is the number that

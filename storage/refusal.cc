@@ -14,6 +14,18 @@ model::Rejection TooManyActiveFaults() {
               " active faults already; clear some"};
 }
 
+model::Rejection TooManyShapes() {
+  return {model::RejectReason::kTooManyItems, "upsert.identity.id",
+          "the robot has " + std::to_string(kShapesPerRobotMax) +
+              " shapes already; delete some or let them expire"};
+}
+
+model::Rejection TooManyObjects() {
+  return {model::RejectReason::kTooManyItems, "upsert.id",
+          "the robot has " + std::to_string(kObjectsPerRobotMax) +
+              " objects already; delete some or let them expire"};
+}
+
 model::Rejection StoreRefused(std::string_view cause) {
   std::string detail = "the store does not take it: ";
   detail += IsCleanUtf8(cause) ? cause : std::string_view("no cause given");

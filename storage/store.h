@@ -33,7 +33,17 @@ class Store {
   /// it then stands: kRefused with the quarantined reason if the number lies in quarantine, else
   /// kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
   /// quarantine row), and the cursor becomes its number. Durable once this returns.
+  ///
+  /// Beyond faults: an event, a message, a mission report each become a row of history; the latest
+  /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and
+  /// AgentInfo of a robot and the present shapes and objects by id follow commit order, never a
+  /// robot's clock. An upsert of a shape or object that would be one more than the bound is
+  /// refused; deletes always pass. Upserts count and expire by `received_at`.
   [[nodiscard]] virtual absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) = 0;
+
+  /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
+  /// kSweepRowsMax of each. Returns how many went; more may be left when it is as many as that.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> Sweep(SystemTime now) = 0;
 };
 
 }  // namespace uplink::storage

@@ -1,16 +1,19 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "schema/model/presence.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 
@@ -20,12 +23,27 @@ namespace uplink::storage {
 inline constexpr std::size_t kSessionsPerRobotMax = 8;
 /// Active faults of one robot that the store takes (validation rules: what is kept per robot).
 inline constexpr std::size_t kActiveFaultsPerRobotMax = 10'000;
+/// Shapes, and objects, of one robot that the store keeps (validation rules). Expired ones count
+/// only until something needs their place.
+inline constexpr std::size_t kShapesPerRobotMax = 10'000;
+inline constexpr std::size_t kObjectsPerRobotMax = 10'000;
+/// How long an expired shape or object can still be asked for before the sweep deletes it.
+inline constexpr std::chrono::hours kExpiredKept{1};
+/// Rows that one call of Store::Sweep deletes of each kind: it must not hold up a commit.
+inline constexpr std::size_t kSweepRowsMax = 1'000;
 /// Payloads that one robot's quarantine keeps; older rows lose theirs.
 inline constexpr std::size_t kQuarantinePayloadsPerRobotMax = 1'000;
 /// Quarantined numbers that one OpenStream returns; with more, the answer is not complete.
 inline constexpr std::size_t kOpenRejectsMax = 16'384;
 /// Ranges of skipped numbers that the store lists for one robot; the oldest go.
 inline constexpr std::size_t kGapsPerRobotMax = 10'000;
+
+/// Stands for the server itself where a session needs a robot: no certificate can name it, since a
+/// RURI begins with `rcan://`. Its sessions are outside kSessionsPerRobotMax and in no reading of
+/// robots.
+inline constexpr std::string_view kServerRuri = "server";
+/// Sessions of processes that are kept; the least recently used go.
+inline constexpr std::size_t kServerSessionsMax = 256;
 
 /// One life of one server process: 16 random bytes drawn at its start.
 using ProcessId = std::array<std::uint8_t, 16>;
@@ -99,10 +117,31 @@ struct GapItem {
   SystemTime seen_at;
 };
 
+/// Configured rules that every store applies. Immutable.
+struct StoreRules {
+  /// Life of an object that names no expiry (forward.object_ttl); zero: for ever. Counted from its
+  /// arrival.
+  milliseconds object_ttl{std::chrono::hours(24)};
+};
+
+/// The presence of a robot changed: a record that the server makes itself.
+struct PresenceItem {
+  RobotRef robot;
+  model::Presence presence = model::Presence::kUnknown;
+  SystemTime at;
+  /// From 1, in order, in the session of the process (Batch.presence_session).
+  model::Seq number = 0;
+};
+
 /// What one transaction writes. The records of a robot stand in number order a session.
 struct Batch {
   std::vector<CommitRecord> records;
   std::vector<GapItem> gaps;
+  /// In number order. Those at or below the cursor of `presence_session` are left out, so that a
+  /// lost answer cannot double them; no epoch fences them, since they are the process's own.
+  std::vector<PresenceItem> presence;
+  /// The numbering of `presence`: one session a process and shard, under kServerRuri.
+  model::SessionId presence_session;
 };
 
 enum class OutcomeKind : std::uint8_t {

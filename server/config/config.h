@@ -83,6 +83,11 @@ struct PresenceConfig {
   milliseconds flap_window = std::chrono::minutes(5);
 };
 
+struct ForwardConfig {
+  /// Life of an object that names no expiry, from its arrival; zero: for ever.
+  milliseconds object_ttl = std::chrono::hours(24);
+};
+
 struct RcanConfig {
   std::string subsystem = "acb";
   std::size_t series_max = 600'000;
@@ -115,6 +120,7 @@ struct Config {
   JournalConfig journal;
   LimitsConfig limits;
   PresenceConfig presence;
+  ForwardConfig forward;
   RcanConfig rcan;
   HttpConfig http;
   LogConfig log;

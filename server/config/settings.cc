@@ -55,7 +55,7 @@ constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 11> kSections = {{
+constexpr std::array<Section, 12> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
@@ -63,6 +63,7 @@ constexpr std::array<Section, 11> kSections = {{
     {"journal", "The queue between sessions and the store. Past a bound, streams are held back."},
     {"limits", "Bounds on what robots send and on what the server keeps of them."},
     {"presence", "When a robot counts as online or offline."},
+    {"forward", "What robots report for others: shapes and objects."},
     {"rcan", "RCAN Robot State and the robots' Prometheus series."},
     {"http", "The listener of probes, metrics and JSON."},
     {"log", "Lines on standard error."},
@@ -274,6 +275,15 @@ constexpr auto kSettings = std::to_array<Setting>({
      .effect = Effect::kNone,
      .text = "The span over which flap_changes counts. This version flags none.",
      UPLINK_BIND(presence, PresenceConfig, flap_window)},
+
+    {.section = "forward",
+     .key = "object_ttl",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = 365 * kDay,
+     .zero = "for ever",
+     .text = "Life of an object that names no expiry, counted from its arrival.",
+     UPLINK_BIND(forward, ForwardConfig, object_ttl)},
 
     {.section = "rcan",
      .key = "subsystem",

@@ -8,8 +8,14 @@
 
 namespace uplink::fleet {
 
-Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock)
-    : state(server_started, clock.System()), ruri_(id->ruri), id_(std::move(id)) {}
+Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
+             const PresenceChanged& changed)
+    : state(server_started, clock.System(),
+            [this, &changed](Presence presence, SystemTime at) {
+              if (changed) changed(this->id(), presence, at);
+            }),
+      ruri_(id->ruri),
+      id_(std::move(id)) {}
 
 storage::RobotRef Robot::id() const {
   const std::lock_guard lock(mutex_);
@@ -47,8 +53,8 @@ absl::StatusOr<Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
     return absl::ResourceExhaustedError(
         fmt::format("the server admits no more than {} robots (limits.robots_max)", robots_max_));
   }
-  auto robot =
-      std::make_unique<Robot>(std::make_shared<const model::RobotId>(id), started_, clock_);
+  auto robot = std::make_unique<Robot>(std::make_shared<const model::RobotId>(id), started_, clock_,
+                                       changed_);
   Robot* admitted = robot.get();
   shard.robots.emplace(id.ruri, std::move(robot));
   return admitted;

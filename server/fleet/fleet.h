@@ -4,11 +4,13 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -20,11 +22,18 @@
 
 namespace uplink::fleet {
 
+/// Told of each change of a robot's presence, a robot's in order. Called on any thread, under a
+/// lock of the robot: short, and never back into the fleet.
+using PresenceChanged =
+    std::function<void(const storage::RobotRef& robot, Presence presence, SystemTime at)>;
+
 /// One robot that this process knows. Never destroyed before the process ends, so plain pointers to
 /// it are safe on every thread. Its parts are thread-safe.
 class Robot final {
  public:
-  Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock);
+  /// `changed` outlives the robot.
+  Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
+        const PresenceChanged& changed);
 
   /// Identity now. The fleet part may change when the robot gets a certificate of another fleet.
   [[nodiscard]] storage::RobotRef id() const;
@@ -51,6 +60,9 @@ struct PresenceCounts {
 class Fleet final {
  public:
   Fleet(const Clock& clock, std::size_t robots_max, const PresenceLimits& presence);
+
+  /// Before the first robot and the first thread.
+  void OnPresence(PresenceChanged changed) { changed_ = std::move(changed); }
 
   /// The robot, admitted if it is new; kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<Robot*> FindOrAdmit(const model::RobotId& id);
@@ -84,6 +96,7 @@ class Fleet final {
   const std::size_t robots_max_;
   const PresenceLimits presence_;
   const SteadyTime started_;
+  PresenceChanged changed_;
   std::array<Shard, kShards> shards_;
   std::atomic<std::size_t> size_{0};
   mutable std::mutex counts_mutex_;

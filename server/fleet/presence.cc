@@ -2,18 +2,6 @@
 
 namespace uplink::fleet {
 
-std::string_view ToText(Presence presence) {
-  switch (presence) {
-    case Presence::kUnknown:
-      return "unknown";
-    case Presence::kOnline:
-      return "online";
-    case Presence::kOffline:
-      return "offline";
-  }
-  return "unknown";
-}
-
 Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   if (facts.last_sign_of_life && facts.now - *facts.last_sign_of_life <= limits.timeout) {
     return Presence::kOnline;

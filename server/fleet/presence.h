@@ -1,17 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "schema/base/clock.h"
+#include "schema/model/presence.h"
 
 namespace uplink::fleet {
 
-enum class Presence : std::uint8_t { kUnknown, kOnline, kOffline };
-
-/// `unknown`, `online` or `offline`.
-[[nodiscard]] std::string_view ToText(Presence presence);
+using model::Presence;
 
 /// The configured limits of presence. Immutable.
 struct PresenceLimits {

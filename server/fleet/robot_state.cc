@@ -65,10 +65,18 @@ void RobotState::Apply(std::vector<model::Record>& records) {
   }
 }
 
-void RobotState::SetPresence(Presence presence, SystemTime now) {
+void RobotState::Reach(SteadyTime steady, SystemTime system) {
+  if (reached_ && steady <= *reached_) return;
+  reached_ = steady;
+  reached_system_ = system;
+}
+
+void RobotState::UpdatePresence(const PresenceLimits& limits) {
+  const Presence presence = PresenceOf(Facts(reached_.value_or(server_started_)), limits);
   if (presence == presence_) return;
   presence_ = presence;
-  presence_since_ = now;
+  presence_since_ = reached_system_;
+  if (changed_) changed_(presence, presence_since_);
 }
 
 PresenceFacts RobotState::Facts(SteadyTime now) const {
@@ -81,9 +89,12 @@ PresenceFacts RobotState::Facts(SteadyTime now) const {
 
 void RobotState::SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
-  last_sign_ = steady;
-  last_sign_system_ = system;
-  SetPresence(PresenceOf(Facts(steady), limits), system);
+  if (!last_sign_ || steady >= *last_sign_) {
+    last_sign_ = steady;
+    last_sign_system_ = system;
+  }
+  Reach(steady, system);
+  UpdatePresence(limits);
 }
 
 void RobotState::SetReading(Reading reading, SteadyTime now) {
@@ -110,7 +121,8 @@ void RobotState::CountDropped(std::size_t fields) {
 
 Presence RobotState::Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
-  SetPresence(PresenceOf(Facts(steady), limits), system);
+  Reach(steady, system);
+  UpdatePresence(limits);
   return presence_;
 }
 

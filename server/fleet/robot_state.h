@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -103,13 +104,17 @@ struct StateSnapshot {
 /// thread at a time writes live parts (takeover hands the robot over).
 class RobotState final {
  public:
-  RobotState(SteadyTime server_started, SystemTime now) : server_started_(server_started) {
-    presence_since_ = now;
-  }
+  /// Told of each change of presence, in order, under the state's lock: it must be short and take
+  /// no lock that is held while this state is asked.
+  using PresenceChanged = std::function<void(Presence presence, SystemTime at)>;
+
+  RobotState(SteadyTime server_started, SystemTime now, PresenceChanged changed = {})
+      : server_started_(server_started), changed_(std::move(changed)), presence_since_(now) {}
 
   /// Applies live records in order. All must be live kinds.
   void Apply(std::vector<model::Record>& records);
-  /// A motion or status message decoded at this time.
+  /// A motion or status message that arrived at this time. It may have waited since: presence is
+  /// judged at the latest time that any call named.
   void SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   /// The server stopped (true) or began again to read the robot's stream.
   enum class Reading : std::uint8_t { kHeldBack, kFlowing };
@@ -129,14 +134,19 @@ class RobotState final {
   [[nodiscard]] StateSnapshot Snapshot(Parts parts) const;
 
  private:
-  void SetPresence(Presence presence, SystemTime now);
+  void Reach(SteadyTime steady, SystemTime system);
+  void UpdatePresence(const PresenceLimits& limits);
   [[nodiscard]] PresenceFacts Facts(SteadyTime now) const;
 
   const SteadyTime server_started_;
+  const PresenceChanged changed_;
   mutable std::mutex mutex_;
   LiveParts parts_;
   Presence presence_ = Presence::kUnknown;
   SystemTime presence_since_;
+  /// The latest time that a call named.
+  std::optional<SteadyTime> reached_;
+  SystemTime reached_system_;
   std::optional<SteadyTime> last_sign_;
   std::optional<SystemTime> last_sign_system_;
   bool held_back_ = false;

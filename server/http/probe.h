@@ -17,14 +17,20 @@ enum class RouteId : std::uint8_t {
   kStatus,
   kRobots,
   kRobot,
+  kEvents,
+  kMessages,
+  kPresence,
   kQuarantine,
   kGaps,
   kFaults,
+  kMissions,
+  kShapes,
+  kObjects,
   kOther,
 };
-inline constexpr std::array<std::string_view, 10> kRouteNames = {
-    "livez", "readyz",     "metrics", "status", "robots",
-    "robot", "quarantine", "gaps",    "faults", "other"};
+inline constexpr std::array<std::string_view, 16> kRouteNames = {
+    "livez",    "readyz",     "metrics", "status", "robots",   "robot",  "events",  "messages",
+    "presence", "quarantine", "gaps",    "faults", "missions", "shapes", "objects", "other"};
 /// Answers are counted by their class: 2xx, 4xx, 5xx.
 inline constexpr std::array<std::string_view, 3> kCodeClasses = {"2xx", "4xx", "5xx"};
 

@@ -71,6 +71,13 @@ void Scrape::AddJournal(metrics::Exposition& page) const {
   const journal::JournalProbe& probe = sources_.journal_probe;
   page.Add(kStoreCommitSeconds, probe.commit_seconds);
   page.Add(kStoreCommitRecords, probe.commit_records);
+  for (const model::Presence presence :
+       {model::Presence::kOnline, model::Presence::kOffline, model::Presence::kUnknown}) {
+    page.Add(kPresenceChanges,
+             Value(probe.presence_changes[static_cast<std::size_t>(presence)].value()),
+             {ToText(presence)});
+  }
+  page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kStoreErrors, probe.store_errors);
   page.Add(kStoreFailing, probe.store_failing);
 }

@@ -28,16 +28,22 @@ std::optional<BadParameter> NoParameters(const std::string& query) {
 Site::Site(view::Queries& queries, health::Monitor& monitor, const Scrape& scrape)
     : queries_(queries), monitor_(monitor), scrape_(scrape) {}
 
-constexpr std::array<Site::Route, 9> Site::kRoutes = {{
+constexpr std::array<Site::Route, 15> Site::kRoutes = {{
     {"/livez", RouteId::kLivez, Lane::kIo, &Site::Livez},
     {"/readyz", RouteId::kReadyz, Lane::kIo, &Site::Readyz},
     {"/metrics", RouteId::kMetrics, Lane::kIo, &Site::Metrics},
     {"/api/v1/status", RouteId::kStatus, Lane::kRead, &Site::Status},
     {"/api/v1/robots", RouteId::kRobots, Lane::kRead, &Site::Robots},
     {"/api/v1/robots/{}", RouteId::kRobot, Lane::kRead, &Site::Robot},
+    {"/api/v1/robots/{}/events", RouteId::kEvents, Lane::kRead, &Site::Events},
+    {"/api/v1/robots/{}/messages", RouteId::kMessages, Lane::kRead, &Site::Messages},
+    {"/api/v1/robots/{}/presence", RouteId::kPresence, Lane::kRead, &Site::Presence},
     {"/api/v1/robots/{}/quarantine", RouteId::kQuarantine, Lane::kRead, &Site::Quarantine},
     {"/api/v1/robots/{}/gaps", RouteId::kGaps, Lane::kRead, &Site::Gaps},
     {"/api/v1/faults", RouteId::kFaults, Lane::kRead, &Site::Faults},
+    {"/api/v1/missions", RouteId::kMissions, Lane::kRead, &Site::Missions},
+    {"/api/v1/shapes", RouteId::kShapes, Lane::kRead, &Site::Shapes},
+    {"/api/v1/objects", RouteId::kObjects, Lane::kRead, &Site::Objects},
 }};
 
 Resolved Site::Resolve(const Request& request) const {

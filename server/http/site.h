@@ -50,7 +50,7 @@ class Site final {
     Lane lane;
     Handler handler;
   };
-  static const std::array<Route, 9> kRoutes;
+  static const std::array<Route, 15> kRoutes;
 
   [[nodiscard]] Response Livez(const Call& call) const;
   [[nodiscard]] Response Readyz(const Call& call) const;
@@ -58,9 +58,15 @@ class Site final {
   [[nodiscard]] Response Status(const Call& call) const;
   [[nodiscard]] Response Robots(const Call& call) const;
   [[nodiscard]] Response Robot(const Call& call) const;
+  [[nodiscard]] Response Events(const Call& call) const;
+  [[nodiscard]] Response Messages(const Call& call) const;
+  [[nodiscard]] Response Presence(const Call& call) const;
   [[nodiscard]] Response Quarantine(const Call& call) const;
   [[nodiscard]] Response Gaps(const Call& call) const;
   [[nodiscard]] Response Faults(const Call& call) const;
+  [[nodiscard]] Response Missions(const Call& call) const;
+  [[nodiscard]] Response Shapes(const Call& call) const;
+  [[nodiscard]] Response Objects(const Call& call) const;
 
   view::Queries& queries_;
   health::Monitor& monitor_;

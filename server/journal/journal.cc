@@ -20,8 +20,15 @@ double Seconds(SteadyTime::duration duration) {
 }  // namespace
 
 Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock& clock,
-                 metrics::Ledger& ledger, JournalProbe& probe)
-    : store_(store), limits_(limits), clock_(clock), ledger_(ledger), probe_(probe) {}
+                 metrics::Ledger& ledger, JournalProbe& probe, const storage::ProcessId& process)
+    : store_(store),
+      limits_(limits),
+      clock_(clock),
+      ledger_(ledger),
+      probe_(probe),
+      sweep_due_(clock.Steady() + kSweepInterval) {
+  batch_.presence_session = model::SessionId(process);
+}
 
 void Journal::Open(Client& client, std::uint64_t open_id, storage::OpenRequest request) {
   {
@@ -92,7 +99,8 @@ absl::Status Journal::last_error() const {
 
 void Journal::WaitForWork(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  work_.wait(lock, stop, [this] { return !queue_.empty() || !opens_.empty(); });
+  const auto work = [this] { return !queue_.empty() || !opens_.empty() || !presence_.empty(); };
+  work_.wait_for(lock, stop, std::max(sweep_due_ - clock_.Steady(), SteadyTime::duration(0)), work);
 }
 
 Journal::Step Journal::Advance() {
@@ -100,6 +108,7 @@ Journal::Step Journal::Advance() {
     TellOutcomes();
     return Step::kWorked;
   }
+  if (const SteadyTime now = clock_.Steady(); now >= sweep_due_) return AdvanceSweep(now);
   // By turns, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return AdvanceOpens();
@@ -121,7 +130,7 @@ bool Journal::GatherOpens() {
       opens_waiting_.fetch_sub(1);
     }
   }
-  batch_turn_ = !opening_.empty() && (!queue_.empty() || !owners_.empty());
+  batch_turn_ = !opening_.empty() && (!queue_.empty() || !presence_.empty() || HasBatch());
   return !opening_.empty();
 }
 
@@ -154,8 +163,9 @@ bool Journal::MayCommit(const Entry& entry) const {
 }
 
 bool Journal::GatherBatch() {
-  if (owners_.empty() && gap_owners_.empty()) {
+  if (!HasBatch()) {
     const std::lock_guard lock(mutex_);
+    batch_.presence = presence_.Take(limits_.batch_records_max);
     std::size_t bytes = 0;
     while (!queue_.empty() && owners_.size() + gap_owners_.size() < limits_.batch_records_max &&
            bytes < limits_.batch_bytes_max && MayCommit(queue_.front())) {
@@ -165,7 +175,7 @@ bool Journal::GatherBatch() {
       queue_.pop_front();
     }
   }
-  return !owners_.empty() || !gap_owners_.empty();
+  return HasBatch();
 }
 
 void Journal::AddToBatch(Entry entry) {
@@ -228,6 +238,7 @@ Journal::Step Journal::AdvanceCommit() {
   UPLINK_CHECK(outcomes->size() == owners_.size(), "the store answers every record");
   probe_.commit_seconds.Observe(Seconds(clock_.Steady() - began));
   probe_.commit_records.Observe(static_cast<double>(owners_.size()));
+  CountPresence();
   outcomes_ = *std::move(outcomes);
   return Step::kWorked;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -17,6 +18,7 @@
 #include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/journal/presence_log.h"
 #include "server/journal/wake.h"
 #include "storage/store.h"
 
@@ -65,6 +67,10 @@ struct JournalLimits {
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
 };
 
+/// How often what expired is swept from the store, and how soon again where more is left.
+inline constexpr std::chrono::seconds kSweepInterval{60};
+inline constexpr std::chrono::seconds kSweepAgain{1};
+
 /// What the operator sees of the journal.
 struct JournalProbe {
   metrics::LatencyDistribution commit_seconds{metrics::kLatencyBoundsSeconds};
@@ -72,6 +78,10 @@ struct JournalProbe {
   metrics::Cell store_errors;
   /// 1 while the last call of the store failed.
   metrics::Cell store_failing;
+  /// Changes of presence that were committed, by model::Presence.
+  std::array<metrics::Cell, 3> presence_changes;
+  /// Shapes and objects that the sweep deleted.
+  metrics::Cell expired_deleted;
 };
 
 /// The bounded queue between sessions and the store, one shard: order is kept a robot, and what
@@ -80,8 +90,9 @@ struct JournalProbe {
 /// Thread: Append, Open, HasRoom, WhenRoom and the figures: any thread. Advance: the writer alone.
 class Journal final {
  public:
+  /// `process` numbers the changes of presence: other than in any life before.
   Journal(storage::Store& store, const JournalLimits& limits, const Clock& clock,
-          metrics::Ledger& ledger, JournalProbe& probe);
+          metrics::Ledger& ledger, JournalProbe& probe, const storage::ProcessId& process);
 
   /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
   /// same client.
@@ -92,6 +103,13 @@ class Journal final {
   void Append(Client& client, std::uint64_t generation, storage::CommitRecord record,
               SteadyTime arrived);
   void AppendGap(Client& client, std::uint64_t generation, storage::GapItem gap);
+
+  /// A robot's presence changed: a record of the server's own. It is in no count of this class but
+  /// idle(), and holds no stream back: at most one a robot waits.
+  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
+  /// A robot whose last change of an earlier life of the server is `stored` is unknown now: its
+  /// history must not claim the time of our absence.
+  void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
 
   [[nodiscard]] bool HasRoom() const {
     return bytes_.load() < limits_.bytes_max && records_.load() < limits_.records_max;
@@ -104,7 +122,9 @@ class Journal final {
   /// Age of the oldest record that waits; zero if none does.
   [[nodiscard]] milliseconds oldest(SteadyTime now) const;
   /// Nothing waits, not even the telling of an outcome.
-  [[nodiscard]] bool idle() const { return records_.load() == 0 && opens_waiting_.load() == 0; }
+  [[nodiscard]] bool idle() const {
+    return records_.load() == 0 && opens_waiting_.load() == 0 && presence_waiting_.load() == 0;
+  }
 
   /// What Advance did.
   enum class Step : std::uint8_t {
@@ -121,7 +141,7 @@ class Journal final {
   /// The store's last error; OK after a success. Any thread.
   [[nodiscard]] absl::Status last_error() const;
 
-  /// Waits until something is queued, or until `stop`.
+  /// Waits until something is queued, until the next sweep is due, or until `stop`.
   void WaitForWork(const std::stop_token& stop);
 
  private:
@@ -152,7 +172,12 @@ class Journal final {
   bool GatherBatch();
   void AddToBatch(Entry entry);
   void DropVoid();
+  [[nodiscard]] bool HasBatch() const {
+    return !owners_.empty() || !gap_owners_.empty() || !batch_.presence.empty();
+  }
   Step AdvanceCommit();
+  Step AdvanceSweep(SteadyTime now);
+  void CountPresence();
   void TellOutcomes();
   void Release(std::size_t records, std::size_t bytes);
   void NoteResult(const absl::Status& status);
@@ -167,18 +192,22 @@ class Journal final {
   std::condition_variable_any work_;
   std::deque<Entry> queue_;
   std::deque<OpenEntry> opens_;
+  PresenceLog presence_;
   std::vector<StreamRef> waiting_for_room_;
   absl::Status last_error_;
   std::optional<SteadyTime> batch_oldest_;
 
   std::atomic<std::size_t> records_{0};
   std::atomic<std::size_t> bytes_{0};
+  /// Changes of presence that are not committed.
+  std::atomic<std::size_t> presence_waiting_{0};
   /// Streams that were asked for and not yet opened.
   std::atomic<std::size_t> opens_waiting_{0};
 
   // The writer's own.
   /// The last call opened streams while records waited: they are next.
   bool batch_turn_ = false;
+  SteadyTime sweep_due_;
   std::vector<OpenEntry> opening_;
   storage::Batch batch_;
   std::vector<Owner> owners_;

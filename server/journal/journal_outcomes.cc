@@ -68,6 +68,44 @@ void Journal::Release(std::size_t records, std::size_t bytes) {
   for (const StreamRef stream : wake) stream.Wake();
 }
 
+void Journal::NotePresence(const storage::RobotRef& robot, model::Presence presence,
+                           SystemTime at) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::size_t before = presence_.size();
+    presence_.Note(robot, presence, at);
+    presence_waiting_.fetch_add(presence_.size() - before);
+  }
+  work_.notify_one();
+}
+
+void Journal::BeginPresence(const storage::RobotRef& robot, model::Presence stored,
+                            SystemTime now) {
+  {
+    const std::lock_guard lock(mutex_);
+    presence_.SetStored(robot->ruri, stored);
+  }
+  NotePresence(robot, model::Presence::kUnknown, now);
+}
+
+void Journal::CountPresence() {
+  for (const storage::PresenceItem& item : batch_.presence) {
+    probe_.presence_changes[static_cast<std::size_t>(item.presence)].Add();
+  }
+  presence_waiting_.fetch_sub(batch_.presence.size());
+  batch_.presence.clear();
+}
+
+Journal::Step Journal::AdvanceSweep(SteadyTime now) {
+  const auto deleted = store_.Sweep(clock_.System());
+  NoteResult(deleted.status());
+  const bool more = deleted.ok() && *deleted >= storage::kSweepRowsMax;
+  sweep_due_ = now + (more ? kSweepAgain : kSweepInterval);
+  if (!deleted.ok()) return Step::kFailed;
+  probe_.expired_deleted.Add(static_cast<std::int64_t>(*deleted));
+  return Step::kWorked;
+}
+
 void Journal::NoteResult(const absl::Status& status) {
   probe_.store_failing.Set(status.ok() ? 0 : 1);
   if (!status.ok()) probe_.store_errors.Add();

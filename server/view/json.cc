@@ -1,10 +1,15 @@
 #include "server/view/json.h"
 
 #include <cstddef>
+#include <memory>
 
 #include <absl/status/status.h>
 #include <fmt/core.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/type_resolver.h>
+#include <google/protobuf/util/type_resolver_util.h>
 
 #include "schema/base/utf8.h"
 #include "server/view/messages.h"
@@ -15,11 +20,29 @@ namespace {
 /// Bytes of a text in an error; enough for a RURI with every byte shown as hex.
 constexpr std::size_t kErrorTextBytesMax = 2048;
 
+/// The wire form with the members of maps in order, so that the same answer is the same text.
+std::string Ordered(const google::protobuf::Message& message) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    message.SerializeToCodedStream(&coded);
+  }
+  return bytes;
+}
+
 absl::StatusOr<std::string> Print(const google::protobuf::Message& message) {
+  constexpr const char* kPrefix = "type.googleapis.com";
+  const std::unique_ptr<google::protobuf::util::TypeResolver> types(
+      google::protobuf::util::NewTypeResolverForDescriptorPool(
+          kPrefix, google::protobuf::DescriptorPool::generated_pool()));
   google::protobuf::util::JsonPrintOptions options;
   options.always_print_primitive_fields = true;
   std::string json;
-  const auto status = google::protobuf::util::MessageToJsonString(message, &json, options);
+  const auto status = google::protobuf::util::BinaryToJsonString(
+      types.get(), fmt::format("{}/{}", kPrefix, message.GetTypeName()), Ordered(message), &json,
+      options);
   if (!status.ok()) {
     return absl::InternalError(fmt::format("{} has no JSON form: {}", message.GetTypeName(),
                                            std::string(status.message())));
@@ -51,11 +74,35 @@ absl::StatusOr<std::string> ToJson(const storage::Page<storage::FaultRow>& page)
   return Print(ToMessage(page));
 }
 
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::EventRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::MessageRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::PresenceRow>& page) {
+  return Print(ToMessage(page));
+}
+
 absl::StatusOr<std::string> ToJson(const storage::Page<storage::QuarantineRow>& page) {
   return Print(ToMessage(page));
 }
 
 absl::StatusOr<std::string> ToJson(const storage::Page<storage::GapRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::MissionRunRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::ShapeRow>& page) {
+  return Print(ToMessage(page));
+}
+
+absl::StatusOr<std::string> ToJson(const storage::Page<storage::ObjectRow>& page) {
   return Print(ToMessage(page));
 }
 

@@ -12,7 +12,8 @@
 
 namespace uplink::view {
 
-// The proto3 JSON mapping of the fleet contract's messages, default scalars printed.
+// The proto3 JSON mapping of the fleet contract's messages, default scalars printed, the members of
+// maps and Structs in the order of their names.
 //
 // Errors:  kInternal if the mapping refuses a message.
 // Thread:  pure; any thread.
@@ -20,8 +21,14 @@ namespace uplink::view {
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::FaultRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::EventRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::MessageRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::PresenceRow>& page);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::QuarantineRow>& page);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::GapRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::MissionRunRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::ShapeRow>& page);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::ObjectRow>& page);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
                                                  const std::vector<std::string>& degraded);
 

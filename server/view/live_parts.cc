@@ -1,12 +1,15 @@
 #include "server/view/live_parts.h"
 
-#include "server/view/render/fields.h"
-#include "server/view/render/render.h"
+#include "schema/json/fields.h"
+#include "schema/json/render.h"
+#include "server/view/struct.h"
 
 namespace uplink::view {
 namespace {
 
 using google::protobuf::Struct;
+using json::Fields;
+using json::Render;
 
 /// Key to rendered value; unset if there is none.
 template <typename Items, typename RenderItem>
@@ -15,10 +18,10 @@ void SetByKey(const Items& items, Struct* (v1::Robot::*mutable_part)(), v1::Robo
   if (items.empty()) return;
   Fields fields;
   for (const auto& [key, value] : items) fields.Set(key, render(value));
-  *(robot.*mutable_part)() = fields.Take();
+  *(robot.*mutable_part)() = ToStruct(fields.Take());
 }
 
-Struct RenderExtra(const fleet::Extra& extra) {
+boost::json::object RenderExtra(const fleet::Extra& extra) {
   return Fields().Set("value", Render(extra.value)).Set("sampledAtMs", extra.sampled_at_ms).Take();
 }
 
@@ -26,9 +29,12 @@ Struct RenderExtra(const fleet::Extra& extra) {
 
 void SetLiveParts(const fleet::LiveParts& live, const PartSet& wanted, v1::Robot& robot) {
   const auto render = [](const auto& value) { return Render(value); };
-  if (wanted.Has(Part::kMotion) && live.motion) *robot.mutable_motion() = Render(*live.motion);
-  if (wanted.Has(Part::kStatus) && live.status) *robot.mutable_status() = Render(*live.status);
-  if (wanted.Has(Part::kUsage) && live.usage) *robot.mutable_usage() = Render(*live.usage);
+  if (wanted.Has(Part::kMotion) && live.motion)
+    *robot.mutable_motion() = ToStruct(Render(*live.motion));
+  if (wanted.Has(Part::kStatus) && live.status)
+    *robot.mutable_status() = ToStruct(Render(*live.status));
+  if (wanted.Has(Part::kUsage) && live.usage)
+    *robot.mutable_usage() = ToStruct(Render(*live.usage));
   if (wanted.Has(Part::kExtras)) {
     SetByKey(live.extras.items(), &v1::Robot::mutable_extras, robot, RenderExtra);
   }

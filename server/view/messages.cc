@@ -1,33 +1,14 @@
 #include "server/view/messages.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
 
-#include "schema/model/enum_text.h"
 #include "schema/model/rejection.h"
 #include "server/view/live_parts.h"
+#include "server/view/struct.h"
 
 namespace uplink::view {
 namespace {
-
-v1::Presence ToMessage(fleet::Presence presence) {
-  switch (presence) {
-    case fleet::Presence::kUnknown:
-      return v1::PRESENCE_UNKNOWN;
-    case fleet::Presence::kOnline:
-      return v1::PRESENCE_ONLINE;
-    case fleet::Presence::kOffline:
-      return v1::PRESENCE_OFFLINE;
-  }
-  return v1::PRESENCE_UNSPECIFIED;
-}
-
-/// A counter as a signed field of the contract; it stops at the top.
-std::int64_t Signed(std::uint64_t value) {
-  constexpr auto kTop = std::numeric_limits<std::int64_t>::max();
-  return value > static_cast<std::uint64_t>(kTop) ? kTop : static_cast<std::int64_t>(value);
-}
 
 void SetSession(const session::SessionView& session, v1::Robot& message) {
   message.set_connected(session.connected);
@@ -37,21 +18,36 @@ void SetSession(const session::SessionView& session, v1::Robot& message) {
   message.set_uplinks_missing(Signed(session.missing));
 }
 
-void SetFault(const storage::FaultRow& row, v1::Fault& message) {
-  message.set_ruri(row.robot.ruri);
-  message.set_fault_id(row.fault.fault_id);
-  message.set_source(row.fault.source);
-  message.set_severity(model::EnumText(row.fault.severity));
-  message.set_active(row.fault.active);
-  message.set_category(row.fault.category);
-  message.set_description(row.fault.description);
-  message.set_suggested_action(row.fault.suggested_action);
-  message.set_sampled_at_ms(row.fault.unix_time_ms);
-  message.set_received_at_ms(UnixMs(row.received_at));
-  if (row.raised_at) message.set_raised_at_ms(UnixMs(*row.raised_at));
+void SetStoredParts(const StoredParts& stored, const PartSet& wanted, v1::Robot& message) {
+  if (wanted.Has(Part::kAgentInfo) && stored.agent_info) {
+    *message.mutable_agent_info() = ParseStruct(*stored.agent_info);
+  }
+  if (wanted.Has(Part::kSettings) && stored.settings) {
+    *message.mutable_settings() = ParseStruct(*stored.settings);
+  }
+  if (wanted.Has(Part::kUiCapabilities) && stored.ui_capabilities) {
+    *message.mutable_ui_capabilities() = ParseStruct(*stored.ui_capabilities);
+  }
 }
 
 }  // namespace
+
+v1::Presence ToMessage(model::Presence presence) {
+  switch (presence) {
+    case model::Presence::kUnknown:
+      return v1::PRESENCE_UNKNOWN;
+    case model::Presence::kOnline:
+      return v1::PRESENCE_ONLINE;
+    case model::Presence::kOffline:
+      return v1::PRESENCE_OFFLINE;
+  }
+  return v1::PRESENCE_UNSPECIFIED;
+}
+
+std::int64_t Signed(std::uint64_t value) {
+  constexpr auto kTop = std::numeric_limits<std::int64_t>::max();
+  return value > static_cast<std::uint64_t>(kTop) ? kTop : static_cast<std::int64_t>(value);
+}
 
 v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   v1::Robot message;
@@ -68,6 +64,7 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));
   message.set_fields_dropped(robot.state.fields_dropped);
   SetLiveParts(robot.state.parts, parts, message);
+  SetStoredParts(robot.stored, parts, message);
   return message;
 }
 
@@ -76,45 +73,6 @@ v1::ListRobotsResponse ToMessage(const RobotsPage& page, const PartSet& parts) {
   for (const RobotView& robot : page.robots) *message.add_robots() = ToMessage(robot, parts);
   message.set_next_page_token(page.next_token);
   message.set_total(page.total);
-  return message;
-}
-
-v1::ListFaultsResponse ToMessage(const storage::Page<storage::FaultRow>& page) {
-  v1::ListFaultsResponse message;
-  for (const storage::FaultRow& row : page.rows) SetFault(row, *message.add_faults());
-  message.set_next_page_token(page.next_token);
-  return message;
-}
-
-v1::ListQuarantineResponse ToMessage(const storage::Page<storage::QuarantineRow>& page) {
-  v1::ListQuarantineResponse message;
-  for (const storage::QuarantineRow& row : page.rows) {
-    v1::Quarantined& item = *message.add_items();
-    item.set_ruri(row.robot.ruri);
-    item.set_session_id(row.session.ToHex());
-    item.set_seq(row.seq);
-    item.set_reason(std::string(model::ToText(row.rejection.reason)));
-    item.set_field(row.rejection.field);
-    item.set_detail(row.rejection.detail);
-    item.set_received_at_ms(UnixMs(row.received_at));
-    item.set_payload(row.payload);
-    item.set_payload_bytes(Signed(row.payload_bytes));
-  }
-  message.set_next_page_token(page.next_token);
-  return message;
-}
-
-v1::ListGapsResponse ToMessage(const storage::Page<storage::GapRow>& page) {
-  v1::ListGapsResponse message;
-  for (const storage::GapRow& row : page.rows) {
-    v1::Gap& gap = *message.add_gaps();
-    gap.set_ruri(row.robot.ruri);
-    gap.set_session_id(row.session.ToHex());
-    gap.set_first_seq(row.first);
-    gap.set_last_seq(row.last);
-    gap.set_seen_at_ms(UnixMs(row.seen_at));
-  }
-  message.set_next_page_token(page.next_token);
   return message;
 }
 

@@ -45,9 +45,21 @@ class PartSet {
   void Add(Part part) { bits_.set(static_cast<std::size_t>(part)); }
   [[nodiscard]] bool Has(Part part) const { return bits_.test(static_cast<std::size_t>(part)); }
 
+  /// Whether one of them lies in the robot's live state.
+  [[nodiscard]] bool AnyLive() const { return (bits_ & ~StoredBits()).any(); }
+
   friend bool operator==(const PartSet&, const PartSet&) = default;
 
  private:
+  /// The parts of which the store keeps a robot's latest.
+  [[nodiscard]] static std::bitset<kParts> StoredBits() {
+    PartSet stored;
+    stored.Add(Part::kAgentInfo);
+    stored.Add(Part::kSettings);
+    stored.Add(Part::kUiCapabilities);
+    return stored.bits_;
+  }
+
   std::bitset<kParts> bits_;
 };
 

@@ -1,23 +1,59 @@
 #include "server/view/queries.h"
 
-#include <algorithm>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include <absl/status/status.h>
 #include <fmt/core.h>
 
+#include "schema/base/check.h"
 #include "server/view/page_token.h"
 
 namespace uplink::view {
 namespace {
 
 RobotView Look(const fleet::Robot& robot, fleet::RobotState::Parts parts) {
-  return RobotView{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0};
+  return RobotView{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0, {}};
 }
 
 fleet::RobotState::Parts Wanted(const PartSet& parts) {
-  return parts == PartSet() ? fleet::RobotState::Parts::kNone : fleet::RobotState::Parts::kAll;
+  return parts.AnyLive() ? fleet::RobotState::Parts::kAll : fleet::RobotState::Parts::kNone;
+}
+
+std::vector<std::string> RurisOf(const std::vector<RobotView>& robots) {
+  std::vector<std::string> ruris;
+  ruris.reserve(robots.size());
+  for (const RobotView& robot : robots) ruris.push_back(robot.id.ruri);
+  return ruris;
+}
+
+constexpr std::uint32_t BitOf(storage::LatestKind kind) {
+  return 1U << static_cast<std::uint32_t>(kind);
+}
+
+/// Which latest rows the wanted parts are made of.
+std::uint32_t KindsOf(const PartSet& parts) {
+  using enum storage::LatestKind;
+  std::uint32_t kinds = 0;
+  if (parts.Has(Part::kAgentInfo)) kinds |= BitOf(kAgentInfo);
+  if (parts.Has(Part::kSettings)) kinds |= BitOf(kSettings);
+  if (parts.Has(Part::kUiCapabilities)) kinds |= BitOf(kUiCapabilities);
+  return kinds;
+}
+
+void SetStored(storage::LatestRow row, StoredParts& stored) {
+  switch (row.kind) {
+    case storage::LatestKind::kAgentInfo:
+      stored.agent_info = std::move(row.body_json);
+      break;
+    case storage::LatestKind::kSettings:
+      stored.settings = std::move(row.body_json);
+      break;
+    case storage::LatestKind::kUiCapabilities:
+      stored.ui_capabilities = std::move(row.body_json);
+      break;
+  }
 }
 
 bool Matches(const fleet::Robot& robot, const RobotsQuery& query) {
@@ -48,6 +84,12 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }
   }
+  const absl::StatusOr<std::size_t> filled = FillStored(page.robots, query.parts);
+  if (!filled.ok()) return filled.status();
+  if (*filled < page.robots.size()) {
+    page.robots.resize(*filled);
+    page.next_token = RobotsToken(page.robots.back().id.ruri);
+  }
   FillActiveFaults(page.robots);
   return page;
 }
@@ -56,7 +98,8 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   if (absl::Status known = CheckKnown(ruri); !known.ok()) return known;
   std::vector<RobotView> one;
   one.push_back(Look(*sources_.fleet.Find(ruri), fleet::RobotState::Parts::kAll));
-  FillActiveFaults(one);
+  // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
+  if (FillActiveFaults(one)) static_cast<void>(FillStored(one, PartSet::All()));
   return std::move(one.front());
 }
 
@@ -70,6 +113,24 @@ absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultHistory(
   return sources_.reader.FaultHistory(query);
 }
 
+absl::StatusOr<storage::Page<storage::EventRow>> Queries::Events(
+    const storage::HistoryQuery& query) {
+  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
+  return sources_.reader.Events(query);
+}
+
+absl::StatusOr<storage::Page<storage::MessageRow>> Queries::Messages(
+    const storage::HistoryQuery& query) {
+  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
+  return sources_.reader.Messages(query);
+}
+
+absl::StatusOr<storage::Page<storage::PresenceRow>> Queries::PresenceChanges(
+    const storage::HistoryQuery& query) {
+  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
+  return sources_.reader.PresenceChanges(query);
+}
+
 absl::StatusOr<storage::Page<storage::QuarantineRow>> Queries::Quarantine(
     const storage::HistoryQuery& query) {
   if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
@@ -79,6 +140,21 @@ absl::StatusOr<storage::Page<storage::QuarantineRow>> Queries::Quarantine(
 absl::StatusOr<storage::Page<storage::GapRow>> Queries::Gaps(const storage::HistoryQuery& query) {
   if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
   return sources_.reader.Gaps(query);
+}
+
+absl::StatusOr<storage::Page<storage::MissionRunRow>> Queries::MissionRuns(
+    const storage::MissionsQuery& query) {
+  return sources_.reader.MissionRuns(query);
+}
+
+absl::StatusOr<storage::Page<storage::ShapeRow>> Queries::Shapes(storage::PresentQuery query) {
+  query.now = sources_.clock.System();
+  return sources_.reader.Shapes(query);
+}
+
+absl::StatusOr<storage::Page<storage::ObjectRow>> Queries::Objects(storage::PresentQuery query) {
+  query.now = sources_.clock.System();
+  return sources_.reader.Objects(query);
 }
 
 StatusView Queries::Status() const {
@@ -112,11 +188,9 @@ absl::Status Queries::CheckKnown(const std::string& ruri) const {
   return absl::NotFoundError(fmt::format("no robot with the RURI {} was ever seen", ruri));
 }
 
-void Queries::FillActiveFaults(std::vector<RobotView>& robots) {
-  std::vector<std::string> ruris;
-  ruris.reserve(robots.size());
-  for (const RobotView& robot : robots) ruris.push_back(robot.id.ruri);
-  if (ruris.empty()) return;
+bool Queries::FillActiveFaults(std::vector<RobotView>& robots) {
+  const std::vector<std::string> ruris = RurisOf(robots);
+  if (ruris.empty()) return true;
   const auto counts = sources_.reader.ActiveFaultCounts(ruris);
 
   const std::lock_guard lock(mutex_);
@@ -128,6 +202,24 @@ void Queries::FillActiveFaults(std::vector<RobotView>& robots) {
     const auto known = active_faults_.find(robot.id.ruri);
     if (known != active_faults_.end()) robot.active_faults = known->second;
   }
+  return counts.ok();
+}
+
+absl::StatusOr<std::size_t> Queries::FillStored(std::vector<RobotView>& robots,
+                                                const PartSet& parts) {
+  const std::uint32_t kinds = KindsOf(parts);
+  if (kinds == 0 || robots.empty()) return robots.size();
+  auto latest = sources_.reader.Latest(RurisOf(robots), kinds);
+  if (!latest.ok()) return latest.status();
+  UPLINK_CHECK(latest->complete >= 1 && latest->complete <= robots.size(),
+               "the store looks at one robot at least");
+  std::unordered_map<std::string_view, StoredParts*> by_ruri;
+  for (RobotView& robot : robots) by_ruri.emplace(robot.id.ruri, &robot.stored);
+  for (storage::LatestRow& row : latest->rows) {
+    const auto robot = by_ruri.find(row.ruri);
+    if (robot != by_ruri.end()) SetStored(std::move(row), *robot->second);
+  }
+  return latest->complete;
 }
 
 }  // namespace uplink::view

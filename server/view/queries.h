@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -22,6 +23,13 @@
 
 namespace uplink::view {
 
+/// What the store has of a robot's latest, each as the JSON text of an object. A value.
+struct StoredParts {
+  std::optional<std::string> agent_info;
+  std::optional<std::string> settings;
+  std::optional<std::string> ui_capabilities;
+};
+
 /// One robot as it is now. A value.
 struct RobotView {
   model::RobotId id;
@@ -29,6 +37,7 @@ struct RobotView {
   session::SessionView session;
   /// As the store last said.
   std::int64_t active_faults = 0;
+  StoredParts stored;
 };
 
 /// Which robots, by RURI. Empty texts match everything.
@@ -38,11 +47,12 @@ struct RobotsQuery {
   /// 1 to storage::kPageSizeMax.
   std::uint32_t page_size = storage::kPageSizeDefault;
   std::string page_token;
-  /// Live parts are copied only if one is wanted.
+  /// Live parts are copied, and the store is asked for its own, only if one of them is wanted.
   PartSet parts = PartSet::OfLists();
 };
 
 struct RobotsPage {
+  /// Fewer than the page's size where stored parts are wanted and are large.
   std::vector<RobotView> robots;
   /// Empty when this page is the last.
   std::string next_token;
@@ -68,7 +78,8 @@ struct StatusView {
 ///
 /// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
 ///          was never seen; what the Reader says, where rows are asked for. Robots are answered
-///          while the store is away too: their active faults are then the last that were read.
+///          while the store is away too: their active faults are then the last that were read, and
+///          one robot comes without its stored parts. A list that names such a part fails.
 /// Limits:  remembers one number a robot of the fleet.
 /// Thread:  thread-safe; waits for the store, so never on the thread that serves probes.
 class Queries final {
@@ -91,17 +102,34 @@ class Queries final {
       const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
       const storage::HistoryQuery& query);
-  /// Both: query.ruri names one robot, kNotFound if it was never seen.
+  // Of one robot, which query.ruri names: kNotFound if it was never seen.
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::EventRow>> Events(
+      const storage::HistoryQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MessageRow>> Messages(
+      const storage::HistoryQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::PresenceRow>> PresenceChanges(
+      const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
       const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
       const storage::HistoryQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
+      const storage::MissionsQuery& query);
+  // What is there now, by our clock; query.now is not looked at.
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
+      storage::PresentQuery query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ObjectRow>> Objects(
+      storage::PresentQuery query);
   /// Waits for nothing.
   [[nodiscard]] StatusView Status() const;
 
  private:
   [[nodiscard]] absl::Status CheckKnown(const std::string& ruri) const;
-  void FillActiveFaults(std::vector<RobotView>& robots);
+  /// False if the store could not say and the numbers are the last that were read.
+  bool FillActiveFaults(std::vector<RobotView>& robots);
+  /// Fills the stored parts that `parts` wants. Returns for how many of `robots`, from the first.
+  [[nodiscard]] absl::StatusOr<std::size_t> FillStored(std::vector<RobotView>& robots,
+                                                       const PartSet& parts);
 
   Sources sources_;
   const SystemTime started_at_;

@@ -27,7 +27,8 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
     absl::Status written = WriteGap(gap);
     if (!written.ok()) return written;
   }
-  absl::Status finished = Finish();
+  absl::Status finished = WritePresence(batch);
+  if (finished.ok()) finished = Finish();
   if (!finished.ok()) return finished;
   if (next_entry_ != *next) {
     absl::Status counted = tables_.deciding.SetNextEntry(next_entry_);
@@ -119,21 +120,14 @@ absl::StatusOr<std::optional<Rejection>> BatchCommit::WriteAlone(Robot& robot,
     const absl::string_view cause = refusal.status().message();
     refusal = std::optional<Rejection>(StoreRefused({cause.data(), cause.size()}));
     status = database_.Execute("ROLLBACK TO one; RELEASE one");
+    // What the record had changed is counted anew.
+    robot.shapes.reset();
+    robot.objects.reset();
   } else if (refusal.ok()) {
     status = database_.Execute("RELEASE one");
   }
   if (!status.ok()) return status;
   return refusal;
-}
-
-absl::StatusOr<std::optional<Rejection>> BatchCommit::WriteRecord(Robot& robot,
-                                                                  const CommitRecord& record) {
-  const auto& good = std::get<model::Record>(record.content);
-  UPLINK_CHECK(good.durable(), "a live record reached the store");
-  // The other durable kinds have no table: their number and the cursor are what is kept of them.
-  const auto* fault = std::get_if<model::Fault>(&good.body());
-  if (fault == nullptr) return std::optional<Rejection>();
-  return WriteFault(robot, record, *fault);
 }
 
 absl::StatusOr<std::optional<Rejection>> BatchCommit::WriteFault(Robot& robot,

@@ -29,8 +29,13 @@ enum class Isolation : std::uint8_t {
 /// Thread: confined to the thread of its database.
 class BatchCommit final {
  public:
-  BatchCommit(Database& database, Tables& tables, const ProcessId& process, Isolation isolation)
-      : database_(database), tables_(tables), process_(process), isolation_(isolation) {}
+  BatchCommit(Database& database, Tables& tables, const ProcessId& process, const StoreRules& rules,
+              Isolation isolation)
+      : database_(database),
+        tables_(tables),
+        process_(process),
+        rules_(rules),
+        isolation_(isolation) {}
 
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Write(const Batch& batch);
 
@@ -46,9 +51,14 @@ class BatchCommit final {
     std::vector<Session> sessions;
     /// Counted when the first new fault of the batch asks.
     std::optional<std::size_t> faults_active;
+    /// Rows, expired ones included; counted when the first new id of the batch asks.
+    std::optional<std::size_t> shapes;
+    std::optional<std::size_t> objects;
     bool quarantined_payload = false;
     bool gaps = false;
   };
+
+  struct KindWriter;
 
   absl::StatusOr<Robot*> FindRobot(const RobotRef& id, Epoch held_since, SystemTime at);
   absl::StatusOr<Session*> FindSession(Robot& robot, const CommitRecord& record);
@@ -64,11 +74,14 @@ class BatchCommit final {
   absl::Status WriteRejection(Robot& robot, const CommitRecord& record,
                               const model::Rejection& rejection);
   absl::Status WriteGap(const GapItem& gap);
+  absl::Status WritePresence(const Batch& batch);
+  absl::Status TrimServerSessions(const model::SessionId& present);
   absl::Status Finish();
 
   Database& database_;
   Tables& tables_;
   const ProcessId& process_;
+  const StoreRules& rules_;
   const Isolation isolation_;
   EntryNumber next_entry_ = 0;
   std::unordered_map<std::string_view, Robot> robots_;

@@ -131,6 +131,12 @@ absl::Status Tables::Prepare(Database& database) {
   absl::Status status = deciding.Prepare(database);
   if (status.ok()) status = faults.Prepare(database);
   if (status.ok()) status = set_aside.Prepare(database);
+  if (status.ok()) status = history.Prepare(database);
+  if (status.ok()) status = missions.Prepare(database);
+  if (status.ok()) status = shapes.Prepare(database);
+  if (status.ok()) status = objects.Prepare(database);
+  if (status.ok()) status = latest.Prepare(database);
+  if (status.ok()) status = presence.Prepare(database);
   return status;
 }
 

@@ -1,20 +1,9 @@
-#include <string>
-
 #include "schema/base/check.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/tables.h"
+#include "storage/sqlite/values.h"
 
 namespace uplink::storage::sqlite {
-namespace {
-
-std::string_view View(const std::string& text) { return text; }
-
-/// The number as it came: one that we do not know is kept.
-std::int64_t NumberOf(model::FaultSeverity severity) {
-  return static_cast<std::int64_t>(static_cast<std::uint16_t>(severity));
-}
-
-}  // namespace
 
 absl::Status FaultTables::Prepare(Database& database) {
   Preparer prepare(database);

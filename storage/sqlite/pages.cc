@@ -4,7 +4,7 @@
 
 namespace uplink::storage::sqlite {
 
-std::string PageSql(const ListShape& shape, const HistoryQuery& query) {
+std::string PageSql(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter) {
   const std::string time(shape.time_column);
   std::string sql = "SELECT " + time + ", entry, ruri, fleet, ";
   sql += shape.columns;
@@ -19,11 +19,12 @@ std::string PageSql(const ListShape& shape, const HistoryQuery& query) {
   if (query.from) sql += " AND " + time + " >= ?";
   if (query.to) sql += " AND " + time + " <= ?";
   if (!query.page_token.empty()) sql += " AND (" + time + ", entry) < (?, ?)";
+  sql += filter.sql;
   sql += " ORDER BY " + time + " DESC, entry DESC LIMIT ?";
   return sql;
 }
 
-void BindPage(Statement& statement, const HistoryQuery& query,
+void BindPage(Statement& statement, const HistoryQuery& query, const ListFilter& filter,
               const std::optional<PagePosition>& start, std::int64_t rows) {
   int index = 0;
   if (!query.ruri.empty()) statement.Bind(++index, std::string_view(query.ruri));
@@ -34,6 +35,9 @@ void BindPage(Statement& statement, const HistoryQuery& query,
     statement.Bind(++index, UnixMs(start->at));
     // A forged token may hold what no column does; it then means the largest.
     statement.Bind(++index, std::min(start->entry, std::uint64_t{model::kSeqMax}));
+  }
+  for (const auto& value : filter.values) {
+    std::visit([&](const auto& one) { statement.Bind(++index, one); }, value);
   }
   statement.Bind(++index, rows);
 }

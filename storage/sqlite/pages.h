@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -23,6 +25,14 @@ struct ListShape {
   std::string_view time_column;
 };
 
+/// What a query restricts beyond HistoryQuery. The texts must outlive the read.
+struct ListFilter {
+  /// Conditions, each beginning with ` AND `.
+  std::string sql;
+  /// Their parameters, in order.
+  std::vector<std::variant<std::int64_t, std::string_view>> values;
+};
+
 /// Columns that every row of a list begins with; those of ListShape follow.
 inline constexpr int kTimeColumn = 0;
 inline constexpr int kEntryColumn = 1;
@@ -31,33 +41,38 @@ inline constexpr int kFleetColumn = 3;
 inline constexpr int kFirstOwnColumn = 4;
 
 /// The statement for a page: one of a few texts, by what the query restricts.
-[[nodiscard]] std::string PageSql(const ListShape& shape, const HistoryQuery& query);
+[[nodiscard]] std::string PageSql(const ListShape& shape, const HistoryQuery& query,
+                                  const ListFilter& filter = {});
 
 /// Binds the query to PageSql's statement. `rows` is how many to read at most.
-void BindPage(Statement& statement, const HistoryQuery& query,
+void BindPage(Statement& statement, const HistoryQuery& query, const ListFilter& filter,
               const std::optional<PagePosition>& start, std::int64_t rows);
 
-/// Reads one page; `read` makes a StatusOr<Row> of the present row.
+/// Reads one page; `read` makes a StatusOr<Row> of the present row. The page ends early once its
+/// texts have passed kPageBytesMax.
 template <typename Row, typename Read>
 absl::StatusOr<Page<Row>> ReadPage(Database& database, const ListShape& shape,
-                                   const HistoryQuery& query, const Read& read) {
+                                   const HistoryQuery& query, const Read& read,
+                                   const ListFilter& filter = {}) {
   const absl::StatusOr<std::optional<PagePosition>> start = PageStart(shape.kind, query);
   if (!start.ok()) return start.status();
-  auto statement = database.Prepare(PageSql(shape, query));
+  auto statement = database.Prepare(PageSql(shape, query, filter));
   if (!statement.ok()) return statement.status();
   // One row more than asked for tells whether another page follows.
-  BindPage(**statement, query, *start, std::int64_t{query.page_size} + 1);
+  BindPage(**statement, query, filter, *start, std::int64_t{query.page_size} + 1);
   Rows rows = (*statement)->Select();
   Page<Row> page;
   PagePosition last;
+  std::size_t bytes = 0;
   while (true) {
     const absl::StatusOr<bool> found = rows.Next();
     if (!found.ok()) return found.status();
     if (!*found) return page;
-    if (page.rows.size() == query.page_size) {
+    if (page.rows.size() == query.page_size || bytes >= kPageBytesMax) {
       page.next_token = EncodePageToken(shape.kind, last);
       return page;
     }
+    bytes += rows.TextBytes();
     absl::StatusOr<Row> row = read(rows);
     if (!row.ok()) return row.status();
     page.rows.push_back(*std::move(row));

@@ -46,6 +46,18 @@ class SqliteReader final : public Reader {
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<Page<QuarantineRow>> Quarantine(const HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<Page<GapRow>> Gaps(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<EventRow>> Events(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<MessageRow>> Messages(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<MissionRunRow>> MissionRuns(
+      const MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<MissionReportRow>> MissionReports(
+      const MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<ShapeRow>> Shapes(const PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<ObjectRow>> Objects(const PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<PresenceRow>> PresenceChanges(
+      const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
+                                                  std::uint32_t kinds) override;
 
  private:
   class Pool;

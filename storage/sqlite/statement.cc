@@ -21,6 +21,10 @@ int Statement::BindAt(int index, std::uint64_t value) {
   return BindAt(index, static_cast<std::int64_t>(value));
 }
 
+int Statement::BindAt(int index, double value) {
+  return sqlite3_bind_double(statement_.get(), index, value);
+}
+
 int Statement::BindAt(int index, std::string_view text) {
   // A null pointer would bind NULL, which is not an empty text.
   const char* data = text.data() == nullptr ? "" : text.data();
@@ -56,6 +60,26 @@ absl::StatusOr<bool> Rows::Next() {
 
 std::int64_t Rows::Int(int column) const {
   return sqlite3_column_int64(statement_.statement_.get(), column);
+}
+
+double Rows::Real(int column) const {
+  return sqlite3_column_double(statement_.statement_.get(), column);
+}
+
+bool Rows::Null(int column) const {
+  return sqlite3_column_type(statement_.statement_.get(), column) == SQLITE_NULL;
+}
+
+std::size_t Rows::TextBytes() const {
+  sqlite3_stmt* const statement = statement_.statement_.get();
+  std::size_t bytes = 0;
+  for (int column = 0; column < sqlite3_column_count(statement); ++column) {
+    // Asking a number for its bytes would turn it into a text.
+    const int type = sqlite3_column_type(statement, column);
+    if (type != SQLITE_TEXT && type != SQLITE_BLOB) continue;
+    bytes += static_cast<std::size_t>(sqlite3_column_bytes(statement, column));
+  }
+  return bytes;
 }
 
 std::string_view Rows::Bytes(int column) const {

@@ -31,6 +31,10 @@ class Rows final {
   [[nodiscard]] absl::StatusOr<bool> Next();
 
   [[nodiscard]] std::int64_t Int(int column) const;
+  [[nodiscard]] double Real(int column) const;
+  [[nodiscard]] bool Null(int column) const;
+  /// Bytes of all texts and blobs of the row.
+  [[nodiscard]] std::size_t TextBytes() const;
   /// TEXT or BLOB; valid until the next call of Next. NULL is empty.
   [[nodiscard]] std::string_view Bytes(int column) const;
 
@@ -84,6 +88,7 @@ class Statement final {
   [[nodiscard]] int BindAt(int index, std::int64_t value);
   /// Numbers up to 2^63-1; more is a mistake of ours and aborts.
   [[nodiscard]] int BindAt(int index, std::uint64_t value);
+  [[nodiscard]] int BindAt(int index, double value);
   [[nodiscard]] int BindAt(int index, std::string_view text);
   [[nodiscard]] int BindAt(int index, const Blob& blob);
   void Reset();

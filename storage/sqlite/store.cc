@@ -147,7 +147,8 @@ absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
     return InTransaction<std::vector<Outcome>>([&] {
-      return BatchCommit(*parts_->database, parts_->tables, parts_->options.process, isolation)
+      return BatchCommit(*parts_->database, parts_->tables, parts_->options.process,
+                         parts_->options.rules, isolation)
           .Write(batch);
     });
   };
@@ -158,6 +159,17 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   // What decides (robot, session, gap) was refused, not a record.
   return absl::InternalError("a deciding row is refused: " +
                              std::string(outcomes.status().message()));
+}
+
+absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
+  const std::int64_t until_ms = UnixMs(now - kExpiredKept);
+  return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
+    const auto shapes = parts_->tables.shapes.rows().Sweep(until_ms, kSweepRowsMax);
+    if (!shapes.ok()) return shapes.status();
+    const auto objects = parts_->tables.objects.rows().Sweep(until_ms, kSweepRowsMax);
+    if (!objects.ok()) return objects.status();
+    return *shapes + *objects;
+  });
 }
 
 }  // namespace uplink::storage::sqlite

@@ -19,6 +19,7 @@ namespace uplink::storage::sqlite {
 struct StoreOptions {
   /// This process; other than in any life before.
   ProcessId process{};
+  StoreRules rules;
   /// False: a file that is older than the program is refused.
   bool migrate = true;
   /// False: no lock keeps a second writer away. For tests of two processes on one store.
@@ -52,6 +53,7 @@ class SqliteStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
 
  private:
   struct Parts;

@@ -14,13 +14,12 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "storage/sqlite/database.h"
+#include "storage/sqlite/entry_number.h"
+#include "storage/sqlite/kind_tables.h"
 #include "storage/sqlite/statement.h"
 #include "storage/types.h"
 
 namespace uplink::storage::sqlite {
-
-/// The number of a row in the order of writing, over all tables.
-using EntryNumber = std::uint64_t;
 
 /// A robot's row after a stream was opened.
 struct OpenedRobot {
@@ -131,6 +130,12 @@ struct Tables {
   DecidingTables deciding;
   FaultTables faults;
   SetAsideTables set_aside;
+  HistoryTables history;
+  MissionTables missions;
+  ShapeTable shapes;
+  ObjectTable objects;
+  LatestTable latest;
+  PresenceTable presence;
 
   [[nodiscard]] absl::Status Prepare(Database& database);
 };

@@ -1,10 +1,6 @@
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
@@ -12,45 +8,26 @@
 #include <gtest/gtest.h>
 
 #include "schema/encode.h"
+#include "schema/json/render.h"
 #include "schema/judge.h"
-#include "server/view/render/render.h"
+#include "server/view/struct.h"
 #include "tests/support/records.h"
+#include "tests/support/vector_files.h"
 
 namespace uplink {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// Relative to the root of the source tree, where CTest starts us.
-constexpr const char* kVectors = "tests/conformance/vectors";
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-std::vector<std::string> Names(const std::string& extension) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kVectors)) {
-    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 google::protobuf::Struct Expected(const std::string& name) {
   google::protobuf::Struct expected;
-  const auto status = google::protobuf::util::JsonStringToMessage(
-      ReadFile(fs::path(kVectors) / (name + ".json")), &expected);
+  const auto status =
+      google::protobuf::util::JsonStringToMessage(test::ReadVector(name, ".json"), &expected);
   EXPECT_TRUE(status.ok()) << status.ToString();
   return expected;
 }
 
 class VectorTest : public testing::TestWithParam<std::string> {
  protected:
-  [[nodiscard]] std::string Payload() const {
-    return ReadFile(fs::path(kVectors) / (GetParam() + ".bin"));
-  }
+  [[nodiscard]] std::string Payload() const { return test::ReadVector(GetParam(), ".bin"); }
 
   schema::Judge judge_{schema::JudgeLimits()};
 };
@@ -65,8 +42,8 @@ TEST_P(VectorTest, MeansWhatItsJsonSays) {
   google::protobuf::util::MessageDifferencer differencer;
   std::string difference;
   differencer.ReportDifferencesToString(&difference);
-  EXPECT_TRUE(
-      differencer.Compare(Expected(GetParam()), view::RenderBody(judgement.record()->body())))
+  EXPECT_TRUE(differencer.Compare(Expected(GetParam()),
+                                  view::ToStruct(json::RenderBody(judgement.record()->body()))))
       << difference;
 }
 
@@ -85,20 +62,20 @@ std::string TestName(const testing::TestParamInfo<std::string>& info) {
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Vendor, VectorTest, testing::ValuesIn(Names(".bin")), TestName);
+INSTANTIATE_TEST_SUITE_P(Vendor, VectorTest, testing::ValuesIn(test::VectorNames()), TestName);
 
 TEST(VectorsTest, AreComplete) {
-  EXPECT_EQ(Names(".bin"), Names(".json"));
+  EXPECT_EQ(test::VectorNames(".bin"), test::VectorNames(".json"));
   std::set<std::size_t> variants;
   schema::Judge judge{schema::JudgeLimits()};
-  for (const std::string& name : Names(".bin")) {
-    const std::string payload = ReadFile(fs::path(kVectors) / (name + ".bin"));
+  for (const std::string& name : test::VectorNames(".bin")) {
+    const std::string payload = test::ReadVector(name, ".bin");
     const auto variant = judge.Payload(test::AsPayload(payload)).variant;
     ASSERT_TRUE(variant.has_value()) << name;
     variants.insert(static_cast<std::size_t>(*variant));
   }
   EXPECT_EQ(variants.size(), model::kVariants);
-  EXPECT_EQ(Names(".bin").size(), 2 * model::kVariants);
+  EXPECT_EQ(test::VectorNames(".bin").size(), 2 * model::kVariants);
 }
 
 }  // namespace

@@ -11,10 +11,14 @@ namespace {
 
 class FakeUnderTest final : public StoreUnderTest {
  public:
+  explicit FakeUnderTest(const storage::StoreRules& rules) : store_rules_(rules) {}
+
   storage::Store& Process(std::uint8_t number) override { return Fake(number); }
   storage::Reader& reader() override { return Fake(0); }
   void FailNextWrite(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kBefore); }
   void LoseNextAnswer(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kAfter); }
+
+  void Reopen() override { stores_.clear(); }
 
   void RefuseFault(const std::string& fault_id) override {
     rules_.refuse =
@@ -31,12 +35,13 @@ class FakeUnderTest final : public StoreUnderTest {
   FakeStore& Fake(std::uint8_t number) {
     auto& store = stores_[number];
     if (store == nullptr) {
-      store = std::make_unique<FakeStore>(database_, storage::ProcessId{number});
+      store = std::make_unique<FakeStore>(database_, storage::ProcessId{number}, store_rules_);
       store->SetRules(rules_);
     }
     return *store;
   }
 
+  const storage::StoreRules store_rules_;
   FakeDatabase database_;
   FakeRules rules_;
   std::map<std::uint8_t, std::unique_ptr<FakeStore>> stores_;
@@ -45,7 +50,8 @@ class FakeUnderTest final : public StoreUnderTest {
 }  // namespace
 
 StoreKind FakeKind() {
-  return {"Fake", [] { return std::make_unique<FakeUnderTest>(); }};
+  return {"Fake",
+          [](const storage::StoreRules& rules) { return std::make_unique<FakeUnderTest>(rules); }};
 }
 
 }  // namespace uplink::testing

@@ -1,10 +1,11 @@
+#include "tests/contract/present_contract.h"
 #include "tests/contract/store_contract.h"
 
 namespace uplink::testing {
 
 INSTANTIATE_TEST_SUITE_P(Stores, StoreContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         [](const ::testing::TestParamInfo<StoreKind>& kind) {
-                           return std::string(kind.param.name);
-                         });
+                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, PresentContract, ::testing::Values(FakeKind(), SqliteKind()),
+                         NameOfKind);
 
 }  // namespace uplink::testing

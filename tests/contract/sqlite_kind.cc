@@ -13,6 +13,8 @@ namespace {
 
 class SqliteUnderTest final : public StoreUnderTest {
  public:
+  explicit SqliteUnderTest(const storage::StoreRules& rules) : rules_(rules) {}
+
   storage::Store& Process(std::uint8_t number) override {
     One& one = processes_[number];
     if (one.store == nullptr) Open(number, one);
@@ -31,6 +33,11 @@ class SqliteUnderTest final : public StoreUnderTest {
 
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
   void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
+
+  void Reopen() override {
+    reader_ = nullptr;
+    processes_.clear();
+  }
 
   void RefuseFault(const std::string& fault_id) override {
     static_cast<void>(Process(1));
@@ -58,6 +65,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   void Open(std::uint8_t number, One& one) {
     storage::sqlite::StoreOptions options;
     options.process = {number};
+    options.rules = rules_;
     options.exclusive = false;
     options.before_commit = [&one] { return Take(one.fail_before); };
     options.after_commit = [&one] { return Take(one.fail_after); };
@@ -66,6 +74,7 @@ class SqliteUnderTest final : public StoreUnderTest {
     one.store = *std::move(opened);
   }
 
+  const storage::StoreRules rules_;
   TempFolder folder_;
   const std::string path_ = folder_.File("uplinkd.db");
   std::map<std::uint8_t, One> processes_;
@@ -75,7 +84,9 @@ class SqliteUnderTest final : public StoreUnderTest {
 }  // namespace
 
 StoreKind SqliteKind() {
-  return {"Sqlite", [] { return std::make_unique<SqliteUnderTest>(); }};
+  return {"Sqlite", [](const storage::StoreRules& rules) {
+            return std::make_unique<SqliteUnderTest>(rules);
+          }};
 }
 
 }  // namespace uplink::testing

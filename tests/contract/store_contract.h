@@ -70,6 +70,15 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     return {model::RejectReason::kOutOfRange, "battery.socPct", "socPct is 140, at most 105"};
   }
 
+  static storage::CommitRecord At(std::int64_t after_ms, storage::CommitRecord record) {
+    record.received_at = Time(after_ms);
+    return record;
+  }
+  static storage::CommitRecord Of(storage::RobotRef robot, storage::CommitRecord record) {
+    record.robot = std::move(robot);
+    return record;
+  }
+
   storage::OpenRequest Request() const { return {robot_, session_, 0, Time(), {}}; }
 
   /// Opens a stream and makes its hold that of the records that follow.
@@ -81,6 +90,13 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     return results->front();
   }
   storage::OpenResult Open() { return Open(Request()); }
+
+  /// An empty database, and a stream of the fixture's robot.
+  void Fresh(const storage::StoreRules& rules = {}) {
+    store_ = nullptr;
+    store_ = GetParam().make(rules);
+    Open();
+  }
 
   std::vector<storage::Outcome> Commit(const storage::Batch& batch,
                                        std::uint8_t process = kProcess) {
@@ -122,6 +138,38 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     return RowsOf(store_->reader().Gaps(query));
   }
 
+  std::vector<storage::EventRow> Events(const storage::HistoryQuery& query = {}) {
+    return RowsOf(store_->reader().Events(query));
+  }
+  std::vector<storage::MessageRow> Messages(const storage::HistoryQuery& query = {}) {
+    return RowsOf(store_->reader().Messages(query));
+  }
+  std::vector<storage::MissionRunRow> Runs(const storage::MissionsQuery& query = {}) {
+    return RowsOf(store_->reader().MissionRuns(query));
+  }
+  std::vector<storage::MissionReportRow> Reports(const storage::MissionsQuery& query = {}) {
+    return RowsOf(store_->reader().MissionReports(query));
+  }
+  /// Those that have not expired `after_ms` after Time().
+  std::vector<storage::ShapeRow> Shapes(std::int64_t after_ms = 0) {
+    return RowsOf(store_->reader().Shapes({{}, Time(after_ms), false}));
+  }
+  std::vector<storage::ObjectRow> Objects(std::int64_t after_ms = 0) {
+    return RowsOf(store_->reader().Objects({{}, Time(after_ms), false}));
+  }
+  std::vector<storage::PresenceRow> Changes(const storage::HistoryQuery& query = {}) {
+    return RowsOf(store_->reader().PresenceChanges(query));
+  }
+  /// The latest rows of the fixture's robot, all kinds.
+  std::vector<storage::LatestRow> LatestRows() {
+    auto latest = store_->reader().Latest({&robot_->ruri, 1}, kAllLatest);
+    EXPECT_TRUE(latest.ok()) << latest.status();
+    if (!latest.ok()) return {};
+    EXPECT_EQ(latest->complete, 1U);
+    return std::move(latest->rows);
+  }
+  static constexpr std::uint32_t kAllLatest = (1U << storage::kLatestKinds) - 1;
+
   template <typename Row>
   static std::vector<Row> RowsOf(absl::StatusOr<storage::Page<Row>> page) {
     EXPECT_TRUE(page.ok()) << page.status();
@@ -129,10 +177,14 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     return std::move(page->rows);
   }
 
-  std::unique_ptr<StoreUnderTest> store_ = GetParam().make();
+  std::unique_ptr<StoreUnderTest> store_ = GetParam().make({});
   storage::RobotRef robot_ = Robot();
   model::SessionId session_ = Session();
   storage::Epoch held_since_ = 0;
 };
+
+[[nodiscard]] inline std::string NameOfKind(const ::testing::TestParamInfo<StoreKind>& kind) {
+  return kind.param.name;
+}
 
 }  // namespace uplink::testing

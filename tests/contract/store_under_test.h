@@ -26,11 +26,13 @@ class StoreUnderTest {
   virtual void LoseNextAnswer(std::uint8_t number) = 0;
   /// The database itself refuses raises of this fault.
   virtual void RefuseFault(const std::string& fault_id) = 0;
+  /// Ends every connection and makes new ones: what is there afterwards lay in the database.
+  virtual void Reopen() = 0;
 };
 
 struct StoreKind {
   const char* name;
-  std::function<std::unique_ptr<StoreUnderTest>()> make;
+  std::function<std::unique_ptr<StoreUnderTest>(const storage::StoreRules& rules)> make;
 };
 
 [[nodiscard]] StoreKind FakeKind();

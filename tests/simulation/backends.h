@@ -12,8 +12,8 @@ namespace uplink::simulation {
 /// The fake store on a database that outlives the processes. It can refuse records for good.
 class FakeBackend final : public Backend {
  public:
-  /// `cursor_may_fall` plants the fault of a cursor that may be lowered.
-  enum class Cursor : std::uint8_t { kTrue, kMayFall };
+  /// Planted faults: a cursor that may be lowered; changes of presence that no cursor guards.
+  enum class Cursor : std::uint8_t { kTrue, kMayFall, kNoneForPresence };
   explicit FakeBackend(Cursor cursor = Cursor::kTrue) : cursor_(cursor) {}
 
   storage::Store& Reopen(const storage::ProcessId& process) override;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "tests/simulation/backends.h"
+#include "tests/simulation/rows.h"
 
 namespace uplink::simulation {
 namespace {
@@ -20,7 +21,9 @@ std::optional<model::Rejection> RefuseMarked(const storage::CommitRecord& record
 
 storage::Store& FakeBackend::Reopen(const storage::ProcessId& process) {
   store_ = std::make_unique<testing::FakeStore>(database_, process);
-  store_->SetRules({.refuse = RefuseMarked, .allow_cursor_lowering = cursor_ == Cursor::kMayFall});
+  store_->SetRules({.refuse = RefuseMarked,
+                    .allow_cursor_lowering = cursor_ == Cursor::kMayFall,
+                    .presence_without_cursor = cursor_ == Cursor::kNoneForPresence});
   return *store_;
 }
 
@@ -36,6 +39,12 @@ std::optional<std::string> FakeBackend::Compare(const Recorder& recorder) {
     for (const auto& [seq, times] : log.times_written) {
       if (times != 1) return fmt::format("number {} was written {} times", seq, times);
     }
+  }
+  for (const auto& [ruri, changes] : recorder.presence_history()) {
+    const auto rows = AllRows<storage::PresenceRow>(
+        ruri,
+        [this](const storage::HistoryQuery& query) { return store_->PresenceChanges(query); });
+    if (auto difference = ComparePresence(ruri, rows, changes)) return difference;
   }
   return std::nullopt;
 }

@@ -86,7 +86,19 @@ void World::CheckEnd() {
       }
     }
   }
+  CheckPresence();
   if (const auto difference = backend_.Compare(recorder_)) recorder_.Violate(*difference);
+}
+
+void World::CheckPresence() {
+  for (const fleet::Robot* robot : server_->fleet().Sorted()) {
+    const auto stored = recorder_.presence().find(robot->ruri());
+    const model::Presence last =
+        stored == recorder_.presence().end() ? model::Presence::kUnknown : stored->second;
+    if (last == robot->state.presence()) continue;
+    recorder_.Violate(fmt::format("{} is {}, and its last change says {}", robot->ruri(),
+                                  ToText(robot->state.presence()), ToText(last)));
+  }
 }
 
 }  // namespace uplink::simulation

@@ -58,6 +58,10 @@ TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Cursor::kMayFall), 0U);
 }
 
+TEST(UnplantedSwitch, ChangesOfPresenceThatNoCursorGuardsAreFound) {
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Cursor::kNoneForPresence), 0U);
+}
+
 TEST(UnplantedSwitch, NothingPlantedIsNothingFound) { EXPECT_EQ(FirstFailingSeed(), 0U); }
 
 }  // namespace

@@ -29,8 +29,34 @@ absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Ba
   auto outcomes = store_->Commit(batch);
   if (!outcomes.ok()) return outcomes;
   for (std::size_t i = 0; i < batch.records.size(); ++i) Note(batch.records[i], (*outcomes)[i]);
+  NotePresence(batch);
   if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
   return outcomes;
+}
+
+absl::StatusOr<std::size_t> Recorder::Sweep(SystemTime now) {
+  const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
+  if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  auto deleted = store_->Sweep(now);
+  if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
+  return deleted;
+}
+
+void Recorder::NotePresence(const storage::Batch& batch) {
+  model::Seq& cursor = presence_cursors_[batch.presence_session];
+  for (const storage::PresenceItem& item : batch.presence) {
+    if (item.number <= cursor) continue;
+    if (item.number != cursor + 1) {
+      violation_(fmt::format("change of presence {} follows {}", item.number, cursor));
+    }
+    cursor = item.number;
+    const auto [last, first] = presence_.try_emplace(item.robot->ruri, item.presence);
+    if (!first && last->second == item.presence) {
+      violation_(fmt::format("{} is {} twice in a row", item.robot->ruri, ToText(item.presence)));
+    }
+    last->second = item.presence;
+    presence_history_[item.robot->ruri].push_back(item.presence);
+  }
 }
 
 void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome& outcome) {

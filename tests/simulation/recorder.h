@@ -48,6 +48,16 @@ class Recorder final : public storage::Store {
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
 
+  [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+
+  /// Each robot's last change of presence that was committed.
+  [[nodiscard]] const std::map<std::string, model::Presence>& presence() const { return presence_; }
+  /// Each robot's changes that were committed, each once, in order.
+  [[nodiscard]] const std::map<std::string, std::vector<model::Presence>>& presence_history()
+      const {
+    return presence_history_;
+  }
+
   [[nodiscard]] const DurableSession& Of(const std::string& ruri, const model::SessionId& session) {
     return sessions_[{ruri, session}];
   }
@@ -58,12 +68,16 @@ class Recorder final : public storage::Store {
 
  private:
   void Note(const storage::CommitRecord& record, const storage::Outcome& outcome);
+  void NotePresence(const storage::Batch& batch);
 
   const Violation violation_;
   storage::Store* store_ = nullptr;
   StoreFault fault_ = StoreFault::kNone;
   bool away_ = false;
   std::map<std::pair<std::string, model::SessionId>, DurableSession> sessions_;
+  std::map<model::SessionId, model::Seq> presence_cursors_;
+  std::map<std::string, model::Presence> presence_;
+  std::map<std::string, std::vector<model::Presence>> presence_history_;
 };
 
 }  // namespace uplink::simulation

@@ -68,13 +68,22 @@ void SimStream::Send(const v1::RelayRequest& frame) {
   to_server_.push_back(frame.SerializeAsString());
 }
 
-SimServer::SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits)
+SimServer::SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits,
+                     const storage::ProcessId& process)
     : clock_(clock),
       limits_(limits),
-      fleet_(clock, 100, {}),
-      journal_(recorder, limits_.journal, clock, book_.NewPage(), journal_probe_),
+      fleet_(clock, 100, limits_.presence),
+      journal_(recorder, limits_.journal, clock, book_.NewPage(), journal_probe_, process),
       judge_({}),
-      ledger_(book_.NewPage()) {}
+      ledger_(book_.NewPage()) {
+  fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                           SystemTime at) { journal_.NotePresence(robot, presence, at); });
+  // As the server does with the robots that its store knows.
+  for (const auto& [ruri, stored] : recorder.presence()) {
+    const auto robot = fleet_.FindOrAdmit({.ruri = ruri, .fleet = "sim"});
+    journal_.BeginPresence((*robot)->id(), stored, clock.System());
+  }
+}
 
 std::uint64_t SimServer::Open(const std::string& ruri) {
   const std::uint64_t id = next_stream_++;

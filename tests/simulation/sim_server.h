@@ -97,12 +97,14 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
 struct ServerLimits {
   session::SessionLimits session;
   journal::JournalLimits journal;
+  fleet::PresenceLimits presence;
 };
 
 /// One life of the server process: the real fleet, journal and sessions over one store.
 class SimServer final : public journal::WakeInbox {
  public:
-  SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits);
+  SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits,
+            const storage::ProcessId& process);
 
   void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
 

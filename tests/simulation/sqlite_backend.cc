@@ -8,27 +8,10 @@
 
 #include "schema/base/check.h"
 #include "storage/sqlite/reader.h"
+#include "tests/simulation/rows.h"
 #include "tests/support/sqlite_shell.h"
 
 namespace uplink::simulation {
-namespace {
-
-/// Every row of one robot that `read` gives, page by page.
-template <typename Row, typename Read>
-std::vector<Row> AllRows(const std::string& ruri, const Read& read) {
-  std::vector<Row> rows;
-  storage::HistoryQuery query{.ruri = ruri, .page_size = storage::kPageSizeMax};
-  do {
-    auto page = read(query);
-    UPLINK_CHECK(page.ok(), page.status().ToString());
-    for (Row& row : page->rows) rows.push_back(std::move(row));
-    query.page_token = page->next_token;
-  } while (!query.page_token.empty());
-  return rows;
-}
-
-}  // namespace
-
 std::string SqliteBackend::Path() const { return folder_.path() + "/sim.db"; }
 
 storage::Store& SqliteBackend::Reopen(const storage::ProcessId& process) {
@@ -75,6 +58,12 @@ std::optional<std::string> SqliteBackend::Compare(const Recorder& recorder) {
       return fmt::format("{} has {} numbers in quarantine, the book says {}", ruri, rows.size(),
                          numbers.size());
     }
+  }
+  for (const auto& [ruri, changes] : recorder.presence_history()) {
+    const auto rows = AllRows<storage::PresenceRow>(ruri, [&](const storage::HistoryQuery& query) {
+      return (*reader)->PresenceChanges(query);
+    });
+    if (auto difference = ComparePresence(ruri, rows, changes)) return difference;
   }
   return std::nullopt;
 }

@@ -23,6 +23,7 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   limits_.session.drain_timeout = milliseconds(random_.Percent(50) ? 1'000 : 20'000);
   limits_.journal.bytes_max = random_.Percent(30) ? 4'000 : 1'000'000;
   limits_.journal.batch_records_max = 1 + random_.Below(8);
+  limits_.presence = {.timeout = milliseconds(400), .startup_grace = milliseconds(2'000)};
   const std::size_t robots = 1 + random_.Below(3);
   for (std::size_t i = 0; i < robots; ++i) {
     robots_.push_back(std::make_unique<Robot>(SimAgent(
@@ -40,7 +41,7 @@ void World::StartServer() {
   storage::ProcessId process{};
   for (std::uint8_t& byte : process) byte = static_cast<std::uint8_t>(random_.Next());
   recorder_.SetStore(&backend_.Reopen(process));
-  server_ = std::make_unique<SimServer>(clock_, recorder_, limits_);
+  server_ = std::make_unique<SimServer>(clock_, recorder_, limits_, process);
 }
 
 RunResult World::Run() {
@@ -82,6 +83,7 @@ void World::Step() {
   }
   if (pick < 97) {
     clock_.Advance(milliseconds(random_.Percent(20) ? 1500 : 20 + random_.Below(300)));
+    static_cast<void>(server_->fleet().Sweep(std::chrono::hours(1)));
     return server_->FireTimers();
   }
   FaultStep();

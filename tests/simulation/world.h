@@ -86,6 +86,7 @@ class World final {
   void HealRound();
   [[nodiscard]] bool Settled();
   void CheckEnd();
+  void CheckPresence();
 
   const Payloads& payloads_;
   Backend& backend_;

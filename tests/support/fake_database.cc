@@ -33,17 +33,24 @@ std::vector<OpenResult> FakeDatabase::OpenStreams(const ProcessId& process,
 }
 
 std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storage::Batch& batch,
-                                          const FakeRules& rules) {
+                                          const FakeRules& rules,
+                                          const storage::StoreRules& store_rules) {
   const std::lock_guard lock(mutex_);
   ++transactions_;
-  const Transaction transaction{process, rules};
+  const Transaction transaction{process, rules, store_rules};
   std::vector<Outcome> outcomes;
   outcomes.reserve(batch.records.size());
   for (const CommitRecord& record : batch.records) {
     outcomes.push_back(CommitOne(transaction, record));
   }
   for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
+  presence_.Write(batch, entries_, rules.presence_without_cursor);
   return outcomes;
+}
+
+std::size_t FakeDatabase::Sweep(SystemTime now) {
+  const std::lock_guard lock(mutex_);
+  return kinds_.Sweep(now);
 }
 
 OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {
@@ -131,7 +138,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
     WriteQuarantine(robot, session, record, *refusal);
     outcome = {OutcomeKind::kRefused, std::move(refusal)};
   } else {
-    WriteRecord(robot, record);
+    WriteRecord(transaction, robot, record);
     quarantined = false;
   }
   ++robot.logs[record.session].times_written[record.seq];
@@ -150,14 +157,18 @@ std::optional<Rejection> FakeDatabase::Refusal(const FakeRules& rules, const Rob
       !robot.faults_active.contains({fault->fault_id, fault->source})) {
     return storage::TooManyActiveFaults();
   }
+  if (std::optional<Rejection> refusal = kinds_.Refusal(record)) return refusal;
   if (rules.refuse) return rules.refuse(record);
   return std::nullopt;
 }
 
-void FakeDatabase::WriteRecord(Robot& robot, const CommitRecord& record) {
+void FakeDatabase::WriteRecord(const Transaction& transaction, Robot& robot,
+                               const CommitRecord& record) {
   const auto& good = std::get<Record>(record.content);
   if (const auto* fault = std::get_if<Fault>(&good.body())) {
     WriteFault(robot, *fault, record);
+  } else {
+    kinds_.Write(record, ++entries_, transaction.store_rules);
   }
   robot.logs[record.session].stored.push_back(record.seq);
 }
@@ -172,7 +183,7 @@ void FakeDatabase::WriteFault(Robot& robot, const Fault& fault, const CommitReco
     return;
   }
   const auto [it, raised] = robot.faults_active.try_emplace(std::move(key));
-  Entry<storage::FaultRow>& entry = it->second;
+  FakeEntry<storage::FaultRow>& entry = it->second;
   if (raised) {
     entry.at = received_at;
     entry.entry = entries_;
@@ -216,6 +227,7 @@ void FakeDatabase::WriteGap(const ProcessId& process, const GapItem& gap) {
 
 std::optional<Seq> FakeDatabase::Cursor(std::string_view ruri, const SessionId& session) const {
   const std::lock_guard lock(mutex_);
+  if (ruri == storage::kServerRuri) return presence_.Cursor(session);
   const auto robot = robots_.find(ruri);
   if (robot == robots_.end()) return std::nullopt;
   const auto found = robot->second.sessions.find(session);

@@ -15,6 +15,9 @@
 
 #include "storage/reader.h"
 #include "storage/types.h"
+#include "tests/support/fake_kinds.h"
+#include "tests/support/fake_presence.h"
+#include "tests/support/fake_present.h"
 
 namespace uplink::testing {
 
@@ -32,7 +35,7 @@ struct Application {
 
 /// What was ever written of one session; it outlives the session's eviction.
 struct SessionLog {
-  /// Good numbers in the order of writing, those of kinds without a table included.
+  /// Good numbers in the order of writing.
   std::vector<model::Seq> stored;
   std::map<model::Seq, model::Rejection> quarantined;
   /// How often each number was written, as either.
@@ -49,6 +52,9 @@ struct FakeRules {
   /// A mutation: the cursor follows the last record that was looked at, downwards too. A test that
   /// claims to watch the cursor must fail with it.
   bool allow_cursor_lowering = false;
+  /// A mutation: changes of presence are written whatever their number. A test that claims to watch
+  /// them must fail with it.
+  bool presence_without_cursor = false;
 };
 
 /// The durable rows behind FakeStores: what a kill of a process leaves. Several FakeStores share
@@ -65,10 +71,12 @@ class FakeDatabase final {
   std::vector<storage::OpenResult> OpenStreams(const storage::ProcessId& process,
                                                std::span<const storage::OpenRequest> requests);
   std::vector<storage::Outcome> Commit(const storage::ProcessId& process,
-                                       const storage::Batch& batch, const FakeRules& rules);
+                                       const storage::Batch& batch, const FakeRules& rules,
+                                       const storage::StoreRules& store_rules);
+  std::size_t Sweep(SystemTime now);
 
   // What tests look at.
-  /// Nothing while the store does not know the session.
+  /// Nothing while the store does not know the session. Also of storage::kServerRuri.
   [[nodiscard]] std::optional<model::Seq> Cursor(std::string_view ruri,
                                                  const model::SessionId& session) const;
   [[nodiscard]] SessionLog Log(std::string_view ruri, const model::SessionId& session) const;
@@ -88,13 +96,6 @@ class FakeDatabase final {
  private:
   friend class FakeReader;
 
-  /// A row with its place in the order of writing.
-  template <typename Row>
-  struct Entry {
-    SystemTime at;
-    std::uint64_t entry = 0;
-    Row row;
-  };
   struct Session {
     model::Seq cursor = 0;
     SystemTime last_used;
@@ -112,7 +113,7 @@ class FakeDatabase final {
     SystemTime last_seen;
     std::map<model::SessionId, Session> sessions;
     std::map<model::SessionId, SessionLog> logs;
-    std::map<FaultKey, Entry<storage::FaultRow>> faults_active;
+    std::map<FaultKey, FakeEntry<storage::FaultRow>> faults_active;
     std::map<GapPlace, storage::GapRow> gaps;
     std::map<GapKey, GapPlace> gap_places;
     /// Rows of quarantine_ that still have their payload, oldest first.
@@ -121,6 +122,7 @@ class FakeDatabase final {
   struct Transaction {
     const storage::ProcessId& process;
     const FakeRules& rules;
+    const storage::StoreRules& store_rules;
   };
 
   storage::OpenResult OpenOne(const storage::ProcessId& process,
@@ -131,7 +133,8 @@ class FakeDatabase final {
   storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
   std::optional<model::Rejection> Refusal(const FakeRules& rules, const Robot& robot,
                                           const storage::CommitRecord& record) const;
-  void WriteRecord(Robot& robot, const storage::CommitRecord& record);
+  void WriteRecord(const Transaction& transaction, Robot& robot,
+                   const storage::CommitRecord& record);
   void WriteFault(Robot& robot, const model::Fault& fault, const storage::CommitRecord& record);
   void WriteQuarantine(Robot& robot, Session& session, const storage::CommitRecord& record,
                        const model::Rejection& rejection);
@@ -141,8 +144,10 @@ class FakeDatabase final {
 
   mutable std::mutex mutex_;
   std::map<std::string, Robot, std::less<>> robots_;
-  std::vector<Entry<storage::FaultRow>> faults_history_;
-  std::vector<Entry<storage::QuarantineRow>> quarantine_;
+  std::vector<FakeEntry<storage::FaultRow>> faults_history_;
+  std::vector<FakeEntry<storage::QuarantineRow>> quarantine_;
+  FakeKinds kinds_;
+  FakePresence presence_;
   std::vector<Application> applications_;
   std::uint64_t entries_ = 0;
   std::uint64_t transactions_ = 0;

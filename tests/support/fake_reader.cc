@@ -1,45 +1,54 @@
 #include "tests/support/fake_reader.h"
 
-#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
 
+#include "schema/model/mission.h"
+#include "storage/expiry.h"
 #include "storage/page_token.h"
+#include "tests/support/fake_page.h"
 
 namespace uplink::testing {
 namespace {
 
 using storage::HistoryQuery;
+using storage::MissionsQuery;
 using storage::Page;
 using storage::PageKind;
-using storage::PagePosition;
+using storage::PresentQuery;
 
 template <typename Row>
-using Placed = std::pair<PagePosition, const Row*>;
-
-bool Matches(const model::RobotId& robot, SystemTime at, const HistoryQuery& query) {
-  return (query.ruri.empty() || query.ruri == robot.ruri) &&
-         (query.fleet.empty() || query.fleet == robot.fleet) &&
-         (!query.from || at >= *query.from) && (!query.to || at <= *query.to);
+FakePlaced<Row> Placed(const FakeEntry<Row>& entry) {
+  return {{entry.at, entry.entry}, &entry.row};
 }
 
-/// The page that `query` asks for out of all rows, in whatever order they come.
 template <typename Row>
-absl::StatusOr<Page<Row>> PageOf(PageKind kind, const HistoryQuery& query,
-                                 std::vector<Placed<Row>> rows) {
-  const absl::StatusOr<std::optional<PagePosition>> start = storage::PageStart(kind, query);
-  if (!start.ok()) return start.status();
-  std::erase_if(rows, [&](const Placed<Row>& row) {
-    return !Matches(row.second->robot, row.first.at, query) ||
-           (start->has_value() && row.first >= **start);
-  });
-  std::ranges::sort(rows, std::ranges::greater{}, &Placed<Row>::first);
-  Page<Row> page;
-  const std::size_t size = std::min<std::size_t>(rows.size(), query.page_size);
-  for (std::size_t i = 0; i < size; ++i) page.rows.push_back(*rows[i].second);
-  if (rows.size() > size) page.next_token = EncodePageToken(kind, rows[size - 1].first);
-  return page;
+std::vector<FakePlaced<Row>> AllOf(const std::vector<FakeEntry<Row>>& entries) {
+  std::vector<FakePlaced<Row>> rows;
+  rows.reserve(entries.size());
+  for (const FakeEntry<Row>& entry : entries) rows.push_back(Placed(entry));
+  return rows;
+}
+
+template <typename Row>
+std::vector<FakePlaced<Row>> PresentOf(const FakePresent<Row>& present, const PresentQuery& query) {
+  std::vector<FakePlaced<Row>> rows;
+  for (const auto& [ruri, by_id] : present.robots()) {
+    for (const auto& [id, entry] : by_id) {
+      if (query.include_expired ||
+          !storage::IsExpired(entry.row.expires_at_ms, UnixMs(query.now))) {
+        rows.push_back(Placed(entry));
+      }
+    }
+  }
+  return rows;
+}
+
+template <typename Row>
+bool OfMission(const Row& row, const MissionsQuery& query) {
+  return (query.mission_id.empty() || query.mission_id == row.mission_id) &&
+         (query.run_id.empty() || query.run_id == row.run_id);
 }
 
 }  // namespace
@@ -49,29 +58,23 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
   std::vector<storage::RobotRow> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
     if (rows.size() == robots_max) break;
-    rows.push_back({robot.id, robot.first_seen, robot.last_seen});
+    rows.push_back({robot.id, robot.first_seen, robot.last_seen, database_.presence_.Last(ruri)});
   }
   return rows;
 }
 
 absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(const HistoryQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  std::vector<Placed<storage::FaultRow>> rows;
+  std::vector<FakePlaced<storage::FaultRow>> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
-    for (const auto& [key, fault] : robot.faults_active) {
-      rows.push_back({{fault.at, fault.entry}, &fault.row});
-    }
+    for (const auto& [key, fault] : robot.faults_active) rows.push_back(Placed(fault));
   }
-  return PageOf(PageKind::kFaultsActive, query, std::move(rows));
+  return FakePageOf(PageKind::kFaultsActive, query, std::move(rows));
 }
 
 absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultHistory(const HistoryQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  std::vector<Placed<storage::FaultRow>> rows;
-  for (const auto& fault : database_.faults_history_) {
-    rows.push_back({{fault.at, fault.entry}, &fault.row});
-  }
-  return PageOf(PageKind::kFaultHistory, query, std::move(rows));
+  return FakePageOf(PageKind::kFaultHistory, query, AllOf(database_.faults_history_));
 }
 
 absl::StatusOr<std::vector<storage::ActiveFaults>> FakeReader::ActiveFaultCounts(
@@ -88,22 +91,81 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> FakeReader::ActiveFaultCounts
 
 absl::StatusOr<Page<storage::QuarantineRow>> FakeReader::Quarantine(const HistoryQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  std::vector<Placed<storage::QuarantineRow>> rows;
-  for (const auto& item : database_.quarantine_) {
-    rows.push_back({{item.at, item.entry}, &item.row});
-  }
-  return PageOf(PageKind::kQuarantine, query, std::move(rows));
+  return FakePageOf(PageKind::kQuarantine, query, AllOf(database_.quarantine_));
 }
 
 absl::StatusOr<Page<storage::GapRow>> FakeReader::Gaps(const HistoryQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  std::vector<Placed<storage::GapRow>> rows;
+  std::vector<FakePlaced<storage::GapRow>> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
     for (const auto& [place, gap] : robot.gaps) {
       rows.push_back({{place.first, place.second}, &gap});
     }
   }
-  return PageOf(PageKind::kGaps, query, std::move(rows));
+  return FakePageOf(PageKind::kGaps, query, std::move(rows));
+}
+
+absl::StatusOr<Page<storage::EventRow>> FakeReader::Events(const HistoryQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  return FakePageOf(PageKind::kEvents, query, AllOf(database_.kinds_.events()));
+}
+
+absl::StatusOr<Page<storage::MessageRow>> FakeReader::Messages(const HistoryQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  return FakePageOf(PageKind::kMessages, query, AllOf(database_.kinds_.messages()));
+}
+
+absl::StatusOr<Page<storage::MissionRunRow>> FakeReader::MissionRuns(const MissionsQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<FakePlaced<storage::MissionRunRow>> rows;
+  for (const auto& [key, run] : database_.kinds_.runs()) {
+    const bool ended = model::IsTerminal(run.row.status);
+    if (OfMission(run.row, query) && !(query.open && ended)) rows.push_back(Placed(run));
+  }
+  return FakePageOf(PageKind::kMissionRuns, query.rows, std::move(rows));
+}
+
+absl::StatusOr<Page<storage::MissionReportRow>> FakeReader::MissionReports(
+    const MissionsQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<FakePlaced<storage::MissionReportRow>> rows = AllOf(database_.kinds_.reports());
+  std::erase_if(rows, [&query](const auto& row) { return !OfMission(*row.second, query); });
+  return FakePageOf(PageKind::kMissionReports, query.rows, std::move(rows));
+}
+
+absl::StatusOr<Page<storage::ShapeRow>> FakeReader::Shapes(const PresentQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  return FakePageOf(PageKind::kShapes, query.rows, PresentOf(database_.kinds_.shapes(), query));
+}
+
+absl::StatusOr<Page<storage::ObjectRow>> FakeReader::Objects(const PresentQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  return FakePageOf(PageKind::kObjects, query.rows, PresentOf(database_.kinds_.objects(), query));
+}
+
+absl::StatusOr<Page<storage::PresenceRow>> FakeReader::PresenceChanges(const HistoryQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  return FakePageOf(PageKind::kPresence, query, AllOf(database_.presence_.changes()));
+}
+
+absl::StatusOr<FakeReader::LatestRows> FakeReader::Latest(std::span<const std::string> ruris,
+                                                          std::uint32_t kinds) {
+  const std::lock_guard lock(database_.mutex_);
+  LatestRows latest;
+  std::size_t bytes = 0;
+  for (const std::string& ruri : ruris) {
+    for (std::uint32_t kind = 0; kind < storage::kLatestKinds; ++kind) {
+      if ((kinds & (1U << kind)) == 0) continue;
+      const auto row =
+          database_.kinds_.latest().find({ruri, static_cast<storage::LatestKind>(kind)});
+      if (row == database_.kinds_.latest().end()) continue;
+      latest.rows.push_back(row->second);
+      bytes += row->second.body_json.size();
+    }
+    ++latest.complete;
+    if (bytes > storage::kPageBytesMax) break;
+  }
+  return latest;
 }
 
 }  // namespace uplink::testing

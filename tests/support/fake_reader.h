@@ -30,6 +30,22 @@ class FakeReader final : public storage::Reader {
       const storage::HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
       const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::EventRow>> Events(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MessageRow>> Messages(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
+      const storage::MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionReportRow>> MissionReports(
+      const storage::MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
+      const storage::PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ObjectRow>> Objects(
+      const storage::PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::PresenceRow>> PresenceChanges(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
+                                                  std::uint32_t kinds) override;
 
  private:
   const FakeDatabase& database_;

@@ -11,7 +11,7 @@ using storage::Page;
 
 absl::StatusOr<std::vector<storage::OpenResult>> FakeStore::OpenStreams(
     std::span<const storage::OpenRequest> requests) {
-  Fate fate = Begin(open_order_, opens_);
+  Fate fate = Begin({&any_order_, &open_order_}, opens_);
   if (fate.fail_before) return std::move(fate.status);
   std::vector<storage::OpenResult> results = database_.OpenStreams(process_, requests);
   if (fate.fail_after) return std::move(fate.status);
@@ -19,14 +19,23 @@ absl::StatusOr<std::vector<storage::OpenResult>> FakeStore::OpenStreams(
 }
 
 absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::Batch& batch) {
-  Fate fate = Begin(commit_order_, commits_);
+  Fate fate = Begin({&any_order_, &commit_order_}, commits_);
   if (fate.fail_before) return std::move(fate.status);
-  std::vector<storage::Outcome> outcomes = database_.Commit(process_, batch, fate.rules);
+  std::vector<storage::Outcome> outcomes =
+      database_.Commit(process_, batch, fate.rules, store_rules_);
   if (fate.fail_after) return std::move(fate.status);
   return outcomes;
 }
 
-FakeStore::Fate FakeStore::Begin(Order& order, std::uint64_t& calls) {
+absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
+  Fate fate = Begin({&sweep_order_}, sweeps_);
+  if (fate.fail_before) return std::move(fate.status);
+  const std::size_t swept = database_.Sweep(now);
+  if (fate.fail_after) return std::move(fate.status);
+  return swept;
+}
+
+FakeStore::Fate FakeStore::Begin(std::initializer_list<Order*> orders, std::uint64_t& calls) {
   std::unique_lock lock(mutex_);
   ++waiting_;
   changed_.notify_all();
@@ -35,7 +44,7 @@ FakeStore::Fate FakeStore::Begin(Order& order, std::uint64_t& calls) {
   ++calls;
   Fate fate;
   fate.rules = rules_;
-  for (Order* const from : {&any_order_, &order}) {
+  for (Order* const from : orders) {
     if (from->before > 0) {
       --from->before;
       fate.fail_before = true;
@@ -69,11 +78,16 @@ void FakeStore::FailNextOpens(std::uint32_t calls, FailAt at, const absl::Status
   Add(open_order_, calls, at, status);
 }
 
+void FakeStore::FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(sweep_order_, calls, at, status);
+}
+
 void FakeStore::Heal() {
   const std::lock_guard lock(mutex_);
   any_order_ = {};
   commit_order_ = {};
   open_order_ = {};
+  sweep_order_ = {};
   blocked_ = false;
   changed_.notify_all();
 }
@@ -109,6 +123,11 @@ std::uint64_t FakeStore::opens() const {
   return opens_;
 }
 
+std::uint64_t FakeStore::sweeps() const {
+  const std::lock_guard lock(mutex_);
+  return sweeps_;
+}
+
 absl::StatusOr<std::vector<storage::RobotRow>> FakeStore::Robots(std::uint32_t robots_max) {
   return FakeReader(database_).Robots(robots_max);
 }
@@ -132,6 +151,41 @@ absl::StatusOr<Page<storage::QuarantineRow>> FakeStore::Quarantine(const History
 
 absl::StatusOr<Page<storage::GapRow>> FakeStore::Gaps(const HistoryQuery& query) {
   return FakeReader(database_).Gaps(query);
+}
+
+absl::StatusOr<Page<storage::EventRow>> FakeStore::Events(const HistoryQuery& query) {
+  return FakeReader(database_).Events(query);
+}
+
+absl::StatusOr<Page<storage::MessageRow>> FakeStore::Messages(const HistoryQuery& query) {
+  return FakeReader(database_).Messages(query);
+}
+
+absl::StatusOr<Page<storage::MissionRunRow>> FakeStore::MissionRuns(
+    const storage::MissionsQuery& query) {
+  return FakeReader(database_).MissionRuns(query);
+}
+
+absl::StatusOr<Page<storage::MissionReportRow>> FakeStore::MissionReports(
+    const storage::MissionsQuery& query) {
+  return FakeReader(database_).MissionReports(query);
+}
+
+absl::StatusOr<Page<storage::ShapeRow>> FakeStore::Shapes(const storage::PresentQuery& query) {
+  return FakeReader(database_).Shapes(query);
+}
+
+absl::StatusOr<Page<storage::ObjectRow>> FakeStore::Objects(const storage::PresentQuery& query) {
+  return FakeReader(database_).Objects(query);
+}
+
+absl::StatusOr<Page<storage::PresenceRow>> FakeStore::PresenceChanges(const HistoryQuery& query) {
+  return FakeReader(database_).PresenceChanges(query);
+}
+
+absl::StatusOr<storage::Reader::LatestRows> FakeStore::Latest(std::span<const std::string> ruris,
+                                                              std::uint32_t kinds) {
+  return FakeReader(database_).Latest(ruris, kinds);
 }
 
 }  // namespace uplink::testing

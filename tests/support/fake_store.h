@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <initializer_list>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -31,14 +32,16 @@ enum class FailAt : std::uint8_t {
 class FakeStore final : public storage::Store, public storage::Reader {
  public:
   /// `database` must outlive this.
-  FakeStore(FakeDatabase& database, const storage::ProcessId& process)
-      : database_(database), process_(process) {}
+  FakeStore(FakeDatabase& database, const storage::ProcessId& process,
+            const storage::StoreRules& rules = {})
+      : database_(database), process_(process), store_rules_(rules) {}
 
   // storage::Store
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
       std::span<const storage::OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
 
   // storage::Reader
   [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
@@ -53,9 +56,25 @@ class FakeStore final : public storage::Store, public storage::Reader {
       const storage::HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
       const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::EventRow>> Events(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MessageRow>> Messages(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
+      const storage::MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionReportRow>> MissionReports(
+      const storage::MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
+      const storage::PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ObjectRow>> Objects(
+      const storage::PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::PresenceRow>> PresenceChanges(
+      const storage::HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
+                                                  std::uint32_t kinds) override;
 
   // Faults; each set of orders is worked off before the next of its kind.
-  /// The next `calls` calls of either write operation fail; FailAt::kBefore goes first.
+  /// The next `calls` calls of OpenStreams or Commit fail; FailAt::kBefore goes first.
   void FailNext(std::uint32_t calls, FailAt at,
                 const absl::Status& status = absl::UnavailableError("the test said so"));
   /// As FailNext, for Commit alone.
@@ -64,6 +83,9 @@ class FakeStore final : public storage::Store, public storage::Reader {
   /// As FailNext, for OpenStreams alone.
   void FailNextOpens(std::uint32_t calls, FailAt at,
                      const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// As FailNext, for Sweep alone.
+  void FailNextSweeps(std::uint32_t calls, FailAt at,
+                      const absl::Status& status = absl::UnavailableError("the test said so"));
   /// No ordered failure is left, and nothing blocks.
   void Heal();
   void SetRules(FakeRules rules);
@@ -78,6 +100,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   /// Write calls that came back, with whatever answer.
   [[nodiscard]] std::uint64_t commits() const;
   [[nodiscard]] std::uint64_t opens() const;
+  [[nodiscard]] std::uint64_t sweeps() const;
 
  private:
   struct Order {
@@ -86,18 +109,20 @@ class FakeStore final : public storage::Store, public storage::Reader {
     absl::Status status;
   };
 
-  /// What to do with the call that begins: waits while blocked, then takes from `order`.
+  /// What to do with the call that begins: waits while blocked, then takes from the first of
+  /// `orders` that holds any.
   struct Fate {
     bool fail_before = false;
     bool fail_after = false;
     absl::Status status;
     FakeRules rules;
   };
-  Fate Begin(Order& order, std::uint64_t& calls);
+  Fate Begin(std::initializer_list<Order*> orders, std::uint64_t& calls);
   void Add(Order& order, std::uint32_t calls, FailAt at, const absl::Status& status);
 
   FakeDatabase& database_;
   const storage::ProcessId process_;
+  const storage::StoreRules store_rules_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -106,9 +131,11 @@ class FakeStore final : public storage::Store, public storage::Reader {
   Order any_order_;
   Order commit_order_;
   Order open_order_;
+  Order sweep_order_;
   FakeRules rules_;
   std::uint64_t commits_ = 0;
   std::uint64_t opens_ = 0;
+  std::uint64_t sweeps_ = 0;
 };
 
 }  // namespace uplink::testing

@@ -19,79 +19,9 @@ void AddRelaySamples(metrics::Exposition& page) {
 
 }  // namespace
 
-absl::Status SwitchedReader::Enter() {
-  std::unique_lock lock(mutex_);
-  ++calls_;
-  ++inside_;
-  changed_.notify_all();
-  changed_.wait(lock, [this] { return !held_; });
-  --inside_;
-  return away_ ? absl::UnavailableError("the test took the store away") : absl::OkStatus();
-}
-
-void SwitchedReader::SetAway(bool away) {
-  const std::lock_guard lock(mutex_);
-  away_ = away;
-}
-
-void SwitchedReader::Hold() {
-  const std::lock_guard lock(mutex_);
-  held_ = true;
-}
-
-void SwitchedReader::Release() {
-  const std::lock_guard lock(mutex_);
-  held_ = false;
-  changed_.notify_all();
-}
-
-bool SwitchedReader::WaitUntilHeld(milliseconds deadline) {
-  std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, deadline, [this] { return held_ && inside_ > 0; });
-}
-
-int SwitchedReader::calls() const {
-  const std::lock_guard lock(mutex_);
-  return calls_;
-}
-
-absl::StatusOr<std::vector<storage::RobotRow>> SwitchedReader::Robots(std::uint32_t robots_max) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Robots(robots_max);
-}
-
-absl::StatusOr<storage::Page<storage::FaultRow>> SwitchedReader::FaultsActive(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.FaultsActive(query);
-}
-
-absl::StatusOr<storage::Page<storage::FaultRow>> SwitchedReader::FaultHistory(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.FaultHistory(query);
-}
-
-absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCounts(
-    std::span<const std::string> ruris) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.ActiveFaultCounts(ruris);
-}
-
-absl::StatusOr<storage::Page<storage::QuarantineRow>> SwitchedReader::Quarantine(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Quarantine(query);
-}
-
-absl::StatusOr<storage::Page<storage::GapRow>> SwitchedReader::Gaps(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Gaps(query);
-}
-
 ServerWorld::ServerWorld()
-    : journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe),
+    : journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
+              storage::ProcessId{1}),
       queries({clock, fleet, reader, journal, ledgers, sessions, "9.9.9"}),
       monitor({clock, fleet, journal, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
@@ -136,16 +66,33 @@ storage::CommitRecord ServerWorld::Next(const std::string& ruri) {
 
 void ServerWorld::Commit(const std::string& ruri, std::vector<storage::CommitRecord> records,
                          std::vector<storage::GapItem> gaps) {
-  const auto outcomes = store.Commit({std::move(records), std::move(gaps)});
+  storage::Batch batch;
+  batch.records = std::move(records);
+  batch.gaps = std::move(gaps);
+  const auto outcomes = store.Commit(batch);
   UPLINK_CHECK(outcomes.ok(), ruri);
 }
 
-void ServerWorld::CommitFault(const std::string& ruri, const model::Fault& fault) {
+void ServerWorld::CommitJudged(const std::string& ruri, model::Record judged) {
   storage::CommitRecord record = Next(ruri);
-  record.content = uplink::test::RecordOf(fault);
+  record.content = std::move(judged);
   std::vector<storage::CommitRecord> records;
   records.push_back(std::move(record));
   Commit(ruri, std::move(records));
+}
+
+void ServerWorld::CommitBody(const std::string& ruri, const model::Body& body) {
+  CommitJudged(ruri, uplink::test::RecordOf(body));
+}
+
+void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presence) {
+  storage::Batch batch;
+  batch.presence_session = session();
+  batch.presence.push_back({.robot = fleet.Find(ruri)->id(),
+                            .presence = presence,
+                            .at = clock.System(),
+                            .number = ++last_presence_});
+  UPLINK_CHECK(store.Commit(batch).ok(), ruri);
 }
 
 void ServerWorld::CommitQuarantine(const std::string& ruri, const model::Rejection& rejection,

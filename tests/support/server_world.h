@@ -1,10 +1,6 @@
 #pragma once
 
-#include <condition_variable>
-#include <mutex>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "metrics/ledger.h"
@@ -18,44 +14,9 @@
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/switched_reader.h"
 
 namespace uplink::testing {
-
-/// A reader that can be away, and can hold its callers. Thread-safe.
-class SwitchedReader final : public storage::Reader {
- public:
-  explicit SwitchedReader(storage::Reader& reader) : reader_(reader) {}
-
-  void SetAway(bool away);
-  /// Calls wait until Release.
-  void Hold();
-  void Release();
-  /// True once a held call waits; false after `deadline`.
-  [[nodiscard]] bool WaitUntilHeld(milliseconds deadline);
-  [[nodiscard]] int calls() const;
-
-  absl::StatusOr<std::vector<storage::RobotRow>> Robots(std::uint32_t robots_max) override;
-  absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
-      std::span<const std::string> ruris) override;
-  absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::GapRow>> Gaps(const storage::HistoryQuery& query) override;
-
- private:
-  [[nodiscard]] absl::Status Enter();
-
-  storage::Reader& reader_;
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  bool away_ = false;
-  bool held_ = false;
-  int calls_ = 0;
-  int inside_ = 0;
-};
 
 /// What stands behind the HTTP site, on a fake store and a clock moved by hand.
 class ServerWorld {
@@ -69,7 +30,11 @@ class ServerWorld {
   /// Commits these for the robot, numbered on from the last.
   void Commit(const std::string& ruri, std::vector<storage::CommitRecord> records,
               std::vector<storage::GapItem> gaps = {});
-  void CommitFault(const std::string& ruri, const model::Fault& fault);
+  void CommitJudged(const std::string& ruri, model::Record record);
+  /// A message of a durable kind, judged first.
+  void CommitBody(const std::string& ruri, const model::Body& body);
+  void CommitFault(const std::string& ruri, const model::Fault& fault) { CommitBody(ruri, fault); }
+  void CommitPresence(const std::string& ruri, model::Presence presence);
   void CommitQuarantine(const std::string& ruri, const model::Rejection& rejection,
                         const std::string& payload);
   void CommitGap(const std::string& ruri, model::Seq first, model::Seq last);
@@ -98,6 +63,7 @@ class ServerWorld {
   storage::CommitRecord Next(const std::string& ruri);
 
   model::Seq last_seq_ = 0;
+  model::Seq last_presence_ = 0;
 };
 
 }  // namespace uplink::testing

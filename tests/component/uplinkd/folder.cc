@@ -7,17 +7,15 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/check.h"
-#include "tests/support/certificates.h"
 
 namespace uplink::testing {
 
 UplinkdFolder::UplinkdFolder() : path_(::testing::TempDir() + "uplinkd_XXXXXX") {
   UPLINK_CHECK(mkdtemp(path_.data()) != nullptr, "a test can make a folder");
-  const TestAuthority authority;
-  const KeyPair server = authority.Issue(ServerSpec());
+  const KeyPair server = authority_.Issue(ServerSpec());
   Write("server.crt", server.certificate);
   Write("server.key", server.key);
-  Write("ca.crt", authority.certificate());
+  Write("ca.crt", authority_.certificate());
   std::filesystem::permissions(Path("server.key"), std::filesystem::perms::owner_read);
   WriteConfig();
 }

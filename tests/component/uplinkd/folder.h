@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/certificates.h"
 #include "tests/support/server_process.h"
 
 namespace uplink::testing {
@@ -18,6 +19,8 @@ class UplinkdFolder final {
   UplinkdFolder& operator=(const UplinkdFolder&) = delete;
 
   [[nodiscard]] std::string Path(const std::string& name) const { return path_ + "/" + name; }
+  /// Whom the server's configuration trusts, and who issued its certificate.
+  [[nodiscard]] const TestAuthority& authority() const { return authority_; }
   void Write(const std::string& name, const std::string& text) const;
   /// Writes the configuration; `extra` is TOML that is added at its end.
   void WriteConfig(const std::string& extra = "") const;
@@ -28,6 +31,7 @@ class UplinkdFolder final {
 
  private:
   std::string path_;
+  TestAuthority authority_;
 };
 
 }  // namespace uplink::testing

@@ -51,6 +51,9 @@ TEST_F(ServingTest, AnswersProbesAndStopsCleanly) {
   EXPECT_EQ(HttpGet(http_, "/api/v1/robots").status, 200);
   EXPECT_EQ(HttpGet(http_, "/api/v1/faults?active=true").status, 200);
   EXPECT_EQ(HttpGet(http_, "/api/v1/status").status, 200);
+  for (const char* list : {"missions?open=true", "shapes", "objects?includeExpired=true"}) {
+    EXPECT_EQ(HttpGet(http_, std::string("/api/v1/") + list).status, 200) << list;
+  }
   process_->Signal(SIGTERM);
   EXPECT_EQ(process_->WaitForExit(), 0);
   EXPECT_THAT(process_->text(), HasSubstr("draining"));

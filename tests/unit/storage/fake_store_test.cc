@@ -82,6 +82,31 @@ TEST_F(FakeStoreFaults, LogsWhatWasWritten) {
   EXPECT_TRUE(database_.ApplicationsFrom(9).empty());
 }
 
+TEST_F(FakeStoreFaults, KeepsOrdersForSweepsFromTheOthers) {
+  store_.FailNextSweeps(1, FailAt::kBefore);
+  store_.FailNext(1, FailAt::kBefore);
+  EXPECT_FALSE(store_.Sweep(FromUnixMs(1)).ok());
+  const absl::StatusOr<std::size_t> swept = store_.Sweep(FromUnixMs(1));
+  ASSERT_TRUE(swept.ok()) << swept.status();
+  EXPECT_EQ(*swept, 0U);
+  EXPECT_FALSE(store_.Commit(Numbers(1, 1)).ok());
+  store_.FailNextSweeps(5, FailAt::kAfter);
+  EXPECT_FALSE(store_.Sweep(FromUnixMs(1)).ok());
+  store_.Heal();
+  EXPECT_TRUE(store_.Sweep(FromUnixMs(1)).ok());
+  EXPECT_EQ(store_.sweeps(), 4U);
+}
+
+TEST_F(FakeStoreFaults, ShowsTheCursorOfPresenceUnderTheServersName) {
+  storage::Batch batch;
+  batch.presence = {{robot_, model::Presence::kOnline, FromUnixMs(1), 4}};
+  batch.presence_session = session_;
+  EXPECT_EQ(database_.Cursor(storage::kServerRuri, session_), std::nullopt);
+  ASSERT_TRUE(store_.Commit(batch).ok());
+  EXPECT_EQ(database_.Cursor(storage::kServerRuri, session_), 4);
+  EXPECT_EQ(database_.Cursor(robot_->ruri, session_), std::nullopt);
+}
+
 TEST_F(FakeStoreFaults, StoresTwiceOnlyWhenTheCursorMayBeLowered) {
   for (const bool lowering : {false, true}) {
     FakeDatabase database;

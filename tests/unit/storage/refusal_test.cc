@@ -29,5 +29,17 @@ TEST(StoreRefused, LeavesOutACauseThatIsNoText) {
   EXPECT_EQ(StoreRefused("\xFF").detail.find('\xFF'), std::string::npos);
 }
 
+TEST(TooMany, NamesTheFieldAndTheBound) {
+  for (const model::Rejection& rejection :
+       {TooManyActiveFaults(), TooManyShapes(), TooManyObjects()}) {
+    EXPECT_EQ(rejection.reason, model::RejectReason::kTooManyItems);
+    EXPECT_NE(rejection.detail.find(" 10000 "), std::string::npos) << rejection.detail;
+    EXPECT_LE(rejection.detail.size(), model::kDetailBytesMax);
+  }
+  EXPECT_EQ(TooManyActiveFaults().field, "faultId");
+  EXPECT_EQ(TooManyShapes().field, "upsert.identity.id");
+  EXPECT_EQ(TooManyObjects().field, "upsert.id");
+}
+
 }  // namespace
 }  // namespace uplink::storage

@@ -2,7 +2,9 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -119,22 +121,23 @@ TEST_F(SqliteFiles, RefusesAnOlderFileIfItMayNotMigrate) {
 
 TEST_F(SqliteFiles, KeepsNothingOfAMigrationThatFails) {
   Make();
+  const std::int64_t next = static_cast<std::int64_t>(Migrations().size()) + 1;
   {
     auto database = Database::Open(path_, Access::kWrite, milliseconds(100));
     ASSERT_TRUE(database.ok()) << database.status();
-    const Migration first = Migrations().front();
-    const Migration broken[] = {first, {2, "0002_broken", "sum", "CREATE TABLE t (x); nonsense;"}};
-    const absl::Status status = Migrate(**database, broken, IfOlder::kMigrate);
+    std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+    migrations.push_back({next, "broken", "sum", "CREATE TABLE t (x); nonsense;"});
+    const absl::Status status = Migrate(**database, migrations, IfOlder::kMigrate);
     EXPECT_FALSE(status.ok());
-    EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("0002_broken")));
-    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), 1);
+    EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("broken")));
+    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), next - 1);
     EXPECT_EQ(*(*database)->ReadInt("SELECT COUNT(*) FROM sqlite_schema WHERE name = 't'"), 0);
 
-    const Migration good[] = {first, {2, "0002_good", "sum", "CREATE TABLE t (x);"}};
-    EXPECT_TRUE(Migrate(**database, good, IfOlder::kMigrate).ok());
-    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), 2);
+    migrations.back() = {next, "good", "sum", "CREATE TABLE t (x);"};
+    EXPECT_TRUE(Migrate(**database, migrations, IfOlder::kMigrate).ok());
+    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), next);
   }
-  EXPECT_THAT(Text(Open()), HasSubstr("version 2"));
+  EXPECT_THAT(Text(Open()), HasSubstr(fmt::format("version {}", next)));
 }
 
 TEST_F(SqliteFiles, ReadsBackThatEveryCommitIsSynced) {

@@ -1,10 +1,12 @@
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
 #include "storage/sqlite/errors.h"
+#include "storage/sqlite/kind_rows.h"
 #include "storage/sqlite/pages.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/sqlite_shell.h"
@@ -50,44 +52,73 @@ class SqlitePlans : public ::testing::Test {
   }
 
   /// How SQLite would run the page statement.
-  std::string Plan(const ListShape& shape, const HistoryQuery& query) const {
-    return testing::SqliteShell(path_).Read("EXPLAIN QUERY PLAN " + PageSql(shape, query));
+  std::string Plan(const ListShape& shape, const HistoryQuery& query,
+                   const ListFilter& filter = {}) const {
+    return testing::SqliteShell(path_).Read("EXPLAIN QUERY PLAN " + PageSql(shape, query, filter));
+  }
+
+  /// Every restriction to robots that a query may have, on the first page and on a later one.
+  static std::vector<HistoryQuery> Queries() {
+    std::vector<HistoryQuery> queries;
+    for (const char* ruri : {"", "r"}) {
+      for (const char* fleet : {"", "f"}) {
+        for (const char* token : {"", "x"}) {
+          queries.push_back({.ruri = ruri, .fleet = fleet, .page_token = token});
+        }
+      }
+    }
+    return queries;
+  }
+
+  void ExpectOrderOfAnIndex(const ListShape& shape, const ListFilter& filter = {}) const {
+    for (const HistoryQuery& query : Queries()) {
+      const std::string plan = Plan(shape, query, filter);
+      EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE"))) << shape.table << filter.sql;
+      EXPECT_THAT(plan, HasSubstr("USING INDEX")) << shape.table << filter.sql;
+      if (!filter.sql.empty()) continue;
+      if (!query.ruri.empty()) {
+        EXPECT_THAT(plan, HasSubstr("(ruri=?")) << shape.table;
+      } else if (!query.fleet.empty()) {
+        EXPECT_THAT(plan, HasSubstr("(fleet=?")) << shape.table;
+      }
+    }
   }
 
   testing::TempFolder folder_;
   const std::string path_ = folder_.File("uplinkd.db");
 };
 
-// NOLINTNEXTLINE(readability-function-size): one table of queries
 TEST_F(SqlitePlans, ReadsEveryListInTheOrderOfAnIndex) {
-  const ListShape shapes[] = {
-      {PageKind::kFaultHistory, "faults_history", "seq", "received_ms"},
-      {PageKind::kFaultsActive, "faults_active", "fault_id", "raised_ms"},
-      {PageKind::kQuarantine, "quarantine", "seq", "received_ms"},
-      {PageKind::kGaps, "gaps", "first", "seen_ms"},
-  };
-  HistoryQuery all;
-  HistoryQuery fleet;
-  fleet.fleet = "f";
-  HistoryQuery robot;
-  robot.ruri = "r";
-  HistoryQuery both = robot;
-  both.fleet = "f";
-  for (const ListShape& shape : shapes) {
-    for (HistoryQuery query : {all, fleet, robot, both}) {
-      for (const bool later_page : {false, true}) {
-        query.page_token = later_page ? "x" : "";
-        const std::string plan = Plan(shape, query);
-        EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE"))) << shape.table;
-        EXPECT_THAT(plan, HasSubstr("USING INDEX")) << shape.table;
-        if (!query.ruri.empty()) {
-          EXPECT_THAT(plan, HasSubstr("(ruri=?")) << shape.table;
-        } else if (!query.fleet.empty()) {
-          EXPECT_THAT(plan, HasSubstr("(fleet=?")) << shape.table;
-        }
-      }
+  for (const ListShape& shape :
+       {kFaultHistory, kFaultsActive, kQuarantine, kGaps, kEvents, kMessages, kMissionRuns,
+        kMissionReports, kShapes, kObjects, kPresenceChanges}) {
+    ExpectOrderOfAnIndex(shape);
+  }
+}
+
+TEST_F(SqlitePlans, ReadsWhatAFilterLeavesInTheOrderOfAnIndex) {
+  const PresentQuery present{.now = FromUnixMs(1)};
+  ExpectOrderOfAnIndex(kShapes, FilterOf(present));
+  ExpectOrderOfAnIndex(kObjects, FilterOf(present));
+  MissionsQuery mission;
+  mission.mission_id = "m";
+  MissionsQuery run;
+  run.run_id = "r";
+  for (const bool open : {false, true}) {
+    for (const MissionsQuery& query : {MissionsQuery{}, mission, run}) {
+      ExpectOrderOfAnIndex(kMissionRuns, FilterOf(query, open));
     }
   }
+  ExpectOrderOfAnIndex(kMissionReports, FilterOf(run, false));
+}
+
+// An open run among a million that have ended, or an expired shape, is found without a scan.
+TEST_F(SqlitePlans, FindsOpenRunsAndWhatExpiredByIndexesOfTheirOwn) {
+  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(MissionsQuery{}, true)),
+              HasSubstr("mission_runs_open_by_time"));
+  MissionsQuery run;
+  run.run_id = "r";
+  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(run, false)), HasSubstr("mission_runs_by_run"));
 }
 
 }  // namespace

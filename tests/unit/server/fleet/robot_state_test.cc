@@ -188,6 +188,33 @@ TEST_F(RobotStateTest, PresenceSinceMovesWithPresenceAlone) {
   EXPECT_EQ(All().presence_since, clock_.System());
 }
 
+// A held-back stream hands over messages that arrived long ago.
+TEST_F(RobotStateTest, ASignOfLifeThatWaitedIsJudgedAtTheLatestTimeKnown) {
+  const SteadyTime arrived = clock_.Steady();
+  const SystemTime arrived_system = clock_.System();
+  clock_.Advance(limits_.timeout);
+  state_.SetReading(RobotState::Reading::kHeldBack, clock_.Steady());
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kUnknown);
+  state_.SignOfLife(arrived, arrived_system, limits_);
+  EXPECT_EQ(state_.presence(), Presence::kOnline) << "it is within the limit still";
+  EXPECT_EQ(All().presence_since, clock_.System()) << "a history never goes back";
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kUnknown);
+  state_.SignOfLife(arrived, arrived_system, limits_);
+  EXPECT_EQ(state_.presence(), Presence::kUnknown) << "it says nothing of the present any more";
+}
+
+TEST_F(RobotStateTest, AnEarlierSignOfLifeTakesNoLaterOnesPlace) {
+  const SteadyTime earlier = clock_.Steady();
+  const SystemTime earlier_system = clock_.System();
+  clock_.Advance(limits_.timeout);
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  state_.SignOfLife(earlier, earlier_system, limits_);
+  EXPECT_EQ(All().last_sign_of_life, clock_.System());
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOnline);
+}
+
 TEST_F(RobotStateTest, HoldingBackCountsToItsEnd) {
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
   state_.SetReading(RobotState::Reading::kHeldBack, clock_.Steady());

@@ -49,6 +49,20 @@ TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
   EXPECT_NE(text.find("uplinkd_http_reads_waiting_limit 64\n"), std::string::npos);
 }
 
+TEST(Scrape, CountsWhatTheJournalStoredAndSwept) {
+  testing::ServerWorld world;
+  world.journal_probe.presence_changes[static_cast<std::size_t>(model::Presence::kOffline)].Add(3);
+  world.journal_probe.expired_deleted.Add(4);
+  const std::string text = world.scrape.Text();
+  EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"online\"} 0\n"),
+            std::string::npos);
+  EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"offline\"} 3\n"),
+            std::string::npos);
+  EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"unknown\"} 0\n"),
+            std::string::npos);
+  EXPECT_NE(text.find("uplinkd_expired_deleted_total 4\n"), std::string::npos);
+}
+
 TEST(Scrape, NeverNamesARobot) {
   testing::ServerWorld world;
   world.AddRobot("rcan://secret");

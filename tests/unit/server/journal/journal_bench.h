@@ -96,7 +96,7 @@ class RecordingClient final : public Client {
 /// A journal on the store in memory.
 struct JournalBench {
   explicit JournalBench(const JournalLimits& limits = {})
-      : journal(store, limits, clock, ledger, probe) {}
+      : journal(store, limits, clock, ledger, probe, storage::ProcessId{1}) {}
 
   void Open(RecordingClient& client, std::uint64_t open_id = 1) {
     journal.Open(client, open_id,

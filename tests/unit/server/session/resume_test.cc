@@ -214,6 +214,7 @@ TEST_F(ResumeTest, AnIdleSessionIsForgotten) {
   server().Pass(milliseconds(1));
   server().fleet().Sweep(limits_.session.session_idle);
   EXPECT_THAT(server().robot().sessions.Held(), IsEmpty());
+  server().Commit();  // a sweep of the store is due first
   BenchStream& stream = server().Connect(SessionOf(1));
   EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }

@@ -192,7 +192,8 @@ BenchServer::BenchServer(testing::ManualClock& clock, testing::FakeDatabase& dat
       limits_(limits),
       store_(database, storage::ProcessId{process}),
       fleet_(clock, limits.robots_max, {}),
-      journal_(store_, limits_.journal, clock, book_.NewPage(), journal_probe_),
+      journal_(store_, limits_.journal, clock, book_.NewPage(), journal_probe_,
+               storage::ProcessId{process}),
       judge_({}),
       ledger_(book_.NewPage()) {
   store_.SetRules({.refuse = RefuseMarked});

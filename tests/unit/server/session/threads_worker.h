@@ -43,7 +43,8 @@ struct ThreadsCore {
   SessionProbe probe;
   journal::JournalProbe journal_probe;
   fleet::Fleet fleet;
-  journal::Journal journal{store, limits.journal, clock, book.NewPage(), journal_probe};
+  journal::Journal journal{store,          limits.journal, clock,
+                           book.NewPage(), journal_probe,  storage::ProcessId{1}};
   std::atomic<std::uint64_t> next_stream{1};
 };
 

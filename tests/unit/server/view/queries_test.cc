@@ -110,6 +110,12 @@ TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
   EXPECT_EQ(world_.queries.FaultHistory(query).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.Gaps(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Events(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Messages(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.PresenceChanges(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.MissionRuns({}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Shapes({}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Objects({}).status().code(), absl::StatusCode::kUnavailable);
 }
 
 TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
@@ -118,6 +124,10 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
   query.ruri = "rcan://x";
   EXPECT_EQ(world_.queries.Gaps(query).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Events(query).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Messages(query).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.PresenceChanges(query).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.reader.calls(), 0);
 }
 
 TEST_F(QueriesTest, StatusHoldsTheConservationTable) {

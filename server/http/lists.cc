@@ -1,0 +1,115 @@
+// The handlers of /api/v1 that answer rows of the store.
+#include <absl/status/statusor.h>
+
+#include "server/http/answers.h"
+#include "server/http/errors.h"
+#include "server/http/site.h"
+#include "server/view/json.h"
+
+namespace uplink::http {
+namespace {
+
+using storage::HistoryQuery;
+using storage::Page;
+
+template <typename Row>
+Response RowsResponse(const absl::StatusOr<Page<Row>>& page) {
+  return page.ok() ? JsonResponse(view::ToJson(*page)) : ErrorResponse(page.status());
+}
+
+/// Which part of a list.
+HistoryQuery ReadPage(Parameters& parameters) {
+  HistoryQuery query;
+  query.page_size = ReadPageSize(parameters);
+  query.page_token = parameters.Text("pageToken");
+  return query;
+}
+
+void ReadTimes(Parameters& parameters, HistoryQuery& query) {
+  query.from = parameters.Time("fromMs");
+  query.to = parameters.Time("toMs");
+}
+
+void ReadRobots(Parameters& parameters, HistoryQuery& query) {
+  query.ruri = parameters.Text("ruri");
+  query.fleet = parameters.Text("fleet");
+}
+
+/// A history of the one robot that the path names.
+template <typename Row>
+Response HistoryOf(const std::string& ruri, const std::string& query_text, view::Queries& queries,
+                   absl::StatusOr<Page<Row>> (view::Queries::*ask)(const HistoryQuery&)) {
+  Parameters parameters(query_text);
+  HistoryQuery query = ReadPage(parameters);
+  ReadTimes(parameters, query);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  query.ruri = ruri;
+  return RowsResponse((queries.*ask)(query));
+}
+
+/// Shapes or objects.
+template <typename Row>
+Response PresentOnes(const std::string& query_text, view::Queries& queries,
+                     absl::StatusOr<Page<Row>> (view::Queries::*ask)(storage::PresentQuery)) {
+  Parameters parameters(query_text);
+  storage::PresentQuery query;
+  query.rows = ReadPage(parameters);
+  ReadRobots(parameters, query.rows);
+  query.include_expired = parameters.Flag("includeExpired");
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return RowsResponse((queries.*ask)(query));
+}
+
+}  // namespace
+
+Response Site::Events(const Call& call) const {
+  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Events);
+}
+
+Response Site::Messages(const Call& call) const {
+  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Messages);
+}
+
+Response Site::Presence(const Call& call) const {
+  return HistoryOf(call.segment, call.query, queries_, &view::Queries::PresenceChanges);
+}
+
+Response Site::Quarantine(const Call& call) const {
+  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Quarantine);
+}
+
+Response Site::Gaps(const Call& call) const {
+  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Gaps);
+}
+
+Response Site::Faults(const Call& call) const {
+  Parameters parameters(call.query);
+  HistoryQuery query = ReadPage(parameters);
+  ReadTimes(parameters, query);
+  ReadRobots(parameters, query);
+  const bool active = parameters.Flag("active");
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return RowsResponse(active ? queries_.FaultsActive(query) : queries_.FaultHistory(query));
+}
+
+Response Site::Missions(const Call& call) const {
+  Parameters parameters(call.query);
+  storage::MissionsQuery query;
+  query.rows = ReadPage(parameters);
+  ReadRobots(parameters, query.rows);
+  query.mission_id = parameters.Text("missionId");
+  query.run_id = parameters.Text("runId");
+  query.open = parameters.Flag("open");
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return RowsResponse(queries_.MissionRuns(query));
+}
+
+Response Site::Shapes(const Call& call) const {
+  return PresentOnes(call.query, queries_, &view::Queries::Shapes);
+}
+
+Response Site::Objects(const Call& call) const {
+  return PresentOnes(call.query, queries_, &view::Queries::Objects);
+}
+
+}  // namespace uplink::http

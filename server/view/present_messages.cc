@@ -1,0 +1,70 @@
+#include "schema/model/enum_text.h"
+#include "server/view/messages.h"
+#include "server/view/struct.h"
+
+// What is there now: mission runs, shapes, objects.
+namespace uplink::view {
+
+v1::ListMissionRunsResponse ToMessage(const storage::Page<storage::MissionRunRow>& page) {
+  v1::ListMissionRunsResponse message;
+  for (const storage::MissionRunRow& row : page.rows) {
+    v1::MissionRun& run = *message.add_mission_runs();
+    run.set_ruri(row.robot.ruri);
+    run.set_mission_id(row.mission_id);
+    run.set_run_id(row.run_id);
+    run.set_name(row.name);
+    run.set_status(model::EnumText(row.status));
+    *run.mutable_latest() = ParseStruct(row.latest_json);
+    run.set_first_received_at_ms(UnixMs(row.first_received_at));
+    run.set_last_received_at_ms(UnixMs(row.last_received_at));
+    run.set_updates(Signed(row.updates));
+  }
+  message.set_next_page_token(page.next_token);
+  return message;
+}
+
+v1::ListShapesResponse ToMessage(const storage::Page<storage::ShapeRow>& page) {
+  v1::ListShapesResponse message;
+  for (const storage::ShapeRow& row : page.rows) {
+    v1::Shape& shape = *message.add_shapes();
+    shape.set_ruri(row.robot.ruri);
+    shape.set_id(row.identity.id);
+    shape.set_name(row.identity.name);
+    shape.set_area_type(model::EnumText(row.area_type));
+    shape.set_scope(model::EnumText(row.scope));
+    shape.set_rev(row.identity.rev);
+    shape.set_hash(row.identity.hash);
+    *shape.mutable_geometry() = ParseStruct(row.geometry_json);
+    shape.set_expires_at_ms(row.expires_at_ms);
+    shape.set_min_z_m(row.min_z_m);
+    shape.set_max_z_m(row.max_z_m);
+    shape.set_level_id(row.level_id);
+    shape.set_received_at_ms(UnixMs(row.received_at));
+  }
+  message.set_next_page_token(page.next_token);
+  return message;
+}
+
+v1::ListObjectsResponse ToMessage(const storage::Page<storage::ObjectRow>& page) {
+  v1::ListObjectsResponse message;
+  for (const storage::ObjectRow& row : page.rows) {
+    v1::TrackedObject& object = *message.add_objects();
+    object.set_ruri(row.robot.ruri);
+    object.set_id(row.id);
+    object.set_name(row.name);
+    object.set_object_type(model::EnumText(row.object_type));
+    object.set_scope(model::EnumText(row.scope));
+    *object.mutable_location() = ParseStruct(row.location_json);
+    if (!row.trajectory_json.empty()) {
+      *object.mutable_trajectory() = ParseStruct(row.trajectory_json);
+    }
+    object.set_radius_m(row.radius_m);
+    object.set_sampled_at_ms(row.sampled_at_ms);
+    object.set_expires_at_ms(row.expires_at_ms);
+    object.set_received_at_ms(UnixMs(row.received_at));
+  }
+  message.set_next_page_token(page.next_token);
+  return message;
+}
+
+}  // namespace uplink::view

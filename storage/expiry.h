@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+#include "schema/base/clock.h"
+#include "schema/model/spatial.h"
+#include "storage/types.h"
+
+namespace uplink::storage {
+
+/// When the object expires, Unix milliseconds; 0: never. One that names no time lives for
+/// `rules.object_ttl` from its arrival.
+[[nodiscard]] inline std::int64_t ExpiryOf(const model::Object& object, SystemTime received_at,
+                                           const StoreRules& rules) {
+  if (object.expires_unix_time_ms != 0) return object.expires_unix_time_ms;
+  if (rules.object_ttl.count() == 0) return 0;
+  return UnixMs(received_at + rules.object_ttl);
+}
+
+/// A shape or object is there until its time of expiry, which is not part of its life.
+[[nodiscard]] constexpr bool IsExpired(std::int64_t expires_at_ms, std::int64_t now_ms) {
+  return expires_at_ms != 0 && expires_at_ms <= now_ms;
+}
+
+}  // namespace uplink::storage

@@ -1,0 +1,297 @@
+#include <array>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <gmock/gmock.h>
+
+#include "storage/page_token.h"
+#include "tests/contract/store_contract.h"
+#include "tests/unit/schema/samples.h"
+
+/// What every list of a durable kind does alike; those of faults, quarantine and gaps are in
+/// page_test.cc.
+namespace uplink::testing {
+namespace {
+
+using storage::HistoryQuery;
+using storage::Page;
+using storage::PageKind;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+/// A row of any list: which item of the test it is, and of whom.
+struct Seen {
+  int item = 0;
+  model::RobotId robot;
+};
+
+struct List {
+  PageKind kind;
+  /// What becomes row `item`; a presence change if there is none.
+  std::function<model::Body(int item)> body;
+  std::function<absl::StatusOr<Page<Seen>>(storage::Reader& reader, const HistoryQuery& query)>
+      read;
+};
+
+template <typename Row, typename ItemOf>
+absl::StatusOr<Page<Seen>> SeenOf(absl::StatusOr<Page<Row>> page, const ItemOf& item_of) {
+  if (!page.ok()) return page.status();
+  Page<Seen> seen;
+  seen.next_token = page->next_token;
+  for (const Row& row : page->rows) seen.rows.push_back({item_of(row), row.robot});
+  return seen;
+}
+
+model::MissionRunStatus Report(int item) {
+  model::MissionRunStatus report;
+  report.run_id = std::to_string(item);
+  return report;
+}
+
+constexpr auto kRunItem = [](const auto& row) { return std::stoi(row.run_id); };
+
+List EventList() {
+  return {PageKind::kEvents,
+          [](int item) {
+            return model::EventTelemetry{item, model::EstopEngagedEvent{}};
+          },
+          [](storage::Reader& reader, const HistoryQuery& query) {
+            return SeenOf(reader.Events(query),
+                          [](const auto& row) { return static_cast<int>(row.sampled_at_ms); });
+          }};
+}
+
+List MessageList() {
+  return {PageKind::kMessages,
+          [](int item) {
+            return model::Message{0, model::MessageLevel::kInfo, std::to_string(item)};
+          },
+          [](storage::Reader& reader, const HistoryQuery& query) {
+            return SeenOf(reader.Messages(query),
+                          [](const auto& row) { return std::stoi(row.message.message); });
+          }};
+}
+
+List RunList() {
+  return {PageKind::kMissionRuns, Report, [](storage::Reader& reader, const HistoryQuery& query) {
+            return SeenOf(reader.MissionRuns({query, "", "", false}), kRunItem);
+          }};
+}
+
+List ReportList() {
+  return {PageKind::kMissionReports, Report,
+          [](storage::Reader& reader, const HistoryQuery& query) {
+            return SeenOf(reader.MissionReports({query, "", "", false}), kRunItem);
+          }};
+}
+
+List ShapeList() {
+  return {PageKind::kShapes,
+          [](int item) {
+            model::ReportedShape shape = test::SampleShape();
+            shape.identity.id = std::to_string(item);
+            return model::ShapeOp{shape};
+          },
+          [](storage::Reader& reader, const HistoryQuery& query) {
+            return SeenOf(reader.Shapes({query, {}, false}),
+                          [](const auto& row) { return std::stoi(row.identity.id); });
+          }};
+}
+
+List ObjectList() {
+  return {PageKind::kObjects,
+          [](int item) {
+            model::Object object = test::SampleObject();
+            object.id = std::to_string(item);
+            return model::ObjectOp{object};
+          },
+          [](storage::Reader& reader, const HistoryQuery& query) {
+            return SeenOf(reader.Objects({query, {}, false}),
+                          [](const auto& row) { return std::stoi(row.id); });
+          }};
+}
+
+class ListContract : public StoreContract {
+ protected:
+  /// Three items share each time; a change of presence is told from others of its time by what it
+  /// changed to.
+  static constexpr int kItemsAtOneTime = 3;
+  /// Items of a walk: six pages of 4, and one.
+  static constexpr int kItems = 25;
+
+  static List PresenceList() {
+    return {PageKind::kPresence, nullptr, [](storage::Reader& reader, const HistoryQuery& query) {
+              return SeenOf(reader.PresenceChanges(query), [](const storage::PresenceRow& row) {
+                return static_cast<int>(UnixMs(row.at) - kNowMs) * kItemsAtOneTime +
+                       static_cast<int>(row.presence);
+              });
+            }};
+  }
+
+  void ForEachList(const std::function<void(const List& list)>& test) {
+    const std::array lists = {EventList(), MessageList(), RunList(),     ReportList(),
+                              ShapeList(), ObjectList(),  PresenceList()};
+    for (const List& list : lists) {
+      SCOPED_TRACE(static_cast<int>(list.kind));
+      Fresh();
+      numbers_ = 0;
+      test(list);
+    }
+  }
+
+  void Put(const List& list, int item, storage::RobotRef robot) {
+    const std::int64_t after_ms = item / kItemsAtOneTime;
+    storage::Batch batch;
+    if (list.body) {
+      batch.records = {At(after_ms, Of(std::move(robot), Good(++numbers_, list.body(item))))};
+    } else {
+      batch.presence = {{std::move(robot), static_cast<model::Presence>(item % kItemsAtOneTime),
+                         Time(after_ms), ++numbers_}};
+    }
+    Commit(batch);
+  }
+  void Put(const List& list, int item) { Put(list, item, robot_); }
+
+  std::vector<int> ItemsOf(const List& list, const HistoryQuery& query = {}) {
+    std::vector<int> items;
+    for (const Seen& row : RowsOf(list.read(store_->reader(), query))) items.push_back(row.item);
+    return items;
+  }
+
+  model::Seq numbers_ = 0;
+};
+
+TEST_P(ListContract, RunsFromTheNewestArrivalAndAmongEqualsFromTheLastWritten) {
+  ForEachList([this](const List& list) {
+    for (const int item : {3, 9, 0, 5, 4, 6}) Put(list, item);
+    EXPECT_THAT(ItemsOf(list), ElementsAre(9, 6, 4, 5, 3, 0));
+  });
+}
+
+TEST_P(ListContract, GivesRowsOfOneRobotFleetAndTime) {
+  ForEachList([this](const List& list) {
+    Put(list, 0, Robot("a", "f1"));
+    Put(list, 3, Robot("b", "f1"));
+    Put(list, 6, Robot("c", "f2"));
+    Put(list, 9, Robot("a", "f1"));
+    const auto items = [&](const std::string& ruri, const std::string& fleet,
+                           std::optional<std::int64_t> from, std::optional<std::int64_t> to) {
+      HistoryQuery query;
+      query.ruri = ruri;
+      query.fleet = fleet;
+      if (from) query.from = Time(*from);
+      if (to) query.to = Time(*to);
+      return ItemsOf(list, query);
+    };
+    const std::string a = "rcan://robots/a";
+    EXPECT_THAT(items(a, "", {}, {}), ElementsAre(9, 0));
+    EXPECT_THAT(items("", "f1", {}, {}), ElementsAre(9, 3, 0));
+    EXPECT_THAT(items("", "f2", {}, {}), ElementsAre(6));
+    EXPECT_THAT(items(a, "f2", {}, {}), IsEmpty());
+    EXPECT_THAT(items("rcan://robots", "", {}, {}), IsEmpty());
+    EXPECT_THAT(items("", "", 1, 2), ElementsAre(6, 3)) << "both ends belong to it";
+    EXPECT_THAT(items("", "", 3, {}), ElementsAre(9));
+    EXPECT_THAT(items("", "", 4, {}), IsEmpty());
+    EXPECT_THAT(items("", "", {}, 0), ElementsAre(0));
+    EXPECT_THAT(items("", "", {}, -1), IsEmpty());
+    EXPECT_THAT(items("", "", 2, 1), IsEmpty());
+    EXPECT_THAT(items(a, "", 1, 3), ElementsAre(9));
+    EXPECT_THAT(items("", "f1", 0, 2), ElementsAre(3, 0));
+    EXPECT_THAT(items(a, "f1", 0, 3), ElementsAre(9, 0));
+  });
+}
+
+TEST_P(ListContract, IsWalkedOnceWhileRowsAreAdded) {
+  ForEachList([this](const List& list) {
+    for (int item = 0; item < kItems; ++item) Put(list, item, Robot(item % 2 == 0 ? "a" : "b"));
+    std::map<int, int> seen;
+    HistoryQuery query;
+    query.page_size = 4;
+    int pages = 0;
+    do {
+      const auto page = list.read(store_->reader(), query);
+      ASSERT_TRUE(page.ok()) << page.status();
+      for (const Seen& row : page->rows) ++seen[row.item];
+      query.page_token = page->next_token;
+      // Newer rows; the first lies at a time that the walk has begun with.
+      Put(list, kItems - 1 + kItemsAtOneTime * pages, Robot("c"));
+      ++pages;
+    } while (!query.page_token.empty() && pages < kItems);
+    EXPECT_EQ(pages, 7);
+    EXPECT_THAT(seen, SizeIs(kItems));
+    for (const auto& [item, times] : seen) EXPECT_EQ(times, 1) << item;
+  });
+}
+
+TEST_P(ListContract, PagesWhatAFilterLeaves) {
+  ForEachList([this](const List& list) {
+    for (int item = 0; item < 12; ++item) {
+      Put(list, item, item % 2 == 0 ? Robot("a", "f1") : Robot("b", "f2"));
+    }
+    for (const bool by_fleet : {false, true}) {
+      HistoryQuery query;
+      (by_fleet ? query.fleet : query.ruri) = by_fleet ? "f1" : "rcan://robots/a";
+      query.from = Time(1);
+      query.page_size = 2;
+      EXPECT_THAT(ItemsOf(list, query), ElementsAre(10, 8));
+      query.page_token = list.read(store_->reader(), query)->next_token;
+      EXPECT_THAT(ItemsOf(list, query), ElementsAre(6, 4)) << "item 4 is the last from Time(1) on";
+      EXPECT_EQ(list.read(store_->reader(), query)->next_token, "");
+    }
+  });
+}
+
+TEST_P(ListContract, GivesNoTokenWithAFullLastPage) {
+  ForEachList([this](const List& list) {
+    EXPECT_EQ(list.read(store_->reader(), {})->next_token, "");
+    Put(list, 0);
+    Put(list, 1);
+    HistoryQuery query;
+    query.page_size = 2;
+    const auto page = list.read(store_->reader(), query);
+    EXPECT_THAT(page->rows, SizeIs(2));
+    EXPECT_EQ(page->next_token, "");
+  });
+}
+
+TEST_P(ListContract, RefusesOtherTokensAndSizes) {
+  ForEachList([this](const List& list) {
+    const auto refused = [&](const HistoryQuery& query) {
+      const absl::Status status = list.read(store_->reader(), query).status();
+      EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+      return std::string(status.message());
+    };
+    HistoryQuery query;
+    query.page_token = "junk";
+    EXPECT_THAT(refused(query), StartsWith("pageToken"));
+    query.page_token = EncodePageToken(PageKind::kQuarantine, {Time(), 7});
+    EXPECT_THAT(refused(query), StartsWith("pageToken"));
+    query.page_token = "";
+    for (const std::uint32_t size : {0U, storage::kPageSizeMax + 1}) {
+      query.page_size = size;
+      EXPECT_THAT(refused(query), StartsWith("pageSize"));
+    }
+    query.page_size = storage::kPageSizeMax;
+    EXPECT_TRUE(list.read(store_->reader(), query).ok());
+  });
+}
+
+TEST_P(ListContract, HoldsWhatWasThereBeforeAReopening) {
+  ForEachList([this](const List& list) {
+    for (const int item : {1, 2}) Put(list, item);
+    store_->Reopen();
+    EXPECT_THAT(ItemsOf(list), ElementsAre(2, 1));
+    Put(list, 0);
+    EXPECT_THAT(ItemsOf(list), ElementsAre(0, 2, 1)) << "written last of one time";
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, ListContract, ::testing::Values(FakeKind(), SqliteKind()),
+                         NameOfKind);
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,153 @@
+#include "tests/support/fake_kinds.h"
+
+#include <string_view>
+#include <variant>
+
+#include "schema/json/text.h"
+#include "storage/expiry.h"
+#include "storage/refusal.h"
+
+namespace uplink::testing {
+
+using storage::CommitRecord;
+using storage::LatestKind;
+
+namespace {
+
+const model::Body& BodyOf(const CommitRecord& record) {
+  return std::get<model::Record>(record.content).body();
+}
+
+}  // namespace
+
+std::optional<model::Rejection> FakeKinds::Refusal(const CommitRecord& record) const {
+  const std::string& ruri = record.robot->ruri;
+  const SystemTime now = record.received_at;
+  const auto* shape = std::get_if<model::ShapeOp>(&BodyOf(record));
+  if (shape != nullptr && shape->upsert() != nullptr && !shapes_.Takes(ruri, shape->id(), now)) {
+    return storage::TooManyShapes();
+  }
+  const auto* object = std::get_if<model::ObjectOp>(&BodyOf(record));
+  if (object != nullptr && object->upsert() != nullptr &&
+      !objects_.Takes(ruri, object->id(), now)) {
+    return storage::TooManyObjects();
+  }
+  return std::nullopt;
+}
+
+void FakeKinds::Write(const CommitRecord& record, std::uint64_t entry,
+                      const storage::StoreRules& rules) {
+  const Place place{record, entry, rules};
+  const model::Body& body = BodyOf(record);
+  if (const auto* event = std::get_if<model::EventTelemetry>(&body)) {
+    WriteEvent(place, *event);
+  } else if (const auto* message = std::get_if<model::Message>(&body)) {
+    WriteMessage(place, *message);
+  } else if (const auto* report = std::get_if<model::MissionRunStatus>(&body)) {
+    WriteReport(place, *report);
+  } else if (const auto* shape = std::get_if<model::ShapeOp>(&body)) {
+    WriteShape(place, *shape);
+  } else if (const auto* object = std::get_if<model::ObjectOp>(&body)) {
+    WriteObject(place, *object);
+  } else if (const auto* agent = std::get_if<model::AgentInfo>(&body)) {
+    WriteLatest(place, LatestKind::kAgentInfo, json::Text(*agent));
+  } else if (const auto* settings = std::get_if<model::CurrentSettings>(&body)) {
+    WriteLatest(place, LatestKind::kSettings, json::Text(*settings));
+  } else if (const auto* capabilities = std::get_if<model::UiCapabilities>(&body)) {
+    WriteLatest(place, LatestKind::kUiCapabilities, json::Text(*capabilities));
+  }
+}
+
+void FakeKinds::WriteEvent(const Place& place, const model::EventTelemetry& event) {
+  storage::EventRow row;
+  row.robot = *place.record.robot;
+  row.kind = model::EventKindText(event.kind);
+  row.detail_json = json::DetailText(event.kind);
+  row.sampled_at_ms = event.unix_time_ms;
+  row.received_at = place.record.received_at;
+  events_.push_back({row.received_at, place.entry, std::move(row)});
+}
+
+void FakeKinds::WriteMessage(const Place& place, const model::Message& message) {
+  const SystemTime at = place.record.received_at;
+  messages_.push_back({at, place.entry, {*place.record.robot, message, at}});
+}
+
+void FakeKinds::WriteReport(const Place& place, const model::MissionRunStatus& report) {
+  const model::RobotId& robot = *place.record.robot;
+  const SystemTime at = place.record.received_at;
+  const std::string report_json = json::Text(report);
+  reports_.push_back(
+      {at, place.entry, {robot, report.mission_id, report.run_id, report.status, report_json, at}});
+
+  const auto [it, begun] = runs_.try_emplace({robot.ruri, report.mission_id, report.run_id});
+  FakeEntry<storage::MissionRunRow>& run = it->second;
+  if (begun) {
+    run.at = at;
+    run.entry = place.entry;
+    run.row.mission_id = report.mission_id;
+    run.row.run_id = report.run_id;
+    run.row.first_received_at = at;
+  }
+  run.row.robot = robot;
+  if (report.name) run.row.name = *report.name;
+  run.row.status = report.status;
+  run.row.latest_json = report_json;
+  run.row.last_received_at = at;
+  ++run.row.updates;
+}
+
+void FakeKinds::WriteShape(const Place& place, const model::ShapeOp& shape) {
+  const model::RobotId& robot = *place.record.robot;
+  if (shape.upsert() == nullptr) {
+    shapes_.Delete(robot.ruri, shape.id());
+    return;
+  }
+  const model::ReportedShape& upsert = *shape.upsert();
+  storage::ShapeRow row;
+  row.robot = robot;
+  row.identity = upsert.identity;
+  row.area_type = upsert.area_type;
+  row.scope = upsert.scope;
+  row.geometry_json = json::GeometryText(upsert.data);
+  row.expires_at_ms = upsert.expire_time_ms;
+  row.min_z_m = upsert.min_z_m;
+  row.max_z_m = upsert.max_z_m;
+  row.level_id = upsert.level_id;
+  row.received_at = place.record.received_at;
+  shapes_.Upsert(shape.id(), {row.received_at, place.entry, std::move(row)});
+}
+
+void FakeKinds::WriteObject(const Place& place, const model::ObjectOp& object) {
+  const model::RobotId& robot = *place.record.robot;
+  if (object.upsert() == nullptr) {
+    objects_.Delete(robot.ruri, object.id());
+    return;
+  }
+  const model::Object& upsert = *object.upsert();
+  storage::ObjectRow row;
+  row.robot = robot;
+  row.id = upsert.id;
+  row.name = upsert.name;
+  row.object_type = upsert.object_type;
+  row.scope = upsert.scope;
+  row.location_json = json::Text(upsert.location);
+  if (upsert.trajectory) row.trajectory_json = json::Text(*upsert.trajectory);
+  row.radius_m = upsert.radius_m;
+  row.sampled_at_ms = upsert.unix_time_ms;
+  row.received_at = place.record.received_at;
+  row.expires_at_ms = storage::ExpiryOf(upsert, row.received_at, place.rules);
+  objects_.Upsert(object.id(), {row.received_at, place.entry, std::move(row)});
+}
+
+void FakeKinds::WriteLatest(const Place& place, LatestKind kind, std::string body_json) {
+  const std::string& ruri = place.record.robot->ruri;
+  latest_[{ruri, kind}] = {ruri, kind, std::move(body_json), place.record.received_at};
+}
+
+std::size_t FakeKinds::Sweep(SystemTime now) {
+  const SystemTime then = now - storage::kExpiredKept;
+  return shapes_.Sweep(then, storage::kSweepRowsMax) + objects_.Sweep(then, storage::kSweepRowsMax);
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "storage/reader.h"
+#include "storage/types.h"
+#include "tests/support/fake_present.h"
+
+namespace uplink::testing {
+
+/// The rows of every durable kind but faults, as a FakeDatabase keeps them. Confined to its lock.
+class FakeKinds final {
+ public:
+  template <typename Row>
+  using History = std::vector<FakeEntry<Row>>;
+  /// RURI, mission, run.
+  using RunKey = std::tuple<std::string, std::string, std::string>;
+  using Runs = std::map<RunKey, FakeEntry<storage::MissionRunRow>>;
+  using LatestRows = std::map<std::pair<std::string, storage::LatestKind>, storage::LatestRow>;
+
+  /// Why a bound refuses the record; nothing if none does.
+  [[nodiscard]] std::optional<model::Rejection> Refusal(const storage::CommitRecord& record) const;
+
+  /// Writes a good record that no bound refuses; a fault is none of ours. `entry` is above that of
+  /// all rows before.
+  void Write(const storage::CommitRecord& record, std::uint64_t entry,
+             const storage::StoreRules& rules);
+
+  /// As storage::Store::Sweep.
+  std::size_t Sweep(SystemTime now);
+
+  [[nodiscard]] const History<storage::EventRow>& events() const { return events_; }
+  [[nodiscard]] const History<storage::MessageRow>& messages() const { return messages_; }
+  [[nodiscard]] const History<storage::MissionReportRow>& reports() const { return reports_; }
+  [[nodiscard]] const Runs& runs() const { return runs_; }
+  [[nodiscard]] const FakePresent<storage::ShapeRow>& shapes() const { return shapes_; }
+  [[nodiscard]] const FakePresent<storage::ObjectRow>& objects() const { return objects_; }
+  [[nodiscard]] const LatestRows& latest() const { return latest_; }
+
+ private:
+  struct Place {
+    const storage::CommitRecord& record;
+    std::uint64_t entry;
+    const storage::StoreRules& rules;
+  };
+
+  void WriteEvent(const Place& place, const model::EventTelemetry& event);
+  void WriteMessage(const Place& place, const model::Message& message);
+  void WriteReport(const Place& place, const model::MissionRunStatus& report);
+  void WriteShape(const Place& place, const model::ShapeOp& shape);
+  void WriteObject(const Place& place, const model::ObjectOp& object);
+  void WriteLatest(const Place& place, storage::LatestKind kind, std::string body_json);
+
+  History<storage::EventRow> events_;
+  History<storage::MessageRow> messages_;
+  History<storage::MissionReportRow> reports_;
+  Runs runs_;
+  FakePresent<storage::ShapeRow> shapes_{storage::kShapesPerRobotMax};
+  FakePresent<storage::ObjectRow> objects_{storage::kObjectsPerRobotMax};
+  LatestRows latest_;
+};
+
+}  // namespace uplink::testing

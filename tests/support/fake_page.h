@@ -1,0 +1,83 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "storage/page_token.h"
+#include "storage/reader.h"
+
+namespace uplink::testing {
+
+template <typename Row>
+using FakePlaced = std::pair<storage::PagePosition, const Row*>;
+
+// The texts and payloads of a row, for storage::kPageBytesMax.
+[[nodiscard]] inline std::size_t BytesOf(const storage::FaultRow& row) {
+  const model::Fault& fault = row.fault;
+  return fault.fault_id.size() + fault.source.size() + fault.category.size() +
+         fault.description.size() + fault.suggested_action.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::QuarantineRow& row) {
+  return row.rejection.field.size() + row.rejection.detail.size() + row.payload.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::GapRow& /*row*/) { return 0; }
+[[nodiscard]] inline std::size_t BytesOf(const storage::EventRow& row) {
+  return row.kind.size() + row.detail_json.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::MessageRow& row) {
+  return row.message.message.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::MissionRunRow& row) {
+  return row.mission_id.size() + row.run_id.size() + row.name.size() + row.latest_json.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::MissionReportRow& row) {
+  return row.mission_id.size() + row.run_id.size() + row.report_json.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::ShapeRow& row) {
+  return row.identity.id.size() + row.identity.name.size() + row.identity.hash.size() +
+         row.geometry_json.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::ObjectRow& row) {
+  return row.id.size() + row.name.size() + row.location_json.size() + row.trajectory_json.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::PresenceRow& /*row*/) { return 0; }
+
+[[nodiscard]] inline bool FakeMatches(const model::RobotId& robot, SystemTime at,
+                                      const storage::HistoryQuery& query) {
+  return (query.ruri.empty() || query.ruri == robot.ruri) &&
+         (query.fleet.empty() || query.fleet == robot.fleet) &&
+         (!query.from || at >= *query.from) && (!query.to || at <= *query.to);
+}
+
+/// The page that `query` asks for out of all rows, in whatever order they come.
+template <typename Row>
+absl::StatusOr<storage::Page<Row>> FakePageOf(storage::PageKind kind,
+                                              const storage::HistoryQuery& query,
+                                              std::vector<FakePlaced<Row>> rows) {
+  const absl::StatusOr<std::optional<storage::PagePosition>> start =
+      storage::PageStart(kind, query);
+  if (!start.ok()) return start.status();
+  std::erase_if(rows, [&](const FakePlaced<Row>& row) {
+    return !FakeMatches(row.second->robot, row.first.at, query) ||
+           (start->has_value() && row.first >= **start);
+  });
+  std::ranges::sort(rows, std::ranges::greater{}, &FakePlaced<Row>::first);
+  storage::Page<Row> page;
+  std::size_t bytes = 0;
+  for (const auto& [place, row] : rows) {
+    page.rows.push_back(*row);
+    bytes += BytesOf(*row);
+    if (page.rows.size() < query.page_size && bytes < storage::kPageBytesMax) continue;
+    if (page.rows.size() < rows.size()) page.next_token = EncodePageToken(kind, place);
+    break;
+  }
+  return page;
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "storage/reader.h"
+#include "storage/types.h"
+#include "tests/support/fake_present.h"
+
+namespace uplink::testing {
+
+/// The presence changes that a FakeDatabase has, and the sessions of processes that number them.
+/// Confined to its lock.
+class FakePresence final {
+ public:
+  /// Writes what is above the cursor of the batch's session. `entries` counts all rows.
+  /// `no_cursor` plants a fault: what the cursor covers is written again.
+  void Write(const storage::Batch& batch, std::uint64_t& entries, bool no_cursor);
+
+  /// The change that was written last.
+  [[nodiscard]] std::optional<model::Presence> Last(std::string_view ruri) const;
+  /// Nothing while the session is not known.
+  [[nodiscard]] std::optional<model::Seq> Cursor(const model::SessionId& session) const;
+
+  [[nodiscard]] const std::vector<FakeEntry<storage::PresenceRow>>& changes() const {
+    return changes_;
+  }
+
+ private:
+  struct Session {
+    model::Seq cursor = 0;
+    /// The entries that there were at its last use.
+    std::uint64_t last_used = 0;
+  };
+
+  std::vector<FakeEntry<storage::PresenceRow>> changes_;
+  std::map<model::SessionId, Session> sessions_;
+};
+
+}  // namespace uplink::testing

@@ -1,0 +1,135 @@
+#include "tests/support/switched_reader.h"
+
+#include <algorithm>
+
+namespace uplink::testing {
+
+using storage::Page;
+
+absl::Status SwitchedReader::Enter() {
+  std::unique_lock lock(mutex_);
+  ++calls_;
+  ++inside_;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return !held_; });
+  --inside_;
+  return away_ ? absl::UnavailableError("the test took the store away") : absl::OkStatus();
+}
+
+void SwitchedReader::SetAway(bool away) {
+  const std::lock_guard lock(mutex_);
+  away_ = away;
+}
+
+void SwitchedReader::SetLatestMax(std::size_t robots) {
+  const std::lock_guard lock(mutex_);
+  latest_max_ = robots;
+}
+
+void SwitchedReader::Hold() {
+  const std::lock_guard lock(mutex_);
+  held_ = true;
+}
+
+void SwitchedReader::Release() {
+  const std::lock_guard lock(mutex_);
+  held_ = false;
+  changed_.notify_all();
+}
+
+bool SwitchedReader::WaitUntilHeld(milliseconds deadline) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, deadline, [this] { return held_ && inside_ > 0; });
+}
+
+int SwitchedReader::calls() const {
+  const std::lock_guard lock(mutex_);
+  return calls_;
+}
+
+absl::StatusOr<std::vector<storage::RobotRow>> SwitchedReader::Robots(std::uint32_t robots_max) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Robots(robots_max);
+}
+
+absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCounts(
+    std::span<const std::string> ruris) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.ActiveFaultCounts(ruris);
+}
+
+absl::StatusOr<storage::Reader::LatestRows> SwitchedReader::Latest(
+    std::span<const std::string> ruris, std::uint32_t kinds) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  std::size_t looked_at = ruris.size();
+  {
+    const std::lock_guard lock(mutex_);
+    looked_at = std::min(looked_at, latest_max_);
+  }
+  return reader_.Latest(ruris.first(looked_at), kinds);
+}
+
+absl::StatusOr<Page<storage::FaultRow>> SwitchedReader::FaultsActive(
+    const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.FaultsActive(query);
+}
+
+absl::StatusOr<Page<storage::FaultRow>> SwitchedReader::FaultHistory(
+    const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.FaultHistory(query);
+}
+
+absl::StatusOr<Page<storage::QuarantineRow>> SwitchedReader::Quarantine(
+    const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Quarantine(query);
+}
+
+absl::StatusOr<Page<storage::GapRow>> SwitchedReader::Gaps(const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Gaps(query);
+}
+
+absl::StatusOr<Page<storage::EventRow>> SwitchedReader::Events(const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Events(query);
+}
+
+absl::StatusOr<Page<storage::MessageRow>> SwitchedReader::Messages(
+    const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Messages(query);
+}
+
+absl::StatusOr<Page<storage::MissionRunRow>> SwitchedReader::MissionRuns(
+    const storage::MissionsQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.MissionRuns(query);
+}
+
+absl::StatusOr<Page<storage::MissionReportRow>> SwitchedReader::MissionReports(
+    const storage::MissionsQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.MissionReports(query);
+}
+
+absl::StatusOr<Page<storage::ShapeRow>> SwitchedReader::Shapes(const storage::PresentQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Shapes(query);
+}
+
+absl::StatusOr<Page<storage::ObjectRow>> SwitchedReader::Objects(
+    const storage::PresentQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Objects(query);
+}
+
+absl::StatusOr<Page<storage::PresenceRow>> SwitchedReader::PresenceChanges(
+    const storage::HistoryQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.PresenceChanges(query);
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/reader.h"
+
+namespace uplink::testing {
+
+/// A reader that can be away, and can hold its callers. Thread-safe.
+class SwitchedReader final : public storage::Reader {
+ public:
+  explicit SwitchedReader(storage::Reader& reader) : reader_(reader) {}
+
+  void SetAway(bool away);
+  /// Latest looks at no more than so many robots a call.
+  void SetLatestMax(std::size_t robots);
+  /// Calls wait until Release.
+  void Hold();
+  void Release();
+  /// True once a held call waits; false after `deadline`.
+  [[nodiscard]] bool WaitUntilHeld(milliseconds deadline);
+  [[nodiscard]] int calls() const;
+
+  absl::StatusOr<std::vector<storage::RobotRow>> Robots(std::uint32_t robots_max) override;
+  absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
+      std::span<const std::string> ruris) override;
+  absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
+                                    std::uint32_t kinds) override;
+  absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
+      const storage::HistoryQuery& query) override;
+  absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
+      const storage::HistoryQuery& query) override;
+  absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
+      const storage::HistoryQuery& query) override;
+  absl::StatusOr<storage::Page<storage::GapRow>> Gaps(const storage::HistoryQuery& query) override;
+  absl::StatusOr<storage::Page<storage::EventRow>> Events(
+      const storage::HistoryQuery& query) override;
+  absl::StatusOr<storage::Page<storage::MessageRow>> Messages(
+      const storage::HistoryQuery& query) override;
+  absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
+      const storage::MissionsQuery& query) override;
+  absl::StatusOr<storage::Page<storage::MissionReportRow>> MissionReports(
+      const storage::MissionsQuery& query) override;
+  absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
+      const storage::PresentQuery& query) override;
+  absl::StatusOr<storage::Page<storage::ObjectRow>> Objects(
+      const storage::PresentQuery& query) override;
+  absl::StatusOr<storage::Page<storage::PresenceRow>> PresenceChanges(
+      const storage::HistoryQuery& query) override;
+
+ private:
+  [[nodiscard]] absl::Status Enter();
+
+  storage::Reader& reader_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool away_ = false;
+  bool held_ = false;
+  int calls_ = 0;
+  int inside_ = 0;
+  std::size_t latest_max_ = SIZE_MAX;
+};
+
+}  // namespace uplink::testing

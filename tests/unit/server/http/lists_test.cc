@@ -1,0 +1,274 @@
+#include <string>
+#include <vector>
+
+#include <boost/json.hpp>
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/http/site.h"
+#include "tests/support/exact_json.h"
+#include "tests/support/server_world.h"
+
+// The lists of the site: their parameters, and walks through pages.
+namespace uplink::http {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::string kA = "rcan%3A%2F%2Fa";
+
+class ListsTest : public ::testing::Test {
+ protected:
+  Response Get(const std::string& target) { return world_.Get(target); }
+  boost::json::object Body(const std::string& target) {
+    const Response answer = Get(target);
+    EXPECT_EQ(answer.status, 200) << target << answer.body;
+    return test::ParseExact(answer.body).value_or(boost::json::object());
+  }
+  /// The text that a JSON pointer names in each row of the answer's one list.
+  std::vector<std::string> Texts(const std::string& target, const std::string& pointer) {
+    std::vector<std::string> texts;
+    for (const auto& [name, member] : Body(target)) {
+      if (!member.is_array()) continue;
+      for (const auto& row : member.get_array()) {
+        texts.emplace_back(row.at_pointer(pointer).as_string().c_str());
+      }
+    }
+    return texts;
+  }
+  std::string Token(const std::string& target) {
+    return Body(target).at("nextPageToken").as_string().c_str();
+  }
+
+  /// Two robots of two fleets, a millisecond a message: a's at 1 and 2, b's at 3.
+  void SayThings() {
+    start_ms_ = UnixMs(world_.clock.System());
+    world_.AddRobot("rcan://a", "north");
+    world_.AddRobot("rcan://b", "south");
+    Say("rcan://a", "one");
+    Say("rcan://a", "two");
+    Say("rcan://b", "three");
+  }
+  void Say(const std::string& ruri, const std::string& text) {
+    world_.clock.Advance(milliseconds(1));
+    world_.CommitBody(ruri, model::Message{1, model::MessageLevel::kInfo, text});
+    world_.CommitBody(ruri, model::EventTelemetry{1, model::MissionStartedEvent{text}});
+    world_.CommitPresence(ruri, model::Presence::kOnline);
+    model::MissionRunStatus report;
+    report.mission_id = "m-" + text;
+    report.run_id = "r-" + text;
+    report.status =
+        text == "one" ? model::MissionStatus::kComplete : model::MissionStatus::kRunning;
+    world_.CommitBody(ruri, report);
+    model::ReportedShape shape;
+    shape.identity.id = text;
+    shape.data = model::GeoPoint2{8, 47};
+    if (text == "one") shape.expire_time_ms = start_ms_ + 2;
+    world_.CommitBody(ruri, model::ShapeOp{shape});
+    model::Object object;
+    object.id = text;
+    if (text == "one") object.expires_unix_time_ms = start_ms_ + 2;
+    world_.CommitBody(ruri, model::ObjectOp{object});
+  }
+  [[nodiscard]] std::string Ms(int offset) const { return std::to_string(start_ms_ + offset); }
+
+  testing::ServerWorld world_;
+  std::int64_t start_ms_ = 0;
+};
+
+TEST_F(ListsTest, HistoriesAreNewestFirstAndWithinTheTimesThatAreAsked) {
+  SayThings();
+  for (const auto& [list, name] :
+       {std::pair{"events", "/detail/missionId"}, std::pair{"messages", "/message"}}) {
+    const std::string path = "/api/v1/robots/" + kA + "/" + list;
+    EXPECT_THAT(Texts(path, name), ElementsAre("two", "one"));
+    EXPECT_THAT(Texts(path + "?fromMs=" + Ms(2), name), ElementsAre("two"));
+    EXPECT_THAT(Texts(path + "?toMs=" + Ms(1), name), ElementsAre("one"));
+    EXPECT_THAT(Texts(path + "?fromMs=" + Ms(3), name), IsEmpty());
+  }
+  const std::string presence = "/api/v1/robots/" + kA + "/presence";
+  EXPECT_THAT(Texts(presence, "/atMs"), ElementsAre(Ms(2), Ms(1)));
+  EXPECT_THAT(Texts(presence + "?fromMs=" + Ms(1) + "&toMs=" + Ms(1), "/atMs"), ElementsAre(Ms(1)));
+}
+
+TEST_F(ListsTest, MissionsAreFiltered) {
+  SayThings();
+  const std::string path = "/api/v1/missions";
+  EXPECT_THAT(Texts(path, "/status"), ElementsAre("running", "running", "complete"));
+  EXPECT_THAT(Texts(path + "?ruri=" + kA, "/missionId"), ElementsAre("m-two", "m-one"));
+  EXPECT_THAT(Texts(path + "?fleet=south", "/ruri"), ElementsAre("rcan://b"));
+  EXPECT_THAT(Texts(path + "?open=true&fleet=north", "/ruri"), ElementsAre("rcan://a"));
+  EXPECT_THAT(Texts(path + "?open=false&fleet=north", "/ruri"),
+              ElementsAre("rcan://a", "rcan://a"));
+  EXPECT_THAT(Texts(path + "?missionId=m-one", "/status"), ElementsAre("complete"));
+  EXPECT_THAT(Texts(path + "?runId=r-three", "/ruri"), ElementsAre("rcan://b"));
+  EXPECT_THAT(Texts(path + "?runId=r-three&missionId=m-one", "/ruri"), IsEmpty());
+}
+
+TEST_F(ListsTest, ShapesAndObjectsAreFiltered) {
+  SayThings();
+  for (const std::string path : {"/api/v1/shapes", "/api/v1/objects"}) {
+    EXPECT_THAT(Texts(path, "/id"), ElementsAre("three", "two"));
+    EXPECT_THAT(Texts(path + "?includeExpired=true", "/id"), ElementsAre("three", "two", "one"));
+    EXPECT_THAT(Texts(fmt::format("{}?includeExpired=false&ruri={}", path, kA), "/id"),
+                ElementsAre("two"));
+    EXPECT_THAT(Texts(path + "?fleet=south", "/id"), ElementsAre("three"));
+    EXPECT_THAT(Texts(fmt::format("{}?ruri={}&fleet=south", path, kA), "/id"), IsEmpty());
+  }
+}
+
+struct Walk {
+  std::string target;
+  /// What tells its rows apart, as a JSON pointer.
+  std::string key;
+};
+
+class WalksTest : public ListsTest, public ::testing::WithParamInterface<Walk> {};
+
+TEST_P(WalksTest, SeeEachRowOnceWhileRowsAreAdded) {
+  SayThings();
+  Say("rcan://a", "four");
+  const std::vector<std::string> before = Texts(GetParam().target, GetParam().key);
+  ASSERT_EQ(before.size(), 3U);
+  const std::string page = GetParam().target + "pageSize=1";
+  std::vector<std::string> seen = Texts(page, GetParam().key);
+  std::string token = Token(page);
+  while (!token.empty() && seen.size() <= before.size()) {
+    // Something new, and something that is there already and changes.
+    Say("rcan://a", "later" + std::to_string(seen.size()));
+    Say("rcan://a", "two");
+    const std::string next = fmt::format("{}&pageToken={}", page, token);
+    for (std::string& key : Texts(next, GetParam().key)) seen.push_back(std::move(key));
+    token = Token(next);
+  }
+  EXPECT_EQ(seen, before);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lists, WalksTest,
+    ::testing::Values(Walk{"/api/v1/robots/rcan%3A%2F%2Fa/events?", "/detail/missionId"},
+                      Walk{"/api/v1/robots/rcan%3A%2F%2Fa/messages?", "/message"},
+                      Walk{"/api/v1/robots/rcan%3A%2F%2Fa/presence?", "/atMs"},
+                      Walk{"/api/v1/missions?fleet=north&", "/runId"},
+                      Walk{"/api/v1/shapes?includeExpired=true&fleet=north&", "/id"},
+                      Walk{"/api/v1/objects?includeExpired=true&fleet=north&", "/id"}));
+
+TEST_F(ListsTest, ATokenOfAnotherListIsRefused) {
+  SayThings();
+  world_.CommitFault("rcan://a", {.unix_time_ms = 1, .fault_id = "1", .source = "s"});
+  world_.CommitFault("rcan://a", {.unix_time_ms = 1, .fault_id = "2", .source = "s"});
+  const std::vector<std::string> lists = {"/api/v1/robots/" + kA + "/events?",
+                                          "/api/v1/robots/" + kA + "/messages?",
+                                          "/api/v1/robots/" + kA + "/presence?",
+                                          "/api/v1/missions?",
+                                          "/api/v1/shapes?includeExpired=true&",
+                                          "/api/v1/objects?includeExpired=true&",
+                                          "/api/v1/faults?",
+                                          "/api/v1/robots?"};
+  for (const std::string& from : lists) {
+    const std::string token = Token(from + "pageSize=1");
+    ASSERT_NE(token, "") << from;
+    for (const std::string& to : lists) {
+      const Response answer = Get(fmt::format("{}pageToken={}", to, token));
+      EXPECT_EQ(answer.status, to == from ? 200 : 400) << from << to;
+      if (to != from) {
+        EXPECT_THAT(answer.body, HasSubstr(R"("field":"pageToken")"));
+      }
+    }
+  }
+}
+
+TEST_F(ListsTest, ARobotThatWasNeverSeenIsNotFound) {
+  for (const char* list : {"events", "messages", "presence", "quarantine", "gaps"}) {
+    const Response answer = Get("/api/v1/robots/rcan%3A%2F%2Fx/" + std::string(list));
+    EXPECT_EQ(answer.status, 404) << list;
+    EXPECT_THAT(answer.body, HasSubstr(R"("code":"NOT_FOUND")"));
+  }
+  // As a filter it matches nothing.
+  for (const char* list : {"faults", "missions", "shapes", "objects"}) {
+    EXPECT_EQ(Get("/api/v1/" + std::string(list) + "?ruri=rcan%3A%2F%2Fx").status, 200) << list;
+  }
+}
+
+TEST_F(ListsTest, ListsOfRobotsShowTheStoredPartsThatTheyAreAskedFor) {
+  world_.AddRobot("rcan://a");
+  world_.CommitBody("rcan://a", model::AgentInfo{.agent_version = "7"});
+  EXPECT_THAT(Get("/api/v1/robots?parts=agentInfo").body,
+              HasSubstr(R"("agentInfo":{"agentVersion":"7"})"));
+  EXPECT_EQ(Get("/api/v1/robots").body.find("agentInfo"), std::string::npos);
+  EXPECT_THAT(Get("/api/v1/robots/" + kA).body, HasSubstr(R"("agentVersion":"7")"));
+}
+
+struct BadCase {
+  std::string target;
+  std::string field;
+};
+
+/// What every list refuses, and what each alone does.
+std::vector<BadCase> BadCases() {
+  std::vector<BadCase> cases = {{"/livez?a=b", "a"},
+                                {"/readyz?verbose", "verbose"},
+                                {"/metrics?name=x", "name"},
+                                {"/api/v1/status?x=1", "x"},
+                                {"/api/v1/robots?presence=ONLINE", "presence"},
+                                {"/api/v1/robots?parts=motion,wheels", "parts"},
+                                {"/api/v1/robots?ruri=x", "ruri"},
+                                {"/api/v1/robots?fromMs=1", "fromMs"},
+                                {"/api/v1/robots/" + kA + "?parts=motion", "parts"},
+                                {"/api/v1/faults?active=1", "active"},
+                                {"/api/v1/missions?open=yes", "open"},
+                                {"/api/v1/missions?missionid=x", "missionid"},
+                                {"/api/v1/missions?includeExpired=true", "includeExpired"},
+                                {"/api/v1/shapes?includeExpired=1", "includeExpired"},
+                                {"/api/v1/objects?includeExpired=TRUE", "includeExpired"}};
+  std::vector<std::string> lists = {"/api/v1/robots", "/api/v1/faults", "/api/v1/missions",
+                                    "/api/v1/shapes", "/api/v1/objects"};
+  const std::vector<std::string> histories = {"events", "messages", "presence", "quarantine",
+                                              "gaps"};
+  for (const std::string& history : histories) {
+    const std::string path = fmt::format("/api/v1/robots/{}/{}", kA, history);
+    lists.push_back(path);
+    cases.push_back({path + "?ruri=x", "ruri"});
+    cases.push_back({path + "?fleet=x", "fleet"});
+    cases.push_back({path + "?fromMs=-1", "fromMs"});
+    cases.push_back({path + "?toMs=1e3", "toMs"});
+  }
+  for (const char* path : {"/api/v1/missions", "/api/v1/shapes", "/api/v1/objects"}) {
+    cases.push_back({std::string(path) + "?fromMs=1", "fromMs"});
+    cases.push_back({std::string(path) + "?toMs=1", "toMs"});
+  }
+  for (const std::string& list : lists) {
+    cases.push_back({list + "?pageSize=0", "pageSize"});
+    cases.push_back({list + "?pageSize=1001", "pageSize"});
+    cases.push_back({list + "?pageSize=ten", "pageSize"});
+    cases.push_back({list + "?pageToken=x", "pageToken"});
+    cases.push_back({list + "?pageSize=1&pageSize=1", "pageSize"});
+    cases.push_back({list + "?nonsense=1", "nonsense"});
+  }
+  return cases;
+}
+
+TEST_F(ListsTest, TheParameterAtFaultIsNamed) {
+  world_.AddRobot("rcan://a");
+  for (const BadCase& bad : BadCases()) {
+    const Response response = Get(bad.target);
+    EXPECT_EQ(response.status, 400) << bad.target << response.body;
+    EXPECT_THAT(response.body, HasSubstr(R"("code":"INVALID_ARGUMENT")")) << bad.target;
+    EXPECT_THAT(response.body, HasSubstr(R"("field":")" + bad.field + '"')) << bad.target;
+  }
+}
+
+TEST_F(ListsTest, ThePageSizesAtTheBoundsAreTaken) {
+  world_.AddRobot("rcan://a");
+  for (const std::string list : {"/api/v1/missions", "/api/v1/shapes", "/api/v1/objects",
+                                 "/api/v1/robots/rcan%3A%2F%2Fa/events"}) {
+    EXPECT_EQ(Get(list + "?pageSize=1").status, 200);
+    EXPECT_EQ(Get(list + "?pageSize=1000").status, 200);
+  }
+}
+
+}  // namespace
+}  // namespace uplink::http

@@ -1,0 +1,223 @@
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/journal/presence_log.h"
+#include "tests/unit/schema/samples.h"
+#include "tests/unit/server/journal/journal_bench.h"
+
+namespace uplink::journal {
+namespace {
+
+using model::Presence;
+using ::testing::ElementsAre;
+using testing::FailAt;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+storage::RobotRef RobotOf(const std::string& ruri) {
+  return std::make_shared<const model::RobotId>(model::RobotId{ruri, "bench"});
+}
+
+std::vector<std::string> Lines(const std::vector<storage::PresenceItem>& items) {
+  std::vector<std::string> lines;
+  for (const storage::PresenceItem& item : items) {
+    lines.push_back(std::to_string(item.number) + " " + item.robot->ruri + " " +
+                    std::string(ToText(item.presence)));
+  }
+  return lines;
+}
+
+std::uint64_t CommitsOf(const JournalProbe& probe) {
+  std::uint64_t commits = 0;
+  for (std::size_t i = 0; i <= probe.commit_records.upper_bounds().size(); ++i) {
+    commits += probe.commit_records.count(i);
+  }
+  return commits;
+}
+
+class PresenceLogTest : public ::testing::Test {
+ protected:
+  void Note(const char* ruri, Presence presence) { log_.Note(RobotOf(ruri), presence, {}); }
+
+  PresenceLog log_;
+};
+
+TEST_F(PresenceLogTest, NumbersWhatItHandsOver) {
+  Note("b", Presence::kOnline);
+  Note("a", Presence::kOffline);
+  EXPECT_EQ(log_.size(), 2U);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a offline", "2 b online"));
+  EXPECT_TRUE(log_.empty());
+  Note("b", Presence::kOffline);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("3 b offline"));
+}
+
+TEST_F(PresenceLogTest, HandsOverNoMoreThanItIsAskedFor) {
+  for (const char* ruri : {"a", "b", "c"}) Note(ruri, Presence::kOnline);
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("1 a online", "2 b online"));
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("3 c online"));
+  EXPECT_THAT(log_.Take(2), IsEmpty());
+}
+
+TEST_F(PresenceLogTest, TheLatestOfARobotIsEnough) {
+  Note("a", Presence::kOnline);
+  Note("a", Presence::kOffline);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a offline"));
+}
+
+TEST_F(PresenceLogTest, AWayBackIsNoChange) {
+  Note("a", Presence::kOnline);
+  static_cast<void>(log_.Take(10));
+  Note("a", Presence::kUnknown);
+  Note("a", Presence::kOnline);
+  EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(PresenceLogTest, WhatTheStoreHoldsIsNoChange) {
+  log_.SetStored("a", Presence::kUnknown);
+  Note("a", Presence::kUnknown);
+  EXPECT_TRUE(log_.empty());
+  Note("a", Presence::kOnline);
+  EXPECT_EQ(log_.size(), 1U);
+}
+
+class JournalPresence : public ::testing::Test, protected JournalBench {
+ protected:
+  using JournalBench::Run;
+
+  void Note(Presence presence) { journal.NotePresence(robot_, presence, clock.System()); }
+
+  /// Newest first.
+  std::vector<std::string> Rows() {
+    std::vector<std::string> lines;
+    const auto page = store.PresenceChanges({});
+    for (const storage::PresenceRow& row : page->rows) {
+      lines.push_back(row.robot.ruri + " " + std::string(ToText(row.presence)));
+    }
+    return lines;
+  }
+
+  const storage::RobotRef robot_ = RobotOf("rcan://a");
+};
+
+TEST_F(JournalPresence, AChangeIsCommittedByItself) {
+  EXPECT_TRUE(journal.idle());
+  Note(Presence::kOnline);
+  EXPECT_FALSE(journal.idle()) << "drain waits for it";
+  EXPECT_EQ(journal.records(), 0U) << "it holds no stream back";
+  Run();
+  EXPECT_TRUE(journal.idle());
+  EXPECT_THAT(Rows(), ElementsAre("rcan://a online"));
+  EXPECT_EQ(probe.presence_changes[static_cast<std::size_t>(Presence::kOnline)].value(), 1);
+}
+
+TEST_F(JournalPresence, GoesWithTheRecordsOfABatch) {
+  RecordingClient client("rcan://a");
+  Open(client);
+  Run();
+  Append(client, 1);
+  Note(Presence::kOnline);
+  const std::uint64_t before = CommitsOf(probe);
+  Run();
+  EXPECT_EQ(CommitsOf(probe), before + 1);
+  EXPECT_THAT(Stored(client), ElementsAre(1));
+  EXPECT_THAT(Rows(), SizeIs(1));
+}
+
+TEST_F(JournalPresence, ALostAnswerDoublesNothing) {
+  Note(Presence::kOnline);
+  store.FailNextCommits(1, FailAt::kAfter);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_FALSE(journal.idle());
+  Note(Presence::kOffline);
+  Run();
+  EXPECT_THAT(Rows(), ElementsAre("rcan://a offline", "rcan://a online"));
+  EXPECT_TRUE(journal.idle());
+}
+
+TEST_F(JournalPresence, WhatFailedIsTriedAgain) {
+  Note(Presence::kOnline);
+  store.FailNextCommits(2, FailAt::kBefore);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_THAT(Rows(), IsEmpty());
+  Run();
+  EXPECT_THAT(Rows(), ElementsAre("rcan://a online"));
+}
+
+TEST_F(JournalPresence, ARobotOfAnEarlierLifeBeginsAsUnknown) {
+  journal.BeginPresence(robot_, Presence::kOnline, clock.System());
+  journal.BeginPresence(RobotOf("rcan://b"), Presence::kUnknown, clock.System());
+  Run();
+  EXPECT_THAT(Rows(), ElementsAre("rcan://a unknown"));
+  Note(Presence::kOnline);
+  Run();
+  EXPECT_THAT(Rows(), ElementsAre("rcan://a online", "rcan://a unknown"));
+}
+
+TEST_F(JournalPresence, ABatchHasAtMostItsChanges) {
+  JournalLimits few;
+  few.batch_records_max = 2;
+  JournalBench bench(few);
+  for (const char* ruri : {"a", "b", "c"}) {
+    bench.journal.NotePresence(RobotOf(ruri), Presence::kOnline, clock.System());
+  }
+  bench.Run();
+  EXPECT_EQ(CommitsOf(bench.probe), 2U);
+  EXPECT_THAT(bench.store.PresenceChanges({})->rows, SizeIs(3));
+}
+
+class JournalSweep : public ::testing::Test, protected JournalBench {
+ protected:
+  using JournalBench::Run;
+
+  void StoreShapes(std::size_t count) {
+    RecordingClient client("rcan://a");
+    Open(client);
+    Run();
+    for (model::Seq seq = 1; seq <= count; ++seq) {
+      model::ReportedShape shape = test::SampleShape();
+      shape.identity.id = std::to_string(seq);
+      shape.expire_time_ms = UnixMs(clock.System()) + 1;
+      journal.Append(client, client.generation(),
+                     {.robot = client.robot(),
+                      .session = kSession,
+                      .seq = seq,
+                      .received_at = clock.System(),
+                      .content = test::RecordOf(model::ShapeOp{shape})},
+                     clock.Steady());
+    }
+    Run();
+  }
+};
+
+TEST_F(JournalSweep, DeletesWhatExpiredAnHourAgo) {
+  StoreShapes(2);
+  clock.Advance(storage::kExpiredKept);
+  Run();
+  EXPECT_EQ(probe.expired_deleted.value(), 0);
+  clock.Advance(kSweepInterval - milliseconds(1));
+  Run();
+  EXPECT_EQ(probe.expired_deleted.value(), 0) << "not before its time";
+  clock.Advance(milliseconds(1));
+  Run();
+  EXPECT_EQ(probe.expired_deleted.value(), 2);
+}
+
+TEST_F(JournalSweep, AFailureIsSaidAndWaitsForTheNextTime) {
+  StoreShapes(1);
+  clock.Advance(storage::kExpiredKept + milliseconds(1));
+  store.FailNextSweeps(1, FailAt::kBefore);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(probe.store_errors.value(), 1);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kIdle);
+  clock.Advance(kSweepInterval);
+  Run();
+  EXPECT_EQ(probe.expired_deleted.value(), 1);
+}
+
+}  // namespace
+}  // namespace uplink::journal

@@ -1,0 +1,175 @@
+#include <cmath>
+#include <string>
+
+#include <boost/json.hpp>
+#include <gtest/gtest.h>
+
+#include "server/view/json.h"
+#include "server/view/struct.h"
+#include "tests/support/exact_json.h"
+
+// Rows of the store as JSON, every member.
+namespace uplink::view {
+namespace {
+
+using boost::json::object;
+
+const model::RobotId kRobot{"rcan://a", "f"};
+
+template <typename Row>
+void ExpectJson(const std::string& list, Row row, const std::string& expected) {
+  row.robot = kRobot;
+  storage::Page<Row> page;
+  page.rows.push_back(std::move(row));
+  page.next_token = "t";
+  const auto json = ToJson(page);
+  ASSERT_TRUE(json.ok()) << json.status();
+  EXPECT_EQ(test::ParseExact(*json),
+            test::ParseExact("{\"" + list + "\": [" + expected + "], \"nextPageToken\": \"t\"}"))
+      << *json;
+}
+
+TEST(RowsJson, Events) {
+  storage::EventRow row;
+  row.kind = "modeChanged";
+  row.detail_json = R"({"from":"manual","to":"auto"})";
+  row.sampled_at_ms = 1;
+  row.received_at = FromUnixMs(2);
+  ExpectJson("events", row, R"({"ruri": "rcan://a", "kind": "modeChanged",
+    "detail": {"from": "manual", "to": "auto"}, "sampledAtMs": "1", "receivedAtMs": "2"})");
+}
+
+TEST(RowsJson, AnEventThatHoldsNothingHasAnEmptyDetail) {
+  storage::EventRow row;
+  row.kind = "estopReleased";
+  row.detail_json = "{}";
+  ExpectJson("events", row, R"({"ruri": "rcan://a", "kind": "estopReleased", "detail": {},
+    "sampledAtMs": "0", "receivedAtMs": "0"})");
+}
+
+TEST(RowsJson, Messages) {
+  storage::MessageRow row;
+  row.message = {.unix_time_ms = 1, .level = model::MessageLevel::kError, .message = "a \"b\" ä\n"};
+  row.received_at = FromUnixMs(2);
+  ExpectJson("messages", row, R"({"ruri": "rcan://a", "level": "error",
+    "message": "a \"b\" ä\n", "sampledAtMs": "1", "receivedAtMs": "2"})");
+}
+
+TEST(RowsJson, PresenceChanges) {
+  for (const auto& [presence, name] : {std::pair{model::Presence::kUnknown, "PRESENCE_UNKNOWN"},
+                                       std::pair{model::Presence::kOnline, "PRESENCE_ONLINE"},
+                                       std::pair{model::Presence::kOffline, "PRESENCE_OFFLINE"}}) {
+    storage::PresenceRow row;
+    row.presence = presence;
+    row.at = FromUnixMs(3);
+    ExpectJson("changes", row,
+               R"({"ruri": "rcan://a", "presence": ")" + std::string(name) + R"(", "atMs": "3"})");
+  }
+}
+
+TEST(RowsJson, MissionRuns) {
+  storage::MissionRunRow row;
+  row.mission_id = "m";
+  row.run_id = "r";
+  row.name = "north field";
+  row.status = model::MissionStatus::kBlocked;
+  row.latest_json = R"({"unixTimeMs":5,"runId":"r"})";
+  row.first_received_at = FromUnixMs(6);
+  row.last_received_at = FromUnixMs(7);
+  row.updates = 3;
+  ExpectJson("missionRuns", row, R"({"ruri": "rcan://a", "missionId": "m", "runId": "r",
+    "name": "north field", "status": "blocked", "latest": {"unixTimeMs": 5, "runId": "r"},
+    "firstReceivedAtMs": "6", "lastReceivedAtMs": "7", "updates": "3"})");
+}
+
+TEST(RowsJson, Shapes) {
+  storage::ShapeRow row;
+  row.identity = {.id = "s", .name = "n", .rev = 4'294'967'295, .hash = "h"};
+  row.area_type = model::ReportedLayerRole::kHazard;
+  row.scope = static_cast<model::ScopeType>(9);
+  row.geometry_json = R"({"type":"Point","coordinates":[8.5E0,4.7E1]})";
+  row.expires_at_ms = 5;
+  row.min_z_m = -1.5;
+  row.max_z_m = 2.5;
+  row.level_id = -3;
+  row.received_at = FromUnixMs(6);
+  ExpectJson("shapes", row, R"({"ruri": "rcan://a", "id": "s", "name": "n", "areaType": "hazard",
+    "scope": "unrecognized_9", "rev": 4294967295, "hash": "h",
+    "geometry": {"type": "Point", "coordinates": [8.5, 47]}, "expiresAtMs": "5", "minZM": -1.5,
+    "maxZM": 2.5, "levelId": -3, "receivedAtMs": "6"})");
+}
+
+TEST(RowsJson, Objects) {
+  storage::ObjectRow row;
+  row.id = "o";
+  row.name = "n";
+  row.object_type = model::ObjectType::kAnimal;
+  row.scope = model::ScopeType::kWorld;
+  row.location_json = R"({"latDeg":47,"lonDeg":8})";
+  row.trajectory_json = R"({"speedMps":1,"courseDeg":2,"verticalRateMps":3})";
+  row.radius_m = 0.5;
+  row.sampled_at_ms = 4;
+  row.expires_at_ms = 5;
+  row.received_at = FromUnixMs(6);
+  const std::string start = R"({"ruri": "rcan://a", "id": "o", "name": "n", "objectType": "animal",
+    "scope": "world", "location": {"latDeg": 47, "lonDeg": 8}, "radiusM": 0.5,
+    "sampledAtMs": "4", "expiresAtMs": "5", "receivedAtMs": "6")";
+  ExpectJson("objects", row,
+             start + R"(, "trajectory": {"speedMps": 1, "courseDeg": 2, "verticalRateMps": 3}})");
+  row.trajectory_json.clear();
+  ExpectJson("objects", row, start + "}");
+}
+
+TEST(RowsJson, StoredPartsOfARobotAreShownWhereTheyAreWanted) {
+  RobotView robot;
+  robot.id = kRobot;
+  robot.stored = {.agent_info = R"({"agentVersion":"1"})",
+                  .settings = R"({"k":1})",
+                  .ui_capabilities = R"({"services":[],"sensors":[],"settings":[]})"};
+  const auto all = test::ParseExact(*ToJson(robot, PartSet::All()));
+  EXPECT_EQ(all->at("agentInfo"), (object{{"agentVersion", "1"}}));
+  EXPECT_EQ(all->at("settings"), (object{{"k", 1.0}}));
+  EXPECT_EQ(all->at("uiCapabilities").as_object().size(), 3U);
+  PartSet wanted;
+  wanted.Add(Part::kSettings);
+  const auto one = test::ParseExact(*ToJson(robot, wanted));
+  EXPECT_TRUE(one->contains("settings"));
+  EXPECT_FALSE(one->contains("agentInfo"));
+  EXPECT_FALSE(one->contains("uiCapabilities"));
+}
+
+TEST(RowsJson, MembersStandInTheOrderOfTheirNames) {
+  RobotView robot;
+  robot.stored.settings = R"({"b":1,"e":{"z":1,"y":2},"a":2,"d":3,"c":4})";
+  EXPECT_NE(ToJson(robot, PartSet::All())
+                ->find(R"("settings":{"a":2,"b":1,"c":4,"d":3,"e":{"y":2,"z":1}})"),
+            std::string::npos);
+}
+
+TEST(RowsJson, WholeNumbersAreExactTo2To53) {
+  RobotView robot;
+  robot.stored.agent_info = R"({"uptimeS":9007199254740992})";
+  EXPECT_NE(ToJson(robot, PartSet::All())->find(R"("uptimeS":9007199254740992})"),
+            std::string::npos);
+  robot.stored.agent_info = R"({"uptimeS":9007199254740991})";
+  EXPECT_NE(ToJson(robot, PartSet::All())->find(R"("uptimeS":9007199254740991})"),
+            std::string::npos);
+}
+
+TEST(RowsJson, DoublesComeBackToTheLastBit) {
+  // Values at which a reader that computes mantissa times power of ten is off by one.
+  for (const double x : {-172.43127776997827, 47.376887, 8.541694, 1e-7, 5e-324,
+                         1.7976931348623157e308, std::nextafter(0.1, 1.0)}) {
+    const google::protobuf::Struct parsed = ParseStruct(boost::json::serialize(object{{"x", x}}));
+    EXPECT_EQ(parsed.fields().at("x").number_value(), x);
+  }
+}
+
+TEST(RowsJson, ATextThatIsNoObjectIsShownAsAnEmptyOne) {
+  for (const char* text : {"", "{", "[1]", "1", "{\"a\":1}x"}) {
+    EXPECT_TRUE(ParseStruct(text).fields().empty()) << text;
+  }
+}
+
+}  // namespace
+}  // namespace uplink::view
