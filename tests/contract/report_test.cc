@@ -45,6 +45,7 @@ class ReportContract : public StoreContract {
   template <typename Row>
   static std::vector<std::string> RunIds(const std::vector<Row>& rows) {
     std::vector<std::string> ids;
+    ids.reserve(rows.size());
     for (const Row& row : rows) ids.push_back(row.run_id);
     return ids;
   }

@@ -21,7 +21,7 @@ BIN = pathlib.Path(os.environ["UPLINK_BIN_DIR"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 START_SECONDS = 30
 LOOK_SECONDS = 0.02
-BREAKS = re.compile(r"(\d+) breaks\n")
+BREAKS = re.compile(r"(\d+) breaks")
 LISTENING = re.compile(r" listening .*?relay=\"?([^ \"]+)\"? http=\"?([^ \"]+)\"?")
 
 

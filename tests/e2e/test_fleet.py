@@ -2,6 +2,7 @@
 
 import sqlite3
 import unittest
+import urllib.parse
 
 from harness import BIN, EndToEnd, mismatches, run, wait_until
 
@@ -16,6 +17,21 @@ class FleetRun(EndToEnd):
             lambda status: int(status["uplinks"]["stored"]) >= 30, WAIT_SECONDS, "the fleet is at work"
         )
         return server, fleet
+
+    def wait_for_rows(self, server, fleet, ruri):
+        name = urllib.parse.quote(ruri, safe="")
+        lists = {
+            f"/api/v1/faults?ruri={name}": "faults",
+            f"/api/v1/missions?ruri={name}": "missionRuns",
+            f"/api/v1/robots/{name}/events": "events",
+            f"/api/v1/robots/{name}/presence": "changes",
+            f"/api/v1/robots/{name}/quarantine": "items",
+            f"/api/v1/objects?ruri={name}": "objects",
+        }
+        for path, rows in lists.items():
+            wait_until(
+                fleet.process, lambda path=path, rows=rows: server.get(path)[rows], WAIT_SECONDS, f"rows at {path}"
+            )
 
     def test_an_undisturbed_run_agrees_to_the_message(self):
         _, fleet = self.at_work("--robots", 10, "--faults", 10)
@@ -37,6 +53,21 @@ class FleetRun(EndToEnd):
         self.assertGreater(report["run"]["resent"], 0)
         self.assertGreater(report["run"]["rejects"], 0)
 
+    def test_a_scenario_by_name_and_from_a_file_with_a_flag_before_it(self):
+        server = self.server().start()
+        file = self.folder / "scenario.toml"
+        file.write_text("robots = 2\npace = 4\nmalformed_share = 0.5\n", encoding="utf-8")
+        for scenario, robots in (("storm", 10), (file, 2)):
+            with self.subTest(scenario):
+                fleet = self.fleet(server, "--scenario", scenario, "--faults", 5)
+                before = int(server.get("/api/v1/status")["uplinks"]["stored"])
+                server.wait_for_status(
+                    lambda status: int(status["uplinks"]["stored"]) > before + 30, WAIT_SECONDS, "at work"
+                )
+                report = self.assert_agrees(fleet)
+                self.assertEqual(report["run"]["robots"], robots)
+                self.assertGreater(report["run"]["rejects"], 0)
+
     def test_a_second_run_on_the_same_server_agrees_too(self):
         server, fleet = self.at_work("--robots", 3, "--faults", 20)
         self.assert_agrees(fleet)
@@ -47,25 +78,38 @@ class FleetRun(EndToEnd):
         )
         self.assert_agrees(again)
 
-    def test_a_row_that_is_lost_after_its_ack_is_a_mismatch(self):
-        server, fleet = self.at_work("--robots", 3, "--faults", 20)
+    def test_rows_that_are_lost_or_changed_after_their_ack_are_mismatches(self):
+        """One damage to each table that nothing sent later would repair."""
+        damages = {
+            "fault reports": "DELETE FROM faults_history WHERE rowid IN (SELECT min(rowid) FROM faults_history)",
+            "events": "DELETE FROM events WHERE rowid IN (SELECT min(rowid) FROM events)",
+            "mission runs": "UPDATE mission_runs SET updates = updates + 1 WHERE rowid = 1",
+            "objects present": "DELETE FROM objects WHERE id LIKE '%-1-marker'",
+            "latest UI capabilities": "UPDATE latest SET body = '{}' WHERE kind = 2",
+            "presence histories": "UPDATE presence_changes SET presence = 2",
+            "wrong on purpose, in quarantine": "UPDATE quarantine SET field = 'other'",
+        }
+        server, fleet = self.at_work("--robots", 3, "--faults", 20, "--malformed-share", 0.2)
+        for robot in server.get("/api/v1/robots")["robots"]:
+            self.wait_for_rows(server, fleet, robot["ruri"])
         with sqlite3.connect(self.folder / "uplinkd.db", timeout=WAIT_SECONDS) as store:
-            lost = store.execute(
-                "DELETE FROM faults_history WHERE entry = (SELECT min(entry) FROM faults_history)"
-            )
-            self.assertEqual(lost.rowcount, 1)
+            for what, damage in damages.items():
+                self.assertGreater(store.execute(damage).rowcount, 0, what)
         store.close()
         code, report = fleet.finish()
         self.assertEqual(code, 3)
         self.assertFalse(report["ok"])
-        self.assertIn("faults acked", [check["what"] for check in mismatches(report)])
+        self.assertLessEqual(set(damages), {check["what"] for check in mismatches(report)})
+        found = {difference["what"] for difference in report["differences"]}
+        self.assertLessEqual(set(damages), found)
 
 
 class FleetUse(EndToEnd):
     def test_wrong_use_ends_with_2(self):
         for flags in (
             ["--robots", "0"], ["--for", "soon"], ["--target", "nowhere"], ["--malformed-share", "2"],
-            ["--report", "xml"], ["--no-such-flag"],
+            ["--report", "xml"], ["--no-such-flag"], ["--seed", "-1"], ["--ruri-prefix", "http://x"],
+            ["--scenario", "no-such-scenario"], ["--pace", "0"],
         ):  # fmt: skip
             with self.subTest(flags):
                 run(BIN / "uplink-fleet", *flags, code=2)

@@ -62,8 +62,9 @@ class Drain(EndToEnd):
         server = self.server(f'[drain]\ntimeout = "{DRAIN_SECONDS}s"').start()
         fleet = self.fleet(server, "--robots", 8, "--faults", 20, "--malformed-share", 0.02)
         server.wait_for_status(
-            lambda status: int(status["uplinks"]["stored"]) >= 20, ROUND_SECONDS, "the fleet is at work"
-        )
+            lambda status: int(status["streams"]) == 8 and int(status["uplinks"]["stored"]) >= 20,
+            ROUND_SECONDS, "the fleet is at work",
+        )  # fmt: skip
         self.assertEqual(server.terminate(DRAIN_SECONDS + 5), 0, server.text())
         self.assertNotIn("stopped_unsettled", server.text())
         server.start()

@@ -99,11 +99,14 @@ relay="$(address_of relay)"
 http="$(address_of http)"
 
 printf 'uplinkd: robots at %s, log in %s\n' "$relay" "$log"
-printf 'while it runs: http://%s/api/v1/robots  /api/v1/faults  /api/v1/status  /metrics\n\n' "$http"
+printf 'while it runs: http://%s/api/v1/robots  /api/v1/status  /metrics\n' "$http"
+printf '               /api/v1/faults?active=true  /api/v1/missions?open=true  /api/v1/shapes  /api/v1/objects\n'
+printf '               /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it\n'
+printf '               /events  /messages  /presence  /quarantine  /gaps\n\n'
 
 fleet_code=0
 "$bin/uplink-fleet" --target "$relay" --http "$http" --pki "$pki" --robots "$robots" \
-  --for "$duration" --seed "$seed" --malformed-share 0.005 --breaks-per-minute 2 || fleet_code=$?
+  --for "$duration" --seed "$seed" --scenario rough || fleet_code=$?
 
 server_code=0
 stop_server || server_code=$?

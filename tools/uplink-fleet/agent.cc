@@ -10,13 +10,19 @@ namespace {
 constexpr std::chrono::seconds kBatchAgeMax{1};
 /// While the robots settle, each still says once a second that it is alive.
 constexpr std::chrono::seconds kIdleMotion{1};
+/// Longer than that without a frame, a robot counts as silent; below any useful presence.timeout.
+constexpr std::chrono::seconds kSilence{3};
 constexpr const char* kAgentVersion = "uplink-fleet " UPLINK_VERSION;
 
 }  // namespace
 
 Agent::Agent(const ScenarioOptions& options, std::size_t index, std::size_t batch,
              const model::SessionId& session, Shared& shared)
-    : script_(options, index), model_(session), shared_(shared), batch_(batch) {}
+    : script_(options, index),
+      model_(session),
+      shared_(shared),
+      batch_(batch),
+      mark_(MarkOf(options.run, index)) {}
 
 void Agent::Tick(SteadyTime now, SystemTime system_now) {
   const std::int64_t now_ms = UnixMs(system_now);
@@ -39,8 +45,7 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
       break;
     case Stage::kLast:
       if (!std::exchange(last_offered_, true)) {
-        model_.Offer(script_.Motion(now_ms, ledger_));
-        model_.Offer(script_.Status(now_ms, ledger_));
+        for (Outgoing& message : script_.Last(now_ms, ledger_)) model_.Offer(std::move(message));
       }
       if (model_.all_settled() && !std::exchange(reported_last_, true)) {
         shared_.last_robots.fetch_add(1);
@@ -65,6 +70,8 @@ std::optional<v1::RelayRequest> Agent::NextFrame(SteadyTime now, SystemTime syst
       model_.NextBatch(now, std::numeric_limits<std::size_t>::max());
   if (!batch) return std::nullopt;
   waiting_since_.reset();
+  if (last_sent_ && now - *last_sent_ > kSilence) ++silences_;
+  last_sent_ = now;
   shared_.sent.fetch_add(static_cast<std::uint64_t>(batch->uplinks_size()),
                          std::memory_order_relaxed);
   batch->set_sent_unix_ms(UnixMs(system_now));
@@ -86,19 +93,7 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
   absl::Status status = model_.OnFrame(frame, now);
   for (Settled& settled : model_.TakeSettled()) {
     shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
-    if (const auto wrong = ledger_.wrongs.find(settled.tag); wrong != ledger_.wrongs.end()) {
-      wrong->second.seq = settled.seq;
-      wrong->second.acked = true;
-      wrong->second.told = std::move(settled.rejection);
-      continue;
-    }
-    const auto open = ledger_.open_faults.find(settled.tag);
-    if (open == ledger_.open_faults.end()) continue;
-    ledger_.faults[open->second].acked = true;
-    ledger_.open_faults.erase(open);
-    if (settled.rejection) {
-      if (ledger_.faults_rejected++ == 0) ledger_.first_fault_rejection = settled.rejection->detail;
-    }
+    ledger_.Settle(std::move(settled));
   }
   return status;
 }
@@ -119,6 +114,8 @@ RobotOutcome Agent::TakeOutcome(const std::string& ruri) {
   RobotOutcome outcome;
   outcome.ruri = ruri;
   outcome.session_hex = model_.session().ToHex();
+  outcome.mark = mark_;
+  outcome.silences = silences_;
   outcome.ledger = std::move(ledger_);
   outcome.last_seq = model_.last_seq();
   outcome.sent = model_.sent();

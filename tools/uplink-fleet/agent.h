@@ -9,7 +9,7 @@
 #include "tools/uplink-fleet/agent_model.h"
 #include "tools/uplink-fleet/ledger.h"
 #include "tools/uplink-fleet/run.h"
-#include "tools/uplink-fleet/scenario.h"
+#include "tools/uplink-fleet/script.h"
 
 namespace uplink::synthetic {
 
@@ -47,6 +47,9 @@ class Agent final {
   std::size_t batch_;
   std::optional<SteadyTime> waiting_since_;
   SteadyTime next_idle_motion_{};
+  std::string mark_;
+  std::optional<SteadyTime> last_sent_;
+  std::uint64_t silences_ = 0;
   bool last_offered_ = false;
   bool reported_settled_ = false;
   bool reported_last_ = false;

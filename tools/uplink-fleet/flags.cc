@@ -1,16 +1,15 @@
 #include "tools/uplink-fleet/flags.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
+#include "schema/model/ids.h"
 #include "server/config/units.h"
 
 namespace uplink::synthetic {
 namespace {
 
-constexpr double kRateHzMax = 1000;
-constexpr double kBreaksMax = 600;
 constexpr std::size_t kThreadsMax = 64;
-constexpr std::size_t kBatchMax = 256;
 
 CLI::Validator IsDuration() {
   return {[](std::string& text) {
@@ -31,6 +30,91 @@ CLI::Validator IsAddress() {
           },
           "HOST:PORT"};
 }
+
+CLI::Validator IsRuriPrefix() {
+  return {[](std::string& text) {
+            // What comes behind it is /robot- and a number.
+            constexpr std::size_t kBytesMax = model::kRuriBytesMax - 16;
+            const bool good = text.starts_with("rcan://") && text.size() <= kBytesMax;
+            return good ? std::string()
+                        : "\"" + text + "\" is not rcan://... of at most " +
+                              std::to_string(kBytesMax) + " bytes";
+          },
+          "RURI"};
+}
+
+CLI::Validator IsSeed() {
+  return {[](std::string& text) {
+            const bool good = !text.empty() && text.size() <= 18 &&
+                              text.find_first_not_of("0123456789") == std::string::npos;
+            return good ? std::string() : "\"" + text + "\" is not a number of up to 18 digits";
+          },
+          "NUMBER"};
+}
+
+template <typename Number>
+CLI::Option* AddNumber(CLI::App& app, const std::string& flag, Number& value,
+                       const ScenarioNumber& limits, const std::string& text) {
+  return app.add_option(flag, value, text)
+      ->capture_default_str()
+      ->check(CLI::Range(static_cast<Number>(limits.min), static_cast<Number>(limits.max)));
+}
+
+std::string ScenarioHelp() {
+  std::string text = "What the flags below say together, by name or from a TOML file:";
+  for (const NamedScenario& named : NamedScenarios()) {
+    text += " " + std::string(named.name) + " (" + std::string(named.text) + ");";
+  }
+  text.back() = '.';
+  return text;
+}
+
+/// The flags that a scenario sets; a flag that is given goes before it.
+class ScenarioFlags {
+ public:
+  explicit ScenarioFlags(CLI::App& app) {
+    app.add_option("--scenario", name_, ScenarioHelp())->capture_default_str();
+    robots_ = AddNumber(app, "--robots", given_.robots, kRobotsNumber, "");
+    rate_ = AddNumber(app, "--rate", given_.options.rate_hz, kRateNumber,
+                      "Motion messages a second and robot");
+    faults_ = AddNumber(app, "--faults", given_.options.faults_hz, kFaultsNumber,
+                        "Fault reports a second and robot");
+    pace_ = AddNumber(app, "--pace", given_.options.pace, kPaceNumber,
+                      "How much faster than the clock everything but motion and status goes on");
+    batch_ = AddNumber(app, "--batch", given_.batch, kBatchNumber,
+                       "Messages that are gathered for a frame, up to 1 s");
+    malformed_ = AddNumber(app, "--malformed-share", given_.options.malformed_share,
+                           kMalformedNumber, "Share of ticks in which something wrong is sent");
+    breaks_ = AddNumber(app, "--breaks-per-minute", given_.breaks_per_minute, kBreaksNumber,
+                        "How often a robot breaks its stream off");
+  }
+
+  [[nodiscard]] absl::StatusOr<Scenario> Read() const {
+    absl::StatusOr<Scenario> scenario = LoadScenario(name_);
+    if (!scenario.ok()) return scenario;
+    if (robots_->count() > 0) scenario->robots = given_.robots;
+    if (rate_->count() > 0) scenario->options.rate_hz = given_.options.rate_hz;
+    if (faults_->count() > 0) scenario->options.faults_hz = given_.options.faults_hz;
+    if (pace_->count() > 0) scenario->options.pace = given_.options.pace;
+    if (batch_->count() > 0) scenario->batch = given_.batch;
+    if (malformed_->count() > 0) {
+      scenario->options.malformed_share = given_.options.malformed_share;
+    }
+    if (breaks_->count() > 0) scenario->breaks_per_minute = given_.breaks_per_minute;
+    return scenario;
+  }
+
+ private:
+  std::string name_ = "calm";
+  Scenario given_;
+  CLI::Option* robots_;
+  CLI::Option* rate_;
+  CLI::Option* faults_;
+  CLI::Option* pace_;
+  CLI::Option* batch_;
+  CLI::Option* malformed_;
+  CLI::Option* breaks_;
+};
 
 }  // namespace
 
@@ -57,36 +141,19 @@ std::optional<Flags> ReadFlags(int argc, char** argv, int& code) {
   app.add_option("--pki", swarm.pki_directory,
                  "Folder with ca.crt and ca.key, which sign the robots")
       ->capture_default_str();
-  app.add_option("--robots", swarm.robots)
-      ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, kRobotsMax));
+  const ScenarioFlags scenario_flags(app);
   app.add_option("--fleet", swarm.fleet, "Fleet of the robots")->capture_default_str();
   app.add_option("--ruri-prefix", swarm.ruri_prefix, "What comes before /robot-0001")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(IsRuriPrefix());
   app.add_option("--for", run_for, "How long to send; SIGINT or SIGTERM ends it sooner")
       ->capture_default_str()
       ->check(IsDuration());
   app.add_option("--settle-for", settle_for, "How long the server may take to settle all of it")
       ->capture_default_str()
       ->check(IsDuration());
-  app.add_option("--seed", swarm.scenario.seed)->capture_default_str();
-  app.add_option("--rate", swarm.scenario.rate_hz, "Motion messages a second and robot")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, kRateHzMax));
-  app.add_option("--faults", swarm.scenario.faults_hz, "Fault reports a second and robot")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, kRateHzMax));
-  app.add_option("--batch", swarm.batch, "Messages that are gathered for a frame, up to 1 s")
-      ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, kBatchMax));
-  app.add_option("--malformed-share", swarm.scenario.malformed_share,
-                 "Share of motion messages in whose place something wrong is sent")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--breaks-per-minute", swarm.breaks_per_minute,
-                 "How often a robot breaks its stream off")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, kBreaksMax));
+  std::string seed = "1";
+  app.add_option("--seed", seed)->capture_default_str()->check(IsSeed());
   app.add_option("--threads", swarm.threads)
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, kThreadsMax));
@@ -97,6 +164,17 @@ std::optional<Flags> ReadFlags(int argc, char** argv, int& code) {
     code = app.exit(error) == 0 ? kExitDone : kExitWrongUse;
     return std::nullopt;
   }
+  const absl::StatusOr<Scenario> scenario = scenario_flags.Read();
+  if (!scenario.ok()) {
+    fmt::print(stderr, "uplink-fleet: --scenario: {}\n", std::string(scenario.status().message()));
+    code = kExitWrongUse;
+    return std::nullopt;
+  }
+  swarm.robots = scenario->robots;
+  swarm.batch = scenario->batch;
+  swarm.breaks_per_minute = scenario->breaks_per_minute;
+  swarm.scenario = scenario->options;
+  swarm.scenario.seed = std::stoull(seed);
   flags.run_for = config::ParseDuration(run_for).value_or(flags.run_for);
   flags.settle_for = config::ParseDuration(settle_for).value_or(flags.settle_for);
   flags.json = report == "json";

@@ -18,7 +18,8 @@ struct Flags {
   SwarmOptions swarm;
   std::string http = "127.0.0.1:7480";
   milliseconds run_for{30'000};
-  /// How long the fleet waits for the server to settle everything before it calls it a mismatch.
+  /// How long the fleet waits for the server to settle everything, and for each stream to end,
+  /// before it calls it a mismatch.
   milliseconds settle_for{60'000};
   bool json = false;
 };

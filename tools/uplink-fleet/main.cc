@@ -5,7 +5,9 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -14,7 +16,9 @@
 #include <unistd.h>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/compare.h"
 #include "tools/uplink-fleet/flags.h"
+#include "tools/uplink-fleet/live_summary.h"
 #include "tools/uplink-fleet/report.h"
 #include "tools/uplink-fleet/server_view.h"
 #include "tools/uplink-fleet/swarm.h"
@@ -25,8 +29,7 @@ namespace {
 
 constexpr milliseconds kLook{100};
 constexpr milliseconds kProgressEvery{1000};
-/// For the last motion and status, and for the half-close.
-constexpr milliseconds kCloseDeadline{30'000};
+constexpr milliseconds kPlainProgressEvery{5000};
 /// Without any Welcome for that long at the start, nothing can be run.
 constexpr milliseconds kFirstWelcomeDeadline{15'000};
 /// The counters of the queue threads are published a moment after the acks.
@@ -60,7 +63,7 @@ class Signals {
 
 class Run {
  public:
-  explicit Run(const Flags& flags) : flags_(flags), view_(flags.http) {}
+  explicit Run(const Flags& flags) : flags_(flags), view_(flags.http, clock_) {}
 
   int Main() {
     flags_.swarm.scenario.run = RandomRun();
@@ -75,8 +78,8 @@ class Run {
     figures_.seconds = std::chrono::duration<double>(clock_.Steady() - started).count();
     if (reached) Settle();
     shared_.stage.store(Stage::kClose);
-    if (!reached || !WaitFor(shared_.closed_robots, kCloseDeadline)) shared_.abandon.store(true);
-    evidence_.robots = (*swarm)->Finish();
+    if (!reached || !WaitFor(shared_.closed_robots, flags_.settle_for)) shared_.abandon.store(true);
+    outcomes_ = (*swarm)->Finish();
     ClearProgress();
     if (!reached) {
       return CannotRun(absl::UnavailableError("no robot was welcomed: " + shared_.FirstError()));
@@ -114,12 +117,14 @@ class Run {
     shared_.stage.store(Stage::kSettle);
     if (!WaitFor(shared_.settled_robots, flags_.settle_for)) return;
     shared_.stage.store(Stage::kLast);
-    if (!WaitFor(shared_.last_robots, kCloseDeadline)) return;
+    if (!WaitFor(shared_.last_robots, flags_.settle_for)) return;
     auto live = view_.Robots(flags_.swarm.fleet);
-    if (live.ok()) {
-      evidence_.live = std::move(*live);
+    const auto status = view_.Status();
+    if (live.ok() && status.ok()) {
+      live_ = std::move(*live);
+      live_at_ms_ = status->now_ms();
     } else {
-      shared_.KeepFirstError(std::string(live.status().message()));
+      shared_.KeepFirstError(std::string((live.ok() ? status.status() : live.status()).message()));
     }
   }
 
@@ -146,32 +151,37 @@ class Run {
         break;
       }
     }
-    for (const RobotOutcome& robot : evidence_.robots) {
-      absl::StatusOr<StoredRobot> stored = view_.Stored(robot.ruri);
+    for (const RobotOutcome& robot : outcomes_) {
+      evidence_.fleet.Add(robot);
+      const auto live = live_.find(robot.ruri);
+      CompareLive(robot, live == live_.end() ? nullptr : &live->second, evidence_.findings);
+      const auto stored = view_.Stored(robot.ruri, evidence_.before.now_ms());
       if (!stored.ok()) return stored.status();
-      evidence_.stored[robot.ruri] = std::move(*stored);
+      ++evidence_.robots_read;
+      CompareRows(robot, *stored, flags_.swarm.scenario.run, evidence_.findings);
+      ComparePresence(robot, *stored, live_at_ms_, evidence_.findings);
     }
     return absl::OkStatus();
   }
 
   int Conclude() {
-    evidence_.run = flags_.swarm.scenario.run;
     evidence_.rules_broken = shared_.rules_broken.load();
     evidence_.first_broken_rule = shared_.FirstBrokenRule();
     FillFigures();
     evidence_.disturbed = figures_.breaks > 0 || figures_.ends.size() > figures_.ends.count("OK") ||
                           figures_.drains > 0;
     const std::vector<CheckRow> rows = Verify(evidence_);
-    const std::string text = flags_.json ? JsonReport(figures_, rows) : TextReport(figures_, rows);
+    const std::string text = flags_.json ? JsonReport(figures_, rows, evidence_.findings)
+                                         : TextReport(figures_, rows, evidence_.findings);
     std::fputs(text.c_str(), stdout);
     return AllOk(rows) ? kExitDone : kExitMismatch;
   }
 
   void FillFigures() {
-    figures_.robots = evidence_.robots.size();
+    figures_.robots = outcomes_.size();
     figures_.seed = flags_.swarm.scenario.seed;
-    figures_.run = evidence_.run;
-    for (const RobotOutcome& robot : evidence_.robots) {
+    figures_.run = flags_.swarm.scenario.run;
+    for (const RobotOutcome& robot : outcomes_) {
       figures_.sent += robot.sent;
       figures_.resent += robot.resent;
       figures_.notices += robot.notices;
@@ -189,15 +199,17 @@ class Run {
     }
   }
 
-  /// A line that is overwritten on a terminal, plain lines elsewhere; on standard error.
+  /// A line a second that is overwritten on a terminal, plain lines less often elsewhere; on
+  /// standard error.
   void Progress() {
     const SteadyTime now = clock_.Steady();
     if (now < next_progress_) return;
-    next_progress_ = now + kProgressEvery;
+    next_progress_ = now + (terminal_ ? kProgressEvery : kPlainProgressEvery);
+    absl::StatusOr<v1::ServerStatus> status = view_.Status();
+    absl::StatusOr<std::string> page = view_.Metrics();
     const std::string line =
-        fmt::format("{} streams, {} sent, {} durable acked, {} rejects, {} breaks",
-                    shared_.streams.load(), shared_.sent.load(), shared_.acked_durable.load(),
-                    shared_.rejects.load(), shared_.breaks.load());
+        summary_.Line(shared_, now, status.ok() ? std::optional(*std::move(status)) : std::nullopt,
+                      page.ok() ? std::optional(*std::move(page)) : std::nullopt);
     const std::string text = terminal_ ? "\r\x1b[K" + line : line + "\n";
     std::fputs(text.c_str(), stderr);
     std::fflush(stderr);
@@ -212,6 +224,11 @@ class Run {
   SystemClock clock_;
   Shared shared_;
   ServerView view_;
+  LiveSummary summary_;
+  std::vector<RobotOutcome> outcomes_;
+  /// The robots while they still moved, and the server's clock then.
+  std::map<std::string, v1::Robot> live_;
+  std::int64_t live_at_ms_ = 0;
   Evidence evidence_;
   RunFigures figures_;
   SteadyTime next_progress_{};

@@ -27,13 +27,28 @@ void PutBool(Struct& object, const std::string& name, bool value) {
   (*object.mutable_fields())[name].set_bool_value(value);
 }
 
+/// What differs, robot by robot.
+std::string Differences(const Findings& findings) {
+  if (findings.differences().empty()) return {};
+  std::string text = "\nrobot | thing | expected | found\n";
+  for (std::size_t i = 0; i < findings.differences().size() && i < kDifferencesShown; ++i) {
+    const Difference& difference = findings.differences()[i];
+    text += fmt::format("{} | {} | {} | {}\n", difference.ruri, TextOf(difference.thing).name,
+                        difference.expected, difference.found);
+  }
+  const std::uint64_t all = findings.differences_in_all();
+  if (all > kDifferencesShown) text += fmt::format("and {} more\n", all - kDifferencesShown);
+  return text;
+}
+
 }  // namespace
 
 bool AllOk(const std::vector<CheckRow>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const CheckRow& row) { return row.ok; });
 }
 
-std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows) {
+std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
   std::string text = fmt::format(
       "\n{} robots, {:.0f} s, seed {}, run {}: {} messages sent ({} again), {} durable acked, "
       "{} rejects, {} breaks, {} drains{}\n",
@@ -55,6 +70,7 @@ std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& r
                         row.server, row.store, row.ok ? "ok" : "MISMATCH");
     if (!row.ok && !row.note.empty()) text += fmt::format("    {}\n", row.note);
   }
+  text += Differences(findings);
   text += AllOk(rows) ? "\nverification: all agree\n" : "\nverification: MISMATCH\n";
   if (!AllOk(rows) && !figures.first_error.empty()) {
     text += fmt::format("first trouble: {}\n", figures.first_error);
@@ -62,7 +78,8 @@ std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& r
   return text;
 }
 
-std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows) {
+std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
   Struct root;
   PutBool(root, "ok", AllOk(rows));
   Struct& run = *(*root.mutable_fields())["run"].mutable_struct_value();
@@ -93,6 +110,14 @@ std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& r
     Put(check, "store", row.store);
     PutBool(check, "ok", row.ok);
     Put(check, "note", row.note);
+  }
+  auto& differences = *(*root.mutable_fields())["differences"].mutable_list_value();
+  for (const Difference& each : findings.differences()) {
+    Struct& difference = *differences.add_values()->mutable_struct_value();
+    Put(difference, "ruri", each.ruri);
+    Put(difference, "what", std::string(TextOf(each.thing).name));
+    Put(difference, "expected", each.expected);
+    Put(difference, "found", each.found);
   }
   std::string json;
   const auto status = google::protobuf::util::MessageToJsonString(root, &json);

@@ -32,10 +32,16 @@ struct RunFigures {
 
 [[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
 
-/// The table for people, ending with one line that says whether all agree.
-[[nodiscard]] std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows);
+/// Differences that the text shows; the JSON shows all that are kept.
+inline constexpr std::size_t kDifferencesShown = 20;
 
-/// The same as one JSON object: `{"ok":...,"run":{...},"checks":[...]}`.
-[[nodiscard]] std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows);
+/// The table for people, with what differs robot by robot, ending with one line that says whether
+/// all agree.
+[[nodiscard]] std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
+
+/// The same as one JSON object: `{"ok":...,"run":{...},"checks":[...],"differences":[...]}`.
+[[nodiscard]] std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
 
 }  // namespace uplink::synthetic

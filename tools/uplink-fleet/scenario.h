@@ -1,58 +1,67 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "tools/uplink-fleet/agent_model.h"
-#include "tools/uplink-fleet/ledger.h"
+#include <absl/status/statusor.h>
 
 namespace uplink::synthetic {
 
 /// What every robot of a run does. Bounds are those of the flags.
 struct ScenarioOptions {
   std::uint64_t seed = 1;
-  /// Unique to the run: it is part of every fault's source and description.
+  /// Unique to the run: part of ids and sources, so that rows of other runs are known as such.
   std::string run;
   /// Motion messages a second; a tick each.
   double rate_hz = 10;
-  /// Share of motion messages in whose place something wrong is sent.
+  /// Share of ticks in which something wrong is sent beside the rest.
   double malformed_share = 0;
   /// Fault reports a second, on average.
-  double faults_hz = 0.5;
+  double faults_hz = 0.1;
+  /// How much faster than the clock a robot lives, but for motion and status: missions, shapes,
+  /// objects and the like come as many times as often.
+  double pace = 1;
 };
 
-/// One robot's seeded life: where it drives, what breaks, what it sends wrong. Each message is
-/// entered into the ledger as it is made. The same seed and index give the same messages but for
-/// times, run and marks.
+/// A scenario by name or from a file: what the flags of the same names would say.
+struct Scenario {
+  std::size_t robots = 10;
+  /// Messages that are gathered for a frame.
+  std::size_t batch = 1;
+  double breaks_per_minute = 0;
+  ScenarioOptions options;
+};
+
+/// The names that LoadScenario knows, with what they are for.
+struct NamedScenario {
+  std::string_view name;
+  std::string_view text;
+  Scenario scenario;
+};
+[[nodiscard]] const std::vector<NamedScenario>& NamedScenarios();
+
+/// The scenario of that name; else the TOML file at that path, whose keys are robots, rate, faults,
+/// malformed_share, breaks_per_minute, batch and pace; those that it leaves out are as in `calm`.
 ///
-/// Thread: confined to the robot's thread.
-class RobotScript final {
- public:
-  RobotScript(const ScenarioOptions& options, std::size_t index);
+/// Errors: kInvalidArgument for a file that cannot be read, an unknown key or a value out of range,
+///         which is named with its limits.
+[[nodiscard]] absl::StatusOr<Scenario> LoadScenario(const std::string& name_or_path);
 
-  /// The messages of one tick, at `now_ms` (Unix).
-  [[nodiscard]] std::vector<Outgoing> Tick(std::int64_t now_ms, Ledger& ledger);
-  [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Ledger& ledger);
-  [[nodiscard]] Outgoing Status(std::int64_t now_ms, Ledger& ledger);
-
- private:
-  [[nodiscard]] Outgoing FaultMessage(std::int64_t now_ms, Ledger& ledger);
-  [[nodiscard]] Outgoing Wrong(std::int64_t now_ms, Ledger& ledger);
-  [[nodiscard]] model::Fault NewFault(std::int64_t now_ms, bool active, const std::string& id);
-  [[nodiscard]] bool Chance(double probability);
-
-  ScenarioOptions options_;
-  std::size_t index_;
-  std::mt19937_64 random_;
-  std::uint64_t next_tag_ = 1;
-  std::uint64_t ticks_ = 0;
-  /// Position in 1/65536 degrees and charge in 1/16 percent: exact in every number format between
-  /// here and the JSON that comes back.
-  std::int32_t lat_ = 0;
-  std::int32_t lon_ = 0;
-  std::int32_t charge_ = 0;
+/// A number of a scenario and its limits, for flags and files alike.
+struct ScenarioNumber {
+  std::string_view key;
+  double min = 0;
+  double max = 0;
 };
+inline constexpr ScenarioNumber kRobotsNumber{"robots", 1, 50'000};
+inline constexpr ScenarioNumber kRateNumber{"rate", 0.1, 1000};
+inline constexpr ScenarioNumber kFaultsNumber{"faults", 0, 1000};
+inline constexpr ScenarioNumber kMalformedNumber{"malformed_share", 0, 1};
+inline constexpr ScenarioNumber kBreaksNumber{"breaks_per_minute", 0, 600};
+inline constexpr ScenarioNumber kBatchNumber{"batch", 1, 256};
+inline constexpr ScenarioNumber kPaceNumber{"pace", 0.1, 100};
 
 }  // namespace uplink::synthetic

@@ -9,6 +9,8 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr int kPageSize = 1000;
+constexpr const char* kParts =
+    "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities";
 
 template <typename Message>
 absl::StatusOr<Message> Parse(const std::string& target, const std::string& json) {
@@ -52,40 +54,76 @@ absl::Status FetchPages(HttpClient& http, const std::string& target, Rows rows, 
 }  // namespace
 
 absl::StatusOr<v1::ServerStatus> ServerView::Status() {
-  return Fetch<v1::ServerStatus>(http_, "/api/v1/status");
+  const std::int64_t before_ms = UnixMs(clock_.System());
+  absl::StatusOr<v1::ServerStatus> status = Fetch<v1::ServerStatus>(http_, "/api/v1/status");
+  if (!status.ok()) return status;
+  ahead_min_ms_ = status->now_ms() - UnixMs(clock_.System());
+  ahead_max_ms_ = status->now_ms() - before_ms;
+  return status;
+}
+
+ServerView::ServerNow ServerView::Now() const {
+  const std::int64_t now_ms = UnixMs(clock_.System());
+  return {now_ms + ahead_min_ms_, now_ms + ahead_max_ms_};
 }
 
 absl::StatusOr<std::map<std::string, v1::Robot>> ServerView::Robots(const std::string& fleet) {
   std::map<std::string, v1::Robot> robots;
   const absl::Status status = FetchPages<v1::ListRobotsResponse>(
-      http_, "/api/v1/robots?parts=motion,status&fleet=" + PercentEncoded(fleet),
+      http_, fmt::format("/api/v1/robots?parts={}&fleet={}", kParts, PercentEncoded(fleet)),
       [](auto& response) { return response.mutable_robots(); },
       [&](v1::Robot&& robot) { robots[robot.ruri()] = std::move(robot); });
   if (!status.ok()) return status;
   return robots;
 }
 
-absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri) {
+absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int64_t from_ms) {
   StoredRobot stored;
   const std::string name = PercentEncoded(ruri);
-  const auto faults = [](auto& response) { return response.mutable_faults(); };
-  const absl::Status all[] = {
-      FetchPages<v1::ListFaultsResponse>(
-          http_, "/api/v1/faults?ruri=" + name, faults,
-          [&](v1::Fault&& row) { stored.faults.push_back(std::move(row)); }),
-      FetchPages<v1::ListFaultsResponse>(
-          http_, "/api/v1/faults?active=true&ruri=" + name, faults,
-          [&](v1::Fault&& row) { stored.active_faults.push_back(std::move(row)); }),
-      FetchPages<v1::ListQuarantineResponse>(
-          http_, fmt::format("/api/v1/robots/{}/quarantine", name),
-          [](auto& response) { return response.mutable_items(); },
-          [&](v1::Quarantined&& row) { stored.quarantine.push_back(std::move(row)); }),
-      FetchPages<v1::ListGapsResponse>(
-          http_, fmt::format("/api/v1/robots/{}/gaps", name),
-          [](auto& response) { return response.mutable_gaps(); },
-          [&](v1::Gap&& row) { stored.gaps.push_back(std::move(row)); }),
+  const auto list = [&](const char* path) { return fmt::format("/api/v1/{}?ruri={}", path, name); };
+  const auto history = [&](const char* path) {
+    return fmt::format("/api/v1/robots/{}/{}?fromMs={}", name, path, from_ms);
   };
-  for (const absl::Status& status : all) {
+  const auto into = [](auto& rows) {
+    return [&rows]<typename Row>(Row&& row) { rows.push_back(std::forward<Row>(row)); };
+  };
+  stored.read_from_ms = Now().from_ms;
+  const absl::Status present[] = {
+      FetchPages<v1::ListShapesResponse>(
+          http_, list("shapes"), [](auto& page) { return page.mutable_shapes(); },
+          into(stored.shapes)),
+      FetchPages<v1::ListObjectsResponse>(
+          http_, list("objects"), [](auto& page) { return page.mutable_objects(); },
+          into(stored.objects))};
+  stored.read_to_ms = Now().to_ms;
+  const auto faults = [](auto& page) { return page.mutable_faults(); };
+  const absl::Status rest[] = {
+      FetchPages<v1::ListFaultsResponse>(
+          http_, fmt::format("{}&fromMs={}", list("faults"), from_ms), faults, into(stored.faults)),
+      FetchPages<v1::ListFaultsResponse>(http_, list("faults") + "&active=true", faults,
+                                         into(stored.active_faults)),
+      FetchPages<v1::ListMissionRunsResponse>(
+          http_, list("missions"), [](auto& page) { return page.mutable_mission_runs(); },
+          into(stored.runs)),
+      FetchPages<v1::ListEventsResponse>(
+          http_, history("events"), [](auto& page) { return page.mutable_events(); },
+          into(stored.events)),
+      FetchPages<v1::ListMessagesResponse>(
+          http_, history("messages"), [](auto& page) { return page.mutable_messages(); },
+          into(stored.messages)),
+      FetchPages<v1::ListPresenceChangesResponse>(
+          http_, history("presence"), [](auto& page) { return page.mutable_changes(); },
+          into(stored.presence)),
+      FetchPages<v1::ListQuarantineResponse>(
+          http_, history("quarantine"), [](auto& page) { return page.mutable_items(); },
+          into(stored.quarantine)),
+      FetchPages<v1::ListGapsResponse>(
+          http_, history("gaps"), [](auto& page) { return page.mutable_gaps(); },
+          into(stored.gaps))};
+  for (const absl::Status& status : present) {
+    if (!status.ok()) return status;
+  }
+  for (const absl::Status& status : rest) {
     if (!status.ok()) return status;
   }
   return stored;

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "schema/base/clock.h"
 #include "tools/uplink-fleet/http_client.h"
 #include "tools/uplink-fleet/stored_robot.h"
 #include "uplink/v1/fleet.pb.h"
@@ -20,15 +21,29 @@ inline constexpr int kPagesMax = 10'000;
 /// Thread: as HttpClient.
 class ServerView final {
  public:
-  explicit ServerView(const std::string& address) : http_(address) {}
+  ServerView(const std::string& address, const Clock& clock) : clock_(clock), http_(address) {}
 
   [[nodiscard]] absl::StatusOr<v1::ServerStatus> Status();
-  /// Every robot of the fleet by RURI, with motion and status.
+  /// Every robot of the fleet by RURI, with all parts.
   [[nodiscard]] absl::StatusOr<std::map<std::string, v1::Robot>> Robots(const std::string& fleet);
-  [[nodiscard]] absl::StatusOr<StoredRobot> Stored(const std::string& ruri);
+  /// What the store holds of one robot; of histories what arrived at `from_ms` or later.
+  [[nodiscard]] absl::StatusOr<StoredRobot> Stored(const std::string& ruri, std::int64_t from_ms);
+  /// The server's metrics page.
+  [[nodiscard]] absl::StatusOr<std::string> Metrics() { return http_.Get("/metrics"); }
 
  private:
+  /// Between which times the server's clock is now.
+  struct ServerNow {
+    std::int64_t from_ms = 0;
+    std::int64_t to_ms = 0;
+  };
+  [[nodiscard]] ServerNow Now() const;
+
+  const Clock& clock_;
   HttpClient http_;
+  /// The server's clock less ours, by the last status: between these two.
+  std::int64_t ahead_min_ms_ = 0;
+  std::int64_t ahead_max_ms_ = 0;
 };
 
 }  // namespace uplink::synthetic

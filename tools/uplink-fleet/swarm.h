@@ -15,8 +15,6 @@
 
 namespace uplink::synthetic {
 
-inline constexpr std::size_t kRobotsMax = 50'000;
-
 struct SwarmOptions {
   std::string target;
   std::string pki_directory;

@@ -1,46 +1,13 @@
 #include "tools/uplink-fleet/verify.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "tools/uplink-fleet/verify_rows.h"
-
 namespace uplink::synthetic {
 namespace {
-
-/// The fleet's own sums.
-struct FleetTotals {
-  std::uint64_t numbers = 0;
-  std::uint64_t sent = 0;
-  std::uint64_t faults = 0;
-  std::uint64_t wrongs = 0;
-  std::uint64_t live = 0;
-  std::uint64_t unsettled_robots = 0;
-  std::uint64_t ended_ok = 0;
-  std::uint64_t faults_rejected = 0;
-  std::string first_fault_rejection;
-};
-
-FleetTotals Totals(const std::vector<RobotOutcome>& robots) {
-  FleetTotals totals;
-  for (const RobotOutcome& robot : robots) {
-    totals.numbers += robot.last_seq;
-    totals.sent += robot.sent;
-    totals.faults += robot.ledger.faults.size();
-    totals.wrongs += robot.ledger.wrongs.size();
-    totals.unsettled_robots += robot.all_settled ? 0 : 1;
-    totals.ended_ok += robot.ended_ok ? 1 : 0;
-    totals.faults_rejected += robot.ledger.faults_rejected;
-    if (totals.first_fault_rejection.empty()) {
-      totals.first_fault_rejection = robot.ledger.first_fault_rejection;
-    }
-  }
-  // Every number that is neither a fault nor wrong is a live message.
-  totals.live = totals.numbers - std::min(totals.numbers, totals.faults + totals.wrongs);
-  return totals;
-}
 
 std::string Text(std::uint64_t number) { return fmt::format("{}", number); }
 
@@ -50,15 +17,20 @@ class Counters {
   explicit Counters(const Evidence& evidence) : evidence_(evidence) {}
 
   [[nodiscard]] std::uint64_t Moved(const std::string& name) const {
-    const std::int64_t moved =
-        At(evidence_.after.uplinks(), name) - At(evidence_.before.uplinks(), name);
-    return moved < 0 ? 0 : static_cast<std::uint64_t>(moved);
+    return Difference(At(evidence_.after.uplinks(), name), At(evidence_.before.uplinks(), name));
+  }
+  [[nodiscard]] std::uint64_t Rejected(const std::string& reason) const {
+    return Difference(At(evidence_.after.rejects_by_reason(), reason),
+                      At(evidence_.before.rejects_by_reason(), reason));
   }
   [[nodiscard]] std::int64_t Now(const std::string& name) const {
     return At(evidence_.after.uplinks(), name);
   }
 
  private:
+  static std::uint64_t Difference(std::int64_t after, std::int64_t before) {
+    return after < before ? 0 : static_cast<std::uint64_t>(after - before);
+  }
   template <typename Map>
   static std::int64_t At(const Map& map, const std::string& name) {
     const auto found = map.find(name);
@@ -68,25 +40,38 @@ class Counters {
   const Evidence& evidence_;
 };
 
-void CheckCounters(const Evidence& evidence, const FleetTotals& fleet,
-                   std::vector<CheckRow>& rows) {
+void CheckCounters(const Evidence& evidence, std::vector<CheckRow>& rows) {
+  const FleetTotals& fleet = evidence.fleet;
   const Counters counters(evidence);
+  const auto add = [&](std::string what, std::uint64_t mine, std::uint64_t server, bool ok) {
+    rows.push_back({std::move(what), Text(mine), Text(server), "", ok, ""});
+  };
   const std::uint64_t received = counters.Moved("received");
-  const std::uint64_t duplicate = counters.Moved("duplicate");
-  const std::uint64_t live = counters.Moved("applied") + counters.Moved("superseded");
-  rows.push_back({"messages, each once", Text(fleet.numbers), Text(received - duplicate), "",
-                  received - duplicate == fleet.numbers, ""});
+  const std::uint64_t once = received - std::min(received, counters.Moved("duplicate"));
+  add("messages, each once", fleet.numbers, once, once == fleet.numbers);
   if (!evidence.disturbed) {
-    rows.push_back({"messages with repeats", Text(fleet.sent), Text(received), "",
-                    received == fleet.sent, ""});
+    add("messages with repeats", fleet.sent, received, received == fleet.sent);
   }
-  rows.push_back({"durable, stored", Text(fleet.faults), Text(counters.Moved("stored")), "",
-                  counters.Moved("stored") == fleet.faults, ""});
-  rows.push_back(
-      {"live, applied or superseded", Text(fleet.live), Text(live), "", live == fleet.live, ""});
-  rows.push_back({"wrong on purpose, rejected", Text(fleet.wrongs),
-                  Text(counters.Moved("rejected")), "", counters.Moved("rejected") == fleet.wrongs,
-                  ""});
+  const std::uint64_t stored = counters.Moved("stored");
+  // An upsert that comes after its expiry is superseded: it was durable all the same.
+  add("durable, stored", fleet.durable, stored,
+      stored <= fleet.durable && stored + fleet.expiring >= fleet.durable);
+  const std::uint64_t good = fleet.numbers - std::min(fleet.numbers, fleet.wrongs);
+  const std::uint64_t settled = stored + counters.Moved("applied") + counters.Moved("superseded");
+  add("good: stored, applied or superseded", good, settled, settled == good);
+  const std::uint64_t rejected = counters.Moved("rejected");
+  add("wrong on purpose, rejected", fleet.wrongs, rejected, rejected == fleet.wrongs);
+  std::set<std::string> reasons;
+  for (const auto& [reason, count] : fleet.wrongs_by_reason) reasons.insert(reason);
+  for (const auto& [reason, count] : evidence.after.rejects_by_reason()) {
+    if (counters.Rejected(reason) > 0) reasons.insert(reason);
+  }
+  for (const std::string& reason : reasons) {
+    const auto mine = fleet.wrongs_by_reason.find(reason);
+    const std::uint64_t expected = mine == fleet.wrongs_by_reason.end() ? 0 : mine->second;
+    add("rejected: " + reason, expected, counters.Rejected(reason),
+        counters.Rejected(reason) == expected);
+  }
 }
 
 void CheckConservation(const Evidence& evidence, std::vector<CheckRow>& rows) {
@@ -101,93 +86,53 @@ void CheckConservation(const Evidence& evidence, std::vector<CheckRow>& rows) {
                   counters.Now("inFlight") == 0, ""});
 }
 
-void CheckLive(const Evidence& evidence, std::vector<CheckRow>& rows) {
-  std::uint64_t online = 0;
-  std::uint64_t equal = 0;
-  std::uint64_t missing = 0;
-  std::string difference;
-  std::string absent;
-  for (const RobotOutcome& robot : evidence.robots) {
-    const auto found = evidence.live.find(robot.ruri);
-    if (found == evidence.live.end()) {
-      if (absent.empty()) absent = robot.ruri + ": the server does not list it";
-      continue;
-    }
-    const v1::Robot& live = found->second;
-    if (live.presence() == v1::PRESENCE_ONLINE && live.connected()) {
-      ++online;
-    } else if (absent.empty()) {
-      absent = fmt::format("{}: {}, {}", robot.ruri, v1::Presence_Name(live.presence()),
-                           live.connected() ? "connected" : "not connected");
-    }
-    missing += static_cast<std::uint64_t>(live.uplinks_missing());
-    const std::string differs = CompareLive(robot, live);
-    if (differs.empty()) ++equal;
-    if (difference.empty()) difference = differs;
+void CheckThings(const Evidence& evidence, std::vector<CheckRow>& rows) {
+  for (std::size_t i = 0; i < kThings; ++i) {
+    const auto thing = static_cast<Thing>(i);
+    const ThingText text = TextOf(thing);
+    const Findings::Tally& tally = evidence.findings.Of(thing);
+    CheckRow row{std::string(text.name), Text(tally.expected), "", "", tally.differences == 0, ""};
+    (text.of_store ? row.store : row.server) = Text(tally.found);
+    if (!row.ok) row.note = fmt::format("{} differ, see below", tally.differences);
+    rows.push_back(std::move(row));
   }
-  const std::uint64_t robots = evidence.robots.size();
-  rows.push_back({"robots online", Text(robots), Text(online), "", online == robots, absent});
-  rows.push_back(
-      {"last motion and status equal", Text(robots), Text(equal), "", equal == robots, difference});
-  rows.push_back({"numbers missing", "0", Text(missing), "", missing == 0, ""});
-}
-
-void CheckRows(const Evidence& evidence, const FleetTotals& fleet, std::vector<CheckRow>& rows) {
-  RowCounts counts;
-  std::uint64_t unread = 0;
-  for (const RobotOutcome& robot : evidence.robots) {
-    const auto stored = evidence.stored.find(robot.ruri);
-    if (stored == evidence.stored.end()) {
-      ++unread;
-      continue;
-    }
-    counts.Add(CompareRows(robot, stored->second, evidence.run));
-  }
-  const std::string why = counts.first_difference;
-  const auto add = [&](std::string what, std::string mine, std::string store, bool ok) {
-    rows.push_back({std::move(what), std::move(mine), "", std::move(store), ok, ok ? "" : why});
-  };
-  rows.push_back({"robots whose rows were read", Text(evidence.robots.size()), "",
-                  Text(evidence.robots.size() - unread), unread == 0, ""});
-  rows.push_back({"faults acked", Text(counts.faults_acked), "", Text(counts.faults_stored),
-                  counts.faults_missing == 0 && counts.faults_stored >= counts.faults_acked,
-                  counts.faults_missing == 0 ? "" : why});
-  add("faults equal in content", Text(counts.faults_stored), Text(counts.faults_equal),
-      counts.faults_equal == counts.faults_stored);
-  add("faults stored twice", "0", Text(counts.faults_doubled), counts.faults_doubled == 0);
-  add("faults never reported", "0", Text(counts.faults_foreign), counts.faults_foreign == 0);
-  add("active faults", Text(counts.active_expected), Text(counts.active_stored),
-      counts.active_wrong == 0);
-  add("wrong on purpose, in quarantine", Text(counts.wrongs_acked), Text(counts.wrongs_stored),
-      counts.quarantine_bad == 0);
-  add("gaps", "0", Text(counts.gaps), counts.gaps == 0);
-  rows.push_back({"wrong on purpose, told before the ack", Text(counts.wrongs_acked),
-                  Text(counts.wrongs_told), "", counts.wrongs_told == counts.wrongs_acked,
-                  counts.wrongs_told == counts.wrongs_acked ? "" : why});
-  rows.push_back({"good faults rejected", "0", Text(fleet.faults_rejected), "",
-                  fleet.faults_rejected == 0, fleet.first_fault_rejection});
 }
 
 }  // namespace
+
+void FleetTotals::Add(const RobotOutcome& robot) {
+  ++robots;
+  numbers += robot.last_seq;
+  sent += robot.sent;
+  durable += robot.ledger.good();
+  expiring += robot.ledger.expiring();
+  wrongs += robot.ledger.wrongs().size();
+  for (const auto& [tag, wrong] : robot.ledger.wrongs()) {
+    ++wrongs_by_reason[std::string(model::ToText(wrong.reason))];
+  }
+  settled_robots += robot.all_settled ? 1 : 0;
+  ended_ok += robot.ended_ok ? 1 : 0;
+}
 
 bool Restarted(const Evidence& evidence) {
   return evidence.before.started_at_ms() != evidence.after.started_at_ms();
 }
 
 std::vector<CheckRow> Verify(const Evidence& evidence) {
-  const FleetTotals fleet = Totals(evidence.robots);
-  const std::uint64_t robots = evidence.robots.size();
+  const FleetTotals& fleet = evidence.fleet;
+  const std::string robots = Text(fleet.robots);
   std::vector<CheckRow> rows;
-  rows.push_back({"robots with all settled", Text(robots - fleet.unsettled_robots), "", "",
-                  fleet.unsettled_robots == 0, ""});
+  rows.push_back({"robots with all settled", Text(fleet.settled_robots), "", "",
+                  fleet.settled_robots == fleet.robots, ""});
   rows.push_back(
-      {"streams ended OK", Text(robots), Text(fleet.ended_ok), "", fleet.ended_ok == robots, ""});
+      {"streams ended OK", robots, Text(fleet.ended_ok), "", fleet.ended_ok == fleet.robots, ""});
   rows.push_back({"protocol rules broken", "0", Text(evidence.rules_broken), "",
                   evidence.rules_broken == 0, evidence.first_broken_rule});
-  CheckLive(evidence, rows);
   CheckConservation(evidence, rows);
-  if (!Restarted(evidence)) CheckCounters(evidence, fleet, rows);
-  CheckRows(evidence, fleet, rows);
+  if (!Restarted(evidence)) CheckCounters(evidence, rows);
+  rows.push_back({"robots whose rows were read", robots, "", Text(evidence.robots_read),
+                  evidence.robots_read == fleet.robots, ""});
+  CheckThings(evidence, rows);
   return rows;
 }
 

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
+#include "tools/uplink-fleet/findings.h"
 #include "tools/uplink-fleet/ledger.h"
-#include "tools/uplink-fleet/stored_robot.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::synthetic {
@@ -18,20 +17,34 @@ struct CheckRow {
   std::string server;
   std::string store;
   bool ok = false;
-  /// Why not, or what was left out; empty if there is nothing to say.
+  /// Why not; empty if there is nothing to say.
   std::string note;
 };
 
-/// Everything that the comparison needs. A value.
+/// What the fleet itself summed. A value.
+struct FleetTotals {
+  std::uint64_t robots = 0;
+  std::uint64_t numbers = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t durable = 0;
+  std::uint64_t expiring = 0;
+  std::uint64_t wrongs = 0;
+  /// By reason, as counters and JSON spell it.
+  std::map<std::string, std::uint64_t> wrongs_by_reason;
+  std::uint64_t settled_robots = 0;
+  std::uint64_t ended_ok = 0;
+
+  void Add(const RobotOutcome& robot);
+};
+
+/// Everything that the table is made of. A value.
 struct Evidence {
-  /// Unique to the run; rows of other runs are left out by it.
-  std::string run;
-  std::vector<RobotOutcome> robots;
+  FleetTotals fleet;
+  /// What comparing robot by robot found.
+  Findings findings;
+  std::uint64_t robots_read = 0;
   v1::ServerStatus before;
   v1::ServerStatus after;
-  /// While the robots still moved.
-  std::map<std::string, v1::Robot> live;
-  std::map<std::string, StoredRobot> stored;
   std::uint64_t rules_broken = 0;
   std::string first_broken_rule;
   /// Streams were broken or refused on the way, so frames may have been lost and sent again.

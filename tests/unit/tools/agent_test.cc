@@ -11,7 +11,6 @@ namespace uplink::synthetic {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 /// One agent at ten ticks a second and a server that answers as the test says.
 class AgentTest : public ::testing::Test {
@@ -117,6 +116,20 @@ TEST_F(AgentTest, GoesThroughTheStagesAndClosesOnlyWhenAllIsSettled) {
   EXPECT_EQ(shared_.rules_broken.load(), 0U);
 }
 
+TEST_F(AgentTest, CountsItsOwnSilences) {
+  Agent agent = Make();
+  Welcome(agent);
+  Tick(agent);
+  Take(agent);
+  clock_.Advance(milliseconds(2'900));
+  Tick(agent);
+  Take(agent);
+  clock_.Advance(milliseconds(2'901));
+  Tick(agent);
+  Take(agent);
+  EXPECT_EQ(agent.TakeOutcome("rcan://test").silences, 1U);
+}
+
 TEST_F(AgentTest, EndingOkWithUnsettledMessagesBreaksARule) {
   Agent agent = Make();
   Welcome(agent);
@@ -144,16 +157,15 @@ TEST_F(AgentTest, TheLedgerKnowsWhatWasAckedAndWhatWasTold) {
   const RobotOutcome outcome = agent.TakeOutcome("rcan://test");
   EXPECT_EQ(outcome.last_seq, highest_);
   EXPECT_TRUE(outcome.all_settled);
-  EXPECT_THAT(outcome.ledger.open_faults, IsEmpty());
-  ASSERT_FALSE(outcome.ledger.wrongs.empty());
-  for (const auto& [tag, wrong] : outcome.ledger.wrongs) {
+  ASSERT_FALSE(outcome.ledger.wrongs().empty());
+  for (const auto& [tag, wrong] : outcome.ledger.wrongs()) {
     EXPECT_TRUE(wrong.acked);
     ASSERT_TRUE(wrong.told.has_value());
     EXPECT_EQ(wrong.told->reason, model::RejectReason::kMalformed);
   }
-  ASSERT_FALSE(outcome.ledger.faults.empty());
-  for (const auto& [description, report] : outcome.ledger.faults) EXPECT_TRUE(report.acked);
-  EXPECT_EQ(outcome.ledger.faults_rejected, outcome.ledger.faults.size());
+  ASSERT_GT(outcome.ledger.good(), 10U);
+  EXPECT_EQ(outcome.ledger.good_rejected(), outcome.ledger.good());
+  EXPECT_EQ(outcome.mark, "test-1");
 }
 
 }  // namespace

@@ -1,97 +1,69 @@
 #include "tools/uplink-fleet/scenario.h"
 
-#include <cstddef>
-#include <set>
-#include <span>
+#include <fstream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "schema/judge.h"
+#include "tests/support/temp_folder.h"
 
 namespace uplink::synthetic {
 namespace {
 
-constexpr std::int64_t kNowMs = 1'763'683'200'000;
-constexpr int kTicks = 2000;
+using ::testing::HasSubstr;
 
-schema::Judgement JudgeOf(schema::Judge& judge, const Outgoing& message) {
-  return judge.Payload(std::as_bytes(std::span(message.payload)));
-}
-
-ScenarioOptions Options(double malformed_share) {
-  ScenarioOptions options;
-  options.run = "test";
-  options.malformed_share = malformed_share;
-  options.faults_hz = 5;
-  return options;
-}
-
-TEST(RobotScript, EverythingMeantWellPassesJudgement) {
-  schema::Judge judge{schema::JudgeLimits()};
-  RobotScript script(Options(0), 0);
-  Ledger ledger;
-  for (int i = 0; i < kTicks; ++i) {
-    for (const Outgoing& message : script.Tick(kNowMs + i, ledger)) {
-      const schema::Judgement judgement = JudgeOf(judge, message);
-      ASSERT_NE(judgement.record(), nullptr);
-      EXPECT_TRUE(judgement.record()->dropped().empty());
-      EXPECT_EQ(judgement.record()->durable(), message.keeping == Keeping::kDurable);
-    }
+class ScenarioTest : public ::testing::Test {
+ protected:
+  absl::StatusOr<Scenario> Load(const std::string& text) {
+    std::ofstream(path_) << text;
+    return LoadScenario(path_);
   }
-  EXPECT_GT(ledger.faults.size(), 500U);
-  EXPECT_TRUE(ledger.wrongs.empty());
+  std::string ErrorOf(const std::string& text) {
+    const auto scenario = Load(text);
+    EXPECT_EQ(scenario.status().code(), absl::StatusCode::kInvalidArgument) << text;
+    return std::string(scenario.status().message());
+  }
+
+  testing::TempFolder folder_;
+  const std::string path_ = folder_.File("scenario.toml");
+};
+
+TEST_F(ScenarioTest, EveryNameLoads) {
+  for (const NamedScenario& named : NamedScenarios()) {
+    const auto scenario = LoadScenario(std::string(named.name));
+    ASSERT_TRUE(scenario.ok()) << named.name;
+    EXPECT_EQ(scenario->options.rate_hz, named.scenario.options.rate_hz);
+    EXPECT_EQ(scenario->breaks_per_minute, named.scenario.breaks_per_minute);
+  }
 }
 
-TEST(RobotScript, EverythingMeantWrongIsRejectedAsTheLedgerSays) {
-  schema::Judge judge{schema::JudgeLimits()};
-  RobotScript script(Options(1), 0);
-  Ledger ledger;
-  std::set<model::RejectReason> reasons;
-  for (int i = 0; i < kTicks; ++i) {
-    for (const Outgoing& message : script.Tick(kNowMs + i, ledger)) {
-      const auto wrong = ledger.wrongs.find(message.tag);
-      if (wrong == ledger.wrongs.end()) continue;
-      reasons.insert(wrong->second.reason);
-      if (message.content == Content::kNone) continue;  // the session's to reject
-      const schema::Judgement judgement = JudgeOf(judge, message);
-      ASSERT_NE(judgement.rejection(), nullptr);
-      EXPECT_EQ(judgement.rejection()->reason, wrong->second.reason);
-      EXPECT_EQ(judgement.rejection()->field, wrong->second.field);
-    }
-  }
-  EXPECT_EQ(reasons.size(), 5U);
+TEST_F(ScenarioTest, AFileSetsWhatItNamesAndLeavesTheRest) {
+  const auto scenario = Load("robots = 7\nrate = 2.5\nbreaks_per_minute = 3\nbatch = 4\npace = 2");
+  ASSERT_TRUE(scenario.ok()) << scenario.status();
+  EXPECT_EQ(scenario->robots, 7U);
+  EXPECT_EQ(scenario->options.rate_hz, 2.5);
+  EXPECT_EQ(scenario->breaks_per_minute, 3);
+  EXPECT_EQ(scenario->batch, 4U);
+  EXPECT_EQ(scenario->options.pace, 2);
+  EXPECT_EQ(scenario->options.faults_hz, ScenarioOptions().faults_hz);
+  EXPECT_EQ(scenario->options.malformed_share, 0);
 }
 
-TEST(RobotScript, TheSameSeedGivesTheSameMessages) {
-  Ledger first_ledger;
-  Ledger second_ledger;
-  RobotScript first(Options(0.1), 3);
-  RobotScript second(Options(0.1), 3);
-  RobotScript other(Options(0.1), 4);
-  bool differs = false;
-  Ledger other_ledger;
-  for (int i = 0; i < 100; ++i) {
-    const auto a = first.Tick(kNowMs, first_ledger);
-    const auto b = second.Tick(kNowMs, second_ledger);
-    const auto c = other.Tick(kNowMs, other_ledger);
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].payload, b[k].payload);
-    differs = differs || a.size() != c.size() || a[0].payload != c[0].payload;
-  }
-  EXPECT_TRUE(differs);
+TEST_F(ScenarioTest, LimitsAreInAndWhatIsBeyondIsNamed) {
+  EXPECT_TRUE(Load("malformed_share = 1").ok());
+  EXPECT_TRUE(Load("robots = 50000").ok());
+  EXPECT_THAT(ErrorOf("malformed_share = 1.01"), HasSubstr("malformed_share takes a number from"));
+  EXPECT_THAT(ErrorOf("robots = 0"), HasSubstr("robots takes a whole number from 1 to 50000"));
+  EXPECT_THAT(ErrorOf("robots = 1.5"), HasSubstr("whole number"));
+  EXPECT_THAT(ErrorOf("rate = nan"), HasSubstr("rate takes"));
+  EXPECT_THAT(ErrorOf("rate = \"fast\""), HasSubstr("rate takes"));
+  EXPECT_THAT(ErrorOf("speed = 1"), HasSubstr("no such key: speed"));
 }
 
-TEST(RobotScript, TheLedgersActiveSetFollowsTheReports) {
-  RobotScript script(Options(0), 0);
-  Ledger ledger;
-  for (int i = 0; i < kTicks; ++i) {
-    static_cast<void>(script.Tick(kNowMs + i, ledger));
-    for (const auto& [key, description] : ledger.active) {
-      ASSERT_EQ(ledger.faults.count(description), 1U);
-      EXPECT_TRUE(ledger.faults[description].fault.active);
-    }
-  }
-  EXPECT_LE(ledger.active.size(), 8U);
+TEST_F(ScenarioTest, NeitherNameNorFile) {
+  const auto scenario = LoadScenario(folder_.File("missing"));
+  EXPECT_THAT(std::string(scenario.status().message()), HasSubstr("neither a scenario's name"));
+  EXPECT_THAT(ErrorOf("robots = = 1"), HasSubstr("scenario.toml"));
 }
 
 }  // namespace

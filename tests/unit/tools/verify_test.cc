@@ -1,7 +1,5 @@
 #include "tools/uplink-fleet/verify.h"
 
-#include <algorithm>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,75 +11,31 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
-constexpr const char* kRuri = "rcan://test/robot-0001";
-constexpr const char* kSession = "07000000000000000000000000000000";
-
-model::Fault FaultOf(const std::string& description, bool active) {
-  model::Fault fault;
-  fault.unix_time_ms = 1000;
-  fault.fault_id = "brake.wear";
-  fault.source = "uplink-fleet/run1";
-  fault.severity = model::FaultSeverity::kMajor;
-  fault.active = active;
-  fault.category = "synthetic";
-  fault.description = description;
-  return fault;
-}
-
-v1::Fault RowOf(const model::Fault& fault) {
-  v1::Fault row;
-  row.set_ruri(kRuri);
-  row.set_fault_id(fault.fault_id);
-  row.set_source(fault.source);
-  row.set_severity("major");
-  row.set_active(fault.active);
-  row.set_category(fault.category);
-  row.set_description(fault.description);
-  row.set_sampled_at_ms(fault.unix_time_ms);
-  return row;
-}
-
-/// A run in which everything went well: a fault raised, one wrong message, two live ones.
+/// A run in which everything went well: three durable messages, one of which expired on its way,
+/// one wrong message, two live ones, one of which a later one replaced.
 Evidence Good() {
   Evidence evidence;
-  evidence.run = "run1";
-  RobotOutcome robot;
-  robot.ruri = kRuri;
-  robot.session_hex = kSession;
-  robot.last_seq = 4;
-  robot.sent = 4;
-  robot.all_settled = true;
-  robot.ended_ok = true;
-  const model::Fault fault = FaultOf("one", true);
-  robot.ledger.faults["one"] = {fault, true};
-  robot.ledger.active[{fault.fault_id, fault.source}] = "one";
-  model::Rejection told{model::RejectReason::kMissingField, "faultId", "it is empty"};
-  robot.ledger.wrongs[2] = {model::RejectReason::kMissingField, "faultId", 3, true, told};
-  evidence.robots.push_back(robot);
-
+  evidence.fleet = {.robots = 1,
+                    .numbers = 6,
+                    .sent = 6,
+                    .durable = 3,
+                    .expiring = 1,
+                    .wrongs = 1,
+                    .wrongs_by_reason = {{"missing_field", 1}},
+                    .settled_robots = 1,
+                    .ended_ok = 1};
+  evidence.robots_read = 1;
   evidence.before.set_started_at_ms(5);
   evidence.after.set_started_at_ms(5);
   auto& uplinks = *evidence.after.mutable_uplinks();
-  uplinks["received"] = 4;
-  uplinks["stored"] = 1;
-  uplinks["applied"] = 2;
+  uplinks["received"] = 6;
+  uplinks["stored"] = 2;
+  uplinks["applied"] = 1;
+  uplinks["superseded"] = 2;
   uplinks["rejected"] = 1;
-
-  v1::Robot& live = evidence.live[kRuri];
-  live.set_ruri(kRuri);
-  live.set_presence(v1::PRESENCE_ONLINE);
-  live.set_connected(true);
-
-  StoredRobot& stored = evidence.stored[kRuri];
-  stored.faults.push_back(RowOf(fault));
-  stored.active_faults.push_back(RowOf(fault));
-  v1::Quarantined row;
-  row.set_session_id(kSession);
-  row.set_seq(3);
-  row.set_reason("missing_field");
-  row.set_field("faultId");
-  stored.quarantine.push_back(row);
+  (*evidence.after.mutable_rejects_by_reason())["missing_field"] = 1;
   return evidence;
 }
 
@@ -95,139 +49,56 @@ std::vector<std::string> Mismatches(const Evidence& evidence) {
 
 TEST(Verify, AGoodRunAgrees) { EXPECT_THAT(Mismatches(Good()), IsEmpty()); }
 
-TEST(Verify, AnAckedFaultThatIsNotStored) {
-  Evidence evidence = Good();
-  evidence.stored[kRuri].faults.clear();
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("faults acked"));
-}
-
-TEST(Verify, AFaultThatIsStoredTwice) {
-  Evidence evidence = Good();
-  auto& rows = evidence.stored[kRuri].faults;
-  rows.push_back(rows[0]);
-  EXPECT_THAT(Mismatches(evidence), ::testing::Contains("faults stored twice"));
-}
-
-TEST(Verify, AnUnackedFaultMayBeStoredOnce) {
-  Evidence evidence = Good();
-  evidence.robots[0].ledger.faults["one"].acked = false;
-  EXPECT_THAT(Mismatches(evidence), IsEmpty());
-  auto& rows = evidence.stored[kRuri].faults;
-  rows.push_back(rows[0]);
-  EXPECT_THAT(Mismatches(evidence), ::testing::Contains("faults stored twice"));
-}
-
-TEST(Verify, AFaultWhoseContentChanged) {
-  for (const auto change : {+[](v1::Fault& row) { row.set_severity("minor"); },
-                            +[](v1::Fault& row) { row.set_sampled_at_ms(1001); },
-                            +[](v1::Fault& row) { row.set_active(false); },
-                            +[](v1::Fault& row) { row.set_category(""); }}) {
-    Evidence evidence = Good();
-    change(evidence.stored[kRuri].faults[0]);
-    EXPECT_THAT(Mismatches(evidence), ElementsAre("faults equal in content"));
-  }
-}
-
-TEST(Verify, AFaultThatNobodyReported) {
-  Evidence evidence = Good();
-  evidence.stored[kRuri].faults.push_back(RowOf(FaultOf("two", true)));
-  EXPECT_THAT(Mismatches(evidence), ::testing::Contains("faults never reported"));
-}
-
-TEST(Verify, RowsOfOtherRunsAreLeftOut) {
-  Evidence evidence = Good();
-  v1::Fault row = RowOf(FaultOf("two", true));
-  row.set_source("uplink-fleet/run0");
-  evidence.stored[kRuri].faults.push_back(row);
-  evidence.stored[kRuri].active_faults.push_back(row);
-  v1::Quarantined quarantined;
-  quarantined.set_session_id("08000000000000000000000000000000");
-  evidence.stored[kRuri].quarantine.push_back(quarantined);
-  EXPECT_THAT(Mismatches(evidence), IsEmpty());
-}
-
-TEST(Verify, AnActiveFaultThatWasTakenBack) {
-  Evidence evidence = Good();
-  evidence.robots[0].ledger.active.clear();
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("active faults"));
-}
-
-TEST(Verify, AWrongMessageThatIsNotInQuarantine) {
-  Evidence evidence = Good();
-  evidence.stored[kRuri].quarantine.clear();
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("wrong on purpose, in quarantine"));
-}
-
-TEST(Verify, AGoodMessageInQuarantine) {
-  Evidence evidence = Good();
-  auto& rows = evidence.stored[kRuri].quarantine;
-  rows.push_back(rows[0]);
-  rows.back().set_seq(4);
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("wrong on purpose, in quarantine"));
-}
-
-TEST(Verify, AWrongMessageThatWasAckedWithoutAReject) {
-  Evidence evidence = Good();
-  evidence.robots[0].ledger.wrongs[2].told.reset();
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("wrong on purpose, told before the ack"));
-}
-
-TEST(Verify, ARejectWithAnotherField) {
-  Evidence evidence = Good();
-  evidence.robots[0].ledger.wrongs[2].told->field = "description";
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("wrong on purpose, told before the ack"));
-}
-
-TEST(Verify, ARobotThatIsNotOnline) {
-  Evidence evidence = Good();
-  evidence.live[kRuri].set_presence(v1::PRESENCE_UNKNOWN);
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("robots online"));
-}
-
-TEST(Verify, AMotionThatIsNotTheLast) {
-  Evidence evidence = Good();
-  model::MotionTelemetry motion;
-  motion.unix_time_ms = 7;
-  motion.pose = model::Pose{47, 8, 400, 90};
-  motion.velocity = model::VelTwist{1.5F, 0.25F};
-  motion.gps_fix_type = model::GpsFixType::kFixedRtk;
-  evidence.robots[0].ledger.last_motion = motion;
-  auto& live = *evidence.live[kRuri].mutable_motion()->mutable_fields();
-  live["unixTimeMs"].set_number_value(7);
-  auto& pose = *live["pose"].mutable_struct_value()->mutable_fields();
-  pose["latDeg"].set_number_value(47);
-  pose["lonDeg"].set_number_value(8);
-  pose["altitudeM"].set_number_value(400);
-  pose["headingDeg"].set_number_value(90);
-  auto& velocity = *live["velocity"].mutable_struct_value()->mutable_fields();
-  velocity["linearMps"].set_number_value(1.5);
-  velocity["angularRps"].set_number_value(0.25);
-  live["gpsFixType"].set_string_value("fixedRtk");
-  live["gpsSource"].set_string_value("real");
-  EXPECT_THAT(Mismatches(evidence), IsEmpty());
-  live["unixTimeMs"].set_number_value(6);
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("last motion and status equal"));
-}
-
 TEST(Verify, ConservationMustHold) {
   Evidence evidence = Good();
-  (*evidence.after.mutable_uplinks())["applied"] = 1;
+  (*evidence.after.mutable_uplinks())["applied"] = 0;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("conservation: received = the rest",
+                                                "good: stored, applied or superseded"));
+}
+
+TEST(Verify, MoreIsSupersededThanCanHaveExpired) {
+  Evidence evidence = Good();
+  (*evidence.after.mutable_uplinks())["stored"] = 1;
+  (*evidence.after.mutable_uplinks())["superseded"] = 3;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("durable, stored"));
+}
+
+TEST(Verify, AMessageThatWasCountedTwice) {
+  Evidence evidence = Good();
+  auto& uplinks = *evidence.after.mutable_uplinks();
+  uplinks["received"] = 7;
+  uplinks["applied"] = 2;
+  evidence.disturbed = true;
   EXPECT_THAT(Mismatches(evidence),
-              ElementsAre("conservation: received = the rest", "live, applied or superseded"));
+              ElementsAre("messages, each once", "good: stored, applied or superseded"));
+  uplinks["applied"] = 1;
+  uplinks["duplicate"] = 1;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty()) << "a repeat is no second message";
+}
+
+TEST(Verify, ARejectForAnotherReason) {
+  Evidence evidence = Good();
+  auto& rejects = *evidence.after.mutable_rejects_by_reason();
+  rejects.clear();
+  rejects["out_of_range"] = 1;
+  EXPECT_THAT(Mismatches(evidence),
+              ElementsAre("rejected: missing_field", "rejected: out_of_range"));
 }
 
 TEST(Verify, CountersAreComparedFromWhereTheyStood) {
   Evidence evidence = Good();
   (*evidence.before.mutable_uplinks())["received"] = 100;
   (*evidence.before.mutable_uplinks())["stored"] = 100;
-  (*evidence.after.mutable_uplinks())["received"] = 104;
-  (*evidence.after.mutable_uplinks())["stored"] = 101;
+  (*evidence.before.mutable_rejects_by_reason())["malformed"] = 7;
+  (*evidence.after.mutable_rejects_by_reason())["malformed"] = 7;
+  (*evidence.after.mutable_uplinks())["received"] = 106;
+  (*evidence.after.mutable_uplinks())["stored"] = 102;
   EXPECT_THAT(Mismatches(evidence), IsEmpty());
 }
 
 TEST(Verify, RepeatsCountOnlyWhenNothingDisturbedTheStreams) {
   Evidence evidence = Good();
-  evidence.robots[0].sent = 5;
+  evidence.fleet.sent = 7;
   EXPECT_THAT(Mismatches(evidence), ElementsAre("messages with repeats"));
   evidence.disturbed = true;
   EXPECT_THAT(Mismatches(evidence), IsEmpty());
@@ -238,33 +109,59 @@ TEST(Verify, AfterARestartOnlyRowsAndAcksCount) {
   evidence.after.set_started_at_ms(6);
   evidence.after.clear_uplinks();
   EXPECT_THAT(Mismatches(evidence), IsEmpty());
-  evidence.stored[kRuri].faults.clear();
-  EXPECT_THAT(Mismatches(evidence), ElementsAre("faults acked"));
+  evidence.findings.Differ(Thing::kEvents, "rcan://a", "one", "none");
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("events"));
 }
 
-TEST(Verify, WhatIsUnsettledOrBrokenIsAMismatch) {
+TEST(Verify, WhatIsUnsettledBrokenOrUnreadIsAMismatch) {
   Evidence evidence = Good();
-  evidence.robots[0].all_settled = false;
-  evidence.robots[0].ended_ok = false;
+  evidence.fleet.settled_robots = 0;
+  evidence.fleet.ended_ok = 0;
   evidence.rules_broken = 1;
-  evidence.live[kRuri].set_uplinks_missing(2);
-  evidence.stored[kRuri].gaps.emplace_back().set_session_id(kSession);
+  evidence.robots_read = 0;
+  (*evidence.after.mutable_uplinks())["inFlight"] = 1;
+  (*evidence.after.mutable_uplinks())["received"] = 7;
+  evidence.disturbed = true;
+  evidence.fleet.numbers = 7;
   EXPECT_THAT(Mismatches(evidence),
               ElementsAre("robots with all settled", "streams ended OK", "protocol rules broken",
-                          "numbers missing", "gaps"));
+                          "in flight at the end", "good: stored, applied or superseded",
+                          "robots whose rows were read"));
+}
+
+TEST(Verify, EveryThingHasARowOfItsOwn) {
+  for (std::size_t i = 0; i < kThings; ++i) {
+    Evidence evidence = Good();
+    evidence.findings.Differ(static_cast<Thing>(i), "rcan://a", "this", "that");
+    EXPECT_THAT(Mismatches(evidence), ElementsAre(std::string(TextOf(static_cast<Thing>(i)).name)));
+  }
 }
 
 TEST(Report, SaysWhetherAllAgree) {
-  const std::vector<CheckRow> good = Verify(Good());
-  EXPECT_TRUE(AllOk(good));
-  EXPECT_THAT(TextReport({}, good), HasSubstr("verification: all agree"));
-  EXPECT_THAT(JsonReport({}, good), HasSubstr("\"ok\":true"));
-  Evidence evidence = Good();
-  evidence.stored[kRuri].faults.clear();
-  const std::vector<CheckRow> bad = Verify(evidence);
-  EXPECT_THAT(TextReport({}, bad), HasSubstr("\"one\" was acked but is not stored"));
-  EXPECT_THAT(TextReport({}, bad), HasSubstr("verification: MISMATCH"));
-  EXPECT_THAT(JsonReport({}, bad), HasSubstr("\"ok\":false"));
+  const Evidence good = Good();
+  EXPECT_TRUE(AllOk(Verify(good)));
+  EXPECT_THAT(TextReport({}, Verify(good), good.findings), HasSubstr("verification: all agree"));
+  EXPECT_THAT(JsonReport({}, Verify(good), good.findings), HasSubstr("\"ok\":true"));
+  Evidence bad = Good();
+  bad.findings.Differ(Thing::kShapes, "rcan://a", "a square", "a circle");
+  const std::string text = TextReport({}, Verify(bad), bad.findings);
+  EXPECT_THAT(text, HasSubstr("rcan://a | shapes present | a square | a circle\n"));
+  EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
+  const std::string json = JsonReport({}, Verify(bad), bad.findings);
+  EXPECT_THAT(json, HasSubstr("\"ok\":false"));
+  EXPECT_THAT(json, HasSubstr("\"found\":\"a circle\""));
+}
+
+TEST(Report, ShowsNoMoreDifferencesThanOnePage) {
+  Evidence bad = Good();
+  for (std::size_t i = 0; i < kDifferencesMax + 5; ++i) {
+    bad.findings.Differ(Thing::kEvents, "rcan://" + std::to_string(i), "", "");
+  }
+  EXPECT_EQ(bad.findings.differences().size(), kDifferencesMax);
+  const std::string text = TextReport({}, Verify(bad), bad.findings);
+  EXPECT_THAT(text, HasSubstr("rcan://19 | "));
+  EXPECT_THAT(text, Not(HasSubstr("rcan://20 | ")));
+  EXPECT_THAT(text, HasSubstr("and 185 more"));
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ storage::RobotRef RobotOf(const std::string& ruri) {
 
 std::vector<std::string> Lines(const std::vector<storage::PresenceItem>& items) {
   std::vector<std::string> lines;
+  lines.reserve(items.size());
   for (const storage::PresenceItem& item : items) {
     lines.push_back(std::to_string(item.number) + " " + item.robot->ruri + " " +
                     std::string(ToText(item.presence)));

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace uplink::synthetic {
+
+/// What is compared robot by robot; the order is that of the table.
+enum class Thing : std::uint8_t {
+  kOnline,
+  kPresenceHistory,
+  kMotion,
+  kStatus,
+  kExtras,
+  kHealth,
+  kUsage,
+  kConsumables,
+  kDirectives,
+  kAgentInfo,
+  kSettings,
+  kUiCapabilities,
+  kNumbersMissing,
+  kFaultReports,
+  kActiveFaults,
+  kEvents,
+  kMessages,
+  kMissionRuns,
+  kMissionReports,
+  kShapes,
+  kObjects,
+  kQuarantine,
+  kToldBeforeAck,
+  kGaps,
+  kGoodRejected,
+};
+inline constexpr std::size_t kThings = 25;
+
+/// Differences that are kept in words.
+inline constexpr std::size_t kDifferencesMax = 200;
+
+/// How a thing is named in the table, and whether the server's state or the store says it.
+struct ThingText {
+  std::string_view name;
+  bool of_store;
+};
+[[nodiscard]] ThingText TextOf(Thing thing);
+
+/// One thing of one robot that is not as it must be. A value.
+struct Difference {
+  std::string ruri;
+  Thing thing = Thing::kOnline;
+  std::string expected;
+  std::string found;
+};
+
+/// What the comparison of robots found, summed. Confined to one thread.
+class Findings final {
+ public:
+  struct Tally {
+    std::uint64_t expected = 0;
+    std::uint64_t found = 0;
+    std::uint64_t differences = 0;
+  };
+
+  void Expect(Thing thing, std::uint64_t count = 1) { At(thing).expected += count; }
+  void Find(Thing thing, std::uint64_t count = 1) { At(thing).found += count; }
+  void Differ(Thing thing, const std::string& ruri, std::string expected, std::string found);
+
+  [[nodiscard]] const Tally& Of(Thing thing) const {
+    return tallies_[static_cast<std::size_t>(thing)];
+  }
+  /// The first kDifferencesMax of them.
+  [[nodiscard]] const std::vector<Difference>& differences() const { return differences_; }
+  [[nodiscard]] std::uint64_t differences_in_all() const;
+
+ private:
+  Tally& At(Thing thing) { return tallies_[static_cast<std::size_t>(thing)]; }
+
+  std::array<Tally, kThings> tallies_;
+  std::vector<Difference> differences_;
+};
+
+}  // namespace uplink::synthetic
