@@ -1,0 +1,97 @@
+"""The OpenAPI file of the HTTP paths, and what it says of an answer."""
+
+import json
+import re
+import urllib.error
+import urllib.parse
+import urllib.request
+
+from harness import SOURCE
+
+try:
+    import jsonschema
+    import yaml
+except ImportError as error:
+    raise ImportError(
+        f"{error.name} is missing: install python3-jsonschema and python3-yaml, or run ./dev setup"
+    ) from error
+
+FILE = SOURCE / "docs" / "reference" / "openapi.yaml"
+
+
+class Answer:
+    """What came back: status, the content type as it stands in the header, the body as text."""
+
+    def __init__(self, status, headers, body):
+        self.status = status
+        self.content_type = headers["Content-Type"]
+        self.allow = headers["Allow"]
+        self.body = body
+
+    def json(self):
+        return json.loads(self.body)
+
+
+def request(server, target, method="GET"):
+    asked = urllib.request.Request(f"http://{server.http}{target}", method=method)
+    try:
+        with urllib.request.urlopen(asked, timeout=30) as answer:
+            return Answer(answer.status, answer.headers, answer.read().decode("utf-8"))
+    except urllib.error.HTTPError as answer:
+        with answer:
+            return Answer(answer.code, answer.headers, answer.read().decode("utf-8"))
+
+
+class Document:
+    """The parsed file, with its references resolved where they are looked up."""
+
+    def __init__(self):
+        with FILE.open(encoding="utf-8") as file:
+            self.root = yaml.safe_load(file)
+
+    def look_up(self, item):
+        while "$ref" in item:
+            found = self.root
+            for name in item["$ref"].removeprefix("#/").split("/"):
+                found = found[name]
+            item = found
+        return item
+
+    def operations(self):
+        """Path to its GET; each path has nothing else."""
+        return {path: methods["get"] for path, methods in self.root["paths"].items()}
+
+    def parameters(self, operation, where):
+        found = [self.look_up(item) for item in operation.get("parameters", [])]
+        return {item["name"]: item["schema"] for item in found if item["in"] == where}
+
+    def response(self, operation, status):
+        return self.look_up(operation["responses"][str(status)])
+
+    def problems(self, schema, value):
+        """What is wrong with a value, as texts; empty if nothing is."""
+        whole = {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+        whole["components"] = self.root["components"]
+        found = jsonschema.Draft202012Validator(whole).iter_errors(value)
+        return [f"{'/'.join(map(str, error.absolute_path))}: {error.message}" for error in found]
+
+    def named(self, name, value):
+        return self.problems({"$ref": f"#/components/schemas/{name}"}, value)
+
+    def answer_problems(self, response, answer):
+        """What is wrong with an answer that this response object describes."""
+        [(content_type, media)] = response["content"].items()
+        if answer.content_type != content_type:
+            return [f"content type {answer.content_type}, not {content_type}"]
+        if content_type != "application/json":
+            return []
+        return self.problems(media["schema"], answer.json())
+
+    def references(self):
+        """Every $ref of the file."""
+        return set(re.findall(r"#/components/[A-Za-z0-9/]+", json.dumps(self.root)))
+
+
+def target(path, ruri, parameters=None):
+    query = urllib.parse.urlencode(parameters or {})
+    return path.replace("{ruri}", urllib.parse.quote(ruri, safe="")) + ("?" + query if query else "")

@@ -1,0 +1,287 @@
+"""docs/reference/openapi.yaml against a running server: neither says more than the other."""
+
+import copy
+import fcntl
+import json
+import re
+import unittest
+
+from harness import SOURCE, wait_until
+from openapi import Document, request, target
+from openapi_server import LISTS, WAIT_SECONDS, Served
+
+NOWHERE = "rcan://never/seen"
+ROUTE = re.compile(r'^uplinkd_http_requests_total\{route="([a-z]+)",code="([2-5]xx)"\} (\d+)$', re.MULTILINE)
+VECTORS = SOURCE / "tests" / "conformance" / "vectors"
+
+# Bytes of the -shm file that stand for SQLite's locks (its file format: the WAL-index).
+WAL_LOCK_FIRST, WAL_LOCKS = 120, 8
+
+# What a parameter's schema refuses; for texts anything is good but for the token.
+WRONG = {"integer": ["0x1", "-1", "1.5"], "boolean": ["1", "TRUE"], "array": ["wheels", "motion;status"]}
+# One that is taken, for those whose schema does not name any.
+GOOD = {"ruri": "rcan://a", "fleet": "default", "missionId": "m", "runId": "r", "parts": "health,settings"}
+# Bodies of the vectors that answers show as they are.
+BODIES = {
+    "motionTelemetry": "MotionTelemetry", "statusTelemetry": "StatusTelemetry",
+    "systemHealth": "SystemHealth", "usageTelemetry": "UsageTelemetry",
+    "consumableStatus": "ConsumableStatus", "spatialDirectiveStatus": "SpatialDirectiveStatus",
+    "agentInfo": "AgentInfo", "uiCapabilities": "UiCapabilities", "missionRunStatus": "MissionRunStatus",
+}  # fmt: skip
+
+
+class Offline(unittest.TestCase):
+    """What the file says, without a server."""
+
+    def setUp(self):
+        self.document = Document()
+
+    def test_every_reference_leads_somewhere(self):
+        for reference in self.document.references():
+            with self.subTest(reference):
+                self.assertTrue(self.document.look_up({"$ref": reference}))
+
+    def test_nothing_is_described_that_no_path_uses(self):
+        used, more = set(), json.dumps(self.document.root["paths"])
+        while more:
+            new = set(re.findall(r"#/components/[A-Za-z0-9/]+", more)) - used
+            used |= new
+            more = "".join(json.dumps(self.document.look_up({"$ref": one})) for one in new)
+        described = {
+            f"#/components/{kind}/{name}"
+            for kind, members in self.document.root["components"].items()
+            for name in members
+        }
+        # Every path answers so, and no operation can say it.
+        self.assertEqual(described - used, {"#/components/responses/MethodNotAllowed"})
+
+    def test_the_vectors_are_what_the_schemas_say(self):
+        seen = set()
+        for path in sorted(VECTORS.glob("*.json")):
+            [(variant, body)] = json.loads(path.read_text(encoding="utf-8")).items()
+            if variant not in BODIES:
+                continue
+            seen.add(variant)
+            with self.subTest(path.stem):
+                self.assertEqual(self.document.named(BODIES[variant], body), [])
+                self.assertNotEqual(self.document.named(BODIES[variant], {**body, "more": 1}), [])
+        self.assertEqual(seen, set(BODIES))
+
+    def test_every_member_of_the_vectors_is_described_one_by_one(self):
+        for variant, name in BODIES.items():
+            body = json.loads((VECTORS / f"{variant}.json").read_text(encoding="utf-8"))[variant]
+            schema = self.document.root["components"]["schemas"][name]
+            self.assertEqual(set(body), set(schema["properties"]), variant)
+
+
+class Answers(Served):
+    def test_every_answer_is_as_documented(self):
+        server, _ = self.play()
+        ruris = self.ruris(server)
+        for path in self.operations:
+            for ruri in ruris if "{ruri}" in path else ruris[:1]:
+                with self.subTest(path, ruri=ruri):
+                    self.assertEqual(self.assert_documented(server, path, ruri).status, 200)
+        parts = {"parts": "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities"}
+        for path, parameters in (
+            ("/api/v1/robots", parts), ("/api/v1/faults", {"active": "true"}),
+            ("/api/v1/shapes", {"includeExpired": "true"}), ("/api/v1/objects", {"includeExpired": "true"}),
+        ):  # fmt: skip
+            with self.subTest(path, parameters=parameters):
+                answer = self.assert_documented(server, path, ruris[0], {**parameters, "pageSize": "1000"})
+                self.assertEqual(answer.status, 200)
+                self.assertTrue(answer.json()[LISTS[self.operations[path]["operationId"]]])
+        self.assert_a_member_more_is_found(server, ruris[0])
+
+    def assert_a_member_more_is_found(self, server, ruri):
+        """The comparison itself: no object of an answer may hold a member that is not documented."""
+        for path, operation in self.operations.items():
+            answer = request(server, target(path, ruri))
+            if answer.content_type != "application/json":
+                continue
+            response = self.document.response(operation, 200)
+            for changed in with_one_member_more(answer.json()):
+                answer.body = json.dumps(changed)
+                self.assertNotEqual(self.document.answer_problems(response, answer), [], answer.body)
+
+    def test_every_page_of_a_walk_is_as_documented(self):
+        # Nothing goes on, so that the walk and the whole page see the same.
+        server, fleet = self.play('[presence]\ntimeout = "1h"')
+        fleet.finish()
+        ruri = self.ruri(server)
+        for path, operation in self.operations.items():
+            if operation["operationId"] not in LISTS:
+                continue
+            with self.subTest(path):
+                name = LISTS[operation["operationId"]]
+                more = {"includeExpired": "true"} if name in ("shapes", "objects") else {}
+                whole = request(server, target(path, ruri, {"pageSize": "1000", **more})).json()[name]
+                walked, token = [], ""
+                while len(walked) < 20:
+                    parameters = {"pageSize": "3", "pageToken": token, **more}
+                    page = self.assert_documented(server, path, ruri, parameters).json()
+                    walked += page[name]
+                    token = page["nextPageToken"]
+                    if not token:
+                        break
+                self.assertEqual(walked, whole[: len(walked)])
+                self.assertEqual(token == "", len(walked) == len(whole))
+
+
+class Paths(Served):
+    def served(self, server):
+        """Route to the number of its answers, by class."""
+        counts = {}
+        for route, code, count in ROUTE.findall(request(server, "/metrics").body):
+            counts.setdefault(route, {})[code] = int(count)
+        return counts
+
+    def test_what_is_served_is_documented_and_the_other_way_round(self):
+        server = self.server().start()
+        documented = {operation["operationId"] for operation in self.operations.values()}
+        self.assertEqual(len(documented), len(self.operations))
+        self.assertEqual(documented | {"other"}, set(self.served(server)))
+        for path, operation in self.operations.items():
+            with self.subTest(path):
+                before = sum(self.served(server)[operation["operationId"]].values())
+                self.assertNotEqual(request(server, target(path, NOWHERE)).status, 405)
+                after = sum(self.served(server)[operation["operationId"]].values())
+                # The scrape itself counts for /metrics.
+                self.assertEqual(after - before, 2 if path == "/metrics" else 1)
+
+    def test_other_methods_and_other_paths(self):
+        server = self.server().start()
+        for path in self.operations:
+            for method in ("POST", "PUT", "DELETE", "OPTIONS"):
+                with self.subTest(path, method=method):
+                    answer = request(server, target(path, NOWHERE), method)
+                    self.assert_error(answer, 405, "UNIMPLEMENTED")
+                    self.assertEqual(answer.allow, "GET, HEAD")
+            head = request(server, target(path, NOWHERE), "HEAD")
+            get = request(server, target(path, NOWHERE))
+            self.assertEqual((head.status, head.content_type, head.body), (get.status, get.content_type, ""))
+        for path in ("/", "/api/v1", "/api/v1/nothing", "/api/v1/robots/a/b", "/api/v1/status/"):
+            with self.subTest(path):
+                self.assert_error(request(server, path), 404, "NOT_FOUND")
+
+    def test_a_robot_that_was_never_seen(self):
+        server = self.server().start()
+        for path, operation in self.operations.items():
+            with self.subTest(path):
+                answer = self.assert_documented(server, path, NOWHERE, {})
+                self.assertEqual(answer.status, 404 if "{ruri}" in path else 200)
+                self.assertEqual("404" in operation["responses"], "{ruri}" in path)
+
+
+class Parameters(Served):
+    def test_each_is_taken_and_nothing_else_is(self):
+        server, _ = self.play()
+        ruri = self.ruri(server)
+        for path, operation in self.operations.items():
+            parameters = self.document.parameters(operation, "query")
+            for name, schema in parameters.items():
+                with self.subTest(path, parameter=name):
+                    for value in good_values(name, schema):
+                        answer = self.assert_documented(server, path, ruri, {name: value})
+                        self.assertEqual(answer.status, 200, value)
+                    for value in wrong_values(name, schema):
+                        answer = self.assert_documented(server, path, ruri, {name: value})
+                        self.assert_error(answer, 400, "INVALID_ARGUMENT", name)
+            for name in sorted(self.every_parameter() - set(parameters)):
+                with self.subTest(path, foreign=name):
+                    answer = self.assert_documented(server, path, ruri, {name: GOOD.get(name, "1")})
+                    self.assert_error(answer, 400, "INVALID_ARGUMENT", name)
+
+    def every_parameter(self):
+        names = {"nonsense", "pagesize"}
+        for operation in self.operations.values():
+            names |= set(self.document.parameters(operation, "query"))
+        return names
+
+    def test_a_token_of_another_list_is_refused(self):
+        server, _ = self.play()
+        tokens = {}
+        for path, operation in self.operations.items():
+            if operation["operationId"] in LISTS:
+                pages = (request(server, target(path, ruri, {"pageSize": "1"})) for ruri in self.ruris(server))
+                tokens[path] = max(page.json()["nextPageToken"] for page in pages)
+        self.assertGreater(sum(map(bool, tokens.values())), len(tokens) / 2, tokens)
+        ruri = self.ruri(server)
+        for path in tokens:
+            for origin, token in tokens.items():
+                if token and origin != path:
+                    with self.subTest(path, origin=origin):
+                        answer = self.assert_documented(server, path, ruri, {"pageToken": token})
+                        self.assert_error(answer, 400, "INVALID_ARGUMENT", "pageToken")
+
+
+class Failing(Served):
+    def test_what_needs_the_store_is_503_while_it_is_away(self):
+        server, fleet = self.play()
+        fleet.finish()
+        ruri = self.ruri(server)
+        with (self.folder / "uplinkd.db-shm").open("r+b") as shared:
+            wait_until(server.process, lambda: locked(shared), WAIT_SECONDS, "the store is taken away")
+            for path, parameters in (("/api/v1/shapes", {}), ("/api/v1/robots", {"parts": "agentInfo"})):
+                answer = self.assert_documented(server, path, ruri, parameters)
+                self.assert_error(answer, 503, "UNAVAILABLE")
+            answer = self.assert_documented(server, "/api/v1/robots/{ruri}", ruri)
+            self.assertEqual(answer.status, 200)
+            self.assertIn("motion", answer.json())
+            self.assertNotIn("agentInfo", answer.json())
+        answer = self.assert_documented(server, "/api/v1/robots/{ruri}", ruri)
+        self.assertIn("agentInfo", answer.json())
+
+    def test_a_server_that_is_full_is_not_ready(self):
+        server = self.server("[limits]\nrobots_max = 1").start()
+        self.fleet(server, "--robots", 1)
+        wait_until(
+            server.process, lambda: request(server, "/readyz").status == 503, WAIT_SECONDS, "it is full"
+        )
+        answer = self.assert_documented(server, "/readyz", NOWHERE)
+        self.assertEqual(answer.json(), {"refuses": ["robots_max"]})
+
+
+def locked(shared):
+    """Takes the locks by which SQLite's readers and writers find into the write-ahead log."""
+    try:
+        fcntl.lockf(shared, fcntl.LOCK_EX | fcntl.LOCK_NB, WAL_LOCKS, WAL_LOCK_FIRST)
+    except OSError:
+        return False
+    return True
+
+
+def with_one_member_more(value):
+    """Copies of a JSON value, each with one member more in one of its objects (one of each list)."""
+    if isinstance(value, dict):
+        yield {**value, "notDocumented": {"a": []}}
+        for name, member in value.items():
+            for changed in with_one_member_more(member):
+                yield {**value, name: changed}
+    elif isinstance(value, list):
+        for changed in with_one_member_more(value[0] if value else None):
+            yield [changed, *copy.deepcopy(value[1:])]
+
+
+def good_values(name, schema):
+    if "enum" in schema:
+        return schema["enum"]
+    if schema["type"] == "integer":
+        return [str(schema["minimum"]), str(schema["maximum"])]
+    if schema["type"] == "boolean":
+        return ["true", "false"]
+    if schema["type"] == "array":
+        return [*schema["items"]["enum"], ",".join(schema["items"]["enum"]), GOOD[name]]
+    return [] if name == "pageToken" else [GOOD[name]]
+
+
+def wrong_values(name, schema):
+    if "enum" in schema:
+        return ["nonsense", schema["enum"][0].upper()]
+    if schema["type"] == "integer":
+        return [str(schema["minimum"] - 1), str(schema["maximum"] + 1), *WRONG["integer"]]
+    return ["x"] if name == "pageToken" else WRONG.get(schema["type"], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
