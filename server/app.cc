@@ -37,12 +37,16 @@ namespace {
 /// How often a drain looks whether the journal is empty.
 constexpr milliseconds kIdleLook{10};
 
-void AddRelaySamples(const relay::RelayProbe& probe, metrics::Exposition& page) {
+void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe& sessions,
+                     metrics::Exposition& page) {
   using enum metrics::MetricId;
   const auto value = [](const metrics::Cell& cell) { return static_cast<double>(cell.value()); };
-  page.Add(kStreamsRefused, value(probe.refused_full_total), {"full"});
+  page.Add(kStreamsRefused, value(probe.refused_full_total) + value(sessions.refused_full_total),
+           {"full"});
   page.Add(kStreamsRefused, value(probe.refused_draining_total), {"draining"});
-  page.Add(kStreamsRefused, value(probe.refused_identity_total), {"identity"});
+  page.Add(kStreamsRefused,
+           value(probe.refused_identity_total) + value(sessions.refused_identity_total),
+           {"identity"});
   page.Add(kFinishTimeouts, probe.finish_timeouts_total);
   page.Add(kWakes, probe.wakes_total);
 }
@@ -56,9 +60,10 @@ struct Opened {
 
 absl::StatusOr<Opened> Open(const App::Options& options) {
   Opened opened;
-  auto expiry = health::CertificateExpiry(options.config.tls.certificate_file);
-  if (!expiry.ok()) return expiry.status();
-  opened.certificate_expiry = *expiry;
+  const config::TlsConfig& tls = options.config.tls;
+  const auto certificate = health::LookAtCertificate(tls.certificate_file, tls.key_file);
+  if (!certificate.ok()) return certificate.status();
+  opened.certificate_expiry = certificate->expiry;
   const std::string path = config::SqlitePath(options.config.store);
   storage::sqlite::StoreOptions store_options;
   store_options.process = options.process;
@@ -101,7 +106,8 @@ class App::Impl {
                  .journal_limits = journal_limits_,
                  .http_connections_max = options_.config.http.connections_max,
                  .version = options_.version,
-                 .add_relay = [this](auto& page) { AddRelaySamples(relay_probe_, page); }}),
+                 .add_relay =
+                     [this](auto& page) { AddRelaySamples(relay_probe_, session_probe_, page); }}),
         site_(queries_, monitor_, scrape_),
         loop_(options_.logger) {}
 
@@ -123,7 +129,7 @@ class App::Impl {
     auto relay = relay::RelayServer::Start(
         RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, journal_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         JudgeLimitsOf(options_.config.limits)});
+         JudgeLimitsOf(options_.config.limits), &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     StartLoop();
@@ -177,10 +183,7 @@ class App::Impl {
   void StartLoop() {
     loop_.Every(kSweepEvery, [this] { fleet_.Sweep(session_limits_.session_idle); });
     // The relay watches the file by itself; what probes say of it must follow a rotation.
-    loop_.Every(kCertificateEvery, [this] {
-      const auto expiry = health::CertificateExpiry(options_.config.tls.certificate_file);
-      if (expiry.ok()) monitor_.SetCertificateExpiry(*expiry);
-    });
+    loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
     loop_.Every(health::kHandshakeEvery, [this] {
       http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
         if (answered) monitor_.liveness().NoteHandshake();
@@ -189,6 +192,18 @@ class App::Impl {
     loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { OnStopSignal(signal); });
     loop_.OnSignals({SIGHUP}, [this](int) { OnReloadSignal(); });
     loop_.Start();
+  }
+
+  void LookAtCertificate() {
+    const config::TlsConfig& tls = options_.config.tls;
+    const auto look = health::LookAtCertificate(tls.certificate_file, tls.key_file);
+    if (!look.ok() || !monitor_.NoteCertificate(*look)) return;
+    if (look->pair.ok()) {
+      options_.logger.Info("certificate_fits_again", {});
+    } else {
+      options_.logger.Error("certificate_mismatch",
+                            {{"problem", std::string(look->pair.message())}});
+    }
   }
 
   void OnStopSignal(int signal) {
@@ -213,9 +228,10 @@ class App::Impl {
     options_.config.log.level = read.config->log.level;
     // By whichever level lets the line through.
     options_.logger.SetLevel(std::min(before, after));
-    options_.logger.Warn(
-        "reloaded", {{"log_level_changed", reload.log_level},
-                     {"needs_restart", fmt::format("{}", fmt::join(reload.needs_restart, ","))}});
+    options_.logger.Write(
+        reload.needs_restart.empty() ? log::Level::kInfo : log::Level::kWarn, "reloaded",
+        {{"log_level_changed", reload.log_level},
+         {"needs_restart", fmt::format("{}", fmt::join(reload.needs_restart, ","))}});
     options_.logger.SetLevel(after);
   }
 
@@ -241,6 +257,7 @@ class App::Impl {
   const journal::JournalLimits journal_limits_;
   const session::SessionLimits session_limits_;
   metrics::LedgerBook ledgers_;
+  log::RateLimited refusals_{options_.logger};
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;
   relay::RelayProbe relay_probe_;

@@ -42,20 +42,22 @@ void PrintProblems(const std::vector<config::Problem>& problems) {
 
 /// The configuration with every problem of the text and of the files that it names.
 config::LoadResult Load(const std::string& path) {
-  config::LoadResult result = config::LoadConfig(path, config::ProcessEnvironment());
-  if (!result.ok()) return result;
-  result.problems = config::ValidateFiles(*result.config);
-  if (!result.problems.empty()) result.config.reset();
-  return result;
+  return config::WithFiles(config::LoadConfig(path, config::ProcessEnvironment()));
 }
 
 int CheckConfig(const Flags& flags) {
-  const config::LoadResult result = Load(flags.config_file);
+  config::LoadResult result = Load(flags.config_file);
+  if (result.readable) {
+    for (config::Problem& problem :
+         config::ExpiredFiles(*result.readable, SystemClock().System())) {
+      result.problems.push_back(std::move(problem));
+    }
+  }
   for (const config::Problem& note : result.notes) {
     fmt::print(stderr, "uplinkd: note: {}\n", config::ToText(note));
   }
   PrintProblems(result.problems);
-  if (!result.ok()) return kExitWrongUse;
+  if (!result.problems.empty()) return kExitWrongUse;
   fmt::print("{}: good\n", flags.config_file);
   return kExitDone;
 }

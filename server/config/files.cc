@@ -1,13 +1,16 @@
 // What only the file system can answer about a configuration.
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <system_error>
 
 #include <fmt/core.h>
 #include <sys/stat.h>
 
 #include "server/config/load.h"
+#include "server/identity/server_pair.h"
 
 namespace uplink::config {
 namespace {
@@ -40,15 +43,16 @@ FileText ReadFile(const std::string& path) {
   return {std::move(text), {}};
 }
 
-void CheckPem(const std::string& key, const std::string& path, std::string_view what,
+/// True if the file begins a PEM block of `what`, or none is named.
+bool CheckPem(const std::string& key, const std::string& path, std::string_view what,
               std::vector<Problem>& problems) {
   if (path.empty()) {
-    return;
+    return true;
   }
   const FileText file = ReadFile(path);
   if (!file.problem.empty()) {
     problems.push_back({path, key, file.problem});
-    return;
+    return false;
   }
   const std::size_t header = file.text.find("-----BEGIN ");
   const std::size_t line_end = file.text.find('\n', header);
@@ -56,6 +60,20 @@ void CheckPem(const std::string& key, const std::string& path, std::string_view 
       std::string_view(file.text).substr(header, line_end - header).find(what) ==
           std::string_view::npos) {
     problems.push_back({path, key, fmt::format("{} holds no PEM {}", path, what)});
+    return false;
+  }
+  return true;
+}
+
+/// Whether a TLS server can serve with the two.
+void CheckPair(const TlsConfig& tls, std::vector<Problem>& problems) {
+  if (tls.certificate_file.empty() || tls.key_file.empty()) return;
+  const auto certificate = identity::ReadPem(tls.certificate_file);
+  const auto key = identity::ReadPem(tls.key_file);
+  if (!certificate.ok() || !key.ok()) return;
+  const absl::Status fit = identity::CheckServerPair(*certificate, *key);
+  if (!fit.ok()) {
+    problems.push_back({tls.certificate_file, "tls.certificate_file", std::string(fit.message())});
   }
 }
 
@@ -79,11 +97,42 @@ void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) 
 
 std::vector<Problem> ValidateFiles(const Config& config) {
   std::vector<Problem> problems;
-  CheckPem("tls.certificate_file", config.tls.certificate_file, "CERTIFICATE", problems);
-  CheckPem("tls.key_file", config.tls.key_file, "PRIVATE KEY", problems);
-  CheckPem("tls.client_ca_file", config.tls.client_ca_file, "CERTIFICATE", problems);
-  CheckPem("tls.operator_ca_file", config.tls.operator_ca_file, "CERTIFICATE", problems);
+  const TlsConfig& tls = config.tls;
+  const bool certificate =
+      CheckPem("tls.certificate_file", tls.certificate_file, "CERTIFICATE", problems);
+  const bool key = CheckPem("tls.key_file", tls.key_file, "PRIVATE KEY", problems);
+  CheckPem("tls.client_ca_file", tls.client_ca_file, "CERTIFICATE", problems);
+  CheckPem("tls.operator_ca_file", tls.operator_ca_file, "CERTIFICATE", problems);
+  if (certificate && key) CheckPair(tls, problems);
   CheckStoreFolder(config.store, problems);
+  return problems;
+}
+
+LoadResult WithFiles(LoadResult result) {
+  if (!result.readable) return result;
+  std::set<std::string> at_fault;
+  for (const Problem& problem : result.problems) at_fault.insert(problem.key);
+  for (Problem& problem : ValidateFiles(*result.readable)) {
+    // A key at fault holds its default: what that names says nothing about the file.
+    if (!at_fault.contains(problem.key)) result.problems.push_back(std::move(problem));
+  }
+  if (!result.problems.empty()) result.config.reset();
+  return result;
+}
+
+std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now) {
+  std::vector<Problem> problems;
+  const std::string& path = config.tls.certificate_file;
+  if (path.empty()) return problems;
+  const auto certificate = identity::ReadPem(path);
+  if (!certificate.ok()) return problems;  // ValidateFiles says so
+  const auto expiry = identity::ExpiryOf(*certificate);
+  if (expiry.ok() && *expiry <= now) {
+    problems.push_back(
+        {path, "tls.certificate_file",
+         fmt::format("the certificate expired {} h ago",
+                     std::chrono::duration_cast<std::chrono::hours>(now - *expiry).count())});
+  }
   return problems;
 }
 

@@ -64,6 +64,7 @@ class Loader {
     for (const auto& [key, where] : without_effect_) {
       result.notes.push_back({where, key, "it is checked but has no effect in this version"});
     }
+    result.readable = config_;
     if (problems_.empty()) {
       result.config = std::move(config_);
     }

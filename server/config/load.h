@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "schema/base/clock.h"
 #include "server/config/config.h"
 
 namespace uplink::config {
@@ -35,6 +36,9 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 struct LoadResult {
   /// Present only if `problems` is empty.
   std::optional<Config> config;
+  /// What could be read beside the problems: keys at fault hold their defaults. Absent if the text
+  /// does not parse. For checks that shall report their problems together with those.
+  std::optional<Config> readable;
   /// All of them, in the order of the file, then of the environment, then relations.
   std::vector<Problem> problems;
   /// Keys that are set but have no effect in this version.
@@ -56,8 +60,15 @@ struct LoadResult {
 inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 
 /// What the files and folders that the configuration names have wrong: certificates and keys that
-/// are missing, unreadable or not PEM, a store folder that is missing. Opens, changes nothing.
+/// are missing, unreadable, not PEM or do not belong together, a store folder that is missing.
+/// Opens, changes nothing.
 [[nodiscard]] std::vector<Problem> ValidateFiles(const Config& config);
+
+/// The result with the problems of ValidateFiles beside its own.
+[[nodiscard]] LoadResult WithFiles(LoadResult result);
+
+/// A certificate that has expired. A server starts with it all the same, and says so in /readyz.
+[[nodiscard]] std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now);
 
 /// The effective configuration as TOML that LoadConfig reads back; secrets are masked.
 [[nodiscard]] std::string PrintConfig(const Config& config);

@@ -15,6 +15,7 @@ Readiness Monitor::readiness() const {
       .now = sources_.clock.System(),
       .draining = draining(),
       .certificate_expiry = certificate_expiry(),
+      .certificate_fits = certificate_fits_.load(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing = sources_.journal_probe.store_failing.value() != 0,
       .journal_bytes = {sources_.journal.bytes(), limits.bytes_max},

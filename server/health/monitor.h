@@ -5,6 +5,7 @@
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
+#include "server/health/certificate.h"
 #include "server/health/liveness.h"
 #include "server/health/readiness.h"
 #include "server/journal/journal.h"
@@ -23,7 +24,7 @@ class Monitor final {
     const journal::JournalProbe& journal_probe;
     const session::SessionProbe& sessions;
     journal::JournalLimits journal_limits;
-    /// At start; SetCertificateExpiry follows a rotation.
+    /// At start; NoteCertificate follows a rotation.
     SystemTime certificate_expiry;
   };
   explicit Monitor(const Sources& sources);
@@ -33,8 +34,12 @@ class Monitor final {
   [[nodiscard]] SystemTime certificate_expiry() const {
     return FromUnixMs(certificate_expiry_ms_.load());
   }
-  /// The relay's certificate was replaced.
-  void SetCertificateExpiry(SystemTime expiry) { certificate_expiry_ms_.store(UnixMs(expiry)); }
+  /// What the files of the relay's certificate say now. Returns whether the pair began or ceased to
+  /// fit. One thread.
+  bool NoteCertificate(const CertificateLook& look) {
+    certificate_expiry_ms_.store(UnixMs(look.expiry));
+    return certificate_fits_.exchange(look.pair.ok()) != look.pair.ok();
+  }
   /// New streams are refused from now on.
   void BeginDrain() { draining_.store(true); }
   [[nodiscard]] bool draining() const { return draining_.load(); }
@@ -43,6 +48,7 @@ class Monitor final {
   const Sources sources_;
   Liveness liveness_;
   std::atomic<std::int64_t> certificate_expiry_ms_;
+  std::atomic<bool> certificate_fits_{true};
   std::atomic<bool> draining_{false};
 };
 

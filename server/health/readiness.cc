@@ -2,11 +2,19 @@
 
 namespace uplink::health {
 
+std::vector<std::string> Readiness::all() const {
+  std::vector<std::string> words = refuses;
+  words.insert(words.end(), degraded.begin(), degraded.end());
+  return words;
+}
+
 Readiness ReadinessOf(const ReadinessFacts& facts) {
   Readiness readiness;
   if (facts.draining) readiness.refuses.emplace_back("draining");
   const bool expired = facts.certificate_expiry <= facts.now;
   if (expired) readiness.refuses.emplace_back("certificate_expired");
+  // Without a pair that fits, TLS gives no certificate to a new connection.
+  if (!facts.certificate_fits) readiness.refuses.emplace_back("identity_unavailable");
   if (facts.robots.used >= facts.robots.limit) readiness.refuses.emplace_back("robots_max");
 
   if (facts.store_failing) readiness.degraded.emplace_back("store");

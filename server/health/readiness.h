@@ -31,6 +31,8 @@ struct ReadinessFacts {
   SystemTime now;
   bool draining = false;
   SystemTime certificate_expiry;
+  /// The relay's certificate and key belong together.
+  bool certificate_fits = true;
   Fill robots;
   bool store_failing = false;
   Fill journal_bytes;
@@ -41,13 +43,16 @@ struct ReadinessFacts {
 
 /// What /readyz says. A value.
 struct Readiness {
-  /// Why a new stream would be refused: draining, certificate_expired, robots_max.
+  /// Why a new stream would be refused: draining, certificate_expired, identity_unavailable,
+  /// robots_max.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, journal_backlog,
   /// certificate_expiring, descriptors.
   std::vector<std::string> degraded;
 
   [[nodiscard]] bool ready() const { return refuses.empty(); }
+  /// Both, what refuses first.
+  [[nodiscard]] std::vector<std::string> all() const;
 };
 
 /// A pure function.

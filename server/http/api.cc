@@ -43,7 +43,7 @@ view::PartSet ReadParts(Parameters& parameters) {
 
 Response Site::Status(const Call& call) const {
   if (const auto problem = Parameters(call.query).Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(queries_.Status(), monitor_.readiness().degraded));
+  return JsonResponse(view::ToJson(queries_.Status(), monitor_.readiness().all()));
 }
 
 Response Site::Robots(const Call& call) const {

@@ -66,6 +66,7 @@ absl::Status Call::Admit() {
     probe.refused_identity_total.Add();
     return peer.status();
   }
+  if (!peer->ruris.empty()) who_ = peer->ruris.front();
   session_.emplace(queue_.session_context(), *std::move(peer), journal::StreamRef{&queue_, id_},
                    *this, *this);
   return absl::OkStatus();
@@ -119,9 +120,23 @@ void Call::OnWritten(bool ok) {
 
 void Call::Finish(const absl::Status& status) {
   UPLINK_CHECK(!finishing(), "a call ends once");
+  LogRefusal(status);
   finish_status_ = status;
   finish_by_ = queue_.now() + session::kFinishWait;
   if (!writing_) StartFinish();
+}
+
+void Call::LogRefusal(const absl::Status& status) {
+  log::RateLimited* const lines = queue_.parts().refusals;
+  if (lines == nullptr) return;
+  const bool protocol = absl::IsInvalidArgument(status);
+  if (!protocol && !absl::IsUnauthenticated(status) && !absl::IsPermissionDenied(status) &&
+      !absl::IsResourceExhausted(status)) {
+    return;
+  }
+  lines->Write(
+      log::Level::kWarn, protocol ? "protocol_error" : "stream_refused",
+      {{"peer", context_.peer()}, {"robot", who_}, {"why", std::string(status.message())}});
 }
 
 void Call::StartFinish() {

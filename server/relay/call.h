@@ -67,6 +67,7 @@ class Call final : public session::FrameSource, public session::FrameSink {
 
   [[nodiscard]] absl::Status Admit();
   void TakeFrame();
+  void LogRefusal(const absl::Status& status);
   void StartFinish();
   void Break();
   void AfterStep();
@@ -88,6 +89,8 @@ class Call final : public session::FrameSource, public session::FrameSink {
   int tags_out_ = 0;
 
   bool admitted_ = false;
+  /// The first name of the certificate, for the log; empty before it is known.
+  std::string who_;
   bool reading_ = false;
   bool writing_ = false;
   /// gRPC says that the call was cut, or that it is over.

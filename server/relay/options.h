@@ -12,6 +12,7 @@
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/journal.h"
+#include "server/log/rate_limited.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 
@@ -74,6 +75,8 @@ struct RelayParts {
   metrics::LedgerBook& ledgers;
   const session::SessionLimits& limits;
   schema::JudgeLimits judge_limits;
+  /// Lines about streams that were refused or broke a rule of the protocol; none if null.
+  log::RateLimited* refusals = nullptr;
 };
 
 }  // namespace uplink::relay

@@ -11,6 +11,10 @@ struct SessionProbe {
   metrics::Cell takeovers_total;
   metrics::Cell contested_total;
   metrics::Cell protocol_errors_total;
+  /// Streams that were refused at their Hello: no room for one more robot; or the certificate may
+  /// not do what the Hello asks for.
+  metrics::Cell refused_full_total;
+  metrics::Cell refused_identity_total;
   metrics::Cell notices_total;
   metrics::Cell acks_total;
   metrics::Cell resumes_total;

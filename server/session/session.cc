@@ -67,12 +67,17 @@ void Session::TakeHello(const v1::Hello& hello) {
   hello_until_.reset();
   auto terms = CheckHello(hello, peer_);
   if (!terms.ok()) {
-    context_.probe.protocol_errors_total.Add();
+    const bool identity =
+        absl::IsUnauthenticated(terms.status()) || absl::IsPermissionDenied(terms.status());
+    (identity ? context_.probe.refused_identity_total : context_.probe.protocol_errors_total).Add();
     return Finish(terms.status());
   }
   hello_ = *std::move(terms);
   const auto robot = context_.fleet.FindOrAdmit(hello_.robot);
-  if (!robot.ok()) return Finish(robot.status());
+  if (!robot.ok()) {
+    context_.probe.refused_full_total.Add();
+    return Finish(robot.status());
+  }
   robot_ = *robot;
   const RobotSessions::Attached attached =
       robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());

@@ -1,9 +1,10 @@
 """uplinkctl pki, held against the openssl program."""
 
+import os
 import stat
 import unittest
 
-from harness import EndToEnd, run, uplinkctl
+from harness import BIN, EndToEnd, run, uplinkctl
 
 
 class Pki(EndToEnd):
@@ -92,6 +93,18 @@ class Pki(EndToEnd):
 
 
 class Config(EndToEnd):
+    def test_check_reads_the_environment_as_the_server_does(self):
+        config = self.folder / "empty.toml"
+        config.write_text("", encoding="utf-8")
+        env = dict(os.environ, UPLINKD_LIMITS_ROBOTS_MAX="none", UPLINKD_NO_SUCH="1")
+        done = run(BIN / "uplinkctl", "config", "check", config, code=2, env=env)
+        self.assertIn("limits.robots_max", done.stderr)
+        self.assertIn("UPLINKD_NO_SUCH", done.stderr)
+
+    def test_a_wrong_noun_is_named(self):
+        done = run(BIN / "uplinkctl", "robot", code=2)
+        self.assertIn("no such noun: robot", done.stderr)
+
     def test_check_reports_every_problem(self):
         server = self.server()
         path = server.configuration()

@@ -1,11 +1,13 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include "schema/base/clock.h"
 #include "server/config/load.h"
 #include "tools/uplinkctl/command.h"
 
@@ -13,10 +15,16 @@ namespace uplink::ctl {
 namespace {
 
 int Check(const std::string& path) {
-  // The file alone: the environment of this shell is not the server's.
-  const config::LoadResult result = config::LoadConfig(path, {});
+  // With the variables of this environment, as a server that is started here would read them.
+  const config::LoadResult result =
+      config::WithFiles(config::LoadConfig(path, config::ProcessEnvironment()));
   std::vector<config::Problem> problems = result.problems;
-  if (result.ok()) problems = config::ValidateFiles(*result.config);
+  if (result.readable) {
+    for (config::Problem& problem :
+         config::ExpiredFiles(*result.readable, SystemClock().System())) {
+      problems.push_back(std::move(problem));
+    }
+  }
   for (const config::Problem& note : result.notes) {
     fmt::print(stderr, "note: {}\n", config::ToText(note));
   }

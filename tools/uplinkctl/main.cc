@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -23,6 +24,12 @@ int Run(int argc, char** argv) {
   Action action;
   AddPki(app, action);
   AddConfig(app, action);
+  // The library would say of a wrong noun that one is missing.
+  const auto named = [&](const CLI::App* noun) { return noun->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), named)) {
+    fmt::print(stderr, "uplinkctl: no such noun: {} (uplinkctl --help names them)\n", argv[1]);
+    return kExitWrongUse;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

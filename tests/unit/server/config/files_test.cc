@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/config/load.h"
+#include "tests/support/certificates.h"
 
 namespace uplink::config {
 namespace {
@@ -20,9 +21,8 @@ class ValidateFilesTest : public ::testing::Test {
     std::string pattern = ::testing::TempDir() + "uplinkd_files_XXXXXX";
     ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
     folder_ = pattern;
-    config_.tls.certificate_file = Write("s.crt", "-----BEGIN CERTIFICATE-----\n");
-    config_.tls.key_file = Write("s.key", "-----BEGIN EC PRIVATE KEY-----\n");
-    config_.tls.client_ca_file = Write("ca.crt", "text\n-----BEGIN CERTIFICATE-----\n");
+    Use(testing::ServerSpec());
+    config_.tls.client_ca_file = Write("ca.crt", "text\n" + authority_.certificate());
     config_.store.url = "sqlite://" + folder_ + "/uplinkd.db";
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -32,6 +32,14 @@ class ValidateFilesTest : public ::testing::Test {
     return folder_ + "/" + name;
   }
 
+  /// The server's certificate and key.
+  void Use(const testing::CertificateSpec& spec) {
+    const testing::KeyPair pair = authority_.Issue(spec);
+    config_.tls.certificate_file = Write("s.crt", pair.certificate);
+    config_.tls.key_file = Write("s.key", pair.key);
+  }
+
+  const testing::TestAuthority authority_;
   std::string folder_;
   Config config_;
 };
@@ -49,6 +57,47 @@ TEST_F(ValidateFilesTest, ReportsEachFileThatIsNot) {
   ASSERT_THAT(problems, SizeIs(4));
   EXPECT_EQ(problems[0].key, "tls.certificate_file");
   EXPECT_THAT(problems[0].text, HasSubstr("No such file"));
+}
+
+TEST_F(ValidateFilesTest, RefusesAKeyThatIsNotTheCertificates) {
+  Write("s.key", authority_.Issue(testing::ServerSpec()).key);
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_EQ(problems[0].key, "tls.certificate_file");
+  EXPECT_THAT(problems[0].text, HasSubstr("s.key: is not the key of"));
+}
+
+TEST_F(ValidateFilesTest, RefusesACertificateThatNoServerMayShow) {
+  Use(testing::RobotSpec("rcan://a"));
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_THAT(problems[0].text, HasSubstr("serverAuth"));
+}
+
+TEST_F(ValidateFilesTest, SaysWhenTheCertificateHasExpired) {
+  testing::CertificateSpec spec = testing::ServerSpec();
+  spec.not_after_s = 7200;
+  Use(spec);
+  const SystemTime now = SystemClock().System();
+  EXPECT_THAT(ExpiredFiles(config_, now), IsEmpty());
+  const std::vector<Problem> problems = ExpiredFiles(config_, now + std::chrono::hours(5));
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_THAT(problems[0].text, HasSubstr("expired 3 h ago"));
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty()) << "a server starts all the same";
+}
+
+TEST_F(ValidateFilesTest, FilesAreLookedAtBesideBadValues) {
+  const std::string text = "[tls]\ncertificate_file = \"" + folder_ + "/gone\"\nkey_file = \"" +
+                           config_.tls.key_file + "\"\nclient_ca_file = \"" +
+                           config_.tls.client_ca_file +
+                           "\"\n[store]\nurl = \"nonsense\"\n[limits]\nrobots_max = 0\n";
+  const LoadResult result = WithFiles(ParseConfig(text, "c", {}));
+  EXPECT_FALSE(result.ok());
+  std::vector<std::string> keys;
+  for (const Problem& problem : result.problems) keys.push_back(problem.key);
+  EXPECT_THAT(keys, ::testing::UnorderedElementsAre("tls.certificate_file", "store.url",
+                                                    "limits.robots_max"));
+  EXPECT_THAT(WithFiles(ParseConfig("[tls", "c", {})).problems, SizeIs(1));
 }
 
 TEST_F(ValidateFilesTest, KnowsACertificateFromAKey) {

@@ -42,6 +42,15 @@ TEST(Readiness, RefusesFromTheMomentTheCertificateExpires) {
   EXPECT_THAT(ReadinessOf(facts).degraded, IsEmpty());
 }
 
+TEST(Readiness, RefusesWhileCertificateAndKeyDoNotFit) {
+  ReadinessFacts facts = Good();
+  facts.certificate_fits = false;
+  facts.store_failing = true;
+  const Readiness readiness = ReadinessOf(facts);
+  EXPECT_THAT(readiness.refuses, ElementsAre("identity_unavailable"));
+  EXPECT_THAT(readiness.all(), ElementsAre("identity_unavailable", "store"));
+}
+
 TEST(Readiness, ReportsACertificateAWeekAhead) {
   ReadinessFacts facts = Good();
   facts.certificate_expiry = facts.now + kCertificateNotice;

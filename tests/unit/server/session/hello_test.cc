@@ -135,6 +135,8 @@ TEST_F(HelloTest, AnotherRobotsRuriIsDenied) {
             "PERMISSION_DENIED: the certificate of rcan://bench/1 may not speak for "
             "hello.robot_ruri rcan://bench/2");
   EXPECT_EQ(server().fleet().size(), 0U);
+  EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
+  EXPECT_EQ(server().probe().protocol_errors_total.value(), 0);
 }
 
 TEST_F(HelloTest, AGatewayMustNameItsRobot) {
@@ -162,6 +164,8 @@ TEST_F(HelloTest, RobotsMaxAdmitsNoMore) {
   BenchStream& refused = server().Connect(SessionOf(1), 0, 0, "rcan://bench/2");
   EXPECT_EQ(refused.end(),
             "RESOURCE_EXHAUSTED: the server admits no more than 1 robots (limits.robots_max)");
+  EXPECT_EQ(server().probe().refused_full_total.value(), 1);
+  EXPECT_EQ(server().probe().protocol_errors_total.value(), 0);
   BenchStream& known = server().Connect(SessionOf(1));
   EXPECT_THAT(known.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }

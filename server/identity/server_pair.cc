@@ -1,0 +1,96 @@
+#include "server/identity/server_pair.h"
+
+#include <ctime>
+#include <fstream>
+#include <memory>
+
+#include <fmt/core.h>
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+#include <openssl/x509v3.h>
+
+namespace uplink::identity {
+namespace {
+
+struct BioFree {
+  void operator()(BIO* bio) const { BIO_free(bio); }
+};
+struct X509Free {
+  void operator()(X509* certificate) const { X509_free(certificate); }
+};
+struct KeyFree {
+  void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
+};
+using Bio = std::unique_ptr<BIO, BioFree>;
+using Certificate = std::unique_ptr<X509, X509Free>;
+using Key = std::unique_ptr<EVP_PKEY, KeyFree>;
+
+absl::Status Unfit(const std::string& text) { return absl::FailedPreconditionError(text); }
+
+Bio Reader(const NamedPem& pem) {
+  return Bio(BIO_new_mem_buf(pem.text.data(), static_cast<int>(pem.text.size())));
+}
+
+absl::StatusOr<Certificate> ParseCertificate(const NamedPem& pem) {
+  Certificate certificate(PEM_read_bio_X509(Reader(pem).get(), nullptr, nullptr, nullptr));
+  ERR_clear_error();
+  if (certificate == nullptr) return Unfit(fmt::format("{}: holds no PEM certificate", pem.name));
+  return certificate;
+}
+
+absl::StatusOr<Key> ParseKey(const NamedPem& pem) {
+  // An empty pass phrase: without one the library would ask the terminal.
+  char no_phrase[] = "";
+  Key key(PEM_read_bio_PrivateKey(Reader(pem).get(), nullptr, nullptr, no_phrase));
+  ERR_clear_error();
+  if (key == nullptr) {
+    return Unfit(fmt::format("{}: holds no PEM private key without a pass phrase", pem.name));
+  }
+  return key;
+}
+
+}  // namespace
+
+absl::StatusOr<NamedPem> ReadPem(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Unfit(fmt::format("{}: cannot be read", path));
+  std::string text(kPemBytesMax, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return NamedPem{path, std::move(text)};
+}
+
+absl::Status CheckCertificate(const NamedPem& certificate) {
+  return ParseCertificate(certificate).status();
+}
+
+absl::Status CheckServerPair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
+  const auto certificate = ParseCertificate(certificate_pem);
+  if (!certificate.ok()) return certificate.status();
+  const auto key = ParseKey(key_pem);
+  if (!key.ok()) return key.status();
+  const bool match = X509_check_private_key(certificate->get(), key->get()) == 1;
+  const bool serves = X509_check_purpose(certificate->get(), X509_PURPOSE_SSL_SERVER, 0) == 1;
+  ERR_clear_error();
+  if (!match)
+    return Unfit(fmt::format("{}: is not the key of {}", key_pem.name, certificate_pem.name));
+  if (!serves) {
+    return Unfit(fmt::format("{}: is no certificate of a server (extended key usage serverAuth)",
+                             certificate_pem.name));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& pem) {
+  const auto certificate = ParseCertificate(pem);
+  if (!certificate.ok()) return certificate.status();
+  std::tm utc{};
+  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate->get()), &utc) != 1) {
+    return Unfit(fmt::format("{}: holds no time of expiry", pem.name));
+  }
+  return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
+}
+
+}  // namespace uplink::identity

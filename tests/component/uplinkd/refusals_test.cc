@@ -1,0 +1,117 @@
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/component/uplinkd/folder.h"
+#include "tests/support/eventually.h"
+#include "tests/support/raw_http.h"
+#include "tests/support/test_agent.h"
+
+// What the real program says of streams that it refuses, in its log and in its metrics, and of a
+// certificate that does not fit its key.
+namespace uplink::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Refusals : public ::testing::Test {
+ protected:
+  void Serve(const std::string& settings = "") {
+    folder_.WriteConfig(settings);
+    process_ = folder_.Start();
+    ASSERT_TRUE(process_->WaitFor("listening ") &&
+                process_->WaitFor("version=", std::chrono::seconds(10)))
+        << process_->text();
+    const std::string line = process_->text().substr(process_->text().find("listening "));
+    http_ = PortIn(line, "http").value_or(0);
+    relay_ = PortIn(line, "relay").value_or(0);
+    ASSERT_NE(relay_, 0);
+  }
+
+  std::shared_ptr<grpc::Channel> Channel(const CertificateSpec& spec) const {
+    return MakeChannel({.port = relay_,
+                        .server_ca = folder_.authority().certificate(),
+                        .identity = folder_.authority().Issue(spec)});
+  }
+
+  /// What the metrics page says behind a name; the page is published a moment after the event.
+  void ExpectMetric(const std::string& line) const {
+    EXPECT_TRUE(Eventually([&] {
+      return HttpGet(http_, "/metrics").body.find("\n" + line + "\n") != std::string::npos;
+    })) << line;
+  }
+
+  UplinkdFolder folder_;
+  std::unique_ptr<ServerProcess> process_;
+  std::uint16_t http_ = 0;
+  std::uint16_t relay_ = 0;
+};
+
+TEST_F(Refusals, ABrokenRuleIsAProtocolErrorWithALine) {
+  Serve();
+  TestAgent agent(Channel(RobotSpec("rcan://a")));
+  agent.Send(BatchFrame({{1, "payload that is no one's business"}}));
+  EXPECT_EQ(agent.End().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  ASSERT_TRUE(process_->WaitFor("the first frame must be a hello")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("warn protocol_error peer="));
+  EXPECT_THAT(process_->text(), HasSubstr("robot=rcan://a"));
+  EXPECT_THAT(process_->text(), Not(HasSubstr("no one's business")));
+  ExpectMetric("uplinkd_protocol_errors_total 1");
+  ExpectMetric("uplinkd_streams_refused_total{cause=\"identity\"} 0");
+}
+
+TEST_F(Refusals, ARoleThatMayNotRelayIsRefusedForItsIdentity) {
+  Serve();
+  CertificateSpec viewer = RobotSpec("rcan://a");
+  viewer.units = {"viewer"};
+  viewer.uris = {};
+  TestAgent agent(Channel(viewer));
+  static_cast<void>(agent.Connect(model::SessionId()));
+  EXPECT_EQ(agent.End().error_code(), grpc::StatusCode::UNAUTHENTICATED);
+  ASSERT_TRUE(process_->WaitFor("stream_refused")) << process_->text();
+  ExpectMetric("uplinkd_streams_refused_total{cause=\"identity\"} 1");
+  ExpectMetric("uplinkd_protocol_errors_total 0");
+}
+
+TEST_F(Refusals, OneRobotTooManyIsRefusedForWantOfRoom) {
+  Serve("[limits]\nrobots_max = 1\n");
+  TestAgent first(Channel(RobotSpec("rcan://a")));
+  ASSERT_TRUE(first.Connect(model::SessionId()));
+  TestAgent second(Channel(RobotSpec("rcan://b")));
+  static_cast<void>(second.Connect(model::SessionId()));
+  EXPECT_EQ(second.End().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  ASSERT_TRUE(process_->WaitFor("stream_refused")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("limits.robots_max"));
+  ExpectMetric("uplinkd_streams_refused_total{cause=\"full\"} 1");
+  ExpectMetric("uplinkd_protocol_errors_total 0");
+  EXPECT_THAT(HttpGet(http_, "/api/v1/status").body, HasSubstr(R"("degraded":["robots_max")"));
+}
+
+TEST_F(Refusals, AKeyThatIsNotTheCertificatesIsSaidUntilItFitsAgain) {
+  Serve();
+  const KeyPair renewed = folder_.authority().Issue(ServerSpec());
+  // The first of the two steps of a renewal.
+  std::filesystem::remove(folder_.Path("server.key"));
+  folder_.Write("server.key", renewed.key);
+  ASSERT_TRUE(process_->WaitFor("certificate_mismatch")) << process_->text();
+  EXPECT_EQ(HttpGet(http_, "/readyz").body, R"({"refuses":["identity_unavailable"]})");
+  folder_.Write("server.crt", renewed.certificate);
+  ASSERT_TRUE(process_->WaitFor("certificate_fits_again")) << process_->text();
+  EXPECT_EQ(HttpGet(http_, "/readyz").status, 200);
+}
+
+TEST_F(Refusals, AReloadThatChangesNothingIsNoWarning) {
+  Serve();
+  process_->Signal(SIGHUP);
+  ASSERT_TRUE(process_->WaitFor("reloaded ")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("info reloaded "));
+}
+
+}  // namespace
+}  // namespace uplink::testing
