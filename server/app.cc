@@ -60,10 +60,9 @@ struct Opened {
 
 absl::StatusOr<Opened> Open(const App::Options& options) {
   Opened opened;
-  const config::TlsConfig& tls = options.config.tls;
-  const auto certificate = health::LookAtCertificate(tls.certificate_file, tls.key_file);
-  if (!certificate.ok()) return certificate.status();
-  opened.certificate_expiry = certificate->expiry;
+  const auto expiry = health::CertificateExpiry(options.config.tls.certificate_file);
+  if (!expiry.ok()) return expiry.status();
+  opened.certificate_expiry = *expiry;
   const std::string path = config::SqlitePath(options.config.store);
   storage::sqlite::StoreOptions store_options;
   store_options.process = options.process;
@@ -153,6 +152,11 @@ class App::Impl {
     if (!relay_->WaitForStreams(timeout)) {
       options_.logger.Warn("streams_left", {{"streams", relay_->streams()}});
     }
+    // From now on nobody listens: the histories say so.
+    for (const fleet::Robot* robot : fleet_.Sorted()) {
+      if (robot->state.presence() == model::Presence::kUnknown) continue;
+      journal_.NotePresence(robot->id(), model::Presence::kUnknown, options_.clock.System());
+    }
     while (!journal_.idle() && options_.clock.Steady() < deadline) {
       // Nothing releases it a second time: a second signal ends the process.
       static_cast<void>(stop_.try_acquire_for(kIdleLook));
@@ -182,7 +186,6 @@ class App::Impl {
 
   void StartLoop() {
     loop_.Every(kSweepEvery, [this] { fleet_.Sweep(session_limits_.session_idle); });
-    // The relay watches the file by itself; what probes say of it must follow a rotation.
     loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
     loop_.Every(health::kHandshakeEvery, [this] {
       http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
@@ -195,14 +198,12 @@ class App::Impl {
   }
 
   void LookAtCertificate() {
-    const config::TlsConfig& tls = options_.config.tls;
-    const auto look = health::LookAtCertificate(tls.certificate_file, tls.key_file);
-    if (!look.ok() || !monitor_.NoteCertificate(*look)) return;
-    if (look->pair.ok()) {
+    const relay::FilesLook look = relay_->RefreshFiles();
+    if (!monitor_.NoteCertificate(look.expiry, look.status.ok())) return;
+    if (look.status.ok()) {
       options_.logger.Info("certificate_fits_again", {});
     } else {
-      options_.logger.Error("certificate_mismatch",
-                            {{"problem", std::string(look->pair.message())}});
+      options_.logger.Error("certificate_mismatch", {{"why", std::string(look.status.message())}});
     }
   }
 

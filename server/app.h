@@ -19,7 +19,7 @@ namespace uplink {
 /// The presence sweep.
 inline constexpr std::chrono::seconds kSweepEvery{1};
 /// How often the relay's certificate file is looked at for its expiry.
-inline constexpr std::chrono::seconds kCertificateEvery{10};
+inline constexpr std::chrono::seconds kCertificateEvery{5};
 /// After drain.timeout, for ending what did not end: streams, the commit under way.
 inline constexpr std::chrono::seconds kStopWait{5};
 

@@ -2,26 +2,15 @@
 
 #include <string>
 
-#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
 
 namespace uplink::health {
 
-/// What the relay's certificate files say now. A value.
-struct CertificateLook {
-  /// Of the first certificate.
-  SystemTime expiry;
-  /// Not OK while certificate and key do not fit, as between the two steps of a renewal: gRPC
-  /// serves no new connection then.
-  absl::Status pair;
-};
-
-/// Looks at the files.
+/// When the first certificate of a PEM file expires.
 ///
-/// Errors: kFailedPrecondition naming the file, if the certificate cannot be read or holds none.
-[[nodiscard]] absl::StatusOr<CertificateLook> LookAtCertificate(const std::string& certificate_file,
-                                                                const std::string& key_file);
+/// Errors: kFailedPrecondition naming the file, if it cannot be read or holds none.
+[[nodiscard]] absl::StatusOr<SystemTime> CertificateExpiry(const std::string& pem_file);
 
 }  // namespace uplink::health

@@ -5,7 +5,6 @@
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
-#include "server/health/certificate.h"
 #include "server/health/liveness.h"
 #include "server/health/readiness.h"
 #include "server/journal/journal.h"
@@ -34,11 +33,11 @@ class Monitor final {
   [[nodiscard]] SystemTime certificate_expiry() const {
     return FromUnixMs(certificate_expiry_ms_.load());
   }
-  /// What the files of the relay's certificate say now. Returns whether the pair began or ceased to
-  /// fit. One thread.
-  bool NoteCertificate(const CertificateLook& look) {
-    certificate_expiry_ms_.store(UnixMs(look.expiry));
-    return certificate_fits_.exchange(look.pair.ok()) != look.pair.ok();
+  /// The expiry of the certificate that is served, and whether the files on disk are what is
+  /// served. Returns whether the latter has changed. One thread.
+  bool NoteCertificate(SystemTime expiry, bool files_fit) {
+    certificate_expiry_ms_.store(UnixMs(expiry));
+    return certificate_fits_.exchange(files_fit) != files_fit;
   }
   /// New streams are refused from now on.
   void BeginDrain() { draining_.store(true); }

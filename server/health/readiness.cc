@@ -13,8 +13,6 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
   if (facts.draining) readiness.refuses.emplace_back("draining");
   const bool expired = facts.certificate_expiry <= facts.now;
   if (expired) readiness.refuses.emplace_back("certificate_expired");
-  // Without a pair that fits, TLS gives no certificate to a new connection.
-  if (!facts.certificate_fits) readiness.refuses.emplace_back("identity_unavailable");
   if (facts.robots.used >= facts.robots.limit) readiness.refuses.emplace_back("robots_max");
 
   if (facts.store_failing) readiness.degraded.emplace_back("store");
@@ -25,6 +23,7 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
   if (!expired && facts.certificate_expiry - facts.now < kCertificateNotice) {
     readiness.degraded.emplace_back("certificate_expiring");
   }
+  if (!facts.certificate_fits) readiness.degraded.emplace_back("certificate_mismatch");
   if (facts.descriptors.above(kDescriptorsPercent)) readiness.degraded.emplace_back("descriptors");
   return readiness;
 }

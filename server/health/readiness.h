@@ -31,7 +31,7 @@ struct ReadinessFacts {
   SystemTime now;
   bool draining = false;
   SystemTime certificate_expiry;
-  /// The relay's certificate and key belong together.
+  /// The PEM files on disk are those that are served.
   bool certificate_fits = true;
   Fill robots;
   bool store_failing = false;
@@ -43,11 +43,10 @@ struct ReadinessFacts {
 
 /// What /readyz says. A value.
 struct Readiness {
-  /// Why a new stream would be refused: draining, certificate_expired, identity_unavailable,
-  /// robots_max.
+  /// Why a new stream would be refused: draining, certificate_expired, robots_max.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, journal_backlog,
-  /// certificate_expiring, descriptors.
+  /// certificate_expiring, certificate_mismatch, descriptors.
   std::vector<std::string> degraded;
 
   [[nodiscard]] bool ready() const { return refuses.empty(); }

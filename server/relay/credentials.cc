@@ -14,19 +14,6 @@ namespace {
 
 using identity::NamedPem;
 
-absl::Status CheckFiles(const PemFiles& files) {
-  const auto certificate = identity::ReadPem(files.certificate);
-  if (!certificate.ok()) return certificate.status();
-  const auto key = identity::ReadPem(files.key);
-  if (!key.ok()) return key.status();
-  const auto client_ca = identity::ReadPem(files.client_ca);
-  if (!client_ca.ok()) return client_ca.status();
-  if (const absl::Status status = identity::CheckCertificate(*client_ca); !status.ok()) {
-    return status;
-  }
-  return identity::CheckServerPair(*certificate, *key);
-}
-
 absl::Status CheckTexts(const PemTexts& texts) {
   if (const absl::Status status =
           identity::CheckCertificate(NamedPem{"the client authority", texts.client_ca});
@@ -42,7 +29,6 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MutualTls(const KeyMate
   namespace tls = grpc::experimental;
   std::shared_ptr<tls::CertificateProviderInterface> provider;
   if (const auto* files = std::get_if<PemFiles>(&material)) {
-    if (const absl::Status status = CheckFiles(*files); !status.ok()) return status;
     provider = std::make_shared<tls::FileWatcherCertificateProvider>(
         files->key, files->certificate, files->client_ca,
         static_cast<unsigned int>(kFilesRefresh.count()));

@@ -11,9 +11,11 @@ namespace uplink::relay {
 
 /// Mutual TLS, always: every client must show a certificate that the client authority signed.
 ///
-/// Errors:  kFailedPrecondition names the file or part that cannot be read, does not parse, or the
-///          key that does not belong to the certificate: gRPC itself would start and then fail each
-///          handshake without a word.
+/// Files are those of ServedFiles, which are good together.
+///
+/// Errors:  kFailedPrecondition names the text that does not parse, or the key that does not belong
+///          to the certificate: gRPC itself would start and then fail each handshake without a
+///          word.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MutualTls(
     const KeyMaterial& material);
 

@@ -15,6 +15,7 @@
 #include "server/relay/gate.h"
 #include "server/relay/listenable.h"
 #include "server/relay/queue.h"
+#include "server/relay/served_files.h"
 #include "server/relay/service.h"
 
 namespace uplink::relay {
@@ -25,6 +26,8 @@ struct RelayServer::Impl {
       : parts(given), gate(options.streams_max) {}
 
   const RelayParts parts;
+  /// None with texts in place of files.
+  std::unique_ptr<ServedFiles> files;
   Gate gate;
   RelayService service;
   std::vector<std::unique_ptr<Queue>> queues;
@@ -34,11 +37,18 @@ struct RelayServer::Impl {
 
 absl::StatusOr<std::unique_ptr<RelayServer>> RelayServer::Start(const RelayOptions& options,
                                                                 const RelayParts& parts) {
-  auto credentials = MutualTls(options.key_material);
+  auto impl = std::make_unique<Impl>(options, parts);
+  KeyMaterial material = options.key_material;
+  if (const auto* files = std::get_if<PemFiles>(&material)) {
+    auto served = ServedFiles::Make(*files);
+    if (!served.ok()) return served.status();
+    impl->files = *std::move(served);
+    material = impl->files->paths();
+  }
+  auto credentials = MutualTls(material);
   if (!credentials.ok()) return credentials.status();
   if (absl::Status status = CheckListenable(options.address); !status.ok()) return status;
 
-  auto impl = std::make_unique<Impl>(options, parts);
   grpc::ServerBuilder builder;
   SetChannelArguments(options, parts.limits, builder);
   builder.AddListeningPort(config::ToText(options.address), *credentials, &impl->port);
@@ -68,6 +78,12 @@ std::uint16_t RelayServer::port() const { return static_cast<std::uint16_t>(impl
 std::size_t RelayServer::streams() const { return impl_->gate.streams(); }
 
 bool RelayServer::draining() const { return impl_->gate.closed(); }
+
+FilesLook RelayServer::RefreshFiles() {
+  if (impl_->files == nullptr) return {};
+  absl::Status status = impl_->files->Refresh();
+  return {std::move(status), impl_->files->expiry()};
+}
 
 void RelayServer::Drain(milliseconds grace) {
   if (impl_->gate.closed()) return;

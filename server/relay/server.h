@@ -10,6 +10,14 @@
 
 namespace uplink::relay {
 
+/// What a look at the PEM files found. A value.
+struct FilesLook {
+  /// Not OK: why the files on disk are not served.
+  absl::Status status;
+  /// Of the certificate that is served.
+  SystemTime expiry;
+};
+
 /// The gRPC listener for robots: UplinkRelay over mutual TLS, on completion queues of its own.
 ///
 /// Life:   Start; Drain; WaitForStreams, while the journal's writer still settles; Shutdown; then
@@ -35,6 +43,10 @@ class RelayServer final {
   /// Streams that were admitted and have not ended.
   [[nodiscard]] std::size_t streams() const;
   [[nodiscard]] bool draining() const;
+
+  /// Looks at the PEM files and serves new ones from now on (within kFilesRefresh), if they are
+  /// good together; else the last good ones. One thread. Without files: nothing is known.
+  FilesLook RefreshFiles();
 
   /// Admits no stream any more and tells those that are here, spread over a part of `grace`.
   void Drain(milliseconds grace);

@@ -42,13 +42,13 @@ TEST(Readiness, RefusesFromTheMomentTheCertificateExpires) {
   EXPECT_THAT(ReadinessOf(facts).degraded, IsEmpty());
 }
 
-TEST(Readiness, RefusesWhileCertificateAndKeyDoNotFit) {
+TEST(Readiness, ReportsFilesThatAreNotServed) {
   ReadinessFacts facts = Good();
   facts.certificate_fits = false;
-  facts.store_failing = true;
-  const Readiness readiness = ReadinessOf(facts);
-  EXPECT_THAT(readiness.refuses, ElementsAre("identity_unavailable"));
-  EXPECT_THAT(readiness.all(), ElementsAre("identity_unavailable", "store"));
+  EXPECT_TRUE(ReadinessOf(facts).ready()) << "the last good ones are served";
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("certificate_mismatch"));
+  facts.draining = true;
+  EXPECT_THAT(ReadinessOf(facts).all(), ElementsAre("draining", "certificate_mismatch"));
 }
 
 TEST(Readiness, ReportsACertificateAWeekAhead) {

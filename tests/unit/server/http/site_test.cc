@@ -53,8 +53,8 @@ TEST_F(SiteTest, ReadyzFailsOnceTheCertificateExpired) {
 
 TEST_F(SiteTest, ReadyzFollowsACertificateThatWasReplaced) {
   world_.clock.Advance(std::chrono::hours(24 * 365));
-  EXPECT_FALSE(world_.monitor.NoteCertificate(
-      {world_.clock.System() + std::chrono::hours(24 * 90), absl::OkStatus()}));
+  EXPECT_FALSE(
+      world_.monitor.NoteCertificate(world_.clock.System() + std::chrono::hours(24 * 90), true));
   EXPECT_EQ(Get("/readyz").body, R"({"degraded":[]})");
 }
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/relay/options.h"
+
+namespace uplink::relay {
+
+/// What gRPC reads in place of the PEM files: copies in memory of the last that were good together.
+/// gRPC 1.51 takes whatever it finds: a key that is not the certificate's ends all handshakes, and
+/// an empty file, as a copy in place leaves for a moment, ends the process by an assertion.
+///
+/// The copies are memory files, named by their descriptors; a change puts a whole new one under the
+/// same number at once, so that a reader sees the old or the new text and nothing between.
+///
+/// Thread: Refresh on one thread; gRPC opens the paths on its own.
+class ServedFiles final {
+ public:
+  /// Errors: kFailedPrecondition names the file that cannot be read or does not fit.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<ServedFiles>> Make(const PemFiles& files);
+  ~ServedFiles();
+  ServedFiles(const ServedFiles&) = delete;
+  ServedFiles& operator=(const ServedFiles&) = delete;
+
+  /// Looks at the files again and takes them over if they are good together; otherwise says what is
+  /// wrong, and the last good ones stay.
+  [[nodiscard]] absl::Status Refresh();
+
+  /// Of the certificate that is served.
+  [[nodiscard]] SystemTime expiry() const { return expiry_; }
+  /// Where gRPC reads.
+  [[nodiscard]] const PemFiles& paths() const { return paths_; }
+
+ private:
+  static constexpr std::size_t kFiles = 3;
+
+  explicit ServedFiles(PemFiles files) : files_(std::move(files)) {}
+  [[nodiscard]] absl::Status Take(const std::array<std::string, kFiles>& texts);
+
+  const PemFiles files_;
+  PemFiles paths_;
+  /// Certificate, key, client authority; -1 before the first.
+  std::array<int, kFiles> descriptors_{-1, -1, -1};
+  std::array<std::string, kFiles> texts_;
+  SystemTime expiry_;
+};
+
+}  // namespace uplink::relay
