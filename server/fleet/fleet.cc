@@ -10,7 +10,7 @@ namespace uplink::fleet {
 
 Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
              const PresenceChanged& changed)
-    : state(server_started, clock.System(),
+    : state(server_started, clock.Steady(), clock.System(),
             [this, &changed](Presence presence, SystemTime at) {
               if (changed) changed(this->id(), presence, at);
             }),
@@ -83,7 +83,15 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
   PresenceCounts counts;
+  // A sweep that comes late means that we stood still: the robots' messages may lie unread. They
+  // are taken before the next sweep, which judges.
+  const SteadyTime last = last_sweep_.exchange(steady);
+  const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
   for (Robot* robot : Sorted()) {
+    if (stalled) {
+      robot->state.NoteStall(steady);
+      continue;
+    }
     robot->sessions.Sweep(steady, session_idle);
     switch (robot->state.Sweep(steady, system, presence_)) {
       case Presence::kUnknown:
@@ -97,6 +105,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle) {
         break;
     }
   }
+  if (stalled) return presence_counts();
   const std::lock_guard lock(counts_mutex_);
   counts_ = counts;
   return counts;

@@ -77,6 +77,10 @@ class Fleet final {
   [[nodiscard]] const PresenceLimits& presence_limits() const { return presence_; }
   [[nodiscard]] SteadyTime server_started() const { return started_; }
 
+  /// A sweep is due each second; one that comes later than this after the last shows that the
+  /// server stood still.
+  static constexpr std::chrono::seconds kSweepLate{3};
+
   /// The periodic check: brings every robot's presence up to date, forgets sessions that have been
   /// idle for `session_idle`, and counts.
   PresenceCounts Sweep(milliseconds session_idle);
@@ -97,6 +101,8 @@ class Fleet final {
   const PresenceLimits presence_;
   const SteadyTime started_;
   PresenceChanged changed_;
+  /// Zero before the first.
+  std::atomic<SteadyTime> last_sweep_{SteadyTime()};
   std::array<Shard, kShards> shards_;
   std::atomic<std::size_t> size_{0};
   mutable std::mutex counts_mutex_;

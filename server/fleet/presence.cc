@@ -11,7 +11,8 @@ Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   if (facts.held_back_until && facts.now - *facts.held_back_until <= limits.timeout) {
     return Presence::kUnknown;
   }
-  if (!facts.last_sign_of_life && facts.now - facts.server_started <= limits.startup_grace) {
+  if (!facts.last_sign_of_life && (facts.now - facts.server_started <= limits.startup_grace ||
+                                   facts.now - facts.known_since <= limits.timeout)) {
     return Presence::kUnknown;
   }
   return Presence::kOffline;

@@ -21,6 +21,8 @@ struct PresenceLimits {
 struct PresenceFacts {
   SteadyTime now;
   SteadyTime server_started;
+  /// When this process came to know the robot: at its first Hello, or from the store at the start.
+  SteadyTime known_since;
   /// Nothing if it was not heard since the server started.
   std::optional<SteadyTime> last_sign_of_life;
   /// The server does not read its stream now.

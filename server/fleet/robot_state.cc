@@ -82,6 +82,7 @@ void RobotState::UpdatePresence(const PresenceLimits& limits) {
 PresenceFacts RobotState::Facts(SteadyTime now) const {
   return {.now = now,
           .server_started = server_started_,
+          .known_since = known_since_,
           .last_sign_of_life = last_sign_,
           .held_back = held_back_,
           .held_back_until = held_back_until_};
@@ -102,6 +103,11 @@ void RobotState::SetReading(Reading reading, SteadyTime now) {
   const bool held_back = reading == Reading::kHeldBack;
   if (held_back_ && !held_back) held_back_until_ = now;
   held_back_ = held_back;
+}
+
+void RobotState::NoteStall(SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  held_back_until_ = now;
 }
 
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {
@@ -145,7 +151,18 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
                          .clock_skew_ms = clock_skew_ms_,
                          .fields_dropped = fields_dropped_,
                          .keys_evicted = keys_evicted_};
-  if (parts == Parts::kAll) snapshot.parts = parts_;
+  switch (parts) {
+    case Parts::kNone:
+      break;
+    case Parts::kUnkeyed:
+      snapshot.parts.motion = parts_.motion;
+      snapshot.parts.status = parts_.status;
+      snapshot.parts.usage = parts_.usage;
+      break;
+    case Parts::kAll:
+      snapshot.parts = parts_;
+      break;
+  }
   return snapshot;
 }
 

@@ -108,8 +108,13 @@ class RobotState final {
   /// no lock that is held while this state is asked.
   using PresenceChanged = std::function<void(Presence presence, SystemTime at)>;
 
-  RobotState(SteadyTime server_started, SystemTime now, PresenceChanged changed = {})
-      : server_started_(server_started), changed_(std::move(changed)), presence_since_(now) {}
+  /// `known_since` and `system_now` are the same moment.
+  RobotState(SteadyTime server_started, SteadyTime known_since, SystemTime system_now,
+             PresenceChanged changed = {})
+      : server_started_(server_started),
+        known_since_(known_since),
+        changed_(std::move(changed)),
+        presence_since_(system_now) {}
 
   /// Applies live records in order. All must be live kinds.
   void Apply(std::vector<model::Record>& records);
@@ -119,6 +124,8 @@ class RobotState final {
   /// The server stopped (true) or began again to read the robot's stream.
   enum class Reading : std::uint8_t { kHeldBack, kFlowing };
   void SetReading(Reading reading, SteadyTime now);
+  /// The server itself stood still until now: what it did not hear meanwhile proves nothing.
+  void NoteStall(SteadyTime now);
   void NoteClockSkew(std::int64_t skew_ms);
   /// A new stream begins: its dropped fields are counted from zero.
   void StreamBegan();
@@ -129,8 +136,8 @@ class RobotState final {
   [[nodiscard]] Presence presence() const;
   [[nodiscard]] bool held_back() const;
 
-  /// `with_parts` false leaves the live parts empty.
-  enum class Parts : std::uint8_t { kNone, kAll };
+  /// Which live parts a snapshot copies: none; those without a key (motion, status, usage); all.
+  enum class Parts : std::uint8_t { kNone, kUnkeyed, kAll };
   [[nodiscard]] StateSnapshot Snapshot(Parts parts) const;
 
  private:
@@ -139,6 +146,7 @@ class RobotState final {
   [[nodiscard]] PresenceFacts Facts(SteadyTime now) const;
 
   const SteadyTime server_started_;
+  const SteadyTime known_since_;
   const PresenceChanged changed_;
   mutable std::mutex mutex_;
   LiveParts parts_;

@@ -69,7 +69,7 @@ struct JournalLimits {
 
 /// How often what expired is swept from the store, and how soon again where more is left.
 inline constexpr std::chrono::seconds kSweepInterval{60};
-inline constexpr std::chrono::seconds kSweepAgain{1};
+inline constexpr std::chrono::milliseconds kSweepAgain{100};
 
 /// What the operator sees of the journal.
 struct JournalProbe {
@@ -107,8 +107,8 @@ class Journal final {
   /// A robot's presence changed: a record of the server's own. It is in no count of this class but
   /// idle(), and holds no stream back: at most one a robot waits.
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
-  /// A robot whose last change of an earlier life of the server is `stored` is unknown now: its
-  /// history must not claim the time of our absence.
+  /// A robot whose last change of an earlier life of the server is `stored` is unknown from now on.
+  /// A server that stopped in order has said so then; of one that was killed nobody knows when.
   void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
 
   [[nodiscard]] bool HasRoom() const {

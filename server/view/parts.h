@@ -47,6 +47,11 @@ class PartSet {
 
   /// Whether one of them lies in the robot's live state.
   [[nodiscard]] bool AnyLive() const { return (bits_ & ~StoredBits()).any(); }
+  /// A part that holds many items, by key.
+  [[nodiscard]] bool AnyKeyed() const {
+    return Has(Part::kExtras) || Has(Part::kHealth) || Has(Part::kConsumables) ||
+           Has(Part::kDirectives);
+  }
 
   friend bool operator==(const PartSet&, const PartSet&) = default;
 

@@ -18,7 +18,21 @@ RobotView Look(const fleet::Robot& robot, fleet::RobotState::Parts parts) {
 }
 
 fleet::RobotState::Parts Wanted(const PartSet& parts) {
-  return parts.AnyLive() ? fleet::RobotState::Parts::kAll : fleet::RobotState::Parts::kNone;
+  using enum fleet::RobotState::Parts;
+  if (parts.AnyKeyed()) return kAll;
+  return parts.AnyLive() ? kUnkeyed : kNone;
+}
+
+/// About how many bytes a copy of the keyed parts holds.
+std::size_t BytesOf(const fleet::LiveParts& parts) {
+  constexpr std::size_t kItemBytes = 256;
+  std::size_t bytes = kItemBytes * (parts.health.items().size() + parts.consumables.items().size() +
+                                    parts.directives.items().size());
+  for (const auto& [key, extra] : parts.extras.items()) {
+    const auto* text = std::get_if<std::string>(&extra.value);
+    bytes += kItemBytes + (text == nullptr ? 0 : text->size());
+  }
+  return bytes;
 }
 
 std::vector<std::string> RurisOf(const std::vector<RobotView>& robots) {
@@ -74,12 +88,14 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
     after = std::move(*ruri);
   }
   RobotsPage page;
+  std::size_t bytes = 0;
   for (const fleet::Robot* robot : sources_.fleet.Sorted()) {
     if (!Matches(*robot, query)) continue;
     ++page.total;
     if (robot->ruri() <= after) continue;
-    if (page.robots.size() < query.page_size) {
+    if (page.robots.size() < query.page_size && bytes < storage::kPageBytesMax) {
       page.robots.push_back(Look(*robot, Wanted(query.parts)));
+      bytes += BytesOf(page.robots.back().state.parts);
     } else if (page.next_token.empty()) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }

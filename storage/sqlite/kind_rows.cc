@@ -25,7 +25,8 @@ absl::StatusOr<model::SessionId> SessionOf(const Rows& rows) {
 ListFilter FilterOf(const MissionsQuery& query, bool open) {
   ListFilter filter;
   if (!query.mission_id.empty()) {
-    filter.sql += " AND mission_id = ?";
+    // A mission may be that of a whole fleet: where a robot is named, its index is the better one.
+    filter.sql += query.rows.ruri.empty() ? " AND mission_id = ?" : " AND +mission_id = ?";
     filter.values.emplace_back(std::string_view(query.mission_id));
   }
   if (!query.run_id.empty()) {

@@ -83,7 +83,7 @@ class FleetRun(EndToEnd):
         damages = {
             "fault reports": "DELETE FROM faults_history WHERE rowid IN (SELECT min(rowid) FROM faults_history)",
             "events": "DELETE FROM events WHERE rowid IN (SELECT min(rowid) FROM events)",
-            "mission runs": "UPDATE mission_runs SET updates = updates + 1 WHERE rowid = 1",
+            "mission updates": "UPDATE mission_runs SET updates = updates + 1 WHERE rowid = 1",
             "objects present": "DELETE FROM objects WHERE id LIKE '%-1-marker'",
             "latest UI capabilities": "UPDATE latest SET body = '{}' WHERE kind = 2",
             "presence histories": "UPDATE presence_changes SET presence = 2",

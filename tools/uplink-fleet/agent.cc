@@ -44,10 +44,12 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
       }
       break;
     case Stage::kLast:
-      if (!std::exchange(last_offered_, true)) {
+      if (last_offered_ < shared_.last_round.load()) {
+        ++last_offered_;
         for (Outgoing& message : script_.Last(now_ms, ledger_)) model_.Offer(std::move(message));
       }
-      if (model_.all_settled() && !std::exchange(reported_last_, true)) {
+      if (model_.all_settled() && reported_last_ < last_offered_) {
+        reported_last_ = last_offered_;
         shared_.last_robots.fetch_add(1);
       }
       break;

@@ -50,9 +50,10 @@ class Agent final {
   std::string mark_;
   std::optional<SteadyTime> last_sent_;
   std::uint64_t silences_ = 0;
-  bool last_offered_ = false;
+  /// Rounds of kLast that were begun, and settled.
+  std::size_t last_offered_ = 0;
   bool reported_settled_ = false;
-  bool reported_last_ = false;
+  std::size_t reported_last_ = 0;
   bool ended_ok_ = false;
 };
 

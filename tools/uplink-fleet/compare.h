@@ -18,9 +18,15 @@ void CompareRows(const RobotOutcome& robot, const StoredRobot& stored, const std
 /// The robot as the server showed it while it was still connected; null: it was not listed.
 void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& findings);
 
-/// The changes of presence up to `until_ms` (the server's clock, while the robot was connected):
-/// the latest is online, and the robot was called offline at most as often as it was silent itself.
-void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, std::int64_t until_ms,
+/// A span of the server's clock.
+struct Span {
+  std::int64_t from_ms = 0;
+  std::int64_t to_ms = 0;
+};
+
+/// The changes of presence: the latest up to the span's end, while the robot was connected, is
+/// online, and within the span it was called offline at most as often as it was silent itself.
+void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
                      Findings& findings);
 
 }  // namespace uplink::synthetic

@@ -75,20 +75,21 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
               live->ui_capabilities(), findings);
 }
 
-void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, std::int64_t until_ms,
+void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
                      Findings& findings) {
   findings.Expect(Thing::kPresenceHistory);
   const v1::PresenceChange* latest = nullptr;
   std::uint64_t offline = 0;
   for (const v1::PresenceChange& change : stored.presence) {
-    if (change.at_ms() > until_ms) continue;
+    if (change.at_ms() > run.to_ms) continue;
     if (latest == nullptr) latest = &change;  // the newest comes first
-    if (change.presence() == v1::PRESENCE_OFFLINE) ++offline;
+    const bool within = change.at_ms() >= run.from_ms;
+    if (within && change.presence() == v1::PRESENCE_OFFLINE) ++offline;
   }
-  // A robot that was online when the run began need not have changed since.
-  if (latest != nullptr && latest->presence() != v1::PRESENCE_ONLINE) {
-    return findings.Differ(Thing::kPresenceHistory, robot.ruri, "online at last",
-                           v1::Presence_Name(latest->presence()));
+  if (latest == nullptr || latest->presence() != v1::PRESENCE_ONLINE) {
+    return findings.Differ(
+        Thing::kPresenceHistory, robot.ruri, "online at last",
+        latest == nullptr ? "no change at all" : v1::Presence_Name(latest->presence()));
   }
   if (offline > robot.silences) {
     return findings.Differ(Thing::kPresenceHistory, robot.ruri,

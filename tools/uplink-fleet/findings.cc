@@ -42,8 +42,8 @@ ThingText TextOf(Thing thing) {
       return {"messages for people", true};
     case Thing::kMissionRuns:
       return {"mission runs", true};
-    case Thing::kMissionReports:
-      return {"mission reports", true};
+    case Thing::kMissionUpdates:
+      return {"mission updates", true};
     case Thing::kShapes:
       return {"shapes present", true};
     case Thing::kObjects:

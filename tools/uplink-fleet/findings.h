@@ -29,7 +29,7 @@ enum class Thing : std::uint8_t {
   kEvents,
   kMessages,
   kMissionRuns,
-  kMissionReports,
+  kMissionUpdates,
   kShapes,
   kObjects,
   kQuarantine,

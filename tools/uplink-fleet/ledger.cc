@@ -1,5 +1,7 @@
 #include "tools/uplink-fleet/ledger.h"
 
+#include <algorithm>
+
 #include "tools/uplink-fleet/rows.h"
 
 namespace uplink::synthetic {
@@ -101,6 +103,10 @@ void Ledger::EnterLive(const model::Body& body) {
           },
           [](const auto& /*durable*/) {}},
       body);
+}
+
+std::uint64_t Ledger::good_acked() const {
+  return static_cast<std::uint64_t>(std::ranges::count_if(sent_, &SentMessage::acked));
 }
 
 void Ledger::Settle(Settled settled) {

@@ -76,6 +76,7 @@ class Ledger final {
   [[nodiscard]] const std::vector<SentMessage>& sent() const { return sent_; }
   [[nodiscard]] const std::map<std::uint64_t, WrongReport>& wrongs() const { return wrongs_; }
   [[nodiscard]] std::uint64_t good() const { return sent_.size() - wrongs_.size(); }
+  [[nodiscard]] std::uint64_t good_acked() const;
   /// Upserts that name an expiry: the server may call them superseded if they come too late.
   [[nodiscard]] std::uint64_t expiring() const { return expiring_; }
 

@@ -34,6 +34,8 @@ constexpr milliseconds kPlainProgressEvery{5000};
 constexpr milliseconds kFirstWelcomeDeadline{15'000};
 /// The counters of the queue threads are published a moment after the acks.
 constexpr milliseconds kCountersDeadline{3000};
+/// For a server that does not answer while it is looked at: a start takes a second or two.
+constexpr milliseconds kAnswerDeadline{10'000};
 
 constexpr std::array<const char*, kStatusCodes> kStatusNames = {
     "OK",        "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",
@@ -117,20 +119,37 @@ class Run {
     shared_.stage.store(Stage::kSettle);
     if (!WaitFor(shared_.settled_robots, flags_.settle_for)) return;
     shared_.stage.store(Stage::kLast);
-    if (!WaitFor(shared_.last_robots, flags_.settle_for)) return;
-    auto live = view_.Robots(flags_.swarm.fleet);
-    const auto status = view_.Status();
-    if (live.ok() && status.ok()) {
+    const SteadyTime start = clock_.Steady();
+    for (std::size_t round = 1; clock_.Steady() - start < flags_.settle_for; ++round) {
+      const auto began = Again([this] { return view_.Status(); });
+      shared_.last_round.store(round);
+      if (!WaitFor(shared_.last_robots, flags_.settle_for, round)) return;
+      auto live = Again([this] { return view_.Robots(flags_.swarm.fleet); });
+      const auto ended = Again([this] { return view_.Status(); });
+      if (!began.ok() || !live.ok() || !ended.ok()) continue;
       live_ = std::move(*live);
-      live_at_ms_ = status->now_ms();
-    } else {
-      shared_.KeepFirstError(std::string((live.ok() ? status.status() : live.status()).message()));
+      live_at_ms_ = ended->now_ms();
+      // A server that was started anew in between has forgotten what it acked as judged.
+      if (began->started_at_ms() == ended->started_at_ms()) return;
     }
   }
 
-  bool WaitFor(const std::atomic<std::size_t>& robots, milliseconds deadline) {
+  /// Asks again for some seconds while the server does not answer: it may be starting.
+  template <typename Ask>
+  auto Again(const Ask& ask) -> decltype(ask()) {
     const SteadyTime start = clock_.Steady();
-    while (robots.load() < flags_.swarm.robots) {
+    while (true) {
+      auto answer = ask();
+      if (answer.ok() || clock_.Steady() - start > kAnswerDeadline) return answer;
+      shared_.KeepFirstError(std::string(answer.status().message()));
+      if (signals_.Wait(kLook)) return answer;
+    }
+  }
+
+  bool WaitFor(const std::atomic<std::size_t>& robots, milliseconds deadline,
+               std::size_t times = 1) {
+    const SteadyTime start = clock_.Steady();
+    while (robots.load() < flags_.swarm.robots * times) {
       if (clock_.Steady() - start > deadline) return false;
       Progress();
       // A second signal while settling gives up the rest.
@@ -142,7 +161,7 @@ class Run {
   absl::Status Gather() {
     const SteadyTime start = clock_.Steady();
     while (true) {
-      absl::StatusOr<v1::ServerStatus> after = view_.Status();
+      absl::StatusOr<v1::ServerStatus> after = Again([this] { return view_.Status(); });
       if (!after.ok()) return after.status();
       evidence_.after = std::move(*after);
       const auto in_flight = evidence_.after.uplinks().find("inFlight");
@@ -155,11 +174,12 @@ class Run {
       evidence_.fleet.Add(robot);
       const auto live = live_.find(robot.ruri);
       CompareLive(robot, live == live_.end() ? nullptr : &live->second, evidence_.findings);
-      const auto stored = view_.Stored(robot.ruri, evidence_.before.now_ms());
+      const auto stored =
+          Again([&] { return view_.Stored(robot.ruri, evidence_.before.now_ms()); });
       if (!stored.ok()) return stored.status();
       ++evidence_.robots_read;
       CompareRows(robot, *stored, flags_.swarm.scenario.run, evidence_.findings);
-      ComparePresence(robot, *stored, live_at_ms_, evidence_.findings);
+      ComparePresence(robot, *stored, {evidence_.before.now_ms(), live_at_ms_}, evidence_.findings);
     }
     return absl::OkStatus();
   }

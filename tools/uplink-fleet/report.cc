@@ -54,7 +54,7 @@ std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& r
       "{} rejects, {} breaks, {} drains{}\n",
       figures.robots, figures.seconds, figures.seed, figures.run, figures.sent, figures.resent,
       figures.acked_durable, figures.rejects, figures.breaks, figures.drains,
-      figures.restarted ? ", server restarted: rows and acks only" : "");
+      figures.restarted ? ", server restarted: its counters are left out" : "");
   for (const auto& [name, count] : figures.ends) {
     text += fmt::format("streams ended {}: {}\n", name, count);
   }

@@ -27,6 +27,9 @@ inline constexpr std::size_t kStatusCodes = 17;
 /// What main and the robots' threads share. Thread-safe: counters are atomic and only grow.
 struct Shared {
   std::atomic<Stage> stage{Stage::kRun};
+  /// In kLast: which time the last messages are sent; more than once if the server was started anew
+  /// before it could be looked at.
+  std::atomic<std::size_t> last_round{0};
   /// Robots give up what they wait for.
   std::atomic<bool> abandon{false};
 
@@ -42,6 +45,7 @@ struct Shared {
   std::array<std::atomic<std::uint64_t>, kStatusCodes> ends{};
   /// Robots that have done what the stage asks for.
   std::atomic<std::size_t> settled_robots{0};
+  /// Once for each round of kLast.
   std::atomic<std::size_t> last_robots{0};
   std::atomic<std::size_t> closed_robots{0};
 

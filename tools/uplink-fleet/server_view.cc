@@ -112,8 +112,8 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
           http_, history("messages"), [](auto& page) { return page.mutable_messages(); },
           into(stored.messages)),
       FetchPages<v1::ListPresenceChangesResponse>(
-          http_, history("presence"), [](auto& page) { return page.mutable_changes(); },
-          into(stored.presence)),
+          http_, fmt::format("/api/v1/robots/{}/presence", name),
+          [](auto& page) { return page.mutable_changes(); }, into(stored.presence)),
       FetchPages<v1::ListQuarantineResponse>(
           http_, history("quarantine"), [](auto& page) { return page.mutable_items(); },
           into(stored.quarantine)),

@@ -105,6 +105,7 @@ void FleetTotals::Add(const RobotOutcome& robot) {
   numbers += robot.last_seq;
   sent += robot.sent;
   durable += robot.ledger.good();
+  acked += robot.ledger.good_acked();
   expiring += robot.ledger.expiring();
   wrongs += robot.ledger.wrongs().size();
   for (const auto& [tag, wrong] : robot.ledger.wrongs()) {
@@ -124,6 +125,8 @@ std::vector<CheckRow> Verify(const Evidence& evidence) {
   std::vector<CheckRow> rows;
   rows.push_back({"robots with all settled", Text(fleet.settled_robots), "", "",
                   fleet.settled_robots == fleet.robots, ""});
+  rows.push_back({"durable messages acked", Text(fleet.durable), Text(fleet.acked), "",
+                  fleet.acked == fleet.durable, ""});
   rows.push_back(
       {"streams ended OK", robots, Text(fleet.ended_ok), "", fleet.ended_ok == fleet.robots, ""});
   rows.push_back({"protocol rules broken", "0", Text(evidence.rules_broken), "",

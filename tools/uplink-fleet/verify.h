@@ -27,6 +27,8 @@ struct FleetTotals {
   std::uint64_t numbers = 0;
   std::uint64_t sent = 0;
   std::uint64_t durable = 0;
+  /// Of these, those that an Ack covered.
+  std::uint64_t acked = 0;
   std::uint64_t expiring = 0;
   std::uint64_t wrongs = 0;
   /// By reason, as counters and JSON spell it.

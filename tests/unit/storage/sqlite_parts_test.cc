@@ -119,6 +119,14 @@ TEST_F(SqlitePlans, FindsOpenRunsAndWhatExpiredByIndexesOfTheirOwn) {
   MissionsQuery run;
   run.run_id = "r";
   EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(run, false)), HasSubstr("mission_runs_by_run"));
+  MissionsQuery mission;
+  mission.mission_id = "m";
+  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(mission, false)),
+              HasSubstr("mission_runs_by_mission"));
+  mission.rows.ruri = "r";
+  EXPECT_THAT(Plan(kMissionRuns, mission.rows, FilterOf(mission, false)),
+              HasSubstr("mission_runs_by_robot"))
+      << "a mission may be a whole fleet's";
 }
 
 }  // namespace

@@ -101,6 +101,7 @@ TEST_F(AgentTest, GoesThroughTheStagesAndClosesOnlyWhenAllIsSettled) {
   Tick(agent);
   EXPECT_EQ(shared_.settled_robots.load(), 1U);
   const model::Seq before = highest_;
+  shared_.last_round = 1;
   shared_.stage = Stage::kLast;
   Tick(agent);
   Take(agent);
@@ -109,6 +110,15 @@ TEST_F(AgentTest, GoesThroughTheStagesAndClosesOnlyWhenAllIsSettled) {
   Ack(agent);
   Tick(agent);
   EXPECT_EQ(shared_.last_robots.load(), 1U);
+  const model::Seq first_round = highest_;
+  shared_.last_round = 2;  // the server was started anew before it was looked at
+  Tick(agent);
+  Take(agent);
+  EXPECT_GE(highest_, first_round + 2);
+  EXPECT_EQ(shared_.last_robots.load(), 1U);
+  Ack(agent);
+  Tick(agent);
+  EXPECT_EQ(shared_.last_robots.load(), 2U);
   EXPECT_FALSE(agent.may_close());
   shared_.stage = Stage::kClose;
   EXPECT_TRUE(agent.may_close());

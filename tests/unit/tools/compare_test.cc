@@ -28,7 +28,7 @@ std::vector<Thing> Differing(const RobotOutcome& robot, const StoredRobot& store
   Findings findings;
   CompareRows(robot, stored, kRun, findings);
   CompareLive(robot, live, findings);
-  ComparePresence(robot, stored, TheMirror().now_ms, findings);
+  ComparePresence(robot, stored, {kStartMs, TheMirror().now_ms}, findings);
   std::vector<Thing> things;
   for (std::size_t i = 0; i < kThings; ++i) {
     if (findings.Of(static_cast<Thing>(i)).differences > 0) things.push_back(static_cast<Thing>(i));
@@ -84,7 +84,7 @@ std::vector<RowCase> RowCases() {
           CaseOf<v1::RobotMessage>("messages", Thing::kMessages, &StoredRobot::messages,
                                    [](v1::RobotMessage& row) { row.set_sampled_at_ms(1); }),
           CaseOf<v1::MissionRun>("runs", Thing::kMissionRuns, &StoredRobot::runs,
-                                 [](v1::MissionRun& row) { row.set_updates(row.updates() + 1); }),
+                                 [](v1::MissionRun& row) { row.set_name("other"); }),
           CaseOf<v1::Shape>("shapes", Thing::kShapes, &StoredRobot::shapes,
                             [](v1::Shape& row) { row.set_rev(row.rev() - 1); }),
           CaseOf<v1::TrackedObject>("objects", Thing::kObjects, &StoredRobot::objects,
@@ -201,6 +201,32 @@ TEST(Compare, AHistoryThatIsOutOfOrderIsFound) {
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live), ElementsAre(Thing::kEvents));
 }
 
+TEST(Compare, ARunWithAnotherNumberOfReportsIsFound) {
+  StoredRobot stored = TheMirror().stored;
+  stored.runs.back().set_updates(stored.runs.back().updates() - 1);
+  EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live),
+              ElementsAre(Thing::kMissionUpdates));
+}
+
+TEST(Compare, AnActiveFaultWhoseFirstRaiseIsNotKeptIsFound) {
+  StoredRobot stored = TheMirror().stored;
+  v1::Fault& row = stored.active_faults.back();
+  row.set_raised_at_ms(row.raised_at_ms() + 1);
+  EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live),
+              ElementsAre(Thing::kActiveFaults));
+}
+
+TEST(Compare, APresenceHistoryThatIsEmptyIsFound) {
+  StoredRobot stored = TheMirror().stored;
+  stored.presence.clear();
+  EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live),
+              ElementsAre(Thing::kPresenceHistory));
+  stored = TheMirror().stored;
+  stored.presence.front().set_at_ms(kStartMs - 1);
+  EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live), IsEmpty())
+      << "it was online before the run began";
+}
+
 TEST(Compare, WhatHasExpiredMustBeGoneAndNotSooner) {
   StoredRobot stored = TheMirror().stored;
   std::int64_t next_ms = 0;
@@ -274,6 +300,8 @@ TEST(Compare, APresenceHistoryThatClaimsOffline) {
     change.set_at_ms(at_ms);
     stored.presence.insert(stored.presence.begin(), change);
   };
+  put(v1::PRESENCE_OFFLINE, kStartMs - 1000);
+  put(v1::PRESENCE_ONLINE, kStartMs - 500);
   put(v1::PRESENCE_OFFLINE, kStartMs + 1000);
   put(v1::PRESENCE_ONLINE, kStartMs + 2000);
   put(v1::PRESENCE_OFFLINE, TheMirror().now_ms + 1);

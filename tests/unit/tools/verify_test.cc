@@ -21,6 +21,7 @@ Evidence Good() {
                     .numbers = 6,
                     .sent = 6,
                     .durable = 3,
+                    .acked = 3,
                     .expiring = 1,
                     .wrongs = 1,
                     .wrongs_by_reason = {{"missing_field", 1}},
@@ -117,6 +118,7 @@ TEST(Verify, WhatIsUnsettledBrokenOrUnreadIsAMismatch) {
   Evidence evidence = Good();
   evidence.fleet.settled_robots = 0;
   evidence.fleet.ended_ok = 0;
+  evidence.fleet.acked = 2;
   evidence.rules_broken = 1;
   evidence.robots_read = 0;
   (*evidence.after.mutable_uplinks())["inFlight"] = 1;
@@ -124,9 +126,9 @@ TEST(Verify, WhatIsUnsettledBrokenOrUnreadIsAMismatch) {
   evidence.disturbed = true;
   evidence.fleet.numbers = 7;
   EXPECT_THAT(Mismatches(evidence),
-              ElementsAre("robots with all settled", "streams ended OK", "protocol rules broken",
-                          "in flight at the end", "good: stored, applied or superseded",
-                          "robots whose rows were read"));
+              ElementsAre("robots with all settled", "durable messages acked", "streams ended OK",
+                          "protocol rules broken", "in flight at the end",
+                          "good: stored, applied or superseded", "robots whose rows were read"));
 }
 
 TEST(Verify, EveryThingHasARowOfItsOwn) {

@@ -10,6 +10,8 @@ namespace {
 
 using ::testing::ElementsAre;
 
+using std::chrono::seconds;
+
 constexpr milliseconds kIdle = std::chrono::hours(1);
 
 class FleetTest : public ::testing::Test {
@@ -80,11 +82,43 @@ TEST_F(FleetTest, SweepCountsPresence) {
   EXPECT_EQ(fleet.presence_counts().offline, 1);
 }
 
-TEST_F(FleetTest, TheGraceBeginsWithTheServerNotWithTheRobot) {
+TEST_F(FleetTest, ARobotThatIsNewHasATimeoutToBeHeard) {
   Fleet fleet(clock_, 100, {});
   clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
   Admit(fleet, "rcan://late");
+  EXPECT_EQ(fleet.Sweep(kIdle).unknown, 1) << "between its Hello and its first message";
+  clock_.Advance(seconds(2));
+  EXPECT_EQ(fleet.Sweep(kIdle).unknown, 1);
+  for (int i = 0; i < 4; ++i) {
+    clock_.Advance(seconds(2));
+    EXPECT_EQ(fleet.Sweep(kIdle).unknown, 1) << i;
+  }
+  clock_.Advance(milliseconds(1));
   EXPECT_EQ(fleet.Sweep(kIdle).offline, 1);
+}
+
+TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard) {
+  Fleet fleet(clock_, 100, {});
+  Robot& heard = Admit(fleet, "rcan://heard");
+  Robot& gone = Admit(fleet, "rcan://gone");
+  const PresenceLimits& limits = fleet.presence_limits();
+  heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  gone.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  EXPECT_EQ(fleet.Sweep(kIdle).online, 2);
+  clock_.Advance(std::chrono::minutes(3));
+  EXPECT_EQ(fleet.Sweep(kIdle).online, 2) << "what lies unread comes first";
+  heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  clock_.Advance(seconds(1));
+  EXPECT_EQ(fleet.Sweep(kIdle).online, 1);
+  EXPECT_EQ(gone.state.presence(), Presence::kUnknown);
+  for (int i = 0; i < 3; ++i) {
+    clock_.Advance(Fleet::kSweepLate);
+    fleet.Sweep(kIdle);
+  }
+  EXPECT_EQ(gone.state.presence(), Presence::kUnknown) << "a timeout after the standstill";
+  clock_.Advance(seconds(1));
+  fleet.Sweep(kIdle);
+  EXPECT_EQ(gone.state.presence(), Presence::kOffline);
 }
 
 TEST_F(FleetTest, SweepForgetsIdleSessions) {

@@ -25,7 +25,7 @@ class RobotStateTest : public ::testing::Test {
 
   testing::ManualClock clock_;
   const PresenceLimits limits_{};
-  RobotState state_{clock_.Steady(), clock_.System()};
+  RobotState state_{clock_.Steady(), clock_.Steady(), clock_.System()};
 };
 
 model::TelemetryExtras Extras(std::vector<model::SensorReading> readings) {
@@ -246,7 +246,7 @@ TEST_F(RobotStateTest, KeepsTheLatestClockSkew) {
 
 TEST(RobotStateDeathTest, ADurableKindIsNeverApplied) {
   testing::ManualClock clock;
-  RobotState state(clock.Steady(), clock.System());
+  RobotState state(clock.Steady(), clock.Steady(), clock.System());
   std::vector<model::Record> records{
       test::RecordOf(model::Message{.unix_time_ms = kNow, .message = "hello"})};
   EXPECT_DEATH(state.Apply(records), "only live kinds");

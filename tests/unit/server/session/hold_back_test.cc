@@ -194,8 +194,11 @@ TEST_F(HoldBackTest, PresenceIsUnknownInsteadOfOffline) {
   EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
   server().Commit();
   EXPECT_EQ(Swept(), fleet::Presence::kUnknown) << "for presence.timeout after";
-  server().Pass(std::chrono::seconds(10));
-  EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
+  // Sweep by sweep: one that came late would be a standstill of the server.
+  for (int i = 0; i < 5; ++i) {
+    server().Pass(std::chrono::seconds(2));
+    EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
+  }
   server().Pass(milliseconds(1));
   EXPECT_EQ(Swept(), fleet::Presence::kOffline);
 }

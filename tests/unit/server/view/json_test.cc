@@ -37,7 +37,7 @@ RobotView EmptyRobot() {
 }
 
 fleet::LiveParts EveryPart() {
-  fleet::RobotState state(SteadyTime(), FromUnixMs(0));
+  fleet::RobotState state(SteadyTime(), SteadyTime(), FromUnixMs(0));
   std::vector<model::Record> records;
   records.push_back(uplink::test::RecordOf(model::MotionTelemetry{
       .unix_time_ms = 11,

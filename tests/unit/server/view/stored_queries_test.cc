@@ -41,7 +41,8 @@ class StoredQueriesTest : public ::testing::Test {
   }
   std::vector<std::string> Runs(const storage::MissionsQuery& query) {
     std::vector<std::string> runs;
-    for (const auto& row : world_.queries.MissionRuns(query)->rows) runs.push_back(row.run_id);
+    const auto page = world_.queries.MissionRuns(query);
+    for (const storage::MissionRunRow& row : page->rows) runs.push_back(row.run_id);
     return runs;
   }
 
