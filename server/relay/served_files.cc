@@ -27,7 +27,7 @@ absl::StatusOr<int> MemoryFile(const std::string& text) {
     const ssize_t n = write(fd, text.data() + written, text.size() - written);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
-      const absl::Status failed = SystemError("write to a memory file");
+      absl::Status failed = SystemError("write to a memory file");
       close(fd);
       return failed;
     }
@@ -79,7 +79,7 @@ absl::Status ServedFiles::Take(const std::array<std::string, kFiles>& texts) {
       continue;
     }
     const bool swapped = dup3(*fresh, descriptors_[i], O_CLOEXEC) >= 0;
-    const absl::Status failed = swapped ? absl::OkStatus() : SystemError("dup3");
+    absl::Status failed = swapped ? absl::OkStatus() : SystemError("dup3");
     close(*fresh);
     if (!swapped) return failed;
   }
