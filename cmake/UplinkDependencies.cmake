@@ -6,6 +6,9 @@ find_package(spdlog REQUIRED)
 find_package(Protobuf REQUIRED) # module mode: Debian's protobuf 3.21 ships no CMake configuration
 find_package(CapnProto REQUIRED)
 find_package(SQLite3 REQUIRED)
+# CMake's own module asks for the server's headers, which a client does without.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(libpq REQUIRED IMPORTED_TARGET libpq)
 find_package(OpenSSL REQUIRED)
 find_package(prometheus-cpp REQUIRED CONFIG) # its package states no version
 find_package(tomlplusplus REQUIRED)

@@ -59,12 +59,20 @@ function(uplink_program name)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} uplink_warnings)
 endfunction()
 
-# uplink_test(name RING unit|component|e2e SOURCES a.cc ... LINK lib ... [TIMEOUT seconds])
-# Every test of the binary becomes a CTest test of that ring.
+# Where a private PostgreSQL cluster of the test run says what it is; tests/CMakeLists.txt starts it.
+set(UPLINK_TEST_POSTGRES "${CMAKE_BINARY_DIR}/postgres.state")
+
+# uplink_test(name RING unit|component|e2e SOURCES a.cc ... LINK lib ... [NEEDS postgres]
+#             [TIMEOUT seconds])
+# Every test of the binary becomes a CTest test of that ring. NEEDS names what CTest starts before.
 function(uplink_test name)
-  cmake_parse_arguments(ARG "" "RING;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "RING;TIMEOUT" "SOURCES;LINK;NEEDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  set(needs)
+  if(ARG_NEEDS)
+    set(needs FIXTURES_REQUIRED "${ARG_NEEDS}" ENVIRONMENT "UPLINK_TEST_POSTGRES=${UPLINK_TEST_POSTGRES}")
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
@@ -74,6 +82,6 @@ function(uplink_test name)
     ${name}
     TEST_PREFIX "${name}."
     DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${ARG_RING} TIMEOUT ${ARG_TIMEOUT}
+    PROPERTIES LABELS ${ARG_RING} TIMEOUT ${ARG_TIMEOUT} ${needs}
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
 endfunction()

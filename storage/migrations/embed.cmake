@@ -1,7 +1,7 @@
-# cmake -DOUTPUT=x.cc -DFOLDER=dir -DNAMES=0001_a,0002_b -P embed.cmake
+# cmake -DOUTPUT=x.cc -DFOLDER=dir -DSTORE=sqlite -DNAMES=0001_a,0002_b -P embed.cmake
 # Writes the migrations as one C++ source, so that the program needs no file of ours at run time.
 string(REPLACE "," ";" NAMES "${NAMES}")
-set(TEXT "#include \"storage/sqlite/migrations.h\"\n\nnamespace uplink::storage::sqlite {\nnamespace {\n\n")
+set(TEXT "#include \"storage/${STORE}/migrations.h\"\n\nnamespace uplink::storage::${STORE} {\nnamespace {\n\n")
 string(APPEND TEXT "constexpr Migration kMigrations[] = {\n")
 set(EXPECTED 0)
 foreach(NAME IN LISTS NAMES)
@@ -15,5 +15,5 @@ foreach(NAME IN LISTS NAMES)
   string(APPEND TEXT "    {${EXPECTED}, \"${NAME}\", \"${SUM}\", R\"migration(${SQL})migration\"},\n")
 endforeach()
 string(APPEND TEXT "};\n\n}  // namespace\n\nstd::span<const Migration> Migrations() { return kMigrations; }\n\n")
-string(APPEND TEXT "}  // namespace uplink::storage::sqlite\n")
+string(APPEND TEXT "}  // namespace uplink::storage::${STORE}\n")
 file(WRITE "${OUTPUT}" "${TEXT}")

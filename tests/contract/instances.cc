@@ -3,9 +3,9 @@
 
 namespace uplink::testing {
 
-INSTANTIATE_TEST_SUITE_P(Stores, StoreContract, ::testing::Values(FakeKind(), SqliteKind()),
+INSTANTIATE_TEST_SUITE_P(Stores, StoreContract, ::testing::Values(FakeKind(), SqliteKind(), PostgresKind()),
                          NameOfKind);
-INSTANTIATE_TEST_SUITE_P(Stores, PresentContract, ::testing::Values(FakeKind(), SqliteKind()),
+INSTANTIATE_TEST_SUITE_P(Stores, PresentContract, ::testing::Values(FakeKind(), SqliteKind(), PostgresKind()),
                          NameOfKind);
 
 }  // namespace uplink::testing

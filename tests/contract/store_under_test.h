@@ -37,5 +37,6 @@ struct StoreKind {
 
 [[nodiscard]] StoreKind FakeKind();
 [[nodiscard]] StoreKind SqliteKind();
+[[nodiscard]] StoreKind PostgresKind();
 
 }  // namespace uplink::testing

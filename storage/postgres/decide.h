@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "storage/postgres/batch_rows.h"
+#include "storage/postgres/known.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// What the database itself refused of a part of one record.
+struct DatabaseRefusal {
+  model::Rejection rejection;
+  QuarantineDetail detail = QuarantineDetail::kAll;
+};
+
+/// Decides a part of a batch by what the store holds: gathers into `rows` what is to be written,
+/// and returns an outcome a record. `known` follows the writes. With `refusal` the part's one
+/// record goes to quarantine for it, if it is to be written at all.
+///
+/// This is the store's judgement as README.md describes it, record by record; nothing else of this
+/// folder decides.
+[[nodiscard]] std::vector<Outcome> Decide(const Part& part, Known& known, const StoreRules& rules,
+                                          const std::optional<DatabaseRefusal>& refusal,
+                                          BatchRows& rows);
+
+}  // namespace uplink::storage::postgres

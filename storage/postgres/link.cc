@@ -1,0 +1,84 @@
+#include "storage/postgres/link.h"
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kAsk =
+    "SELECT current_setting('server_version_num')::bigint, current_setting('fsync') = 'off',"
+    " current_setting('transaction_read_only') = 'on', pg_is_in_recovery(), clock_timestamp()";
+
+absl::Status Unfit(const Connection& connection, const std::string& text) {
+  return absl::FailedPreconditionError("store postgresql " + connection.where() + " " + text);
+}
+
+}  // namespace
+
+absl::StatusOr<Connection*> Link::Get() {
+  if (connection_ != nullptr && !connection_->broken()) return connection_.get();
+  connection_ = nullptr;
+  auto opened = Connection::Open(options_.connection, clock_);
+  if (!opened.ok()) return opened.status();
+  absl::Status checked = Check(**opened);
+  if (!checked.ok()) return checked;
+  connection_ = *std::move(opened);
+  return connection_.get();
+}
+
+absl::Status Link::Check(Connection& connection) {
+  std::vector<Call> calls;
+  calls.push_back({kAsk, {}});
+  const auto answer = connection.Run(calls, "ask the server what it is");
+  if (!answer.ok()) return answer.status();
+  const Result& row = answer->front();
+  facts_.version = row.Int(0, 0);
+  facts_.unsafe = row.Bool(0, 1);
+  facts_.clock_offset = row.Time(0, 4) - clock_.System();
+  if (facts_.version < kServerVersionMin) {
+    return Unfit(connection, "is version " + std::to_string(facts_.version / 10'000) +
+                                 "; 13 and newer are supported");
+  }
+  if (options_.purpose == Purpose::kWrite) {
+    if (facts_.unsafe && !options_.accept_unsafe) {
+      return Unfit(connection,
+                   "has fsync = off: an ack would not be durable; turn it on, or accept the loss"
+                   " with store.accept_unsafe = true");
+    }
+    if (row.Bool(0, 3)) return Unfit(connection, "is a standby: it takes no writes");
+    if (row.Bool(0, 2)) {
+      return Unfit(connection, "is read-only (default_transaction_read_only): it takes no writes");
+    }
+  }
+  return CheckSchema(connection, Migrations());
+}
+
+std::string SessionSettings(Purpose purpose, milliseconds statement_timeout) {
+  const std::string timeout = std::to_string(statement_timeout.count());
+  std::string settings = "SET search_path = uplinkd, pg_catalog; SET TimeZone = 'UTC';";
+  settings += " SET statement_timeout = " + timeout + ";";
+  settings += " SET lock_timeout = " + timeout + ";";
+  // A server process whose client is gone must not hold its locks for long.
+  settings += " SET idle_in_transaction_session_timeout = " + timeout + ";";
+  settings +=
+      " SET tcp_keepalives_idle = 15; SET tcp_keepalives_interval = 5;"
+      " SET tcp_keepalives_count = 3;";
+  if (purpose == Purpose::kRead) {
+    // Each read is planned for its own range of time.
+    settings += " SET default_transaction_read_only = on; SET plan_cache_mode = force_custom_plan;";
+    return settings;
+  }
+  settings += " SET synchronous_commit = on;";
+  // A batch looks rows up by their keys, however small a table was when the plan was made.
+  settings +=
+      " SET plan_cache_mode = force_generic_plan; SET enable_seqscan = off;"
+      " SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off;";
+  return settings;
+}
+
+}  // namespace uplink::storage::postgres

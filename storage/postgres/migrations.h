@@ -1,0 +1,12 @@
+#pragma once
+
+#include <span>
+
+#include "storage/migration.h"
+
+namespace uplink::storage::postgres {
+
+/// All steps, from version 1, without a hole. Immutable.
+[[nodiscard]] std::span<const Migration> Migrations();
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,182 @@
+#include "storage/postgres/reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "storage/postgres/kind_rows.h"
+#include "storage/postgres/pages.h"
+#include "storage/postgres/reader_pool.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+/// Robots of which the latest is read in one round trip: their bodies come at once.
+constexpr std::size_t kRobotsPerTrip = 16;
+
+// Commits touch a robot's sessions, not its own row.
+constexpr std::string_view kRobots =
+    "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, (SELECT max(s.last_used)"
+    " FROM uplinkd.sessions AS s WHERE s.ruri = r.ruri)), p.presence"
+    " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
+    " ORDER BY r.ruri LIMIT $1::bigint";
+constexpr std::string_view kActiveFaultCounts =
+    "SELECT ruri, count(*) FROM uplinkd.faults_active WHERE ruri = ANY ($1::text[]) GROUP BY ruri"
+    " ORDER BY ruri";
+constexpr std::string_view kLatest =
+    "SELECT kind, received_at, body FROM uplinkd.latest"
+    " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
+
+}  // namespace
+
+PostgresReader::PostgresReader(std::unique_ptr<Pool> pool) : pool_(std::move(pool)) {}
+PostgresReader::~PostgresReader() = default;
+
+absl::StatusOr<std::unique_ptr<PostgresReader>> PostgresReader::Open(const ReaderOptions& options,
+                                                                     const Clock& clock) {
+  absl::StatusOr<Url> url = ParseUrl(options.url);
+  if (!url.ok()) return url.status();
+  Link::Options link;
+  link.connection.url = *std::move(url);
+  link.connection.password_file = options.password_file;
+  link.connection.connect_timeout = options.connect_timeout;
+  // The server ends a statement first; this is for one that does not answer at all.
+  link.connection.call_timeout = options.statement_timeout * 2;
+  link.connection.session_settings = SessionSettings(Purpose::kRead, options.statement_timeout);
+  link.purpose = Purpose::kRead;
+  return std::unique_ptr<PostgresReader>(
+      new PostgresReader(std::make_unique<Pool>(options, link, clock)));
+}
+
+absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robots_max) {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<RobotRow>> {
+    OwnedCall call{std::string(kRobots), {}};
+    call.parameters.Int8(std::int64_t{robots_max});
+    const auto rows = RunOne(connection, std::move(call));
+    if (!rows.ok()) return rows.status();
+    std::vector<RobotRow> robots;
+    for (int row = 0; row < rows->rows(); ++row) {
+      robots.push_back(
+          {{std::string(rows->Bytes(row, 0)), std::string(rows->Bytes(row, 1))},
+           rows->Time(row, 2),
+           rows->Time(row, 3),
+           rows->Null(row, 4) ? std::nullopt : std::optional(PresenceOf(rows->Int(row, 4)))});
+    }
+    return robots;
+  });
+}
+
+absl::StatusOr<Page<FaultRow>> PostgresReader::FaultsActive(const HistoryQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<FaultRow>(connection, kFaultsActive, query, ReadActiveFault);
+  });
+}
+
+absl::StatusOr<Page<FaultRow>> PostgresReader::FaultHistory(const HistoryQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<FaultRow>(connection, kFaultHistory, query, ReadFault);
+  });
+}
+
+absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
+    std::span<const std::string> ruris) {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<ActiveFaults>> {
+    Array robots{Type::kText};
+    for (const std::string& ruri : ruris) robots.Text(ruri);
+    OwnedCall call{std::string(kActiveFaultCounts), {}};
+    call.parameters.Add(std::move(robots));
+    const auto rows = RunOne(connection, std::move(call));
+    if (!rows.ok()) return rows.status();
+    std::vector<ActiveFaults> counts;
+    for (int row = 0; row < rows->rows(); ++row) {
+      counts.push_back({std::string(rows->Bytes(row, 0)), rows->Int(row, 1)});
+    }
+    return counts;
+  });
+}
+
+absl::StatusOr<Page<QuarantineRow>> PostgresReader::Quarantine(const HistoryQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<QuarantineRow>(connection, kQuarantine, query, ReadQuarantine);
+  });
+}
+
+absl::StatusOr<Page<GapRow>> PostgresReader::Gaps(const HistoryQuery& query) {
+  return pool_->With(
+      [&](Connection& connection) { return ReadPage<GapRow>(connection, kGaps, query, ReadGap); });
+}
+
+absl::StatusOr<Page<EventRow>> PostgresReader::Events(const HistoryQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<EventRow>(connection, kEvents, query, ReadEvent);
+  });
+}
+
+absl::StatusOr<Page<MessageRow>> PostgresReader::Messages(const HistoryQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<MessageRow>(connection, kMessages, query, ReadMessage);
+  });
+}
+
+absl::StatusOr<Page<MissionRunRow>> PostgresReader::MissionRuns(const MissionsQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<MissionRunRow>(connection, kMissionRuns, query.rows, ReadMissionRun,
+                                   FilterOf(query, query.open));
+  });
+}
+
+absl::StatusOr<Page<MissionReportRow>> PostgresReader::MissionReports(const MissionsQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<MissionReportRow>(connection, kMissionReports, query.rows, ReadMissionReport,
+                                      FilterOf(query, false));
+  });
+}
+
+absl::StatusOr<Page<ShapeRow>> PostgresReader::Shapes(const PresentQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<ShapeRow>(connection, kShapes, query.rows, ReadShape, FilterOf(query));
+  });
+}
+
+absl::StatusOr<Page<ObjectRow>> PostgresReader::Objects(const PresentQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<ObjectRow>(connection, kObjects, query.rows, ReadObject, FilterOf(query));
+  });
+}
+
+absl::StatusOr<Page<PresenceRow>> PostgresReader::PresenceChanges(const HistoryQuery& query) {
+  return pool_->With([&](Connection& connection) {
+    return ReadPage<PresenceRow>(connection, kPresenceChanges, query, ReadPresence);
+  });
+}
+
+absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::string> ruris,
+                                                          std::uint32_t kinds) {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<LatestRows> {
+    LatestRows latest;
+    std::size_t bytes = 0;
+    while (latest.complete < ruris.size() && bytes < kPageBytesMax) {
+      const auto some =
+          ruris.subspan(latest.complete, std::min(kRobotsPerTrip, ruris.size() - latest.complete));
+      std::vector<Call> calls;
+      for (const std::string& ruri : some) {
+        calls.push_back({kLatest, {}});
+        calls.back().parameters.Text(ruri);
+        calls.back().parameters.Int4(static_cast<std::int32_t>(kinds));
+      }
+      const auto results = connection.Run(calls, "read");
+      if (!results.ok()) return results.status();
+      for (std::size_t i = 0; i < some.size() && bytes < kPageBytesMax; ++i) {
+        const Result& rows = (*results)[i];
+        for (int row = 0; row < rows.rows(); ++row) {
+          bytes += rows.RowBytes(row);
+          latest.rows.push_back({some[i], static_cast<LatestKind>(rows.Int(row, 0)),
+                                 std::string(rows.Bytes(row, 2)), rows.Time(row, 1)});
+        }
+        ++latest.complete;
+      }
+    }
+    return latest;
+  });
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/reader.h"
+
+namespace uplink::storage::postgres {
+
+struct ReaderOptions {
+  /// As StoreOptions.
+  std::string url;
+  std::string password_file;
+  /// Reads that run at once; more wait for their turn.
+  std::size_t connections = 2;
+  /// How long a read waits for its turn.
+  milliseconds wait_max{2'000};
+  milliseconds connect_timeout{2'000};
+  /// How long one statement may take: the server ends it then.
+  milliseconds statement_timeout{5'000};
+  /// After a failed connect, reads fail at once for this long.
+  milliseconds retry_pause{1'000};
+};
+
+/// The query side of a PostgreSQL store: a small pool of read-only connections, apart from the
+/// writers', made when they are needed. A read sees what was committed before it began and locks
+/// nothing that a commit wants.
+///
+/// Errors:  as in Reader; kDeadlineExceeded past statement_timeout, kUnavailable while the server
+/// is
+///          away or if no connection came free in time.
+/// Thread:  thread-safe.
+class PostgresReader final : public Reader {
+ public:
+  /// Connects to nothing yet. `clock` must outlive the reader.
+  ///
+  /// Errors: kInvalidArgument for the URL.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<PostgresReader>> Open(
+      const ReaderOptions& options, const Clock& clock);
+  ~PostgresReader() override;
+  PostgresReader(const PostgresReader&) = delete;
+  PostgresReader& operator=(const PostgresReader&) = delete;
+
+  [[nodiscard]] absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) override;
+  [[nodiscard]] absl::StatusOr<Page<FaultRow>> FaultsActive(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<FaultRow>> FaultHistory(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
+      std::span<const std::string> ruris) override;
+  [[nodiscard]] absl::StatusOr<Page<QuarantineRow>> Quarantine(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<GapRow>> Gaps(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<EventRow>> Events(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<MessageRow>> Messages(const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<MissionRunRow>> MissionRuns(
+      const MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<MissionReportRow>> MissionReports(
+      const MissionsQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<ShapeRow>> Shapes(const PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<ObjectRow>> Objects(const PresentQuery& query) override;
+  [[nodiscard]] absl::StatusOr<Page<PresenceRow>> PresenceChanges(
+      const HistoryQuery& query) override;
+  [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
+                                                  std::uint32_t kinds) override;
+
+ private:
+  class Pool;
+  explicit PostgresReader(std::unique_ptr<Pool> pool);
+  std::unique_ptr<Pool> pool_;
+};
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,162 @@
+#include "storage/postgres/schema.h"
+
+#include <string_view>
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kFindTable =
+    "SELECT 1 FROM pg_catalog.pg_class AS c JOIN pg_catalog.pg_namespace AS n"
+    " ON n.oid = c.relnamespace WHERE n.nspname = 'uplinkd' AND c.relname = 'schema_migrations'";
+constexpr std::string_view kReadMigrations =
+    "SELECT version, sha256 FROM uplinkd.schema_migrations ORDER BY version";
+/// Held from before the first look until after the last step. The number is ours alone by chance.
+constexpr std::string_view kLock = "SELECT pg_advisory_lock(7593126044910271826)";
+constexpr std::string_view kUnlock = "SELECT pg_advisory_unlock(7593126044910271826)";
+
+absl::Status Precondition(const Connection& connection, const std::string& text) {
+  return absl::FailedPreconditionError("store postgresql " + connection.where() + " " + text);
+}
+
+struct Applied {
+  std::int64_t version = 0;
+  std::string sha256;
+};
+
+absl::StatusOr<std::vector<Applied>> ReadApplied(Connection& connection) {
+  std::vector<Call> calls;
+  calls.push_back({kFindTable, {}});
+  auto found = connection.Run(calls, "look for the schema");
+  if (!found.ok()) return found.status();
+  std::vector<Applied> applied;
+  if (found->front().rows() == 0) return applied;
+  calls.front() = {kReadMigrations, {}};
+  auto read = connection.Run(calls, "read the schema's version");
+  if (!read.ok()) return read.status();
+  const Result& rows = read->front();
+  for (int row = 0; row < rows.rows(); ++row) {
+    applied.push_back({rows.Int(row, 0), std::string(rows.Bytes(row, 1))});
+  }
+  return applied;
+}
+
+/// What was applied must be the first of ours, unchanged.
+absl::Status CheckSums(const Connection& connection, const std::vector<Applied>& applied,
+                       std::span<const Migration> migrations) {
+  if (applied.size() > migrations.size()) {
+    return Precondition(connection, "has schema version " + std::to_string(applied.size()) +
+                                        ", and this program knows versions up to " +
+                                        std::to_string(migrations.size()) +
+                                        ": run the newer uplinkd");
+  }
+  for (std::size_t i = 0; i < applied.size(); ++i) {
+    if (applied[i].version != migrations[i].version || applied[i].sha256 != migrations[i].sha256) {
+      return Precondition(connection, "was migrated by another " + std::string(migrations[i].name) +
+                                          " than this program's; restore it from a backup");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Apply(Connection& connection, const Migration& migration) {
+  std::string sql =
+      "BEGIN;\nCREATE SCHEMA IF NOT EXISTS uplinkd;\nSET LOCAL search_path = uplinkd;\n";
+  sql += migration.sql;
+  sql += "\nINSERT INTO schema_migrations (version, name, sha256) VALUES (" +
+         std::to_string(migration.version) + ", '" + migration.name + "', '" + migration.sha256 +
+         "');\nCOMMIT;";
+  return connection.RunScript(sql, "migration " + std::string(migration.name));
+}
+
+/// The role's name as SQL quotes it.
+std::string Quoted(const std::string& role) {
+  std::string quoted = "\"";
+  for (const char c : role) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string GrantSql(const std::string& role) {
+  const std::string to = " TO " + Quoted(role) + ";\n";
+  return "GRANT USAGE ON SCHEMA uplinkd" + to +
+         "GRANT SELECT, INSERT, UPDATE, DELETE ON ALL TABLES IN SCHEMA uplinkd" + to +
+         "REVOKE INSERT, UPDATE, DELETE ON uplinkd.schema_migrations FROM " + Quoted(role) +
+         ";\nGRANT USAGE ON ALL SEQUENCES IN SCHEMA uplinkd" + to +
+         "GRANT EXECUTE ON ALL FUNCTIONS IN SCHEMA uplinkd" + to;
+}
+
+absl::Status GrantAgain(Connection& connection) {
+  std::vector<Call> calls;
+  // Whoever may write robots is a server.
+  calls.push_back(
+      {"SELECT DISTINCT grantee::text FROM information_schema.role_table_grants"
+       " WHERE table_schema = 'uplinkd' AND table_name = 'robots'"
+       " AND privilege_type = 'INSERT' AND grantee <> current_user",
+       {}});
+  auto read = connection.Run(calls, "read who may use the schema");
+  if (!read.ok()) return read.status();
+  for (int row = 0; row < read->front().rows(); ++row) {
+    absl::Status granted = GrantTo(connection, std::string(read->front().Bytes(row, 0)));
+    if (!granted.ok()) return granted;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<std::string>> MigrateLocked(Connection& connection,
+                                                       std::span<const Migration> migrations) {
+  const absl::StatusOr<std::vector<Applied>> applied = ReadApplied(connection);
+  if (!applied.ok()) return applied.status();
+  absl::Status status = CheckSums(connection, *applied, migrations);
+  if (!status.ok()) return status;
+  std::vector<std::string> names;
+  for (const Migration& migration : migrations.subspan(applied->size())) {
+    status = Apply(connection, migration);
+    if (!status.ok()) return status;
+    names.emplace_back(migration.name);
+  }
+  if (!names.empty()) status = GrantAgain(connection);
+  if (!status.ok()) return status;
+  return names;
+}
+
+}  // namespace
+
+absl::StatusOr<std::int64_t> SchemaVersion(Connection& connection) {
+  const absl::StatusOr<std::vector<Applied>> applied = ReadApplied(connection);
+  if (!applied.ok()) return applied.status();
+  return applied->empty() ? 0 : applied->back().version;
+}
+
+absl::Status CheckSchema(Connection& connection, std::span<const Migration> migrations) {
+  const absl::StatusOr<std::vector<Applied>> applied = ReadApplied(connection);
+  if (!applied.ok()) return applied.status();
+  absl::Status status = CheckSums(connection, *applied, migrations);
+  if (!status.ok() || applied->size() == migrations.size()) return status;
+  return Precondition(connection, "has schema version " + std::to_string(applied->size()) +
+                                      ", and this program needs " +
+                                      std::to_string(migrations.size()) +
+                                      ": run `uplinkctl store migrate` as its owner, or set"
+                                      " store.migrate");
+}
+
+absl::StatusOr<std::vector<std::string>> Migrate(Connection& connection,
+                                                 std::span<const Migration> migrations) {
+  std::vector<Call> calls;
+  calls.push_back({kLock, {}});
+  const auto locked = connection.Run(calls, "wait for other migrations");
+  if (!locked.ok()) return locked.status();
+  auto names = MigrateLocked(connection, migrations);
+  if (connection.broken()) return names;
+  calls.front() = {kUnlock, {}};
+  const auto unlocked = connection.Run(calls, "end the migration");
+  if (names.ok() && !unlocked.ok()) return unlocked.status();
+  return names;
+}
+
+absl::Status GrantTo(Connection& connection, const std::string& role) {
+  return connection.RunScript(GrantSql(role), "grant to role " + role);
+}
+
+}  // namespace uplink::storage::postgres

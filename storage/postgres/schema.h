@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "storage/migration.h"
+#include "storage/postgres/connection.h"
+
+// The schema `uplinkd` of a database: its version, its migrations, who may use it.
+//
+// Errors: beside those of the connection, kFailedPrecondition, saying what to do.
+namespace uplink::storage::postgres {
+
+/// The version of the schema; 0 if there is none.
+[[nodiscard]] absl::StatusOr<std::int64_t> SchemaVersion(Connection& connection);
+
+/// OK if the schema is that of `migrations`, with the same check sums.
+[[nodiscard]] absl::Status CheckSchema(Connection& connection,
+                                       std::span<const Migration> migrations);
+
+/// Applies the steps that are missing, each in a transaction, under an advisory lock: whoever comes
+/// second waits and finds nothing left to do. Grants what new steps made to the roles that
+/// GrantTo named before. Returns the names of the steps that it applied.
+[[nodiscard]] absl::StatusOr<std::vector<std::string>> Migrate(
+    Connection& connection, std::span<const Migration> migrations);
+
+/// Lets the role do what the server does, and no more: read and write rows, run our functions.
+/// Migrations to come are granted to it as well.
+[[nodiscard]] absl::Status GrantTo(Connection& connection, const std::string& role);
+
+}  // namespace uplink::storage::postgres

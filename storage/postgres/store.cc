@@ -1,0 +1,132 @@
+#include "storage/postgres/store.h"
+
+#include <string>
+#include <utility>
+
+#include "storage/postgres/batch_commit.h"
+#include "storage/postgres/link.h"
+#include "storage/postgres/migrations.h"
+#include "storage/postgres/open_streams.h"
+#include "storage/postgres/schema.h"
+#include "storage/postgres/transaction.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+/// How often a transaction is run that others stood in the way of, before the journal is told.
+constexpr int kTriesMax = 4;
+/// What one migration may take.
+constexpr std::chrono::minutes kMigrationTimeout{30};
+
+constexpr std::string_view kSweepShapes =
+    "DELETE FROM uplinkd.shapes AS s USING (SELECT ruri, id FROM uplinkd.shapes"
+    " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms LIMIT $2::bigint) AS o"
+    " WHERE s.ruri = o.ruri AND s.id = o.id AND s.expires_ms <> 0 AND s.expires_ms <= $1::bigint";
+constexpr std::string_view kSweepObjects =
+    "DELETE FROM uplinkd.objects AS s USING (SELECT ruri, id FROM uplinkd.objects"
+    " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms LIMIT $2::bigint) AS o"
+    " WHERE s.ruri = o.ruri AND s.id = o.id AND s.expires_ms <> 0 AND s.expires_ms <= $1::bigint";
+
+absl::Status MigrateFirst(ConnectionOptions options, const Clock& clock) {
+  options.call_timeout = kMigrationTimeout;
+  options.session_settings = "";
+  auto connection = Connection::Open(options, clock);
+  if (!connection.ok()) return connection.status();
+  return Migrate(**connection, Migrations()).status();
+}
+
+}  // namespace
+
+bool IsWorthRetry(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsAborted(status) ||
+         absl::IsResourceExhausted(status) || absl::IsDeadlineExceeded(status);
+}
+
+struct PostgresStore::Parts {
+  StoreOptions options;
+  Link link;
+  absl::Status open_error;
+};
+
+PostgresStore::PostgresStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+PostgresStore::~PostgresStore() = default;
+
+absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions options,
+                                                                   const Clock& clock) {
+  absl::StatusOr<Url> url = ParseUrl(options.url);
+  if (!url.ok()) return url.status();
+  Link::Options link;
+  link.connection.url = *std::move(url);
+  link.connection.password_file = options.password_file;
+  link.connection.connect_timeout = options.connect_timeout;
+  link.connection.call_timeout = options.call_timeout;
+  link.connection.session_settings = SessionSettings(Purpose::kWrite, options.call_timeout);
+  link.accept_unsafe = options.accept_unsafe;
+  absl::Status opened = absl::OkStatus();
+  if (options.migrate) opened = MigrateFirst(link.connection, clock);
+  auto store = std::unique_ptr<PostgresStore>(new PostgresStore(
+      std::make_unique<Parts>(Parts{std::move(options), Link(std::move(link), clock), {}})));
+  if (opened.ok()) opened = store->parts_->link.Get().status();
+  if (!opened.ok() && !IsWorthRetry(opened)) return opened;
+  store->parts_->open_error = std::move(opened);
+  return store;
+}
+
+const absl::Status& PostgresStore::open_error() const { return parts_->open_error; }
+
+StoreFacts PostgresStore::facts() const {
+  const ServerFacts& facts = parts_->link.facts();
+  return {facts.unsafe, facts.clock_offset};
+}
+
+template <typename Result, typename Work>
+absl::StatusOr<Result> PostgresStore::With(const Work& work) {
+  absl::StatusOr<Result> result = absl::AbortedError("not tried");
+  for (int tries = 0; tries < kTriesMax && absl::IsAborted(result.status()); ++tries) {
+    const absl::StatusOr<Connection*> connection = parts_->link.Get();
+    if (!connection.ok()) return connection.status();
+    result = work(**connection);
+  }
+  if (result.ok() && parts_->options.after_commit) {
+    absl::Status told = parts_->options.after_commit();
+    if (!told.ok()) return told;
+  }
+  return result;
+}
+
+absl::StatusOr<std::vector<OpenResult>> PostgresStore::OpenStreams(
+    std::span<const OpenRequest> requests) {
+  const StoreOptions& options = parts_->options;
+  return With<std::vector<OpenResult>>([&](Connection& connection) {
+    return OpenAll(connection, requests, options.process, options.before_commit);
+  });
+}
+
+absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
+  const StoreOptions& options = parts_->options;
+  return With<std::vector<Outcome>>([&](Connection& connection) {
+    return BatchCommit(connection, batch, options.process, options.rules, options.before_commit)
+        .Run();
+  });
+}
+
+absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
+  const std::int64_t until_ms = UnixMs(now - kExpiredKept);
+  const StoreOptions& options = parts_->options;
+  return With<std::size_t>([&](Connection& connection) -> absl::StatusOr<std::size_t> {
+    std::vector<Call> calls;
+    calls.push_back({kBegin, {}});
+    for (const std::string_view sql : {kSweepShapes, kSweepObjects}) {
+      Call call{sql, {}};
+      call.parameters.Int8(until_ms);
+      call.parameters.Int8(static_cast<std::int64_t>(kSweepRowsMax));
+      calls.push_back(std::move(call));
+    }
+    const auto results =
+        RunAndCommitFor(connection, std::move(calls), "sweep", options.before_commit);
+    if (!results.ok()) return results.status();
+    return (*results)[1].written() + (*results)[2].written();
+  });
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/store.h"
+
+namespace uplink::storage::postgres {
+
+struct StoreOptions {
+  /// `postgresql://...`, without a password.
+  std::string url;
+  /// A file whose first line is the password; empty: as libpq finds one (~/.pgpass, PGPASSFILE).
+  std::string password_file;
+  /// This process; other than in any life before.
+  ProcessId process{};
+  StoreRules rules;
+  /// Apply missing migrations at the first connection, as a role that may.
+  bool migrate = false;
+  /// Accept a server with fsync = off.
+  bool accept_unsafe = false;
+  milliseconds connect_timeout{5'000};
+  /// How long one call of the store may take at most.
+  milliseconds call_timeout{10'000};
+  /// Called in each write transaction right before its commit; what is not OK rolls it back and is
+  /// the answer. For tests.
+  std::function<absl::Status()> before_commit;
+  /// Called right after each commit; what is not OK is the answer, as if the true one was lost. For
+  /// tests.
+  std::function<absl::Status()> after_commit;
+};
+
+/// What can be told of the server behind a store.
+struct StoreFacts {
+  /// A loss of power may lose what was acked: fsync = off, accepted.
+  bool unsafe = false;
+  /// The server's clock less ours, when it was connected to last.
+  milliseconds clock_offset{0};
+};
+
+/// A PostgreSQL database as the durable sink: one connection, made anew whenever it breaks.
+///
+/// Errors:  as in Store; kUnavailable while the server is away, and every call tries again.
+/// Thread:  as in Store.
+class PostgresStore final : public Store {
+ public:
+  /// Connects and looks whether the database is fit. A server that cannot be reached now is no
+  /// error: `last_error` holds why, and calls try again. `clock` must outlive the store.
+  ///
+  /// Errors: kInvalidArgument for the URL; kFailedPrecondition and kInternal for a server that is
+  ///         there and cannot be used as it is: password, schema, read-only, fsync = off.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<PostgresStore>> Open(StoreOptions options,
+                                                                           const Clock& clock);
+  ~PostgresStore() override;
+  PostgresStore(const PostgresStore&) = delete;
+  PostgresStore& operator=(const PostgresStore&) = delete;
+
+  [[nodiscard]] absl::StatusOr<std::vector<OpenResult>> OpenStreams(
+      std::span<const OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+
+  /// Of Open: why the server could not be reached; OK if it could.
+  [[nodiscard]] const absl::Status& open_error() const;
+  [[nodiscard]] StoreFacts facts() const;
+
+ private:
+  struct Parts;
+  explicit PostgresStore(std::unique_ptr<Parts> parts);
+
+  /// Runs `work` with a connection, again where transactions stood in each other's way.
+  template <typename Result, typename Work>
+  absl::StatusOr<Result> With(const Work& work);
+
+  std::unique_ptr<Parts> parts_;
+};
+
+/// True for errors that a later try may not meet: the server is away, busy or full.
+[[nodiscard]] bool IsWorthRetry(const absl::Status& status);
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,95 @@
+#include <map>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "schema/base/clock.h"
+#include "storage/postgres/reader.h"
+#include "storage/postgres/store.h"
+#include "tests/contract/store_under_test.h"
+#include "tests/support/postgres_database.h"
+
+namespace uplink::testing {
+namespace {
+
+class PostgresUnderTest final : public StoreUnderTest {
+ public:
+  explicit PostgresUnderTest(const storage::StoreRules& rules) : rules_(rules) {}
+
+  storage::Store& Process(std::uint8_t number) override {
+    One& one = processes_[number];
+    if (one.store == nullptr) Open(number, one);
+    return *one.store;
+  }
+
+  storage::Reader& reader() override {
+    if (reader_ == nullptr) {
+      storage::postgres::ReaderOptions options;
+      options.url = database_.url();
+      auto opened = storage::postgres::PostgresReader::Open(options, clock_);
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      reader_ = *std::move(opened);
+    }
+    return *reader_;
+  }
+
+  void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
+  void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
+
+  void Reopen() override {
+    reader_ = nullptr;
+    processes_.clear();
+  }
+
+  void RefuseFault(const std::string& fault_id) override {
+    PostgresShell shell = database_.Shell();
+    // The report is in the history by then, so that it shows whether that is taken back.
+    shell.Run(
+        "CREATE FUNCTION uplinkd.refuse() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN"
+        " RAISE EXCEPTION 'the test says so'; END $$");
+    shell.Run(
+        "CREATE TRIGGER refuse BEFORE INSERT ON uplinkd.faults_active FOR EACH ROW WHEN"
+        " (NEW.fault_id = '" +
+        fault_id + "') EXECUTE FUNCTION uplinkd.refuse()");
+  }
+
+ private:
+  struct One {
+    bool fail_before = false;
+    bool fail_after = false;
+    std::unique_ptr<storage::postgres::PostgresStore> store;
+  };
+
+  static absl::Status Take(bool& order) {
+    return std::exchange(order, false) ? absl::UnavailableError("the test said so")
+                                       : absl::OkStatus();
+  }
+
+  void Open(std::uint8_t number, One& one) {
+    storage::postgres::StoreOptions options;
+    options.url = database_.url();
+    options.process = {number};
+    options.rules = rules_;
+    options.before_commit = [&one] { return Take(one.fail_before); };
+    options.after_commit = [&one] { return Take(one.fail_after); };
+    auto opened = storage::postgres::PostgresStore::Open(std::move(options), clock_);
+    UPLINK_CHECK(opened.ok(), opened.status().ToString());
+    UPLINK_CHECK((*opened)->open_error().ok(), (*opened)->open_error().ToString());
+    one.store = *std::move(opened);
+  }
+
+  const SystemClock clock_;
+  const storage::StoreRules rules_;
+  PostgresDatabase database_;
+  std::map<std::uint8_t, One> processes_;
+  std::unique_ptr<storage::postgres::PostgresReader> reader_;
+};
+
+}  // namespace
+
+StoreKind PostgresKind() {
+  return {"Postgres", [](const storage::StoreRules& rules) {
+            return std::make_unique<PostgresUnderTest>(rules);
+          }};
+}
+
+}  // namespace uplink::testing

@@ -1,0 +1,181 @@
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "schema/base/clock.h"
+#include "storage/postgres/store.h"
+#include "tests/support/eventually.h"
+#include "tests/support/postgres_database.h"
+#include "tests/support/records.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+using testing::PostgresDatabase;
+using testing::PostgresShell;
+
+/// One robot and one session on a real database, as the role that serves.
+class PostgresBatchTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<PostgresStore> Store(std::uint8_t process) {
+    StoreOptions options;
+    options.url = database_.url();
+    options.process = {process};
+    auto opened = PostgresStore::Open(std::move(options), clock_);
+    EXPECT_TRUE(opened.ok()) << opened.status();
+    return *std::move(opened);
+  }
+  OpenResult Open(PostgresStore& store) {
+    const OpenRequest request{robot_, session_, 0, FromUnixMs(kNowMs), {}};
+    auto results = store.OpenStreams({&request, 1});
+    EXPECT_TRUE(results.ok()) << results.status();
+    return results.ok() ? results->front() : OpenResult();
+  }
+  CommitRecord Note(model::Seq seq, Epoch held_since, std::string text = "hello") const {
+    model::Message message;
+    message.message = std::move(text);
+    return {robot_,  session_, seq, held_since, FromUnixMs(kNowMs), test::RecordOf(message),
+            "bytes", 5};
+  }
+  static std::vector<OutcomeKind> Kinds(const absl::StatusOr<std::vector<Outcome>>& outcomes) {
+    EXPECT_TRUE(outcomes.ok()) << outcomes.status();
+    std::vector<OutcomeKind> kinds;
+    if (!outcomes.ok()) return kinds;
+    for (const Outcome& outcome : *outcomes) kinds.push_back(outcome.kind);
+    return kinds;
+  }
+  static Batch BatchOf(std::vector<CommitRecord> records) {
+    Batch batch;
+    batch.records = std::move(records);
+    return batch;
+  }
+
+  static constexpr std::int64_t kNowMs = 1'763'683'200'000;
+  const SystemClock clock_;
+  PostgresDatabase database_;
+  const RobotRef robot_ =
+      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
+  const model::SessionId session_{{7}};
+};
+
+TEST_F(PostgresBatchTest, ABatchWithoutTroubleIsWrittenAtOnce) {
+  const auto store = Store(1);
+  const Epoch held = Open(*store).held_since;
+  // What the other ways need first is taken away.
+  database_.Shell().Run("REVOKE INSERT ON uplinkd.robots FROM uplinkd");
+  EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held), Note(2, held)}))),
+            (std::vector{OutcomeKind::kStored, OutcomeKind::kStored}));
+  // A duplicate needs the look, which fails now: so the first went without.
+  EXPECT_FALSE(store->Commit(BatchOf({Note(2, held)})).ok());
+}
+
+TEST_F(PostgresBatchTest, RowsLieInThePartitionOfTheirDay) {
+  const auto store = Store(1);
+  const Epoch held = Open(*store).held_since;
+  CommitRecord late = Note(2, held);
+  late.received_at = FromUnixMs(kNowMs + 10LL * 86'400'000);
+  ASSERT_EQ(Kinds(store->Commit(BatchOf({Note(1, held), late}))).size(), 2U);
+  EXPECT_EQ(database_.Shell().Read("SELECT tableoid::regclass, seq FROM uplinkd.messages"
+                                   " ORDER BY seq"),
+            "uplinkd.messages_20251121|1\nuplinkd.messages_default|2\n");
+}
+
+TEST_F(PostgresBatchTest, TheOlderOfTwoProcessesIsFenced) {
+  const auto older = Store(1);
+  const auto newer = Store(2);
+  const Epoch held_by_older = Open(*older).held_since;
+  EXPECT_EQ(Kinds(older->Commit(BatchOf({Note(1, held_by_older)}))),
+            std::vector{OutcomeKind::kStored});
+  const OpenResult taken = Open(*newer);
+  EXPECT_EQ(taken.cursor, 1U);
+  EXPECT_GT(taken.held_since, held_by_older);
+  EXPECT_EQ(Kinds(older->Commit(BatchOf({Note(2, held_by_older)}))),
+            std::vector{OutcomeKind::kFenced});
+  EXPECT_EQ(Kinds(newer->Commit(BatchOf({Note(2, taken.held_since)}))),
+            std::vector{OutcomeKind::kStored});
+  EXPECT_EQ(database_.Shell().Read("SELECT seq FROM uplinkd.messages ORDER BY seq"), "1\n2\n");
+}
+
+TEST_F(PostgresBatchTest, AnOpenThatWaitsForACommitSeesItsCursor) {
+  const auto older = Store(1);
+  const auto newer = Store(2);
+  const Epoch held = Open(*older).held_since;
+  // A commit of the older process that stands still with its locks held.
+  PostgresShell commit(database_.url());
+  commit.Run("BEGIN");
+  commit.Run("SELECT uplinkd.begin_batch(ARRAY['rcan://robots/a'], ARRAY[" + std::to_string(held) +
+             "]::bigint[], ARRAY['rcan://robots/a'],"
+             " ARRAY['07000000-0000-0000-0000-000000000000']::uuid[], ARRAY[9]::bigint[], '{}',"
+             " '{}', '{}', '{}', 1, 1, 1, NULL, NULL)");
+  commit.Run("UPDATE uplinkd.sessions SET cursor_seq = 9");
+  OpenResult opened;
+  std::jthread open([&] { opened = Open(*newer); });
+  ASSERT_TRUE(testing::Eventually([this] {
+    return database_.Shell().Read(
+               "SELECT count(*) FROM pg_stat_activity WHERE wait_event_type ="
+               " 'Lock' AND datname = current_database()") == "1\n";
+  }));
+  commit.Run("COMMIT");
+  open.join();
+  EXPECT_EQ(opened.cursor, 9U);
+  EXPECT_GT(opened.held_since, held);
+}
+
+TEST_F(PostgresBatchTest, TextsThatTheDatabaseRefusesAreIsolated) {
+  const auto store = Store(1);
+  const Epoch held = Open(*store).held_since;
+  database_.Shell().Run("ALTER TABLE uplinkd.messages ADD CHECK (message NOT LIKE 'bad%')");
+  std::vector<CommitRecord> records;
+  for (model::Seq seq = 1; seq <= 40; ++seq) {
+    records.push_back(Note(seq, held, seq % 13 == 0 ? "bad " + std::to_string(seq) : "good"));
+  }
+  const auto outcomes = store->Commit(BatchOf(std::move(records)));
+  const std::vector<OutcomeKind> kinds = Kinds(outcomes);
+  ASSERT_EQ(kinds.size(), 40U);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const bool is_bad = (i + 1) % 13 == 0;
+    EXPECT_EQ(kinds[i], is_bad ? OutcomeKind::kRefused : OutcomeKind::kStored) << i;
+    if (!is_bad) continue;
+    EXPECT_EQ((*outcomes)[i].rejection->reason, model::RejectReason::kStoreRefused);
+  }
+  EXPECT_EQ(database_.Shell().Read("SELECT count(*), max(seq) FROM uplinkd.messages"), "37|40\n");
+  EXPECT_EQ(database_.Shell().Read("SELECT seq FROM uplinkd.quarantine ORDER BY seq"),
+            "13\n26\n39\n");
+  EXPECT_EQ(Open(*store).cursor, 40U);
+}
+
+TEST_F(PostgresBatchTest, AFullDiskIsToldAndNothingIsKept) {
+  const auto store = Store(1);
+  const Epoch held = Open(*store).held_since;
+  database_.Shell().Run(
+      "CREATE FUNCTION uplinkd.fill() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN RAISE EXCEPTION"
+      " 'could not extend file: No space left on device' USING ERRCODE = '53100'; END $$;"
+      "CREATE TRIGGER fill BEFORE INSERT ON uplinkd.messages FOR EACH ROW"
+      " EXECUTE FUNCTION uplinkd.fill()");
+  const auto full = store->Commit(BatchOf({Note(1, held)}));
+  EXPECT_TRUE(absl::IsResourceExhausted(full.status())) << full.status();
+  EXPECT_TRUE(full.status().message().find(database_.name()) != absl::string_view::npos)
+      << full.status();
+  database_.Shell().Run("DROP TRIGGER fill ON uplinkd.messages");
+  EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
+}
+
+TEST_F(PostgresBatchTest, ADeadlockIsTriedAgain) {
+  const auto store = Store(1);
+  const Epoch held = Open(*store).held_since;
+  database_.Shell().Run(
+      "CREATE SEQUENCE uplinkd.tries; GRANT USAGE ON SEQUENCE uplinkd.tries TO uplinkd;"
+      "CREATE FUNCTION uplinkd.collide() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN"
+      " IF nextval('uplinkd.tries') < 3 THEN RAISE EXCEPTION 'deadlock detected'"
+      " USING ERRCODE = '40P01'; END IF; RETURN NEW; END $$;"
+      "CREATE TRIGGER collide BEFORE INSERT ON uplinkd.messages FOR EACH ROW"
+      " EXECUTE FUNCTION uplinkd.collide()");
+  EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
+  EXPECT_EQ(database_.Shell().Read("SELECT count(*) FROM uplinkd.messages"), "1\n");
+}
+
+}  // namespace
+}  // namespace uplink::storage::postgres

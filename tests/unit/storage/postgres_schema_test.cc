@@ -1,0 +1,154 @@
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "schema/base/clock.h"
+#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
+#include "tests/support/postgres_database.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+using testing::DatabaseContent;
+using testing::PostgresDatabase;
+using testing::PostgresShell;
+
+class PostgresSchemaTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<Connection> Connect(const std::string& url) {
+    ConnectionOptions options;
+    options.url = *ParseUrl(url);
+    auto connection = Connection::Open(options, clock_);
+    EXPECT_TRUE(connection.ok()) << connection.status();
+    return *std::move(connection);
+  }
+  std::unique_ptr<Connection> Owner() { return Connect(database_.owner_url()); }
+
+  const SystemClock clock_;
+  PostgresDatabase database_{DatabaseContent::kEmpty};
+};
+
+TEST_F(PostgresSchemaTest, MigratesAnEmptyDatabaseOnce) {
+  const auto owner = Owner();
+  EXPECT_EQ(*SchemaVersion(*owner), 0);
+  const absl::Status before = CheckSchema(*owner, Migrations());
+  EXPECT_TRUE(absl::IsFailedPrecondition(before)) << before;
+  EXPECT_TRUE(before.message().find("uplinkctl store migrate") != absl::string_view::npos);
+
+  const auto steps = Migrate(*owner, Migrations());
+  ASSERT_TRUE(steps.ok()) << steps.status();
+  EXPECT_EQ(steps->size(), Migrations().size());
+  EXPECT_TRUE(CheckSchema(*owner, Migrations()).ok());
+  EXPECT_EQ(Migrate(*owner, Migrations())->size(), 0U);
+}
+
+TEST_F(PostgresSchemaTest, TwoThatMigrateAtOnceDoItOnce) {
+  std::vector<std::size_t> applied(4);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t& count : applied) {
+      threads.emplace_back([this, &count] {
+        const auto steps = Migrate(*Owner(), Migrations());
+        EXPECT_TRUE(steps.ok()) << steps.status();
+        if (steps.ok()) count = steps->size();
+      });
+    }
+  }
+  std::size_t sum = 0;
+  for (const std::size_t count : applied) sum += count;
+  EXPECT_EQ(sum, Migrations().size());
+}
+
+TEST_F(PostgresSchemaTest, ANewerOrAnotherSchemaIsRefused) {
+  const auto owner = Owner();
+  ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
+  PostgresShell shell = database_.Shell();
+  shell.Run("INSERT INTO uplinkd.schema_migrations (version, name, sha256) VALUES (99, 'x', 'y')");
+  const absl::Status newer = CheckSchema(*owner, Migrations());
+  EXPECT_TRUE(absl::IsFailedPrecondition(newer)) << newer;
+  EXPECT_TRUE(newer.message().find("run the newer uplinkd") != absl::string_view::npos) << newer;
+  EXPECT_TRUE(absl::IsFailedPrecondition(Migrate(*owner, Migrations()).status()));
+
+  shell.Run("DELETE FROM uplinkd.schema_migrations WHERE version = 99");
+  shell.Run("UPDATE uplinkd.schema_migrations SET sha256 = 'other' WHERE version = 1");
+  const absl::Status other = CheckSchema(*owner, Migrations());
+  EXPECT_TRUE(absl::IsFailedPrecondition(other)) << other;
+  EXPECT_TRUE(other.message().find("another 0001_first_tables") != absl::string_view::npos);
+}
+
+TEST_F(PostgresSchemaTest, AFailedStepLeavesTheStepsBefore) {
+  std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0009_broken", "sum",
+                        "CREATE TABLE half (a int); SELECT nothing_of_this_name();"});
+  const auto owner = Owner();
+  const auto steps = Migrate(*owner, migrations);
+  EXPECT_FALSE(steps.ok());
+  EXPECT_TRUE(steps.status().message().find("0009_broken") != absl::string_view::npos);
+  EXPECT_EQ(*SchemaVersion(*owner), static_cast<std::int64_t>(Migrations().size()));
+  EXPECT_EQ(database_.Shell().Read("SELECT to_regclass('uplinkd.half')"), "\n");
+}
+
+TEST_F(PostgresSchemaTest, ARoleThatMayNotCreateIsToldSo) {
+  const auto server = Connect(database_.url());
+  const auto steps = Migrate(*server, Migrations());
+  EXPECT_FALSE(steps.ok());
+  EXPECT_TRUE(steps.status().message().find("permission denied") != absl::string_view::npos)
+      << steps.status();
+}
+
+TEST_F(PostgresSchemaTest, LaterStepsAreGrantedToWhoWasGranted) {
+  const auto owner = Owner();
+  ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
+  ASSERT_TRUE(GrantTo(*owner, "uplinkd").ok());
+  std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0009_more", "sum",
+                        "CREATE TABLE more (a int);"});
+  ASSERT_TRUE(Migrate(*owner, migrations).ok());
+  PostgresShell(database_.url()).Run("INSERT INTO uplinkd.more VALUES (1)");
+  EXPECT_EQ(database_.Shell().Read("SELECT has_table_privilege('uplinkd',"
+                                   " 'uplinkd.schema_migrations', 'INSERT')"),
+            "f\n");
+}
+
+TEST(PostgresPartitionsTest, TheServersRoleMakesAndDropsDays) {
+  PostgresDatabase database;
+  PostgresShell server(database.url());
+  // Six histories, of which three days are there already.
+  EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "6\n");
+  EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "0\n");
+  EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('events', '2025-11-22')"), "2\n");
+  EXPECT_EQ(server.Read("SELECT to_regclass('uplinkd.events_20251121') IS NULL,"
+                        " to_regclass('uplinkd.events_20251122') IS NULL,"
+                        " to_regclass('uplinkd.messages_20251121') IS NULL"),
+            "t|f|f\n");
+}
+
+TEST(PostgresPartitionsTest, ADayWhoseRowsAreInTheDefaultStaysThere) {
+  PostgresDatabase database;
+  database.Shell().Run(
+      "INSERT INTO uplinkd.presence_changes VALUES ('rcan://a', '2026-01-02 12:00Z', 1, 'f', 1)");
+  EXPECT_EQ(PostgresShell(database.url()).Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"),
+            "5\n");
+  EXPECT_EQ(database.Shell().Read("SELECT to_regclass('uplinkd.presence_changes_20260102')"), "\n");
+}
+
+TEST(PostgresPartitionsTest, TheServersRoleMayDoNoMore) {
+  PostgresDatabase database;
+  const auto denied = [&](const std::string& what) {
+    return database.Shell().Read("SELECT has_table_privilege('uplinkd', 'uplinkd.robots', '" +
+                                 what + "')");
+  };
+  EXPECT_EQ(denied("TRUNCATE"), "f\n");
+  EXPECT_EQ(denied("REFERENCES"), "f\n");
+  EXPECT_EQ(database.Shell().Read("SELECT has_schema_privilege('uplinkd', 'uplinkd', 'CREATE'),"
+                                  " has_schema_privilege('public', 'uplinkd', 'USAGE'),"
+                                  " has_function_privilege('public',"
+                                  " 'uplinkd.drop_partitions(text, date)', 'EXECUTE')"),
+            "f|f|f\n");
+}
+
+}  // namespace
+}  // namespace uplink::storage::postgres
