@@ -44,6 +44,12 @@ class Store {
   /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
   /// kSweepRowsMax of each. Returns how many went; more may be left when it is as many as that.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Sweep(SystemTime now) = 0;
+
+  /// Keeps the histories to StoreRules: deletes what arrived before the first day that is to be
+  /// kept, at most kRetainRowsMax rows of each kind, and makes room for the days to come. Mission
+  /// runs go when they are closed and their last report is as old. Returns how much went, in rows
+  /// or in whole partitions; more may be left when it is kRetainRowsMax or more.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> Retain(SystemTime now) = 0;
 };
 
 }  // namespace uplink::storage

@@ -31,6 +31,8 @@ inline constexpr std::size_t kObjectsPerRobotMax = 10'000;
 inline constexpr std::chrono::hours kExpiredKept{1};
 /// Rows that one call of Store::Sweep deletes of each kind: it must not hold up a commit.
 inline constexpr std::size_t kSweepRowsMax = 1'000;
+/// Rows that one call of Store::Retain deletes of each kind.
+inline constexpr std::size_t kRetainRowsMax = 1'000;
 /// Payloads that one robot's quarantine keeps; older rows lose theirs.
 inline constexpr std::size_t kQuarantinePayloadsPerRobotMax = 1'000;
 /// Quarantined numbers that one OpenStream returns; with more, the answer is not complete.
@@ -122,6 +124,11 @@ struct StoreRules {
   /// Life of an object that names no expiry (forward.object_ttl); zero: for ever. Counted from its
   /// arrival.
   milliseconds object_ttl{std::chrono::hours(24)};
+  /// How long rows of history are kept, and closed mission runs; zero: for ever. Whole days count:
+  /// what arrived on a day (UTC) goes when the day ended longer ago than this.
+  milliseconds retain_history{std::chrono::days(90)};
+  /// The same of quarantine, and of gaps.
+  milliseconds retain_quarantine{std::chrono::days(14)};
 };
 
 /// The presence of a robot changed: a record that the server makes itself.

@@ -31,15 +31,25 @@ absl::StatusOr<Connection*> Link::Get() {
   return connection_.get();
 }
 
-absl::Status Link::Check(Connection& connection) {
+absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock) {
   std::vector<Call> calls;
   calls.push_back({kAsk, {}});
   const auto answer = connection.Run(calls, "ask the server what it is");
   if (!answer.ok()) return answer.status();
   const Result& row = answer->front();
-  facts_.version = row.Int(0, 0);
-  facts_.unsafe = row.Bool(0, 1);
-  facts_.clock_offset = row.Time(0, 4) - clock_.System();
+  ServerFacts facts;
+  facts.version = row.Int(0, 0);
+  facts.unsafe = row.Bool(0, 1);
+  facts.read_only = row.Bool(0, 2);
+  facts.standby = row.Bool(0, 3);
+  facts.clock_offset = row.Time(0, 4) - clock.System();
+  return facts;
+}
+
+absl::Status Link::Check(Connection& connection) {
+  const absl::StatusOr<ServerFacts> facts = AskServer(connection, clock_);
+  if (!facts.ok()) return facts.status();
+  facts_ = *facts;
   if (facts_.version < kServerVersionMin) {
     return Unfit(connection, "is version " + std::to_string(facts_.version / 10'000) +
                                  "; 13 and newer are supported");
@@ -50,8 +60,8 @@ absl::Status Link::Check(Connection& connection) {
                    "has fsync = off: an ack would not be durable; turn it on, or accept the loss"
                    " with store.accept_unsafe = true");
     }
-    if (row.Bool(0, 3)) return Unfit(connection, "is a standby: it takes no writes");
-    if (row.Bool(0, 2)) {
+    if (facts_.standby) return Unfit(connection, "is a standby: it takes no writes");
+    if (facts_.read_only) {
       return Unfit(connection, "is read-only (default_transaction_read_only): it takes no writes");
     }
   }

@@ -21,9 +21,13 @@ struct ServerFacts {
   std::int64_t version = 0;
   /// A loss of power may lose what was committed.
   bool unsafe = false;
+  bool read_only = false;
+  bool standby = false;
   /// The server's clock less ours.
   milliseconds clock_offset{0};
 };
+
+[[nodiscard]] absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock);
 
 enum class Purpose : std::uint8_t { kWrite, kRead };
 

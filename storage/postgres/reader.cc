@@ -10,6 +10,8 @@
 namespace uplink::storage::postgres {
 namespace {
 
+/// How much longer than a statement may take its answer may.
+constexpr milliseconds kAnswerSlack{500};
 /// Robots of which the latest is read in one round trip: their bodies come at once.
 constexpr std::size_t kRobotsPerTrip = 16;
 
@@ -40,7 +42,7 @@ absl::StatusOr<std::unique_ptr<PostgresReader>> PostgresReader::Open(const Reade
   link.connection.password_file = options.password_file;
   link.connection.connect_timeout = options.connect_timeout;
   // The server ends a statement first; this is for one that does not answer at all.
-  link.connection.call_timeout = options.statement_timeout * 2;
+  link.connection.call_timeout = options.statement_timeout + kAnswerSlack;
   link.connection.session_settings = SessionSettings(Purpose::kRead, options.statement_timeout);
   link.purpose = Purpose::kRead;
   return std::unique_ptr<PostgresReader>(

@@ -7,6 +7,7 @@
 #include "storage/postgres/link.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/open_streams.h"
+#include "storage/postgres/retain.h"
 #include "storage/postgres/schema.h"
 #include "storage/postgres/transaction.h"
 
@@ -63,10 +64,11 @@ absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions 
   link.connection.session_settings = SessionSettings(Purpose::kWrite, options.call_timeout);
   link.accept_unsafe = options.accept_unsafe;
   absl::Status opened = absl::OkStatus();
-  if (options.migrate) opened = MigrateFirst(link.connection, clock);
+  const bool connect = options.connect_now;
+  if (connect && options.migrate) opened = MigrateFirst(link.connection, clock);
   auto store = std::unique_ptr<PostgresStore>(new PostgresStore(
       std::make_unique<Parts>(Parts{std::move(options), Link(std::move(link), clock), {}})));
-  if (opened.ok()) opened = store->parts_->link.Get().status();
+  if (connect && opened.ok()) opened = store->parts_->link.Get().status();
   if (!opened.ok() && !IsWorthRetry(opened)) return opened;
   store->parts_->open_error = std::move(opened);
   return store;
@@ -126,6 +128,12 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
         RunAndCommitFor(connection, std::move(calls), "sweep", options.before_commit);
     if (!results.ok()) return results.status();
     return (*results)[1].written() + (*results)[2].written();
+  });
+}
+
+absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
+  return With<std::size_t>([&](Connection& connection) {
+    return RetainRows(connection, now, parts_->options.rules, parts_->options.clock_offset_max);
   });
 }
 

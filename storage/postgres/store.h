@@ -24,11 +24,16 @@ struct StoreOptions {
   StoreRules rules;
   /// Apply missing migrations at the first connection, as a role that may.
   bool migrate = false;
+  /// Connect in Open already; false: at the first call.
+  bool connect_now = true;
   /// Accept a server with fsync = off.
   bool accept_unsafe = false;
   milliseconds connect_timeout{5'000};
   /// How long one call of the store may take at most.
   milliseconds call_timeout{10'000};
+  /// Nothing is dropped for its age while the server's clock and the time that Retain is told
+  /// differ by more than this: one of them is wrong, and what is dropped is gone.
+  milliseconds clock_offset_max{std::chrono::days(1)};
   /// Called in each write transaction right before its commit; what is not OK rolls it back and is
   /// the answer. For tests.
   std::function<absl::Status()> before_commit;
@@ -66,6 +71,7 @@ class PostgresStore final : public Store {
       std::span<const OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
 
   /// Of Open: why the server could not be reached; OK if it could.
   [[nodiscard]] const absl::Status& open_error() const;

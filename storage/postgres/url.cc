@@ -22,10 +22,13 @@ std::vector<std::string> SplitList(std::string_view text) {
   }
 }
 
-/// libpq's sentence without its line end.
-std::string Sentence(const char* text) {
+/// libpq's sentence without its line end, and without the URL: that may hold a password.
+std::string Sentence(const char* text, std::string_view url) {
   std::string sentence = text == nullptr ? "no cause given" : text;
   while (!sentence.empty() && sentence.back() == '\n') sentence.pop_back();
+  if (const std::size_t at = sentence.find(url); at != std::string::npos) {
+    sentence.replace(at, url.size(), "...");
+  }
   return sentence;
 }
 
@@ -67,7 +70,7 @@ absl::StatusOr<Url> ParseUrl(std::string_view url) {
   const std::unique_ptr<PQconninfoOption, FreeOptions> options(
       PQconninfoParse(std::string(url).c_str(), &error));
   const std::unique_ptr<char, void (*)(void*)> owned(error, PQfreemem);
-  if (options == nullptr) return absl::InvalidArgumentError("store.url: " + Sentence(error));
+  if (options == nullptr) return absl::InvalidArgumentError("store.url: " + Sentence(error, url));
 
   Url parsed;
   std::vector<std::pair<std::string, std::string>> lists;

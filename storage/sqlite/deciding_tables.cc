@@ -137,6 +137,7 @@ absl::Status Tables::Prepare(Database& database) {
   if (status.ok()) status = objects.Prepare(database);
   if (status.ok()) status = latest.Prepare(database);
   if (status.ok()) status = presence.Prepare(database);
+  if (status.ok()) status = retention.Prepare(database);
   return status;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "storage/retention.h"
 #include "storage/sqlite/batch_commit.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
@@ -169,6 +170,24 @@ absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
     const auto objects = parts_->tables.objects.rows().Sweep(until_ms, kSweepRowsMax);
     if (!objects.ok()) return objects.status();
     return *shapes + *objects;
+  });
+}
+
+absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {
+  const StoreRules& rules = parts_->options.rules;
+  return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
+    std::size_t erased = 0;
+    if (const auto kept = FirstDayKept(now, rules.retain_history)) {
+      const auto rows = parts_->tables.retention.EraseHistory(*kept);
+      if (!rows.ok()) return rows.status();
+      erased += *rows;
+    }
+    if (const auto kept = FirstDayKept(now, rules.retain_quarantine)) {
+      const auto rows = parts_->tables.retention.EraseSetAside(*kept);
+      if (!rows.ok()) return rows.status();
+      erased += *rows;
+    }
+    return erased;
   });
 }
 

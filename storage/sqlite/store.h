@@ -54,6 +54,7 @@ class SqliteStore final : public Store {
       std::span<const OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
 
  private:
   struct Parts;

@@ -16,6 +16,7 @@
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_tables.h"
+#include "storage/sqlite/retention_tables.h"
 #include "storage/sqlite/statement.h"
 #include "storage/types.h"
 
@@ -136,6 +137,7 @@ struct Tables {
   ObjectTable objects;
   LatestTable latest;
   PresenceTable presence;
+  RetentionTables retention;
 
   [[nodiscard]] absl::Status Prepare(Database& database);
 };

@@ -241,8 +241,7 @@ TEST_P(AllKindsContract, AClearOfAFaultThatIsNotActiveIsHistoryAlone) {
   EXPECT_THAT(Active(), SizeIs(0));
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, AllKindsContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, AllKindsContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

@@ -138,8 +138,7 @@ TEST_P(BoundContract, HasRoomAgainAfterASweep) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, BoundContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, BoundContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

@@ -3,9 +3,7 @@
 
 namespace uplink::testing {
 
-INSTANTIATE_TEST_SUITE_P(Stores, StoreContract, ::testing::Values(FakeKind(), SqliteKind(), PostgresKind()),
-                         NameOfKind);
-INSTANTIATE_TEST_SUITE_P(Stores, PresentContract, ::testing::Values(FakeKind(), SqliteKind(), PostgresKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, StoreContract, EveryStore(), NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, PresentContract, EveryStore(), NameOfKind);
 
 }  // namespace uplink::testing

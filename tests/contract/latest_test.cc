@@ -126,8 +126,7 @@ TEST_P(LatestContract, HoldsAfterAReopening) {
   EXPECT_EQ(LatestRows().at(0).body_json, json::Text(Agent("1")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, LatestContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, LatestContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

@@ -290,8 +290,7 @@ TEST_P(ListContract, HoldsWhatWasThereBeforeAReopening) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, ListContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, ListContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

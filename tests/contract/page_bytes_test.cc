@@ -145,8 +145,7 @@ TEST_P(PageBytesContract, BoundTheLatestAfterAWholeRobot) {
   EXPECT_EQ(rest->rows.size(), 2 * left.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, PageBytesContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, PageBytesContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

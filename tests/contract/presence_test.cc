@@ -188,8 +188,7 @@ TEST_P(PresenceContract, ForgetsTheSessionThatWasUsedLeastRecently) {
   EXPECT_EQ(written(), kWritten + 3) << "that one";
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, PresenceContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, PresenceContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

@@ -264,8 +264,7 @@ TEST_P(ReportContract, ShowsTheFleetThatARobotHadThen) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, ReportContract, ::testing::Values(FakeKind(), SqliteKind()),
-                         NameOfKind);
+INSTANTIATE_TEST_SUITE_P(Stores, ReportContract, EveryStore(), NameOfKind);
 
 }  // namespace
 }  // namespace uplink::testing

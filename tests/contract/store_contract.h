@@ -183,6 +183,11 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   storage::Epoch held_since_ = 0;
 };
 
+/// The kinds of store that pass the suite, word for word.
+[[nodiscard]] inline auto EveryStore() {
+  return ::testing::Values(FakeKind(), SqliteKind(), PostgresKind());
+}
+
 [[nodiscard]] inline std::string NameOfKind(const ::testing::TestParamInfo<StoreKind>& kind) {
   return kind.param.name;
 }

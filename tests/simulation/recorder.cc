@@ -42,6 +42,11 @@ absl::StatusOr<std::size_t> Recorder::Sweep(SystemTime now) {
   return deleted;
 }
 
+absl::StatusOr<std::size_t> Recorder::Retain(SystemTime now) {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->Retain(now);
+}
+
 void Recorder::NotePresence(const storage::Batch& batch) {
   model::Seq& cursor = presence_cursors_[batch.presence_session];
   for (const storage::PresenceItem& item : batch.presence) {

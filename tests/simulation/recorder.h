@@ -49,6 +49,7 @@ class Recorder final : public storage::Store {
       const storage::Batch& batch) override;
 
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
 
   /// Each robot's last change of presence that was committed.
   [[nodiscard]] const std::map<std::string, model::Presence>& presence() const { return presence_; }

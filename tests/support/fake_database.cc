@@ -1,11 +1,13 @@
 #include "tests/support/fake_database.h"
 
 #include <algorithm>
+#include <set>
 #include <variant>
 
 #include "schema/base/check.h"
 #include "schema/model/record.h"
 #include "storage/refusal.h"
+#include "storage/retention.h"
 
 namespace uplink::testing {
 
@@ -51,6 +53,57 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
 std::size_t FakeDatabase::Sweep(SystemTime now) {
   const std::lock_guard lock(mutex_);
   return kinds_.Sweep(now);
+}
+
+std::size_t FakeDatabase::Retain(SystemTime now, const storage::StoreRules& rules) {
+  const std::lock_guard lock(mutex_);
+  std::size_t erased = 0;
+  if (const auto kept = storage::FirstDayKept(now, rules.retain_history)) {
+    erased += EraseBefore(faults_history_, *kept, storage::kRetainRowsMax) +
+              kinds_.EraseHistory(*kept) + presence_.EraseHistory(*kept);
+  }
+  if (const auto kept = storage::FirstDayKept(now, rules.retain_quarantine)) {
+    erased += EraseQuarantine(*kept) + EraseGaps(*kept);
+  }
+  return erased;
+}
+
+std::size_t FakeDatabase::EraseQuarantine(SystemTime until) {
+  const std::vector<FakeEntry<storage::QuarantineRow>> before = quarantine_;
+  const std::size_t erased = EraseBefore(quarantine_, until, storage::kRetainRowsMax);
+  std::set<std::uint64_t> kept;
+  for (const auto& row : quarantine_) kept.insert(row.entry);
+  for (const auto& row : before) {
+    if (kept.contains(row.entry)) continue;
+    auto& sessions = robots_[row.row.robot.ruri].sessions;
+    const auto session = sessions.find(row.row.session);
+    if (session != sessions.end()) session->second.rejects.erase(row.row.seq);
+  }
+  for (auto& [ruri, robot] : robots_) robot.payload_rows.clear();
+  for (std::size_t i = 0; i < quarantine_.size(); ++i) {
+    auto& rows = robots_[quarantine_[i].row.robot.ruri].payload_rows;
+    rows.push_back(i);
+    if (rows.size() > storage::kQuarantinePayloadsPerRobotMax) rows.pop_front();
+  }
+  return erased;
+}
+
+std::size_t FakeDatabase::EraseGaps(SystemTime until) {
+  std::vector<std::pair<GapPlace, std::string>> old;
+  for (const auto& [ruri, robot] : robots_) {
+    for (const auto& [place, gap] : robot.gaps) {
+      if (place.first < until) old.emplace_back(place, ruri);
+    }
+  }
+  std::ranges::sort(old);
+  old.resize(std::min(old.size(), storage::kRetainRowsMax));
+  for (const auto& [place, ruri] : old) {
+    Robot& robot = robots_[ruri];
+    const storage::GapRow& gap = robot.gaps.at(place);
+    robot.gap_places.erase({gap.session, gap.first});
+    robot.gaps.erase(place);
+  }
+  return old.size();
 }
 
 OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {

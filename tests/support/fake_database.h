@@ -74,6 +74,7 @@ class FakeDatabase final {
                                        const storage::Batch& batch, const FakeRules& rules,
                                        const storage::StoreRules& store_rules);
   std::size_t Sweep(SystemTime now);
+  std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
 
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.
@@ -138,6 +139,8 @@ class FakeDatabase final {
   void WriteFault(Robot& robot, const model::Fault& fault, const storage::CommitRecord& record);
   void WriteQuarantine(Robot& robot, Session& session, const storage::CommitRecord& record,
                        const model::Rejection& rejection);
+  std::size_t EraseQuarantine(SystemTime until);
+  std::size_t EraseGaps(SystemTime until);
   void WriteGap(const storage::ProcessId& process, const storage::GapItem& gap);
   [[nodiscard]] const SessionLog* FindLog(std::string_view ruri,
                                           const model::SessionId& session) const;

@@ -150,4 +150,20 @@ std::size_t FakeKinds::Sweep(SystemTime now) {
   return shapes_.Sweep(then, storage::kSweepRowsMax) + objects_.Sweep(then, storage::kSweepRowsMax);
 }
 
+std::size_t FakeKinds::EraseHistory(SystemTime until) {
+  std::size_t erased = EraseBefore(events_, until, storage::kRetainRowsMax);
+  erased += EraseBefore(messages_, until, storage::kRetainRowsMax);
+  erased += EraseBefore(reports_, until, storage::kRetainRowsMax);
+  std::vector<std::tuple<SystemTime, std::uint64_t, RunKey>> closed;
+  for (const auto& [key, run] : runs_) {
+    if (model::IsTerminal(run.row.status) && run.row.last_received_at < until && run.at < until) {
+      closed.emplace_back(run.at, run.entry, key);
+    }
+  }
+  std::ranges::sort(closed);
+  closed.resize(std::min(closed.size(), storage::kRetainRowsMax));
+  for (const auto& [at, entry, key] : closed) runs_.erase(key);
+  return erased + closed.size();
+}
+
 }  // namespace uplink::testing

@@ -35,6 +35,8 @@ class FakeKinds final {
 
   /// As storage::Store::Sweep.
   std::size_t Sweep(SystemTime now);
+  /// As storage::Store::Retain, with the first day that is kept.
+  std::size_t EraseHistory(SystemTime until);
 
   [[nodiscard]] const History<storage::EventRow>& events() const { return events_; }
   [[nodiscard]] const History<storage::MessageRow>& messages() const { return messages_; }

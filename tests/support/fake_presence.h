@@ -20,6 +20,11 @@ class FakePresence final {
   /// `no_cursor` plants a fault: what the cursor covers is written again.
   void Write(const storage::Batch& batch, std::uint64_t& entries, bool no_cursor);
 
+  /// As storage::Store::Retain, with the first day that is kept.
+  std::size_t EraseHistory(SystemTime until) {
+    return EraseBefore(changes_, until, storage::kRetainRowsMax);
+  }
+
   /// The change that was written last.
   [[nodiscard]] std::optional<model::Presence> Last(std::string_view ruri) const;
   /// Nothing while the session is not known.

@@ -24,6 +24,22 @@ struct FakeEntry {
   Row row;
 };
 
+/// Deletes the oldest entries before `until`, at most `rows_max`. Returns how many.
+template <typename Row>
+std::size_t EraseBefore(std::vector<FakeEntry<Row>>& entries, SystemTime until,
+                        std::size_t rows_max) {
+  std::vector<std::pair<SystemTime, std::uint64_t>> old;
+  for (const FakeEntry<Row>& entry : entries) {
+    if (entry.at < until) old.emplace_back(entry.at, entry.entry);
+  }
+  std::ranges::sort(old);
+  old.resize(std::min(old.size(), rows_max));
+  std::erase_if(entries, [&](const FakeEntry<Row>& entry) {
+    return std::ranges::binary_search(old, std::pair(entry.at, entry.entry));
+  });
+  return old.size();
+}
+
 /// The shapes, or the objects, of all robots by id. Confined to its owner's lock.
 template <typename Row>
 class FakePresent final {

@@ -35,6 +35,14 @@ absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
   return swept;
 }
 
+absl::StatusOr<std::size_t> FakeStore::Retain(SystemTime now) {
+  Fate fate = Begin({&retain_order_}, retains_);
+  if (fate.fail_before) return std::move(fate.status);
+  const std::size_t erased = database_.Retain(now, store_rules_);
+  if (fate.fail_after) return std::move(fate.status);
+  return erased;
+}
+
 FakeStore::Fate FakeStore::Begin(std::initializer_list<Order*> orders, std::uint64_t& calls) {
   std::unique_lock lock(mutex_);
   ++waiting_;
@@ -82,12 +90,17 @@ void FakeStore::FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Statu
   Add(sweep_order_, calls, at, status);
 }
 
+void FakeStore::FailNextRetains(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(retain_order_, calls, at, status);
+}
+
 void FakeStore::Heal() {
   const std::lock_guard lock(mutex_);
   any_order_ = {};
   commit_order_ = {};
   open_order_ = {};
   sweep_order_ = {};
+  retain_order_ = {};
   blocked_ = false;
   changed_.notify_all();
 }

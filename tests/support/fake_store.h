@@ -42,6 +42,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
 
   // storage::Reader
   [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
@@ -86,6 +87,9 @@ class FakeStore final : public storage::Store, public storage::Reader {
   /// As FailNext, for Sweep alone.
   void FailNextSweeps(std::uint32_t calls, FailAt at,
                       const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// As FailNext, for Retain alone.
+  void FailNextRetains(std::uint32_t calls, FailAt at,
+                       const absl::Status& status = absl::UnavailableError("the test said so"));
   /// No ordered failure is left, and nothing blocks.
   void Heal();
   void SetRules(FakeRules rules);
@@ -132,10 +136,12 @@ class FakeStore final : public storage::Store, public storage::Reader {
   Order commit_order_;
   Order open_order_;
   Order sweep_order_;
+  Order retain_order_;
   FakeRules rules_;
   std::uint64_t commits_ = 0;
   std::uint64_t opens_ = 0;
   std::uint64_t sweeps_ = 0;
+  std::uint64_t retains_ = 0;
 };
 
 }  // namespace uplink::testing

@@ -95,8 +95,8 @@ BEGIN
   RETURN made;
 END $$;
 
--- Drops the partitions of one history that end at or before `before`; returns how many. Runs as the
--- owner.
+-- Drops the partitions of one history that end at or before `before`, the oldest first, at most ten a
+-- call; returns how many. Runs as the owner.
 CREATE FUNCTION drop_partitions(history_name text, before date)
 RETURNS integer LANGUAGE plpgsql SECURITY DEFINER
 SET search_path = uplinkd, pg_temp SET lock_timeout = '1s' SET timezone = 'UTC' AS $$
@@ -113,7 +113,7 @@ BEGIN
       WHERE i.inhparent = format('uplinkd.%I', history_name)::regclass
         AND c.relname ~ ('^' || history_name || '_[0-9]{8}$')
         AND to_date(right(c.relname, 8), 'YYYYMMDD') < before
-      ORDER BY c.relname
+      ORDER BY c.relname LIMIT 10
   LOOP
     EXECUTE format('DROP TABLE %I', part.relname);
     dropped := dropped + 1;

@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUrl{"postgresql://db/x?colour=red", "invalid URI query parameter: \"colour\""},
         BadUrl{"postgresql://me:secret@db/x", "store.url holds a password"},
         BadUrl{"postgresql://db/x?password=secret", "store.password_file"},
-        BadUrl{"postgresql://[::1/x", "store.url: "},
+        BadUrl{"postgresql://me:secret@[::1/x", "store.url: "},
         BadUrl{"postgresql:///x?host=a,b&port=1,2,3", "store.url names 3 hosts and 2 of host"}));
 
 TEST(PostgresParametersTest, NumbersAreBigEndian) {

@@ -1,0 +1,60 @@
+#include "storage/postgres/admin.h"
+
+#include <memory>
+#include <utility>
+
+#include "storage/postgres/link.h"
+#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+/// What one step may take: it may have to build an index over a large table.
+constexpr std::chrono::minutes kStepTimeout{30};
+
+absl::StatusOr<std::unique_ptr<Connection>> Connect(const AdminOptions& options,
+                                                    const Clock& clock) {
+  absl::StatusOr<Url> url = ParseUrl(options.url);
+  if (!url.ok()) return url.status();
+  ConnectionOptions connection;
+  connection.url = *std::move(url);
+  connection.password_file = options.password_file;
+  connection.call_timeout = kStepTimeout;
+  return Connection::Open(connection, clock);
+}
+
+}  // namespace
+
+absl::StatusOr<StoreState> ReadState(const AdminOptions& options, const Clock& clock) {
+  const auto connection = Connect(options, clock);
+  if (!connection.ok()) return connection.status();
+  const absl::StatusOr<ServerFacts> facts = AskServer(**connection, clock);
+  if (!facts.ok()) return facts.status();
+  const absl::StatusOr<std::int64_t> version = SchemaVersion(**connection);
+  if (!version.ok()) return version.status();
+  StoreState state;
+  state.where = (*connection)->where();
+  state.server_version = facts->version;
+  state.schema_version = *version;
+  state.schema_needed = static_cast<std::int64_t>(Migrations().size());
+  state.fsync = !facts->unsafe;
+  state.read_only = facts->read_only;
+  state.standby = facts->standby;
+  state.clock_offset = facts->clock_offset;
+  return state;
+}
+
+absl::StatusOr<std::vector<std::string>> MigrateStore(const AdminOptions& options,
+                                                      const std::string& grant_to,
+                                                      const Clock& clock) {
+  const auto connection = Connect(options, clock);
+  if (!connection.ok()) return connection.status();
+  auto steps = Migrate(**connection, Migrations());
+  if (!steps.ok() || grant_to.empty()) return steps;
+  absl::Status granted = GrantTo(**connection, grant_to);
+  if (!granted.ok()) return granted;
+  return steps;
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+
+// What an operator does to a PostgreSQL store from outside the server.
+namespace uplink::storage::postgres {
+
+/// How to reach it, as in StoreOptions; the role that migrates owns the schema.
+struct AdminOptions {
+  std::string url;
+  std::string password_file;
+};
+
+struct StoreState {
+  /// `host:port/database`.
+  std::string where;
+  /// Of the server: `15.4` is 150004.
+  std::int64_t server_version = 0;
+  /// Of the schema; 0 if there is none.
+  std::int64_t schema_version = 0;
+  /// That this program needs.
+  std::int64_t schema_needed = 0;
+  bool fsync = true;
+  bool read_only = false;
+  bool standby = false;
+  milliseconds clock_offset{0};
+};
+
+/// Errors: of the connection.
+[[nodiscard]] absl::StatusOr<StoreState> ReadState(const AdminOptions& options, const Clock& clock);
+
+/// Applies the steps that are missing, and grants the schema to `grant_to` if that is not empty.
+/// Returns the names of the steps.
+[[nodiscard]] absl::StatusOr<std::vector<std::string>> MigrateStore(const AdminOptions& options,
+                                                                    const std::string& grant_to,
+                                                                    const Clock& clock);
+
+}  // namespace uplink::storage::postgres

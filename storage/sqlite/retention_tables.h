@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/statement.h"
+
+namespace uplink::storage::sqlite {
+
+/// Deletes what is older than it is to be kept, the oldest first, at most kRetainRowsMax rows of
+/// each table a call.
+///
+/// Errors: those of errors.h. Thread: confined to the thread of its database.
+class RetentionTables final {
+ public:
+  [[nodiscard]] absl::Status Prepare(Database& database);
+
+  /// Histories, and mission runs that are closed. Returns how many rows went.
+  [[nodiscard]] absl::StatusOr<std::size_t> EraseHistory(SystemTime until);
+  /// Quarantine and gaps.
+  [[nodiscard]] absl::StatusOr<std::size_t> EraseSetAside(SystemTime until);
+
+ private:
+  using Statements = std::vector<std::unique_ptr<Statement>>;
+  static absl::StatusOr<std::size_t> Erase(const Statements& statements, SystemTime until);
+
+  Statements history_;
+  Statements set_aside_;
+};
+
+}  // namespace uplink::storage::sqlite
