@@ -24,19 +24,16 @@
 #include "server/http/server.h"
 #include "server/http/site.h"
 #include "server/journal/journal.h"
-#include "server/journal/writer.h"
 #include "server/relay/server.h"
 #include "server/reload.h"
+#include "server/store_side.h"
 #include "server/view/queries.h"
-#include "storage/sqlite/reader.h"
-#include "storage/sqlite/store.h"
 
 namespace uplink {
 namespace {
 
 /// How often a drain looks whether the journal is empty.
 constexpr milliseconds kIdleLook{10};
-
 void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe& sessions,
                      metrics::Exposition& page) {
   using enum metrics::MetricId;
@@ -51,10 +48,13 @@ void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe
   page.Add(kWakes, probe.wakes_total);
 }
 
+/// How often the store's last error is looked at, for the log.
+constexpr std::chrono::seconds kStoreEvery{1};
+/// How often a fleet that could not be read at the start is tried again.
+constexpr std::chrono::seconds kSeedEvery{2};
 /// What was opened before the rest could be built on it.
 struct Opened {
-  std::unique_ptr<storage::sqlite::SqliteStore> store;
-  std::unique_ptr<storage::sqlite::SqliteReader> reader;
+  Stores stores;
   SystemTime certificate_expiry;
 };
 
@@ -63,17 +63,9 @@ absl::StatusOr<Opened> Open(const App::Options& options) {
   const auto expiry = health::CertificateExpiry(options.config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
   opened.certificate_expiry = *expiry;
-  const std::string path = config::SqlitePath(options.config.store);
-  storage::sqlite::StoreOptions store_options;
-  store_options.process = options.process;
-  store_options.migrate = options.config.store.migrate;
-  store_options.rules.object_ttl = options.config.forward.object_ttl;
-  auto store = storage::sqlite::SqliteStore::Open(path, store_options);
-  if (!store.ok()) return store.status();
-  opened.store = *std::move(store);
-  auto reader = storage::sqlite::SqliteReader::Open(path);
-  if (!reader.ok()) return reader.status();
-  opened.reader = *std::move(reader);
+  auto stores = OpenStores(options.config, options.process, options.clock);
+  if (!stores.ok()) return stores.status();
+  opened.stores = *std::move(stores);
   return opened;
 }
 
@@ -88,15 +80,14 @@ class App::Impl {
         session_limits_(SessionLimitsOf(options_.config, options_.version)),
         fleet_(options_.clock, options_.config.limits.robots_max,
                PresenceLimitsOf(options_.config.presence)),
-        journal_(*opened_.store, journal_limits_, options_.clock, ledgers_.NewPage(),
-                 journal_probe_, options_.process),
-        queries_({options_.clock, fleet_, *opened_.reader, journal_, ledgers_, session_probe_,
-                  options_.version}),
-        monitor_({options_.clock, fleet_, journal_, journal_probe_, session_probe_, journal_limits_,
-                  opened_.certificate_expiry}),
+        store_(std::move(opened_.stores), PartsOfStore()),
+        queries_({options_.clock, fleet_, store_.reader(), store_.journals(), ledgers_,
+                  session_probe_, options_.version}),
+        monitor_({options_.clock, fleet_, store_.journals(), journal_probe_, session_probe_,
+                  journal_limits_, opened_.certificate_expiry, store_.unsafe()}),
         scrape_({.clock = options_.clock,
                  .fleet = fleet_,
-                 .journal = journal_,
+                 .journals = store_.journals(),
                  .journal_probe = journal_probe_,
                  .sessions = session_probe_,
                  .ledgers = ledgers_,
@@ -105,6 +96,8 @@ class App::Impl {
                  .journal_limits = journal_limits_,
                  .http_connections_max = options_.config.http.connections_max,
                  .version = options_.version,
+                 .store_unsafe = store_.unsafe(),
+                 .store_clock_offset = store_.clock_offset(),
                  .add_relay =
                      [this](auto& page) { AddRelaySamples(relay_probe_, session_probe_, page); }}),
         site_(queries_, monitor_, scrape_),
@@ -115,20 +108,22 @@ class App::Impl {
   Impl& operator=(const Impl&) = delete;
 
   absl::Status Start() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
-                             SystemTime at) { journal_.NotePresence(robot, presence, at); });
-    if (absl::Status seeded = SeedFleet(); !seeded.ok()) return seeded;
+    fleet_.OnPresence(
+        [this](const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
+          store_.journals().NotePresence(robot, presence, at);
+        });
+    if (absl::Status begun = store_.Begin(); !begun.ok()) return begun;
     reads_.emplace(http_probe_);
     auto http = http::HttpServer::Listen(
         {loop_, site_, *reads_, http_probe_, options_.clock},
         {options_.config.listen.http, options_.config.http.connections_max});
     if (!http.ok()) return http.status();
     http_ = *std::move(http);
-    writer_.emplace(journal_, storage::BackoffLimits{}, options_.random);
+    store_.StartWriters();
     auto relay = relay::RelayServer::Start(
         RelayOptionsOf(options_.config, health::MemoryMax()),
-        {options_.clock, fleet_, journal_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         JudgeLimitsOf(options_.config.limits), &refusals_});
+        {options_.clock, fleet_, store_.journals(), session_probe_, relay_probe_, ledgers_,
+         session_limits_, JudgeLimitsOf(options_.config.limits), &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     StartLoop();
@@ -155,9 +150,10 @@ class App::Impl {
     // From now on nobody listens: the histories say so.
     for (const fleet::Robot* robot : fleet_.Sorted()) {
       if (robot->state.presence() == model::Presence::kUnknown) continue;
-      journal_.NotePresence(robot->id(), model::Presence::kUnknown, options_.clock.System());
+      store_.journals().NotePresence(robot->id(), model::Presence::kUnknown,
+                                     options_.clock.System());
     }
-    while (!journal_.idle() && options_.clock.Steady() < deadline) {
+    while (!store_.journals().idle() && options_.clock.Steady() < deadline) {
       // Nothing releases it a second time: a second signal ends the process.
       static_cast<void>(stop_.try_acquire_for(kIdleLook));
     }
@@ -171,22 +167,29 @@ class App::Impl {
   }
 
  private:
-  absl::Status SeedFleet() {
-    const auto rows =
-        opened_.reader->Robots(static_cast<std::uint32_t>(options_.config.limits.robots_max));
-    if (!rows.ok()) return rows.status();
-    for (const storage::RobotRow& row : *rows) {
-      const auto robot = fleet_.FindOrAdmit(row.robot);
-      if (!robot.ok()) return robot.status();
-      if (!row.last_presence) continue;
-      journal_.BeginPresence((*robot)->id(), *row.last_presence, options_.clock.System());
-    }
-    return absl::OkStatus();
+  StoreSide::Parts PartsOfStore() {
+    return {.clock = options_.clock,
+            .logger = options_.logger,
+            .ledgers = ledgers_,
+            .probe = journal_probe_,
+            .fleet = fleet_,
+            .process = options_.process,
+            .random = options_.random,
+            .limits = journal_limits_,
+            .robots_max = options_.config.limits.robots_max};
+  }
+
+  void ReadRobotsLate() {
+    if (!store_.robots_unread()) return;
+    // A full queue of reads is another time's chance.
+    static_cast<void>(reads_->TryPost([this] { store_.ReadRobots(); }));
   }
 
   void StartLoop() {
     loop_.Every(kSweepEvery, [this] { fleet_.Sweep(session_limits_.session_idle); });
     loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
+    loop_.Every(kStoreEvery, [this] { store_.LookForErrors(); });
+    loop_.Every(kSeedEvery, [this] { ReadRobotsLate(); });
     loop_.Every(health::kHandshakeEvery, [this] {
       http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
         if (answered) monitor_.liveness().NoteHandshake();
@@ -244,7 +247,7 @@ class App::Impl {
 
   void Stop() {
     if (relay_ != nullptr) relay_->Shutdown(kStopWait / 2);
-    if (writer_) writer_->Stop();
+    store_.StopWriters();
     loop_.Stop();
     reads_.reset();
   }
@@ -264,7 +267,7 @@ class App::Impl {
   relay::RelayProbe relay_probe_;
   http::HttpProbe http_probe_;
   fleet::Fleet fleet_;
-  journal::Journal journal_;
+  StoreSide store_;
   view::Queries queries_;
   health::Monitor monitor_;
   http::Scrape scrape_;
@@ -276,7 +279,6 @@ class App::Impl {
   std::optional<http::ReadThread> reads_;
   std::unique_ptr<http::HttpServer> http_;
   std::unique_ptr<relay::RelayServer> relay_;
-  std::optional<journal::JournalWriter> writer_;
 };
 
 App::App(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

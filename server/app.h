@@ -38,7 +38,7 @@ class App final {
     const Clock& clock;
     /// Drawn anew for each life of the process.
     storage::ProcessId process{};
-    /// Evenly drawn numbers, for the backoff's jitter; called on the journal's thread alone.
+    /// Evenly drawn numbers, for the backoff's jitter; called by one thread at a time.
     std::function<std::uint64_t()> random;
     std::string version;
   };

@@ -48,10 +48,24 @@ struct IdentityConfig {
 };
 
 struct StoreConfig {
-  /// `sqlite:///absolute/path`; SqlitePath reads the path.
+  /// `sqlite:///absolute/path`, of which SqlitePath reads the path, or `postgresql://...`.
   std::string url = "sqlite:///var/lib/uplinkd/uplinkd.db";
-  /// Apply missing migrations at start; without it a store that needs one refuses the start.
+  /// Apply missing migrations at start; without it a store that needs one refuses the start. Where
+  /// it is not set: true for SQLite, false for PostgreSQL.
   bool migrate = true;
+  /// PostgreSQL: a file whose first line is the password; empty: as libpq finds one.
+  std::string password_file;
+  /// PostgreSQL: connections that write; a robot is always on the same.
+  std::size_t shards = 2;
+  /// PostgreSQL: connections that read.
+  std::size_t readers = 2;
+  /// PostgreSQL: how long a call may take, and a connect.
+  milliseconds timeout = std::chrono::seconds(10);
+  /// PostgreSQL: accept a server with fsync = off.
+  bool accept_unsafe = false;
+  /// How long histories are kept, and quarantine; zero: for ever.
+  milliseconds retain_history = std::chrono::days(90);
+  milliseconds retain_quarantine = std::chrono::days(14);
 };
 
 struct JournalConfig {
@@ -129,5 +143,7 @@ struct Config {
 
 /// The file that `store.url` names; empty if it is not `sqlite:///absolute/path`.
 [[nodiscard]] std::string SqlitePath(const StoreConfig& store);
+/// True if `store.url` names a PostgreSQL server, rightly or not.
+[[nodiscard]] bool IsPostgres(const StoreConfig& store);
 
 }  // namespace uplink::config

@@ -93,6 +93,17 @@ void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) 
   }
 }
 
+void CheckPasswordFile(const StoreConfig& store, std::vector<Problem>& problems) {
+  const std::string& path = store.password_file;
+  if (path.empty() || !IsPostgres(store)) return;
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line) || line.empty()) {
+    problems.push_back(
+        {path, "store.password_file", fmt::format("{} cannot be read, or is empty", path)});
+  }
+}
+
 }  // namespace
 
 std::vector<Problem> ValidateFiles(const Config& config) {
@@ -105,6 +116,7 @@ std::vector<Problem> ValidateFiles(const Config& config) {
   CheckPem("tls.operator_ca_file", tls.operator_ca_file, "CERTIFICATE", problems);
   if (certificate && key) CheckPair(tls, problems);
   CheckStoreFolder(config.store, problems);
+  CheckPasswordFile(config.store, problems);
   return problems;
 }
 

@@ -53,6 +53,10 @@ class Loader {
   }
 
   LoadResult Finish() {
+    // The schema of a server is its owner's to migrate.
+    if (IsPostgres(config_.store) && !where_.contains("store.migrate")) {
+      config_.store.migrate = false;
+    }
     for (Breach& breach : CheckRelations(config_)) {
       const std::string key = fmt::format("{}.{}", breach.section, breach.key);
       // A key that already has a problem keeps its default here; a second line would mislead.
@@ -93,6 +97,13 @@ class Loader {
     return nullptr;
   }
 
+  /// A key of keys: `retention` of `retention.history`.
+  static bool IsGroup(const std::string& section, const std::string& key) {
+    return std::ranges::any_of(Settings(), [&](const Setting& setting) {
+      return setting.section == section && setting.key.starts_with(key + ".");
+    });
+  }
+
   void ReadSection(const std::string& section, const toml::node& node) {
     const std::uint32_t line = node.source().begin.line;
     const auto known = [&](const Section& each) { return each.name == section; };
@@ -112,6 +123,13 @@ class Loader {
 
   void ReadKey(const std::string& section, const std::string& key, const toml::node& node,
                std::uint32_t line) {
+    if (const toml::table* const inner = node.as_table();
+        inner != nullptr && IsGroup(section, key)) {
+      for (const auto& [name, value] : *inner) {
+        ReadKey(section, key + "." + std::string(name.str()), value, name.source().begin.line);
+      }
+      return;
+    }
     const Setting* const setting = FindSetting(section, key);
     if (setting == nullptr) {
       located_.push_back(

@@ -5,12 +5,12 @@
 #include <fmt/core.h>
 
 #include "server/config/units.h"
+#include "storage/postgres/url.h"
 
 namespace uplink::config {
 namespace {
 
 constexpr std::string_view kSqliteScheme = "sqlite://";
-constexpr std::string_view kPostgresSchemes[] = {"postgresql://", "postgres://"};
 /// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
 constexpr std::size_t kSubsystemBytesMax = 32;
 
@@ -54,15 +54,16 @@ void CheckTls(const TlsConfig& tls, Breaches& breaches) {
 }
 
 void CheckStore(const StoreConfig& store, Breaches& breaches) {
-  for (const std::string_view scheme : kPostgresSchemes) {
-    if (store.url.starts_with(scheme)) {
-      breaches.Add("store", "url",
-                   "this version has no PostgreSQL store; use sqlite:///absolute/path");
-      return;
-    }
-  }
-  if (SqlitePath(store).empty()) {
-    breaches.Add("store", "url", "it must be sqlite:/// and the absolute path of a file");
+  if (IsPostgres(store)) {
+    const absl::Status parsed = storage::postgres::ParseUrl(store.url).status();
+    if (parsed.ok()) return;
+    std::string_view text(parsed.message().data(), parsed.message().size());
+    // The key stands before the text already.
+    if (text.starts_with("store.url")) text.remove_prefix(text.find(' ') + 1);
+    breaches.Add("store", "url", std::string(text));
+  } else if (SqlitePath(store).empty()) {
+    breaches.Add("store", "url",
+                 "it must be sqlite:/// and the absolute path of a file, or postgresql://");
   }
 }
 
@@ -102,6 +103,8 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
 }
 
 }  // namespace
+
+bool IsPostgres(const StoreConfig& store) { return storage::postgres::IsPostgresUrl(store.url); }
 
 std::string SqlitePath(const StoreConfig& store) {
   const std::string_view url = store.url;

@@ -90,8 +90,9 @@ std::string FullKey(const Setting& setting) {
 
 std::string EnvironmentName(const Setting& setting) {
   std::string name = fmt::format("UPLINKD_{}_{}", setting.section, setting.key);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return c == '.' ? '_' : static_cast<char>(std::toupper(c));
+  });
   return name;
 }
 

@@ -18,9 +18,10 @@ Readiness Monitor::readiness() const {
       .certificate_fits = certificate_fits_.load(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing = sources_.journal_probe.store_failing.value() != 0,
-      .journal_bytes = {sources_.journal.bytes(), limits.bytes_max},
-      .journal_records = {sources_.journal.records(), limits.records_max},
-      .journal_oldest = sources_.journal.oldest(sources_.clock.Steady()),
+      .store_unsafe = sources_.store_unsafe,
+      .journal_bytes = {sources_.journals.bytes(), limits.bytes_max},
+      .journal_records = {sources_.journals.records(), limits.records_max},
+      .journal_oldest = sources_.journals.oldest(sources_.clock.Steady()),
       .descriptors = {OpenDescriptors(), DescriptorsMax()},
   });
 }

@@ -7,7 +7,7 @@
 #include "server/fleet/fleet.h"
 #include "server/health/liveness.h"
 #include "server/health/readiness.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/session/probe.h"
 
 namespace uplink::health {
@@ -19,12 +19,14 @@ class Monitor final {
   struct Sources {
     const Clock& clock;
     const fleet::Fleet& fleet;
-    const journal::Journal& journal;
+    const journal::Shards& journals;
     const journal::JournalProbe& journal_probe;
     const session::SessionProbe& sessions;
     journal::JournalLimits journal_limits;
     /// At start; NoteCertificate follows a rotation.
     SystemTime certificate_expiry;
+    /// The store may lose what is acked when the power fails.
+    bool store_unsafe = false;
   };
   explicit Monitor(const Sources& sources);
 

@@ -16,6 +16,7 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
   if (facts.robots.used >= facts.robots.limit) readiness.refuses.emplace_back("robots_max");
 
   if (facts.store_failing) readiness.degraded.emplace_back("store");
+  if (facts.store_unsafe) readiness.degraded.emplace_back("store_unsafe");
   if (facts.journal_bytes.above(kBacklogPercent) || facts.journal_records.above(kBacklogPercent) ||
       facts.journal_oldest > kBacklogAge) {
     readiness.degraded.emplace_back("journal_backlog");

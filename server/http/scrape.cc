@@ -62,12 +62,12 @@ void Scrape::AddFleet(metrics::Exposition& page) const {
 }
 
 void Scrape::AddJournal(metrics::Exposition& page) const {
-  const journal::Journal& journal = sources_.journal;
-  page.Add(kJournalRecords, Value(journal.records()));
+  const journal::Shards& journals = sources_.journals;
+  page.Add(kJournalRecords, Value(journals.records()));
   page.Add(kJournalRecordsLimit, Value(sources_.journal_limits.records_max));
-  page.Add(kJournalBytes, Value(journal.bytes()));
+  page.Add(kJournalBytes, Value(journals.bytes()));
   page.Add(kJournalBytesLimit, Value(sources_.journal_limits.bytes_max));
-  page.Add(kJournalOldestSeconds, Seconds(journal.oldest(sources_.clock.Steady())));
+  page.Add(kJournalOldestSeconds, Seconds(journals.oldest(sources_.clock.Steady())));
   const journal::JournalProbe& probe = sources_.journal_probe;
   page.Add(kStoreCommitSeconds, probe.commit_seconds);
   page.Add(kStoreCommitRecords, probe.commit_records);
@@ -78,8 +78,11 @@ void Scrape::AddJournal(metrics::Exposition& page) const {
              {ToText(presence)});
   }
   page.Add(kExpiredDeleted, probe.expired_deleted);
+  page.Add(kHistoryDeleted, probe.history_deleted);
   page.Add(kStoreErrors, probe.store_errors);
-  page.Add(kStoreFailing, probe.store_failing);
+  page.Add(kStoreFailing, probe.store_failing.value() > 0 ? 1 : 0);
+  page.Add(kStoreUnsafe, sources_.store_unsafe ? 1 : 0);
+  page.Add(kStoreClockOffset, Seconds(sources_.store_clock_offset));
 }
 
 void Scrape::AddHttp(metrics::Exposition& page) const {

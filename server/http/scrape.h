@@ -10,7 +10,7 @@
 #include "server/fleet/fleet.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/session/probe.h"
 
 namespace uplink::http {
@@ -22,7 +22,7 @@ class Scrape final {
   struct Sources {
     const Clock& clock;
     const fleet::Fleet& fleet;
-    const journal::Journal& journal;
+    const journal::Shards& journals;
     const journal::JournalProbe& journal_probe;
     const session::SessionProbe& sessions;
     const metrics::LedgerBook& ledgers;
@@ -31,6 +31,8 @@ class Scrape final {
     journal::JournalLimits journal_limits;
     std::size_t http_connections_max = 0;
     std::string version;
+    bool store_unsafe = false;
+    milliseconds store_clock_offset{0};
     /// Adds the samples of the robots' transport, which this folder does not know.
     std::function<void(metrics::Exposition&)> add_relay;
   };

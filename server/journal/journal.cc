@@ -26,7 +26,8 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
       clock_(clock),
       ledger_(ledger),
       probe_(probe),
-      sweep_due_(clock.Steady() + kSweepInterval) {
+      sweep_due_(clock.Steady() + kSweepInterval),
+      retain_due_(clock.Steady()) {
   batch_.presence_session = model::SessionId(process);
 }
 
@@ -100,7 +101,11 @@ absl::Status Journal::last_error() const {
 void Journal::WaitForWork(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto work = [this] { return !queue_.empty() || !opens_.empty() || !presence_.empty(); };
-  work_.wait_for(lock, stop, std::max(sweep_due_ - clock_.Steady(), SteadyTime::duration(0)), work);
+  SteadyTime due = clock_.Steady() + kSweepInterval;
+  if (limits_.sweeps) due = std::min(due, sweep_due_);
+  if (limits_.retains) due = std::min(due, retain_due_);
+  const SteadyTime::duration left = due - clock_.Steady();
+  work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);
 }
 
 Journal::Step Journal::Advance() {
@@ -108,7 +113,12 @@ Journal::Step Journal::Advance() {
     TellOutcomes();
     return Step::kWorked;
   }
-  if (const SteadyTime now = clock_.Steady(); now >= sweep_due_) return AdvanceSweep(now);
+  if (const SteadyTime now = clock_.Steady(); limits_.sweeps && now >= sweep_due_) {
+    return AdvanceSweep(now);
+  }
+  if (const SteadyTime now = clock_.Steady(); limits_.retains && now >= retain_due_) {
+    return AdvanceRetain(now);
+  }
   // By turns, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return AdvanceOpens();

@@ -65,23 +65,33 @@ struct JournalLimits {
   /// Records of one commit: where PostgreSQL's and SQLite's rows a second level off (measured).
   std::size_t batch_records_max = 1000;
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
+  /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
+  /// does.
+  bool sweeps = true;
+  bool retains = false;
 };
 
 /// How often what expired is swept from the store, and how soon again where more is left.
 inline constexpr std::chrono::seconds kSweepInterval{60};
 inline constexpr std::chrono::milliseconds kSweepAgain{100};
 
-/// What the operator sees of the journal.
+/// How often histories are kept to their age, and how soon again after a failure.
+inline constexpr std::chrono::hours kRetainInterval{1};
+inline constexpr std::chrono::seconds kRetainAgain{10};
+
+/// What the operator sees of the journals: one probe for all of a server.
 struct JournalProbe {
   metrics::LatencyDistribution commit_seconds{metrics::kLatencyBoundsSeconds};
   metrics::BatchDistribution commit_records{metrics::kBatchBounds};
   metrics::Cell store_errors;
-  /// 1 while the last call of the store failed.
+  /// The journals of which the last call of the store failed.
   metrics::Cell store_failing;
   /// Changes of presence that were committed, by model::Presence.
   std::array<metrics::Cell, 3> presence_changes;
   /// Shapes and objects that the sweep deleted.
   metrics::Cell expired_deleted;
+  /// Rows and partitions of days that went for their age.
+  metrics::Cell history_deleted;
 };
 
 /// The bounded queue between sessions and the store, one shard: order is kept a robot, and what
@@ -177,6 +187,7 @@ class Journal final {
   }
   Step AdvanceCommit();
   Step AdvanceSweep(SteadyTime now);
+  Step AdvanceRetain(SteadyTime now);
   void CountPresence();
   void TellOutcomes();
   void Release(std::size_t records, std::size_t bytes);
@@ -194,6 +205,7 @@ class Journal final {
   std::deque<OpenEntry> opens_;
   PresenceLog presence_;
   std::vector<StreamRef> waiting_for_room_;
+  /// Of the last call of the store; what is told of it, and in the probe, is counted once.
   absl::Status last_error_;
   std::optional<SteadyTime> batch_oldest_;
 
@@ -208,6 +220,8 @@ class Journal final {
   /// The last call opened streams while records waited: they are next.
   bool batch_turn_ = false;
   SteadyTime sweep_due_;
+  /// At once: a store may need room for today.
+  SteadyTime retain_due_;
   std::vector<OpenEntry> opening_;
   storage::Batch batch_;
   std::vector<Owner> owners_;

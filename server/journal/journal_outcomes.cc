@@ -106,10 +106,24 @@ Journal::Step Journal::AdvanceSweep(SteadyTime now) {
   return Step::kWorked;
 }
 
+Journal::Step Journal::AdvanceRetain(SteadyTime now) {
+  const auto deleted = store_.Retain(clock_.System());
+  NoteResult(deleted.status());
+  const bool more = deleted.ok() && *deleted >= storage::kRetainRowsMax;
+  retain_due_ =
+      now + (more ? SteadyTime::duration(kSweepAgain) : SteadyTime::duration(kRetainInterval));
+  if (!deleted.ok()) {
+    retain_due_ = now + kRetainAgain;
+    return Step::kFailed;
+  }
+  probe_.history_deleted.Add(static_cast<std::int64_t>(*deleted));
+  return Step::kWorked;
+}
+
 void Journal::NoteResult(const absl::Status& status) {
-  probe_.store_failing.Set(status.ok() ? 0 : 1);
   if (!status.ok()) probe_.store_errors.Add();
   const std::lock_guard lock(mutex_);
+  if (last_error_.ok() != status.ok()) probe_.store_failing.Add(status.ok() ? -1 : 1);
   last_error_ = status;
 }
 

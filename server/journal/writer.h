@@ -23,6 +23,8 @@ class JournalWriter final {
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
+  /// Asks the thread to end, without waiting for it.
+  void RequestStop() { thread_.request_stop(); }
   /// Ends the thread; what is not committed stays in the journal. Idempotent.
   void Stop();
 

@@ -11,7 +11,7 @@
 #include "schema/judge.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
@@ -68,7 +68,7 @@ struct RelayProbe {
 struct RelayParts {
   const Clock& clock;
   fleet::Fleet& fleet;
-  journal::Journal& journal;
+  const journal::Shards& journals;
   session::SessionProbe& session_probe;
   RelayProbe& probe;
   /// Each queue takes a page.

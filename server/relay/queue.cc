@@ -22,7 +22,7 @@ Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> com
       parts_(parts),
       judge_(parts.judge_limits),
       context_{
-          parts.clock, parts.fleet, parts.journal, parts.session_probe, parts.ledgers.NewPage(),
+          parts.clock, parts.fleet, parts.journals, parts.session_probe, parts.ledgers.NewPage(),
           judge_,      parts.limits},
       now_(parts.clock.Steady()) {}
 

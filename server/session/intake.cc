@@ -59,6 +59,7 @@ schema::Judgement JudgeContent(const v1::Uplink& uplink, schema::Judge& judge) {
 Intake::Intake(const SessionContext& context, fleet::Robot& robot, storage::RobotRef id,
                const model::SessionId& session, std::uint64_t generation)
     : context_(context),
+      journal_(context.journals.Of(id->ruri)),
       robot_(robot),
       id_(std::move(id)),
       session_(session),
@@ -74,7 +75,7 @@ void Intake::Begin(std::unique_ptr<v1::RelayRequest> frame, SteadyTime arrived,
 
 Hold Intake::Holding(std::size_t outgoing) const {
   if (robot_.sessions.in_flight() >= context_.limits.in_flight_uplinks_max) return Hold::kInFlight;
-  if (!context_.journal.HasRoom()) return Hold::kJournal;
+  if (!journal_.HasRoom()) return Hold::kJournal;
   if (outgoing >= kOutgoingFramesMax) return Hold::kOutgoing;
   const std::optional<SteadyTime> throttled = throttle_end();
   if (throttled && context_.clock.Steady() < *throttled) return Hold::kThrottled;
@@ -133,12 +134,12 @@ void Intake::TakeOne(const v1::Uplink& uplink, Taken& taken) {
 void Intake::NoteMissing(const RobotSessions::Seen& seen) {
   counts_.missing += seen.missing_last - seen.missing_first + 1;
   robot_.sessions.AddGap();
-  context_.journal.AppendGap(robot_.sessions, generation_,
-                             {.robot = id_,
-                              .session = session_,
-                              .first = seen.missing_first,
-                              .last = seen.missing_last,
-                              .seen_at = received_at_});
+  journal_.AppendGap(robot_.sessions, generation_,
+                     {.robot = id_,
+                      .session = session_,
+                      .first = seen.missing_first,
+                      .last = seen.missing_last,
+                      .seen_at = received_at_});
 }
 
 void Intake::TakeRecord(const v1::Uplink& uplink, schema::Judgement& judgement, Taken& taken) {
@@ -207,15 +208,15 @@ void Intake::Append(model::Seq seq, std::variant<model::Record, storage::Quarant
   counts_.in_flight += grew;
   // Published before the writer can settle it, so that no scrape sees it settled and not received.
   Publish();
-  context_.journal.Append(robot_.sessions, generation_,
-                          {.robot = id_,
-                           .session = session_,
-                           .seq = seq,
-                           .received_at = received_at_,
-                           .content = std::move(content),
-                           .payload = std::move(payload),
-                           .payload_bytes = payload_bytes},
-                          arrived_);
+  journal_.Append(robot_.sessions, generation_,
+                  {.robot = id_,
+                   .session = session_,
+                   .seq = seq,
+                   .received_at = received_at_,
+                   .content = std::move(content),
+                   .payload = std::move(payload),
+                   .payload_bytes = payload_bytes},
+                  arrived_);
 }
 
 void Intake::ApplyLive() {

@@ -11,7 +11,7 @@
 #include "metrics/ledger.h"
 #include "schema/judge.h"
 #include "server/fleet/fleet.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 #include "uplink/v1/relay.pb.h"
@@ -23,7 +23,7 @@ namespace uplink::session {
 struct SessionContext {
   const Clock& clock;
   fleet::Fleet& fleet;
-  journal::Journal& journal;
+  const journal::Shards& journals;
   SessionProbe& probe;
   metrics::Ledger& ledger;
   schema::Judge& judge;
@@ -95,6 +95,7 @@ class Intake final {
   void Publish();
 
   const SessionContext& context_;
+  journal::Journal& journal_;
   fleet::Robot& robot_;
   const storage::RobotRef id_;
   const model::SessionId session_;

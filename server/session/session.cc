@@ -100,12 +100,13 @@ void Session::BeginOpening() {
   welcome_at_ = now + kWelcomeWait;
   intake_ =
       std::make_unique<Intake>(context_, *robot_, robot_->id(), hello_.session, begun->generation);
-  context_.journal.Open(robot_->sessions, open_id_,
-                        {.robot = robot_->id(),
-                         .session = hello_.session,
-                         .settled_seq = hello_.settled_seq,
-                         .at = context_.clock.System(),
-                         .sessions_held = robot_->sessions.Held()});
+  context_.journals.Of(robot_->ruri())
+      .Open(robot_->sessions, open_id_,
+            {.robot = robot_->id(),
+             .session = hello_.session,
+             .settled_seq = hello_.settled_seq,
+             .at = context_.clock.System(),
+             .sessions_held = robot_->sessions.Held()});
 }
 
 void Session::SendWelcome() {
@@ -176,7 +177,7 @@ void Session::Read() {
     case Hold::kOutgoing:  // a write that is done calls
       return;
     case Hold::kJournal:
-      return context_.journal.WhenRoom(self_);
+      return context_.journals.Of(robot_->ruri()).WhenRoom(self_);
     case Hold::kThrottled:
       read_again_at_ = intake_->throttle_end();
       return;

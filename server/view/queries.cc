@@ -193,9 +193,9 @@ StatusView Queries::Status() const {
   }
   status.streams = sources_.sessions.streams.value();
   status.uplinks = sources_.ledgers.Sum().uplinks;
-  status.journal_records = sources_.journal.records();
-  status.journal_bytes = sources_.journal.bytes();
-  status.journal_oldest = sources_.journal.oldest(sources_.clock.Steady());
+  status.journal_records = sources_.journals.records();
+  status.journal_bytes = sources_.journals.bytes();
+  status.journal_oldest = sources_.journals.oldest(sources_.clock.Steady());
   return status;
 }
 

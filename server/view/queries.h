@@ -15,7 +15,7 @@
 #include "schema/model/ids.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/robot_state.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/session/probe.h"
 #include "server/session/robot_sessions.h"
 #include "server/view/parts.h"
@@ -88,7 +88,7 @@ class Queries final {
     const Clock& clock;
     fleet::Fleet& fleet;
     storage::Reader& reader;
-    const journal::Journal& journal;
+    const journal::Shards& journals;
     const metrics::LedgerBook& ledgers;
     const session::SessionProbe& sessions;
     std::string version;

@@ -19,6 +19,7 @@ import urllib.request
 
 BIN = pathlib.Path(os.environ["UPLINK_BIN_DIR"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+POSTGRES = SOURCE / "tools/dev/postgres.sh"
 START_SECONDS = 30
 LOOK_SECONDS = 0.02
 BREAKS = re.compile(r"(\d+) breaks")
@@ -61,7 +62,8 @@ def wait_until(process, condition, seconds, what):
 class Server:
     """An uplinkd with its store in `folder`. The ports of the first start are kept."""
 
-    def __init__(self, folder, settings=""):
+    def __init__(self, folder, settings="", store_url=None):
+        self.store_url = store_url or f"sqlite://{folder}/uplinkd.db"
         self.folder = pathlib.Path(folder)
         self.pki = self.folder / "pki"
         self.relay = self.http = "127.0.0.1:0"
@@ -84,7 +86,7 @@ certificate_file = "{self.pki}/server.crt"
 key_file = "{self.pki}/server.key"
 client_ca_file = "{self.pki}/ca.crt"
 [store]
-url = "sqlite://{self.folder}/uplinkd.db"
+url = "{self.store_url}"
 {self.settings}
 """,
             encoding="utf-8",
@@ -140,6 +142,39 @@ url = "sqlite://{self.folder}/uplinkd.db"
     def close(self):
         if self.process is not None and self.process.poll() is None:
             self.kill()
+
+
+class Cluster:
+    """A private PostgreSQL cluster; `configuration` is added to its postgresql.conf."""
+
+    def __init__(self, folder, configuration=""):
+        self.state = folder / "postgres.state"
+        run(POSTGRES, "start", self.state, env=dict(os.environ, UPLINK_POSTGRES_CONF=configuration))
+        lines = self.state.read_text(encoding="utf-8").splitlines()
+        self.place = dict(line.split("=", 1) for line in lines)
+
+    def url(self, role, database="uplinkd"):
+        return f"postgresql://{role}@/{database}?host={self.place['folder']}&port={self.place['port']}"
+
+    def sql(self, text, database="uplinkd"):
+        return run("psql", "-X", "-q", "-A", "-t", "-v", "ON_ERROR_STOP=1", "-c", text,
+                   self.url("postgres", database)).stdout.strip()  # fmt: skip
+
+    def create(self):
+        """The database, without a schema."""
+        self.sql("CREATE DATABASE uplinkd OWNER uplinkd_owner", "postgres")
+        return self
+
+    def migrate(self):
+        uplinkctl("store", "migrate", "--url", self.url("uplinkd_owner"), "--grant-to", "uplinkd")
+        return self
+
+    def crash(self):
+        """Stops it at once, as a crash does, and starts it again."""
+        run(POSTGRES, "crash", self.state)
+
+    def close(self):
+        run(POSTGRES, "stop", self.state)
 
 
 class Fleet:

@@ -45,6 +45,12 @@ class Demo(EndToEnd):
         self.assertNotIn("MISMATCH", done.stdout)
         self.assertEqual(self.left_running(), [])
 
+    def test_on_postgresql_it_adds_up_and_leaves_nothing_running(self):
+        done = self.demo("--for", "3s", "--robots", "5", "--store", "postgres")
+        self.assertIn("verification: all agree", done.stdout)
+        self.assertEqual(self.left_running(), [])
+        self.assertFalse((self.folder / "demo/postgres.state").exists())
+
     def test_a_mismatch_is_passed_on(self):
         self.demo(code=3, programs=self.with_fleet("exit 3"))
         self.assertEqual(self.left_running(), [])
@@ -61,7 +67,7 @@ wait $pid"""
         self.assertEqual(self.left_running(), [])
 
     def test_wrong_use_ends_with_2(self):
-        for flags in (["--store", "postgres"], ["--store", "oracle"], ["--robots", "0"],
+        for flags in (["--store", "oracle"], ["--robots", "0"],
                       ["--for", "soon"], ["--for"], ["--nonsense"]):  # fmt: skip
             with self.subTest(flags):
                 self.demo(*flags, code=2)

@@ -89,7 +89,7 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
   const std::uint64_t id = next_stream_++;
   const session::SessionContext context{.clock = clock_,
                                         .fleet = fleet_,
-                                        .journal = journal_,
+                                        .journals = shards_,
                                         .probe = probe_,
                                         .ledger = ledger_,
                                         .judge = judge_,

@@ -133,6 +133,7 @@ class SimServer final : public journal::WakeInbox {
   journal::JournalProbe journal_probe_;
   fleet::Fleet fleet_;
   journal::Journal journal_;
+  journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;

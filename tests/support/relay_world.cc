@@ -36,7 +36,7 @@ RelayWorld::~RelayWorld() {
 relay::RelayParts RelayWorld::Parts() {
   return {.clock = clock,
           .fleet = fleet,
-          .journal = journal,
+          .journals = shards,
           .session_probe = session_probe,
           .probe = relay_probe,
           .ledgers = ledgers,

@@ -8,7 +8,7 @@
 
 #include "metrics/ledger.h"
 #include "server/fleet/fleet.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/journal/writer.h"
 #include "server/relay/server.h"
 #include "server/session/limits.h"
@@ -67,6 +67,7 @@ class RelayWorld final {
   const Options options;
   fleet::Fleet fleet;
   journal::Journal journal;
+  journal::Shards shards{{&journal}};
 
  private:
   [[nodiscard]] relay::RelayParts Parts();

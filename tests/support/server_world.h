@@ -9,7 +9,7 @@
 #include "server/http/probe.h"
 #include "server/http/scrape.h"
 #include "server/http/site.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/session/probe.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
@@ -52,6 +52,7 @@ class ServerWorld {
   http::HttpProbe http_probe;
   fleet::Fleet fleet{clock, kRobotsMax, fleet::PresenceLimits{}};
   journal::Journal journal;
+  journal::Shards shards{{&journal}};
   view::Queries queries;
   health::Monitor monitor;
   http::Scrape scrape;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# demo.sh [--for 30s] [--robots 50] [--store sqlite] [--seed N]: a development authority, an uplinkd
-# with the embedded store, a synthetic fleet that breaks off and sends wrong things on purpose, and
+# demo.sh [--for 30s] [--robots 50] [--store sqlite|postgres] [--seed N]: a development authority, an
+# uplinkd with the embedded store or a private PostgreSQL cluster, a synthetic fleet that breaks off and sends wrong things on purpose, and
 # the comparison of what was sent, counted and stored. Everything lies in build/demo, made anew;
 # nothing is left running. Fails if anything does not add up.
 set -euo pipefail
@@ -33,9 +33,8 @@ while [[ $# -gt 0 ]]; do
   esac
 done
 case "$store" in
-  sqlite) ;;
-  postgres) die_usage "demo: --store postgres is not in this version; sqlite is the store it holds" ;;
-  *) die_usage "demo: unknown store: $store (sqlite)" ;;
+  sqlite | postgres) ;;
+  *) die_usage "demo: unknown store: $store (sqlite or postgres)" ;;
 esac
 [[ "$robots" =~ ^[1-9][0-9]{0,4}$ ]] || die_usage "demo: --robots takes a number from 1 to 99999"
 [[ "$seed" =~ ^[0-9]{1,18}$ ]] || die_usage "demo: --seed takes a number"
@@ -52,10 +51,16 @@ stop_server() {
   kill -TERM "$pid" 2>/dev/null || true
   wait "$pid"
 }
-trap 'stop_server || true' EXIT
+readonly cluster="$demo/postgres.state"
+stop_all() {
+  stop_server || true
+  [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
+}
+trap stop_all EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
+[[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
 rm -rf "$demo"
 mkdir -p "$demo"
 readonly pki="$demo/pki" log="$demo/uplinkd.log"
@@ -63,6 +68,16 @@ readonly pki="$demo/pki" log="$demo/uplinkd.log"
   "$bin/uplinkctl" pki init --dir "$pki"
   "$bin/uplinkctl" pki server --dir "$pki" --host localhost --host 127.0.0.1
 } >"$demo/pki.log"
+store_url="sqlite://$demo/uplinkd.db"
+if [[ "$store" == postgres ]]; then
+  tools/dev/postgres.sh start "$cluster"
+  at="$(sed -n 's/^folder=//p' "$cluster")&port=$(sed -n 's/^port=//p' "$cluster")"
+  psql -X -q -c 'CREATE DATABASE uplinkd OWNER uplinkd_owner' \
+    "postgresql://postgres@/postgres?host=$at"
+  "$bin/uplinkctl" store migrate --url "postgresql://uplinkd_owner@/uplinkd?host=$at" \
+    --grant-to uplinkd
+  store_url="postgresql://uplinkd@/uplinkd?host=$at"
+fi
 cat >"$demo/uplinkd.toml" <<TOML
 [listen]
 relay = "127.0.0.1:0"
@@ -74,7 +89,7 @@ key_file = "$pki/server.key"
 client_ca_file = "$pki/ca.crt"
 
 [store]
-url = "sqlite://$demo/uplinkd.db"
+url = "$store_url"
 TOML
 
 # A session of its own: an interrupt on the terminal is for this script, which drains the server.

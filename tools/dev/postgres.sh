@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# postgres.sh start STATE | stop STATE: a private PostgreSQL cluster in a temporary folder, reached by
+# postgres.sh start STATE | crash STATE | stop STATE: a private PostgreSQL cluster in a temporary folder, reached by
 # a socket in it and by a port of the loopback interface. It touches no other cluster of the machine.
 # STATE is a file that says where it is: `folder`, `port` and `bin`, a line each. Roles beside the
 # superuser `postgres`: uplinkd_owner, who migrates, and uplinkd, who serves; over TCP their password
@@ -11,7 +11,7 @@ die() {
   exit 1
 }
 
-[[ $# -eq 2 ]] || die "usage: postgres.sh start|stop STATE"
+[[ $# -eq 2 ]] || die "usage: postgres.sh start|crash|stop STATE"
 verb="$1"
 state="$(realpath -m -- "$2")"
 
@@ -85,11 +85,22 @@ stop() {
   rm -rf "$folder"
 }
 
+# As a crash: nothing is flushed; the log is replayed at the start.
+crash() {
+  local folder bin
+  folder="$(value_of folder)"
+  bin="$(value_of bin)"
+  cd "$folder"
+  as_owner "$bin/pg_ctl" restart -w -t 60 -m immediate -D "$folder/data" -l "$folder/server.log" \
+    -o "-p $(value_of port)" >/dev/null || die "the server does not start again"
+}
+
 case "$verb" in
+  crash) crash ;;
   start)
     stop
     start
     ;;
   stop) stop ;;
-  *) die "usage: postgres.sh start|stop STATE" ;;
+  *) die "usage: postgres.sh start|crash|stop STATE" ;;
 esac

@@ -25,6 +25,9 @@ void AddPki(CLI::App& app, Action& action);
 /// Adds the noun `config` and its verbs.
 void AddConfig(CLI::App& app, Action& action);
 
+/// Adds the noun `store` and its verbs.
+void AddStore(CLI::App& app, Action& action);
+
 /// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
 [[nodiscard]] int ExitOf(const absl::Status& status);
 

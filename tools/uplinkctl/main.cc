@@ -24,6 +24,7 @@ int Run(int argc, char** argv) {
   Action action;
   AddPki(app, action);
   AddConfig(app, action);
+  AddStore(app, action);
   // The library would say of a wrong noun that one is missing.
   const auto named = [&](const CLI::App* noun) { return noun->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), named)) {

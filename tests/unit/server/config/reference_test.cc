@@ -39,7 +39,7 @@ TEST(ReferenceTest, TheReferencePageHoldsTheTableOfTheSettings) {
 }
 
 TEST(ReferenceTest, TheExampleFileReadsBackToTheDefaultsWhenUncommented) {
-  const std::regex setting("(^|\n)# ([a-z_]+ = )");
+  const std::regex setting("(^|\n)# ([a-z_.]+ = )");
   std::string text = std::regex_replace(ExampleToml(), setting, "$1$2");
   const std::regex file("(certificate|key|client_ca)_file = \"\"");
   text = std::regex_replace(text, file, "$1_file = \"x\"");

@@ -71,7 +71,7 @@ TEST(RelationsTest, OnlyAnAbsoluteSqlitePathIsAStore) {
 
 TEST(RelationsTest, PostgresIsRefusedWithoutRepeatingItsPassword) {
   const std::string problem = OneProblem("[store]\nurl = \"postgresql://me:pw@h/d\"\n");
-  EXPECT_THAT(problem, HasSubstr("no PostgreSQL store"));
+  EXPECT_THAT(problem, HasSubstr("store.url: holds a password; name a file in"));
   EXPECT_EQ(problem.find("pw"), std::string::npos);
 }
 

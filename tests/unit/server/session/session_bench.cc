@@ -202,7 +202,7 @@ BenchServer::BenchServer(testing::ManualClock& clock, testing::FakeDatabase& dat
 BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
   const SessionContext context{.clock = clock_,
                                .fleet = fleet_,
-                               .journal = journal_,
+                               .journals = shards_,
                                .probe = probe_,
                                .ledger = ledger_,
                                .judge = judge_,

@@ -145,6 +145,7 @@ class BenchServer final : public journal::WakeInbox {
   journal::JournalProbe journal_probe_;
   fleet::Fleet fleet_;
   journal::Journal journal_;
+  journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
   metrics::Ledger& ledger_;
   std::set<std::uint64_t> wakes_;

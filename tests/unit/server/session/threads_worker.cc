@@ -76,7 +76,7 @@ void ThreadsWorker::Open() {
   stream_id_ = id;
   const SessionContext context{.clock = core_.clock,
                                .fleet = core_.fleet,
-                               .journal = core_.journal,
+                               .journals = core_.shards,
                                .probe = core_.probe,
                                .ledger = ledger_,
                                .judge = judge_,

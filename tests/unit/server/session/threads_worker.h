@@ -45,6 +45,7 @@ struct ThreadsCore {
   fleet::Fleet fleet;
   journal::Journal journal{store,          limits.journal, clock,
                            book.NewPage(), journal_probe,  storage::ProcessId{1}};
+  journal::Shards shards{{&journal}};
   std::atomic<std::uint64_t> next_stream{1};
 };
 

@@ -1,0 +1,62 @@
+#include "server/journal/shards.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "schema/base/check.h"
+
+namespace uplink::journal {
+
+Shards::Shards(std::vector<Journal*> journals) : journals_(std::move(journals)) {
+  UPLINK_CHECK(!journals_.empty(), "a server has a journal");
+}
+
+Journal& Shards::Of(std::string_view ruri) const {
+  return *journals_[std::hash<std::string_view>{}(ruri) % journals_.size()];
+}
+
+std::size_t Shards::records() const {
+  std::size_t sum = 0;
+  for (const Journal* journal : journals_) sum += journal->records();
+  return sum;
+}
+
+std::size_t Shards::bytes() const {
+  std::size_t sum = 0;
+  for (const Journal* journal : journals_) sum += journal->bytes();
+  return sum;
+}
+
+milliseconds Shards::oldest(SteadyTime now) const {
+  milliseconds oldest{0};
+  for (const Journal* journal : journals_) oldest = std::max(oldest, journal->oldest(now));
+  return oldest;
+}
+
+bool Shards::idle() const {
+  return std::ranges::all_of(journals_, [](const Journal* journal) { return journal->idle(); });
+}
+
+absl::Status Shards::last_error() const {
+  for (const Journal* journal : journals_) {
+    absl::Status error = journal->last_error();
+    if (!error.ok()) return error;
+  }
+  return absl::OkStatus();
+}
+
+JournalLimits ShareOf(const JournalLimits& all, std::size_t shards) {
+  JournalLimits share = all;
+  share.bytes_max = std::max<std::size_t>(all.bytes_max / shards, 1);
+  share.records_max = std::max<std::size_t>(all.records_max / shards, 1);
+  return share;
+}
+
+storage::ProcessId PresenceSessionOf(const storage::ProcessId& process, std::size_t shard) {
+  storage::ProcessId session = process;
+  session.back() = static_cast<std::uint8_t>(session.back() ^ shard);
+  return session;
+}
+
+}  // namespace uplink::journal

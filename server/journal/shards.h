@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "server/journal/journal.h"
+
+namespace uplink::journal {
+
+/// The journals of a server, one a connection that writes: a robot is always in the same, so its
+/// order is kept. Each has its share of the bounds.
+///
+/// Thread: thread-safe. The journals must outlive it.
+class Shards final {
+ public:
+  /// At least one journal.
+  explicit Shards(std::vector<Journal*> journals);
+
+  [[nodiscard]] Journal& Of(std::string_view ruri) const;
+  [[nodiscard]] const std::vector<Journal*>& all() const { return journals_; }
+
+  // As Journal's, in the robot's journal.
+  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) const {
+    Of(robot->ruri).NotePresence(robot, presence, at);
+  }
+  void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now) const {
+    Of(robot->ruri).BeginPresence(robot, stored, now);
+  }
+
+  // Over all journals.
+  [[nodiscard]] std::size_t records() const;
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] milliseconds oldest(SteadyTime now) const;
+  [[nodiscard]] bool idle() const;
+  /// The first error that a journal's store told last; OK if none did.
+  [[nodiscard]] absl::Status last_error() const;
+
+ private:
+  const std::vector<Journal*> journals_;
+};
+
+/// The limits of each of `shards` journals: together they keep `all`.
+[[nodiscard]] JournalLimits ShareOf(const JournalLimits& all, std::size_t shards);
+
+/// The numbering of a shard's changes of presence: one a process and shard.
+[[nodiscard]] storage::ProcessId PresenceSessionOf(const storage::ProcessId& process,
+                                                   std::size_t shard);
+
+}  // namespace uplink::journal

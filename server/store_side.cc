@@ -1,0 +1,91 @@
+#include "server/store_side.h"
+
+#include <string>
+#include <utility>
+
+namespace uplink {
+namespace {
+
+/// A store's clock that differs by more is worth a line.
+constexpr std::chrono::seconds kClockOffsetNoted{5};
+
+std::vector<journal::Journal*> PointersTo(
+    const std::vector<std::unique_ptr<journal::Journal>>& journals) {
+  std::vector<journal::Journal*> pointers;
+  for (const auto& journal : journals) pointers.push_back(journal.get());
+  return pointers;
+}
+
+}  // namespace
+
+StoreSide::StoreSide(Stores stores, Parts parts)
+    : stores_(std::move(stores)),
+      parts_(std::move(parts)),
+      journals_(MakeJournals()),
+      shards_(PointersTo(journals_)),
+      seed_(parts_.fleet, shards_, *stores_.reader, parts_.clock) {}
+
+std::vector<std::unique_ptr<journal::Journal>> StoreSide::MakeJournals() {
+  journal::JournalLimits limits = journal::ShareOf(parts_.limits, stores_.writers.size());
+  std::vector<std::unique_ptr<journal::Journal>> journals;
+  for (std::size_t shard = 0; shard < stores_.writers.size(); ++shard) {
+    limits.sweeps = shard == 0;
+    limits.retains = shard == 0;
+    journals.push_back(std::make_unique<journal::Journal>(
+        *stores_.writers[shard], limits, parts_.clock, parts_.ledgers.NewPage(), parts_.probe,
+        journal::PresenceSessionOf(parts_.process, shard)));
+  }
+  return journals;
+}
+
+std::uint64_t StoreSide::Random() {
+  const std::lock_guard lock(random_mutex_);
+  return parts_.random();
+}
+
+absl::Status StoreSide::Begin() {
+  if (stores_.unsafe) {
+    parts_.logger.Warn("store_unsafe", {{"why", "fsync is off: what is acked may be lost"}});
+  }
+  const milliseconds offset = stores_.clock_offset;
+  if (offset > kClockOffsetNoted || -offset > kClockOffsetNoted) {
+    parts_.logger.Warn("store_clock_differs", {{"offset_ms", offset.count()}});
+  }
+  if (stores_.away.ok()) return seed_.Run(parts_.robots_max);
+  parts_.logger.Warn("store_away", {{"why", std::string(stores_.away.message())}});
+  return absl::OkStatus();
+}
+
+void StoreSide::ReadRobots() {
+  const absl::Status read = seed_.Run(parts_.robots_max);
+  if (read.ok()) {
+    parts_.logger.Info("robots_read", {{"robots", parts_.fleet.size()}});
+  } else if (seed_.done()) {
+    parts_.logger.Error("robots_left_out", {{"why", std::string(read.message())}});
+  }
+}
+
+void StoreSide::LookForErrors() {
+  const absl::Status error = shards_.last_error();
+  if (error.ok() == works_) return;
+  works_ = error.ok();
+  if (works_) {
+    parts_.logger.Info("store_works_again", {});
+  } else {
+    parts_.logger.Warn("store_fails", {{"why", std::string(error.message())}});
+  }
+}
+
+void StoreSide::StartWriters() {
+  for (const auto& journal : journals_) {
+    writers_.push_back(std::make_unique<journal::JournalWriter>(*journal, storage::BackoffLimits{},
+                                                                [this] { return Random(); }));
+  }
+}
+
+void StoreSide::StopWriters() {
+  for (const auto& writer : writers_) writer->RequestStop();
+  for (const auto& writer : writers_) writer->Stop();
+}
+
+}  // namespace uplink

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/shards.h"
+#include "server/journal/writer.h"
+#include "server/log/logger.h"
+#include "server/seed.h"
+#include "server/stores.h"
+
+namespace uplink {
+
+/// The store with what stands before it: a journal and its writer a shard, the robots that it
+/// knows, and what the log says of it.
+///
+/// Thread: constructed, started and stopped by main; the rest as each says.
+class StoreSide final {
+ public:
+  /// The references outlive it.
+  struct Parts {
+    const Clock& clock;
+    log::Logger& logger;
+    metrics::LedgerBook& ledgers;
+    journal::JournalProbe& probe;
+    fleet::Fleet& fleet;
+    storage::ProcessId process{};
+    /// Evenly drawn; called by one thread at a time.
+    std::function<std::uint64_t()> random;
+    /// Of all journals together.
+    journal::JournalLimits limits;
+    std::size_t robots_max = 0;
+  };
+  StoreSide(Stores stores, Parts parts);
+  StoreSide(const StoreSide&) = delete;
+  StoreSide& operator=(const StoreSide&) = delete;
+
+  [[nodiscard]] const journal::Shards& journals() const { return shards_; }
+  [[nodiscard]] storage::Reader& reader() { return *stores_.reader; }
+  [[nodiscard]] bool unsafe() const { return stores_.unsafe; }
+  [[nodiscard]] milliseconds clock_offset() const { return stores_.clock_offset; }
+
+  /// Says what was found when the store was opened, and takes the robots that it knows into the
+  /// fleet, unless it is away. Errors: of the reader; more robots than there may be.
+  [[nodiscard]] absl::Status Begin();
+  /// True while the robots are still to be read: call ReadRobots on a thread that may wait.
+  [[nodiscard]] bool robots_unread() const { return !seed_.done(); }
+  void ReadRobots();
+  /// Says once when the store begins to fail and when it works again. One thread.
+  void LookForErrors();
+
+  void StartWriters();
+  /// Ends the writers, after the calls of the store that are under way. Idempotent.
+  void StopWriters();
+
+ private:
+  std::vector<std::unique_ptr<journal::Journal>> MakeJournals();
+  std::uint64_t Random();
+
+  const Stores stores_;
+  const Parts parts_;
+  const std::vector<std::unique_ptr<journal::Journal>> journals_;
+  const journal::Shards shards_;
+  Seed seed_;
+  bool works_ = true;
+  std::mutex random_mutex_;
+  std::vector<std::unique_ptr<journal::JournalWriter>> writers_;
+};
+
+}  // namespace uplink

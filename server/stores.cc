@@ -1,0 +1,82 @@
+#include "server/stores.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "storage/postgres/reader.h"
+#include "storage/postgres/store.h"
+#include "storage/sqlite/reader.h"
+#include "storage/sqlite/store.h"
+
+namespace uplink {
+namespace {
+
+storage::StoreRules RulesOf(const config::Config& config) {
+  storage::StoreRules rules;
+  rules.object_ttl = config.forward.object_ttl;
+  rules.retain_history = config.store.retain_history;
+  rules.retain_quarantine = config.store.retain_quarantine;
+  return rules;
+}
+
+absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::ProcessId& process) {
+  const std::string path = config::SqlitePath(config.store);
+  storage::sqlite::StoreOptions options;
+  options.process = process;
+  options.rules = RulesOf(config);
+  options.migrate = config.store.migrate;
+  auto store = storage::sqlite::SqliteStore::Open(path, options);
+  if (!store.ok()) return store.status();
+  auto reader = storage::sqlite::SqliteReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  Stores stores;
+  stores.writers.push_back(*std::move(store));
+  stores.reader = *std::move(reader);
+  return stores;
+}
+
+absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage::ProcessId& process,
+                                    const Clock& clock) {
+  storage::postgres::StoreOptions options;
+  options.url = config.store.url;
+  options.password_file = config.store.password_file;
+  options.process = process;
+  options.rules = RulesOf(config);
+  options.migrate = config.store.migrate;
+  options.accept_unsafe = config.store.accept_unsafe;
+  options.connect_timeout = config.store.timeout;
+  options.call_timeout = config.store.timeout;
+  Stores stores;
+  for (std::size_t shard = 0; shard < config.store.shards; ++shard) {
+    auto store = storage::postgres::PostgresStore::Open(options, clock);
+    if (!store.ok()) return store.status();
+    // The others would wait for the same server in vain.
+    options.connect_now = (*store)->open_error().ok();
+    if (shard == 0) {
+      stores.away = (*store)->open_error();
+      stores.unsafe = (*store)->facts().unsafe;
+      stores.clock_offset = (*store)->facts().clock_offset;
+    }
+    stores.writers.push_back(*std::move(store));
+  }
+  storage::postgres::ReaderOptions reading;
+  reading.url = config.store.url;
+  reading.password_file = config.store.password_file;
+  reading.connections = config.store.readers;
+  reading.connect_timeout = std::min(reading.connect_timeout, config.store.timeout);
+  reading.statement_timeout = std::min(reading.statement_timeout, config.store.timeout);
+  auto reader = storage::postgres::PostgresReader::Open(reading, clock);
+  if (!reader.ok()) return reader.status();
+  stores.reader = *std::move(reader);
+  return stores;
+}
+
+}  // namespace
+
+absl::StatusOr<Stores> OpenStores(const config::Config& config, const storage::ProcessId& process,
+                                  const Clock& clock) {
+  return config::IsPostgres(config.store) ? OpenPostgres(config, process, clock)
+                                          : OpenSqlite(config, process);
+}
+
+}  // namespace uplink

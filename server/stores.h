@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "storage/reader.h"
+#include "storage/store.h"
+
+namespace uplink {
+
+/// The store that the configuration names: a writer a shard, and the query side.
+struct Stores {
+  std::vector<std::unique_ptr<storage::Store>> writers;
+  std::unique_ptr<storage::Reader> reader;
+  /// Why the store cannot be reached now; it will be tried again. OK if it can.
+  absl::Status away;
+  /// A loss of power may lose what is acked, and the operator accepted it.
+  bool unsafe = false;
+  /// The store's clock less ours.
+  milliseconds clock_offset{0};
+};
+
+/// Opens it. `clock` must outlive the stores.
+///
+/// Errors: a store that is there and cannot be used as it is; the message says what to do.
+[[nodiscard]] absl::StatusOr<Stores> OpenStores(const config::Config& config,
+                                                const storage::ProcessId& process,
+                                                const Clock& clock);
+
+}  // namespace uplink

@@ -1,0 +1,121 @@
+"""uplinkd and uplinkctl on a PostgreSQL cluster of their own."""
+
+import os
+import unittest
+import urllib.request
+
+from harness import BIN, Cluster, EndToEnd, Fleet, Server, mismatches, run, uplinkctl
+
+KILLS = 3
+
+
+class Schema(EndToEnd):
+    def setUp(self):
+        super().setUp()
+        self.cluster = Cluster(self.folder, "fsync = off").create()
+        self.open_things.append(self.cluster)
+
+    def start_that_fails(self, *text, **environment):
+        """A server that ends with 1 and says all of `text`."""
+        path = self.server().configuration()
+        done = run(BIN / "uplinkd", "--config", path, code=1, env=dict(os.environ, **environment))
+        for part in text:
+            self.assertIn(part, done.stdout + done.stderr)
+
+    def server(self, settings=""):
+        server = Server(self.folder, settings, self.cluster.url("uplinkd"))
+        self.open_things.append(server)
+        return server
+
+    def test_the_owner_migrates_and_the_server_only_serves(self):
+        owner = self.cluster.url("uplinkd_owner")
+        self.assertIn("schema          0 of ", uplinkctl("store", "status", "--url", owner, code=1).stdout)
+        self.start_that_fails("uplinkctl store migrate", UPLINKD_STORE_ACCEPT_UNSAFE="true")
+        denied = uplinkctl("store", "migrate", "--url", self.cluster.url("uplinkd"), code=1)
+        self.assertIn("permission denied", denied.stderr)
+        applied = uplinkctl("store", "migrate", "--url", owner, "--grant-to", "uplinkd").stdout
+        self.assertIn("applied 0001_first_tables", applied)
+        self.assertIn("granted to uplinkd", applied)
+        status = uplinkctl("store", "status", "--url", self.cluster.url("uplinkd")).stdout
+        self.assertIn("server          PostgreSQL ", status)
+        self.assertIn("fsync           no", status)
+        self.assertIn("nothing to apply", uplinkctl("store", "migrate", "--url", owner).stdout)
+
+    def test_a_newer_schema_is_refused(self):
+        self.cluster.migrate()
+        self.cluster.sql("INSERT INTO uplinkd.schema_migrations VALUES (99, 'later', 'sum')")
+        self.start_that_fails("run the newer uplinkd", UPLINKD_STORE_ACCEPT_UNSAFE="true")
+
+    def test_fsync_off_is_refused_unless_it_is_accepted(self):
+        self.cluster.migrate()
+        self.start_that_fails("fsync = off", "store.accept_unsafe")
+        server = Server(self.folder, "accept_unsafe = true", self.cluster.url("uplinkd")).start()
+        self.open_things.append(server)
+        self.assertIn("store_unsafe", server.text())
+        self.assertIn("store_unsafe", server.get("/readyz")["degraded"])
+        with urllib.request.urlopen(f"http://{server.http}/metrics", timeout=10) as page:
+            self.assertIn("uplinkd_store_unsafe 1\n", page.read().decode())
+        self.assertEqual(server.terminate(30), 0)
+
+    def test_a_read_only_database_is_refused(self):
+        self.cluster.migrate()
+        self.cluster.sql("ALTER DATABASE uplinkd SET default_transaction_read_only = on")
+        self.start_that_fails("read-only", UPLINKD_STORE_ACCEPT_UNSAFE="true")
+
+    def test_wrong_use_ends_with_2(self):
+        url = self.cluster.url("uplinkd")
+        for flags, text in (
+            (["store", "status"], "--config,--url"),
+            (["store", "status", "--url", url, "--config", "x"], "--config,--url"),
+            (["store", "status", "--url", "sqlite:///x.db"], "not PostgreSQL"),
+            (["store", "status", "--url", url + "&colour=red"], "colour"),
+            (["store", "migrate", "--url", "postgresql://me:secret@db/x"], "password_file"),
+        ):
+            with self.subTest(flags):
+                done = uplinkctl(*flags, code=2)
+                self.assertIn(text, done.stdout + done.stderr)
+                self.assertNotIn("secret", done.stdout + done.stderr)
+
+
+class Crashes(EndToEnd):
+    def test_kills_of_everything_lose_nothing_and_double_nothing(self):
+        cluster = Cluster(self.folder).create().migrate()
+        self.open_things.append(cluster)
+        server = Server(self.folder, store_url=cluster.url("uplinkd")).start()
+        self.open_things.append(server)
+        fleet = Fleet(server, "--robots", "20", "--pace", "2", "--breaks-per-minute", "6")
+        self.open_things.append(fleet)
+
+        def stored():
+            return int(cluster.sql("SELECT coalesce(sum(cursor_seq), 0) FROM uplinkd.sessions"))
+
+        def wait_for_more():
+            before = stored()
+            server.wait_for_status(lambda _: stored() > before + 20, 60, "rows are committed")
+
+        for _ in range(KILLS):
+            wait_for_more()
+            server.kill()
+            server.start()
+            wait_for_more()
+            cluster.sql("SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
+                        " WHERE application_name = 'uplinkd'", "postgres")  # fmt: skip
+            wait_for_more()
+            cluster.crash()
+        wait_for_more()
+        code, report = fleet.finish()
+        self.assertEqual(mismatches(report), [])
+        self.assertEqual(code, 0)
+        doubled = cluster.sql(
+            "SELECT count(*) FROM (SELECT 1 FROM (SELECT ruri, session, seq FROM uplinkd.events"
+            " UNION ALL SELECT ruri, session, seq FROM uplinkd.messages"
+            " UNION ALL SELECT ruri, session, seq FROM uplinkd.faults_history"
+            " UNION ALL SELECT ruri, session, seq FROM uplinkd.mission_reports"
+            " UNION ALL SELECT ruri, session, seq FROM uplinkd.quarantine) AS r"
+            " GROUP BY ruri, session, seq HAVING count(*) > 1) AS d"
+        )
+        self.assertEqual(doubled, "0")
+
+
+if __name__ == "__main__":
+    unittest.main()

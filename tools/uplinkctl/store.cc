@@ -1,0 +1,101 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "schema/base/clock.h"
+#include "server/config/load.h"
+#include "storage/postgres/admin.h"
+#include "storage/postgres/url.h"
+#include "tools/uplinkctl/command.h"
+
+namespace uplink::ctl {
+namespace {
+
+using storage::postgres::AdminOptions;
+
+struct Arguments {
+  std::string config;
+  std::string url;
+  std::string password_file;
+  std::string grant_to;
+};
+
+/// The store that is named on the command line, or else by the server's configuration.
+absl::StatusOr<AdminOptions> Target(const Arguments& arguments) {
+  AdminOptions options{arguments.url, arguments.password_file};
+  if (options.url.empty()) {
+    const config::LoadResult read =
+        config::LoadConfig(arguments.config, config::ProcessEnvironment());
+    if (!read.readable) {
+      return absl::InvalidArgumentError(read.problems.empty()
+                                            ? arguments.config + " cannot be read"
+                                            : config::ToText(read.problems.front()));
+    }
+    options.url = read.readable->store.url;
+    if (options.password_file.empty()) options.password_file = read.readable->store.password_file;
+  }
+  if (!storage::postgres::IsPostgresUrl(options.url)) {
+    return absl::InvalidArgumentError(
+        "the store is not PostgreSQL: the server migrates an SQLite file when it starts");
+  }
+  return options;
+}
+
+int Migrate(const Arguments& arguments) {
+  const absl::StatusOr<AdminOptions> target = Target(arguments);
+  if (!target.ok()) return ExitOf(target.status());
+  const SystemClock clock;
+  const auto steps = storage::postgres::MigrateStore(*target, arguments.grant_to, clock);
+  if (!steps.ok()) return ExitOf(steps.status());
+  for (const std::string& step : *steps) fmt::print("applied {}\n", step);
+  if (steps->empty()) fmt::print("nothing to apply\n");
+  if (!arguments.grant_to.empty()) fmt::print("granted to {}\n", arguments.grant_to);
+  return kExitDone;
+}
+
+int Status(const Arguments& arguments) {
+  const absl::StatusOr<AdminOptions> target = Target(arguments);
+  if (!target.ok()) return ExitOf(target.status());
+  const SystemClock clock;
+  const auto state = storage::postgres::ReadState(*target, clock);
+  if (!state.ok()) return ExitOf(state.status());
+  const auto yes = [](bool value) { return value ? "yes" : "no"; };
+  fmt::print("store           {}\n", state->where);
+  fmt::print("server          PostgreSQL {}.{}\n", state->server_version / 10'000,
+             state->server_version % 10'000);
+  fmt::print("schema          {} of {}\n", state->schema_version, state->schema_needed);
+  fmt::print("fsync           {}\n", yes(state->fsync));
+  fmt::print("takes writes    {}\n", yes(!state->read_only && !state->standby));
+  fmt::print("clock offset    {} ms\n", state->clock_offset.count());
+  return state->schema_version == state->schema_needed ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void AddStore(CLI::App& app, Action& action) {
+  CLI::App* const noun = app.add_subcommand("store", "The PostgreSQL store's schema");
+  noun->require_subcommand(1);
+  const auto arguments = std::make_shared<Arguments>();
+  const auto add = [&](const char* name, const char* text) {
+    CLI::App* const verb = noun->add_subcommand(name, text);
+    CLI::Option_group* const target = verb->add_option_group("target");
+    target->add_option("--config", arguments->config, "The server's configuration file");
+    target->add_option("--url", arguments->url, "postgresql://owner@host:port/database");
+    target->require_option(1);
+    verb->add_option("--password-file", arguments->password_file,
+                     "A file whose first line is the password");
+    return verb;
+  };
+  CLI::App* const migrate = add("migrate", "Apply the steps that are missing, as the owner");
+  migrate->add_option("--grant-to", arguments->grant_to,
+                      "The role that the server logs in as: it may read and write, and no more");
+  migrate->callback([arguments, &action] { action = [arguments] { return Migrate(*arguments); }; });
+  CLI::App* const status = add("status", "Show the server and the schema; 1 if steps are missing");
+  status->callback([arguments, &action] { action = [arguments] { return Status(*arguments); }; });
+}
+
+}  // namespace uplink::ctl
