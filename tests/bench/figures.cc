@@ -1,0 +1,55 @@
+#include "tests/bench/figures.h"
+
+#include <fstream>
+#include <thread>
+
+#include <boost/json.hpp>
+#include <fmt/core.h>
+
+namespace uplink::bench {
+namespace {
+
+std::string CpuModel() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::string TableOf(const std::vector<Row>& rows) {
+  std::string text =
+      fmt::format("{:<28} {:>12} {:>7}  {:<22} {:>12} {:>7}  {:>6}  {}\n", "figure", "value",
+                  "spread", "comparator", "value", "spread", "ratio", "unit");
+  for (const Row& row : rows) {
+    text += fmt::format("{:<28} {:>12.1f} {:>6.0f}%  {:<22} {:>12.1f} {:>6.0f}%  {:>6.2f}  {}\n",
+                        row.scenario, row.value.median(), row.value.spread() * 100, row.comparator,
+                        row.comparator_value.median(), row.comparator_value.spread() * 100,
+                        row.ratio(), row.unit);
+  }
+  return text;
+}
+
+std::string JsonOf(const std::vector<Row>& rows, const std::string& commit) {
+  boost::json::array list;
+  for (const Row& row : rows) {
+    list.push_back({{"scenario", row.scenario},
+                    {"value", row.value.median()},
+                    {"unit", row.unit},
+                    {"comparator", row.comparator},
+                    {"comparator_value", row.comparator_value.median()},
+                    {"ratio", row.ratio()},
+                    {"spread", row.value.spread()}});
+  }
+  const boost::json::object page{
+      {"machine",
+       {{"cpu", CpuModel()},
+        {"cores", static_cast<std::int64_t>(std::thread::hardware_concurrency())}}},
+      {"commit", commit},
+      {"rows", list}};
+  return boost::json::serialize(page) + "\n";
+}
+
+}  // namespace uplink::bench
