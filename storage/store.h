@@ -9,6 +9,14 @@
 
 namespace uplink::storage {
 
+/// What can be told of what lies behind a store.
+struct StoreFacts {
+  /// A loss of power may lose what was acked, and the operator accepted it.
+  bool unsafe = false;
+  /// The store's clock less ours, as of its last connection.
+  milliseconds clock_offset{0};
+};
+
 /// The write side of the durable sink that decides acks. README.md holds the contract in prose; the
 /// suite in tests/contract holds it as tests, and every implementation passes it word for word.
 ///

@@ -119,6 +119,9 @@ absl::StatusOr<pg_conn*> Connect(const ConnectionOptions& options, const Clock& 
   std::erase_if(settings, [](const auto& one) { return one.first == "client_encoding"; });
   settings.emplace_back("client_encoding", "UTF8");
   add("application_name", "uplinkd");
+  if (options.wants_writes && options.url.places.size() > 1) {
+    add("target_session_attrs", "read-write");
+  }
   // Sees a dead peer under a quiet connection, too.
   add("keepalives_idle", "15");
   add("keepalives_interval", "5");

@@ -15,6 +15,7 @@ namespace uplink::storage::postgres {
 namespace {
 
 constexpr int kBinary = 1;
+constexpr milliseconds kPollSlice{50};
 
 ServerError ErrorOf(const PGresult* result) {
   const auto field = [&](int code) {
@@ -71,6 +72,8 @@ absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<Call>& cal
                                                     std::string_view doing, OnError on_error) {
   UPLINK_CHECK(!broken_, "a broken connection is not used again");
   absl::StatusOr<std::vector<Result>> results = Exchange(calls, doing);
+  // What no row is to blame for may lie in the session: a new one is looked at anew.
+  if (absl::IsInternal(results.status())) broken_ = true;
   if (results.ok() || broken_ || on_error == OnError::kLeave) return results;
   absl::Status rolled_back = RollBack();
   // The session is unusable; the first error says why.
@@ -138,8 +141,10 @@ absl::Status Connection::AwaitResult(SteadyTime deadline, std::string_view doing
     if (unsent < 0) return Broken(doing, PQerrorMessage(handle_.get()));
     if (unsent == 0 && PQisBusy(handle_.get()) == 0) return absl::OkStatus();
     const short events = unsent == 1 ? POLLIN | POLLOUT : POLLIN;
-    const absl::Status ready = AwaitSocket(PQsocket(handle_.get()), events, deadline, clock_);
-    if (!ready.ok()) return Broken(doing, "no answer within its time");
+    if (clock_.Steady() >= deadline) return Broken(doing, "no answer within its time");
+    // In slices: TLS may hold bytes that were read from the socket and not yet handed over.
+    const SteadyTime slice = std::min(deadline, clock_.Steady() + kPollSlice);
+    static_cast<void>(AwaitSocket(PQsocket(handle_.get()), events, slice, clock_));
     if (PQconsumeInput(handle_.get()) != 1) return Broken(doing, PQerrorMessage(handle_.get()));
   }
 }

@@ -31,6 +31,8 @@ struct ConnectionOptions {
   milliseconds connect_timeout{5'000};
   /// How long a call may take from its first byte to the last of its answer.
   milliseconds call_timeout{10'000};
+  /// Of several places, pass those over that take no writes.
+  bool wants_writes = false;
   /// `SET` statements that the session begins with.
   std::string session_settings;
 };

@@ -12,7 +12,13 @@ namespace {
 
 constexpr std::string_view kAsk =
     "SELECT current_setting('server_version_num')::bigint, current_setting('fsync') = 'off',"
-    " current_setting('transaction_read_only') = 'on', pg_is_in_recovery(), clock_timestamp()";
+    " current_setting('transaction_read_only') = 'on', pg_is_in_recovery(), clock_timestamp(),"
+    " current_setting('server_encoding') = 'UTF8'";
+
+constexpr std::string_view kMakeToday =
+    "SELECT uplinkd.make_partitions((clock_timestamp() AT TIME ZONE 'UTC')::date, 1)";
+/// What one migration may take.
+constexpr std::chrono::minutes kMigrationTimeout{30};
 
 absl::Status Unfit(const Connection& connection, const std::string& text) {
   return absl::FailedPreconditionError("store postgresql " + connection.where() + " " + text);
@@ -23,6 +29,11 @@ absl::Status Unfit(const Connection& connection, const std::string& text) {
 absl::StatusOr<Connection*> Link::Get() {
   if (connection_ != nullptr && !connection_->broken()) return connection_.get();
   connection_ = nullptr;
+  if (to_migrate_) {
+    absl::Status migrated = MigrateFirst();
+    if (!migrated.ok()) return migrated;
+    to_migrate_ = false;
+  }
   auto opened = Connection::Open(options_.connection, clock_);
   if (!opened.ok()) return opened.status();
   absl::Status checked = Check(**opened);
@@ -43,6 +54,7 @@ absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock
   facts.read_only = row.Bool(0, 2);
   facts.standby = row.Bool(0, 3);
   facts.clock_offset = row.Time(0, 4) - clock.System();
+  facts.utf8 = row.Bool(0, 5);
   return facts;
 }
 
@@ -53,6 +65,9 @@ absl::Status Link::Check(Connection& connection) {
   if (facts_.version < kServerVersionMin) {
     return Unfit(connection, "is version " + std::to_string(facts_.version / 10'000) +
                                  "; 13 and newer are supported");
+  }
+  if (!facts_.utf8) {
+    return Unfit(connection, "is not encoded in UTF8: it would refuse texts of some languages");
   }
   if (options_.purpose == Purpose::kWrite) {
     if (facts_.unsafe && !options_.accept_unsafe) {
@@ -65,7 +80,22 @@ absl::Status Link::Check(Connection& connection) {
       return Unfit(connection, "is read-only (default_transaction_read_only): it takes no writes");
     }
   }
-  return CheckSchema(connection, Migrations());
+  absl::Status fits = CheckSchema(connection, Migrations());
+  if (!fits.ok() || options_.purpose == Purpose::kRead) return fits;
+  // Rows of today have their partition from the first on. If not, they lie in the default one.
+  std::vector<Call> calls;
+  calls.push_back({kMakeToday, {}});
+  const absl::Status made = connection.Run(calls, "make partitions").status();
+  return connection.broken() ? made : absl::OkStatus();
+}
+
+absl::Status Link::MigrateFirst() {
+  ConnectionOptions options = options_.connection;
+  options.call_timeout = kMigrationTimeout;
+  options.session_settings = "";
+  auto connection = Connection::Open(options, clock_);
+  if (!connection.ok()) return connection.status();
+  return Migrate(**connection, Migrations()).status();
 }
 
 std::string SessionSettings(Purpose purpose, milliseconds statement_timeout) {

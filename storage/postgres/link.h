@@ -23,6 +23,8 @@ struct ServerFacts {
   bool unsafe = false;
   bool read_only = false;
   bool standby = false;
+  /// Texts of any language can be stored.
+  bool utf8 = true;
   /// The server's clock less ours.
   milliseconds clock_offset{0};
 };
@@ -42,10 +44,13 @@ class Link final {
     Purpose purpose = Purpose::kWrite;
     /// Accept a server with fsync = off.
     bool accept_unsafe = false;
+    /// Apply missing migrations before the first connection, whenever that comes.
+    bool migrate = false;
   };
 
   /// `clock` must outlive this.
-  Link(Options options, const Clock& clock) : options_(std::move(options)), clock_(clock) {}
+  Link(Options options, const Clock& clock)
+      : options_(std::move(options)), clock_(clock), to_migrate_(options_.migrate) {}
 
   /// A connection that is good as far as anybody knows.
   ///
@@ -56,10 +61,12 @@ class Link final {
 
  private:
   absl::Status Check(Connection& connection);
+  absl::Status MigrateFirst();
 
   const Options options_;
   const Clock& clock_;
   ServerFacts facts_;
+  bool to_migrate_;
   std::unique_ptr<Connection> connection_;
 };
 

@@ -1,14 +1,13 @@
 #include "storage/postgres/store.h"
 
+#include <atomic>
 #include <string>
 #include <utility>
 
 #include "storage/postgres/batch_commit.h"
 #include "storage/postgres/link.h"
-#include "storage/postgres/migrations.h"
 #include "storage/postgres/open_streams.h"
 #include "storage/postgres/retain.h"
-#include "storage/postgres/schema.h"
 #include "storage/postgres/transaction.h"
 
 namespace uplink::storage::postgres {
@@ -16,8 +15,6 @@ namespace {
 
 /// How often a transaction is run that others stood in the way of, before the journal is told.
 constexpr int kTriesMax = 4;
-/// What one migration may take.
-constexpr std::chrono::minutes kMigrationTimeout{30};
 
 constexpr std::string_view kSweepShapes =
     "DELETE FROM uplinkd.shapes AS s USING (SELECT ruri, id FROM uplinkd.shapes"
@@ -27,14 +24,6 @@ constexpr std::string_view kSweepObjects =
     "DELETE FROM uplinkd.objects AS s USING (SELECT ruri, id FROM uplinkd.objects"
     " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms LIMIT $2::bigint) AS o"
     " WHERE s.ruri = o.ruri AND s.id = o.id AND s.expires_ms <> 0 AND s.expires_ms <= $1::bigint";
-
-absl::Status MigrateFirst(ConnectionOptions options, const Clock& clock) {
-  options.call_timeout = kMigrationTimeout;
-  options.session_settings = "";
-  auto connection = Connection::Open(options, clock);
-  if (!connection.ok()) return connection.status();
-  return Migrate(**connection, Migrations()).status();
-}
 
 }  // namespace
 
@@ -47,6 +36,18 @@ struct PostgresStore::Parts {
   StoreOptions options;
   Link link;
   absl::Status open_error;
+  // Of the last connection; for other threads.
+  std::atomic<bool> unsafe{false};
+  std::atomic<std::int64_t> clock_offset_ms{0};
+
+  Parts(StoreOptions given, Link to) : options(std::move(given)), link(std::move(to)) {}
+
+  absl::StatusOr<Connection*> Connected() {
+    absl::StatusOr<Connection*> connection = link.Get();
+    unsafe.store(link.facts().unsafe);
+    clock_offset_ms.store(link.facts().clock_offset.count());
+    return connection;
+  }
 };
 
 PostgresStore::PostgresStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -63,12 +64,13 @@ absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions 
   link.connection.call_timeout = options.call_timeout;
   link.connection.session_settings = SessionSettings(Purpose::kWrite, options.call_timeout);
   link.accept_unsafe = options.accept_unsafe;
-  absl::Status opened = absl::OkStatus();
+  link.connection.wants_writes = true;
+  link.migrate = options.migrate;
   const bool connect = options.connect_now;
-  if (connect && options.migrate) opened = MigrateFirst(link.connection, clock);
-  auto store = std::unique_ptr<PostgresStore>(new PostgresStore(
-      std::make_unique<Parts>(Parts{std::move(options), Link(std::move(link), clock), {}})));
-  if (connect && opened.ok()) opened = store->parts_->link.Get().status();
+  auto store = std::unique_ptr<PostgresStore>(
+      new PostgresStore(std::make_unique<Parts>(std::move(options), Link(std::move(link), clock))));
+  absl::Status opened = absl::OkStatus();
+  if (connect) opened = store->parts_->Connected().status();
   if (!opened.ok() && !IsWorthRetry(opened)) return opened;
   store->parts_->open_error = std::move(opened);
   return store;
@@ -77,15 +79,14 @@ absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions 
 const absl::Status& PostgresStore::open_error() const { return parts_->open_error; }
 
 StoreFacts PostgresStore::facts() const {
-  const ServerFacts& facts = parts_->link.facts();
-  return {facts.unsafe, facts.clock_offset};
+  return {parts_->unsafe.load(), milliseconds(parts_->clock_offset_ms.load())};
 }
 
 template <typename Result, typename Work>
 absl::StatusOr<Result> PostgresStore::With(const Work& work) {
   absl::StatusOr<Result> result = absl::AbortedError("not tried");
   for (int tries = 0; tries < kTriesMax && absl::IsAborted(result.status()); ++tries) {
-    const absl::StatusOr<Connection*> connection = parts_->link.Get();
+    const absl::StatusOr<Connection*> connection = parts_->Connected();
     if (!connection.ok()) return connection.status();
     result = work(**connection);
   }
@@ -132,9 +133,9 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
 }
 
 absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
-  return With<std::size_t>([&](Connection& connection) {
-    return RetainRows(connection, now, parts_->options.rules, parts_->options.clock_offset_max);
-  });
+  const absl::StatusOr<Connection*> connection = parts_->Connected();
+  if (!connection.ok()) return connection.status();
+  return RetainRows(**connection, now, parts_->options.rules, parts_->options.clock_offset_max);
 }
 
 }  // namespace uplink::storage::postgres

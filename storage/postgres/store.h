@@ -42,14 +42,6 @@ struct StoreOptions {
   std::function<absl::Status()> after_commit;
 };
 
-/// What can be told of the server behind a store.
-struct StoreFacts {
-  /// A loss of power may lose what was acked: fsync = off, accepted.
-  bool unsafe = false;
-  /// The server's clock less ours, when it was connected to last.
-  milliseconds clock_offset{0};
-};
-
 /// A PostgreSQL database as the durable sink: one connection, made anew whenever it breaks.
 ///
 /// Errors:  as in Store; kUnavailable while the server is away, and every call tries again.
@@ -75,6 +67,7 @@ class PostgresStore final : public Store {
 
   /// Of Open: why the server could not be reached; OK if it could.
   [[nodiscard]] const absl::Status& open_error() const;
+  /// As of the last connection. Any thread.
   [[nodiscard]] StoreFacts facts() const;
 
  private:

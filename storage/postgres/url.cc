@@ -22,13 +22,18 @@ std::vector<std::string> SplitList(std::string_view text) {
   }
 }
 
-/// libpq's sentence without its line end, and without the URL: that may hold a password.
-std::string Sentence(const char* text, std::string_view url) {
+/// libpq's sentence without what it quotes of the URL, which may hold a password; the name of a
+/// parameter is none.
+std::string Sentence(const char* text) {
   std::string sentence = text == nullptr ? "no cause given" : text;
   while (!sentence.empty() && sentence.back() == '\n') sentence.pop_back();
-  if (const std::size_t at = sentence.find(url); at != std::string::npos) {
-    sentence.replace(at, url.size(), "...");
+  if (sentence.find("URI query parameter: ") != std::string::npos &&
+      sentence.find_first_of(":=@%", sentence.find('"')) == std::string::npos) {
+    return sentence;
   }
+  const std::size_t first = sentence.find('"');
+  const std::size_t last = sentence.rfind('"');
+  if (first != last) sentence.replace(first + 1, last - first - 1, "...");
   return sentence;
 }
 
@@ -70,7 +75,7 @@ absl::StatusOr<Url> ParseUrl(std::string_view url) {
   const std::unique_ptr<PQconninfoOption, FreeOptions> options(
       PQconninfoParse(std::string(url).c_str(), &error));
   const std::unique_ptr<char, void (*)(void*)> owned(error, PQfreemem);
-  if (options == nullptr) return absl::InvalidArgumentError("store.url: " + Sentence(error, url));
+  if (options == nullptr) return absl::InvalidArgumentError("store.url: " + Sentence(error));
 
   Url parsed;
   std::vector<std::pair<std::string, std::string>> lists;

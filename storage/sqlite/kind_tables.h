@@ -116,7 +116,7 @@ class PresenceTable final {
   [[nodiscard]] absl::Status Insert(const PresenceItem& item, EntryNumber entry);
 
  private:
-  std::unique_ptr<Statement> insert_;
+  std::unique_ptr<Statement> insert_, upsert_latest_;
 };
 
 }  // namespace uplink::storage::sqlite

@@ -26,8 +26,7 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
     auto statement = database.Prepare(
         "SELECT ruri, fleet, first_seen_ms, max(last_seen_ms, coalesce((SELECT"
         " max(last_used_ms) FROM sessions WHERE sessions.ruri = robots.ruri), 0)),"
-        " (SELECT presence FROM presence_changes WHERE presence_changes.ruri = robots.ruri"
-        " ORDER BY at_ms DESC, entry DESC LIMIT 1)"
+        " (SELECT presence FROM presence_latest WHERE presence_latest.ruri = robots.ruri)"
         " FROM robots ORDER BY ruri LIMIT ?");
     if (!statement.ok()) return statement.status();
     Rows rows = (*statement)->Select(std::int64_t{robots_max});

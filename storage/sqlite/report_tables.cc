@@ -88,12 +88,19 @@ absl::Status PresenceTable::Prepare(Database& database) {
   prepare.Into(insert_,
                "INSERT INTO presence_changes (ruri, at_ms, entry, fleet, presence)"
                " VALUES (?, ?, ?, ?, ?)");
+  prepare.Into(upsert_latest_,
+               "INSERT INTO presence_latest (ruri, presence, at_ms) VALUES (?, ?, ?)"
+               " ON CONFLICT (ruri) DO UPDATE SET presence = excluded.presence,"
+               " at_ms = excluded.at_ms WHERE at_ms <= excluded.at_ms");
   return prepare.status();
 }
 
 absl::Status PresenceTable::Insert(const PresenceItem& item, EntryNumber entry) {
-  return insert_->Run(View(item.robot->ruri), UnixMs(item.at), entry, View(item.robot->fleet),
-                      static_cast<std::int64_t>(item.presence));
+  const auto presence = static_cast<std::int64_t>(item.presence);
+  absl::Status status = insert_->Run(View(item.robot->ruri), UnixMs(item.at), entry,
+                                     View(item.robot->fleet), presence);
+  if (!status.ok()) return status;
+  return upsert_latest_->Run(View(item.robot->ruri), presence, UnixMs(item.at));
 }
 
 }  // namespace uplink::storage::sqlite

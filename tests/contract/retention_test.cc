@@ -77,6 +77,10 @@ TEST_P(RetentionContract, KeepsWholeDaysOfEachHistory) {
   // What is present or decides is no history.
   EXPECT_THAT(Active(), SizeIs(1));
   EXPECT_EQ(CursorNow(), last_);
+  const auto robots = store_->reader().Robots(10);
+  ASSERT_TRUE(robots.ok()) << robots.status();
+  ASSERT_THAT(*robots, SizeIs(1));
+  EXPECT_EQ(robots->front().last_presence, model::Presence::kOnline);
 }
 
 TEST_P(RetentionContract, ZeroKeepsAllForEver) {

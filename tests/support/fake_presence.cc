@@ -11,6 +11,8 @@ void FakePresence::Write(const storage::Batch& batch, std::uint64_t& entries, bo
     if (!no_cursor && item.number <= session.cursor) continue;
     session.cursor = item.number;
     changes_.push_back({item.at, ++entries, {*item.robot, item.presence, item.at}});
+    storage::PresenceRow& last = last_[item.robot->ruri];
+    if (last.at <= item.at) last = changes_.back().row;
   }
   session.last_used = entries;
   if (sessions_.size() > storage::kServerSessionsMax) {
@@ -20,10 +22,9 @@ void FakePresence::Write(const storage::Batch& batch, std::uint64_t& entries, bo
 }
 
 std::optional<model::Presence> FakePresence::Last(std::string_view ruri) const {
-  for (auto change = changes_.rbegin(); change != changes_.rend(); ++change) {
-    if (change->row.robot.ruri == ruri) return change->row.presence;
-  }
-  return std::nullopt;
+  const auto found = last_.find(ruri);
+  if (found == last_.end()) return std::nullopt;
+  return found->second.presence;
 }
 
 std::optional<model::Seq> FakePresence::Cursor(const model::SessionId& session) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -25,7 +26,7 @@ class FakePresence final {
     return EraseBefore(changes_, until, storage::kRetainRowsMax);
   }
 
-  /// The change that was written last.
+  /// The latest change, even if its row is gone.
   [[nodiscard]] std::optional<model::Presence> Last(std::string_view ruri) const;
   /// Nothing while the session is not known.
   [[nodiscard]] std::optional<model::Seq> Cursor(const model::SessionId& session) const;
@@ -42,6 +43,8 @@ class FakePresence final {
   };
 
   std::vector<FakeEntry<storage::PresenceRow>> changes_;
+  /// What Retain leaves.
+  std::map<std::string, storage::PresenceRow, std::less<>> last_;
   std::map<model::SessionId, Session> sessions_;
 };
 

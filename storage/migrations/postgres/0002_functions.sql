@@ -59,17 +59,18 @@ RETURNS SETOF record LANGUAGE sql IMMUTABLE AS $$
     ('presence_changes', 'changed_at')
 $$;
 
--- Makes the partitions of the days from `first_day` on that are not there; returns how many. A day of
--- which the default partition holds rows stays there. Runs as the owner, since the server's role may
--- not create tables.
+-- Makes the partitions of the days from `first_day` on that are not there; returns how many. Rows of
+-- such a day that lie in the default partition move into it, unless they are so many that moving them
+-- would hold up the server: then the day stays there. Runs as the owner, since the server's role may
+-- not create tables. Waits for a lock longer than deadlock_timeout, so that autovacuum makes way.
 CREATE FUNCTION make_partitions(first_day date, days integer)
 RETURNS integer LANGUAGE plpgsql SECURITY DEFINER
-SET search_path = uplinkd, pg_temp SET lock_timeout = '1s' SET timezone = 'UTC' AS $$
+SET search_path = uplinkd, pg_temp SET lock_timeout = '1500ms' SET timezone = 'UTC' AS $$
 DECLARE
   history record;
   day date;
   part text;
-  is_held boolean;
+  held bigint;
   made integer := 0;
 BEGIN
   IF days NOT BETWEEN 1 AND 31 THEN
@@ -82,11 +83,18 @@ BEGIN
       day := first_day + i;
       part := format('%s_%s', history.parent, to_char(day, 'YYYYMMDD'));
       CONTINUE WHEN to_regclass(format('uplinkd.%I', part)) IS NOT NULL;
-      EXECUTE format('SELECT EXISTS (SELECT FROM %I WHERE %I >= %L AND %I < %L)',
+      EXECUTE format('SELECT count(*) FROM (SELECT FROM %I WHERE %I >= %L AND %I < %L LIMIT 10001) AS h',
                      history.parent || '_default', history.arrival, day, history.arrival, day + 1)
-        INTO is_held;
-      CONTINUE WHEN is_held;
+        INTO held;
+      CONTINUE WHEN held > 10000;
       EXECUTE format('CREATE TABLE %I (LIKE %I INCLUDING ALL)', part, history.parent);
+      IF held > 0 THEN
+        EXECUTE format('LOCK TABLE %I IN ACCESS EXCLUSIVE MODE', history.parent || '_default');
+        EXECUTE format('WITH moved AS (DELETE FROM %I WHERE %I >= %L AND %I < %L RETURNING *)'
+                       ' INSERT INTO %I SELECT * FROM moved',
+                       history.parent || '_default', history.arrival, day, history.arrival, day + 1,
+                       part);
+      END IF;
       EXECUTE format('ALTER TABLE %I ATTACH PARTITION %I FOR VALUES FROM (%L) TO (%L)',
                      history.parent, part, day, day + 1);
       made := made + 1;
@@ -99,7 +107,7 @@ END $$;
 -- call; returns how many. Runs as the owner.
 CREATE FUNCTION drop_partitions(history_name text, before date)
 RETURNS integer LANGUAGE plpgsql SECURITY DEFINER
-SET search_path = uplinkd, pg_temp SET lock_timeout = '1s' SET timezone = 'UTC' AS $$
+SET search_path = uplinkd, pg_temp SET lock_timeout = '1500ms' SET timezone = 'UTC' AS $$
 DECLARE
   part record;
   dropped integer := 0;

@@ -163,6 +163,17 @@ TEST_F(PostgresBatchTest, AFullDiskIsToldAndNothingIsKept) {
   EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
 }
 
+TEST_F(PostgresBatchTest, NothingGoesForItsAgeByAClockThatIsWrong) {
+  const auto store = Store(1);
+  const Epoch held = Open(*store).held_since;
+  ASSERT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
+  // The day of the row ended long before this, and the server's clock says that it is not yet so
+  // late.
+  const auto wrong = store->Retain(clock_.System() + std::chrono::days(1000));
+  EXPECT_TRUE(absl::IsFailedPrecondition(wrong.status())) << wrong.status();
+  EXPECT_EQ(database_.Shell().Read("SELECT count(*) FROM uplinkd.messages"), "1\n");
+}
+
 TEST_F(PostgresBatchTest, ADeadlockIsTriedAgain) {
   const auto store = Store(1);
   const Epoch held = Open(*store).held_since;

@@ -99,6 +99,38 @@ TEST_F(PostgresLinkTest, MigratesIfItMay) {
   EXPECT_TRUE(Open(database.owner_url()).ok());
 }
 
+TEST_F(PostgresLinkTest, MigratesWheneverTheServerComes) {
+  testing::PostgresDatabase database(DatabaseContent::kEmpty);
+  options_.migrate = true;
+  options_.connect_now = false;
+  const auto store = Open(database.owner_url());
+  ASSERT_TRUE(store.ok()) << store.status();
+  EXPECT_TRUE((*store)->Sweep(SystemTime()).ok());
+}
+
+TEST_F(PostgresLinkTest, ADatabaseOfAnotherEncodingIsAnError) {
+  testing::PostgresDatabase database(DatabaseContent::kEmpty);
+  const std::string other = database.name() + "_latin";
+  PostgresShell shell(database.cluster().Url("postgres", "postgres"));
+  shell.Run("CREATE DATABASE " + other +
+            " TEMPLATE template0 ENCODING 'LATIN1' LC_COLLATE 'C' LC_CTYPE 'C'");
+  const absl::Status latin = Open(database.cluster().Url("uplinkd", other)).status();
+  shell.Run("DROP DATABASE " + other);
+  EXPECT_TRUE(absl::IsFailedPrecondition(latin)) << latin;
+  EXPECT_TRUE(Says(latin, "UTF8")) << latin;
+}
+
+TEST_F(PostgresLinkTest, OfTwoPlacesTheOneThatTakesWritesIsUsed) {
+  testing::PostgresDatabase database;
+  // The first place refuses; both are one server here.
+  const auto& cluster = database.cluster();
+  const std::string url = "postgresql://uplinkd@/" + database.name() + "?host=/nowhere," +
+                          cluster.folder + "&port=" + cluster.port;
+  const auto store = Open(url);
+  ASSERT_TRUE(store.ok()) << store.status();
+  EXPECT_TRUE((*store)->open_error().ok()) << (*store)->open_error();
+}
+
 TEST_F(PostgresLinkTest, AReadOnlyDatabaseIsAnError) {
   PostgresDatabase database;
   database.Shell().Run("ALTER DATABASE " + database.name() +

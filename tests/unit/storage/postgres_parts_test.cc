@@ -80,6 +80,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadUrl{"mysql://db/x", "store.url does not begin with postgresql://"},
         BadUrl{"postgresql://db/x?colour=red", "invalid URI query parameter: \"colour\""},
         BadUrl{"postgresql://me:secret@db/x", "store.url holds a password"},
+        BadUrl{"postgresql://me:%zzsecret@db/x", "store.url: "},
+        BadUrl{"postgresql://me:secret%00@db/x", "store.url: "},
+        BadUrl{"postgresql://db/x?password:secret", "store.url: "},
         BadUrl{"postgresql://db/x?password=secret", "store.password_file"},
         BadUrl{"postgresql://me:secret@[::1/x", "store.url: "},
         BadUrl{"postgresql:///x?host=a,b&port=1,2,3", "store.url names 3 hosts and 2 of host"}));

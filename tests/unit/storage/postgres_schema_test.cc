@@ -126,13 +126,26 @@ TEST(PostgresPartitionsTest, TheServersRoleMakesAndDropsDays) {
             "t|f|f\n");
 }
 
-TEST(PostgresPartitionsTest, ADayWhoseRowsAreInTheDefaultStaysThere) {
+TEST(PostgresPartitionsTest, RowsOfTheDefaultMoveIntoTheirDay) {
   PostgresDatabase database;
   database.Shell().Run(
       "INSERT INTO uplinkd.presence_changes VALUES ('rcan://a', '2026-01-02 12:00Z', 1, 'f', 1)");
   EXPECT_EQ(PostgresShell(database.url()).Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"),
+            "6\n");
+  EXPECT_EQ(database.Shell().Read("SELECT tableoid::regclass FROM uplinkd.presence_changes"),
+            "uplinkd.presence_changes_20260102\n");
+}
+
+TEST(PostgresPartitionsTest, ADayWithVeryManyRowsInTheDefaultStaysThere) {
+  PostgresDatabase database;
+  database.Shell().Run(
+      "INSERT INTO uplinkd.presence_changes SELECT 'rcan://a', '2026-01-02 12:00Z', n, 'f', 1"
+      " FROM generate_series(1, 10001) AS n");
+  EXPECT_EQ(PostgresShell(database.url()).Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"),
             "5\n");
-  EXPECT_EQ(database.Shell().Read("SELECT to_regclass('uplinkd.presence_changes_20260102')"), "\n");
+  EXPECT_EQ(
+      database.Shell().Read("SELECT DISTINCT tableoid::regclass FROM uplinkd.presence_changes"),
+      "uplinkd.presence_changes_default\n");
 }
 
 TEST(PostgresPartitionsTest, TheServersRoleMayDoNoMore) {
