@@ -91,6 +91,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Expired shapes and objects that the sweep deleted."},
     {kHistoryDeleted, "uplinkd_history_deleted_total", kCounter, "rows",
      "Rows, and whole partitions of days, that were deleted for their age."},
+    {kRetentionFailing, "uplinkd_retention_failing", kGauge, "0 or 1",
+     "1 while histories cannot be kept to their age; commits go on."},
     {kStoreErrors, "uplinkd_store_errors_total", kCounter, "errors",
      "Calls of the store that failed and are tried again."},
     {kStoreFailing, "uplinkd_store_failing", kGauge, "0 or 1",

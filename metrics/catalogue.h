@@ -55,6 +55,7 @@ enum class MetricId : std::uint8_t {
   kStoreCommitRecords,
   kExpiredDeleted,
   kHistoryDeleted,
+  kRetentionFailing,
   kStoreErrors,
   kStoreFailing,
   kStoreUnsafe,

@@ -84,7 +84,7 @@ class App::Impl {
         queries_({options_.clock, fleet_, store_.reader(), store_.journals(), ledgers_,
                   session_probe_, options_.version}),
         monitor_({options_.clock, fleet_, store_.journals(), journal_probe_, session_probe_,
-                  journal_limits_, opened_.certificate_expiry, store_.unsafe()}),
+                  journal_limits_, opened_.certificate_expiry, [this] { return store_.facts(); }}),
         scrape_({.clock = options_.clock,
                  .fleet = fleet_,
                  .journals = store_.journals(),
@@ -96,8 +96,7 @@ class App::Impl {
                  .journal_limits = journal_limits_,
                  .http_connections_max = options_.config.http.connections_max,
                  .version = options_.version,
-                 .store_unsafe = store_.unsafe(),
-                 .store_clock_offset = store_.clock_offset(),
+                 .store_facts = [this] { return store_.facts(); },
                  .add_relay =
                      [this](auto& page) { AddRelaySamples(relay_probe_, session_probe_, page); }}),
         site_(queries_, monitor_, scrape_),
@@ -179,17 +178,13 @@ class App::Impl {
             .robots_max = options_.config.limits.robots_max};
   }
 
-  void ReadRobotsLate() {
-    if (!store_.robots_unread()) return;
-    // A full queue of reads is another time's chance.
-    static_cast<void>(reads_->TryPost([this] { store_.ReadRobots(); }));
-  }
-
   void StartLoop() {
     loop_.Every(kSweepEvery, [this] { fleet_.Sweep(session_limits_.session_idle); });
     loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
     loop_.Every(kStoreEvery, [this] { store_.LookForErrors(); });
-    loop_.Every(kSeedEvery, [this] { ReadRobotsLate(); });
+    loop_.Every(kSeedEvery, [this] {
+      store_.ReadRobotsOn([this](auto job) { return reads_->TryPost(std::move(job)); });
+    });
     loop_.Every(health::kHandshakeEvery, [this] {
       http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
         if (answered) monitor_.liveness().NoteHandshake();

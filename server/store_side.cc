@@ -43,17 +43,40 @@ std::uint64_t StoreSide::Random() {
   return parts_.random();
 }
 
-absl::Status StoreSide::Begin() {
-  if (stores_.unsafe) {
+void StoreSide::LookAtFacts() {
+  const storage::StoreFacts facts = stores_.facts();
+  if (facts.unsafe && !said_unsafe_) {
     parts_.logger.Warn("store_unsafe", {{"why", "fsync is off: what is acked may be lost"}});
   }
-  const milliseconds offset = stores_.clock_offset;
-  if (offset > kClockOffsetNoted || -offset > kClockOffsetNoted) {
-    parts_.logger.Warn("store_clock_differs", {{"offset_ms", offset.count()}});
+  said_unsafe_ = facts.unsafe;
+  const bool differs =
+      facts.clock_offset > kClockOffsetNoted || -facts.clock_offset > kClockOffsetNoted;
+  if (differs && !said_clock_) {
+    parts_.logger.Warn("store_clock_differs", {{"offset_ms", facts.clock_offset.count()}});
   }
-  if (stores_.away.ok()) return seed_.Run(parts_.robots_max);
-  parts_.logger.Warn("store_away", {{"why", std::string(stores_.away.message())}});
+  said_clock_ = differs;
+}
+
+absl::Status StoreSide::Begin() {
+  LookAtFacts();
+  absl::Status away = stores_.away;
+  if (away.ok()) {
+    absl::Status seeded = seed_.Run(parts_.robots_max);
+    if (!absl::IsUnavailable(seeded) && !absl::IsDeadlineExceeded(seeded)) return seeded;
+    away = std::move(seeded);
+  }
+  parts_.logger.Warn("store_away", {{"why", std::string(away.message())}});
   return absl::OkStatus();
+}
+
+void StoreSide::ReadRobotsOn(const std::function<bool(std::function<void()>)>& post) {
+  if (seed_.done() || reading_.exchange(true)) return;
+  const bool posted = post([this] {
+    ReadRobots();
+    reading_.store(false);
+  });
+  // A full queue of reads is another time's chance.
+  if (!posted) reading_.store(false);
 }
 
 void StoreSide::ReadRobots() {
@@ -66,6 +89,16 @@ void StoreSide::ReadRobots() {
 }
 
 void StoreSide::LookForErrors() {
+  LookAtFacts();
+  const absl::Status retained = shards_.retain_error();
+  if (retained.ok() != retains_) {
+    retains_ = retained.ok();
+    if (retains_) {
+      parts_.logger.Info("retention_works_again", {});
+    } else {
+      parts_.logger.Warn("retention_fails", {{"why", std::string(retained.message())}});
+    }
+  }
   const absl::Status error = shards_.last_error();
   if (error.ok() == works_) return;
   works_ = error.ok();

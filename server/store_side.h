@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -46,16 +47,17 @@ class StoreSide final {
 
   [[nodiscard]] const journal::Shards& journals() const { return shards_; }
   [[nodiscard]] storage::Reader& reader() { return *stores_.reader; }
-  [[nodiscard]] bool unsafe() const { return stores_.unsafe; }
-  [[nodiscard]] milliseconds clock_offset() const { return stores_.clock_offset; }
+  /// Any thread.
+  [[nodiscard]] storage::StoreFacts facts() const { return stores_.facts(); }
 
   /// Says what was found when the store was opened, and takes the robots that it knows into the
   /// fleet, unless it is away. Errors: of the reader; more robots than there may be.
   [[nodiscard]] absl::Status Begin();
-  /// True while the robots are still to be read: call ReadRobots on a thread that may wait.
-  [[nodiscard]] bool robots_unread() const { return !seed_.done(); }
-  void ReadRobots();
-  /// Says once when the store begins to fail and when it works again. One thread.
+  /// Reads the robots by a job on a thread that may wait, if they are still to be read and no such
+  /// job is under way. `post` is false where it takes no job now.
+  void ReadRobotsOn(const std::function<bool(std::function<void()>)>& post);
+  /// Says once when the store begins to fail and when it works again, and what else is worth a line
+  /// of it. One thread.
   void LookForErrors();
 
   void StartWriters();
@@ -65,13 +67,19 @@ class StoreSide final {
  private:
   std::vector<std::unique_ptr<journal::Journal>> MakeJournals();
   std::uint64_t Random();
+  void LookAtFacts();
+  void ReadRobots();
 
   const Stores stores_;
   const Parts parts_;
   const std::vector<std::unique_ptr<journal::Journal>> journals_;
   const journal::Shards shards_;
   Seed seed_;
+  std::atomic<bool> reading_{false};
   bool works_ = true;
+  bool retains_ = true;
+  bool said_unsafe_ = false;
+  bool said_clock_ = false;
   std::mutex random_mutex_;
   std::vector<std::unique_ptr<journal::JournalWriter>> writers_;
 };

@@ -51,11 +51,10 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
     auto store = storage::postgres::PostgresStore::Open(options, clock);
     if (!store.ok()) return store.status();
     // The others would wait for the same server in vain.
-    options.connect_now = (*store)->open_error().ok();
+    options.connect_now = options.connect_now && (*store)->open_error().ok();
     if (shard == 0) {
       stores.away = (*store)->open_error();
-      stores.unsafe = (*store)->facts().unsafe;
-      stores.clock_offset = (*store)->facts().clock_offset;
+      stores.facts = [first = store->get()] { return first->facts(); };
     }
     stores.writers.push_back(*std::move(store));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,10 +22,8 @@ struct Stores {
   std::unique_ptr<storage::Reader> reader;
   /// Why the store cannot be reached now; it will be tried again. OK if it can.
   absl::Status away;
-  /// A loss of power may lose what is acked, and the operator accepted it.
-  bool unsafe = false;
-  /// The store's clock less ours.
-  milliseconds clock_offset{0};
+  /// As they are now. Any thread, while the writers live.
+  std::function<storage::StoreFacts()> facts = [] { return storage::StoreFacts(); };
 };
 
 /// Opens it. `clock` must outlive the stores.

@@ -18,7 +18,7 @@ Readiness Monitor::readiness() const {
       .certificate_fits = certificate_fits_.load(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing = sources_.journal_probe.store_failing.value() != 0,
-      .store_unsafe = sources_.store_unsafe,
+      .store_unsafe = sources_.store_facts().unsafe,
       .journal_bytes = {sources_.journals.bytes(), limits.bytes_max},
       .journal_records = {sources_.journals.records(), limits.records_max},
       .journal_oldest = sources_.journals.oldest(sources_.clock.Steady()),

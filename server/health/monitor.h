@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
@@ -9,6 +10,7 @@
 #include "server/health/readiness.h"
 #include "server/journal/shards.h"
 #include "server/session/probe.h"
+#include "storage/store.h"
 
 namespace uplink::health {
 
@@ -25,8 +27,8 @@ class Monitor final {
     journal::JournalLimits journal_limits;
     /// At start; NoteCertificate follows a rotation.
     SystemTime certificate_expiry;
-    /// The store may lose what is acked when the power fails.
-    bool store_unsafe = false;
+    /// As they are now.
+    std::function<storage::StoreFacts()> store_facts = [] { return storage::StoreFacts(); };
   };
   explicit Monitor(const Sources& sources);
 

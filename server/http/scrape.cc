@@ -79,10 +79,11 @@ void Scrape::AddJournal(metrics::Exposition& page) const {
   }
   page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kHistoryDeleted, probe.history_deleted);
+  page.Add(kRetentionFailing, probe.retention_failing);
   page.Add(kStoreErrors, probe.store_errors);
   page.Add(kStoreFailing, probe.store_failing.value() > 0 ? 1 : 0);
-  page.Add(kStoreUnsafe, sources_.store_unsafe ? 1 : 0);
-  page.Add(kStoreClockOffset, Seconds(sources_.store_clock_offset));
+  page.Add(kStoreUnsafe, sources_.store_facts().unsafe ? 1 : 0);
+  page.Add(kStoreClockOffset, Seconds(sources_.store_facts().clock_offset));
 }
 
 void Scrape::AddHttp(metrics::Exposition& page) const {

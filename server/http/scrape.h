@@ -12,6 +12,7 @@
 #include "server/http/probe.h"
 #include "server/journal/shards.h"
 #include "server/session/probe.h"
+#include "storage/store.h"
 
 namespace uplink::http {
 
@@ -31,8 +32,7 @@ class Scrape final {
     journal::JournalLimits journal_limits;
     std::size_t http_connections_max = 0;
     std::string version;
-    bool store_unsafe = false;
-    milliseconds store_clock_offset{0};
+    std::function<storage::StoreFacts()> store_facts = [] { return storage::StoreFacts(); };
     /// Adds the samples of the robots' transport, which this folder does not know.
     std::function<void(metrics::Exposition&)> add_relay;
   };

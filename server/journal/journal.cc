@@ -98,6 +98,11 @@ absl::Status Journal::last_error() const {
   return last_error_;
 }
 
+absl::Status Journal::retain_error() const {
+  const std::lock_guard lock(mutex_);
+  return retain_error_;
+}
+
 void Journal::WaitForWork(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto work = [this] { return !queue_.empty() || !opens_.empty() || !presence_.empty(); };
@@ -113,17 +118,20 @@ Journal::Step Journal::Advance() {
     TellOutcomes();
     return Step::kWorked;
   }
-  if (const SteadyTime now = clock_.Steady(); limits_.sweeps && now >= sweep_due_) {
-    return AdvanceSweep(now);
-  }
-  if (const SteadyTime now = clock_.Steady(); limits_.retains && now >= retain_due_) {
-    return AdvanceRetain(now);
+  // What waits goes between two duties, so that a long one that is followed by the next keeps no
+  // robot waiting for more than itself.
+  const bool after_duty = std::exchange(after_duty_, false);
+  if (!after_duty) {
+    if (const std::optional<Step> done = AdvanceDuty()) return *done;
   }
   // By turns, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return AdvanceOpens();
   if (GatherBatch()) return AdvanceCommit();
   if (batch_turn && GatherOpens()) return AdvanceOpens();
+  if (after_duty) {
+    if (const std::optional<Step> done = AdvanceDuty()) return *done;
+  }
   return Step::kIdle;
 }
 

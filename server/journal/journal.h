@@ -75,9 +75,11 @@ struct JournalLimits {
 inline constexpr std::chrono::seconds kSweepInterval{60};
 inline constexpr std::chrono::milliseconds kSweepAgain{100};
 
-/// How often histories are kept to their age, and how soon again after a failure.
+/// How often histories are kept to their age; how soon again while the store is away, and after
+/// what fails by itself.
 inline constexpr std::chrono::hours kRetainInterval{1};
 inline constexpr std::chrono::seconds kRetainAgain{10};
+inline constexpr std::chrono::minutes kRetainLater{5};
 
 /// What the operator sees of the journals: one probe for all of a server.
 struct JournalProbe {
@@ -92,6 +94,8 @@ struct JournalProbe {
   metrics::Cell expired_deleted;
   /// Rows and partitions of days that went for their age.
   metrics::Cell history_deleted;
+  /// 1 while histories cannot be kept to their age.
+  metrics::Cell retention_failing;
 };
 
 /// The bounded queue between sessions and the store, one shard: order is kept a robot, and what
@@ -150,6 +154,9 @@ class Journal final {
   Step Advance();
   /// The store's last error; OK after a success. Any thread.
   [[nodiscard]] absl::Status last_error() const;
+  /// Why histories could not be kept to their age, though the store is there; OK after a success.
+  /// Any thread.
+  [[nodiscard]] absl::Status retain_error() const;
 
   /// Waits until something is queued, until the next sweep is due, or until `stop`.
   void WaitForWork(const std::stop_token& stop);
@@ -186,8 +193,10 @@ class Journal final {
     return !owners_.empty() || !gap_owners_.empty() || !batch_.presence.empty();
   }
   Step AdvanceCommit();
-  Step AdvanceSweep(SteadyTime now);
-  Step AdvanceRetain(SteadyTime now);
+  /// Nothing if no duty is due.
+  std::optional<Step> AdvanceDuty();
+  Step AdvanceSweep();
+  Step AdvanceRetain();
   void CountPresence();
   void TellOutcomes();
   void Release(std::size_t records, std::size_t bytes);
@@ -207,6 +216,7 @@ class Journal final {
   std::vector<StreamRef> waiting_for_room_;
   /// Of the last call of the store; what is told of it, and in the probe, is counted once.
   absl::Status last_error_;
+  absl::Status retain_error_;
   std::optional<SteadyTime> batch_oldest_;
 
   std::atomic<std::size_t> records_{0};
@@ -219,6 +229,8 @@ class Journal final {
   // The writer's own.
   /// The last call opened streams while records waited: they are next.
   bool batch_turn_ = false;
+  /// The last call swept or kept histories: what waits is next.
+  bool after_duty_ = false;
   SteadyTime sweep_due_;
   /// At once: a store may need room for today.
   SteadyTime retain_due_;

@@ -14,7 +14,7 @@ namespace uplink::journal {
 /// Thread: thread-safe. The journals must outlive it.
 class Shards final {
  public:
-  /// At least one journal.
+  /// At least one journal; the first has the duties (JournalLimits).
   explicit Shards(std::vector<Journal*> journals);
 
   [[nodiscard]] Journal& Of(std::string_view ruri) const;
@@ -35,6 +35,8 @@ class Shards final {
   [[nodiscard]] bool idle() const;
   /// The first error that a journal's store told last; OK if none did.
   [[nodiscard]] absl::Status last_error() const;
+  /// Of the journal that keeps the histories.
+  [[nodiscard]] absl::Status retain_error() const { return journals_.front()->retain_error(); }
 
  private:
   const std::vector<Journal*> journals_;

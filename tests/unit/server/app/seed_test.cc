@@ -52,6 +52,13 @@ TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
   EXPECT_EQ(fleet_.size(), 1U);
 }
 
+TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
+  Know("rcan://a");
+  ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
+  EXPECT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ(fleet_.Find("rcan://a")->id()->fleet, "another");
+}
+
 TEST_F(SeedTest, MoreRobotsThanThereMayBeAreAnError) {
   for (const char* ruri : {"rcan://a", "rcan://b"}) Know(ruri);
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://c", "f"}).ok());

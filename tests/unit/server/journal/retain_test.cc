@@ -69,6 +69,34 @@ TEST_F(JournalRetain, AFailureHoldsUpNoCommit) {
   EXPECT_EQ(probe.store_failing.value(), 0);
 }
 
+TEST_F(JournalRetain, ATroubleOfItsOwnIsNotTheStores) {
+  store.FailNextRetains(1, FailAt::kBefore, absl::FailedPreconditionError("the clocks differ"));
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(probe.store_failing.value(), 0);
+  EXPECT_EQ(probe.retention_failing.value(), 1);
+  EXPECT_FALSE(journal.retain_error().ok());
+  EXPECT_TRUE(journal.last_error().ok());
+  clock.Advance(kRetainLater);
+  Run();
+  EXPECT_EQ(probe.retention_failing.value(), 0);
+  EXPECT_TRUE(journal.retain_error().ok());
+}
+
+TEST_F(JournalRetain, WhatWaitsGoesBetweenTwoCalls) {
+  RecordingClient client("rcan://a");
+  Open(client);
+  Run();
+  for (model::Seq seq = 1; seq <= storage::kRetainRowsMax + 1; ++seq) Append(client, seq);
+  Run();
+  clock.Advance(kKept + std::chrono::days(1));
+  Append(client, storage::kRetainRowsMax + 2);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  clock.Advance(kSweepInterval);  // the next duties are due by now
+  EXPECT_EQ(store.commits(), 2U) << "nothing but the histories was looked after";
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(store.commits(), 3U);
+}
+
 TEST_F(JournalRetain, AfterAFailureItIsTriedAgainSoon) {
   StoreAFault();
   clock.Advance(kKept + std::chrono::days(1));
