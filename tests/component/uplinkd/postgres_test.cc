@@ -48,7 +48,7 @@ class PostgresServing : public ::testing::Test {
   std::vector<std::string> Environment() const {
     return {"UPLINKD_STORE_URL=postgresql://uplinkd@127.0.0.1:" + std::to_string(proxy_.port()) +
                 "/" + database_.name() + "?sslmode=disable",
-            "UPLINKD_STORE_PASSWORD_FILE=" + folder_.Path("password"), "UPLINKD_STORE_TIMEOUT=1s"};
+            "UPLINKD_STORE_PASSWORD_FILE=" + folder_.Path("password"), "UPLINKD_STORE_TIMEOUT=2s"};
   }
   void Serve(const std::vector<std::string>& more = {}) {
     std::vector<std::string> environment = Environment();
@@ -162,7 +162,9 @@ struct Trouble {
 class PostgresTrouble : public PostgresServing, public ::testing::WithParamInterface<Trouble> {};
 
 TEST_P(PostgresTrouble, DurableWaitsLiveGoesOnAndNothingIsLostOrDoubled) {
-  Serve({"UPLINKD_PRESENCE_TIMEOUT=2s"});
+  // A server that is slow must have the time that it takes, on a busy machine too.
+  const std::string patience = GetParam().stops ? "2s" : "10s";
+  Serve({"UPLINKD_PRESENCE_TIMEOUT=2s", "UPLINKD_STORE_TIMEOUT=" + patience});
   const auto agent = Agent();
   ASSERT_TRUE(agent->Connect(session_));
   SendNotes(*agent, 1, 3);
