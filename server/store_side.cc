@@ -12,6 +12,7 @@ constexpr std::chrono::seconds kClockOffsetNoted{5};
 std::vector<journal::Journal*> PointersTo(
     const std::vector<std::unique_ptr<journal::Journal>>& journals) {
   std::vector<journal::Journal*> pointers;
+  pointers.reserve(journals.size());
   for (const auto& journal : journals) pointers.push_back(journal.get());
   return pointers;
 }

@@ -149,46 +149,48 @@ absl::Status Connection::AwaitResult(SteadyTime deadline, std::string_view doing
   }
 }
 
+absl::Status Connection::Take(Result result, Answers& answers, std::string_view doing) {
+  switch (PQresultStatus(result.raw())) {
+    case PGRES_COMMAND_OK:
+    case PGRES_TUPLES_OK:
+      UPLINK_CHECK(answers.taken < is_preparation_.size(), "an answer to nothing");
+      if (is_preparation_[answers.taken++]) {
+        ++prepared_now_;
+      } else {
+        answers.results.push_back(std::move(result));
+      }
+      return absl::OkStatus();
+    case PGRES_PIPELINE_ABORTED:
+      return absl::OkStatus();
+    default:
+      break;
+  }
+  if (PQstatus(handle_.get()) == CONNECTION_BAD) {
+    return Broken(doing, PQresultErrorMessage(result.raw()));
+  }
+  if (!answers.error) answers.error = ErrorOf(result.raw());
+  if (EndsSession(*answers.error)) return Broken(doing, answers.error->message);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::vector<Result>> Connection::Receive(std::size_t calls, std::string_view doing) {
   const SteadyTime deadline = clock_.Steady() + options_.call_timeout;
-  std::vector<Result> results;
-  results.reserve(calls);
-  std::optional<ServerError> error;
-  std::size_t answers = 0;
+  Answers answers;
+  answers.results.reserve(calls);
   while (true) {
-    absl::Status ready = AwaitResult(deadline, doing);
-    if (!ready.ok()) return ready;
+    absl::Status status = AwaitResult(deadline, doing);
+    if (!status.ok()) return status;
     Result result(PQgetResult(handle_.get()));
-    const PGresult* raw = result.raw();
-    if (raw == nullptr) {  // ends the answers of one statement
-      if (PQstatus(handle_.get()) == CONNECTION_BAD) {
-        return Broken(doing, PQerrorMessage(handle_.get()));
-      }
-      continue;
+    if (result.raw() == nullptr) {  // ends the answers of one statement
+      if (PQstatus(handle_.get()) != CONNECTION_BAD) continue;
+      return Broken(doing, PQerrorMessage(handle_.get()));
     }
-    switch (PQresultStatus(raw)) {
-      case PGRES_PIPELINE_SYNC:
-        if (error) return MakeStatus(*error, where(), doing);
-        return results;
-      case PGRES_COMMAND_OK:
-      case PGRES_TUPLES_OK:
-        UPLINK_CHECK(answers < is_preparation_.size(), "an answer to nothing");
-        if (is_preparation_[answers++]) {
-          ++prepared_now_;
-        } else {
-          results.push_back(std::move(result));
-        }
-        break;
-      case PGRES_PIPELINE_ABORTED:
-        break;
-      default:
-        if (PQstatus(handle_.get()) == CONNECTION_BAD) {
-          return Broken(doing, PQresultErrorMessage(raw));
-        }
-        if (!error) error = ErrorOf(raw);
-        if (EndsSession(*error)) return Broken(doing, error->message);
-    }
+    if (PQresultStatus(result.raw()) == PGRES_PIPELINE_SYNC) break;
+    status = Take(std::move(result), answers, doing);
+    if (!status.ok()) return status;
   }
+  if (answers.error) return MakeStatus(*answers.error, where(), doing);
+  return std::move(answers.results);
 }
 
 absl::Status Connection::RunScript(const std::string& sql, std::string_view doing) {

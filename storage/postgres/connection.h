@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -90,6 +91,15 @@ class Connection final {
                                                std::string_view doing);
   bool Send(const std::vector<Call>& calls);
   bool SendOne(const Call& call);
+  /// What has come of the answers to one pipeline.
+  struct Answers {
+    std::vector<Result> results;
+    /// Answers, those of preparations included.
+    std::size_t taken = 0;
+    /// The first error.
+    std::optional<ServerError> error;
+  };
+  absl::Status Take(Result result, Answers& answers, std::string_view doing);
   absl::StatusOr<std::vector<Result>> Receive(std::size_t calls, std::string_view doing);
   /// Waits until a result can be taken without blocking.
   absl::Status AwaitResult(SteadyTime deadline, std::string_view doing);

@@ -28,6 +28,32 @@ constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
 
+/// An answer a robot, in one round trip.
+absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
+                                               std::span<const std::string> ruris,
+                                               std::uint32_t kinds) {
+  std::vector<Call> calls;
+  calls.reserve(ruris.size());
+  for (const std::string& ruri : ruris) {
+    Call call{kLatest, {}};
+    call.parameters.Text(ruri);
+    call.parameters.Int4(static_cast<std::int32_t>(kinds));
+    calls.push_back(std::move(call));
+  }
+  return connection.Run(calls, "read");
+}
+
+/// Adds a robot's rows; returns their bytes.
+std::size_t TakeLatest(const Result& rows, const std::string& ruri, std::vector<LatestRow>& all) {
+  std::size_t bytes = 0;
+  for (int row = 0; row < rows.rows(); ++row) {
+    bytes += rows.RowBytes(row);
+    all.push_back({ruri, static_cast<LatestKind>(rows.Int(row, 0)), std::string(rows.Bytes(row, 2)),
+                   rows.Time(row, 1)});
+  }
+  return bytes;
+}
+
 }  // namespace
 
 PostgresReader::PostgresReader(std::unique_ptr<Pool> pool) : pool_(std::move(pool)) {}
@@ -56,6 +82,7 @@ absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robot
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();
     std::vector<RobotRow> robots;
+    robots.reserve(static_cast<std::size_t>(rows->rows()));
     for (int row = 0; row < rows->rows(); ++row) {
       robots.push_back(
           {{std::string(rows->Bytes(row, 0)), std::string(rows->Bytes(row, 1))},
@@ -89,6 +116,7 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();
     std::vector<ActiveFaults> counts;
+    counts.reserve(static_cast<std::size_t>(rows->rows()));
     for (int row = 0; row < rows->rows(); ++row) {
       counts.push_back({std::string(rows->Bytes(row, 0)), rows->Int(row, 1)});
     }
@@ -157,23 +185,12 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
     LatestRows latest;
     std::size_t bytes = 0;
     while (latest.complete < ruris.size() && bytes < kPageBytesMax) {
-      const auto some =
-          ruris.subspan(latest.complete, std::min(kRobotsPerTrip, ruris.size() - latest.complete));
-      std::vector<Call> calls;
-      for (const std::string& ruri : some) {
-        calls.push_back({kLatest, {}});
-        calls.back().parameters.Text(ruri);
-        calls.back().parameters.Int4(static_cast<std::int32_t>(kinds));
-      }
-      const auto results = connection.Run(calls, "read");
+      const std::size_t left = ruris.size() - latest.complete;
+      const auto some = ruris.subspan(latest.complete, std::min(kRobotsPerTrip, left));
+      const auto results = ReadLatest(connection, some, kinds);
       if (!results.ok()) return results.status();
       for (std::size_t i = 0; i < some.size() && bytes < kPageBytesMax; ++i) {
-        const Result& rows = (*results)[i];
-        for (int row = 0; row < rows.rows(); ++row) {
-          bytes += rows.RowBytes(row);
-          latest.rows.push_back({some[i], static_cast<LatestKind>(rows.Int(row, 0)),
-                                 std::string(rows.Bytes(row, 2)), rows.Time(row, 1)});
-        }
+        bytes += TakeLatest((*results)[i], some[i], latest.rows);
         ++latest.complete;
       }
     }
