@@ -137,7 +137,7 @@ class StoreBench final {
 
  private:
   const Arguments& arguments_;
-  const SystemClock clock_;
+  const SystemClock clock_{};
 };
 
 int Run(int argc, char** argv) {

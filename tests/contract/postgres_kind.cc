@@ -79,7 +79,7 @@ class PostgresUnderTest final : public StoreUnderTest {
     one.store = *std::move(opened);
   }
 
-  const SystemClock clock_;
+  const SystemClock clock_{};
   const storage::StoreRules rules_;
   PostgresDatabase database_;
   std::map<std::uint8_t, One> processes_;

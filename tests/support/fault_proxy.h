@@ -75,7 +75,7 @@ class FaultProxy final {
   void Cut(Pair& pair);
   void Reap();
 
-  const SystemClock clock_;
+  const SystemClock clock_{};
   const std::uint16_t target_port_;
   std::uint16_t port_ = 0;
   int wake_ = -1;

@@ -59,6 +59,7 @@ void EnsureTemplate(const PostgresCluster& cluster, PostgresShell& shell) {
 }  // namespace
 
 PostgresCluster PostgresCluster::FromEnvironment() {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing in the tests changes the environment
   const char* state = std::getenv("UPLINK_TEST_POSTGRES");
   UPLINK_CHECK(state != nullptr,
                "UPLINK_TEST_POSTGRES names no cluster: run `tools/dev/postgres.sh start FILE` and"

@@ -54,7 +54,7 @@ class PostgresBatchTest : public ::testing::Test {
   }
 
   static constexpr std::int64_t kNowMs = 1'763'683'200'000;
-  const SystemClock clock_;
+  const SystemClock clock_{};
   PostgresDatabase database_;
   const RobotRef robot_ =
       std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});

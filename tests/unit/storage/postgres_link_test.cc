@@ -25,7 +25,7 @@ class PostgresLinkTest : public ::testing::Test {
     return PostgresStore::Open(options_, clock_);
   }
   std::string PasswordFile(const std::string& password) {
-    const std::string path = folder_.File("password");
+    std::string path = folder_.File("password");
     std::ofstream(path) << password << "\n";
     return path;
   }
@@ -34,7 +34,7 @@ class PostgresLinkTest : public ::testing::Test {
   }
 
   StoreOptions options_;
-  const SystemClock clock_;
+  const SystemClock clock_{};
   testing::TempFolder folder_;
 };
 

@@ -27,7 +27,7 @@ class PostgresSchemaTest : public ::testing::Test {
   }
   std::unique_ptr<Connection> Owner() { return Connect(database_.owner_url()); }
 
-  const SystemClock clock_;
+  const SystemClock clock_{};
   PostgresDatabase database_{DatabaseContent::kEmpty};
 };
 
