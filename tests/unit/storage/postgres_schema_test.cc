@@ -49,6 +49,7 @@ TEST_F(PostgresSchemaTest, TwoThatMigrateAtOnceDoItOnce) {
   std::vector<std::size_t> applied(4);
   {
     std::vector<std::jthread> threads;
+    threads.reserve(applied.size());
     for (std::size_t& count : applied) {
       threads.emplace_back([this, &count] {
         const auto steps = Migrate(*Owner(), Migrations());
