@@ -118,6 +118,8 @@ BarePostgres::BarePostgres(const std::string& url, const LoadShape& shape, std::
 void BarePostgres::Send(const char* name, const std::vector<std::string>& values) {
   std::vector<const char*> pointers;
   std::vector<int> lengths;
+  pointers.reserve(values.size());
+  lengths.reserve(values.size());
   for (const std::string& value : values) {
     pointers.push_back(value.data());
     lengths.push_back(static_cast<int>(value.size()));

@@ -34,6 +34,7 @@ std::string TableOf(const std::vector<Row>& rows) {
 
 std::string JsonOf(const std::vector<Row>& rows, const std::string& commit) {
   boost::json::array list;
+  list.reserve(rows.size());
   for (const Row& row : rows) {
     list.push_back({{"scenario", row.scenario},
                     {"value", row.value.median()},

@@ -45,6 +45,7 @@ double Measure(std::vector<Committer> committers, int seconds) {
   std::latch ready(static_cast<std::ptrdiff_t>(committers.size()) + 1);
   std::atomic<bool> stop{false};
   std::vector<std::jthread> threads;
+  threads.reserve(committers.size());
   for (Committer& commit : committers) {
     threads.emplace_back([&] {
       commit();  // plans, caches, the first page of the log
@@ -112,6 +113,8 @@ class StoreBench final {
     for (int round = 0; round < arguments_.rounds; ++round) {
       std::vector<Committer> ours;
       std::vector<Committer> theirs;
+      ours.reserve(writers.size());
+      theirs.reserve(bare.size());
       for (Writer& writer : writers) ours.emplace_back([&writer] { return writer.CommitOne(); });
       for (BarePostgres& loop : bare) theirs.emplace_back([&loop] { return loop.CommitOne(); });
       row.value.Add(Measure(std::move(ours), arguments_.seconds));
