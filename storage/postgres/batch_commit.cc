@@ -70,11 +70,8 @@ Call BeginBatchCall(const Premises& premises, const Batch& batch) {
     shapes.Int4(counts.shapes);
     objects.Int4(counts.objects);
   }
-  Call call{kBeginBatch, {}};
-  for (Array* column : {&robots, &holds, &session_robots, &session_ids, &firsts, &bounded, &faults,
-                        &shapes, &objects}) {
-    call.parameters.Add(std::move(*column));
-  }
+  Call call = CallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts,
+                                   &bounded, &faults, &shapes, &objects});
   call.parameters.Int8(static_cast<std::int64_t>(kActiveFaultsPerRobotMax));
   call.parameters.Int8(static_cast<std::int64_t>(kShapesPerRobotMax));
   call.parameters.Int8(static_cast<std::int64_t>(kObjectsPerRobotMax));

@@ -136,10 +136,7 @@ void BatchRows::MoveCursors(std::vector<Call>& calls) const {
     seq.Int8(cursor.seq);
     last_used.Time(cursor.last_used);
   }
-  calls.push_back({kRaiseCursors, {}});
-  for (Array* column : {&ruri, &session, &seq, &last_used}) {
-    calls.back().parameters.Add(std::move(*column));
-  }
+  calls.push_back(CallOf(kRaiseCursors, {&ruri, &session, &seq, &last_used}));
 }
 
 std::vector<Call> BatchRows::TakeCalls() && {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -43,6 +45,13 @@ struct Call {
   std::string_view sql;
   Parameters parameters;
 };
+
+/// A call whose first parameters are these columns, in order; they must not be used afterwards.
+[[nodiscard]] inline Call CallOf(std::string_view sql, std::initializer_list<Array*> columns) {
+  Call call{sql, {}};
+  for (Array* column : columns) call.parameters.Add(std::move(*column));
+  return call;
+}
 
 /// What becomes of an open transaction when a statement fails.
 enum class OnError : std::uint8_t { kRollBack, kLeave };

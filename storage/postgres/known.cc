@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "storage/postgres/rejection_row.h"
+#include "storage/postgres/transaction.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -18,7 +19,6 @@ constexpr std::string_view kInsertRobots =
 constexpr std::string_view kLockRobots =
     "SELECT ruri, held_since FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
     " ORDER BY ruri FOR NO KEY UPDATE";
-constexpr std::string_view kNextBatch = "SELECT nextval('uplinkd.batches')";
 // The server's own sessions have no robot.
 constexpr std::string_view kInsertSessions =
     "INSERT INTO uplinkd.sessions (ruri, session, cursor_seq, last_used, first_entry)"
@@ -103,12 +103,6 @@ class Reads final {
   std::vector<Call> calls_;
   std::vector<Take> takes_;
 };
-
-Call CallOf(std::string_view sql, std::initializer_list<Array*> columns) {
-  Call call{sql, {}};
-  for (Array* column : columns) call.parameters.Add(std::move(*column));
-  return call;
-}
 
 void ReadRobots(const Part& part, const ProcessId& process, Known& known, Reads& reads) {
   struct First {

@@ -104,11 +104,8 @@ void MissionRunRows::MoveSome(bool named, std::vector<Call>& calls) const {
     latest.Text(run.latest_json);
   }
   if (ruri.size() == 0) return;
-  calls.push_back({kUpsertRuns, {}});
-  for (Array* column : {&ruri, &mission_id, &run_id, &fleet, &first_at, &place, &last_at, &name,
-                        &status, &is_open, &updates, &latest}) {
-    calls.back().parameters.Add(std::move(*column));
-  }
+  calls.push_back(CallOf(kUpsertRuns, {&ruri, &mission_id, &run_id, &fleet, &first_at, &place,
+                                       &last_at, &name, &status, &is_open, &updates, &latest}));
   calls.back().parameters.Int4(named ? 1 : 0);
 }
 
@@ -123,10 +120,7 @@ void LatestRows::MoveInto(std::vector<Call>& calls) const {
     received_at.Time(record->received_at);
     body.Text(BodyText(*record));
   }
-  calls.push_back({kUpsertLatest, {}});
-  for (Array* column : {&ruri, &kind, &fleet, &received_at, &body}) {
-    calls.back().parameters.Add(std::move(*column));
-  }
+  calls.push_back(CallOf(kUpsertLatest, {&ruri, &kind, &fleet, &received_at, &body}));
 }
 
 void PresenceRows::MoveInto(std::vector<Call>& calls) const {
@@ -143,20 +137,14 @@ void PresenceRows::MoveInto(std::vector<Call>& calls) const {
     const PresenceItem*& latest = last[item->robot->ruri];
     if (latest == nullptr || latest->at <= item->at) latest = item;
   }
-  calls.push_back({kInsertPresence, {}});
-  for (Array* column : {&ruri, &changed_at, &place, &fleet, &presence}) {
-    calls.back().parameters.Add(std::move(*column));
-  }
+  calls.push_back(CallOf(kInsertPresence, {&ruri, &changed_at, &place, &fleet, &presence}));
   Array last_ruri{Type::kText}, last_presence{Type::kInt4}, last_at{Type::kTime};
   for (const auto& [name, item] : last) {
     last_ruri.Text(name);
     last_presence.Int4(static_cast<std::int32_t>(item->presence));
     last_at.Time(item->at);
   }
-  calls.push_back({kUpsertPresence, {}});
-  for (Array* column : {&last_ruri, &last_presence, &last_at}) {
-    calls.back().parameters.Add(std::move(*column));
-  }
+  calls.push_back(CallOf(kUpsertPresence, {&last_ruri, &last_presence, &last_at}));
 }
 
 void GapRows::Add(const GapItem& gap, std::int32_t place) {
@@ -181,10 +169,7 @@ void GapRows::MoveInto(std::vector<Call>& calls) const {
     seen_at.Time(gap.first->seen_at);
     place.Int4(gap.place);
   }
-  calls.push_back({kUpsertGaps, {}});
-  for (Array* column : {&ruri, &session, &first, &last, &fleet, &seen_at, &place}) {
-    calls.back().parameters.Add(std::move(*column));
-  }
+  calls.push_back(CallOf(kUpsertGaps, {&ruri, &session, &first, &last, &fleet, &seen_at, &place}));
 }
 
 }  // namespace uplink::storage::postgres

@@ -23,7 +23,6 @@ constexpr std::string_view kOpenRobots =
     " held_since = CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE r.epoch + 1 END,"
     " owner = excluded.owner, last_seen = greatest(r.last_seen, excluded.last_seen)"
     " RETURNING ruri, epoch, held_since";
-constexpr std::string_view kNextBatch = "SELECT nextval('uplinkd.batches')";
 constexpr std::string_view kOpenSessions =
     "INSERT INTO uplinkd.sessions AS s (ruri, session, cursor_seq, last_used, first_entry)"
     " SELECT ruri, session, 0, used, (SELECT currval('uplinkd.batches') << 20)"
@@ -63,12 +62,6 @@ std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
     wave->emplace(ruri, i);
   }
   return waves;
-}
-
-Call CallOf(std::string_view sql, std::initializer_list<Array*> columns) {
-  Call call{sql, {}};
-  for (Array* column : columns) call.parameters.Add(std::move(*column));
-  return call;
 }
 
 std::vector<Call> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,

@@ -79,10 +79,6 @@ constexpr std::string_view kUpsertObjects =
     " scope = excluded.scope, radius_m = excluded.radius_m, location = excluded.location,"
     " trajectory = excluded.trajectory";
 
-void Add(Parameters& parameters, std::initializer_list<Array*> columns) {
-  for (Array* column : columns) parameters.Add(std::move(*column));
-}
-
 }  // namespace
 
 void ActiveFaultRows::Raise(const CommitRecord& record, const model::Fault& fault,
@@ -129,14 +125,12 @@ void ActiveFaultRows::MoveInto(std::vector<Call>& calls) const {
     suggested_action.Text(state.fault->suggested_action);
   }
   if (clear_ruri.size() > 0) {
-    calls.push_back({kClearFaults, {}});
-    Add(calls.back().parameters, {&clear_ruri, &clear_id, &clear_source});
+    calls.push_back(CallOf(kClearFaults, {&clear_ruri, &clear_id, &clear_source}));
   }
   if (ruri.size() > 0) {
-    calls.push_back({kRaiseFaults, {}});
-    Add(calls.back().parameters,
-        {&ruri, &fault_id, &source, &fleet, &raised_at, &place, &received_at, &sampled_ms,
-         &severity, &category, &description, &suggested_action});
+    calls.push_back(
+        CallOf(kRaiseFaults, {&ruri, &fault_id, &source, &fleet, &raised_at, &place, &received_at,
+                              &sampled_ms, &severity, &category, &description, &suggested_action}));
   }
 }
 
@@ -178,8 +172,7 @@ void PresentRows<Body>::MoveInto(std::vector<Call>& calls) const {
     by_ms.Int8(state.goes_if_expired_ms);
   }
   constexpr bool kIsShape = std::is_same_v<Body, model::ReportedShape>;
-  calls.push_back({kIsShape ? kDeleteShapes : kDeleteObjects, {}});
-  Add(calls.back().parameters, {&ruri, &id, &by_ms});
+  calls.push_back(CallOf(kIsShape ? kDeleteShapes : kDeleteObjects, {&ruri, &id, &by_ms}));
   if (upserts) calls.push_back(UpsertCall(states_));
 }
 
@@ -208,10 +201,9 @@ Call ShapeRows::UpsertCall(const States& states) {
     level_id.Int4(state.body->level_id);
     geometry.Text(json::GeometryText(state.body->data));
   }
-  Call call{kUpsertShapes, {}};
-  Add(call.parameters, {&ruri, &id, &fleet, &first_at, &place, &received_at, &expires_ms, &name,
-                        &rev, &hash, &area_type, &scope, &min_z_m, &max_z_m, &level_id, &geometry});
-  return call;
+  return CallOf(kUpsertShapes,
+                {&ruri, &id, &fleet, &first_at, &place, &received_at, &expires_ms, &name, &rev,
+                 &hash, &area_type, &scope, &min_z_m, &max_z_m, &level_id, &geometry});
 }
 
 template <>
@@ -241,10 +233,9 @@ Call ObjectRows::UpsertCall(const States& states) {
       trajectory.Null();
     }
   }
-  Call call{kUpsertObjects, {}};
-  Add(call.parameters, {&ruri, &id, &fleet, &first_at, &place, &received_at, &expires_ms, &name,
-                        &sampled_ms, &object_type, &scope, &radius_m, &location, &trajectory});
-  return call;
+  return CallOf(kUpsertObjects,
+                {&ruri, &id, &fleet, &first_at, &place, &received_at, &expires_ms, &name,
+                 &sampled_ms, &object_type, &scope, &radius_m, &location, &trajectory});
 }
 
 template class PresentRows<model::ReportedShape>;

@@ -12,6 +12,8 @@
 namespace uplink::storage::postgres {
 
 inline constexpr std::string_view kBegin = "BEGIN ISOLATION LEVEL READ COMMITTED READ WRITE";
+/// Draws the transaction's number, once its robots are locked.
+inline constexpr std::string_view kNextBatch = "SELECT nextval('uplinkd.batches')";
 
 [[nodiscard]] absl::Status Begin(Connection& connection, std::string_view doing);
 
