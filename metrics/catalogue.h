@@ -56,6 +56,8 @@ enum class MetricId : std::uint8_t {
   kExpiredDeleted,
   kHistoryDeleted,
   kRetentionFailing,
+  kCheckpointRobots,
+  kCheckpointFailing,
   kStoreErrors,
   kStoreFailing,
   kStoreUnsafe,

@@ -152,6 +152,7 @@ class App::Impl {
       store_.journals().NotePresence(robot->id(), model::Presence::kUnknown,
                                      options_.clock.System());
     }
+    store_.journals().RequestCheckpoint();
     while (!store_.journals().idle() && options_.clock.Steady() < deadline) {
       // Nothing releases it a second time: a second signal ends the process.
       static_cast<void>(stop_.try_acquire_for(kIdleLook));
@@ -175,7 +176,8 @@ class App::Impl {
             .process = options_.process,
             .random = options_.random,
             .limits = journal_limits_,
-            .robots_max = options_.config.limits.robots_max};
+            .robots_max = options_.config.limits.robots_max,
+            .checkpoint_every = options_.config.store.checkpoint};
   }
 
   void StartLoop() {

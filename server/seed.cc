@@ -1,5 +1,9 @@
 #include "server/seed.h"
 
+#include <string>
+
+#include "server/fleet/live_bytes.h"
+
 namespace uplink {
 
 absl::Status Seed::Run(std::size_t robots_max) {
@@ -16,8 +20,29 @@ absl::Status Seed::Run(std::size_t robots_max) {
     if (!row.last_presence) continue;
     journals_.BeginPresence((*robot)->id(), *row.last_presence, clock_.System());
   }
+  absl::Status restored = RestoreLive();
+  if (!restored.ok()) return restored;
   done_.store(true);
   return absl::OkStatus();
+}
+
+absl::Status Seed::RestoreLive() {
+  schema::Judge judge(fleet::JudgeLimitsOfLive());
+  live_left_out_ = 0;
+  std::string after;
+  while (true) {
+    const auto rows = reader_.Live(after);
+    if (!rows.ok()) return rows.status();
+    if (rows->empty()) return absl::OkStatus();
+    for (const storage::LiveRow& row : *rows) {
+      fleet::Robot* robot = fleet_.Find(row.ruri);
+      if (robot == nullptr) continue;
+      fleet::LiveRead read = fleet::FromRow(row, judge);
+      live_left_out_ += read.left_out;
+      robot->state.Restore(std::move(read.before));
+    }
+    after = rows->back().ruri;
+  }
 }
 
 }  // namespace uplink

@@ -12,8 +12,9 @@
 
 namespace uplink {
 
-/// Takes the robots that the store knows into the fleet: at the start, or as soon as the store can
-/// be reached. A robot that has come by itself in the meantime stays as it is.
+/// Takes the robots that the store knows into the fleet, each with the live state of its last
+/// checkpoint: at the start, or as soon as the store can be reached. A robot that has come by
+/// itself in the meantime stays as it is, but for what it has not told yet.
 ///
 /// Thread: Run by one thread at a time.
 class Seed final {
@@ -27,12 +28,18 @@ class Seed final {
   ///         robots than `robots_max`.
   [[nodiscard]] absl::Status Run(std::size_t robots_max);
   [[nodiscard]] bool done() const { return done_.load(); }
+  /// Messages of checkpoints that this version does not pass, in the last run. After Run, on its
+  /// thread.
+  [[nodiscard]] std::size_t live_left_out() const { return live_left_out_; }
 
  private:
+  [[nodiscard]] absl::Status RestoreLive();
+
   fleet::Fleet& fleet_;
   const journal::Shards& journals_;
   storage::Reader& reader_;
   const Clock& clock_;
+  std::size_t live_left_out_ = 0;
   std::atomic<bool> done_{false};
 };
 

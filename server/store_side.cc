@@ -24,7 +24,16 @@ StoreSide::StoreSide(Stores stores, Parts parts)
       parts_(std::move(parts)),
       journals_(MakeJournals()),
       shards_(PointersTo(journals_)),
-      seed_(parts_.fleet, shards_, *stores_.reader, parts_.clock) {}
+      seed_(parts_.fleet, shards_, *stores_.reader, parts_.clock) {
+  if (parts_.checkpoint_every == milliseconds(0)) return;
+  for (const auto& journal : journals_) {
+    checkpoints_.push_back(std::make_unique<fleet::Checkpoint>(
+        parts_.fleet, [this, writer = journal.get()](std::string_view ruri) {
+          return &shards_.Of(ruri) == writer;
+        }));
+    journal->CheckpointFrom(*checkpoints_.back(), parts_.checkpoint_every);
+  }
+}
 
 std::vector<std::unique_ptr<journal::Journal>> StoreSide::MakeJournals() {
   journal::JournalLimits limits = journal::ShareOf(parts_.limits, stores_.writers.size());
@@ -63,6 +72,7 @@ absl::Status StoreSide::Begin() {
   absl::Status away = stores_.away;
   if (away.ok()) {
     absl::Status seeded = seed_.Run(parts_.robots_max);
+    NoteLiveLeftOut();
     if (!absl::IsUnavailable(seeded) && !absl::IsDeadlineExceeded(seeded)) return seeded;
     away = std::move(seeded);
   }
@@ -84,9 +94,16 @@ void StoreSide::ReadRobots() {
   const absl::Status read = seed_.Run(parts_.robots_max);
   if (read.ok()) {
     parts_.logger.Info("robots_read", {{"robots", parts_.fleet.size()}});
+    NoteLiveLeftOut();
   } else if (seed_.done()) {
     parts_.logger.Error("robots_left_out", {{"why", std::string(read.message())}});
   }
+}
+
+void StoreSide::NoteLiveLeftOut() {
+  if (seed_.live_left_out() == 0) return;
+  parts_.logger.Warn("live_state_left_out", {{"messages", seed_.live_left_out()},
+                                             {"why", "this version does not pass them"}});
 }
 
 void StoreSide::LookForErrors() {
@@ -98,6 +115,15 @@ void StoreSide::LookForErrors() {
       parts_.logger.Info("retention_works_again", {});
     } else {
       parts_.logger.Warn("retention_fails", {{"why", std::string(retained.message())}});
+    }
+  }
+  const absl::Status written = shards_.checkpoint_error();
+  if (written.ok() != checkpoints_work_) {
+    checkpoints_work_ = written.ok();
+    if (checkpoints_work_) {
+      parts_.logger.Info("checkpoint_works_again", {});
+    } else {
+      parts_.logger.Warn("checkpoint_fails", {{"why", std::string(written.message())}});
     }
   }
   const absl::Status error = shards_.last_error();

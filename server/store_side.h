@@ -12,6 +12,7 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/fleet/checkpoint.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
@@ -40,6 +41,8 @@ class StoreSide final {
     /// Of all journals together.
     journal::JournalLimits limits;
     std::size_t robots_max = 0;
+    /// How often live states are checkpointed; zero: never.
+    milliseconds checkpoint_every{0};
   };
   StoreSide(Stores stores, Parts parts);
   StoreSide(const StoreSide&) = delete;
@@ -68,16 +71,20 @@ class StoreSide final {
   std::vector<std::unique_ptr<journal::Journal>> MakeJournals();
   std::uint64_t Random();
   void LookAtFacts();
+  void NoteLiveLeftOut();
   void ReadRobots();
 
   const Stores stores_;
   const Parts parts_;
   const std::vector<std::unique_ptr<journal::Journal>> journals_;
   const journal::Shards shards_;
+  /// One a journal, if there are checkpoints.
+  std::vector<std::unique_ptr<fleet::Checkpoint>> checkpoints_;
   Seed seed_;
   std::atomic<bool> reading_{false};
   bool works_ = true;
   bool retains_ = true;
+  bool checkpoints_work_ = true;
   bool said_unsafe_ = false;
   bool said_clock_ = false;
   std::mutex random_mutex_;

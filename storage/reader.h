@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -15,6 +16,7 @@
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/spatial.h"
+#include "storage/live_row.h"
 
 namespace uplink::storage {
 
@@ -245,6 +247,9 @@ class Reader {
   };
   [[nodiscard]] virtual absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                           std::uint32_t kinds) = 0;
+  /// The live states that were checkpointed, by RURI, from the first that comes after `after` on:
+  /// at most kLiveRowsMax, and fewer where their bytes pass kPageBytesMax; none after the last.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) = 0;
 };
 
 }  // namespace uplink::storage

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "storage/live_row.h"
 #include "storage/types.h"
 
 namespace uplink::storage {
@@ -58,6 +59,11 @@ class Store {
   /// runs go when they are closed and their last report is as old. Returns how much went, in rows
   /// or in whole partitions; more may be left when it is kRetainRowsMax or more.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Retain(SystemTime now) = 0;
+
+  /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
+  /// once. Passes over robots that another process holds, or that the store does not know: their
+  /// state is not ours to keep. Returns the rows that were written.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> Checkpoint(std::span<const LiveRow> rows) = 0;
 };
 
 }  // namespace uplink::storage

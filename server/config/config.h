@@ -63,6 +63,8 @@ struct StoreConfig {
   milliseconds timeout = std::chrono::seconds(10);
   /// PostgreSQL: accept a server with fsync = off.
   bool accept_unsafe = false;
+  /// How often the live states that changed are written; zero: never.
+  milliseconds checkpoint = std::chrono::seconds(5);
   /// How long histories are kept, and quarantine; zero: for ever.
   milliseconds retain_history = std::chrono::days(90);
   milliseconds retain_quarantine = std::chrono::days(14);

@@ -67,13 +67,18 @@ Robot* Fleet::Find(std::string_view ruri) const {
   return found == shard.robots.end() ? nullptr : found->second.get();
 }
 
-std::vector<Robot*> Fleet::Sorted() const {
+std::vector<Robot*> Fleet::All() const {
   std::vector<Robot*> robots;
   robots.reserve(size());
   for (const Shard& shard : shards_) {
     const std::lock_guard lock(shard.mutex);
     for (const auto& [ruri, robot] : shard.robots) robots.push_back(robot.get());
   }
+  return robots;
+}
+
+std::vector<Robot*> Fleet::Sorted() const {
+  std::vector<Robot*> robots = All();
   std::ranges::sort(robots, {},
                     [](const Robot* robot) -> const std::string& { return robot->ruri(); });
   return robots;

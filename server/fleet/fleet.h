@@ -68,6 +68,8 @@ class Fleet final {
   [[nodiscard]] absl::StatusOr<Robot*> FindOrAdmit(const model::RobotId& id);
   /// Null if it was never seen.
   [[nodiscard]] Robot* Find(std::string_view ruri) const;
+  /// All robots, in no order.
+  [[nodiscard]] std::vector<Robot*> All() const;
   /// All robots by RURI.
   [[nodiscard]] std::vector<Robot*> Sorted() const;
   [[nodiscard]] std::size_t size() const { return size_.load(); }

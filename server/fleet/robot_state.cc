@@ -7,61 +7,42 @@
 namespace uplink::fleet {
 namespace {
 
-/// The key under which a consumable is held and shown: `kind/tankId`.
-std::string ConsumableKey(const model::ConsumableStatus& status) {
-  return status.kind + "/" + status.tank_id;
+/// The part that a live message changes.
+storage::LivePart PartOf(model::Variant variant) {
+  using enum model::Variant;
+  switch (variant) {
+    case kMotionTelemetry:
+      return storage::LivePart::kMotion;
+    case kStatusTelemetry:
+      return storage::LivePart::kStatus;
+    case kTelemetryExtras:
+      return storage::LivePart::kExtras;
+    case kSystemHealth:
+      return storage::LivePart::kHealth;
+    case kUsageTelemetry:
+      return storage::LivePart::kUsage;
+    case kConsumableStatus:
+      return storage::LivePart::kConsumables;
+    case kSpatialDirectiveStatus:
+      return storage::LivePart::kDirectives;
+    default:
+      UPLINK_CHECK(false, "only live kinds are applied");
+  }
 }
 
-/// Puts one live body into the parts; returns the number of keys that had to go.
-struct PutInto {
-  LiveParts& parts;
-
-  std::size_t operator()(model::MotionTelemetry&& body) const {
-    parts.motion = std::move(body);
-    return 0;
-  }
-  std::size_t operator()(model::StatusTelemetry&& body) const {
-    parts.status = std::move(body);
-    return 0;
-  }
-  std::size_t operator()(model::TelemetryExtras&& body) const {
-    std::size_t evicted = 0;
-    for (model::SensorReading& reading : body.kv) {
-      const std::int64_t sampled = reading.unix_time_ms.value_or(body.unix_time_ms);
-      evicted += parts.extras.Put(std::move(reading.key),
-                                  {.value = std::move(reading.value), .sampled_at_ms = sampled});
-    }
-    return evicted;
-  }
-  std::size_t operator()(model::SystemHealth&& body) const {
-    std::string key = body.device_id;
-    return parts.health.Put(std::move(key), std::move(body));
-  }
-  std::size_t operator()(model::UsageTelemetry&& body) const {
-    parts.usage = std::move(body);
-    return 0;
-  }
-  std::size_t operator()(model::ConsumableStatus&& body) const {
-    std::string key = ConsumableKey(body);
-    return parts.consumables.Put(std::move(key), std::move(body));
-  }
-  std::size_t operator()(model::SpatialDirectiveStatus&& body) const {
-    std::string key = body.directive_id;
-    return parts.directives.Put(std::move(key), std::move(body));
-  }
-  template <typename Durable>
-  std::size_t operator()(Durable&& /*body*/) const {
-    UPLINK_CHECK(false, "only live kinds are applied");
-    return 0;
-  }
-};
+/// Copies one part if it changed.
+template <typename Part>
+void CopyIf(const LivePartSet& changed, storage::LivePart kind, const Part& from, Part& to) {
+  if (changed.test(static_cast<std::size_t>(kind))) to = from;
+}
 
 }  // namespace
 
 void RobotState::Apply(std::vector<model::Record>& records) {
   const std::lock_guard lock(mutex_);
   for (model::Record& record : records) {
-    keys_evicted_ += std::visit(PutInto{parts_}, std::move(record).TakeBody());
+    parts_changed_.set(static_cast<std::size_t>(PartOf(record.variant())));
+    keys_evicted_ += PutInto(parts_, std::move(record).TakeBody());
   }
 }
 
@@ -93,6 +74,7 @@ void RobotState::SignOfLife(SteadyTime steady, SystemTime system, const Presence
   if (!last_sign_ || steady >= *last_sign_) {
     last_sign_ = steady;
     last_sign_system_ = system;
+    signs_changed_ = true;
   }
   Reach(steady, system);
   UpdatePresence(limits);
@@ -113,6 +95,7 @@ void RobotState::NoteStall(SteadyTime now) {
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {
   const std::lock_guard lock(mutex_);
   clock_skew_ms_ = skew_ms;
+  signs_changed_ = true;
 }
 
 void RobotState::StreamBegan() {
@@ -123,6 +106,44 @@ void RobotState::StreamBegan() {
 void RobotState::CountDropped(std::size_t fields) {
   const std::lock_guard lock(mutex_);
   fields_dropped_ += static_cast<std::int64_t>(fields);
+}
+
+std::optional<LiveChanges> RobotState::TakeChanges() {
+  using enum storage::LivePart;
+  const std::lock_guard lock(mutex_);
+  if (parts_changed_.none() && !signs_changed_) return std::nullopt;
+  LiveChanges changes;
+  changes.changed = std::exchange(parts_changed_, {});
+  signs_changed_ = false;
+  changes.last_sign_of_life = last_sign_system_;
+  changes.clock_skew_ms = clock_skew_ms_;
+  CopyIf(changes.changed, kMotion, parts_.motion, changes.parts.motion);
+  CopyIf(changes.changed, kStatus, parts_.status, changes.parts.status);
+  CopyIf(changes.changed, kExtras, parts_.extras, changes.parts.extras);
+  CopyIf(changes.changed, kHealth, parts_.health, changes.parts.health);
+  CopyIf(changes.changed, kUsage, parts_.usage, changes.parts.usage);
+  CopyIf(changes.changed, kConsumables, parts_.consumables, changes.parts.consumables);
+  CopyIf(changes.changed, kDirectives, parts_.directives, changes.parts.directives);
+  return changes;
+}
+
+void RobotState::PutBackChanges(const LivePartSet& changed) {
+  const std::lock_guard lock(mutex_);
+  parts_changed_ |= changed;
+  signs_changed_ = true;
+}
+
+void RobotState::Restore(LiveBefore before) {
+  const std::lock_guard lock(mutex_);
+  if (!parts_.motion) parts_.motion = std::move(before.parts.motion);
+  if (!parts_.status) parts_.status = std::move(before.parts.status);
+  if (!parts_.usage) parts_.usage = std::move(before.parts.usage);
+  parts_.extras.PutOnTopOf(std::move(before.parts.extras));
+  parts_.health.PutOnTopOf(std::move(before.parts.health));
+  parts_.consumables.PutOnTopOf(std::move(before.parts.consumables));
+  parts_.directives.PutOnTopOf(std::move(before.parts.directives));
+  if (!last_sign_system_) last_sign_system_ = before.last_sign_of_life;
+  if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
 }
 
 Presence RobotState::Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {

@@ -1,93 +1,21 @@
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <mutex>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
+#include "server/fleet/live_parts.h"
 #include "server/fleet/presence.h"
+#include "storage/live_row.h"
 
 namespace uplink::fleet {
-
-/// Keys that a robot's live state keeps (validation rules: what is kept per robot).
-inline constexpr std::size_t kExtrasMax = 1024;
-inline constexpr std::size_t kHealthDevicesMax = 32;
-inline constexpr std::size_t kConsumablesMax = 64;
-inline constexpr std::size_t kDirectivesMax = 1024;
-
-/// The latest value of each key, at most `kMax` of them: the least recently updated goes first.
-template <typename Value, std::size_t kMax>
-class LatestByKey {
- public:
-  using Items = std::list<std::pair<std::string, Value>>;
-
-  LatestByKey() = default;
-  LatestByKey(const LatestByKey& other) : items_(other.items_) { Index(); }
-  LatestByKey& operator=(const LatestByKey& other) {
-    if (this != &other) {
-      items_ = other.items_;
-      Index();
-    }
-    return *this;
-  }
-  LatestByKey(LatestByKey&&) noexcept = default;
-  LatestByKey& operator=(LatestByKey&&) noexcept = default;
-  ~LatestByKey() = default;
-
-  /// Returns the number of keys that had to go (0 or 1).
-  std::size_t Put(std::string key, Value value) {
-    if (const auto found = index_.find(key); found != index_.end()) {
-      found->second->second = std::move(value);
-      items_.splice(items_.end(), items_, found->second);
-      return 0;
-    }
-    items_.emplace_back(std::move(key), std::move(value));
-    index_.emplace(items_.back().first, std::prev(items_.end()));
-    if (items_.size() <= kMax) return 0;
-    index_.erase(items_.front().first);
-    items_.pop_front();
-    return 1;
-  }
-
-  /// Least recently updated first.
-  [[nodiscard]] const Items& items() const { return items_; }
-
- private:
-  void Index() {
-    index_.clear();
-    for (auto it = items_.begin(); it != items_.end(); ++it) index_.emplace(it->first, it);
-  }
-
-  Items items_;
-  // Keys are views of the list's own strings, which do not move.
-  std::unordered_map<std::string_view, typename Items::iterator> index_;
-};
-
-/// One reading of extras: the reading's own time, else its message's.
-struct Extra {
-  model::Value value;
-  std::int64_t sampled_at_ms = 0;
-};
-
-/// The latest of each live kind, in stream order; no robot clock decides anything. A value.
-struct LiveParts {
-  std::optional<model::MotionTelemetry> motion;
-  std::optional<model::StatusTelemetry> status;
-  LatestByKey<Extra, kExtrasMax> extras;
-  LatestByKey<model::SystemHealth, kHealthDevicesMax> health;
-  std::optional<model::UsageTelemetry> usage;
-  LatestByKey<model::ConsumableStatus, kConsumablesMax> consumables;
-  LatestByKey<model::SpatialDirectiveStatus, kDirectivesMax> directives;
-};
 
 /// A robot's state as it is now, copied for a reader. A value.
 struct StateSnapshot {
@@ -98,6 +26,25 @@ struct StateSnapshot {
   std::optional<std::int64_t> clock_skew_ms;
   std::int64_t fields_dropped = 0;
   std::uint64_t keys_evicted = 0;
+};
+
+/// Which live parts, by storage::LivePart.
+using LivePartSet = std::bitset<storage::kLivePartKinds>;
+
+/// What changed of a robot's live state since that was asked last. A value.
+struct LiveChanges {
+  LivePartSet changed;
+  /// Only those that changed are set.
+  LiveParts parts;
+  std::optional<SystemTime> last_sign_of_life;
+  std::optional<std::int64_t> clock_skew_ms;
+};
+
+/// What an earlier life of the server knew of a robot. A value.
+struct LiveBefore {
+  LiveParts parts;
+  std::optional<SystemTime> last_sign_of_life;
+  std::optional<std::int64_t> clock_skew_ms;
 };
 
 /// Live state and presence of one robot. Thread-safe: a short mutex, never held across I/O; one
@@ -131,6 +78,13 @@ class RobotState final {
   void StreamBegan();
   void CountDropped(std::size_t fields);
 
+  /// What changed since the last call; nothing if nothing did.
+  [[nodiscard]] std::optional<LiveChanges> TakeChanges();
+  /// What was taken could not be kept: it counts as changed again.
+  void PutBackChanges(const LivePartSet& changed);
+  /// Takes over what is not known better by now. Presence stays as it is: it was not heard.
+  void Restore(LiveBefore before);
+
   /// Brings presence up to date and returns it.
   Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   [[nodiscard]] Presence presence() const;
@@ -150,6 +104,9 @@ class RobotState final {
   const PresenceChanged changed_;
   mutable std::mutex mutex_;
   LiveParts parts_;
+  LivePartSet parts_changed_;
+  /// The last sign of life or the clock's skew.
+  bool signs_changed_ = false;
   Presence presence_ = Presence::kUnknown;
   SystemTime presence_since_;
   /// The latest time that a call named.

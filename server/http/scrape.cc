@@ -80,6 +80,8 @@ void Scrape::AddJournal(metrics::Exposition& page) const {
   page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kHistoryDeleted, probe.history_deleted);
   page.Add(kRetentionFailing, probe.retention_failing);
+  page.Add(kCheckpointRobots, probe.checkpoint_robots);
+  page.Add(kCheckpointFailing, probe.checkpoint_failing.value() > 0 ? 1 : 0);
   page.Add(kStoreErrors, probe.store_errors);
   page.Add(kStoreFailing, probe.store_failing.value() > 0 ? 1 : 0);
   page.Add(kStoreUnsafe, sources_.store_facts().unsafe ? 1 : 0);

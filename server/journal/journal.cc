@@ -105,10 +105,13 @@ absl::Status Journal::retain_error() const {
 
 void Journal::WaitForWork(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  const auto work = [this] { return !queue_.empty() || !opens_.empty() || !presence_.empty(); };
+  const auto work = [this] {
+    return !queue_.empty() || !opens_.empty() || !presence_.empty() || checkpoint_asked_.load();
+  };
   SteadyTime due = clock_.Steady() + kSweepInterval;
   if (limits_.sweeps) due = std::min(due, sweep_due_);
   if (limits_.retains) due = std::min(due, retain_due_);
+  if (live_ != nullptr) due = std::min(due, checkpoint_due_);
   const SteadyTime::duration left = due - clock_.Steady();
   work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);
 }

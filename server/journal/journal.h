@@ -18,6 +18,7 @@
 #include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/journal/live_source.h"
 #include "server/journal/presence_log.h"
 #include "server/journal/wake.h"
 #include "storage/store.h"
@@ -96,6 +97,10 @@ struct JournalProbe {
   metrics::Cell history_deleted;
   /// 1 while histories cannot be kept to their age.
   metrics::Cell retention_failing;
+  /// Robots whose live state was checkpointed, once a checkpoint.
+  metrics::Cell checkpoint_robots;
+  /// The journals that cannot write checkpoints though the store is there.
+  metrics::Cell checkpoint_failing;
 };
 
 /// The bounded queue between sessions and the store, one shard: order is kept a robot, and what
@@ -125,6 +130,13 @@ class Journal final {
   /// A server that stopped in order has said so then; of one that was killed nobody knows when.
   void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
 
+  /// Before the first Advance: the live states that this journal checkpoints each `every`, in turns
+  /// with what waits. `live` outlives the journal.
+  void CheckpointFrom(LiveSource& live, milliseconds every);
+  /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
+  /// the store is away it is tried again.
+  void RequestCheckpoint();
+
   [[nodiscard]] bool HasRoom() const {
     return bytes_.load() < limits_.bytes_max && records_.load() < limits_.records_max;
   }
@@ -137,7 +149,8 @@ class Journal final {
   [[nodiscard]] milliseconds oldest(SteadyTime now) const;
   /// Nothing waits, not even the telling of an outcome.
   [[nodiscard]] bool idle() const {
-    return records_.load() == 0 && opens_waiting_.load() == 0 && presence_waiting_.load() == 0;
+    return records_.load() == 0 && opens_waiting_.load() == 0 && presence_waiting_.load() == 0 &&
+           !checkpoint_waiting_.load();
   }
 
   /// What Advance did.
@@ -157,6 +170,8 @@ class Journal final {
   /// Why histories could not be kept to their age, though the store is there; OK after a success.
   /// Any thread.
   [[nodiscard]] absl::Status retain_error() const;
+  /// The same of checkpoints.
+  [[nodiscard]] absl::Status checkpoint_error() const;
 
   /// Waits until something is queued, until the next sweep is due, or until `stop`.
   void WaitForWork(const std::stop_token& stop);
@@ -197,6 +212,9 @@ class Journal final {
   std::optional<Step> AdvanceDuty();
   Step AdvanceSweep();
   Step AdvanceRetain();
+  Step AdvanceCheckpoint();
+  void EndCheckpoint();
+  void NoteCheckpoint(const absl::Status& status);
   void CountPresence();
   void TellOutcomes();
   void Release(std::size_t records, std::size_t bytes);
@@ -217,6 +235,7 @@ class Journal final {
   /// Of the last call of the store; what is told of it, and in the probe, is counted once.
   absl::Status last_error_;
   absl::Status retain_error_;
+  absl::Status checkpoint_error_;
   std::optional<SteadyTime> batch_oldest_;
 
   std::atomic<std::size_t> records_{0};
@@ -225,6 +244,9 @@ class Journal final {
   std::atomic<std::size_t> presence_waiting_{0};
   /// Streams that were asked for and not yet opened.
   std::atomic<std::size_t> opens_waiting_{0};
+  /// A checkpoint was asked for and has not begun; has not ended.
+  std::atomic<bool> checkpoint_asked_{false};
+  std::atomic<bool> checkpoint_waiting_{false};
 
   // The writer's own.
   /// The last call opened streams while records waited: they are next.
@@ -234,6 +256,13 @@ class Journal final {
   SteadyTime sweep_due_;
   /// At once: a store may need room for today.
   SteadyTime retain_due_;
+  /// Null: this journal writes no checkpoints.
+  LiveSource* live_ = nullptr;
+  milliseconds checkpoint_every_{0};
+  SteadyTime checkpoint_due_;
+  bool checkpoint_under_way_ = false;
+  /// The one that is under way was asked for.
+  bool checkpoint_answers_ = false;
   std::vector<OpenEntry> opening_;
   storage::Batch batch_;
   std::vector<Owner> owners_;

@@ -96,53 +96,6 @@ void Journal::CountPresence() {
   batch_.presence.clear();
 }
 
-std::optional<Journal::Step> Journal::AdvanceDuty() {
-  const SteadyTime now = clock_.Steady();
-  const bool sweeps = limits_.sweeps && now >= sweep_due_;
-  if (!sweeps && !(limits_.retains && now >= retain_due_)) return std::nullopt;
-  after_duty_ = true;
-  return sweeps ? AdvanceSweep() : AdvanceRetain();
-}
-
-Journal::Step Journal::AdvanceSweep() {
-  const auto deleted = store_.Sweep(clock_.System());
-  NoteResult(deleted.status());
-  const bool more = deleted.ok() && *deleted >= storage::kSweepRowsMax;
-  sweep_due_ = clock_.Steady() + (more ? kSweepAgain : kSweepInterval);
-  if (!deleted.ok()) return Step::kFailed;
-  probe_.expired_deleted.Add(static_cast<std::int64_t>(*deleted));
-  return Step::kWorked;
-}
-
-Journal::Step Journal::AdvanceRetain() {
-  const auto deleted = store_.Retain(clock_.System());
-  const SteadyTime now = clock_.Steady();
-  if (absl::IsUnavailable(deleted.status())) {
-    NoteResult(deleted.status());
-    retain_due_ = now + kRetainAgain;
-    return Step::kFailed;
-  }
-  probe_.retention_failing.Set(deleted.ok() ? 0 : 1);
-  {
-    const std::lock_guard lock(mutex_);
-    retain_error_ = deleted.status();
-  }
-  // Commits go on as if nothing was: it is no trouble of theirs.
-  if (!deleted.ok()) {
-    retain_due_ = now + kRetainLater;
-    return Step::kWorked;
-  }
-  NoteResult(absl::OkStatus());
-  probe_.history_deleted.Add(static_cast<std::int64_t>(*deleted));
-  retain_due_ = now;
-  if (*deleted >= storage::kRetainRowsMax) {
-    retain_due_ += kSweepAgain;
-  } else {
-    retain_due_ += kRetainInterval;
-  }
-  return Step::kWorked;
-}
-
 void Journal::NoteResult(const absl::Status& status) {
   if (!status.ok()) probe_.store_errors.Add();
   const std::lock_guard lock(mutex_);

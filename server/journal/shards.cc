@@ -46,6 +46,14 @@ absl::Status Shards::last_error() const {
   return absl::OkStatus();
 }
 
+absl::Status Shards::checkpoint_error() const {
+  for (const Journal* journal : journals_) {
+    absl::Status error = journal->checkpoint_error();
+    if (!error.ok()) return error;
+  }
+  return absl::OkStatus();
+}
+
 JournalLimits ShareOf(const JournalLimits& all, std::size_t shards) {
   JournalLimits share = all;
   share.bytes_max = std::max<std::size_t>(all.bytes_max / shards, 1);

@@ -28,6 +28,11 @@ class Shards final {
     Of(robot->ruri).BeginPresence(robot, stored, now);
   }
 
+  /// As Journal's, in all journals.
+  void RequestCheckpoint() const {
+    for (Journal* journal : journals_) journal->RequestCheckpoint();
+  }
+
   // Over all journals.
   [[nodiscard]] std::size_t records() const;
   [[nodiscard]] std::size_t bytes() const;
@@ -35,6 +40,8 @@ class Shards final {
   [[nodiscard]] bool idle() const;
   /// The first error that a journal's store told last; OK if none did.
   [[nodiscard]] absl::Status last_error() const;
+  /// The first of a journal that cannot write checkpoints; OK if all can.
+  [[nodiscard]] absl::Status checkpoint_error() const;
   /// Of the journal that keeps the histories.
   [[nodiscard]] absl::Status retain_error() const { return journals_.front()->retain_error(); }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "storage/postgres/kind_rows.h"
+#include "storage/postgres/live_rows.h"
 #include "storage/postgres/pages.h"
 #include "storage/postgres/reader_pool.h"
 
@@ -196,6 +197,10 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
     }
     return latest;
   });
+}
+
+absl::StatusOr<std::vector<LiveRow>> PostgresReader::Live(std::string_view after) {
+  return pool_->With([&](Connection& connection) { return ReadLive(connection, after); });
 }
 
 }  // namespace uplink::storage::postgres

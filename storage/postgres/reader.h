@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -66,6 +67,7 @@ class PostgresReader final : public Reader {
       const HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
+  [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;
 
  private:
   class Pool;

@@ -6,6 +6,7 @@
 
 #include "storage/postgres/batch_commit.h"
 #include "storage/postgres/link.h"
+#include "storage/postgres/live_rows.h"
 #include "storage/postgres/open_streams.h"
 #include "storage/postgres/retain.h"
 #include "storage/postgres/transaction.h"
@@ -136,6 +137,13 @@ absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
   const absl::StatusOr<Connection*> connection = parts_->Connected();
   if (!connection.ok()) return connection.status();
   return RetainRows(**connection, now, parts_->options.rules, parts_->options.clock_offset_max);
+}
+
+absl::StatusOr<std::size_t> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {
+  const StoreOptions& options = parts_->options;
+  return With<std::size_t>([&](Connection& connection) {
+    return WriteLive(connection, rows, options.process, options.before_commit);
+  });
 }
 
 }  // namespace uplink::storage::postgres

@@ -138,6 +138,7 @@ absl::Status Tables::Prepare(Database& database) {
   if (status.ok()) status = latest.Prepare(database);
   if (status.ok()) status = presence.Prepare(database);
   if (status.ok()) status = retention.Prepare(database);
+  if (status.ok()) status = live.Prepare(database);
   return status;
 }
 

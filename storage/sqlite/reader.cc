@@ -4,6 +4,7 @@
 
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/kind_rows.h"
+#include "storage/sqlite/live_table.h"
 #include "storage/sqlite/pages.h"
 #include "storage/sqlite/reader_pool.h"
 #include "storage/sqlite/tables.h"
@@ -149,6 +150,10 @@ absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::str
     }
     return latest;
   });
+}
+
+absl::StatusOr<std::vector<LiveRow>> SqliteReader::Live(std::string_view after) {
+  return pool_->With([&](Database& database) { return ReadLive(database, after); });
 }
 
 }  // namespace uplink::storage::sqlite

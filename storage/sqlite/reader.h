@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -58,6 +59,7 @@ class SqliteReader final : public Reader {
       const HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
+  [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;
 
  private:
   class Pool;

@@ -191,4 +191,16 @@ absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {
   });
 }
 
+absl::StatusOr<std::size_t> SqliteStore::Checkpoint(std::span<const LiveRow> rows) {
+  return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
+    std::size_t written = 0;
+    for (const LiveRow& row : rows) {
+      const auto one = parts_->tables.live.Upsert(row, parts_->options.process);
+      if (!one.ok()) return one.status();
+      if (*one) ++written;
+    }
+    return written;
+  });
+}
+
 }  // namespace uplink::storage::sqlite

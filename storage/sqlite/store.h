@@ -55,6 +55,7 @@ class SqliteStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Checkpoint(std::span<const LiveRow> rows) override;
 
  private:
   struct Parts;

@@ -16,6 +16,7 @@
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_tables.h"
+#include "storage/sqlite/live_table.h"
 #include "storage/sqlite/retention_tables.h"
 #include "storage/sqlite/statement.h"
 #include "storage/types.h"
@@ -138,6 +139,7 @@ struct Tables {
   LatestTable latest;
   PresenceTable presence;
   RetentionTables retention;
+  LiveTable live;
 
   [[nodiscard]] absl::Status Prepare(Database& database);
 };

@@ -47,6 +47,11 @@ absl::StatusOr<std::size_t> Recorder::Retain(SystemTime now) {
   return store_->Retain(now);
 }
 
+absl::StatusOr<std::size_t> Recorder::Checkpoint(std::span<const storage::LiveRow> rows) {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->Checkpoint(rows);
+}
+
 void Recorder::NotePresence(const storage::Batch& batch) {
   model::Seq& cursor = presence_cursors_[batch.presence_session];
   for (const storage::PresenceItem& item : batch.presence) {

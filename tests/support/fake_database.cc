@@ -68,6 +68,25 @@ std::size_t FakeDatabase::Retain(SystemTime now, const storage::StoreRules& rule
   return erased;
 }
 
+std::size_t FakeDatabase::Checkpoint(const ProcessId& process,
+                                     std::span<const storage::LiveRow> rows) {
+  const std::lock_guard lock(mutex_);
+  std::size_t written = 0;
+  for (const storage::LiveRow& row : rows) {
+    const auto robot = robots_.find(row.ruri);
+    if (robot == robots_.end() || robot->second.owner != process) continue;
+    storage::LiveRow& kept = live_[row.ruri];
+    kept.ruri = row.ruri;
+    if (row.last_sign_of_life) kept.last_sign_of_life = row.last_sign_of_life;
+    if (row.clock_skew_ms) kept.clock_skew_ms = row.clock_skew_ms;
+    for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
+      if (row.parts[kind]) kept.parts[kind] = row.parts[kind];
+    }
+    ++written;
+  }
+  return written;
+}
+
 std::size_t FakeDatabase::EraseQuarantine(SystemTime until) {
   const std::vector<FakeEntry<storage::QuarantineRow>> before = quarantine_;
   const std::size_t erased = EraseBefore(quarantine_, until, storage::kRetainRowsMax);

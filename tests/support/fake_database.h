@@ -75,6 +75,7 @@ class FakeDatabase final {
                                        const storage::StoreRules& store_rules);
   std::size_t Sweep(SystemTime now);
   std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
+  std::size_t Checkpoint(const storage::ProcessId& process, std::span<const storage::LiveRow> rows);
 
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.
@@ -151,6 +152,7 @@ class FakeDatabase final {
   std::vector<FakeEntry<storage::QuarantineRow>> quarantine_;
   FakeKinds kinds_;
   FakePresence presence_;
+  std::map<std::string, storage::LiveRow, std::less<>> live_;
   std::vector<Application> applications_;
   std::uint64_t entries_ = 0;
   std::uint64_t transactions_ = 0;

@@ -43,6 +43,14 @@ absl::StatusOr<std::size_t> FakeStore::Retain(SystemTime now) {
   return erased;
 }
 
+absl::StatusOr<std::size_t> FakeStore::Checkpoint(std::span<const storage::LiveRow> rows) {
+  Fate fate = Begin({&checkpoint_order_}, checkpoints_);
+  if (fate.fail_before) return std::move(fate.status);
+  const std::size_t written = database_.Checkpoint(process_, rows);
+  if (fate.fail_after) return std::move(fate.status);
+  return written;
+}
+
 FakeStore::Fate FakeStore::Begin(std::initializer_list<Order*> orders, std::uint64_t& calls) {
   std::unique_lock lock(mutex_);
   ++waiting_;
@@ -94,6 +102,10 @@ void FakeStore::FailNextRetains(std::uint32_t calls, FailAt at, const absl::Stat
   Add(retain_order_, calls, at, status);
 }
 
+void FakeStore::FailNextCheckpoints(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(checkpoint_order_, calls, at, status);
+}
+
 void FakeStore::Heal() {
   const std::lock_guard lock(mutex_);
   any_order_ = {};
@@ -101,6 +113,7 @@ void FakeStore::Heal() {
   open_order_ = {};
   sweep_order_ = {};
   retain_order_ = {};
+  checkpoint_order_ = {};
   blocked_ = false;
   changed_.notify_all();
 }
@@ -139,6 +152,11 @@ std::uint64_t FakeStore::opens() const {
 std::uint64_t FakeStore::sweeps() const {
   const std::lock_guard lock(mutex_);
   return sweeps_;
+}
+
+std::uint64_t FakeStore::checkpoints() const {
+  const std::lock_guard lock(mutex_);
+  return checkpoints_;
 }
 
 absl::StatusOr<std::vector<storage::RobotRow>> FakeStore::Robots(std::uint32_t robots_max) {
@@ -199,6 +217,10 @@ absl::StatusOr<Page<storage::PresenceRow>> FakeStore::PresenceChanges(const Hist
 absl::StatusOr<storage::Reader::LatestRows> FakeStore::Latest(std::span<const std::string> ruris,
                                                               std::uint32_t kinds) {
   return FakeReader(database_).Latest(ruris, kinds);
+}
+
+absl::StatusOr<std::vector<storage::LiveRow>> FakeStore::Live(std::string_view after) {
+  return FakeReader(database_).Live(after);
 }
 
 }  // namespace uplink::testing

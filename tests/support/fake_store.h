@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <mutex>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -43,6 +44,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Checkpoint(
+      std::span<const storage::LiveRow> rows) override;
 
   // storage::Reader
   [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
@@ -73,6 +76,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
       const storage::HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
 
   // Faults; each set of orders is worked off before the next of its kind.
   /// The next `calls` calls of OpenStreams or Commit fail; FailAt::kBefore goes first.
@@ -87,6 +91,9 @@ class FakeStore final : public storage::Store, public storage::Reader {
   /// As FailNext, for Sweep alone.
   void FailNextSweeps(std::uint32_t calls, FailAt at,
                       const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// As FailNext, for Checkpoint alone.
+  void FailNextCheckpoints(std::uint32_t calls, FailAt at,
+                           const absl::Status& status = absl::UnavailableError("the test said so"));
   /// As FailNext, for Retain alone.
   void FailNextRetains(std::uint32_t calls, FailAt at,
                        const absl::Status& status = absl::UnavailableError("the test said so"));
@@ -105,6 +112,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] std::uint64_t commits() const;
   [[nodiscard]] std::uint64_t opens() const;
   [[nodiscard]] std::uint64_t sweeps() const;
+  [[nodiscard]] std::uint64_t checkpoints() const;
 
  private:
   struct Order {
@@ -137,11 +145,13 @@ class FakeStore final : public storage::Store, public storage::Reader {
   Order open_order_;
   Order sweep_order_;
   Order retain_order_;
+  Order checkpoint_order_;
   FakeRules rules_;
   std::uint64_t commits_ = 0;
   std::uint64_t opens_ = 0;
   std::uint64_t sweeps_ = 0;
   std::uint64_t retains_ = 0;
+  std::uint64_t checkpoints_ = 0;
 };
 
 }  // namespace uplink::testing

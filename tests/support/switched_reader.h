@@ -5,6 +5,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -35,6 +36,7 @@ class SwitchedReader final : public storage::Reader {
       std::span<const std::string> ruris) override;
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                     std::uint32_t kinds) override;
+  absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
   absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
       const storage::HistoryQuery& query) override;
   absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include "schema/base/check.h"
 #include "schema/encode.h"
@@ -15,6 +16,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/records.h"
+#include "tests/support/sqlite_shell.h"
 #include "tests/support/test_agent.h"
 #include "tests/support/vector_files.h"
 #include "tests/support/vector_views.h"
@@ -24,6 +26,7 @@ namespace uplink::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// When the shape and the object of the vectors expire: before today, so that the server leaves
 /// them out.
@@ -33,6 +36,10 @@ class VectorsOverTheWire : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     server_ = std::make_unique<Server>();
+    Start();
+  }
+  static void Start() {
+    server_->process = server_->folder.Start({}, {"UPLINKD_STORE_CHECKPOINT=1s"});
     auto& process = *server_->process;
     ASSERT_TRUE(process.WaitFor("listening ") &&
                 process.WaitFor("version=", std::chrono::seconds(10)))
@@ -77,7 +84,7 @@ class VectorsOverTheWire : public ::testing::Test {
 
   struct Server {
     UplinkdFolder folder;
-    std::unique_ptr<ServerProcess> process = folder.Start();
+    std::unique_ptr<ServerProcess> process;
     std::uint16_t http = 0;
     std::uint16_t relay = 0;
   };
@@ -172,6 +179,50 @@ TEST_F(VectorsOverTheWire, WholeNumbersAreExactTo2To53) {
        {schema::Encode(model::AgentInfo{.agent_version = "1", .uptime_s = 9'007'199'254'740'992})});
   EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fexact").body,
               HasSubstr(R"("uptimeS":9007199254740992)"));
+}
+
+/// After a kill what was checkpointed is there, and after a stop in order all is.
+TEST_F(VectorsOverTheWire, LiveStateIsSeenAtOnceAfterARestart) {
+  for (const int signal : {SIGKILL, SIGTERM}) {
+    const std::int64_t from = NowMs();
+    const auto live = [](const std::string& name) {
+      const std::string payload = test::ReadVector(name, ".bin");
+      schema::Judge judge{schema::JudgeLimits()};
+      return !judge.Payload(test::AsPayload(payload)).record()->durable();
+    };
+    const auto ruri = [&](const std::string& name) {
+      return "rcan://restart" + std::to_string(signal) + "/" + name;
+    };
+    const auto written = [&] {
+      return SqliteShell(server_->folder.Path("uplinkd.db"))
+          .Read("SELECT count(*) FROM live WHERE ruri LIKE 'rcan://restart" +
+                std::to_string(signal) +
+                "/%' AND coalesce(motion, status, extras, health, usage, consumables, directives)"
+                " IS NOT NULL");
+    };
+    int sent = 0;
+    for (const std::string& name : test::VectorNames()) {
+      if (!live(name)) continue;
+      Send(ruri(name), {test::ReadVector(name, ".bin")});
+      ++sent;
+    }
+    ASSERT_EQ(sent, 14);
+    if (signal == SIGKILL) {
+      ASSERT_TRUE(Eventually([&] { return written() == std::to_string(sent) + "\n"; }));
+    }
+    server_->process->Signal(signal);
+    ASSERT_TRUE(server_->process->WaitForExit());
+    Start();
+    for (const std::string& name : test::VectorNames()) {
+      if (!live(name)) continue;
+      ExpectViews(ruri(name), test::ReadVector(name, ".json"), from);
+    }
+    const RawAnswer robot = Get("/api/v1/robots/" + std::string("rcan%3A%2F%2Frestart") +
+                                std::to_string(signal) + "%2FmotionTelemetry");
+    EXPECT_THAT(robot.body, HasSubstr(R"("presence":"PRESENCE_UNKNOWN")"));
+    EXPECT_THAT(robot.body, Not(HasSubstr(R"("lastSignOfLifeMs":"0")")));
+    EXPECT_THAT(robot.body, HasSubstr(R"("lastSignOfLifeMs":"1)"));
+  }
 }
 
 }  // namespace

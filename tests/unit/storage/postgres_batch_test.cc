@@ -1,4 +1,5 @@
 #include <memory>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -186,6 +187,34 @@ TEST_F(PostgresBatchTest, ADeadlockIsTriedAgain) {
       " EXECUTE FUNCTION uplinkd.collide()");
   EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
   EXPECT_EQ(database_.Shell().Read("SELECT count(*) FROM uplinkd.messages"), "1\n");
+}
+
+TEST_F(PostgresBatchTest, ACheckpointChangesItsRowInPlace) {
+  const auto store = Store(1);
+  Open(*store);
+  LiveRow row;
+  row.ruri = robot_->ruri;
+  // Bytes that do not compress: PostgreSQL stores them apart.
+  std::string& extras = row.parts[static_cast<std::size_t>(LivePart::kExtras)].emplace();
+  std::mt19937 bytes;
+  while (extras.size() < 100'000) extras.push_back(static_cast<char>(bytes()));
+  ASSERT_TRUE(store->Checkpoint({&row, 1}).ok());
+  row.parts[static_cast<std::size_t>(LivePart::kExtras)].reset();
+  const auto apart = [&] {
+    return database_.Shell().Read(
+        "SELECT pg_relation_size(reltoastrelid) FROM pg_class WHERE oid = "
+        "'uplinkd.live'::regclass");
+  };
+  const std::string before = apart();
+  EXPECT_GT(std::stoi(before), 100'000);
+  for (int i = 0; i < 200; ++i) {
+    row.last_sign_of_life = FromUnixMs(kNowMs + i);
+    row.parts[static_cast<std::size_t>(LivePart::kMotion)] = std::string(150, 'm');
+    ASSERT_TRUE(store->Checkpoint({&row, 1}).ok());
+  }
+  // The row is still on its first pages, and what did not change was not written again.
+  EXPECT_EQ(database_.Shell().Read("SELECT pg_relation_size('uplinkd.live') <= 2 * 8192"), "t\n");
+  EXPECT_EQ(apart(), before);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "server/fleet/live_bytes.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/records.h"
 #include "tests/support/switched_reader.h"
 
 namespace uplink {
@@ -19,6 +21,18 @@ class SeedTest : public ::testing::Test {
         clock_.System(),
         {}};
     ASSERT_TRUE(store_.OpenStreams({&request, 1}).ok());
+  }
+
+  static storage::LiveRow Live(const std::string& ruri, std::uint32_t reboots) {
+    fleet::LiveChanges changes;
+    changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
+    changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = reboots};
+    changes.last_sign_of_life = FromUnixMs(1'763'683'200'000);
+    return fleet::ToRow(ruri, changes);
+  }
+  void Checkpoint(const storage::LiveRow& row) { ASSERT_TRUE(store_.Checkpoint({&row, 1}).ok()); }
+  fleet::StateSnapshot State(const std::string& ruri) {
+    return fleet_.Find(ruri)->state.Snapshot(fleet::RobotState::Parts::kAll);
   }
 
   testing::ManualClock clock_;
@@ -57,6 +71,39 @@ TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
   EXPECT_TRUE(seed_.Run(2).ok());
   EXPECT_EQ(fleet_.Find("rcan://a")->id()->fleet, "another");
+}
+
+TEST_F(SeedTest, RobotsComeWithTheirLastCheckpoint) {
+  for (const char* ruri : {"rcan://a", "rcan://b"}) Know(ruri);
+  Checkpoint(Live("rcan://a", 4));
+  ASSERT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ(State("rcan://a").parts.usage->reboot_count, 4U);
+  EXPECT_EQ(State("rcan://a").last_sign_of_life, FromUnixMs(1'763'683'200'000));
+  EXPECT_EQ(State("rcan://a").presence, fleet::Presence::kUnknown);
+  EXPECT_FALSE(State("rcan://b").last_sign_of_life);
+  EXPECT_EQ(seed_.live_left_out(), 0U);
+}
+
+TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsWhatItTold) {
+  Know("rcan://a");
+  Checkpoint(Live("rcan://a", 4));
+  const auto robot = fleet_.FindOrAdmit({"rcan://a", "f"});
+  ASSERT_TRUE(robot.ok());
+  std::vector<model::Record> records;
+  records.push_back(test::RecordOf(model::UsageTelemetry{.unix_time_ms = 6, .reboot_count = 5}));
+  (*robot)->state.Apply(records);
+  ASSERT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ(State("rcan://a").parts.usage->reboot_count, 5U);
+}
+
+TEST_F(SeedTest, WhatThisVersionDoesNotPassIsCounted) {
+  Know("rcan://a");
+  storage::LiveRow row = Live("rcan://a", 4);
+  row.parts[0] = "no message";
+  Checkpoint(row);
+  ASSERT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ(seed_.live_left_out(), 1U);
+  EXPECT_TRUE(State("rcan://a").parts.usage);
 }
 
 TEST_F(SeedTest, MoreRobotsThanThereMayBeAreAnError) {

@@ -252,5 +252,48 @@ TEST(RobotStateDeathTest, ADurableKindIsNeverApplied) {
   EXPECT_DEATH(state.Apply(records), "only live kinds");
 }
 
+TEST_F(RobotStateTest, TakesOverWhatItWasNotToldItself) {
+  Apply({model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 2},
+         Extras({{.key = "rpm", .value = 2.0, .unix_time_ms = {}}})});
+  LiveBefore before;
+  PutInto(before.parts, model::UsageTelemetry{.unix_time_ms = kNow - 5, .reboot_count = 1});
+  PutInto(before.parts, model::StatusTelemetry{.unix_time_ms = kNow - 5, .status = "before"});
+  PutInto(before.parts, Extras({{.key = "rpm", .value = 1.0, .unix_time_ms = {}},
+                                {.key = "temp", .value = 1.0, .unix_time_ms = {}}}));
+  before.last_sign_of_life = FromUnixMs(kNow - 5);
+  before.clock_skew_ms = 9;
+  state_.Restore(before);
+  const StateSnapshot snapshot = All();
+  EXPECT_EQ(snapshot.parts.usage->reboot_count, 2U);
+  EXPECT_EQ(snapshot.parts.status->status, "before");
+  EXPECT_THAT(KeysOf(snapshot.parts.extras.items()), ElementsAre("temp", "rpm"));
+  EXPECT_EQ(snapshot.parts.extras.items().back().second.value, model::Value(2.0));
+  EXPECT_EQ(snapshot.last_sign_of_life, FromUnixMs(kNow - 5));
+  EXPECT_EQ(snapshot.clock_skew_ms, 9);
+  EXPECT_EQ(snapshot.presence, Presence::kUnknown);
+}
+
+TEST_F(RobotStateTest, WhatWasHeardIsNotMadeOlder) {
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  state_.NoteClockSkew(1);
+  LiveBefore before;
+  before.last_sign_of_life = clock_.System() - std::chrono::hours(1);
+  before.clock_skew_ms = 9;
+  state_.Restore(before);
+  EXPECT_EQ(All().last_sign_of_life, clock_.System());
+  EXPECT_EQ(All().clock_skew_ms, 1);
+  EXPECT_EQ(All().presence, Presence::kOnline);
+}
+
+TEST_F(RobotStateTest, ASignOfLifeOfEarlierDaysMakesNobodyOnline) {
+  LiveBefore before;
+  before.last_sign_of_life = clock_.System();
+  state_.Restore(before);
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kUnknown);
+  clock_.Advance(limits_.startup_grace + milliseconds(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
+  EXPECT_FALSE(state_.TakeChanges()) << "what is restored is in the store";
+}
+
 }  // namespace
 }  // namespace uplink::fleet

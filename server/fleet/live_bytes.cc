@@ -1,0 +1,157 @@
+#include "server/fleet/live_bytes.h"
+
+#include <array>
+#include <cstdint>
+#include <ranges>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "schema/encode.h"
+
+namespace uplink::fleet {
+namespace {
+
+using storage::LivePart;
+
+constexpr std::size_t kLengthBytes = 4;
+constexpr unsigned kBitsPerByte = 8;
+
+void Append(std::string& bytes, std::string_view message) {
+  auto length = static_cast<std::uint32_t>(message.size());
+  for (std::size_t i = 0; i < kLengthBytes; ++i) {
+    bytes.push_back(static_cast<char>(length & 0xFFU));
+    length >>= kBitsPerByte;
+  }
+  bytes.append(message);
+}
+
+std::uint32_t LengthAt(std::string_view bytes) {
+  std::uint32_t length = 0;
+  for (std::size_t i = kLengthBytes; i > 0; --i) {
+    length = (length << kBitsPerByte) | static_cast<unsigned char>(bytes[i - 1]);
+  }
+  return length;
+}
+
+/// The messages in order, without the first of them where all are too many bytes.
+std::string Joined(std::vector<std::string> latest_first) {
+  std::size_t kept = 0;
+  std::size_t size = 0;
+  while (kept < latest_first.size()) {
+    size += kLengthBytes + latest_first[kept].size();
+    if (size > kLivePartBytesMax) break;
+    ++kept;
+  }
+  latest_first.resize(kept);
+  std::string bytes;
+  for (const std::string& message : latest_first | std::views::reverse) Append(bytes, message);
+  return bytes;
+}
+
+template <typename Value>
+std::string OneBytes(const std::optional<Value>& value) {
+  if (!value) return {};
+  return Joined({schema::Encode(*value)});
+}
+
+template <typename Items, typename ToBody>
+std::string KeyedBytes(const Items& items, ToBody to_body) {
+  std::vector<std::string> messages;
+  messages.reserve(items.size());
+  std::size_t bytes = 0;
+  for (const auto& [key, value] : items | std::views::reverse) {
+    messages.push_back(schema::Encode(to_body(key, value)));
+    bytes += messages.back().size();
+    if (bytes > kLivePartBytesMax) break;
+  }
+  return Joined(std::move(messages));
+}
+
+model::Body ExtraBody(const std::string& key, const Extra& extra) {
+  model::SensorReading reading;
+  reading.key = key;
+  reading.value = extra.value;
+  model::TelemetryExtras body;
+  body.unix_time_ms = extra.sampled_at_ms;
+  body.kv.push_back(std::move(reading));
+  return body;
+}
+
+std::string PartBytes(LivePart part, const LiveParts& parts) {
+  const auto as_body = [](const std::string& /*key*/, const auto& value) {
+    return model::Body(value);
+  };
+  switch (part) {
+    case LivePart::kMotion:
+      return OneBytes(parts.motion);
+    case LivePart::kStatus:
+      return OneBytes(parts.status);
+    case LivePart::kExtras:
+      return KeyedBytes(parts.extras.items(), ExtraBody);
+    case LivePart::kHealth:
+      return KeyedBytes(parts.health.items(), as_body);
+    case LivePart::kUsage:
+      return OneBytes(parts.usage);
+    case LivePart::kConsumables:
+      return KeyedBytes(parts.consumables.items(), as_body);
+    case LivePart::kDirectives:
+      return KeyedBytes(parts.directives.items(), as_body);
+  }
+  return {};
+}
+
+/// Puts the messages of a part into `read`.
+void TakePart(std::string_view bytes, schema::Judge& judge, LiveRead& read) {
+  while (!bytes.empty()) {
+    if (bytes.size() < kLengthBytes || bytes.size() - kLengthBytes < LengthAt(bytes)) {
+      ++read.left_out;
+      return;
+    }
+    const std::string_view message = bytes.substr(kLengthBytes, LengthAt(bytes));
+    bytes.remove_prefix(kLengthBytes + message.size());
+    schema::Judgement judgement = judge.Payload(std::as_bytes(std::span(message)));
+    auto* record = std::get_if<model::Record>(&judgement.verdict);
+    if (record == nullptr || record->durable()) {
+      ++read.left_out;
+      continue;
+    }
+    PutInto(read.before.parts, std::move(*record).TakeBody());
+  }
+}
+
+}  // namespace
+
+storage::LiveRow ToRow(std::string ruri, const LiveChanges& changes) {
+  storage::LiveRow row;
+  row.ruri = std::move(ruri);
+  row.last_sign_of_life = changes.last_sign_of_life;
+  row.clock_skew_ms = changes.clock_skew_ms;
+  for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
+    if (!changes.changed.test(kind)) continue;
+    row.parts[kind] = PartBytes(static_cast<LivePart>(kind), changes.parts);
+  }
+  return row;
+}
+
+LiveRead FromRow(const storage::LiveRow& row, schema::Judge& judge) {
+  LiveRead read;
+  read.before.last_sign_of_life = row.last_sign_of_life;
+  read.before.clock_skew_ms = row.clock_skew_ms;
+  for (const std::optional<std::string>& part : row.parts) {
+    if (part) TakePart(*part, judge, read);
+  }
+  return read;
+}
+
+schema::JudgeLimits JudgeLimitsOfLive() {
+  schema::JudgeLimits limits;
+  limits.payload_bytes_max = kLivePartBytesMax;
+  limits.message_bytes_max = kLivePartBytesMax;
+  limits.extras_items_max = 1;
+  return limits;
+}
+
+}  // namespace uplink::fleet

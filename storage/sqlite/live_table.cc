@@ -1,0 +1,91 @@
+#include "storage/sqlite/live_table.h"
+
+#include <string>
+#include <utility>
+
+#include "storage/reader.h"
+#include "storage/sqlite/prepare.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+// Only the holder's row of robots lets anything through.
+constexpr std::string_view kUpsert =
+    "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms, motion, status, extras, health, usage,"
+    " consumables, directives)"
+    " SELECT ?1, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11"
+    " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2)"
+    " ON CONFLICT (ruri) DO UPDATE SET"
+    " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
+    " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms),"
+    " motion = coalesce(excluded.motion, motion), status = coalesce(excluded.status, status),"
+    " extras = coalesce(excluded.extras, extras), health = coalesce(excluded.health, health),"
+    " usage = coalesce(excluded.usage, usage),"
+    " consumables = coalesce(excluded.consumables, consumables),"
+    " directives = coalesce(excluded.directives, directives) RETURNING 1";
+constexpr std::string_view kRead =
+    "SELECT ruri, last_sign_ms, clock_skew_ms, motion, status, extras, health, usage, consumables,"
+    " directives FROM live WHERE ruri > ? ORDER BY ruri LIMIT ?";
+
+constexpr int kFirstPartBound = 5;
+constexpr int kFirstPartRead = 3;
+
+void BindNumber(Statement& statement, int index, const std::optional<std::int64_t>& number) {
+  if (number) {
+    statement.Bind(index, *number);
+  } else {
+    statement.Bind(index, Blob{});
+  }
+}
+
+}  // namespace
+
+absl::Status LiveTable::Prepare(Database& database) {
+  Preparer prepare(database);
+  prepare.Into(upsert_, kUpsert);
+  return prepare.status();
+}
+
+absl::StatusOr<bool> LiveTable::Upsert(const LiveRow& row, const ProcessId& process) {
+  upsert_->Bind(1, std::string_view(row.ruri));
+  upsert_->Bind(
+      2, Blob{std::string_view(reinterpret_cast<const char*>(process.data()), process.size())});
+  std::optional<std::int64_t> last_sign_ms;
+  if (row.last_sign_of_life) last_sign_ms = UnixMs(*row.last_sign_of_life);
+  BindNumber(*upsert_, 3, last_sign_ms);
+  BindNumber(*upsert_, 4, row.clock_skew_ms);
+  int index = kFirstPartBound;
+  for (const std::optional<std::string>& part : row.parts) {
+    Blob blob;
+    if (part) blob.bytes = *part;
+    upsert_->Bind(index++, blob);
+  }
+  return upsert_->Select().Next();
+}
+
+absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database, std::string_view after) {
+  auto statement = database.Prepare(kRead);
+  if (!statement.ok()) return statement.status();
+  Rows rows = (*statement)->Select(after, std::int64_t{kLiveRowsMax});
+  std::vector<LiveRow> live;
+  std::size_t bytes = 0;
+  while (bytes < kPageBytesMax) {
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    if (!*found) break;
+    LiveRow row;
+    row.ruri = rows.Bytes(0);
+    if (!rows.Null(1)) row.last_sign_of_life = FromUnixMs(rows.Int(1));
+    if (!rows.Null(2)) row.clock_skew_ms = rows.Int(2);
+    int column = kFirstPartRead;
+    for (std::optional<std::string>& part : row.parts) {
+      if (!rows.Null(column)) part = rows.Bytes(column);
+      ++column;
+    }
+    bytes += rows.TextBytes();
+    live.push_back(std::move(row));
+  }
+  return live;
+}
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "storage/live_row.h"
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/statement.h"
+#include "storage/types.h"
+
+namespace uplink::storage::sqlite {
+
+/// The checkpointed live states, a row a robot.
+///
+/// Errors: those of errors.h. Thread: confined to the thread of its database.
+class LiveTable final {
+ public:
+  [[nodiscard]] absl::Status Prepare(Database& database);
+
+  /// False if `process` does not hold the robot: nothing was written then.
+  [[nodiscard]] absl::StatusOr<bool> Upsert(const LiveRow& row, const ProcessId& process);
+
+ private:
+  std::unique_ptr<Statement> upsert_;
+};
+
+/// Reader::Live.
+[[nodiscard]] absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database,
+                                                            std::string_view after);
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,138 @@
+#include <gmock/gmock.h>
+
+#include "tests/contract/store_contract.h"
+
+/// Checkpoints of live state, alike in every store.
+namespace uplink::testing {
+namespace {
+
+using storage::LivePart;
+using storage::LiveRow;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+std::optional<std::string>& Part(LiveRow& row, LivePart part) {
+  return row.parts[static_cast<std::size_t>(part)];
+}
+
+class LiveContract : public StoreContract {
+ protected:
+  LiveRow Row(const std::string& motion = "m") const {
+    LiveRow row;
+    row.ruri = robot_->ruri;
+    row.last_sign_of_life = Time();
+    Part(row, LivePart::kMotion) = motion;
+    return row;
+  }
+  std::size_t Write(const std::vector<LiveRow>& rows, std::uint8_t process = kProcess) {
+    const auto written = store_->Process(process).Checkpoint(rows);
+    EXPECT_TRUE(written.ok()) << written.status();
+    return written.value_or(0);
+  }
+  std::vector<LiveRow> Read(const std::string& after = "") {
+    auto rows = store_->reader().Live(after);
+    EXPECT_TRUE(rows.ok()) << rows.status();
+    return rows.ok() ? *std::move(rows) : std::vector<LiveRow>{};
+  }
+};
+
+TEST_P(LiveContract, KeepsAllPartsAsTheyCame) {
+  Open();
+  LiveRow row = Row();
+  row.clock_skew_ms = -1'234;
+  for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
+    row.parts[kind] = std::string("\0\xFF'\\", 4) + std::to_string(kind);
+  }
+  EXPECT_EQ(Write({row}), 1U);
+  EXPECT_THAT(Read(), ElementsAre(row));
+}
+
+TEST_P(LiveContract, WhatDidNotChangeStays) {
+  Open();
+  LiveRow row = Row("first");
+  row.clock_skew_ms = 7;
+  Part(row, LivePart::kExtras) = std::string(100'000, 'e');
+  Write({row});
+  LiveRow changed = Row("second");
+  changed.last_sign_of_life = Time(5'000);
+  Part(changed, LivePart::kStatus) = "";
+  Write({changed});
+  changed.clock_skew_ms = 7;
+  Part(changed, LivePart::kExtras) = std::string(100'000, 'e');
+  EXPECT_THAT(Read(), ElementsAre(changed));
+  LiveRow nothing;
+  nothing.ruri = robot_->ruri;
+  EXPECT_EQ(Write({nothing}), 1U);
+  EXPECT_THAT(Read(), ElementsAre(changed));
+}
+
+TEST_P(LiveContract, ARobotWithoutASignOfLifeHasNone) {
+  Open();
+  LiveRow row;
+  row.ruri = robot_->ruri;
+  Write({row});
+  EXPECT_THAT(Read(), ElementsAre(row));
+}
+
+TEST_P(LiveContract, PassesOverRobotsThatAnotherProcessHolds) {
+  const auto robot_b = Robot("b");
+  Open();
+  LiveRow unknown = Row();
+  unknown.ruri = "rcan://robots/unknown";
+  EXPECT_EQ(Write({Row("ours"), unknown}), 1U);
+  Open(Request(), kOther);
+  EXPECT_EQ(Write({Row("late")}), 0U);
+  EXPECT_THAT(Read(), ElementsAre(Row("ours")));
+  EXPECT_EQ(Write({Row("theirs")}, kOther), 1U);
+  EXPECT_THAT(Read(), ElementsAre(Row("theirs")));
+}
+
+TEST_P(LiveContract, AnswersByRuriPageAfterPage) {
+  std::vector<LiveRow> rows;
+  for (int i = 0; i < 1'100; ++i) {
+    LiveRow row = Row(std::to_string(i));
+    row.ruri = Robot(std::to_string(10'000 + i))->ruri;
+    const storage::OpenRequest request{Robot(std::to_string(10'000 + i)), session_, 0, Time(), {}};
+    Open(request);
+    rows.push_back(row);
+  }
+  EXPECT_EQ(Write({rows.rbegin(), rows.rend()}), rows.size());
+  std::vector<LiveRow> read;
+  while (true) {
+    const std::vector<LiveRow> page = Read(read.empty() ? "" : read.back().ruri);
+    EXPECT_LE(page.size(), storage::kLiveRowsMax);
+    if (page.empty()) break;
+    read.insert(read.end(), page.begin(), page.end());
+  }
+  EXPECT_EQ(read, rows);
+}
+
+TEST_P(LiveContract, APageEndsWhereItsBytesAreMany) {
+  std::vector<LiveRow> rows;
+  for (const char* name : {"a", "b", "c"}) {
+    const storage::OpenRequest request{Robot(name), session_, 0, Time(), {}};
+    Open(request);
+    LiveRow row = Row();
+    row.ruri = Robot(name)->ruri;
+    Part(row, LivePart::kDirectives) = std::string(storage::kPageBytesMax / 2 + 1, 'd');
+    rows.push_back(std::move(row));
+  }
+  for (const LiveRow& row : rows) Write({row});
+  EXPECT_THAT(Read(), SizeIs(2));
+  EXPECT_THAT(Read(rows[1].ruri), SizeIs(1));
+  EXPECT_THAT(Read(rows[2].ruri), IsEmpty());
+}
+
+TEST_P(LiveContract, HoldsAfterAReopening) {
+  Open();
+  Write({Row()});
+  store_->Reopen();
+  EXPECT_THAT(Read(), ElementsAre(Row()));
+  EXPECT_EQ(Write({}), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, LiveContract, EveryStore(), NameOfKind);
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,177 @@
+#include <deque>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/server/journal/journal_bench.h"
+
+/// Live states are written by turns with what waits.
+namespace uplink::journal {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::FailAt;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr std::chrono::seconds kEvery{5};
+
+/// Gives the rows that a test names, a call each; a round ends where none is left.
+class ListedRows final : public LiveSource {
+ public:
+  std::vector<storage::LiveRow> TakeChanged() override {
+    if (rows.empty()) {
+      ++rounds;
+      return {};
+    }
+    std::vector<storage::LiveRow> first = {rows.front()};
+    rows.pop_front();
+    return first;
+  }
+  void PutBack(std::span<const storage::LiveRow> given) override {
+    put_back.insert(put_back.end(), given.begin(), given.end());
+  }
+  void Add(const std::string& ruri) { rows.emplace_back().ruri = ruri; }
+
+  std::deque<storage::LiveRow> rows;
+  std::vector<storage::LiveRow> put_back;
+  int rounds = 0;
+};
+
+class JournalCheckpoint : public ::testing::Test, protected JournalBench {
+ protected:
+  JournalCheckpoint() {
+    journal.CheckpointFrom(live_, kEvery);
+    Open(client_);
+    Run();
+  }
+  using JournalBench::Run;
+
+  std::vector<storage::LiveRow> Written() { return *store.Live(""); }
+
+  RecordingClient client_{"rcan://a"};
+  ListedRows live_;
+};
+
+TEST_F(JournalCheckpoint, WritesARoundWhenItIsDue) {
+  live_.Add("rcan://a");
+  clock.Advance(kEvery - milliseconds(1));
+  Run();
+  EXPECT_THAT(Written(), IsEmpty());
+  clock.Advance(milliseconds(1));
+  Run();
+  EXPECT_THAT(Written(), SizeIs(1));
+  EXPECT_EQ(live_.rounds, 1);
+  EXPECT_EQ(probe.checkpoint_robots.value(), 1);
+  Run();
+  EXPECT_EQ(live_.rounds, 1) << "the next is due later";
+  clock.Advance(kEvery);
+  Run();
+  EXPECT_EQ(live_.rounds, 2);
+}
+
+TEST_F(JournalCheckpoint, CountsWhatWasWrittenAlone) {
+  live_.Add("rcan://another process holds it");
+  clock.Advance(kEvery);
+  Run();
+  EXPECT_EQ(probe.checkpoint_robots.value(), 0);
+  EXPECT_THAT(live_.put_back, IsEmpty());
+}
+
+TEST_F(JournalCheckpoint, WhatWaitsGoesBetweenTwoCalls) {
+  for (int i = 0; i < 3; ++i) live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  Append(client_, 1);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(store.checkpoints(), 1U);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_THAT(Stored(client_), ElementsAre(1U));
+  EXPECT_EQ(store.checkpoints(), 1U);
+  Run();
+  EXPECT_EQ(store.checkpoints(), 3U);
+}
+
+TEST_F(JournalCheckpoint, WhileTheStoreIsAwayTheRowsGoBack) {
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  store.FailNextCheckpoints(1, FailAt::kBefore);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_THAT(live_.put_back, SizeIs(1));
+  EXPECT_EQ(probe.store_failing.value(), 1);
+  EXPECT_EQ(probe.checkpoint_failing.value(), 0);
+  Append(client_, 1);
+  Run();
+  EXPECT_THAT(Stored(client_), ElementsAre(1U)) << "no commit waits for it";
+  EXPECT_EQ(store.checkpoints(), 1U);
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  Run();
+  EXPECT_THAT(Written(), SizeIs(1));
+}
+
+TEST_F(JournalCheckpoint, ATroubleOfItsOwnIsNotTheStores) {
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  store.FailNextCheckpoints(1, FailAt::kBefore, absl::InternalError("no such table"));
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_THAT(live_.put_back, SizeIs(1));
+  EXPECT_EQ(probe.store_failing.value(), 0);
+  EXPECT_EQ(probe.checkpoint_failing.value(), 1);
+  EXPECT_FALSE(journal.checkpoint_error().ok());
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  Run();
+  EXPECT_EQ(probe.checkpoint_failing.value(), 0);
+  EXPECT_TRUE(journal.checkpoint_error().ok());
+}
+
+TEST_F(JournalCheckpoint, OneThatWasAskedForKeepsTheJournalBusyUntilItsEnd) {
+  EXPECT_TRUE(journal.idle());
+  live_.Add("rcan://a");
+  journal.RequestCheckpoint();
+  EXPECT_FALSE(journal.idle());
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_FALSE(journal.idle()) << "there may be more";
+  Run();
+  EXPECT_TRUE(journal.idle());
+  EXPECT_THAT(Written(), SizeIs(1));
+}
+
+TEST_F(JournalCheckpoint, OneThatWasAskedForDuringARoundBeginsAfterIt) {
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  journal.RequestCheckpoint();
+  Run();
+  EXPECT_EQ(live_.rounds, 2);
+  EXPECT_TRUE(journal.idle());
+}
+
+TEST_F(JournalCheckpoint, OneThatWasAskedForIsTriedUntilTheStoreIsThere) {
+  live_.Add("rcan://a");
+  journal.RequestCheckpoint();
+  store.FailNextCheckpoints(1, FailAt::kBefore);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_FALSE(journal.idle());
+  live_.Add("rcan://a");
+  Run();
+  EXPECT_TRUE(journal.idle());
+  EXPECT_THAT(Written(), SizeIs(1));
+}
+
+TEST_F(JournalCheckpoint, OneThatWasAskedForIsGivenUpWhereTheStoreRefusesIt) {
+  live_.Add("rcan://a");
+  journal.RequestCheckpoint();
+  store.FailNextCheckpoints(1, FailAt::kBefore, absl::InternalError("no such table"));
+  Run();
+  EXPECT_TRUE(journal.idle());
+}
+
+TEST(JournalWithoutCheckpoints, IsIdleWhenOneIsAskedFor) {
+  JournalBench bench;
+  bench.journal.RequestCheckpoint();
+  EXPECT_TRUE(bench.journal.idle());
+}
+
+}  // namespace
+}  // namespace uplink::journal
