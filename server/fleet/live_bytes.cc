@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <ranges>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -47,7 +46,9 @@ std::string Joined(std::vector<std::string> latest_first) {
   }
   latest_first.resize(kept);
   std::string bytes;
-  for (const std::string& message : latest_first | std::views::reverse) Append(bytes, message);
+  for (auto message = latest_first.rbegin(); message != latest_first.rend(); ++message) {
+    Append(bytes, *message);
+  }
   return bytes;
 }
 
@@ -62,8 +63,8 @@ std::string KeyedBytes(const Items& items, ToBody to_body) {
   std::vector<std::string> messages;
   messages.reserve(items.size());
   std::size_t bytes = 0;
-  for (const auto& [key, value] : items | std::views::reverse) {
-    messages.push_back(schema::Encode(to_body(key, value)));
+  for (auto item = items.rbegin(); item != items.rend(); ++item) {
+    messages.push_back(schema::Encode(to_body(item->first, item->second)));
     bytes += messages.back().size();
     if (bytes > kLivePartBytesMax) break;
   }

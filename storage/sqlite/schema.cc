@@ -12,6 +12,19 @@ namespace {
 /// Pages that the writer's cache may hold, in KiB: the inner pages of a large store's indexes.
 constexpr int kCacheKib = 16 * 1024;
 
+/// What `synchronous` is set to, and how it is shown. FULL: with less, a WAL may lose the last
+/// commits at a loss of power. The crash campaign builds a program with less, to see that it finds
+/// the loss.
+struct Synchronous {
+  const char* value;
+  const char* shown;
+};
+#ifdef UPLINK_SYNCHRONOUS_OFF
+constexpr Synchronous kSynchronous = {"OFF", "0"};
+#else
+constexpr Synchronous kSynchronous = {"FULL", "2"};
+#endif
+
 absl::Status Precondition(const Database& database, const std::string& text) {
   return absl::FailedPreconditionError("store " + database.path() + " " + text);
 }
@@ -90,8 +103,7 @@ absl::Status CheckFile(Database& database, std::span<const Migration> migrations
 
 absl::Status ConfigureWriter(Database& database) {
   absl::Status set = Pragma(database, "journal_mode", "WAL", "wal");
-  // FULL: with less, a WAL may lose the last commits at a loss of power.
-  if (set.ok()) set = Pragma(database, "synchronous", "FULL", "2");
+  if (set.ok()) set = Pragma(database, "synchronous", kSynchronous.value, kSynchronous.shown);
   if (set.ok()) set = Pragma(database, "temp_store", "MEMORY", "2");
   if (set.ok()) {
     const std::string cache = std::to_string(-kCacheKib);

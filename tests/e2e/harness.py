@@ -68,6 +68,7 @@ class Server:
         self.pki = self.folder / "pki"
         self.relay = self.http = "127.0.0.1:0"
         self.settings = settings
+        self.program = BIN / "uplinkd"
         self.starts = 0
         self.process = None
         if not self.pki.exists():
@@ -98,7 +99,7 @@ url = "{self.store_url}"
         self.log = self.folder / f"uplinkd-{self.starts}.log"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
-                [str(BIN / "uplinkd"), "--config", str(self.configuration())],
+                [str(self.program), "--config", str(self.configuration())],
                 stdout=log, stderr=subprocess.STDOUT,
             )  # fmt: skip
         try:
@@ -120,6 +121,11 @@ url = "{self.store_url}"
                 return json.load(answer)
         except (urllib.error.URLError, ConnectionError, TimeoutError):
             return None
+
+    def metric(self, name):
+        """The value of a metric without labels."""
+        with urllib.request.urlopen(f"http://{self.http}/metrics", timeout=10) as page:
+            return float(re.search(rf"^{name} (.*)$", page.read().decode(), re.MULTILINE).group(1))
 
     def wait_for_status(self, condition, seconds, what):
         """Waits until the status meets the condition; 64-bit numbers come as texts in JSON."""

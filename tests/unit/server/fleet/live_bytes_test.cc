@@ -120,6 +120,7 @@ TEST_F(LiveBytesTest, OnlyWhatChangedIsInTheRow) {
 
 TEST_F(LiveBytesTest, OfMoreThanFitsTheLatestKeysAreKept) {
   std::vector<model::Body> bodies;
+  bodies.reserve(100);
   const std::string long_text(4'000, 't');
   for (int i = 0; i < 100; ++i) {
     bodies.emplace_back(model::TelemetryExtras{

@@ -1,0 +1,319 @@
+"""The crash campaign: kills everything at random moments, and compares what the robots were told is
+durable with what is stored.
+
+    chaos.py [--kills N] [--store sqlite|postgres] [--seed S] [--canary acks_early|unsynced]
+
+A robot's messages follow from their numbers (tests/chaos/script.h), so a comparison knows every row
+that must be there. It prints `kills, acked, stored, lost, doubled` and ends with 1 if anything was
+lost, doubled, or is not what its number says. With a canary, a server that is wrong on purpose, it
+ends with 0 only if it reports loss.
+"""
+
+import argparse
+import pathlib
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+
+from harness import BIN, Cluster, Server, wait_until
+
+ROBOTS = 20
+STEPS = 8
+LIVE_STEP = 6
+RAISE_STEP = 2
+# Between two frames of a robot. A canary's robots have always something on its way.
+PACE_MS = 50
+CANARY_PACE_MS = 2
+RECOVERY_SECONDS = 60
+PROGRESS_EVERY = 50
+CANARIES = {"acks_early": "uplinkd_acks_early", "unsynced": "uplinkd_unsynced"}
+
+# One statement, so one snapshot: a row a robot. {acked}: (ruri, t) of each robot.
+COMPARISON = """
+WITH acked (ruri, t) AS (VALUES {acked}),
+said AS (
+  SELECT ruri, seq, seq % 8 = 0 AS good FROM events
+  UNION ALL SELECT ruri, seq, seq % 8 IN (1, 7) AND message = CAST(seq AS TEXT) FROM messages
+  UNION ALL SELECT ruri, seq, description = CAST(seq AS TEXT)
+    AND seq % 8 = 3 - CAST(active AS INTEGER) FROM faults_history
+  UNION ALL SELECT ruri, seq, seq % 8 = 4 AND report LIKE '%"' || seq || '"%' FROM mission_reports
+  UNION ALL SELECT ruri, seq, seq % 8 = 5 AND reason = 5 FROM quarantine
+),
+sums AS (
+  SELECT said.ruri, count(*) AS n, count(DISTINCT seq) AS numbers,
+    count(DISTINCT seq) FILTER (WHERE seq <= t AND good) AS kept,
+    count(*) FILTER (WHERE NOT good) AS wrong, max(seq) AS top,
+    count(*) FILTER (WHERE seq % 8 = 4) AS reports
+  FROM said JOIN acked ON acked.ruri = said.ruri GROUP BY said.ruri
+)
+SELECT acked.ruri, acked.t, coalesce({cursor}, 0), coalesce(n, 0), coalesce(numbers, 0),
+  coalesce(kept, 0), coalesce(wrong, 0), coalesce(top, 0), coalesce(reports, 0),
+  (SELECT count(*) FROM faults_active AS f WHERE f.ruri = acked.ruri),
+  coalesce((SELECT sum(updates) FROM mission_runs AS m WHERE m.ruri = acked.ruri), 0)
+FROM acked LEFT JOIN sessions AS s ON s.ruri = acked.ruri LEFT JOIN sums ON sums.ruri = acked.ruri
+ORDER BY acked.ruri
+"""
+
+
+def durable(through):
+    """How many of the numbers 1 to `through` leave a row."""
+    return through - (through + STEPS - LIVE_STEP) // STEPS
+
+
+class Sqlite:
+    def __init__(self, folder, _settings=""):
+        self.path = folder / "uplinkd.db"
+        self.url = f"sqlite://{self.path}"
+
+    def rows(self, acked):
+        connection = sqlite3.connect(self.path, timeout=30)
+        try:
+            if not connection.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]:
+                # All of it was lost.
+                return connection.execute(f"SELECT column1, column2{', 0' * 9} FROM (VALUES {acked})").fetchall()
+            return connection.execute(COMPARISON.format(acked=acked, cursor="cursor")).fetchall()
+        finally:
+            connection.close()
+
+    kills = {"server": 3, "robots": 1}
+
+    def close(self):
+        pass
+
+
+class Postgres:
+    def __init__(self, folder):
+        self.cluster = Cluster(folder).create().migrate()
+        self.url = self.cluster.url("uplinkd")
+
+    def sql(self, text, database="uplinkd"):
+        """Again until the cluster, which may just have been killed, serves it."""
+        deadline = time.monotonic() + RECOVERY_SECONDS
+        while True:
+            try:
+                return self.cluster.sql(text, database)
+            except AssertionError:
+                if time.monotonic() > deadline:
+                    raise
+
+    def rows(self, acked):
+        text = self.sql(
+            "SET search_path = uplinkd;" + COMPARISON.format(acked=acked, cursor="cursor_seq")
+        )
+        return [
+            [part if i == 0 else int(part) for i, part in enumerate(line.split("|"))]
+            for line in text.splitlines()
+        ]
+
+    kills = {"server": 8, "backend": 3, "backend crash": 2, "cluster": 4, "robots": 3}
+
+    def kill_backend(self, crash):
+        """Ends the session that works just now: as an administrator does, or by SIGKILL, after which
+        PostgreSQL ends all of them."""
+        how = "pg_terminate_backend(pid)" if not crash else "pid"
+        found = self.sql(
+            f"SELECT {how} FROM pg_stat_activity WHERE application_name = 'uplinkd'"
+            " ORDER BY state = 'idle', random() LIMIT 1", "postgres")  # fmt: skip
+        if crash and found:
+            subprocess.run(["kill", "-KILL", found], check=False, capture_output=True)
+
+    def close(self):
+        self.cluster.close()
+
+
+class Robots:
+    def __init__(self, folder, seed, pace_ms):
+        self.folder = folder
+        self.seed = seed
+        self.pace_ms = pace_ms
+        self.acked_path = folder / "acked.log"
+        self.acked_path.touch()
+        self.process = None
+        self.offset = 0
+        self.through = dict.fromkeys(range(ROBOTS), 0)
+
+    def start(self, port):
+        with (self.folder / "robots.log").open("ab") as log:
+            self.process = subprocess.Popen(
+                [str(BIN / "uplink_chaos_robots"), "--port", str(port), "--pki",
+                 str(self.folder / "pki"), "--acked", str(self.acked_path), "--robots", str(ROBOTS),
+                 "--seed", str(self.seed), "--pace-ms", str(self.pace_ms)],
+                stdout=log, stderr=subprocess.STDOUT,
+            )  # fmt: skip
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait(30)
+
+    def acked(self):
+        """The highest number that each robot was told is durable."""
+        with self.acked_path.open("rb") as lines:
+            lines.seek(self.offset)
+            text = lines.read()
+        whole = text[: text.rfind(b"\n") + 1]
+        self.offset += len(whole)
+        for line in whole.splitlines():
+            robot, through = map(int, line.split())
+            self.through[robot] = through
+        return self.through
+
+    def count(self):
+        return sum(self.acked().values())
+
+
+class Campaign:
+    def __init__(self, folder, store, seed, canary=None):
+        self.random = random.Random(seed)
+        self.folder = folder
+        self.canary = canary
+        self.server = Server(folder)
+        self.store = Postgres(folder) if store == "postgres" else Sqlite(folder)
+        self.server.store_url = self.store.url
+        self.robots = Robots(folder, seed, CANARY_PACE_MS if canary else PACE_MS)
+        self.done = 0
+        self.lost = self.doubled = 0
+        self.wrong = []
+        self.acked = self.stored = 0
+
+    def start_server(self):
+        """In SQLite's rounds by turns the program itself, and the one that loses what is not synced."""
+        programs = ["uplinkd"]
+        if self.canary:
+            programs = [CANARIES[self.canary]]
+        elif isinstance(self.store, Sqlite):
+            programs = ["uplinkd", "uplinkd_held"]
+        self.server.program = BIN / programs[self.server.starts % len(programs)]
+        self.server.start()
+
+    def start(self):
+        self.start_server()
+        self.robots.start(self.server.relay.rsplit(":", 1)[1])
+
+    def wait_for_more(self, messages):
+        """Until so many more were acked: the fleet and the server do their work."""
+        before = self.robots.count()
+        wait_until(
+            self.robots.process,
+            lambda: self.robots.count() >= before + messages,
+            RECOVERY_SECONDS,
+            f"acks of {messages} messages more ({self.server.text()[-500:]})",
+        )
+
+    def compare(self):
+        """The acked set, the stored set and the cursors; what was acked is asked first."""
+        acked = dict(self.robots.acked())
+        listed = ", ".join(f"('rcan://chaos/robot-{robot:03}', {t})" for robot, t in acked.items())
+        self.acked = sum(map(durable, acked.values()))
+        self.stored = lost = doubled = 0
+        for ruri, t, cursor, n, numbers, kept, wrong, top, reports, active, updates in self.store.rows(listed):
+            self.stored += n
+            lost += durable(t) - kept
+            doubled += n - numbers
+            raised = int(cursor % STEPS == RAISE_STEP)
+            for what, there, due in (
+                ("rows that are not what their numbers say", wrong, 0),
+                ("numbers up to the cursor", numbers, durable(cursor)),
+                ("highest number", top, cursor),
+                ("active faults", active, raised),
+                ("updates of the run", updates, reports),
+            ):
+                if there != due:
+                    self.wrong.append(f"{ruri}: {what}: {there}, not {due} (acked {t}, cursor {cursor})")
+        self.lost = max(self.lost, lost)
+        self.doubled = max(self.doubled, doubled)
+
+    def kill(self):
+        kinds = self.store.kills
+        kind = self.random.choices(list(kinds), list(kinds.values()))[0]
+        if self.canary:
+            kind = "server"
+        # Any moment of the milliseconds to come.
+        try:
+            self.robots.process.wait(self.random.random() * 0.02)
+        except subprocess.TimeoutExpired:
+            pass
+        if kind == "server":
+            self.server.kill()
+            if self.canary:
+                self.compare()
+            self.start_server()
+        elif kind == "robots":
+            self.robots.kill()
+            self.robots.start(self.server.relay.rsplit(":", 1)[1])
+        elif kind == "cluster":
+            self.store.cluster.crash()
+        else:
+            self.store.kill_backend(kind == "backend crash")
+        self.done += 1
+
+    def round(self):
+        self.wait_for_more(self.random.randrange(1, 500))
+        self.kill()
+        if self.canary:
+            return
+        self.wait_for_more(ROBOTS)
+        self.compare()
+
+    def clean(self):
+        return self.lost == 0 and self.doubled == 0 and not self.wrong
+
+    def line(self):
+        return (f"kills {self.done}, acked {self.acked}, stored {self.stored}, lost {self.lost},"
+                f" doubled {self.doubled}")  # fmt: skip
+
+    def run(self, kills, progress=None):
+        """To the end, or to the first thing that is wrong."""
+        self.start()
+        while self.done < kills and self.clean():
+            self.round()
+            if progress and self.done % PROGRESS_EVERY == 0:
+                print(self.line(), file=progress, flush=True)
+        if self.clean() and not self.canary:
+            self.robots.kill()
+            self.server.terminate(60)
+            self.compare()
+        return self.clean()
+
+    def close(self):
+        for process in (self.robots.process, self.server.process):
+            if process is not None and process.poll() is None:
+                process.kill()
+                process.wait(30)
+        self.store.close()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kills", type=int, default=25)
+    parser.add_argument("--store", choices=("sqlite", "postgres"), default="sqlite")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--canary", choices=sorted(CANARIES))
+    arguments = parser.parse_args()
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="uplink-chaos."))
+    began = time.monotonic()
+    campaign = Campaign(folder, arguments.store, arguments.seed, arguments.canary)
+    try:
+        clean = campaign.run(arguments.kills, sys.stderr)
+    finally:
+        campaign.close()
+    print(campaign.line())
+    print(f"{arguments.store}, seed {arguments.seed}, {time.monotonic() - began:.0f} s", file=sys.stderr)
+    for line in campaign.wrong[:20]:
+        print(line)
+    if arguments.canary:
+        print("the canary was found" if campaign.lost else "the canary was NOT found")
+        clean = campaign.lost > 0
+    if clean:
+        shutil.rmtree(folder)
+    else:
+        print(f"kept: {folder}", file=sys.stderr)
+    return 0 if clean else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
