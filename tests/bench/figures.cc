@@ -17,6 +17,11 @@ std::string CpuModel() {
   return "unknown";
 }
 
+/// Small figures with more places.
+std::string Number(double value) {
+  return value < 100 ? fmt::format("{:.2f}", value) : fmt::format("{:.0f}", value);
+}
+
 }  // namespace
 
 std::string TableOf(const std::vector<Row>& rows) {
@@ -24,9 +29,14 @@ std::string TableOf(const std::vector<Row>& rows) {
       fmt::format("{:<28} {:>12} {:>7}  {:<22} {:>12} {:>7}  {:>6}  {}\n", "figure", "value",
                   "spread", "comparator", "value", "spread", "ratio", "unit");
   for (const Row& row : rows) {
-    text += fmt::format("{:<28} {:>12.1f} {:>6.0f}%  {:<22} {:>12.1f} {:>6.0f}%  {:>6.2f}  {}\n",
-                        row.scenario, row.value.median(), row.value.spread() * 100, row.comparator,
-                        row.comparator_value.median(), row.comparator_value.spread() * 100,
+    text += fmt::format("{:<28} {:>12} {:>6.0f}%  ", row.scenario, Number(row.value.median()),
+                        row.value.spread() * 100);
+    if (row.comparator.empty()) {
+      text += fmt::format("{:52}  {}\n", "", row.unit);
+      continue;
+    }
+    text += fmt::format("{:<22} {:>12} {:>6.0f}%  {:>6.2f}  {}\n", row.comparator,
+                        Number(row.comparator_value.median()), row.comparator_value.spread() * 100,
                         row.ratio(), row.unit);
   }
   return text;

@@ -20,6 +20,7 @@
 #include "tests/bench/bare_postgres.h"
 #include "tests/bench/bare_sqlite.h"
 #include "tests/bench/figures.h"
+#include "tests/bench/relay_bench.h"
 #include "tests/bench/store_load.h"
 
 namespace uplink::bench {
@@ -143,6 +144,48 @@ class StoreBench final {
   const SystemClock clock_{};
 };
 
+/// From robots to COMMIT to Ack, beside the bare loops.
+void AddRelayRows(const Arguments& arguments, std::vector<Row>& rows) {
+  const Times times{arguments.rounds, arguments.seconds};
+  const LoadShape frames;
+  std::vector<BarePostgres> bare;
+  for (std::size_t i = 0; i < arguments.writers; ++i) bare.emplace_back(arguments.url, frames, i);
+  const auto bare_postgres = [&](int seconds) {
+    std::vector<Committer> loops;
+    loops.reserve(bare.size());
+    for (BarePostgres& loop : bare) loops.emplace_back([&loop] { return loop.CommitOne(); });
+    return Measure(std::move(loops), seconds);
+  };
+  LoadShape single;
+  single.batch_records = 1;
+  single.per_robot = 1;
+  {
+    RelayBench relay({"UPLINKD_STORE_URL=" + arguments.url});
+    BarePostgres one_by_one(arguments.url, single, arguments.writers);
+    for (Row& row : relay.MeasureAckRows(
+             "relay_postgres_one_fault", "bare libpq commit", [&] { one_by_one.CommitOne(); },
+             times)) {
+      rows.push_back(std::move(row));
+    }
+    for (const std::size_t frame : {std::size_t{64}, std::size_t{1}}) {
+      auto measured = relay.MeasureDurable("relay_postgres_" + std::to_string(frame) + "_a_frame",
+                                           frame, "bare libpq loop", bare_postgres, times);
+      rows.push_back(std::move(measured.rate));
+      rows.push_back(std::move(measured.cpu));
+    }
+  }
+  RelayBench relay({});
+  BareSqlite bare_sqlite(arguments.folder + "/bare_relay.db", frames);
+  auto measured = relay.MeasureDurable(
+      "relay_sqlite_64_a_frame", 64, "bare SQLite loop",
+      [&](int seconds) {
+        return Measure({[&bare_sqlite] { return bare_sqlite.CommitOne(); }}, seconds);
+      },
+      times);
+  rows.push_back(std::move(measured.rate));
+  rows.push_back(std::move(measured.cpu));
+}
+
 int Run(int argc, char** argv) {
   Arguments arguments;
   CLI::App app("Benchmarks of the stores", "uplink_bench_store");
@@ -158,10 +201,14 @@ int Run(int argc, char** argv) {
   const LoadShape frames;
   LoadShape singles;
   singles.per_robot = 1;
-  const std::vector<Row> rows = {bench.Postgres("postgres_64_a_robot", frames),
-                                 bench.Postgres("postgres_1_a_robot", singles),
-                                 bench.Sqlite("sqlite_64_a_robot", frames)};
-  fmt::print("{}", TableOf(rows));
+  std::vector<Row> rows = {bench.Postgres("postgres_64_a_robot", frames),
+                           bench.Postgres("postgres_1_a_robot", singles),
+                           bench.Sqlite("sqlite_64_a_robot", frames)};
+  AddRelayRows(arguments, rows);
+  fmt::print(
+      "store: calls of the store alone. relay: robots, TLS, the server, COMMIT, Ack, on the "
+      "same {} cores; no rate is limited\n{}",
+      std::thread::hardware_concurrency(), TableOf(rows));
   if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
   return 0;
 }

@@ -32,6 +32,7 @@ class ServerProcess final {
   /// The exit code; 128 plus the signal's number if one ended it; nothing after `deadline`.
   [[nodiscard]] std::optional<int> WaitForExit(milliseconds deadline = std::chrono::seconds(30));
   [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] pid_t pid() const { return pid_; }
 
  private:
   bool ReadMore(milliseconds wait);
@@ -41,6 +42,14 @@ class ServerProcess final {
   std::string text_;
   std::optional<int> exit_code_;
 };
+
+/// Where an uplinkd listens.
+struct Ports {
+  std::uint16_t relay = 0;
+  std::uint16_t http = 0;
+};
+/// Reads an uplinkd's log until it names both; nothing if it ended first.
+[[nodiscard]] std::optional<Ports> WaitForPorts(ServerProcess& process);
 
 /// The port after `key=host:` in a log line: `listening relay=[::]:7443`.
 [[nodiscard]] std::optional<std::uint16_t> PortIn(std::string_view text, std::string_view key);

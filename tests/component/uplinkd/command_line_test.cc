@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "metrics/catalogue.h"
-#include "tests/component/uplinkd/folder.h"
+#include "tests/support/uplinkd_folder.h"
 
 namespace uplink::testing {
 namespace {

@@ -8,12 +8,12 @@
 #include <signal.h>
 
 #include "schema/encode.h"
-#include "tests/component/uplinkd/folder.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/postgres_database.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/test_agent.h"
+#include "tests/support/uplinkd_folder.h"
 
 /// The real program on a real PostgreSQL server, through a proxy that makes trouble.
 namespace uplink::testing {
@@ -54,13 +54,10 @@ class PostgresServing : public ::testing::Test {
     std::vector<std::string> environment = Environment();
     environment.insert(environment.end(), more.begin(), more.end());
     process_ = folder_.Start({}, environment);
-    ASSERT_TRUE(process_->WaitFor("listening ") &&
-                process_->WaitFor("version=", std::chrono::seconds(10)))
-        << process_->text();
-    const std::string line = process_->text().substr(process_->text().find("listening "));
-    http_ = PortIn(line, "http").value_or(0);
-    relay_ = PortIn(line, "relay").value_or(0);
-    ASSERT_NE(relay_, 0);
+    const auto ports = WaitForPorts(*process_);
+    ASSERT_TRUE(ports) << process_->text();
+    http_ = ports->http;
+    relay_ = ports->relay;
   }
   std::unique_ptr<TestAgent> Agent() const {
     return std::make_unique<TestAgent>(

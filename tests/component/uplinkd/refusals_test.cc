@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "tests/component/uplinkd/folder.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/test_agent.h"
+#include "tests/support/uplinkd_folder.h"
 
 // What the real program says of streams that it refuses, in its log and in its metrics, and of a
 // certificate that does not fit its key.
@@ -25,13 +25,10 @@ class Refusals : public ::testing::Test {
   void Serve(const std::string& settings = "") {
     folder_.WriteConfig(settings);
     process_ = folder_.Start();
-    ASSERT_TRUE(process_->WaitFor("listening ") &&
-                process_->WaitFor("version=", std::chrono::seconds(10)))
-        << process_->text();
-    const std::string line = process_->text().substr(process_->text().find("listening "));
-    http_ = PortIn(line, "http").value_or(0);
-    relay_ = PortIn(line, "relay").value_or(0);
-    ASSERT_NE(relay_, 0);
+    const auto ports = WaitForPorts(*process_);
+    ASSERT_TRUE(ports) << process_->text();
+    http_ = ports->http;
+    relay_ = ports->relay;
   }
 
   std::shared_ptr<grpc::Channel> Channel(const CertificateSpec& spec) const {

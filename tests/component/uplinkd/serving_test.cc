@@ -11,8 +11,8 @@
 #include "server/http/event_loop.h"
 #include "server/http/handshake_probe.h"
 #include "storage/sqlite/store.h"
-#include "tests/component/uplinkd/folder.h"
 #include "tests/support/raw_http.h"
+#include "tests/support/uplinkd_folder.h"
 
 namespace uplink::testing {
 namespace {
@@ -28,13 +28,10 @@ class ServingTest : public ::testing::Test {
  protected:
   void Serve(const std::vector<std::string>& environment = {}) {
     process_ = folder_.Start({}, environment);
-    ASSERT_TRUE(process_->WaitFor("listening ") && process_->WaitFor("version=", seconds(10)))
-        << process_->text();
-    const std::string line = process_->text().substr(process_->text().find("listening "));
-    http_ = PortIn(line, "http").value_or(0);
-    relay_ = PortIn(line, "relay").value_or(0);
-    ASSERT_NE(http_, 0);
-    ASSERT_NE(relay_, 0);
+    const auto ports = WaitForPorts(*process_);
+    ASSERT_TRUE(ports) << process_->text();
+    http_ = ports->http;
+    relay_ = ports->relay;
   }
 
   using seconds = std::chrono::seconds;

@@ -12,12 +12,12 @@
 #include "schema/base/check.h"
 #include "schema/encode.h"
 #include "schema/judge.h"
-#include "tests/component/uplinkd/folder.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/records.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/test_agent.h"
+#include "tests/support/uplinkd_folder.h"
 #include "tests/support/vector_files.h"
 #include "tests/support/vector_views.h"
 
@@ -40,14 +40,10 @@ class VectorsOverTheWire : public ::testing::Test {
   }
   static void Start() {
     server_->process = server_->folder.Start({}, {"UPLINKD_STORE_CHECKPOINT=1s"});
-    auto& process = *server_->process;
-    ASSERT_TRUE(process.WaitFor("listening ") &&
-                process.WaitFor("version=", std::chrono::seconds(10)))
-        << process.text();
-    const std::string line = process.text().substr(process.text().find("listening "));
-    server_->http = PortIn(line, "http").value_or(0);
-    server_->relay = PortIn(line, "relay").value_or(0);
-    ASSERT_NE(server_->relay, 0);
+    const auto ports = WaitForPorts(*server_->process);
+    ASSERT_TRUE(ports) << server_->process->text();
+    server_->http = ports->http;
+    server_->relay = ports->relay;
   }
   static void TearDownTestSuite() { server_.reset(); }
 

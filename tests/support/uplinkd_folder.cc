@@ -1,16 +1,14 @@
-#include "tests/component/uplinkd/folder.h"
+#include "tests/support/uplinkd_folder.h"
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
-#include <gtest/gtest.h>
-
 #include "schema/base/check.h"
 
 namespace uplink::testing {
 
-UplinkdFolder::UplinkdFolder() : path_(::testing::TempDir() + "uplinkd_XXXXXX") {
+UplinkdFolder::UplinkdFolder() : path_(std::filesystem::temp_directory_path() / "uplinkd_XXXXXX") {
   UPLINK_CHECK(mkdtemp(path_.data()) != nullptr, "a test can make a folder");
   const KeyPair server = authority_.Issue(ServerSpec());
   Write("server.crt", server.certificate);
