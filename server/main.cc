@@ -94,6 +94,8 @@ int Serve(const Flags& flags) {
   relay::SilenceProtobuf();
   // A peer or a log reader that went away is an error of a write, not the end of the process.
   std::signal(SIGPIPE, SIG_IGN);
+  // A limit on the size of files is an error of the write, as a full disk is.
+  std::signal(SIGXFSZ, SIG_IGN);
   const std::size_t descriptors = health::RaiseDescriptorsMax();
 
   const SystemClock clock;

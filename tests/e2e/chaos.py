@@ -66,21 +66,24 @@ def durable(through):
 
 
 class Sqlite:
-    def __init__(self, folder, _settings=""):
+    kills = {"server": 3, "robots": 1}
+
+    def __init__(self, folder):
         self.path = folder / "uplinkd.db"
         self.url = f"sqlite://{self.path}"
 
-    def rows(self, acked):
+    def read(self, sql):
         connection = sqlite3.connect(self.path, timeout=30)
         try:
-            if not connection.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]:
-                # All of it was lost.
-                return connection.execute(f"SELECT column1, column2{', 0' * 9} FROM (VALUES {acked})").fetchall()
-            return connection.execute(COMPARISON.format(acked=acked, cursor="cursor")).fetchall()
+            return connection.execute(sql).fetchall()
         finally:
             connection.close()
 
-    kills = {"server": 3, "robots": 1}
+    def rows(self, acked):
+        if self.read("SELECT count(*) FROM sqlite_schema")[0][0]:
+            return self.read(COMPARISON.format(acked=acked, cursor="cursor"))
+        # All of it was lost.
+        return self.read(f"SELECT column1, column2{', 0' * 9} FROM (VALUES {acked})")
 
     def close(self):
         pass

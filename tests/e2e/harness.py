@@ -69,6 +69,8 @@ class Server:
         self.relay = self.http = "127.0.0.1:0"
         self.settings = settings
         self.program = BIN / "uplinkd"
+        # What runs it in its own place (unshare, prlimit).
+        self.wrapper = []
         self.starts = 0
         self.process = None
         if not self.pki.exists():
@@ -99,7 +101,7 @@ url = "{self.store_url}"
         self.log = self.folder / f"uplinkd-{self.starts}.log"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
-                [str(self.program), "--config", str(self.configuration())],
+                [*self.wrapper, str(self.program), "--config", str(self.configuration())],
                 stdout=log, stderr=subprocess.STDOUT,
             )  # fmt: skip
         try:
