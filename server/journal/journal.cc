@@ -26,6 +26,7 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
       clock_(clock),
       ledger_(ledger),
       probe_(probe),
+      batch_max_now_(limits.batch_records_max),
       sweep_due_(clock.Steady() + kSweepInterval),
       retain_due_(clock.Steady()) {
   batch_.presence_session = model::SessionId(process);
@@ -140,7 +141,7 @@ Journal::Step Journal::Advance() {
 
 bool Journal::GatherOpens() {
   const std::lock_guard lock(mutex_);
-  while (!opens_.empty() && opening_.size() < kOpensPerCallMax) {
+  while (!opens_.empty() && opening_.size() < opens_max_now_) {
     OpenEntry entry = std::move(opens_.front());
     opens_.pop_front();
     const auto queued = std::ranges::find(opening_, entry.client, &OpenEntry::client);
@@ -161,7 +162,12 @@ Journal::Step Journal::AdvanceOpens() {
   for (const OpenEntry& entry : opening_) requests.push_back(entry.request);
   const auto results = store_.OpenStreams(requests);
   NoteResult(results.status());
-  if (!results.ok()) return Step::kFailed;
+  if (!results.ok()) {
+    NoteOpenFailure();
+    return Step::kFailed;
+  }
+  open_failures_ = 0;
+  opens_max_now_ = std::min(kOpensPerCallMax, 2 * opens_max_now_);
   UPLINK_CHECK(results->size() == opening_.size(), "the store answers every OpenStream");
   const std::vector<OpenEntry> opened = std::exchange(opening_, {});
   for (std::size_t i = 0; i < opened.size(); ++i) TellOpened(opened[i], (*results)[i]);
@@ -188,7 +194,7 @@ bool Journal::GatherBatch() {
     const std::lock_guard lock(mutex_);
     batch_.presence = presence_.Take(limits_.batch_records_max);
     std::size_t bytes = 0;
-    while (!queue_.empty() && owners_.size() + gap_owners_.size() < limits_.batch_records_max &&
+    while (!queue_.empty() && owners_.size() + gap_owners_.size() < batch_max_now_ &&
            bytes < limits_.batch_bytes_max && MayCommit(queue_.front())) {
       bytes += queue_.front().bytes;
       if (!batch_oldest_) batch_oldest_ = queue_.front().arrived;
@@ -255,7 +261,12 @@ Journal::Step Journal::AdvanceCommit() {
   const SteadyTime began = clock_.Steady();
   auto outcomes = store_.Commit(batch_);
   NoteResult(outcomes.status());
-  if (!outcomes.ok()) return Step::kFailed;
+  if (!outcomes.ok()) {
+    NoteCommitFailure();
+    return Step::kFailed;
+  }
+  commit_failures_ = 0;
+  batch_max_now_ = std::min(limits_.batch_records_max, 2 * batch_max_now_);
   UPLINK_CHECK(outcomes->size() == owners_.size(), "the store answers every record");
   probe_.commit_seconds.Observe(Seconds(clock_.Steady() - began));
   probe_.commit_records.Observe(static_cast<double>(owners_.size()));

@@ -58,6 +58,10 @@ class Client {
 /// Streams that one call of the store opens: it reads the quarantine of each.
 inline constexpr std::size_t kOpensPerCallMax = 256;
 
+/// After so many failures of the same call it is tried with half of what it held: a store that
+/// cannot do the whole in its time may do that. Each success doubles it again.
+inline constexpr int kFailuresToHalve = 3;
+
 struct JournalLimits {
   /// Bytes above which streams are held back (journal.bytes_max).
   std::size_t bytes_max = 256U * 1024 * 1024;
@@ -204,6 +208,10 @@ class Journal final {
   bool GatherBatch();
   void AddToBatch(Entry entry);
   void DropVoid();
+  /// After a failure: leaves the later half of the call for the next ones, if it failed often. The
+  /// cursor decides, so it may have been written already.
+  void NoteCommitFailure();
+  void NoteOpenFailure();
   [[nodiscard]] bool HasBatch() const {
     return !owners_.empty() || !gap_owners_.empty() || !batch_.presence.empty();
   }
@@ -249,6 +257,11 @@ class Journal final {
   std::atomic<bool> checkpoint_waiting_{false};
 
   // The writer's own.
+  /// What the next batch, and call of OpenStreams, may hold; halved by failures.
+  std::size_t batch_max_now_;
+  std::size_t opens_max_now_ = kOpensPerCallMax;
+  int commit_failures_ = 0;
+  int open_failures_ = 0;
   /// The last call opened streams while records waited: they are next.
   bool batch_turn_ = false;
   /// The last call swept or kept histories: what waits is next.

@@ -1,4 +1,4 @@
-// What the journal tells after a commit, and the room it makes.
+// What follows a call of the store: what is told, the room that it makes, what is tried again.
 #include <algorithm>
 #include <utility>
 
@@ -94,6 +94,40 @@ void Journal::CountPresence() {
   }
   presence_waiting_.fetch_sub(batch_.presence.size());
   batch_.presence.clear();
+}
+
+void Journal::NoteCommitFailure() {
+  if (++commit_failures_ < kFailuresToHalve || owners_.size() < 2) return;
+  commit_failures_ = 0;
+  batch_max_now_ = owners_.size() / 2;
+  const std::lock_guard lock(mutex_);
+  while (owners_.size() > batch_max_now_) {
+    const Owner& owner = owners_.back();
+    queue_.push_front({.client = owner.client,
+                       .generation = owner.generation,
+                       .arrived = owner.arrived,
+                       .bytes = owner.bytes,
+                       .item = std::move(batch_.records.back())});
+    batch_.records.pop_back();
+    owners_.pop_back();
+  }
+}
+
+void Journal::NoteOpenFailure() {
+  if (++open_failures_ < kFailuresToHalve || opening_.size() < 2) return;
+  open_failures_ = 0;
+  opens_max_now_ = opening_.size() / 2;
+  const std::lock_guard lock(mutex_);
+  while (opening_.size() > opens_max_now_) {
+    // A newer request of the same robot stands for this one.
+    const auto newer = std::ranges::find(opens_, opening_.back().client, &OpenEntry::client);
+    if (newer == opens_.end()) {
+      opens_.push_front(std::move(opening_.back()));
+    } else {
+      opens_waiting_.fetch_sub(1);
+    }
+    opening_.pop_back();
+  }
 }
 
 void Journal::NoteResult(const absl::Status& status) {
