@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "schema/json/text.h"
-#include "storage/postgres/values.h"
+#include "storage/numbers.h"
 
 namespace uplink::storage::postgres {
 namespace {

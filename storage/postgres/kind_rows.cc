@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "storage/numbers.h"
 #include "storage/postgres/rejection_row.h"
-#include "storage/postgres/values.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -187,13 +187,6 @@ ObjectRow ReadObject(const Result& rows, int row) {
 PresenceRow ReadPresence(const Result& rows, int row) {
   Columns columns(rows, row);
   return {columns.robot(), PresenceOf(columns.Int()), columns.time()};
-}
-
-model::Presence PresenceOf(std::int64_t column) {
-  for (const model::Presence presence : {model::Presence::kOnline, model::Presence::kOffline}) {
-    if (static_cast<std::int64_t>(presence) == column) return presence;
-  }
-  return model::Presence::kUnknown;
 }
 
 }  // namespace uplink::storage::postgres

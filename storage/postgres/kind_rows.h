@@ -58,7 +58,4 @@ inline constexpr ListShape kPresenceChanges = {PageKind::kPresence, "presence_ch
 [[nodiscard]] ObjectRow ReadObject(const Result& rows, int row);
 [[nodiscard]] PresenceRow ReadPresence(const Result& rows, int row);
 
-/// The presence that a column holds; unknown for a number that only a newer program wrote.
-[[nodiscard]] model::Presence PresenceOf(std::int64_t column);
-
 }  // namespace uplink::storage::postgres

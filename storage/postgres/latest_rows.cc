@@ -5,8 +5,8 @@
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/numbers.h"
 #include "storage/postgres/parameters.h"
-#include "storage/postgres/values.h"
 
 namespace uplink::storage::postgres {
 namespace {

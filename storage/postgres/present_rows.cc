@@ -7,7 +7,7 @@
 
 #include "schema/json/text.h"
 #include "storage/expiry.h"
-#include "storage/postgres/values.h"
+#include "storage/numbers.h"
 
 namespace uplink::storage::postgres {
 namespace {

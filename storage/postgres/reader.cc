@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "storage/numbers.h"
 #include "storage/postgres/kind_rows.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/pages.h"

@@ -2,14 +2,9 @@
 
 #include <string>
 
-namespace uplink::storage::postgres {
+#include "storage/numbers.h"
 
-model::RejectReason ReasonOf(std::int64_t number) {
-  for (const model::RejectReason reason : model::kAllRejectReasons) {
-    if (static_cast<std::int64_t>(reason) == number) return reason;
-  }
-  return model::RejectReason::kStoreRefused;
-}
+namespace uplink::storage::postgres {
 
 model::Rejection ReadRejection(const Result& rows, int row, int column) {
   return {ReasonOf(rows.Int(row, column)), std::string(rows.Bytes(row, column + 1)),

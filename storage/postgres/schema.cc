@@ -14,7 +14,8 @@ constexpr std::string_view kReadMigrations =
 constexpr std::string_view kLock = "SELECT pg_advisory_lock(7593126044910271826)";
 constexpr std::string_view kUnlock = "SELECT pg_advisory_unlock(7593126044910271826)";
 
-constexpr std::string_view kMakeToday =
+/// Days that a fresh schema has room for: today and the next three.
+constexpr std::string_view kMakeFirstDays =
     "SELECT uplinkd.make_partitions((now() AT TIME ZONE 'UTC')::date, 4)";
 
 absl::Status Precondition(const Connection& connection, const std::string& text) {
@@ -121,7 +122,7 @@ absl::StatusOr<std::vector<std::string>> MigrateLocked(Connection& connection,
   }
   if (!names.empty()) status = GrantAgain(connection);
   // A server that commits before it has looked after its partitions finds today's.
-  if (status.ok()) status = connection.RunScript(std::string(kMakeToday), "make partitions");
+  if (status.ok()) status = connection.RunScript(std::string(kMakeFirstDays), "make partitions");
   if (!status.ok()) return status;
   return names;
 }

@@ -1,4 +1,5 @@
 #include "schema/base/check.h"
+#include "storage/numbers.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/tables.h"
 #include "storage/sqlite/values.h"

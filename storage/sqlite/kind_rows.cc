@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "storage/numbers.h"
 #include "storage/sqlite/tables.h"
 #include "storage/sqlite/values.h"
 
@@ -184,13 +185,6 @@ absl::StatusOr<ObjectRow> ReadObject(const Rows& rows) {
 absl::StatusOr<PresenceRow> ReadPresence(const Rows& rows) {
   return PresenceRow{RobotOf(rows), PresenceOf(rows.Int(kFirstOwnColumn)),
                      FromUnixMs(rows.Int(kTimeColumn))};
-}
-
-model::Presence PresenceOf(std::int64_t column) {
-  for (const model::Presence presence : {model::Presence::kOnline, model::Presence::kOffline}) {
-    if (static_cast<std::int64_t>(presence) == column) return presence;
-  }
-  return model::Presence::kUnknown;
 }
 
 }  // namespace uplink::storage::sqlite

@@ -61,7 +61,4 @@ inline constexpr ListShape kPresenceChanges = {PageKind::kPresence, "presence_ch
 [[nodiscard]] absl::StatusOr<ObjectRow> ReadObject(const Rows& rows);
 [[nodiscard]] absl::StatusOr<PresenceRow> ReadPresence(const Rows& rows);
 
-/// The presence that a column holds; unknown for a number that only a newer program wrote.
-[[nodiscard]] model::Presence PresenceOf(std::int64_t column);
-
 }  // namespace uplink::storage::sqlite

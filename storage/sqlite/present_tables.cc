@@ -2,6 +2,7 @@
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/numbers.h"
 #include "storage/sqlite/kind_tables.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/values.h"

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "storage/numbers.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/kind_rows.h"
 #include "storage/sqlite/live_table.h"

@@ -1,6 +1,7 @@
 #include <string>
 
 #include "schema/json/text.h"
+#include "storage/numbers.h"
 #include "storage/sqlite/kind_tables.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/values.h"

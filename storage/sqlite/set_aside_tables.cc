@@ -2,6 +2,7 @@
 #include <string>
 
 #include "schema/base/check.h"
+#include "storage/numbers.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/tables.h"
 
@@ -21,13 +22,6 @@ absl::StatusOr<std::int64_t> CountOver(Statement& count, std::string_view ruri,
 }
 
 }  // namespace
-
-model::RejectReason ReasonOf(std::int64_t number) {
-  for (const model::RejectReason reason : model::kAllRejectReasons) {
-    if (static_cast<std::int64_t>(reason) == number) return reason;
-  }
-  return model::RejectReason::kStoreRefused;
-}
 
 absl::Status SetAsideTables::Prepare(Database& database) {
   Preparer prepare(database);

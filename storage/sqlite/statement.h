@@ -86,6 +86,9 @@ class Statement final {
   };
 
   [[nodiscard]] int BindAt(int index, std::int64_t value);
+  [[nodiscard]] int BindAt(int index, std::int32_t value) {
+    return BindAt(index, std::int64_t{value});
+  }
   /// Numbers up to 2^63-1; more is a mistake of ours and aborts.
   [[nodiscard]] int BindAt(int index, std::uint64_t value);
   [[nodiscard]] int BindAt(int index, double value);

@@ -123,10 +123,6 @@ class SetAsideTables final {
       trim_gaps_;
 };
 
-/// The reason of the contract that a column holds; kStoreRefused for a number that none has, which
-/// a newer program may have written: one row must not keep a robot, nor a batch, from the store.
-[[nodiscard]] model::RejectReason ReasonOf(std::int64_t number);
-
 /// All tables of one writer, their statements prepared once.
 struct Tables {
   DecidingTables deciding;

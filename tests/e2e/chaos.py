@@ -27,7 +27,7 @@ STEPS = 8
 LIVE_STEP = 6
 RAISE_STEP = 2
 # Between two frames of a robot. A canary's robots have always something on its way.
-PACE_MS = 50
+PACE_MS = 150
 CANARY_PACE_MS = 2
 RECOVERY_SECONDS = 60
 PROGRESS_EVERY = 50
@@ -255,7 +255,7 @@ class Campaign:
         self.done += 1
 
     def round(self):
-        self.wait_for_more(self.random.randrange(1, 500))
+        self.wait_for_more(self.random.randrange(1, 200))
         self.kill()
         if self.canary:
             return

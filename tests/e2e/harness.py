@@ -152,14 +152,18 @@ url = "{self.store_url}"
             self.kill()
 
 
+def place_in(state):
+    """Where a cluster is, by its state file."""
+    return dict(line.split("=", 1) for line in state.read_text(encoding="utf-8").splitlines())
+
+
 class Cluster:
     """A private PostgreSQL cluster; `configuration` is added to its postgresql.conf."""
 
     def __init__(self, folder, configuration=""):
         self.state = folder / "postgres.state"
         run(POSTGRES, "start", self.state, env=dict(os.environ, UPLINK_POSTGRES_CONF=configuration))
-        lines = self.state.read_text(encoding="utf-8").splitlines()
-        self.place = dict(line.split("=", 1) for line in lines)
+        self.place = place_in(self.state)
 
     def url(self, role, database="uplinkd"):
         return f"postgresql://{role}@/{database}?host={self.place['folder']}&port={self.place['port']}"
@@ -181,8 +185,24 @@ class Cluster:
         """Stops it at once, as a crash does, and starts it again."""
         run(POSTGRES, "crash", self.state)
 
+    def halt(self):
+        """Stops it at once and leaves it so."""
+        run(POSTGRES, "halt", self.state)
+
     def close(self):
         run(POSTGRES, "stop", self.state)
+
+
+class Standby(Cluster):
+    """A copy that follows another cluster until it is promoted."""
+
+    def __init__(self, folder, primary):
+        self.state = folder / "standby.state"
+        run(POSTGRES, "standby", self.state, primary.state, timeout=120)
+        self.place = place_in(self.state)
+
+    def promote(self):
+        run(POSTGRES, "promote", self.state)
 
 
 class Fleet:

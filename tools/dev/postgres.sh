@@ -1,6 +1,12 @@
 #!/usr/bin/env bash
-# postgres.sh start STATE | crash STATE | stop STATE: a private PostgreSQL cluster in a temporary folder, reached by
-# a socket in it and by a port of the loopback interface. It touches no other cluster of the machine.
+# postgres.sh VERB STATE [OF]: a private PostgreSQL cluster in a temporary folder, reached by a socket
+# in it and by a port of the loopback interface. It touches no other cluster of the machine.
+#   start STATE        a fresh one
+#   standby STATE OF   a copy that follows the cluster OF, under the name `standby`
+#   promote STATE      the standby takes writes from now on
+#   crash STATE        as a crash: nothing is flushed, the log is replayed at the start that follows
+#   halt STATE         as a crash, without a start
+#   stop STATE         ends it and removes its folder
 # STATE is a file that says where it is: `folder`, `port` and `bin`, a line each. Roles beside the
 # superuser `postgres`: uplinkd_owner, who migrates, and uplinkd, who serves; over TCP their password
 # is their name.
@@ -11,9 +17,11 @@ die() {
   exit 1
 }
 
-[[ $# -eq 2 ]] || die "usage: postgres.sh start|crash|stop STATE"
+usage="usage: postgres.sh start|promote|crash|halt|stop STATE, or postgres.sh standby STATE OF"
+[[ $# -eq 2 || ($# -eq 3 && "$1" == standby) ]] || die "$usage"
 verb="$1"
 state="$(realpath -m -- "$2")"
+[[ "$verb" != standby ]] || of="$(realpath -m -- "${3:-}")"
 
 bindir() {
   local found
@@ -34,15 +42,35 @@ as_owner() {
   fi
 }
 
-value_of() { sed -n "s/^$1=//p" "$state"; }
+value_of() { sed -n "s/^$1=//p" "${2:-$state}"; }
 
-start() {
-  local bin folder port tries
-  bin="$(bindir)"
+# new_folder: where the cluster will live, in `folder`.
+new_folder() {
   folder="$(mktemp -d "${TMPDIR:-/tmp}/uplink-pg.XXXXXX")"
   chmod 755 "$folder"
   [[ "$(id -u)" -ne 0 ]] || chown postgres: "$folder"
   cd "$folder"
+}
+
+# serve: starts what lies in $folder/data on a free port, and says where in STATE.
+serve() {
+  local tries port
+  for tries in 1 2 3 4 5 6 7 8; do
+    port=$((20000 + RANDOM % 12000))
+    if as_owner "$bin/pg_ctl" start -w -t 60 -D "$folder/data" -l "$folder/server.log" \
+      -o "-p $port" >/dev/null 2>&1; then
+      break
+    fi
+    [[ "$tries" -lt 8 ]] || die "the server does not start: $(tail -n 3 "$folder/server.log")"
+  done
+  printf 'folder=%s\nport=%s\nbin=%s\n' "$folder" "$port" "$bin" >"$state.new"
+  mv "$state.new" "$state"
+}
+
+start() {
+  local bin folder
+  bin="$(bindir)"
+  new_folder
   as_owner "$bin/initdb" -D "$folder/data" -U postgres --auth-local=trust \
     --auth-host=scram-sha-256 --no-sync -E UTF8 --locale=C.UTF-8 >"$folder/initdb.log" 2>&1 ||
     die "initdb failed: $(tail -n 3 "$folder/initdb.log")"
@@ -57,20 +85,24 @@ log_min_messages = warning
 log_checkpoints = off
 ${UPLINK_POSTGRES_CONF:-}
 CONF
-  for tries in 1 2 3 4 5 6 7 8; do
-    port=$((20000 + RANDOM % 12000))
-    if as_owner "$bin/pg_ctl" start -w -t 60 -D "$folder/data" -l "$folder/server.log" \
-      -o "-p $port" >/dev/null 2>&1; then
-      break
-    fi
-    [[ "$tries" -lt 8 ]] || die "the server does not start: $(tail -n 3 "$folder/server.log")"
-  done
-  psql -X -q -h "$folder" -p "$port" -U postgres -d postgres <<'SQL'
+  serve
+  psql -X -q -h "$folder" -p "$(value_of port)" -U postgres -d postgres <<'SQL'
 CREATE ROLE uplinkd_owner LOGIN PASSWORD 'uplinkd_owner';
 CREATE ROLE uplinkd LOGIN PASSWORD 'uplinkd';
 SQL
-  printf 'folder=%s\nport=%s\nbin=%s\n' "$folder" "$port" "$bin" >"$state.new"
-  mv "$state.new" "$state"
+}
+
+standby() {
+  local bin folder
+  bin="$(bindir)"
+  new_folder
+  as_owner "$bin/pg_basebackup" -D "$folder/data" -R -c fast \
+    -d "host=$(value_of folder "$of") port=$(value_of port "$of") user=postgres application_name=standby" \
+    >"$folder/basebackup.log" 2>&1 || die "pg_basebackup failed: $(tail -n 3 "$folder/basebackup.log")"
+  as_owner tee -a "$folder/data/postgresql.conf" >/dev/null <<CONF
+unix_socket_directories = '$folder'
+CONF
+  serve
 }
 
 stop() {
@@ -85,7 +117,18 @@ stop() {
   rm -rf "$folder"
 }
 
-# As a crash: nothing is flushed; the log is replayed at the start.
+promote() {
+  cd "$(value_of folder)"
+  as_owner "$(value_of bin)/pg_ctl" promote -w -t 60 -D "$(value_of folder)/data" >/dev/null ||
+    die "the standby is not promoted"
+}
+
+halt() {
+  cd "$(value_of folder)"
+  as_owner "$(value_of bin)/pg_ctl" stop -w -t 60 -m immediate -D "$(value_of folder)/data" >/dev/null ||
+    die "the server does not stop"
+}
+
 crash() {
   local folder bin
   folder="$(value_of folder)"
@@ -96,11 +139,10 @@ crash() {
 }
 
 case "$verb" in
-  crash) crash ;;
-  start)
+  start | standby)
     stop
-    start
+    "$verb"
     ;;
-  stop) stop ;;
-  *) die "usage: postgres.sh start|crash|stop STATE" ;;
+  promote | crash | halt | stop) "$verb" ;;
+  *) die "$usage" ;;
 esac

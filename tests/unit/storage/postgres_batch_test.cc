@@ -207,13 +207,14 @@ TEST_F(PostgresBatchTest, ACheckpointChangesItsRowInPlace) {
   };
   const std::string before = apart();
   EXPECT_GT(std::stoi(before), 100'000);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 1'000; ++i) {
     row.last_sign_of_life = FromUnixMs(kNowMs + i);
     row.parts[static_cast<std::size_t>(LivePart::kMotion)] = std::string(150, 'm');
     ASSERT_TRUE(store->Checkpoint({&row, 1}).ok());
   }
-  // The row is still on its first pages, and what did not change was not written again.
-  EXPECT_EQ(database_.Shell().Read("SELECT pg_relation_size('uplinkd.live') <= 2 * 8192"), "t\n");
+  // Old versions made room for new ones (all would be 30 pages; a snapshot of the vacuum's may keep
+  // some), and what did not change was not written again.
+  EXPECT_EQ(database_.Shell().Read("SELECT pg_relation_size('uplinkd.live') <= 12 * 8192"), "t\n");
   EXPECT_EQ(apart(), before);
 }
 

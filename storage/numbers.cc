@@ -1,0 +1,19 @@
+#include "storage/numbers.h"
+
+namespace uplink::storage {
+
+model::Presence PresenceOf(std::int64_t column) {
+  for (const model::Presence presence : {model::Presence::kOnline, model::Presence::kOffline}) {
+    if (static_cast<std::int64_t>(presence) == column) return presence;
+  }
+  return model::Presence::kUnknown;
+}
+
+model::RejectReason ReasonOf(std::int64_t column) {
+  for (const model::RejectReason reason : model::kAllRejectReasons) {
+    if (static_cast<std::int64_t>(reason) == column) return reason;
+  }
+  return model::RejectReason::kStoreRefused;
+}
+
+}  // namespace uplink::storage

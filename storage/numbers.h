@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "schema/model/enum_text.h"
+#include "schema/model/presence.h"
+#include "schema/model/rejection.h"
+
+// How enumerations stand in columns, in every store.
+namespace uplink::storage {
+
+/// The number as it came: one that we do not know is kept.
+template <model::WireEnum E>
+[[nodiscard]] std::int32_t NumberOf(E member) {
+  return static_cast<std::int32_t>(static_cast<std::uint16_t>(member));
+}
+
+/// The member that NumberOf wrote.
+template <model::WireEnum E>
+[[nodiscard]] E MemberOf(std::int64_t column) {
+  return static_cast<E>(static_cast<std::uint16_t>(column));
+}
+
+/// kUnknown for a number that no presence has.
+[[nodiscard]] model::Presence PresenceOf(std::int64_t column);
+
+/// The reason of the contract that a column holds; kStoreRefused for a number that none has, which
+/// a newer program may have written: one row must not keep a robot, nor a batch, from the store.
+[[nodiscard]] model::RejectReason ReasonOf(std::int64_t column);
+
+}  // namespace uplink::storage
