@@ -96,7 +96,7 @@ milliseconds Journal::oldest(SteadyTime now) const {
 
 absl::Status Journal::last_error() const {
   const std::lock_guard lock(mutex_);
-  return last_error_;
+  return last_error_.ok() ? duty_error_ : last_error_;
 }
 
 absl::Status Journal::retain_error() const {

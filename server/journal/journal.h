@@ -226,7 +226,11 @@ class Journal final {
   void CountPresence();
   void TellOutcomes();
   void Release(std::size_t records, std::size_t bytes);
+  /// Of a call that robots wait for, and of a duty. That a duty works says nothing of commits that
+  /// fail; a commit that works shows that the store is there.
   void NoteResult(const absl::Status& status);
+  void NoteDuty(const absl::Status& status);
+  void NoteErrors(absl::Status call, absl::Status duty);
 
   storage::Store& store_;
   const JournalLimits limits_;
@@ -242,6 +246,7 @@ class Journal final {
   std::vector<StreamRef> waiting_for_room_;
   /// Of the last call of the store; what is told of it, and in the probe, is counted once.
   absl::Status last_error_;
+  absl::Status duty_error_;
   absl::Status retain_error_;
   absl::Status checkpoint_error_;
   std::optional<SteadyTime> batch_oldest_;

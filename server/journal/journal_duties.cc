@@ -17,7 +17,7 @@ std::optional<Journal::Step> Journal::AdvanceDuty() {
 
 Journal::Step Journal::AdvanceSweep() {
   const auto deleted = store_.Sweep(clock_.System());
-  NoteResult(deleted.status());
+  NoteDuty(deleted.status());
   const bool more = deleted.ok() && *deleted >= storage::kSweepRowsMax;
   sweep_due_ = clock_.Steady() + (more ? kSweepAgain : kSweepInterval);
   if (!deleted.ok()) return Step::kFailed;
@@ -29,7 +29,7 @@ Journal::Step Journal::AdvanceRetain() {
   const auto deleted = store_.Retain(clock_.System());
   const SteadyTime now = clock_.Steady();
   if (absl::IsUnavailable(deleted.status())) {
-    NoteResult(deleted.status());
+    NoteDuty(deleted.status());
     retain_due_ = now + kRetainAgain;
     return Step::kFailed;
   }
@@ -43,7 +43,7 @@ Journal::Step Journal::AdvanceRetain() {
     retain_due_ = now + kRetainLater;
     return Step::kWorked;
   }
-  NoteResult(absl::OkStatus());
+  NoteDuty(absl::OkStatus());
   probe_.history_deleted.Add(static_cast<std::int64_t>(*deleted));
   retain_due_ = now;
   if (*deleted >= storage::kRetainRowsMax) {
@@ -66,7 +66,7 @@ Journal::Step Journal::AdvanceCheckpoint() {
   }
   const auto written = store_.Checkpoint(rows);
   if (written.ok()) {
-    NoteResult(absl::OkStatus());
+    NoteDuty(absl::OkStatus());
     NoteCheckpoint(absl::OkStatus());
     probe_.checkpoint_robots.Add(static_cast<std::int64_t>(*written));
     return Step::kWorked;
@@ -77,7 +77,7 @@ Journal::Step Journal::AdvanceCheckpoint() {
   if (away && checkpoint_answers_) checkpoint_asked_.store(true);
   EndCheckpoint();
   if (away) {
-    NoteResult(written.status());
+    NoteDuty(written.status());
     return Step::kFailed;
   }
   NoteCheckpoint(written.status());

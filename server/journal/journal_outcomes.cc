@@ -133,8 +133,21 @@ void Journal::NoteOpenFailure() {
 void Journal::NoteResult(const absl::Status& status) {
   if (!status.ok()) probe_.store_errors.Add();
   const std::lock_guard lock(mutex_);
-  if (last_error_.ok() != status.ok()) probe_.store_failing.Add(status.ok() ? -1 : 1);
-  last_error_ = status;
+  NoteErrors(status, status.ok() ? absl::OkStatus() : duty_error_);
+}
+
+void Journal::NoteDuty(const absl::Status& status) {
+  if (!status.ok()) probe_.store_errors.Add();
+  const std::lock_guard lock(mutex_);
+  NoteErrors(last_error_, status);
+}
+
+void Journal::NoteErrors(absl::Status call, absl::Status duty) {
+  const bool worked = last_error_.ok() && duty_error_.ok();
+  last_error_ = std::move(call);
+  duty_error_ = std::move(duty);
+  const bool works = last_error_.ok() && duty_error_.ok();
+  if (works != worked) probe_.store_failing.Add(works ? -1 : 1);
 }
 
 }  // namespace uplink::journal

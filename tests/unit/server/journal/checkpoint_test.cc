@@ -109,6 +109,23 @@ TEST_F(JournalCheckpoint, WhileTheStoreIsAwayTheRowsGoBack) {
   EXPECT_THAT(Written(), SizeIs(1));
 }
 
+TEST_F(JournalCheckpoint, ThatItWorksDoesNotHideCommitsThatFail) {
+  Append(client_, 1);
+  store.FailNextCommits(2, FailAt::kBefore, absl::ResourceExhaustedError("disk full"));
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(store.checkpoints(), 1U);
+  EXPECT_TRUE(absl::IsResourceExhausted(journal.last_error()));
+  EXPECT_EQ(probe.store_failing.value(), 1);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(probe.store_failing.value(), 1);
+  Run();
+  EXPECT_TRUE(journal.last_error().ok());
+  EXPECT_EQ(probe.store_failing.value(), 0);
+}
+
 TEST_F(JournalCheckpoint, ATroubleOfItsOwnIsNotTheStores) {
   live_.Add("rcan://a");
   clock.Advance(kEvery);
