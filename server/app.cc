@@ -1,6 +1,7 @@
 #include "server/app.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <optional>
 #include <semaphore>
@@ -9,7 +10,6 @@
 #include <fmt/ranges.h>
 #include <signal.h>
 
-#include "metrics/exposition.h"
 #include "metrics/ledger.h"
 #include "server/app_limits.h"
 #include "server/deadline.h"
@@ -25,6 +25,7 @@
 #include "server/http/site.h"
 #include "server/journal/journal.h"
 #include "server/relay/server.h"
+#include "server/relay_samples.h"
 #include "server/reload.h"
 #include "server/store_side.h"
 #include "server/view/queries.h"
@@ -34,20 +35,8 @@ namespace {
 
 /// How often a drain looks whether the journal is empty.
 constexpr milliseconds kIdleLook{10};
-void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe& sessions,
-                     metrics::Exposition& page) {
-  using enum metrics::MetricId;
-  const auto value = [](const metrics::Cell& cell) { return static_cast<double>(cell.value()); };
-  page.Add(kStreamsRefused, value(probe.refused_full_total) + value(sessions.refused_full_total),
-           {"full"});
-  page.Add(kStreamsRefused, value(probe.refused_draining_total), {"draining"});
-  page.Add(kStreamsRefused,
-           value(probe.refused_identity_total) + value(sessions.refused_identity_total),
-           {"identity"});
-  page.Add(kFinishTimeouts, probe.finish_timeouts_total);
-  page.Add(kWakes, probe.wakes_total);
-}
-
+/// What the end of a drain has at least for what waits, however long the streams took.
+constexpr std::chrono::seconds kLastWrites{2};
 /// How often the store's last error is looked at, for the log.
 constexpr std::chrono::seconds kStoreEvery{1};
 /// How often a fleet that could not be read at the start is tried again.
@@ -141,6 +130,8 @@ class App::Impl {
     options_.logger.Info("draining",
                          {{"streams", relay_->streams()}, {"timeout_ms", timeout.count()}});
     monitor_.BeginDrain();
+    draining_.store(true);
+    store_.journals().RequestCheckpoint();
     const Deadline last(timeout + kStopWait, [this] { EndUnfinished(); });
     relay_->Drain(timeout);
     if (!relay_->WaitForStreams(timeout)) {
@@ -153,7 +144,8 @@ class App::Impl {
                                      options_.clock.System());
     }
     store_.journals().RequestCheckpoint();
-    while (!store_.journals().idle() && options_.clock.Steady() < deadline) {
+    const SteadyTime end = std::max(deadline, options_.clock.Steady() + kLastWrites);
+    while (!store_.journals().idle() && options_.clock.Steady() < end) {
       // Nothing releases it a second time: a second signal ends the process.
       static_cast<void>(stop_.try_acquire_for(kIdleLook));
     }
@@ -181,7 +173,10 @@ class App::Impl {
   }
 
   void StartLoop() {
-    loop_.Every(kSweepEvery, [this] { fleet_.Sweep(session_limits_.session_idle); });
+    // Whom a drain sends away is not heard, and not offline either.
+    loop_.Every(kSweepEvery, [this] {
+      if (!draining_.load()) fleet_.Sweep(session_limits_.session_idle);
+    });
     loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
     loop_.Every(kStoreEvery, [this] { store_.LookForErrors(); });
     loop_.Every(kSeedEvery, [this] {
@@ -269,6 +264,7 @@ class App::Impl {
   health::Monitor monitor_;
   http::Scrape scrape_;
   http::Site site_;
+  std::atomic<bool> draining_{false};
   /// The io thread's own.
   bool stopping_ = false;
   std::binary_semaphore stop_{0};

@@ -9,21 +9,18 @@ namespace uplink {
 absl::Status Seed::Run(std::size_t robots_max) {
   const auto rows = reader_.Robots(static_cast<std::uint32_t>(robots_max));
   if (!rows.ok()) return rows.status();
+  absl::Status admitted;
   for (const storage::RobotRow& row : *rows) {
-    // It has come by itself, and knows its fleet better than the row.
-    if (fleet_.Find(row.robot.ruri) != nullptr) continue;
-    const auto robot = fleet_.FindOrAdmit(row.robot);
-    if (!robot.ok()) {
-      done_.store(true);
-      return robot.status();
-    }
-    if (!row.last_presence) continue;
+    const auto robot = fleet_.AdmitNew(row.robot);
+    if (!robot.ok()) admitted = robot.status();
+    // One that has come by itself knows its fleet better than the row.
+    if (!robot.ok() || *robot == nullptr || !row.last_presence) continue;
     journals_.BeginPresence((*robot)->id(), *row.last_presence, clock_.System());
   }
   absl::Status restored = RestoreLive();
   if (!restored.ok()) return restored;
   done_.store(true);
-  return absl::OkStatus();
+  return admitted;
 }
 
 absl::Status Seed::RestoreLive() {

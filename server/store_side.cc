@@ -27,10 +27,11 @@ StoreSide::StoreSide(Stores stores, Parts parts)
       seed_(parts_.fleet, shards_, *stores_.reader, parts_.clock) {
   if (parts_.checkpoint_every == milliseconds(0)) return;
   for (const auto& journal : journals_) {
-    checkpoints_.push_back(std::make_unique<fleet::Checkpoint>(
-        parts_.fleet, [this, writer = journal.get()](std::string_view ruri) {
-          return &shards_.Of(ruri) == writer;
-        }));
+    checkpoints_.push_back(std::make_unique<fleet::Checkpoint>(fleet::Checkpoint::Sources{
+        .fleet = parts_.fleet,
+        .writes = [this, writer = journal.get()](
+                      std::string_view ruri) { return &shards_.Of(ruri) == writer; },
+        .restored = [this] { return seed_.done(); }}));
     journal->CheckpointFrom(*checkpoints_.back(), parts_.checkpoint_every);
   }
 }

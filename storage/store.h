@@ -62,8 +62,9 @@ class Store {
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
   /// once. Passes over robots that another process holds, or that the store does not know: their
-  /// state is not ours to keep. Returns the rows that were written.
-  [[nodiscard]] virtual absl::StatusOr<std::size_t> Checkpoint(std::span<const LiveRow> rows) = 0;
+  /// state is not ours to keep. Returns the places in `rows` of those, ascending.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<std::size_t>> Checkpoint(
+      std::span<const LiveRow> rows) = 0;
 };
 
 }  // namespace uplink::storage

@@ -1,39 +1,61 @@
 #include "server/fleet/checkpoint.h"
 
+#include <algorithm>
+
 #include "server/fleet/live_bytes.h"
 
 namespace uplink::fleet {
+namespace {
 
-std::vector<storage::LiveRow> Checkpoint::TakeChanged() {
-  if (round_.empty()) {
-    round_ = fleet_.All();
-    next_ = 0;
+void CountAsChanged(Robot& robot, const storage::LiveRow& row) {
+  LivePartSet changed;
+  for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
+    changed.set(kind, row.parts[kind].has_value());
   }
+  robot.state.PutBackChanges(changed);
+}
+
+}  // namespace
+
+void Checkpoint::BeginRound() {
+  left_.clear();
+  round_bytes_ = 0;
+  if (!sources_.restored()) return;
+  left_ = sources_.fleet.All();
+  if (left_.empty()) return;
+  const auto first = static_cast<std::ptrdiff_t>(looked_at_ % left_.size());
+  std::ranges::rotate(left_, left_.begin() + first);
+  std::ranges::reverse(left_);
+}
+
+std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
   std::vector<storage::LiveRow> rows;
   std::size_t bytes = 0;
-  while (next_ < round_.size() && rows.size() < storage::kCheckpointRowsMax &&
-         bytes < storage::kCheckpointBytesMax) {
-    Robot* robot = round_[next_++];
-    if (!writes_(robot->ruri())) continue;
+  while (!left_.empty() && rows.size() < rows_max && bytes < storage::kCheckpointBytesMax &&
+         round_bytes_ < kCheckpointRoundBytesMax) {
+    Robot* robot = left_.back();
+    left_.pop_back();
+    ++looked_at_;
+    if (!sources_.writes(robot->ruri())) continue;
     const std::optional<LiveChanges> changes = robot->state.TakeChanges();
     if (!changes) continue;
     rows.push_back(ToRow(robot->ruri(), *changes));
     bytes += storage::BytesOf(rows.back());
+    round_bytes_ += storage::BytesOf(rows.back());
   }
-  if (rows.empty()) round_.clear();
   return rows;
 }
 
 void Checkpoint::PutBack(std::span<const storage::LiveRow> rows) {
   for (const storage::LiveRow& row : rows) {
-    Robot* robot = fleet_.Find(row.ruri);
-    if (robot == nullptr) continue;
-    LivePartSet changed;
-    for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
-      changed.set(kind, row.parts[kind].has_value());
-    }
-    robot->state.PutBackChanges(changed);
+    if (Robot* robot = sources_.fleet.Find(row.ruri)) CountAsChanged(*robot, row);
   }
+}
+
+void Checkpoint::PassedOver(const storage::LiveRow& row) {
+  Robot* robot = sources_.fleet.Find(row.ruri);
+  // With a stream here it is ours as soon as the store has opened that; else it went elsewhere.
+  if (robot != nullptr && robot->sessions.View().connected) CountAsChanged(*robot, row);
 }
 
 }  // namespace uplink::fleet

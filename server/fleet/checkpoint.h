@@ -4,6 +4,7 @@
 #include <functional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/fleet/fleet.h"
@@ -11,24 +12,36 @@
 
 namespace uplink::fleet {
 
+/// Bytes of parts that one round writes; what is left goes first in the next.
+inline constexpr std::size_t kCheckpointRoundBytesMax = std::size_t{64} * 1024 * 1024;
+
 /// The live states of a fleet's robots, of those that one journal is to write.
 ///
 /// Thread: as journal::LiveSource.
 class Checkpoint final : public journal::LiveSource {
  public:
-  /// `fleet` outlives it. `writes` says whether a robot, by its RURI, is this journal's.
-  Checkpoint(const Fleet& fleet, std::function<bool(std::string_view)> writes)
-      : fleet_(fleet), writes_(std::move(writes)) {}
+  struct Sources {
+    const Fleet& fleet;
+    /// Whether a robot, by its RURI, is this journal's.
+    std::function<bool(std::string_view ruri)> writes;
+    /// Whether what the store had of the robots was read: before, nothing may be written over it.
+    std::function<bool()> restored;
+  };
+  /// The fleet outlives it.
+  explicit Checkpoint(Sources sources) : sources_(std::move(sources)) {}
 
-  [[nodiscard]] std::vector<storage::LiveRow> TakeChanged() override;
+  void BeginRound() override;
+  [[nodiscard]] std::vector<storage::LiveRow> TakeChanged(std::size_t rows_max) override;
   void PutBack(std::span<const storage::LiveRow> rows) override;
+  void PassedOver(const storage::LiveRow& row) override;
 
  private:
-  const Fleet& fleet_;
-  const std::function<bool(std::string_view)> writes_;
-  /// The robots of the round, and which is next; empty between two.
-  std::vector<Robot*> round_;
-  std::size_t next_ = 0;
+  const Sources sources_;
+  /// The robots of the round that were not looked at yet, the next one last.
+  std::vector<Robot*> left_;
+  std::size_t round_bytes_ = 0;
+  /// How many robots earlier rounds looked at: each begins where the last one ended.
+  std::size_t looked_at_ = 0;
 };
 
 }  // namespace uplink::fleet

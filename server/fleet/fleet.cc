@@ -44,10 +44,19 @@ absl::StatusOr<Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(id.ruri);
-  if (found != shard.robots.end()) {
-    found->second->SetFleet(id.fleet);
-    return found->second.get();
-  }
+  if (found == shard.robots.end()) return Admit(shard, id);
+  found->second->SetFleet(id.fleet);
+  return found->second.get();
+}
+
+absl::StatusOr<Robot*> Fleet::AdmitNew(const model::RobotId& id) {
+  Shard& shard = ShardOf(id.ruri);
+  const std::lock_guard lock(shard.mutex);
+  if (shard.robots.contains(id.ruri)) return nullptr;
+  return Admit(shard, id);
+}
+
+absl::StatusOr<Robot*> Fleet::Admit(Shard& shard, const model::RobotId& id) {
   if (size_.fetch_add(1) >= robots_max_) {
     size_.fetch_sub(1);
     return absl::ResourceExhaustedError(

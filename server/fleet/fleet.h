@@ -66,6 +66,9 @@ class Fleet final {
 
   /// The robot, admitted if it is new; kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<Robot*> FindOrAdmit(const model::RobotId& id);
+  /// The robot, admitted, or null if it is known already: then nothing of it changes. Errors: as
+  /// FindOrAdmit.
+  [[nodiscard]] absl::StatusOr<Robot*> AdmitNew(const model::RobotId& id);
   /// Null if it was never seen.
   [[nodiscard]] Robot* Find(std::string_view ruri) const;
   /// All robots, in no order.
@@ -95,6 +98,8 @@ class Fleet final {
     mutable std::mutex mutex;
     std::unordered_map<std::string, std::unique_ptr<Robot>> robots;
   };
+  /// With the shard's lock held.
+  [[nodiscard]] absl::StatusOr<Robot*> Admit(Shard& shard, const model::RobotId& id);
   [[nodiscard]] Shard& ShardOf(std::string_view ruri);
   [[nodiscard]] const Shard& ShardOf(std::string_view ruri) const;
 

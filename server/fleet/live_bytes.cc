@@ -35,17 +35,18 @@ std::uint32_t LengthAt(std::string_view bytes) {
   return length;
 }
 
-/// The messages in order, without the first of them where all are too many bytes.
+/// The messages in order, without those that are too many bytes: each that no longer fits beside
+/// later ones.
 std::string Joined(std::vector<std::string> latest_first) {
-  std::size_t kept = 0;
   std::size_t size = 0;
-  while (kept < latest_first.size()) {
-    size += kLengthBytes + latest_first[kept].size();
-    if (size > kLivePartBytesMax) break;
-    ++kept;
-  }
-  latest_first.resize(kept);
+  std::erase_if(latest_first, [&size](const std::string& message) {
+    const std::size_t more = kLengthBytes + message.size();
+    if (size + more > kLivePartBytesMax) return true;
+    size += more;
+    return false;
+  });
   std::string bytes;
+  bytes.reserve(size);
   for (auto message = latest_first.rbegin(); message != latest_first.rend(); ++message) {
     Append(bytes, *message);
   }
@@ -62,11 +63,8 @@ template <typename Items, typename ToBody>
 std::string KeyedBytes(const Items& items, ToBody to_body) {
   std::vector<std::string> messages;
   messages.reserve(items.size());
-  std::size_t bytes = 0;
   for (auto item = items.rbegin(); item != items.rend(); ++item) {
     messages.push_back(schema::Encode(to_body(item->first, item->second)));
-    bytes += messages.back().size();
-    if (bytes > kLivePartBytesMax) break;
   }
   return Joined(std::move(messages));
 }

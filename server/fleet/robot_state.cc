@@ -133,15 +133,24 @@ void RobotState::PutBackChanges(const LivePartSet& changed) {
   signs_changed_ = true;
 }
 
+template <typename Part>
+void RobotState::Merge(storage::LivePart kind, Part& part, Part before) {
+  // The store has neither side whole then.
+  if (!part.items().empty() && !before.items().empty()) {
+    parts_changed_.set(static_cast<std::size_t>(kind));
+  }
+  part.PutOnTopOf(std::move(before));
+}
+
 void RobotState::Restore(LiveBefore before) {
   const std::lock_guard lock(mutex_);
   if (!parts_.motion) parts_.motion = std::move(before.parts.motion);
   if (!parts_.status) parts_.status = std::move(before.parts.status);
   if (!parts_.usage) parts_.usage = std::move(before.parts.usage);
-  parts_.extras.PutOnTopOf(std::move(before.parts.extras));
-  parts_.health.PutOnTopOf(std::move(before.parts.health));
-  parts_.consumables.PutOnTopOf(std::move(before.parts.consumables));
-  parts_.directives.PutOnTopOf(std::move(before.parts.directives));
+  Merge(storage::LivePart::kExtras, parts_.extras, std::move(before.parts.extras));
+  Merge(storage::LivePart::kHealth, parts_.health, std::move(before.parts.health));
+  Merge(storage::LivePart::kConsumables, parts_.consumables, std::move(before.parts.consumables));
+  Merge(storage::LivePart::kDirectives, parts_.directives, std::move(before.parts.directives));
   if (!last_sign_system_) last_sign_system_ = before.last_sign_of_life;
   if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
 }

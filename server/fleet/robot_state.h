@@ -95,6 +95,8 @@ class RobotState final {
   [[nodiscard]] StateSnapshot Snapshot(Parts parts) const;
 
  private:
+  template <typename Part>
+  void Merge(storage::LivePart kind, Part& part, Part before);
   void Reach(SteadyTime steady, SystemTime system);
   void UpdatePresence(const PresenceLimits& limits);
   [[nodiscard]] PresenceFacts Facts(SteadyTime now) const;

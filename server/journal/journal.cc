@@ -123,20 +123,26 @@ Journal::Step Journal::Advance() {
     return Step::kWorked;
   }
   // What waits goes between two duties, so that a long one that is followed by the next keeps no
-  // robot waiting for more than itself.
+  // robot waiting for more than itself; and before a checkpoint, of which there are many calls.
   const bool after_duty = std::exchange(after_duty_, false);
-  if (!after_duty) {
-    if (const std::optional<Step> done = AdvanceDuty()) return *done;
-  }
+  std::optional<Step> done;
+  if (!after_duty) done = AdvanceDuty();
+  if (!done && std::exchange(after_work_, false)) done = AdvanceCheckpoint();
+  if (!done) done = AdvanceWork();
+  if (!done) done = AdvanceCheckpoint();
+  if (!done && after_duty) done = AdvanceDuty();
+  return done.value_or(Step::kIdle);
+}
+
+std::optional<Journal::Step> Journal::AdvanceWork() {
+  after_work_ = true;
   // By turns, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return AdvanceOpens();
   if (GatherBatch()) return AdvanceCommit();
   if (batch_turn && GatherOpens()) return AdvanceOpens();
-  if (after_duty) {
-    if (const std::optional<Step> done = AdvanceDuty()) return *done;
-  }
-  return Step::kIdle;
+  after_work_ = false;
+  return std::nullopt;
 }
 
 bool Journal::GatherOpens() {
@@ -166,8 +172,7 @@ Journal::Step Journal::AdvanceOpens() {
     NoteOpenFailure();
     return Step::kFailed;
   }
-  open_failures_ = 0;
-  opens_max_now_ = std::min(kOpensPerCallMax, 2 * opens_max_now_);
+  NoteSuccess(open_failures_, opens_max_now_, kOpensPerCallMax);
   UPLINK_CHECK(results->size() == opening_.size(), "the store answers every OpenStream");
   const std::vector<OpenEntry> opened = std::exchange(opening_, {});
   for (std::size_t i = 0; i < opened.size(); ++i) TellOpened(opened[i], (*results)[i]);
@@ -192,7 +197,7 @@ bool Journal::MayCommit(const Entry& entry) const {
 bool Journal::GatherBatch() {
   if (!HasBatch()) {
     const std::lock_guard lock(mutex_);
-    batch_.presence = presence_.Take(limits_.batch_records_max);
+    TakePresence();
     std::size_t bytes = 0;
     while (!queue_.empty() && owners_.size() + gap_owners_.size() < batch_max_now_ &&
            bytes < limits_.batch_bytes_max && MayCommit(queue_.front())) {
@@ -203,6 +208,16 @@ bool Journal::GatherBatch() {
     }
   }
   return HasBatch();
+}
+
+void Journal::TakePresence() {
+  if (presence_left_.empty()) {
+    batch_.presence = presence_.Take(batch_max_now_);
+    return;
+  }
+  const auto some = static_cast<std::ptrdiff_t>(std::min(presence_left_.size(), batch_max_now_));
+  batch_.presence.assign(presence_left_.begin(), presence_left_.begin() + some);
+  presence_left_.erase(presence_left_.begin(), presence_left_.begin() + some);
 }
 
 void Journal::AddToBatch(Entry entry) {
@@ -265,8 +280,7 @@ Journal::Step Journal::AdvanceCommit() {
     NoteCommitFailure();
     return Step::kFailed;
   }
-  commit_failures_ = 0;
-  batch_max_now_ = std::min(limits_.batch_records_max, 2 * batch_max_now_);
+  NoteSuccess(commit_failures_, batch_max_now_, limits_.batch_records_max);
   UPLINK_CHECK(outcomes->size() == owners_.size(), "the store answers every record");
   probe_.commit_seconds.Observe(Seconds(clock_.Steady() - began));
   probe_.commit_records.Observe(static_cast<double>(owners_.size()));

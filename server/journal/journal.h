@@ -59,8 +59,10 @@ class Client {
 inline constexpr std::size_t kOpensPerCallMax = 256;
 
 /// After so many failures of the same call it is tried with half of what it held: a store that
-/// cannot do the whole in its time may do that. Each success doubles it again.
+/// cannot do the whole in its time may do that. So many successes double it again: not each, or a
+/// store that bears the one and not the other would spend its time on failures.
 inline constexpr int kFailuresToHalve = 3;
+inline constexpr int kSuccessesToDouble = 16;
 
 struct JournalLimits {
   /// Bytes above which streams are held back (journal.bytes_max).
@@ -206,21 +208,29 @@ class Journal final {
   void TellOpened(const OpenEntry& open, const storage::OpenResult& result);
   [[nodiscard]] bool MayCommit(const Entry& entry) const;
   bool GatherBatch();
+  void TakePresence();
   void AddToBatch(Entry entry);
   void DropVoid();
   /// After a failure: leaves the later half of the call for the next ones, if it failed often. The
   /// cursor decides, so it may have been written already.
   void NoteCommitFailure();
+  void HalveBatch();
   void NoteOpenFailure();
+  /// Counts a success of a call whose size is `now`, at most `most`.
+  static void NoteSuccess(int& failures, std::size_t& now, std::size_t most);
   [[nodiscard]] bool HasBatch() const {
     return !owners_.empty() || !gap_owners_.empty() || !batch_.presence.empty();
   }
   Step AdvanceCommit();
-  /// Nothing if no duty is due.
+  /// Opens streams or commits, by turns; nothing if nothing waits.
+  std::optional<Step> AdvanceWork();
+  /// Sweeps, or keeps histories; nothing if neither is due.
   std::optional<Step> AdvanceDuty();
+  /// Nothing if no checkpoint is due.
+  std::optional<Step> AdvanceCheckpoint();
   Step AdvanceSweep();
   Step AdvanceRetain();
-  Step AdvanceCheckpoint();
+  Step WriteCheckpoint();
   void EndCheckpoint();
   void NoteCheckpoint(const absl::Status& status);
   void CountPresence();
@@ -265,12 +275,18 @@ class Journal final {
   /// What the next batch, and call of OpenStreams, may hold; halved by failures.
   std::size_t batch_max_now_;
   std::size_t opens_max_now_ = kOpensPerCallMax;
+  /// In a row; below zero: successes.
   int commit_failures_ = 0;
   int open_failures_ = 0;
+  std::size_t checkpoint_rows_now_ = storage::kCheckpointRowsMax;
+  /// Changes of presence that a halved batch left for the next, in order.
+  std::vector<storage::PresenceItem> presence_left_;
   /// The last call opened streams while records waited: they are next.
   bool batch_turn_ = false;
   /// The last call swept or kept histories: what waits is next.
   bool after_duty_ = false;
+  /// The last call was for what waits: a checkpoint that is due is next.
+  bool after_work_ = false;
   SteadyTime sweep_due_;
   /// At once: a store may need room for today.
   SteadyTime retain_due_;

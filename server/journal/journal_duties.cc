@@ -1,18 +1,16 @@
 // What the journal does besides what waits in it: the sweep, the keeping of histories, checkpoints.
+#include <algorithm>
+
 #include "server/journal/journal.h"
 
 namespace uplink::journal {
 
 std::optional<Journal::Step> Journal::AdvanceDuty() {
   const SteadyTime now = clock_.Steady();
+  const bool sweeps = limits_.sweeps && now >= sweep_due_;
+  if (!sweeps && !(limits_.retains && now >= retain_due_)) return std::nullopt;
   after_duty_ = true;
-  if (limits_.sweeps && now >= sweep_due_) return AdvanceSweep();
-  if (limits_.retains && now >= retain_due_) return AdvanceRetain();
-  const bool checkpoints =
-      checkpoint_under_way_ || now >= checkpoint_due_ || checkpoint_asked_.load();
-  if (live_ != nullptr && checkpoints) return AdvanceCheckpoint();
-  after_duty_ = false;
-  return std::nullopt;
+  return sweeps ? AdvanceSweep() : AdvanceRetain();
 }
 
 Journal::Step Journal::AdvanceSweep() {
@@ -54,40 +52,52 @@ Journal::Step Journal::AdvanceRetain() {
   return Step::kWorked;
 }
 
-Journal::Step Journal::AdvanceCheckpoint() {
+std::optional<Journal::Step> Journal::AdvanceCheckpoint() {
+  const bool due =
+      checkpoint_under_way_ || clock_.Steady() >= checkpoint_due_ || checkpoint_asked_.load();
+  if (live_ == nullptr || !due) return std::nullopt;
   if (!checkpoint_under_way_) {
     checkpoint_under_way_ = true;
     checkpoint_answers_ = checkpoint_asked_.exchange(false);
+    live_->BeginRound();
   }
-  const std::vector<storage::LiveRow> rows = live_->TakeChanged();
+  return WriteCheckpoint();
+}
+
+Journal::Step Journal::WriteCheckpoint() {
+  const std::vector<storage::LiveRow> rows = live_->TakeChanged(checkpoint_rows_now_);
   if (rows.empty()) {
     EndCheckpoint();
     return Step::kWorked;
   }
-  const auto written = store_.Checkpoint(rows);
-  if (written.ok()) {
+  const auto passed_over = store_.Checkpoint(rows);
+  if (passed_over.ok()) {
     NoteDuty(absl::OkStatus());
     NoteCheckpoint(absl::OkStatus());
-    probe_.checkpoint_robots.Add(static_cast<std::int64_t>(*written));
+    for (const std::size_t row : *passed_over) live_->PassedOver(rows[row]);
+    probe_.checkpoint_robots.Add(static_cast<std::int64_t>(rows.size() - passed_over->size()));
+    checkpoint_rows_now_ = std::min(storage::kCheckpointRowsMax, 2 * checkpoint_rows_now_);
     return Step::kWorked;
   }
   live_->PutBack(rows);
-  // One that was asked for goes on until the store is there, or nobody waits for it any more.
-  const bool away = !absl::IsInternal(written.status());
-  if (away && checkpoint_answers_) checkpoint_asked_.store(true);
-  EndCheckpoint();
-  if (away) {
-    NoteDuty(written.status());
-    return Step::kFailed;
+  checkpoint_rows_now_ = std::max<std::size_t>(checkpoint_rows_now_ / 2, 1);
+  if (absl::IsInternal(passed_over.status())) {
+    // Its own trouble, and maybe that of one row: the round goes on behind these.
+    NoteCheckpoint(passed_over.status());
+    return Step::kWorked;
   }
-  NoteCheckpoint(written.status());
-  return Step::kWorked;
+  // One that was asked for goes on until the store is there, or nobody waits for it any more.
+  if (checkpoint_answers_) checkpoint_asked_.store(true);
+  EndCheckpoint();
+  NoteDuty(passed_over.status());
+  return Step::kFailed;
 }
 
 void Journal::EndCheckpoint() {
   checkpoint_under_way_ = false;
   checkpoint_due_ = clock_.Steady() + checkpoint_every_;
   checkpoint_answers_ = false;
+  const std::lock_guard lock(mutex_);
   checkpoint_waiting_.store(checkpoint_asked_.load());
 }
 

@@ -83,9 +83,14 @@ void Journal::BeginPresence(const storage::RobotRef& robot, model::Presence stor
                             SystemTime now) {
   {
     const std::lock_guard lock(mutex_);
+    // It was heard by now, and that is newer.
+    if (presence_.Knows(robot->ruri)) return;
+    const std::size_t before = presence_.size();
     presence_.SetStored(robot->ruri, stored);
+    presence_.Note(robot, model::Presence::kUnknown, now);
+    presence_waiting_.fetch_add(presence_.size() - before);
   }
-  NotePresence(robot, model::Presence::kUnknown, now);
+  work_.notify_one();
 }
 
 void Journal::CountPresence() {
@@ -96,25 +101,52 @@ void Journal::CountPresence() {
   batch_.presence.clear();
 }
 
-void Journal::NoteCommitFailure() {
-  if (++commit_failures_ < kFailuresToHalve || owners_.size() < 2) return;
-  commit_failures_ = 0;
-  batch_max_now_ = owners_.size() / 2;
-  const std::lock_guard lock(mutex_);
-  while (owners_.size() > batch_max_now_) {
-    const Owner& owner = owners_.back();
-    queue_.push_front({.client = owner.client,
-                       .generation = owner.generation,
-                       .arrived = owner.arrived,
-                       .bytes = owner.bytes,
-                       .item = std::move(batch_.records.back())});
-    batch_.records.pop_back();
-    owners_.pop_back();
+void Journal::NoteSuccess(int& failures, std::size_t& now, std::size_t most) {
+  if (now == most) {
+    failures = 0;
+    return;
   }
+  failures = std::min(failures, 0) - 1;
+  if (failures > -kSuccessesToDouble) return;
+  failures = 0;
+  now = std::min(most, 2 * now);
+}
+
+void Journal::NoteCommitFailure() {
+  commit_failures_ = std::max(commit_failures_, 0) + 1;
+  if (commit_failures_ < kFailuresToHalve) return;
+  commit_failures_ = 0;
+  HalveBatch();
+}
+
+void Journal::HalveBatch() {
+  const std::lock_guard lock(mutex_);
+  const auto leave = [this](auto& items, std::vector<Owner>& owners, std::size_t keep) {
+    while (owners.size() > keep) {
+      const Owner& owner = owners.back();
+      queue_.push_front({.client = owner.client,
+                         .generation = owner.generation,
+                         .arrived = owner.arrived,
+                         .bytes = owner.bytes,
+                         .item = std::move(items.back())});
+      items.pop_back();
+      owners.pop_back();
+    }
+  };
+  const std::size_t most = std::max({owners_.size(), gap_owners_.size(), batch_.presence.size()});
+  batch_max_now_ = std::max<std::size_t>(most / 2, 1);
+  leave(batch_.gaps, gap_owners_, batch_max_now_);
+  leave(batch_.records, owners_, batch_max_now_);
+  // The numbers of presence stand in order: what is left goes before what was left earlier.
+  if (batch_.presence.size() <= batch_max_now_) return;
+  const auto kept = batch_.presence.begin() + static_cast<std::ptrdiff_t>(batch_max_now_);
+  presence_left_.insert(presence_left_.begin(), kept, batch_.presence.end());
+  batch_.presence.erase(kept, batch_.presence.end());
 }
 
 void Journal::NoteOpenFailure() {
-  if (++open_failures_ < kFailuresToHalve || opening_.size() < 2) return;
+  open_failures_ = std::max(open_failures_, 0) + 1;
+  if (open_failures_ < kFailuresToHalve || opening_.size() < 2) return;
   open_failures_ = 0;
   opens_max_now_ = opening_.size() / 2;
   const std::lock_guard lock(mutex_);

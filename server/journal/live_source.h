@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -12,12 +13,16 @@ namespace uplink::journal {
 class LiveSource {
  public:
   virtual ~LiveSource() = default;
-  /// What changed of some robots since it was taken last, each robot once: at most
-  /// storage::kCheckpointRowsMax rows, and about kCheckpointBytesMax. Nothing: all robots were
-  /// looked at, and the next call begins a new round.
-  [[nodiscard]] virtual std::vector<storage::LiveRow> TakeChanged() = 0;
+  /// From now on all robots are looked at again.
+  virtual void BeginRound() = 0;
+  /// What changed of some robots since it was taken last, each robot once: at most `rows_max` rows,
+  /// and about storage::kCheckpointBytesMax. Nothing: the round is through.
+  [[nodiscard]] virtual std::vector<storage::LiveRow> TakeChanged(std::size_t rows_max) = 0;
   /// The rows were not written: what they hold counts as changed again.
   virtual void PutBack(std::span<const storage::LiveRow> rows) = 0;
+  /// The store does not know yet that the robot is ours, or it is another's: if it may become ours,
+  /// what the row holds counts as changed again.
+  virtual void PassedOver(const storage::LiveRow& row) = 0;
 };
 
 }  // namespace uplink::journal

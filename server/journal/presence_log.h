@@ -20,6 +20,10 @@ class PresenceLog final {
  public:
   /// What the store holds of the robot already.
   void SetStored(const std::string& ruri, model::Presence presence) { handed_[ruri] = presence; }
+  /// A change of the robot was noted, or what the store holds was told.
+  [[nodiscard]] bool Knows(const std::string& ruri) const {
+    return handed_.contains(ruri) || waiting_.contains(ruri);
+  }
   void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
   /// Hands over at most `items_max` changes, numbered; whoever takes them commits them in order
   /// before it takes more.

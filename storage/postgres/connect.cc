@@ -118,7 +118,7 @@ absl::StatusOr<pg_conn*> Connect(const ConnectionOptions& options, const Clock& 
   };
   std::erase_if(settings, [](const auto& one) { return one.first == "client_encoding"; });
   settings.emplace_back("client_encoding", "UTF8");
-  add("application_name", "uplinkd");
+  add("application_name", options.wants_writes ? "uplinkd" : "uplinkd reader");
   if (options.wants_writes && options.url.places.size() > 1) {
     add("target_session_attrs", "read-write");
   }

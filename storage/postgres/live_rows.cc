@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
 #include "storage/postgres/transaction.h"
@@ -29,7 +30,7 @@ constexpr std::string_view kUpsert =
     " extras = coalesce(excluded.extras, l.extras), health = coalesce(excluded.health, l.health),"
     " usage = coalesce(excluded.usage, l.usage),"
     " consumables = coalesce(excluded.consumables, l.consumables),"
-    " directives = coalesce(excluded.directives, l.directives)";
+    " directives = coalesce(excluded.directives, l.directives) RETURNING ruri";
 // The lengths are known without reading the bytes.
 constexpr std::string_view kRead =
     "SELECT ruri, last_sign_at, clock_skew_ms, motion, status, extras, health, usage, consumables,"
@@ -45,9 +46,9 @@ constexpr int kFirstPart = 3;
 
 }  // namespace
 
-absl::StatusOr<std::size_t> WriteLive(Connection& connection, std::span<const LiveRow> rows,
-                                      const ProcessId& process,
-                                      const std::function<absl::Status()>& before_commit) {
+absl::StatusOr<std::vector<std::size_t>> WriteLive(
+    Connection& connection, std::span<const LiveRow> rows, const ProcessId& process,
+    const std::function<absl::Status()>& before_commit) {
   Array ruri{Type::kText}, last_sign{Type::kTime}, skew{Type::kInt8};
   std::vector<Array> parts(kLivePartKinds, Array(Type::kBytes));
   for (const LiveRow& row : rows) {
@@ -77,7 +78,14 @@ absl::StatusOr<std::size_t> WriteLive(Connection& connection, std::span<const Li
   calls.back().parameters.Uuid(model::SessionId(process));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
   if (!results.ok()) return Decisive(results.status());
-  return (*results)[1].written();
+  const Result& answer = (*results)[1];
+  std::unordered_set<std::string_view> written;
+  for (int row = 0; row < answer.rows(); ++row) written.insert(answer.Bytes(row, 0));
+  std::vector<std::size_t> passed_over;
+  for (std::size_t place = 0; place < rows.size(); ++place) {
+    if (!written.contains(rows[place].ruri)) passed_over.push_back(place);
+  }
+  return passed_over;
 }
 
 absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection, std::string_view after) {

@@ -16,7 +16,7 @@
 namespace uplink::storage::postgres {
 
 /// Store::Checkpoint, in one transaction and one round trip.
-[[nodiscard]] absl::StatusOr<std::size_t> WriteLive(
+[[nodiscard]] absl::StatusOr<std::vector<std::size_t>> WriteLive(
     Connection& connection, std::span<const LiveRow> rows, const ProcessId& process,
     const std::function<absl::Status()>& before_commit);
 

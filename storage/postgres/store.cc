@@ -139,9 +139,9 @@ absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
   return RetainRows(**connection, now, parts_->options.rules, parts_->options.clock_offset_max);
 }
 
-absl::StatusOr<std::size_t> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {
+absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {
   const StoreOptions& options = parts_->options;
-  return With<std::size_t>([&](Connection& connection) {
+  return With<std::vector<std::size_t>>([&](Connection& connection) {
     return WriteLive(connection, rows, options.process, options.before_commit);
   });
 }

@@ -64,7 +64,8 @@ class PostgresStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Checkpoint(std::span<const LiveRow> rows) override;
+  [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
+      std::span<const LiveRow> rows) override;
 
   /// Of Open: why the server could not be reached; OK if it could.
   [[nodiscard]] const absl::Status& open_error() const;

@@ -191,15 +191,16 @@ absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {
   });
 }
 
-absl::StatusOr<std::size_t> SqliteStore::Checkpoint(std::span<const LiveRow> rows) {
-  return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
-    std::size_t written = 0;
-    for (const LiveRow& row : rows) {
-      const auto one = parts_->tables.live.Upsert(row, parts_->options.process);
-      if (!one.ok()) return one.status();
-      if (*one) ++written;
+absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const LiveRow> rows) {
+  using Places = std::vector<std::size_t>;
+  return InTransaction<Places>([&]() -> absl::StatusOr<Places> {
+    Places passed_over;
+    for (std::size_t place = 0; place < rows.size(); ++place) {
+      const auto written = parts_->tables.live.Upsert(rows[place], parts_->options.process);
+      if (!written.ok()) return written.status();
+      if (!*written) passed_over.push_back(place);
     }
-    return written;
+    return passed_over;
   });
 }
 

@@ -55,7 +55,8 @@ class SqliteStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Checkpoint(std::span<const LiveRow> rows) override;
+  [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
+      std::span<const LiveRow> rows) override;
 
  private:
   struct Parts;

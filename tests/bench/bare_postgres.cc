@@ -3,6 +3,7 @@
 #include <libpq-fe.h>
 
 #include "schema/base/check.h"
+#include "schema/base/clock.h"
 #include "storage/postgres/parameters.h"
 
 namespace uplink::bench {
@@ -69,7 +70,8 @@ BarePostgres::BarePostgres(const std::string& url, const LoadShape& shape, std::
   Array ruri(Type::kText), held(Type::kInt8), sessions(Type::kUuid), used(Type::kTime);
   Array row_ruri(Type::kText), row_at(Type::kTime), place(Type::kInt4), fleet(Type::kText),
       row_session(Type::kUuid), sampled(Type::kInt8), level(Type::kInt4), text(Type::kText);
-  const SystemTime now = FromUnixMs(1'763'726'400'000);
+  // Today's partition, as the store's.
+  const SystemTime now = SystemClock{}.System();
   for (const std::string& robot : robots_) {
     ruri.Text(robot);
     held.Int8(std::int64_t{1});

@@ -25,7 +25,7 @@ struct Times {
 class RelayBench final {
  public:
   /// Starts uplinkd with these settings in its environment (`UPLINKD_...=`).
-  explicit RelayBench(const std::vector<std::string>& environment);
+  explicit RelayBench(std::vector<std::string> environment);
 
   /// Two rows: durable records a second, and the server's CPU for each. `comparator` runs a bare
   /// loop for so many seconds and returns its rows a second.

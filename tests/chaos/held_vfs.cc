@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <sqlite3.h>
-#include <unistd.h>
 
 #include "tests/chaos/held_blocks.h"
 
@@ -25,13 +24,19 @@ class Files final {
     std::weak_ptr<HeldBlocks>& known = files_[path];
     std::shared_ptr<HeldBlocks> blocks = known.lock();
     if (blocks == nullptr) {
-      blocks = std::make_shared<HeldBlocks>(size, static_cast<std::uint64_t>(::getpid()));
+      blocks = std::make_shared<HeldBlocks>(size, seed_ + files_.size());
       known = blocks;
     }
     return blocks;
   }
 
  private:
+  static std::uint64_t SeedOfTheEnvironment() {
+    const char* seed = std::getenv("UPLINK_HELD_SEED");
+    return seed == nullptr ? 1 : std::strtoull(seed, nullptr, 10);
+  }
+
+  const std::uint64_t seed_ = SeedOfTheEnvironment();
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<HeldBlocks>> files_;
 };

@@ -64,7 +64,9 @@ class Robot final {
     testing::TestAgent::Options options;
     options.patience = kStreamPatience;
     testing::TestAgent agent(testing::MakeChannel(spec_), options);
-    if (!agent.Connect(session_, settled_, settled_)) return;
+    const auto welcome = agent.Connect(session_, settled_, settled_);
+    // What Welcome says is committed may be forgotten, too.
+    if (!welcome || !Settle(welcome->committed_seq())) return;
     model::Seq next = settled_ + 1;
     while (true) {
       std::vector<testing::Sent> frame;
@@ -81,9 +83,13 @@ class Robot final {
   bool Read(testing::TestAgent& agent) {
     const auto frame = agent.Read();
     if (!frame || frame->has_drain()) return false;
-    if (!frame->has_ack() || frame->ack().through_seq() <= settled_) return true;
-    if (!acked_.Write(index_, frame->ack().through_seq()).ok()) return false;
-    settled_ = frame->ack().through_seq();
+    return !frame->has_ack() || Settle(frame->ack().through_seq());
+  }
+  /// False if it cannot be written down.
+  bool Settle(model::Seq through) {
+    if (through <= settled_) return true;
+    if (!acked_.Write(index_, through).ok()) return false;
+    settled_ = through;
     return true;
   }
   static void Pause(milliseconds duration) {

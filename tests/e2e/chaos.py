@@ -31,6 +31,8 @@ PACE_MS = 150
 CANARY_PACE_MS = 2
 RECOVERY_SECONDS = 60
 PROGRESS_EVERY = 50
+# How often a working session is looked for before a kill is given up.
+LOOKS_FOR_WORK = 200
 CANARIES = {"acks_early": "uplinkd_acks_early", "unsynced": "uplinkd_unsynced"}
 
 # One statement, so one snapshot: a row a robot. {acked}: (ruri, t) of each robot.
@@ -54,7 +56,8 @@ sums AS (
 SELECT acked.ruri, acked.t, coalesce({cursor}, 0), coalesce(n, 0), coalesce(numbers, 0),
   coalesce(kept, 0), coalesce(wrong, 0), coalesce(top, 0), coalesce(reports, 0),
   (SELECT count(*) FROM faults_active AS f WHERE f.ruri = acked.ruri),
-  coalesce((SELECT sum(updates) FROM mission_runs AS m WHERE m.ruri = acked.ruri), 0)
+  coalesce((SELECT sum(updates) FROM mission_runs AS m WHERE m.ruri = acked.ruri), 0),
+  (SELECT count(*) FROM gaps AS g WHERE g.ruri = acked.ruri)
 FROM acked LEFT JOIN sessions AS s ON s.ruri = acked.ruri LEFT JOIN sums ON sums.ruri = acked.ruri
 ORDER BY acked.ruri
 """
@@ -80,10 +83,7 @@ class Sqlite:
             connection.close()
 
     def rows(self, acked):
-        if self.read("SELECT count(*) FROM sqlite_schema")[0][0]:
-            return self.read(COMPARISON.format(acked=acked, cursor="cursor"))
-        # All of it was lost.
-        return self.read(f"SELECT column1, column2{', 0' * 9} FROM (VALUES {acked})")
+        return self.read(COMPARISON.format(acked=acked, cursor="cursor"))
 
     def close(self):
         pass
@@ -116,14 +116,18 @@ class Postgres:
     kills = {"server": 8, "backend": 3, "backend crash": 2, "cluster": 4, "robots": 3}
 
     def kill_backend(self, crash):
-        """Ends the session that works just now: as an administrator does, or by SIGKILL, after which
-        PostgreSQL ends all of them."""
-        how = "pg_terminate_backend(pid)" if not crash else "pid"
-        found = self.sql(
-            f"SELECT {how} FROM pg_stat_activity WHERE application_name = 'uplinkd'"
-            " ORDER BY state = 'idle', random() LIMIT 1", "postgres")  # fmt: skip
-        if crash and found:
-            subprocess.run(["kill", "-KILL", found], check=False, capture_output=True)
+        """Ends a session that works just now: as an administrator does, or by SIGKILL, after which
+        PostgreSQL ends all of them. False if none was met working."""
+        how = "pid" if crash else "pg_terminate_backend(pid)"
+        for _ in range(LOOKS_FOR_WORK):
+            found = self.sql(
+                f"SELECT {how}, pid FROM pg_stat_activity WHERE application_name = 'uplinkd'"
+                " AND state <> 'idle' LIMIT 1", "postgres")  # fmt: skip
+            if found:
+                if crash:
+                    subprocess.run(["kill", "-KILL", found.split("|")[1]], check=False, capture_output=True)
+                return True
+        return False
 
     def close(self):
         self.cluster.close()
@@ -191,6 +195,7 @@ class Campaign:
         elif isinstance(self.store, Sqlite):
             programs = ["uplinkd", "uplinkd_held"]
         self.server.program = BIN / programs[self.server.starts % len(programs)]
+        self.server.environment = {"UPLINK_HELD_SEED": str(self.random.randrange(1 << 30))}
         self.server.start()
 
     def start(self):
@@ -213,7 +218,14 @@ class Campaign:
         listed = ", ".join(f"('rcan://chaos/robot-{robot:03}', {t})" for robot, t in acked.items())
         self.acked = sum(map(durable, acked.values()))
         self.stored = lost = doubled = 0
-        for ruri, t, cursor, n, numbers, kept, wrong, top, reports, active, updates in self.store.rows(listed):
+        try:
+            rows = self.store.rows(listed)
+        except sqlite3.DatabaseError as error:
+            # What cannot be read is lost.
+            self.wrong.append(str(error))
+            self.lost = self.acked
+            return
+        for ruri, t, cursor, n, numbers, kept, wrong, top, reports, active, updates, gaps in rows:
             self.stored += n
             lost += durable(t) - kept
             doubled += n - numbers
@@ -224,6 +236,7 @@ class Campaign:
                 ("highest number", top, cursor),
                 ("active faults", active, raised),
                 ("updates of the run", updates, reports),
+                ("gaps", gaps, 0),
             ):
                 if there != due:
                     self.wrong.append(f"{ruri}: {what}: {there}, not {due} (acked {t}, cursor {cursor})")
@@ -250,8 +263,8 @@ class Campaign:
             self.robots.start(self.server.relay.rsplit(":", 1)[1])
         elif kind == "cluster":
             self.store.cluster.crash()
-        else:
-            self.store.kill_backend(kind == "backend crash")
+        elif not self.store.kill_backend(kind == "backend crash"):
+            return
         self.done += 1
 
     def round(self):
@@ -272,7 +285,7 @@ class Campaign:
     def run(self, kills, progress=None):
         """To the end, or to the first thing that is wrong."""
         self.start()
-        while self.done < kills and self.clean():
+        while self.done < kills and (self.lost == 0 if self.canary else self.clean()):
             self.round()
             if progress and self.done % PROGRESS_EVERY == 0:
                 print(self.line(), file=progress, flush=True)

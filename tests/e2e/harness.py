@@ -71,6 +71,7 @@ class Server:
         self.program = BIN / "uplinkd"
         # What runs it in its own place (unshare, prlimit).
         self.wrapper = []
+        self.environment = {}
         self.starts = 0
         self.process = None
         if not self.pki.exists():
@@ -102,7 +103,7 @@ url = "{self.store_url}"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
                 [*self.wrapper, str(self.program), "--config", str(self.configuration())],
-                stdout=log, stderr=subprocess.STDOUT,
+                stdout=log, stderr=subprocess.STDOUT, env={**os.environ, **self.environment},
             )  # fmt: skip
         try:
             found = wait_until(

@@ -99,7 +99,7 @@ class Crashes(EndToEnd):
             server.start()
             wait_for_more()
             cluster.sql("SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
-                        " WHERE application_name = 'uplinkd'", "postgres")  # fmt: skip
+                        " WHERE application_name LIKE 'uplinkd%'", "postgres")  # fmt: skip
             wait_for_more()
             cluster.crash()
         wait_for_more()

@@ -47,7 +47,8 @@ absl::StatusOr<std::size_t> Recorder::Retain(SystemTime now) {
   return store_->Retain(now);
 }
 
-absl::StatusOr<std::size_t> Recorder::Checkpoint(std::span<const storage::LiveRow> rows) {
+absl::StatusOr<std::vector<std::size_t>> Recorder::Checkpoint(
+    std::span<const storage::LiveRow> rows) {
   if (away_) return absl::UnavailableError("ordered");
   return store_->Checkpoint(rows);
 }

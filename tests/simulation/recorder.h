@@ -50,7 +50,7 @@ class Recorder final : public storage::Store {
 
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Checkpoint(
+  [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
 
   /// Each robot's last change of presence that was committed.

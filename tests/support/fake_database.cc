@@ -68,13 +68,17 @@ std::size_t FakeDatabase::Retain(SystemTime now, const storage::StoreRules& rule
   return erased;
 }
 
-std::size_t FakeDatabase::Checkpoint(const ProcessId& process,
-                                     std::span<const storage::LiveRow> rows) {
+std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
+                                                  std::span<const storage::LiveRow> rows) {
   const std::lock_guard lock(mutex_);
-  std::size_t written = 0;
-  for (const storage::LiveRow& row : rows) {
+  std::vector<std::size_t> passed_over;
+  for (std::size_t place = 0; place < rows.size(); ++place) {
+    const storage::LiveRow& row = rows[place];
     const auto robot = robots_.find(row.ruri);
-    if (robot == robots_.end() || robot->second.owner != process) continue;
+    if (robot == robots_.end() || robot->second.owner != process) {
+      passed_over.push_back(place);
+      continue;
+    }
     storage::LiveRow& kept = live_[row.ruri];
     kept.ruri = row.ruri;
     if (row.last_sign_of_life) kept.last_sign_of_life = row.last_sign_of_life;
@@ -82,9 +86,8 @@ std::size_t FakeDatabase::Checkpoint(const ProcessId& process,
     for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
       if (row.parts[kind]) kept.parts[kind] = row.parts[kind];
     }
-    ++written;
   }
-  return written;
+  return passed_over;
 }
 
 std::size_t FakeDatabase::EraseQuarantine(SystemTime until) {

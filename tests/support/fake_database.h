@@ -75,7 +75,8 @@ class FakeDatabase final {
                                        const storage::StoreRules& store_rules);
   std::size_t Sweep(SystemTime now);
   std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
-  std::size_t Checkpoint(const storage::ProcessId& process, std::span<const storage::LiveRow> rows);
+  std::vector<std::size_t> Checkpoint(const storage::ProcessId& process,
+                                      std::span<const storage::LiveRow> rows);
 
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.

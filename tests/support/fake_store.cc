@@ -43,12 +43,13 @@ absl::StatusOr<std::size_t> FakeStore::Retain(SystemTime now) {
   return erased;
 }
 
-absl::StatusOr<std::size_t> FakeStore::Checkpoint(std::span<const storage::LiveRow> rows) {
+absl::StatusOr<std::vector<std::size_t>> FakeStore::Checkpoint(
+    std::span<const storage::LiveRow> rows) {
   Fate fate = Begin({&checkpoint_order_}, checkpoints_);
   if (fate.fail_before) return std::move(fate.status);
-  const std::size_t written = database_.Checkpoint(process_, rows);
+  std::vector<std::size_t> passed_over = database_.Checkpoint(process_, rows);
   if (fate.fail_after) return std::move(fate.status);
-  return written;
+  return passed_over;
 }
 
 FakeStore::Fate FakeStore::Begin(std::initializer_list<Order*> orders, std::uint64_t& calls) {

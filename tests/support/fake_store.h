@@ -44,7 +44,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Checkpoint(
+  [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
 
   // storage::Reader

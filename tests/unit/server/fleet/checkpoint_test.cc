@@ -16,8 +16,16 @@ using ::testing::SizeIs;
 
 constexpr std::int64_t kNow = 1'763'683'200'000;
 
+class NoInbox final : public journal::WakeInbox {
+ public:
+  void Wake(std::uint64_t /*stream*/) override {}
+};
+
 class CheckpointTest : public ::testing::Test {
  protected:
+  testing::ManualClock clock_;
+  Fleet fleet_{clock_, 2'000, {}};
+
   Robot& Admit(const std::string& ruri) { return **fleet_.FindOrAdmit({ruri, "f"}); }
   static void Apply(Robot& robot, const model::Body& body) {
     std::vector<model::Record> records;
@@ -28,29 +36,56 @@ class CheckpointTest : public ::testing::Test {
     return {.unix_time_ms = kNow, .reboot_count = reboots};
   }
 
-  testing::ManualClock clock_;
-  Fleet fleet_{clock_, 2'000, {}};
-  Checkpoint checkpoint_{fleet_, [](std::string_view /*ruri*/) { return true; }};
+  /// The rows of one round, a call each.
+  static std::vector<std::vector<storage::LiveRow>> Round(Checkpoint& checkpoint) {
+    std::vector<std::vector<storage::LiveRow>> calls;
+    checkpoint.BeginRound();
+    while (true) {
+      auto rows = checkpoint.TakeChanged(storage::kCheckpointRowsMax);
+      if (rows.empty()) return calls;
+      calls.push_back(std::move(rows));
+    }
+  }
+  std::vector<storage::LiveRow> Changed() {
+    std::vector<storage::LiveRow> all;
+    for (const auto& rows : Round(checkpoint_)) all.insert(all.end(), rows.begin(), rows.end());
+    return all;
+  }
+  Checkpoint::Sources Sources() {
+    return {.fleet = fleet_,
+            .writes = [](std::string_view /*ruri*/) { return true; },
+            .restored = [this] { return restored_; }};
+  }
+
+  bool restored_ = true;
+  Checkpoint checkpoint_{Sources()};
   schema::Judge judge_{JudgeLimitsOfLive()};
 };
 
 TEST_F(CheckpointTest, TakesWhatChangedOnce) {
   Robot& robot = Admit("rcan://a");
   Admit("rcan://quiet");
-  EXPECT_THAT(checkpoint_.TakeChanged(), IsEmpty()) << "nothing was told yet";
+  EXPECT_THAT(Changed(), IsEmpty()) << "nothing was told yet";
   Apply(robot, Usage());
-  const auto rows = checkpoint_.TakeChanged();
+  const auto rows = Changed();
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_EQ(rows[0].ruri, "rcan://a");
-  EXPECT_THAT(checkpoint_.TakeChanged(), IsEmpty());
-  EXPECT_THAT(checkpoint_.TakeChanged(), IsEmpty());
+  EXPECT_THAT(Changed(), IsEmpty());
+}
+
+TEST_F(CheckpointTest, WritesNothingBeforeWhatTheStoreHadWasRead) {
+  restored_ = false;
+  Apply(Admit("rcan://a"), Usage());
+  EXPECT_THAT(Changed(), IsEmpty());
+  restored_ = true;
+  EXPECT_THAT(Changed(), SizeIs(1));
 }
 
 TEST_F(CheckpointTest, SignsOfLifeAndTheClockAreChanges) {
   Robot& robot = Admit("rcan://a");
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
   robot.state.NoteClockSkew(40);
-  const auto rows = checkpoint_.TakeChanged();
+  const auto rows = Changed();
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_EQ(rows[0].last_sign_of_life, clock_.System());
   EXPECT_EQ(rows[0].clock_skew_ms, 40);
@@ -61,24 +96,45 @@ TEST_F(CheckpointTest, WhatWasPutBackIsTakenAgainWithWhatCameSince) {
   Robot& robot = Admit("rcan://a");
   Apply(robot, Usage(1));
   Apply(robot, model::SystemHealth{.unix_time_ms = kNow, .device_id = "main"});
-  const auto rows = checkpoint_.TakeChanged();
+  const auto rows = Changed();
   Apply(robot, Usage(2));
   checkpoint_.PutBack(rows);
-  EXPECT_THAT(checkpoint_.TakeChanged(), IsEmpty()) << "the round is through";
-  const auto again = checkpoint_.TakeChanged();
+  const auto again = Changed();
   ASSERT_THAT(again, SizeIs(1));
   const LiveRead read = FromRow(again[0], judge_);
   EXPECT_EQ(read.before.parts.usage->reboot_count, 2U);
   EXPECT_THAT(read.before.parts.health.items(), SizeIs(1));
 }
 
+TEST_F(CheckpointTest, WhatWasPassedOverIsTakenAgainIfTheRobotHasAStreamHere) {
+  Robot& elsewhere = Admit("rcan://elsewhere");
+  Apply(elsewhere, Usage());
+  for (const auto& row : Changed()) checkpoint_.PassedOver(row);
+  EXPECT_THAT(Changed(), IsEmpty());
+  NoInbox inbox;
+  Robot& here = Admit("rcan://here");
+  static_cast<void>(here.sessions.Attach({&inbox, 1}, clock_.Steady(), clock_.System()));
+  Apply(here, Usage());
+  for (const auto& row : Changed()) checkpoint_.PassedOver(row);
+  EXPECT_THAT(Changed(), SizeIs(1));
+}
+
+TEST_F(CheckpointTest, ARoundThatWasBrokenOffIsBegunAnew) {
+  for (int i = 0; i < 10; ++i) Apply(Admit("rcan://" + std::to_string(i)), Usage());
+  checkpoint_.BeginRound();
+  const auto first = checkpoint_.TakeChanged(4);
+  ASSERT_THAT(first, SizeIs(4));
+  checkpoint_.PutBack(first);
+  EXPECT_THAT(Changed(), SizeIs(10));
+}
+
 TEST_F(CheckpointTest, TakesSomeAtATime) {
   constexpr std::size_t kRobots = storage::kCheckpointRowsMax * 2 + 1;
   for (std::size_t i = 0; i < kRobots; ++i) Apply(Admit("rcan://" + std::to_string(i)), Usage());
-  EXPECT_THAT(checkpoint_.TakeChanged(), SizeIs(storage::kCheckpointRowsMax));
-  EXPECT_THAT(checkpoint_.TakeChanged(), SizeIs(storage::kCheckpointRowsMax));
-  EXPECT_THAT(checkpoint_.TakeChanged(), SizeIs(1));
-  EXPECT_THAT(checkpoint_.TakeChanged(), IsEmpty());
+  const auto calls = Round(checkpoint_);
+  ASSERT_THAT(calls, SizeIs(3));
+  EXPECT_THAT(calls[0], SizeIs(storage::kCheckpointRowsMax));
+  EXPECT_THAT(calls[2], SizeIs(1));
 }
 
 TEST_F(CheckpointTest, TakesFewerWhereTheyAreLarge) {
@@ -92,7 +148,9 @@ TEST_F(CheckpointTest, TakesFewerWhereTheyAreLarge) {
     }
   }
   std::size_t bytes = 0;
-  for (const auto& row : checkpoint_.TakeChanged()) bytes += storage::BytesOf(row);
+  const auto calls = Round(checkpoint_);
+  ASSERT_FALSE(calls.empty());
+  for (const auto& row : calls[0]) bytes += storage::BytesOf(row);
   EXPECT_GE(bytes, storage::kCheckpointBytesMax);
   EXPECT_LE(bytes, storage::kCheckpointBytesMax + kLivePartBytesMax);
 }
@@ -100,11 +158,14 @@ TEST_F(CheckpointTest, TakesFewerWhereTheyAreLarge) {
 TEST_F(CheckpointTest, LeavesTheRobotsOfOtherJournals) {
   Apply(Admit("rcan://a"), Usage());
   Apply(Admit("rcan://b"), Usage());
-  Checkpoint only_b(fleet_, [](std::string_view ruri) { return ruri == "rcan://b"; });
-  const auto rows = only_b.TakeChanged();
-  ASSERT_THAT(rows, SizeIs(1));
-  EXPECT_EQ(rows[0].ruri, "rcan://b");
-  EXPECT_THAT(checkpoint_.TakeChanged(), SizeIs(1)) << "a is still to be written";
+  Checkpoint::Sources sources = Sources();
+  sources.writes = [](std::string_view ruri) { return ruri == "rcan://b"; };
+  Checkpoint only_b(sources);
+  const auto calls = Round(only_b);
+  ASSERT_THAT(calls, SizeIs(1));
+  ASSERT_THAT(calls[0], SizeIs(1));
+  EXPECT_EQ(calls[0][0].ruri, "rcan://b");
+  EXPECT_THAT(Changed(), SizeIs(1)) << "a is still to be written";
 }
 
 }  // namespace

@@ -262,6 +262,7 @@ TEST_F(RobotStateTest, TakesOverWhatItWasNotToldItself) {
                                 {.key = "temp", .value = 1.0, .unix_time_ms = {}}}));
   before.last_sign_of_life = FromUnixMs(kNow - 5);
   before.clock_skew_ms = 9;
+  static_cast<void>(state_.TakeChanges());
   state_.Restore(before);
   const StateSnapshot snapshot = All();
   EXPECT_EQ(snapshot.parts.usage->reboot_count, 2U);
@@ -271,6 +272,9 @@ TEST_F(RobotStateTest, TakesOverWhatItWasNotToldItself) {
   EXPECT_EQ(snapshot.last_sign_of_life, FromUnixMs(kNow - 5));
   EXPECT_EQ(snapshot.clock_skew_ms, 9);
   EXPECT_EQ(snapshot.presence, Presence::kUnknown);
+  EXPECT_TRUE(
+      state_.TakeChanges()->changed.test(static_cast<std::size_t>(storage::LivePart::kExtras)))
+      << "the store has neither side whole";
 }
 
 TEST_F(RobotStateTest, WhatWasHeardIsNotMadeOlder) {

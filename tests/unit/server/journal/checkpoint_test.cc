@@ -19,23 +19,33 @@ constexpr std::chrono::seconds kEvery{5};
 /// Gives the rows that a test names, a call each; a round ends where none is left.
 class ListedRows final : public LiveSource {
  public:
-  std::vector<storage::LiveRow> TakeChanged() override {
-    if (rows.empty()) {
-      ++rounds;
-      return {};
-    }
-    std::vector<storage::LiveRow> first = {rows.front()};
-    rows.pop_front();
+  void BeginRound() override {
+    ++rounds;
+    left_ = std::exchange(rows, {});
+  }
+  std::vector<storage::LiveRow> TakeChanged(std::size_t rows_max) override {
+    rows_max_asked.push_back(rows_max);
+    if (left_.empty()) return {};
+    std::vector<storage::LiveRow> first = {left_.front()};
+    left_.pop_front();
     return first;
   }
   void PutBack(std::span<const storage::LiveRow> given) override {
-    put_back.insert(put_back.end(), given.begin(), given.end());
+    put_back += given.size();
+    rows.insert(rows.end(), given.begin(), given.end());
   }
+  void PassedOver(const storage::LiveRow& row) override { passed_over.push_back(row.ruri); }
   void Add(const std::string& ruri) { rows.emplace_back().ruri = ruri; }
 
+  /// Of the next round.
   std::deque<storage::LiveRow> rows;
-  std::vector<storage::LiveRow> put_back;
+  std::size_t put_back = 0;
+  std::vector<std::string> passed_over;
+  std::vector<std::size_t> rows_max_asked;
   int rounds = 0;
+
+ private:
+  std::deque<storage::LiveRow> left_;
 };
 
 class JournalCheckpoint : public ::testing::Test, protected JournalBench {
@@ -70,25 +80,54 @@ TEST_F(JournalCheckpoint, WritesARoundWhenItIsDue) {
   EXPECT_EQ(live_.rounds, 2);
 }
 
-TEST_F(JournalCheckpoint, CountsWhatWasWrittenAlone) {
-  live_.Add("rcan://another process holds it");
+TEST_F(JournalCheckpoint, CountsWhatWasWrittenAndGivesBackWhatWasNot) {
+  live_.Add("rcan://not ours yet");
+  live_.Add("rcan://a");
   clock.Advance(kEvery);
   Run();
-  EXPECT_EQ(probe.checkpoint_robots.value(), 0);
-  EXPECT_THAT(live_.put_back, IsEmpty());
+  EXPECT_EQ(probe.checkpoint_robots.value(), 1);
+  EXPECT_THAT(live_.passed_over, ElementsAre("rcan://not ours yet"));
+  EXPECT_EQ(live_.put_back, 0U);
 }
 
-TEST_F(JournalCheckpoint, WhatWaitsGoesBetweenTwoCalls) {
+TEST_F(JournalCheckpoint, WhatWaitsGoesFirstAndBetweenTwoCalls) {
   for (int i = 0; i < 3; ++i) live_.Add("rcan://a");
   clock.Advance(kEvery);
   Append(client_, 1);
   EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
-  EXPECT_EQ(store.checkpoints(), 1U);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
   EXPECT_THAT(Stored(client_), ElementsAre(1U));
-  EXPECT_EQ(store.checkpoints(), 1U);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked) << "it is told";
+  EXPECT_EQ(store.checkpoints(), 0U);
+  Append(client_, 2);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(store.checkpoints(), 1U) << "its turn, though a record waits";
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_THAT(Stored(client_), ElementsAre(1U, 2U));
   Run();
   EXPECT_EQ(store.checkpoints(), 3U);
+}
+
+TEST_F(JournalCheckpoint, AfterAFailureItAsksForLess) {
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  store.FailNextCheckpoints(1, FailAt::kBefore);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  clock.Advance(kEvery);
+  Run();
+  EXPECT_THAT(live_.rows_max_asked,
+              ElementsAre(storage::kCheckpointRowsMax, storage::kCheckpointRowsMax / 2,
+                          storage::kCheckpointRowsMax));
+}
+
+TEST_F(JournalCheckpoint, ARowThatIsRefusedKeepsNoOtherFromBeingWritten) {
+  live_.Add("rcan://a");
+  live_.Add("rcan://a");
+  clock.Advance(kEvery);
+  store.FailNextCheckpoints(1, FailAt::kBefore, absl::InternalError("refused"));
+  Run();
+  EXPECT_EQ(live_.rounds, 1);
+  EXPECT_EQ(store.checkpoints(), 2U);
+  EXPECT_THAT(Written(), SizeIs(1));
 }
 
 TEST_F(JournalCheckpoint, WhileTheStoreIsAwayTheRowsGoBack) {
@@ -96,14 +135,13 @@ TEST_F(JournalCheckpoint, WhileTheStoreIsAwayTheRowsGoBack) {
   clock.Advance(kEvery);
   store.FailNextCheckpoints(1, FailAt::kBefore);
   EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
-  EXPECT_THAT(live_.put_back, SizeIs(1));
+  EXPECT_EQ(live_.put_back, 1U);
   EXPECT_EQ(probe.store_failing.value(), 1);
   EXPECT_EQ(probe.checkpoint_failing.value(), 0);
   Append(client_, 1);
   Run();
   EXPECT_THAT(Stored(client_), ElementsAre(1U)) << "no commit waits for it";
   EXPECT_EQ(store.checkpoints(), 1U);
-  live_.Add("rcan://a");
   clock.Advance(kEvery);
   Run();
   EXPECT_THAT(Written(), SizeIs(1));
@@ -131,11 +169,11 @@ TEST_F(JournalCheckpoint, ATroubleOfItsOwnIsNotTheStores) {
   clock.Advance(kEvery);
   store.FailNextCheckpoints(1, FailAt::kBefore, absl::InternalError("no such table"));
   EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
-  EXPECT_THAT(live_.put_back, SizeIs(1));
+  EXPECT_EQ(live_.put_back, 1U);
   EXPECT_EQ(probe.store_failing.value(), 0);
   EXPECT_EQ(probe.checkpoint_failing.value(), 1);
   EXPECT_FALSE(journal.checkpoint_error().ok());
-  live_.Add("rcan://a");
+  Run();
   clock.Advance(kEvery);
   Run();
   EXPECT_EQ(probe.checkpoint_failing.value(), 0);
@@ -170,7 +208,6 @@ TEST_F(JournalCheckpoint, OneThatWasAskedForIsTriedUntilTheStoreIsThere) {
   store.FailNextCheckpoints(1, FailAt::kBefore);
   EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
   EXPECT_FALSE(journal.idle());
-  live_.Add("rcan://a");
   Run();
   EXPECT_TRUE(journal.idle());
   EXPECT_THAT(Written(), SizeIs(1));

@@ -49,22 +49,57 @@ TEST_F(JournalHalving, ABatchThatWasWrittenAllTheSameIsNotDoubled) {
   Append(client, 7);
   Run();
   EXPECT_THAT(Stored(client), ElementsAre(1U, 2U, 3U, 4U, 7U));
-  EXPECT_THAT(client.Told(),
-              ElementsAre("settled 1 again 2 again", "gaps 1", "settled 3 again 4 again 7"));
+  EXPECT_THAT(client.Told(), ElementsAre("settled 1 again 2 again", "gaps 1",
+                                         "settled 3 again 4 again", "settled 7"));
   EXPECT_TRUE(journal.idle());
 }
 
-TEST_F(JournalHalving, GoesOnToASingleRecordAndGrowsAgain) {
+TEST_F(JournalHalving, GoesOnToASingleRecordAndGrowsAfterManySuccesses) {
   RecordingClient client("rcan://a");
   Open(client);
   Run();
-  for (model::Seq seq = 1; seq <= 8; ++seq) Append(client, seq);
-  store.FailNextCommits(5 * kFailuresToHalve, FailAt::kBefore);
-  Fail(5 * kFailuresToHalve);
-  const auto before = store.commits();
+  for (model::Seq seq = 1; seq <= 4; ++seq) Append(client, seq);
+  store.FailNextCommits(3 * kFailuresToHalve, FailAt::kBefore);
+  Fail(3 * kFailuresToHalve);
+  auto before = store.commits();
   Run();
-  EXPECT_EQ(store.commits() - before, 4U) << "1, then 2, then 4, then the last";
-  EXPECT_THAT(Stored(client), SizeIs(8));
+  EXPECT_EQ(store.commits() - before, 4U) << "one by one";
+  for (model::Seq seq = 5; seq <= 4 + kSuccessesToDouble + 1; ++seq) Append(client, seq);
+  before = store.commits();
+  Run();
+  // Twelve one by one make sixteen; then two by two.
+  EXPECT_EQ(store.commits() - before, 15U);
+  EXPECT_THAT(Stored(client), SizeIs(4 + kSuccessesToDouble + 1));
+}
+
+TEST_F(JournalHalving, ChangesOfPresenceAreHalvedInOrder) {
+  std::vector<storage::RobotRef> robots;
+  for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d", "rcan://e"}) {
+    robots.push_back(std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}));
+    journal.NotePresence(robots.back(), model::Presence::kOnline, clock.System());
+  }
+  store.FailNextCommits(2 * kFailuresToHalve, FailAt::kAfter);
+  Fail(2 * kFailuresToHalve);
+  journal.NotePresence(robots[0], model::Presence::kOffline, clock.System());
+  Run();
+  EXPECT_TRUE(journal.idle());
+  EXPECT_THAT(store.PresenceChanges({})->rows, SizeIs(6)) << "each once";
+  EXPECT_EQ(probe.presence_changes[1].value(), 5);
+  EXPECT_EQ(probe.presence_changes[2].value(), 1);
+}
+
+TEST_F(JournalHalving, GapsAreHalved) {
+  RecordingClient client("rcan://a");
+  Open(client);
+  Run();
+  for (model::Seq seq = 1; seq <= 4; ++seq) AppendGap(client, 10 * seq, 10 * seq + 5);
+  store.FailNextCommits(kFailuresToHalve, FailAt::kBefore);
+  Fail(kFailuresToHalve);
+  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_THAT(store.Gaps({})->rows, SizeIs(2));
+  Run();
+  EXPECT_THAT(store.Gaps({})->rows, SizeIs(4));
+  EXPECT_TRUE(journal.idle());
 }
 
 TEST_F(JournalHalving, OfOpensTheLaterHalfWaits) {
