@@ -12,6 +12,7 @@
 
 #include "metrics/ledger.h"
 #include "server/app_limits.h"
+#include "server/app_samples.h"
 #include "server/deadline.h"
 #include "server/fleet/fleet.h"
 #include "server/health/certificate.h"
@@ -25,7 +26,6 @@
 #include "server/http/site.h"
 #include "server/journal/journal.h"
 #include "server/relay/server.h"
-#include "server/relay_samples.h"
 #include "server/reload.h"
 #include "server/store_side.h"
 #include "server/view/queries.h"

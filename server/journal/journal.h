@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -15,11 +14,12 @@
 #include <variant>
 #include <vector>
 
-#include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/journal/limits.h"
 #include "server/journal/live_source.h"
 #include "server/journal/presence_log.h"
+#include "server/journal/probe.h"
 #include "server/journal/wake.h"
 #include "storage/store.h"
 
@@ -53,60 +53,6 @@ class Client {
   virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
   /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
-};
-
-/// Streams that one call of the store opens: it reads the quarantine of each.
-inline constexpr std::size_t kOpensPerCallMax = 256;
-
-/// After so many failures of the same call it is tried with half of what it held: a store that
-/// cannot do the whole in its time may do that. So many successes double it again: not each, or a
-/// store that bears the one and not the other would spend its time on failures.
-inline constexpr int kFailuresToHalve = 3;
-inline constexpr int kSuccessesToDouble = 16;
-
-struct JournalLimits {
-  /// Bytes above which streams are held back (journal.bytes_max).
-  std::size_t bytes_max = 256U * 1024 * 1024;
-  /// Records above which streams are held back (journal.records_max).
-  std::size_t records_max = 1'000'000;
-  /// Records of one commit: where PostgreSQL's and SQLite's rows a second level off (measured).
-  std::size_t batch_records_max = 1000;
-  std::size_t batch_bytes_max = 8U * 1024 * 1024;
-  /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
-  /// does.
-  bool sweeps = true;
-  bool retains = false;
-};
-
-/// How often what expired is swept from the store, and how soon again where more is left.
-inline constexpr std::chrono::seconds kSweepInterval{60};
-inline constexpr std::chrono::milliseconds kSweepAgain{100};
-
-/// How often histories are kept to their age; how soon again while the store is away, and after
-/// what fails by itself.
-inline constexpr std::chrono::hours kRetainInterval{1};
-inline constexpr std::chrono::seconds kRetainAgain{10};
-inline constexpr std::chrono::minutes kRetainLater{5};
-
-/// What the operator sees of the journals: one probe for all of a server.
-struct JournalProbe {
-  metrics::LatencyDistribution commit_seconds{metrics::kLatencyBoundsSeconds};
-  metrics::BatchDistribution commit_records{metrics::kBatchBounds};
-  metrics::Cell store_errors;
-  /// The journals of which the last call of the store failed.
-  metrics::Cell store_failing;
-  /// Changes of presence that were committed, by model::Presence.
-  std::array<metrics::Cell, 3> presence_changes;
-  /// Shapes and objects that the sweep deleted.
-  metrics::Cell expired_deleted;
-  /// Rows and partitions of days that went for their age.
-  metrics::Cell history_deleted;
-  /// 1 while histories cannot be kept to their age.
-  metrics::Cell retention_failing;
-  /// Robots whose live state was checkpointed, once a checkpoint.
-  metrics::Cell checkpoint_robots;
-  /// The journals that cannot write checkpoints though the store is there.
-  metrics::Cell checkpoint_failing;
 };
 
 /// The bounded queue between sessions and the store, one shard: order is kept a robot, and what

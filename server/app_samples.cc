@@ -1,4 +1,4 @@
-#include "server/relay_samples.h"
+#include "server/app_samples.h"
 
 namespace uplink {
 

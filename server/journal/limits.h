@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+namespace uplink::journal {
+
+/// Streams that one call of the store opens: it reads the quarantine of each.
+inline constexpr std::size_t kOpensPerCallMax = 256;
+
+/// After so many failures of the same call it is tried with half of what it held: a store that
+/// cannot do the whole in its time may do that. So many successes double it again: not each, or a
+/// store that bears the one and not the other would spend its time on failures.
+inline constexpr int kFailuresToHalve = 3;
+inline constexpr int kSuccessesToDouble = 16;
+
+struct JournalLimits {
+  /// Bytes above which streams are held back (journal.bytes_max).
+  std::size_t bytes_max = 256U * 1024 * 1024;
+  /// Records above which streams are held back (journal.records_max).
+  std::size_t records_max = 1'000'000;
+  /// Records of one commit: where PostgreSQL's and SQLite's rows a second level off (measured).
+  std::size_t batch_records_max = 1000;
+  std::size_t batch_bytes_max = 8U * 1024 * 1024;
+  /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
+  /// does.
+  bool sweeps = true;
+  bool retains = false;
+};
+
+/// How often what expired is swept from the store, and how soon again where more is left.
+inline constexpr std::chrono::seconds kSweepInterval{60};
+inline constexpr std::chrono::milliseconds kSweepAgain{100};
+
+/// How often histories are kept to their age; how soon again while the store is away, and after
+/// what fails by itself.
+inline constexpr std::chrono::hours kRetainInterval{1};
+inline constexpr std::chrono::seconds kRetainAgain{10};
+inline constexpr std::chrono::minutes kRetainLater{5};
+
+}  // namespace uplink::journal

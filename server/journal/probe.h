@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+
+#include "metrics/cells.h"
+
+namespace uplink::journal {
+
+/// What the operator sees of the journals: one probe for all of a server.
+struct JournalProbe {
+  metrics::LatencyDistribution commit_seconds{metrics::kLatencyBoundsSeconds};
+  metrics::BatchDistribution commit_records{metrics::kBatchBounds};
+  metrics::Cell store_errors;
+  /// The journals of which the last call of the store failed.
+  metrics::Cell store_failing;
+  /// Changes of presence that were committed, by model::Presence.
+  std::array<metrics::Cell, 3> presence_changes;
+  /// Shapes and objects that the sweep deleted.
+  metrics::Cell expired_deleted;
+  /// Rows and partitions of days that went for their age.
+  metrics::Cell history_deleted;
+  /// 1 while histories cannot be kept to their age.
+  metrics::Cell retention_failing;
+  /// Robots whose live state was checkpointed, once a checkpoint.
+  metrics::Cell checkpoint_robots;
+  /// The journals that cannot write checkpoints though the store is there.
+  metrics::Cell checkpoint_failing;
+};
+
+}  // namespace uplink::journal
