@@ -24,7 +24,7 @@ void Checkpoint::BeginRound() {
   left_ = sources_.fleet.All();
   if (left_.empty()) return;
   const auto first = static_cast<std::ptrdiff_t>(looked_at_ % left_.size());
-  std::ranges::rotate(left_, left_.begin() + first);
+  std::rotate(left_.begin(), left_.begin() + first, left_.end());
   std::ranges::reverse(left_);
 }
 
