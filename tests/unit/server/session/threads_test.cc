@@ -60,14 +60,17 @@ class SessionThreads : public ::testing::TestWithParam<Bound> {
   bool RunAll() {
     for (std::size_t i = 0; i < workers_.size(); ++i) workers_[i]->Start(*workers_[i ^ 1U]);
     for (std::size_t i = 0; i < workers_.size(); i += 2) workers_[i]->Connect();
-    std::size_t looks = 0;
+    std::uint64_t next_failure = 10;
+    std::size_t failures = 0;
     return testing::Eventually(
-        [this, &looks] {
+        [this, &next_failure, &failures] {
           const metrics::UplinkCounts counts = core_.book.Sum().uplinks;
           if (!counts.Balanced()) ++unbalanced_;
-          if (++looks % 20 == 0) {
+          // By what the store did, not by time: on a busy machine every call would fail.
+          if (const std::uint64_t calls = core_.store.commits(); calls >= next_failure) {
+            next_failure = calls + 10;
             core_.store.FailNext(
-                1, looks % 40 == 0 ? testing::FailAt::kBefore : testing::FailAt::kAfter);
+                1, ++failures % 2 == 0 ? testing::FailAt::kBefore : testing::FailAt::kAfter);
           }
           return std::ranges::all_of(agents_, [](const auto& agent) { return agent->finished(); });
         },
