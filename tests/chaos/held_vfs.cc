@@ -32,6 +32,7 @@ class Files final {
 
  private:
   static std::uint64_t SeedOfTheEnvironment() {
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread.
     const char* seed = std::getenv("UPLINK_HELD_SEED");
     return seed == nullptr ? 1 : std::strtoull(seed, nullptr, 10);
   }
