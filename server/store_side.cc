@@ -107,34 +107,22 @@ void StoreSide::NoteLiveLeftOut() {
                                              {"why", "this version does not pass them"}});
 }
 
+void StoreSide::NoteTurn(bool& works, const absl::Status& status, const Turn& turn) {
+  if (status.ok() == works) return;
+  works = status.ok();
+  if (works) {
+    parts_.logger.Info(turn.works_again, {});
+  } else {
+    parts_.logger.Warn(turn.fails, {{"why", std::string(status.message())}});
+  }
+}
+
 void StoreSide::LookForErrors() {
   LookAtFacts();
-  const absl::Status retained = shards_.retain_error();
-  if (retained.ok() != retains_) {
-    retains_ = retained.ok();
-    if (retains_) {
-      parts_.logger.Info("retention_works_again", {});
-    } else {
-      parts_.logger.Warn("retention_fails", {{"why", std::string(retained.message())}});
-    }
-  }
-  const absl::Status written = shards_.checkpoint_error();
-  if (written.ok() != checkpoints_work_) {
-    checkpoints_work_ = written.ok();
-    if (checkpoints_work_) {
-      parts_.logger.Info("checkpoint_works_again", {});
-    } else {
-      parts_.logger.Warn("checkpoint_fails", {{"why", std::string(written.message())}});
-    }
-  }
-  const absl::Status error = shards_.last_error();
-  if (error.ok() == works_) return;
-  works_ = error.ok();
-  if (works_) {
-    parts_.logger.Info("store_works_again", {});
-  } else {
-    parts_.logger.Warn("store_fails", {{"why", std::string(error.message())}});
-  }
+  NoteTurn(retains_, shards_.retain_error(), {"retention_fails", "retention_works_again"});
+  NoteTurn(checkpoints_work_, shards_.checkpoint_error(),
+           {"checkpoint_fails", "checkpoint_works_again"});
+  NoteTurn(works_, shards_.last_error(), {"store_fails", "store_works_again"});
 }
 
 void StoreSide::StartWriters() {

@@ -72,6 +72,13 @@ class StoreSide final {
   std::uint64_t Random();
   void LookAtFacts();
   void NoteLiveLeftOut();
+  /// The events of something that begins to fail, and that works again.
+  struct Turn {
+    const char* fails;
+    const char* works_again;
+  };
+  /// Says so once when `status` shows that it changed.
+  void NoteTurn(bool& works, const absl::Status& status, const Turn& turn);
   void ReadRobots();
 
   const Stores stores_;
