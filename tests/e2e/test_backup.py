@@ -3,7 +3,8 @@
 import sqlite3
 import unittest
 
-from chaos import Campaign, durable
+from chaos import Campaign
+from chaos_stores import durable
 from harness import EndToEnd, run
 
 

@@ -8,7 +8,8 @@ import subprocess
 import sys
 import unittest
 
-from chaos import Campaign, Sqlite
+from chaos import Campaign
+from chaos_stores import Sqlite
 from harness import EndToEnd, wait_until
 
 DISK_MIB = 40
