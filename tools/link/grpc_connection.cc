@@ -1,0 +1,252 @@
+#include "tools/link/grpc_connection.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+#include <fmt/core.h>
+#include <nghttp2/nghttp2.h>
+
+namespace uplink::link {
+namespace {
+
+/// A flag and a length before each message.
+constexpr std::size_t kPrefixBytes = 5;
+constexpr std::size_t kKeptBytes = 4 * 1024;
+constexpr int kHighestCode = 16;
+
+std::uint32_t LengthOf(std::string_view prefix) {
+  std::uint32_t length = 0;
+  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
+    length = length << 8 | static_cast<unsigned char>(prefix[i]);
+  }
+  return length;
+}
+
+int CodeOfReset(std::uint32_t error) {
+  switch (error) {
+    case NGHTTP2_CANCEL:
+      return kCodeCancelled;
+    case NGHTTP2_REFUSED_STREAM:
+      return kCodeUnavailable;
+    case NGHTTP2_ENHANCE_YOUR_CALM:
+      return kCodeResourceExhausted;
+    case NGHTTP2_INADEQUATE_SECURITY:
+      return kCodePermissionDenied;
+    default:
+      return kCodeInternal;
+  }
+}
+
+/// grpc-message comes percent-encoded.
+std::string Decoded(std::string_view text) {
+  constexpr std::size_t kDigits = 2;
+  constexpr int kHex = 16;
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned byte = 0;
+    const std::string_view digits = text.substr(std::min(i + 1, text.size()), kDigits);
+    const char* const end = digits.data() + digits.size();
+    if (text[i] == '%' && digits.size() == kDigits &&
+        std::from_chars(digits.data(), end, byte, kHex).ptr == end) {
+      decoded += static_cast<char>(byte);
+      i += kDigits;
+    } else {
+      decoded += text[i];
+    }
+  }
+  return decoded;
+}
+
+void GiveBack(std::string& buffer) {
+  if (buffer.capacity() > kKeptBytes) {
+    std::string().swap(buffer);
+  } else {
+    buffer.clear();
+  }
+}
+
+}  // namespace
+
+GrpcConnection::GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& events)
+    : loop_(loop),
+      events_(&events),
+      authority_(options.address.text),
+      link_(std::make_shared<TlsLink>(loop, std::move(options), static_cast<LinkEvents&>(*this))),
+      http2_(*this) {}
+
+GrpcConnection::~GrpcConnection() { link_->Close(); }
+
+bool GrpcConnection::OpenStream(const std::string& path) {
+  if (streaming_ || !usable()) return false;
+  streaming_ = http2_.Open({{":method", "POST"},
+                            {":scheme", "https"},
+                            {":path", path},
+                            {":authority", authority_},
+                            {"content-type", "application/grpc"},
+                            {"te", "trailers"}});
+  Flush();
+  return streaming_;
+}
+
+void GrpcConnection::Send(std::string_view message) {
+  if (!streaming_ || half_closed_) return;
+  std::array<char, kPrefixBytes> prefix{};
+  const auto size = static_cast<std::uint32_t>(message.size());
+  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
+    prefix[i] = static_cast<char>(size >> (8 * (kPrefixBytes - 1 - i)));
+  }
+  out_.append(prefix.data(), prefix.size());
+  out_.append(message);
+  http2_.Resume();
+  Flush();
+}
+
+void GrpcConnection::HalfClose() {
+  if (!streaming_ || std::exchange(half_closed_, true)) return;
+  http2_.Resume();
+  Flush();
+}
+
+void GrpcConnection::CancelStream() {
+  if (!streaming_) return;
+  http2_.Reset(NGHTTP2_CANCEL);
+  Flush();
+}
+
+std::size_t GrpcConnection::unsent() const { return out_.size() - out_taken_ + link_->unsent(); }
+
+void GrpcConnection::Freeze() {
+  events_ = nullptr;
+  link_->Freeze();
+}
+
+void GrpcConnection::Cut() {
+  events_ = nullptr;
+  link_->Cut();
+}
+
+void GrpcConnection::OnUp() {
+  up_ = true;
+  Flush();
+  if (events_ != nullptr) events_->OnConnected();
+}
+
+void GrpcConnection::OnBytes(std::string_view bytes) {
+  busy_ = true;
+  const bool good = http2_.Receive(bytes);
+  busy_ = false;
+  if (!good) {
+    link_->Close();
+    return OnDown(absl::UnavailableError("the server's bytes are not HTTP/2"));
+  }
+  Flush();
+  TellEnd();
+}
+
+void GrpcConnection::OnSent() {
+  if (events_ != nullptr) events_->OnSent();
+}
+
+void GrpcConnection::OnDown(const absl::Status& why) {
+  up_ = false;
+  // Before the first stream too, its owner waits for something.
+  if (!ended_) ended_ = StreamEnd{kCodeUnavailable, std::string(why.message())};
+  TellEnd();
+}
+
+void GrpcConnection::OnHeader(std::string_view name, std::string_view value) {
+  if (name == "grpc-status") {
+    int code = kCodeUnknown;
+    std::from_chars(value.data(), value.data() + value.size(), code);
+    grpc_status_ = code >= 0 && code <= kHighestCode ? code : kCodeUnknown;
+  } else if (name == "grpc-message") {
+    grpc_message_ = Decoded(value);
+  } else if (name == ":status") {
+    http_status_ = value;
+  }
+}
+
+void GrpcConnection::OnData(std::string_view bytes) {
+  if (!streaming_ || ended_) return;
+  in_.append(bytes);
+  TakeMessages();
+}
+
+void GrpcConnection::TakeMessages() {
+  std::size_t at = 0;
+  while (in_.size() - at >= kPrefixBytes) {
+    const std::string_view rest = std::string_view(in_).substr(at);
+    const std::size_t length = LengthOf(rest);
+    if (length > kMessageBytesMax || rest.front() != 0) {
+      ended_ = StreamEnd{kCodeResourceExhausted,
+                         fmt::format("a message of {} bytes, or a compressed one", length)};
+      http2_.Reset(NGHTTP2_CANCEL);
+      break;
+    }
+    if (rest.size() < kPrefixBytes + length) break;
+    if (events_ != nullptr) events_->OnMessage(rest.substr(kPrefixBytes, length));
+    at += kPrefixBytes + length;
+  }
+  in_.erase(0, at);
+  if (in_.empty()) GiveBack(in_);
+}
+
+void GrpcConnection::OnClosed(std::uint32_t error) {
+  if (ended_) return;
+  if (grpc_status_) {
+    ended_ = StreamEnd{*grpc_status_, grpc_message_};
+  } else if (error != NGHTTP2_NO_ERROR) {
+    ended_ = StreamEnd{CodeOfReset(error), fmt::format("HTTP/2 error {}", error)};
+  } else {
+    ended_ = StreamEnd{kCodeUnknown, "no gRPC status; HTTP status " + http_status_};
+  }
+}
+
+std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& end) {
+  const std::size_t taken = std::min(max, out_.size() - out_taken_);
+  std::memcpy(to, out_.data() + out_taken_, taken);
+  out_taken_ += taken;
+  if (out_taken_ == out_.size()) {
+    GiveBack(out_);
+    out_taken_ = 0;
+    end = half_closed_;
+  }
+  return taken;
+}
+
+void GrpcConnection::Flush() {
+  if (busy_ || !up_) return;
+  busy_ = true;
+  loop_.out.clear();
+  http2_.Produce(loop_.out);
+  busy_ = false;
+  if (!loop_.out.empty()) link_->Write(loop_.out);
+  if (ended_) TellEndLater();
+}
+
+void GrpcConnection::TellEndLater() {
+  boost::asio::post(loop_.io, [weak = std::weak_ptr(self_)] {
+    if (const auto self = weak.lock()) (*self)->TellEnd();
+  });
+}
+
+void GrpcConnection::TellEnd() {
+  if (!ended_ || busy_) return;
+  const StreamEnd end = *std::exchange(ended_, std::nullopt);
+  streaming_ = false;
+  half_closed_ = false;
+  GiveBack(out_);
+  GiveBack(in_);
+  out_taken_ = 0;
+  grpc_status_.reset();
+  grpc_message_.clear();
+  StreamEvents* const events = events_;
+  // The last thing that is done: the owner may drop the connection.
+  if (events != nullptr) events->OnEnded(end);
+}
+
+}  // namespace uplink::link

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tools/link/http2_session.h"
+#include "tools/link/tls_link.h"
+
+namespace uplink::link {
+
+/// How a stream ended: gRPC's code, 0 to 16, and the server's words. A value.
+struct StreamEnd {
+  int code = 0;
+  std::string message;
+};
+inline constexpr int kCodeOk = 0;
+inline constexpr int kCodeCancelled = 1;
+inline constexpr int kCodeUnknown = 2;
+inline constexpr int kCodeInvalidArgument = 3;
+inline constexpr int kCodePermissionDenied = 7;
+inline constexpr int kCodeResourceExhausted = 8;
+inline constexpr int kCodeUnimplemented = 12;
+inline constexpr int kCodeInternal = 13;
+inline constexpr int kCodeUnavailable = 14;
+inline constexpr int kCodeUnauthenticated = 16;
+
+/// What a connection says to its owner; on the loop's thread, never from within a call of the
+/// owner's. Only within OnEnded may the owner drop the connection.
+class StreamEvents {
+ public:
+  virtual ~StreamEvents() = default;
+  /// The connection is up: OpenStream may be called.
+  virtual void OnConnected() = 0;
+  virtual void OnMessage(std::string_view message) = 0;
+  /// What had waited was taken by the kernel.
+  virtual void OnSent() = 0;
+  /// The stream, or the connection before one was opened, is over. Said once a stream.
+  virtual void OnEnded(const StreamEnd& end) = 0;
+};
+
+/// Messages of a server longer than that end the stream.
+inline constexpr std::size_t kMessageBytesMax = 4 * 1024 * 1024;
+
+/// A connection of its own with one bidirectional gRPC stream at a time, for programs that open
+/// thousands. What gRPC's own library would do of itself (retries, names, balancing) it leaves out.
+///
+/// Thread: confined to the loop's thread.
+/// Source: "gRPC over HTTP2", the protocol's own description.
+class GrpcConnection final : private LinkEvents, private Http2Events {
+ public:
+  GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& events);
+  /// Closes in order.
+  ~GrpcConnection() override;
+  GrpcConnection(const GrpcConnection&) = delete;
+  GrpcConnection& operator=(const GrpcConnection&) = delete;
+
+  void Connect() { link_->Connect(); }
+  /// From now on another owner.
+  void SetEvents(StreamEvents& events) { events_ = &events; }
+  /// Opens a stream of this method (`/package.Service/Method`). False if one is open or the
+  /// connection takes none.
+  bool OpenStream(const std::string& path);
+  /// One message; before the end of the stream only.
+  void Send(std::string_view message);
+  /// Nothing more is sent; the server ends the stream.
+  void HalfClose();
+  /// RST_STREAM; OnEnded says CANCELLED.
+  void CancelStream();
+
+  /// Another stream can be opened on it.
+  [[nodiscard]] bool usable() const { return up_ && http2_.may_open(); }
+  /// Bytes of messages that wait for the server, or for the kernel.
+  [[nodiscard]] std::size_t unsent() const;
+  /// As for TlsLink. After Cut and Freeze no event comes.
+  void PauseReading(bool pause) { link_->PauseReading(pause); }
+  void Freeze();
+  void Cut();
+
+ private:
+  void OnUp() override;
+  void OnBytes(std::string_view bytes) override;
+  void OnSent() override;
+  void OnDown(const absl::Status& why) override;
+  void OnHeader(std::string_view name, std::string_view value) override;
+  void OnData(std::string_view bytes) override;
+  void OnClosed(std::uint32_t error) override;
+  std::size_t TakeBody(std::uint8_t* to, std::size_t max, bool& end) override;
+
+  void Flush();
+  void TakeMessages();
+  void TellEnd();
+  void TellEndLater();
+
+  Loop& loop_;
+  StreamEvents* events_;
+  std::string authority_;
+  std::shared_ptr<TlsLink> link_;
+  Http2Session http2_;
+  bool up_ = false;
+  /// Within nghttp2, which must not be entered again.
+  bool busy_ = false;
+  bool streaming_ = false;
+  bool half_closed_ = false;
+
+  std::string out_;
+  std::size_t out_taken_ = 0;
+  std::string in_;
+  std::optional<int> grpc_status_;
+  std::string grpc_message_;
+  std::string http_status_;
+  std::optional<StreamEnd> ended_;
+  /// Held by nobody else: what was posted sees by it that the connection is gone.
+  std::shared_ptr<GrpcConnection*> self_ = std::make_shared<GrpcConnection*>(this);
+};
+
+}  // namespace uplink::link

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+// nghttp2's own name: its header stops at this folder's sources.
+struct nghttp2_session;
+
+namespace uplink::link {
+
+/// What a stream says to its owner, from within Receive and Produce.
+class Http2Events {
+ public:
+  virtual ~Http2Events() = default;
+  virtual void OnHeader(std::string_view name, std::string_view value) = 0;
+  virtual void OnData(std::string_view bytes) = 0;
+  /// `error` is HTTP/2's code; 0 for a stream that both sides ended.
+  virtual void OnClosed(std::uint32_t error) = 0;
+  /// Moves up to `max` bytes of the body to `to`; `end` once nothing comes after them.
+  virtual std::size_t TakeBody(std::uint8_t* to, std::size_t max, bool& end) = 0;
+};
+
+/// The client's side of one HTTP/2 connection with one stream at a time, without a socket.
+///
+/// Thread: confined to one thread.
+class Http2Session final {
+ public:
+  using Header = std::pair<std::string_view, std::string_view>;
+
+  explicit Http2Session(Http2Events& events);
+  ~Http2Session();
+  Http2Session(const Http2Session&) = delete;
+  Http2Session& operator=(const Http2Session&) = delete;
+
+  /// Opens the stream; its body is taken when Produce is called. False if the connection takes no
+  /// new stream.
+  bool Open(const std::vector<Header>& headers);
+  /// There is more of the body.
+  void Resume();
+  /// Ends the stream with RST_STREAM.
+  void Reset(std::uint32_t error);
+  /// Bytes from the peer; false if they are not HTTP/2.
+  bool Receive(std::string_view bytes);
+  /// Appends what is to be sent now.
+  void Produce(std::string& out);
+  /// The server says no GOAWAY so far.
+  [[nodiscard]] bool may_open() const;
+
+ private:
+  struct Callbacks;
+
+  Http2Events& events_;
+  std::unique_ptr<nghttp2_session, void (*)(nghttp2_session*)> session_;
+  std::int32_t stream_ = -1;
+};
+
+}  // namespace uplink::link

@@ -1,0 +1,95 @@
+#include "tools/link/tls_client.h"
+
+#include <array>
+#include <utility>
+
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
+
+#include "schema/base/check.h"
+
+namespace uplink::link {
+namespace {
+
+using Bio = std::unique_ptr<BIO, int (*)(BIO*)>;
+
+Bio ReaderOf(const std::string& text) {
+  return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
+}
+
+std::shared_ptr<X509> CertificateOf(const std::string& pem) {
+  return {PEM_read_bio_X509(ReaderOf(pem).get(), nullptr, nullptr, nullptr), X509_free};
+}
+
+bool IsAddress(const std::string& host) {
+  return host.find(':') != std::string::npos ||
+         host.find_first_not_of("0123456789.") == std::string::npos;
+}
+
+}  // namespace
+
+std::string TakeTlsError() {
+  std::array<char, 256> text{};
+  const unsigned long error = ERR_get_error();
+  ERR_clear_error();
+  if (error == 0) return "no reason given";
+  ERR_error_string_n(error, text.data(), text.size());
+  return text.data();
+}
+
+absl::StatusOr<Identity> Identity::Parse(const std::string& certificate_pem,
+                                         const std::string& key_pem) {
+  Identity identity;
+  identity.certificate_ = CertificateOf(certificate_pem);
+  identity.key_ = {PEM_read_bio_PrivateKey(ReaderOf(key_pem).get(), nullptr, nullptr, nullptr),
+                   EVP_PKEY_free};
+  if (identity.certificate_ == nullptr || identity.key_ == nullptr ||
+      X509_check_private_key(identity.certificate_.get(), identity.key_.get()) != 1) {
+    return absl::InvalidArgumentError("certificate and key: " + TakeTlsError());
+  }
+  return identity;
+}
+
+absl::StatusOr<std::shared_ptr<const TlsClient>> TlsClient::Create(const std::string& ca_pem,
+                                                                   Alpn alpn) {
+  std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
+  UPLINK_CHECK(context != nullptr, "OpenSSL makes a context");
+  const std::shared_ptr<X509> authority = CertificateOf(ca_pem);
+  if (authority == nullptr ||
+      X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority.get()) != 1) {
+    return absl::InvalidArgumentError("certificate of the authority: " + TakeTlsError());
+  }
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+  SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
+  SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
+  SSL_CTX_set_options(context.get(), SSL_OP_NO_TICKET | SSL_OP_IGNORE_UNEXPECTED_EOF);
+  SSL_CTX_set_mode(context.get(), SSL_MODE_ENABLE_PARTIAL_WRITE |
+                                      SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
+                                      SSL_MODE_RELEASE_BUFFERS);
+  if (alpn == Alpn::kHttp2) {
+    constexpr std::array<unsigned char, 3> kHttp2 = {2, 'h', '2'};
+    SSL_CTX_set_alpn_protos(context.get(), kHttp2.data(), kHttp2.size());
+  }
+  return std::shared_ptr<const TlsClient>(new TlsClient(std::move(context)));
+}
+
+TlsClient::Session TlsClient::NewSession(const Identity& identity, const std::string& host) const {
+  Session session(SSL_new(context_.get()), SSL_free);
+  UPLINK_CHECK(session != nullptr, "OpenSSL makes a session");
+  SSL_use_certificate(session.get(), identity.certificate_.get());
+  SSL_use_PrivateKey(session.get(), identity.key_.get());
+  if (IsAddress(host)) {
+    X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(session.get()), host.c_str());
+  } else {
+    SSL_set1_host(session.get(), host.c_str());
+    // OpenSSL's macro casts in C's way and wants a mutable name, which it copies.
+    SSL_ctrl(session.get(), SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
+             const_cast<char*>(host.c_str()));
+  }
+  SSL_set_connect_state(session.get());
+  return session;
+}
+
+}  // namespace uplink::link

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "schema/base/clock.h"
+#include "tools/link/loop.h"
+#include "tools/link/tls_client.h"
+
+namespace uplink::link {
+
+/// What a link says to its owner; on the loop's thread, never from within a call of the owner's.
+class LinkEvents {
+ public:
+  virtual ~LinkEvents() = default;
+  /// The handshake is done.
+  virtual void OnUp() = 0;
+  virtual void OnBytes(std::string_view bytes) = 0;
+  /// Bytes that had waited were all taken by the kernel.
+  virtual void OnSent() = 0;
+  /// Said once; nothing comes after it.
+  virtual void OnDown(const absl::Status& why) = 0;
+};
+
+struct LinkOptions {
+  Address address;
+  Identity identity;
+  std::shared_ptr<const TlsClient> tls;
+  /// What is written waits so long before it leaves: a slow network.
+  milliseconds delay{0};
+  /// A line in clear text comes before the handshake (NATS), and is skipped.
+  bool greeted_in_clear = false;
+};
+
+/// One TCP connection with mutual TLS, and the ways in which a network treats it badly.
+///
+/// The program ignores SIGPIPE: OpenSSL writes to sockets that the peer has closed.
+///
+/// Errors: what ends the link comes by OnDown: kUnavailable, with the reason.
+/// Thread: confined to the loop's thread.
+class TlsLink final : public std::enable_shared_from_this<TlsLink> {
+ public:
+  /// `events` must live until Close, or OnDown.
+  TlsLink(Loop& loop, LinkOptions options, LinkEvents& events);
+  ~TlsLink();
+  TlsLink(const TlsLink&) = delete;
+  TlsLink& operator=(const TlsLink&) = delete;
+
+  void Connect();
+  /// Takes the bytes; what the kernel does not take now waits in memory.
+  void Write(std::string_view bytes);
+  /// Bytes that wait.
+  [[nodiscard]] std::size_t unsent() const { return pending_.size(); }
+
+  /// A slow reader: nothing is read until it is called with false.
+  void PauseReading(bool pause);
+  /// Half-open: nothing leaves, nothing is read, and the peer is told nothing.
+  void Freeze();
+  /// Ends with a TCP reset, as a device in the middle that forgets the connection. Says nothing.
+  void Cut();
+  /// Ends it in order. Says nothing.
+  void Close();
+
+ private:
+  enum class State : std::uint8_t { kNew, kConnecting, kGreeting, kHandshake, kUp, kFrozen, kDown };
+
+  void OnConnected(const boost::system::error_code& error);
+  void OnReadable();
+  void OnWritable();
+  void ReadGreeting();
+  void Handshake();
+  void Read();
+  void Flush();
+  void FlushLater();
+  void WaitReadable();
+  void WaitWritable();
+  void Down(const std::string& why);
+  void Forget();
+
+  Loop& loop_;
+  LinkOptions options_;
+  LinkEvents* events_;
+  boost::asio::ip::tcp::socket socket_;
+  TlsClient::Session session_{nullptr, nullptr};
+  std::unique_ptr<boost::asio::steady_timer> delay_timer_;
+  std::string pending_;
+  State state_ = State::kNew;
+  bool reading_ = false;
+  bool writing_ = false;
+  bool paused_ = false;
+  bool delayed_ = false;
+};
+
+}  // namespace uplink::link
