@@ -16,28 +16,58 @@ constexpr const char* kAgentVersion = "uplink-fleet " UPLINK_VERSION;
 
 }  // namespace
 
-Agent::Agent(const ScenarioOptions& options, std::size_t index, std::size_t batch,
-             const model::SessionId& session, Shared& shared)
-    : script_(options, index),
+Agent::Agent(const Phase& phase, std::size_t index, const model::SessionId& session, Shared& shared,
+             Latencies& latencies)
+    : script_(phase.options, index),
       model_(session),
       shared_(shared),
-      batch_(batch),
-      mark_(MarkOf(options.run, index)) {}
+      latencies_(latencies),
+      batch_(phase.batch),
+      flood_(phase.flood),
+      mark_(MarkOf(phase.options.run, index)) {}
+
+void Agent::Adopt(const Phase& phase) {
+  script_.Adopt(phase.options);
+  batch_ = phase.batch;
+  flood_ = phase.flood;
+}
+
+void Agent::Offer(Outgoing message, SteadyTime due) {
+  message.due = due;
+  // Refused only when 100,000 durable messages wait: the ledger then holds what was not sent as
+  // never acked, and the report says so.
+  if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
+}
+
+void Agent::LiveOffline(milliseconds age, SteadyTime now, SystemTime system_now) {
+  for (milliseconds left = age; left.count() > 0; left -= kOfflineStep) {
+    // Due from now on: before, nobody could have taken them.
+    for (Outgoing& message : script_.Tick(UnixMs(system_now - left), ledger_)) {
+      Offer(std::move(message), now);
+    }
+  }
+}
+
+void Agent::Fill(SteadyTime now, SystemTime system_now) {
+  if (!flood_ || !model_.may_send() ||
+      shared_.stage.load(std::memory_order_relaxed) != Stage::kRun) {
+    return;
+  }
+  while (model_.unacked() + model_.waiting() < kFloodAhead && model_.waiting() < batch_) {
+    Offer(script_.Again(UnixMs(system_now), ledger_), now);
+  }
+}
 
 void Agent::Tick(SteadyTime now, SystemTime system_now) {
   const std::int64_t now_ms = UnixMs(system_now);
   switch (shared_.stage.load(std::memory_order_acquire)) {
     case Stage::kRun:
-      for (Outgoing& message : script_.Tick(now_ms, ledger_)) {
-        // Refused only when 100,000 durable messages wait: the ledger then holds what was not sent
-        // as never acked, and the report says so.
-        if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
-      }
+      for (Outgoing& message : script_.Tick(now_ms, ledger_)) Offer(std::move(message), now);
       break;
     case Stage::kSettle:
       if (now >= next_idle_motion_) {
         next_idle_motion_ = now + kIdleMotion;
-        model_.Offer(script_.Motion(now_ms, ledger_));
+        Offer(script_.Motion(now_ms, ledger_), now);
       }
       if (model_.durable_settled() && !std::exchange(reported_settled_, true)) {
         shared_.settled_robots.fetch_add(1);
@@ -46,7 +76,7 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
     case Stage::kLast:
       if (last_offered_ < shared_.last_round.load()) {
         ++last_offered_;
-        for (Outgoing& message : script_.Last(now_ms, ledger_)) model_.Offer(std::move(message));
+        for (Outgoing& message : script_.Last(now_ms, ledger_)) Offer(std::move(message), now);
       }
       if (model_.all_settled() && reported_last_ < last_offered_) {
         reported_last_ = last_offered_;
@@ -95,8 +125,10 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
   absl::Status status = model_.OnFrame(frame, now);
   for (Settled& settled : model_.TakeSettled()) {
     shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
+    if (frame.has_ack()) latencies_.durable.Record(now - settled.due);
     ledger_.Settle(std::move(settled));
   }
+  for (const SteadyTime due : model_.TakeJudged()) latencies_.live.Record(now - due);
   return status;
 }
 

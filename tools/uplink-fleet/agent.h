@@ -7,11 +7,17 @@
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/agent_model.h"
+#include "tools/uplink-fleet/histogram.h"
 #include "tools/uplink-fleet/ledger.h"
 #include "tools/uplink-fleet/run.h"
 #include "tools/uplink-fleet/script.h"
 
 namespace uplink::synthetic {
+
+/// What a robot in a flood has on its way: enough for 16 frames of 64.
+inline constexpr std::size_t kFloodAhead = 1024;
+/// A robot without a connection lives in steps of that.
+inline constexpr milliseconds kOfflineStep{1000};
 
 /// One robot without its connection: its script feeds its model, and what the model learns goes
 /// into the ledger. The connection (robot.h) moves the frames.
@@ -19,12 +25,19 @@ namespace uplink::synthetic {
 /// Thread: confined to the robot's thread; `shared` is the whole run's.
 class Agent final {
  public:
-  /// `batch` is how many messages are gathered before they are sent, one second at most.
-  Agent(const ScenarioOptions& options, std::size_t index, std::size_t batch,
-        const model::SessionId& session, Shared& shared);
+  /// `phase` is the first; `latencies` outlives the agent and is of the same thread.
+  Agent(const Phase& phase, std::size_t index, const model::SessionId& session, Shared& shared,
+        Latencies& latencies);
 
-  /// Makes this tick's messages, as the stage asks.
-  void Tick(SteadyTime now, SystemTime system_now);
+  /// Goes on as this phase says.
+  void Adopt(const Phase& phase);
+  /// Lives `age` without a connection, up to `now`, in steps of kOfflineStep: live messages give
+  /// way to newer ones, durable ones are kept.
+  void LiveOffline(milliseconds age, SteadyTime now, SystemTime system_now);
+  /// Makes the messages of the tick that was due at `due`, as the stage asks.
+  void Tick(SteadyTime due, SystemTime system_now);
+  /// In a flood: makes motion messages until kFloodAhead have no Ack.
+  void Fill(SteadyTime now, SystemTime system_now);
   /// The next frame to send; none if nothing is due.
   [[nodiscard]] std::optional<v1::RelayRequest> NextFrame(SteadyTime now, SystemTime system_now);
   [[nodiscard]] v1::RelayRequest BeginStream();
@@ -40,11 +53,15 @@ class Agent final {
   [[nodiscard]] RobotOutcome TakeOutcome(const std::string& ruri);
 
  private:
+  void Offer(Outgoing message, SteadyTime due);
+
   RobotScript script_;
   AgentModel model_;
   Ledger ledger_;
   Shared& shared_;
+  Latencies& latencies_;
   std::size_t batch_;
+  bool flood_;
   std::optional<SteadyTime> waiting_since_;
   SteadyTime next_idle_motion_{};
   std::string mark_;

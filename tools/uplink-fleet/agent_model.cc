@@ -21,20 +21,15 @@ absl::Status Broken(const std::string& rule) {
 
 bool AgentModel::Offer(Outgoing message) {
   if (message.keeping == Keeping::kDurable) {
-    if (waiting_.size() - live_waiting_ >= kDurableWaitingMax) return false;
-    waiting_.push_back(std::move(message));
+    if (durable_waiting_.size() >= kDurableWaitingMax) return false;
+    durable_waiting_.push_back({next_ticket_++, std::move(message)});
     return true;
   }
-  if (live_waiting_ >= kLiveWaitingMax) {
-    const auto oldest = std::find_if(waiting_.begin(), waiting_.end(), [](const Outgoing& each) {
-      return each.keeping == Keeping::kLive;
-    });
-    waiting_.erase(oldest);
-    --live_waiting_;
+  if (live_waiting_.size() >= kLiveWaitingMax) {
+    live_waiting_.pop_front();
     ++live_dropped_;
   }
-  ++live_waiting_;
-  waiting_.push_back(std::move(message));
+  live_waiting_.push_back({next_ticket_++, std::move(message)});
   return true;
 }
 
@@ -152,7 +147,10 @@ void AgentModel::Forget() {
     }
     if (durable) {
       --durable_kept_;
-      settled_.push_back({it->first, it->second.message.tag, std::move(it->second.rejection)});
+      settled_.push_back({it->first, it->second.message.tag, std::move(it->second.rejection),
+                          it->second.message.due});
+    } else {
+      judged_due_.push_back(it->second.message.due);
     }
     it = kept_.erase(it);
   }
@@ -160,9 +158,16 @@ void AgentModel::Forget() {
 
 void AgentModel::OfferLater(SteadyTime now) {
   while (!later_.empty() && later_.begin()->first <= now) {
-    waiting_.push_back(std::move(later_.begin()->second));
+    durable_waiting_.push_back({next_ticket_++, std::move(later_.begin()->second)});
     later_.erase(later_.begin());
   }
+}
+
+std::deque<AgentModel::Waiting>* AgentModel::Longest() {
+  if (live_waiting_.empty()) return durable_waiting_.empty() ? nullptr : &durable_waiting_;
+  if (durable_waiting_.empty()) return &live_waiting_;
+  return live_waiting_.front().ticket < durable_waiting_.front().ticket ? &live_waiting_
+                                                                        : &durable_waiting_;
 }
 
 void AgentModel::Append(v1::UplinkBatch& batch, model::Seq seq, const Outgoing& message) {
@@ -203,17 +208,14 @@ std::optional<v1::UplinkBatch> AgentModel::NextBatch(SteadyTime now, std::size_t
     ++resent_;
     resend_from_ = it->first + 1;
   }
-  while (!waiting_.empty() && kept_.size() < kKeptMax &&
-         Fits(batch, bytes, waiting_.front(), uplinks_max)) {
+  for (auto* queue = Longest(); queue != nullptr && kept_.size() < kKeptMax &&
+                                Fits(batch, bytes, queue->front().message, uplinks_max);
+       queue = Longest()) {
     const model::Seq seq = next_seq_++;
     Kept& kept = kept_[seq];
-    kept.message = std::move(waiting_.front());
-    waiting_.pop_front();
-    if (kept.message.keeping == Keeping::kDurable) {
-      ++durable_kept_;
-    } else {
-      --live_waiting_;
-    }
+    kept.message = std::move(queue->front().message);
+    queue->pop_front();
+    if (kept.message.keeping == Keeping::kDurable) ++durable_kept_;
     grow(seq, kept.message);
     resend_from_ = seq + 1;
   }
@@ -226,9 +228,9 @@ bool AgentModel::resending() const {
 }
 
 bool AgentModel::durable_settled() const {
-  return durable_kept_ == 0 && waiting_.size() == live_waiting_ && later_.empty();
+  return durable_kept_ == 0 && durable_waiting_.empty() && later_.empty();
 }
 
-bool AgentModel::all_settled() const { return kept_.empty() && waiting_.empty() && later_.empty(); }
+bool AgentModel::all_settled() const { return kept_.empty() && waiting() == 0 && later_.empty(); }
 
 }  // namespace uplink::synthetic

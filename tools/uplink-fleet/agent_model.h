@@ -37,6 +37,8 @@ struct Outgoing {
   std::string payload;
   /// The caller's own mark; comes back when the message is settled.
   std::uint64_t tag = 0;
+  /// When it was to be sent.
+  SteadyTime due{};
 };
 
 /// A durable message that an Ack let the agent forget.
@@ -45,6 +47,7 @@ struct Settled {
   std::uint64_t tag = 0;
   /// The Reject that came before the Ack.
   std::optional<model::Rejection> rejection;
+  SteadyTime due{};
 };
 
 /// One agent's side of the relay protocol for one session: it numbers, keeps, resends and forgets,
@@ -73,6 +76,8 @@ class AgentModel final {
 
   /// Durable messages that Acks covered since the last call, in number order.
   [[nodiscard]] std::vector<Settled> TakeSettled() { return std::exchange(settled_, {}); }
+  /// When the live messages that Acks covered since the last call were due.
+  [[nodiscard]] std::vector<SteadyTime> TakeJudged() { return std::exchange(judged_due_, {}); }
 
   /// Welcome came and neither Drain nor the stream's end since.
   [[nodiscard]] bool may_send() const { return phase_ == Phase::kOpen; }
@@ -81,7 +86,11 @@ class AgentModel final {
   }
   /// Something is to be sent again on this stream.
   [[nodiscard]] bool resending() const;
-  [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
+  [[nodiscard]] std::size_t waiting() const {
+    return live_waiting_.size() + durable_waiting_.size();
+  }
+  /// Messages that have a number and no Ack.
+  [[nodiscard]] std::size_t unacked() const { return kept_.size(); }
   /// No durable message waits for a number or for an Ack.
   [[nodiscard]] bool durable_settled() const;
   /// Nothing at all waits.
@@ -102,6 +111,10 @@ class AgentModel final {
 
  private:
   enum class Phase : std::uint8_t { kClosed, kGreeting, kOpen, kDraining };
+  struct Waiting {
+    std::uint64_t ticket = 0;
+    Outgoing message;
+  };
   struct Kept {
     Outgoing message;
     std::optional<model::Rejection> rejection;
@@ -112,6 +125,8 @@ class AgentModel final {
   absl::Status OnReject(const v1::Reject& reject, SteadyTime now);
   void Forget();
   void OfferLater(SteadyTime now);
+  /// The queue whose front waits longest; null if nothing waits.
+  [[nodiscard]] std::deque<Waiting>* Longest();
   void Append(v1::UplinkBatch& batch, model::Seq seq, const Outgoing& message);
   [[nodiscard]] bool Fits(const v1::UplinkBatch& batch, std::size_t bytes, const Outgoing& message,
                           std::size_t uplinks_max) const;
@@ -131,13 +146,16 @@ class AgentModel final {
   /// The last Ack of this stream, to see that both numbers only grow.
   v1::Ack stream_ack_;
 
-  std::deque<Outgoing> waiting_;
-  std::size_t live_waiting_ = 0;
+  /// In the order of their tickets, across both.
+  std::deque<Waiting> live_waiting_;
+  std::deque<Waiting> durable_waiting_;
+  std::uint64_t next_ticket_ = 0;
   std::map<model::Seq, Kept> kept_;
   std::size_t durable_kept_ = 0;
   /// Rate-limited durable messages, by the time at which they may be sent anew.
   std::multimap<SteadyTime, Outgoing> later_;
   std::vector<Settled> settled_;
+  std::vector<SteadyTime> judged_due_;
 
   std::uint64_t sent_ = 0;
   std::uint64_t resent_ = 0;

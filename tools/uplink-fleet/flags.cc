@@ -61,11 +61,11 @@ CLI::Option* AddNumber(CLI::App& app, const std::string& flag, Number& value,
 }
 
 std::string ScenarioHelp() {
-  std::string text = "What the flags below say together, by name or from a TOML file:";
-  for (const NamedScenario& named : NamedScenarios()) {
-    text += " " + std::string(named.name) + " (" + std::string(named.text) + ");";
+  std::string text = "A TOML file, or one that is built in:";
+  for (const std::string& name : ScenarioNames()) {
+    const auto scenario = LoadScenario(name);
+    text += "\n" + name + ": " + (scenario.ok() ? scenario->about : "");
   }
-  text.back() = '.';
   return text;
 }
 
@@ -75,17 +75,18 @@ class ScenarioFlags {
   explicit ScenarioFlags(CLI::App& app) {
     app.add_option("--scenario", name_, ScenarioHelp())->capture_default_str();
     robots_ = AddNumber(app, "--robots", given_.robots, kRobotsNumber, "");
-    rate_ = AddNumber(app, "--rate", given_.options.rate_hz, kRateNumber,
+    Phase& phase = given_.phases.front();
+    rate_ = AddNumber(app, "--rate", phase.options.rate_hz, kRateNumber,
                       "Motion messages a second and robot");
-    faults_ = AddNumber(app, "--faults", given_.options.faults_hz, kFaultsNumber,
+    faults_ = AddNumber(app, "--faults", phase.options.faults_hz, kFaultsNumber,
                         "Fault reports a second and robot");
-    pace_ = AddNumber(app, "--pace", given_.options.pace, kPaceNumber,
+    pace_ = AddNumber(app, "--pace", phase.options.pace, kPaceNumber,
                       "How much faster than the clock everything but motion and status goes on");
-    batch_ = AddNumber(app, "--batch", given_.batch, kBatchNumber,
+    batch_ = AddNumber(app, "--batch", phase.batch, kBatchNumber,
                        "Messages that are gathered for a frame, up to 1 s");
-    malformed_ = AddNumber(app, "--malformed-share", given_.options.malformed_share,
+    malformed_ = AddNumber(app, "--malformed-share", phase.options.malformed_share,
                            kMalformedNumber, "Share of ticks in which something wrong is sent");
-    breaks_ = AddNumber(app, "--breaks-per-minute", given_.breaks_per_minute, kBreaksNumber,
+    breaks_ = AddNumber(app, "--breaks-per-minute", phase.trouble.breaks_per_minute, kBreaksNumber,
                         "How often a robot breaks its stream off");
   }
 
@@ -93,14 +94,18 @@ class ScenarioFlags {
     absl::StatusOr<Scenario> scenario = LoadScenario(name_);
     if (!scenario.ok()) return scenario;
     if (robots_->count() > 0) scenario->robots = given_.robots;
-    if (rate_->count() > 0) scenario->options.rate_hz = given_.options.rate_hz;
-    if (faults_->count() > 0) scenario->options.faults_hz = given_.options.faults_hz;
-    if (pace_->count() > 0) scenario->options.pace = given_.options.pace;
-    if (batch_->count() > 0) scenario->batch = given_.batch;
-    if (malformed_->count() > 0) {
-      scenario->options.malformed_share = given_.options.malformed_share;
+    const Phase& given = given_.phases.front();
+    for (Phase& phase : scenario->phases) {
+      ScenarioOptions& options = phase.options;
+      if (rate_->count() > 0) options.rate_hz = given.options.rate_hz;
+      if (faults_->count() > 0) options.faults_hz = given.options.faults_hz;
+      if (pace_->count() > 0) options.pace = given.options.pace;
+      if (batch_->count() > 0) phase.batch = given.batch;
+      if (malformed_->count() > 0) options.malformed_share = given.options.malformed_share;
+      if (breaks_->count() > 0) {
+        phase.trouble.breaks_per_minute = given.trouble.breaks_per_minute;
+      }
     }
-    if (breaks_->count() > 0) scenario->breaks_per_minute = given_.breaks_per_minute;
     return scenario;
   }
 
@@ -170,11 +175,8 @@ std::optional<Flags> ReadFlags(int argc, char** argv, int& code) {
     code = kExitWrongUse;
     return std::nullopt;
   }
-  swarm.robots = scenario->robots;
-  swarm.batch = scenario->batch;
-  swarm.breaks_per_minute = scenario->breaks_per_minute;
-  swarm.scenario = scenario->options;
-  swarm.scenario.seed = std::stoull(seed);
+  swarm.scenario = *scenario;
+  flags.seed = std::stoull(seed);
   flags.run_for = config::ParseDuration(run_for).value_or(flags.run_for);
   flags.settle_for = config::ParseDuration(settle_for).value_or(flags.settle_for);
   flags.json = report == "json";

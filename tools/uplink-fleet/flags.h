@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -16,6 +17,7 @@ inline constexpr int kExitMismatch = 3;
 
 struct Flags {
   SwarmOptions swarm;
+  std::uint64_t seed = 1;
   std::string http = "127.0.0.1:7480";
   milliseconds run_for{30'000};
   /// How long the fleet waits for the server to settle everything, and for each stream to end,

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,14 +12,17 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/compare.h"
 #include "tools/uplink-fleet/flags.h"
 #include "tools/uplink-fleet/live_summary.h"
+#include "tools/uplink-fleet/process_use.h"
 #include "tools/uplink-fleet/report.h"
 #include "tools/uplink-fleet/server_view.h"
+#include "tools/uplink-fleet/signals.h"
 #include "tools/uplink-fleet/swarm.h"
 #include "tools/uplink-fleet/verify.h"
 
@@ -43,45 +45,36 @@ constexpr std::array<const char*, kStatusCodes> kStatusNames = {
     "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
     "DATA_LOSS", "UNAUTHENTICATED"};
 
-/// SIGINT and SIGTERM, taken synchronously by main; every thread inherits the mask.
-class Signals {
- public:
-  Signals() {
-    sigemptyset(&set_);
-    sigaddset(&set_, SIGINT);
-    sigaddset(&set_, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-  }
-  /// True if one came within `wait`.
-  [[nodiscard]] bool Wait(milliseconds wait) const {
-    const timespec time{static_cast<std::time_t>(wait.count() / 1000),
-                        static_cast<long>(wait.count() % 1000) * 1'000'000};
-    return sigtimedwait(&set_, nullptr, &time) > 0;
-  }
-
- private:
-  sigset_t set_{};
-};
-
 class Run {
  public:
   explicit Run(const Flags& flags) : flags_(flags), view_(flags.http, clock_) {}
 
   int Main() {
-    flags_.swarm.scenario.run = RandomRun();
+    run_ = RandomRun();
+    for (Phase& phase : flags_.swarm.scenario.phases) {
+      phase.options.run = run_;
+      phase.options.seed = flags_.seed;
+    }
     const absl::StatusOr<v1::ServerStatus> before = view_.Status();
     if (!before.ok()) return CannotRun(before.status());
     evidence_.before = *before;
     absl::StatusOr<std::unique_ptr<Swarm>> swarm = Swarm::Create(flags_.swarm, clock_, shared_);
     if (!swarm.ok()) return CannotRun(swarm.status());
+    const std::optional<pid_t> server = ServerProcess();
+    const std::optional<ProcessUse> server_before = server ? UseOf(*server) : std::nullopt;
+    const ProcessUse own_before = UseOf(getpid()).value_or(ProcessUse());
     const SteadyTime started = clock_.Steady();
     (*swarm)->Start();
     const bool reached = Send();
+    const std::optional<ProcessUse> server_after = server ? UseOf(*server) : std::nullopt;
+    if (server_before && server_after) figures_.server = server_after->Since(*server_before);
+    figures_.own = UseOf(getpid()).value_or(ProcessUse()).Since(own_before);
     figures_.seconds = std::chrono::duration<double>(clock_.Steady() - started).count();
     if (reached) Settle();
     shared_.stage.store(Stage::kClose);
     if (!reached || !WaitFor(shared_.closed_robots, flags_.settle_for)) shared_.abandon.store(true);
     outcomes_ = (*swarm)->Finish();
+    figures_.latencies = (*swarm)->TakeLatencies();
     ClearProgress();
     if (!reached) {
       return CannotRun(absl::UnavailableError("no robot was welcomed: " + shared_.FirstError()));
@@ -94,6 +87,15 @@ class Run {
   static std::string RandomRun() {
     std::random_device random;
     return fmt::format("{:08x}", random());
+  }
+
+  /// The server, if it is a process of this machine.
+  [[nodiscard]] std::optional<pid_t> ServerProcess() const {
+    const std::string& target = flags_.swarm.target;
+    const std::string host = target.substr(0, target.rfind(':'));
+    if (host != "localhost" && host != "[::1]" && !host.starts_with("127.")) return std::nullopt;
+    return ListenerOf(
+        static_cast<std::uint16_t>(std::stoul("0" + target.substr(target.rfind(':') + 1))));
   }
 
   static int CannotRun(const absl::Status& status) {
@@ -149,7 +151,7 @@ class Run {
   bool WaitFor(const std::atomic<std::size_t>& robots, milliseconds deadline,
                std::size_t times = 1) {
     const SteadyTime start = clock_.Steady();
-    while (robots.load() < flags_.swarm.robots * times) {
+    while (robots.load() < flags_.swarm.scenario.robots * times) {
       if (clock_.Steady() - start > deadline) return false;
       Progress();
       // A second signal while settling gives up the rest.
@@ -178,7 +180,7 @@ class Run {
           Again([&] { return view_.Stored(robot.ruri, evidence_.before.now_ms()); });
       if (!stored.ok()) return stored.status();
       ++evidence_.robots_read;
-      CompareRows(robot, *stored, flags_.swarm.scenario.run, evidence_.findings);
+      CompareRows(robot, *stored, run_, evidence_.findings);
       ComparePresence(robot, *stored, {evidence_.before.now_ms(), live_at_ms_}, evidence_.findings);
     }
     return absl::OkStatus();
@@ -199,8 +201,8 @@ class Run {
 
   void FillFigures() {
     figures_.robots = outcomes_.size();
-    figures_.seed = flags_.swarm.scenario.seed;
-    figures_.run = flags_.swarm.scenario.run;
+    figures_.seed = flags_.seed;
+    figures_.run = run_;
     for (const RobotOutcome& robot : outcomes_) {
       figures_.sent += robot.sent;
       figures_.resent += robot.resent;
@@ -210,6 +212,9 @@ class Run {
     figures_.rejects = shared_.rejects.load();
     figures_.welcomes = shared_.welcomes.load();
     figures_.breaks = shared_.breaks.load();
+    figures_.takeovers = shared_.takeovers.load();
+    figures_.connects = shared_.connects.load();
+    figures_.skipped_ticks = shared_.skipped_ticks.load();
     figures_.drains = shared_.drains.load();
     figures_.restarted = Restarted(evidence_);
     figures_.first_error = shared_.FirstError();
@@ -240,6 +245,8 @@ class Run {
   }
 
   Flags flags_;
+  /// Unique to this run.
+  std::string run_;
   Signals signals_;
   SystemClock clock_;
   Shared shared_;
@@ -258,7 +265,22 @@ class Run {
 }  // namespace
 }  // namespace uplink::synthetic
 
+namespace {
+
+/// A connection is a descriptor: as many as this user may have.
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  RaiseDescriptorLimit();
+  // A server that closes a connection is no end of the fleet.
+  std::signal(SIGPIPE, SIG_IGN);
   int code = uplink::synthetic::kExitDone;
   const auto flags = uplink::synthetic::ReadFlags(argc, argv, code);
   if (!flags) return code;

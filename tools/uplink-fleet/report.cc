@@ -1,6 +1,8 @@
 #include "tools/uplink-fleet/report.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <fmt/core.h>
 #include <google/protobuf/struct.pb.h>
@@ -27,6 +29,72 @@ void PutBool(Struct& object, const std::string& name, bool value) {
   (*object.mutable_fields())[name].set_bool_value(value);
 }
 
+constexpr std::array<std::pair<const char*, double>, 4> kQuantiles = {
+    {{"p50", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"p99.9", 0.999}}};
+constexpr double kMicrosAMilli = 1000;
+constexpr double kMicrosASecond = 1e6;
+constexpr double kBytesAMiB = 1024.0 * 1024.0;
+
+double MillisOf(Histogram::Micros micros) {
+  return static_cast<double>(micros.count()) / kMicrosAMilli;
+}
+
+std::string LatencyLine(const char* name, const Histogram& histogram) {
+  if (histogram.count() == 0) return {};
+  std::string text = fmt::format("{}, due to acked:", name);
+  for (const auto& [label, share] : kQuantiles) {
+    text += fmt::format(" {} {:.2f} ms,", label, MillisOf(histogram.Quantile(share)));
+  }
+  return text + fmt::format(" max {:.2f} ms ({} messages)\n", MillisOf(histogram.max()),
+                            histogram.count());
+}
+
+std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& figures) {
+  const double sent = static_cast<double>(std::max<std::uint64_t>(figures.sent, 1));
+  return fmt::format(
+      "{}: {:.2f} s of CPU, {:.0f} % of a core, {:.1f} us a message; {:.0f} MiB\n", name,
+      use.cpu_seconds, 100 * use.cpu_seconds / std::max(figures.seconds, 0.001),
+      use.cpu_seconds * kMicrosASecond / sent, static_cast<double>(use.rss_bytes) / kBytesAMiB);
+}
+
+/// How it went, above the table.
+std::string FiguresText(const RunFigures& figures) {
+  std::string text = fmt::format(
+      "\n{} robots, {:.0f} s, seed {}, run {}: {} messages sent ({} again), {} durable acked, "
+      "{} rejects, {} connections, {} welcomes, {} breaks, {} takeovers, {} drains{}\n",
+      figures.robots, figures.seconds, figures.seed, figures.run, figures.sent, figures.resent,
+      figures.acked_durable, figures.rejects, figures.connects, figures.welcomes, figures.breaks,
+      figures.takeovers, figures.drains,
+      figures.restarted ? ", server restarted: its counters are left out" : "");
+  text += LatencyLine("durable", figures.latencies.durable);
+  text += LatencyLine("live", figures.latencies.live);
+  if (figures.server) text += UseLine("server", *figures.server, figures);
+  text += UseLine("fleet", figures.own, figures);
+  if (figures.skipped_ticks > 0) {
+    text += fmt::format("the fleet itself was too slow: {} ticks were left out\n",
+                        figures.skipped_ticks);
+  }
+  for (const auto& [name, count] : figures.ends) {
+    text += fmt::format("streams ended {}: {}\n", name, count);
+  }
+  return text;
+}
+
+void PutLatency(Struct& object, const std::string& name, const Histogram& histogram) {
+  Struct& latency = *(*object.mutable_fields())[name].mutable_struct_value();
+  PutCount(latency, "count", histogram.count());
+  for (const auto& [label, share] : kQuantiles) {
+    Put(latency, label, MillisOf(histogram.Quantile(share)));
+  }
+  Put(latency, "max", MillisOf(histogram.max()));
+}
+
+void PutUse(Struct& object, const std::string& name, const ProcessUse& use) {
+  Struct& to = *(*object.mutable_fields())[name].mutable_struct_value();
+  Put(to, "cpuSeconds", use.cpu_seconds);
+  PutCount(to, "rssBytes", use.rss_bytes);
+}
+
 /// What differs, robot by robot.
 std::string Differences(const Findings& findings) {
   if (findings.differences().empty()) return {};
@@ -49,15 +117,7 @@ bool AllOk(const std::vector<CheckRow>& rows) {
 
 std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
                        const Findings& findings) {
-  std::string text = fmt::format(
-      "\n{} robots, {:.0f} s, seed {}, run {}: {} messages sent ({} again), {} durable acked, "
-      "{} rejects, {} breaks, {} drains{}\n",
-      figures.robots, figures.seconds, figures.seed, figures.run, figures.sent, figures.resent,
-      figures.acked_durable, figures.rejects, figures.breaks, figures.drains,
-      figures.restarted ? ", server restarted: its counters are left out" : "");
-  for (const auto& [name, count] : figures.ends) {
-    text += fmt::format("streams ended {}: {}\n", name, count);
-  }
+  std::string text = FiguresText(figures);
   std::size_t widest = 0;
   for (const CheckRow& row : rows) {
     widest = std::max(widest, row.what.size());
@@ -94,7 +154,15 @@ std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& r
   PutCount(run, "notices", figures.notices);
   PutCount(run, "welcomes", figures.welcomes);
   PutCount(run, "breaks", figures.breaks);
+  PutCount(run, "takeovers", figures.takeovers);
+  PutCount(run, "connects", figures.connects);
+  PutCount(run, "skippedTicks", figures.skipped_ticks);
   PutCount(run, "drains", figures.drains);
+  Struct& latency = *(*run.mutable_fields())["latencyMs"].mutable_struct_value();
+  PutLatency(latency, "durable", figures.latencies.durable);
+  PutLatency(latency, "live", figures.latencies.live);
+  if (figures.server) PutUse(run, "server", *figures.server);
+  PutUse(run, "fleet", figures.own);
   PutBool(run, "serverRestarted", figures.restarted);
   Put(run, "firstError", figures.first_error);
   Struct& ends = *(*run.mutable_fields())["ends"].mutable_struct_value();

@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/uplink-fleet/histogram.h"
+#include "tools/uplink-fleet/process_use.h"
 #include "tools/uplink-fleet/verify.h"
 
 namespace uplink::synthetic {
@@ -22,10 +25,18 @@ struct RunFigures {
   std::uint64_t notices = 0;
   std::uint64_t welcomes = 0;
   std::uint64_t breaks = 0;
+  std::uint64_t takeovers = 0;
+  std::uint64_t connects = 0;
+  std::uint64_t skipped_ticks = 0;
   std::uint64_t drains = 0;
   bool restarted = false;
   /// Streams that ended on their own, by gRPC status name.
   std::map<std::string, std::uint64_t> ends;
+  Latencies latencies;
+  /// What the server's process used while the robots ran; none if it runs elsewhere.
+  std::optional<ProcessUse> server;
+  /// What this program itself used.
+  ProcessUse own;
   /// First trouble that was overcome by reconnecting; empty if none.
   std::string first_error;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
@@ -9,241 +10,282 @@
 namespace uplink::synthetic {
 namespace {
 
+constexpr const char* kMethod = "/uplink.v1.UplinkRelay/Relay";
 constexpr milliseconds kBackoffFirst{100};
 constexpr milliseconds kBackoffMax{2000};
 /// A stream that got no Welcome within this is broken off.
 constexpr std::chrono::seconds kWelcomeDeadline{10};
-constexpr int kReceiveBytesMax = 4 * 1024 * 1024;
-
-std::shared_ptr<grpc::Channel> NewChannel(const RobotOptions& options) {
-  grpc::SslCredentialsOptions tls;
-  tls.pem_root_certs = options.ca_pem;
-  tls.pem_private_key = options.credentials.key_pem;
-  tls.pem_cert_chain = options.credentials.certificate_pem;
-  grpc::ChannelArguments arguments;
-  // A TLS connection of its own for each robot.
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_MAX_RECEIVE_MESSAGE_LENGTH, kReceiveBytesMax);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
-  return grpc::CreateCustomChannel(options.target, grpc::SslCredentials(tls), arguments);
-}
+/// A robot that this program could not drive for longer leaves the ticks before out.
+constexpr std::chrono::seconds kCatchUpMax{10};
+/// How long the network holds a connection open that nothing passes.
+constexpr std::chrono::seconds kFrozenFor{15};
+/// Unsent bytes above which no more frames are made.
+constexpr std::size_t kUnsentMax = 64 * 1024;
+constexpr double kMsAMinute = 60'000;
 
 /// Ends that the protocol page makes the agent's own fault, or the operator's.
-bool IsFault(grpc::StatusCode code) {
-  return code == grpc::StatusCode::INVALID_ARGUMENT || code == grpc::StatusCode::UNAUTHENTICATED ||
-         code == grpc::StatusCode::PERMISSION_DENIED ||
-         code == grpc::StatusCode::RESOURCE_EXHAUSTED || code == grpc::StatusCode::UNIMPLEMENTED;
+bool IsFault(int code) {
+  return code == link::kCodeInvalidArgument || code == link::kCodeUnauthenticated ||
+         code == link::kCodePermissionDenied || code == link::kCodeResourceExhausted ||
+         code == link::kCodeUnimplemented;
+}
+
+milliseconds TickOf(const Phase& phase) {
+  return std::max(milliseconds(1),
+                  milliseconds(static_cast<std::int64_t>(1000 / phase.options.rate_hz)));
 }
 
 }  // namespace
 
-template <void (Robot::*Handler)(bool)>
-class Robot::Handled final : public Tag {
- public:
-  explicit Handled(Robot& robot) : robot_(robot) {}
-  void Proceed(bool ok) override { (robot_.*Handler)(ok); }
-
- private:
-  Robot& robot_;
-};
-
-/// One stream; lives from Open until its Finish has returned.
-struct Robot::Call {
-  grpc::ClientContext context;
-  std::unique_ptr<grpc::ClientAsyncReaderWriter<v1::RelayRequest, v1::RelayResponse>> stream;
-  v1::RelayResponse incoming;
-  grpc::Status status;
-  bool writing = false;
-  bool half_closing = false;
-  bool half_closed = false;
-  /// The read side returned its last tag.
-  bool read_over = false;
-  bool finishing = false;
-  bool broken_by_us = false;
-};
-
-Robot::Robot(RobotOptions options, Agent agent, grpc::CompletionQueue& queue, const Clock& clock,
-             Shared& shared)
+Robot::Robot(RobotOptions options, Agent agent, const Scenario& scenario, SteadyTime start,
+             link::Loop& loop, const Clock& clock, Shared& shared)
     : options_(std::move(options)),
       agent_(std::move(agent)),
-      queue_(queue),
+      scenario_(scenario),
+      start_(start),
+      loop_(loop),
       clock_(clock),
       shared_(shared),
       random_(options_.seed),
-      tick_tag_(std::make_unique<Handled<&Robot::OnTick>>(*this)),
-      started_tag_(std::make_unique<Handled<&Robot::OnStarted>>(*this)),
-      read_tag_(std::make_unique<Handled<&Robot::OnRead>>(*this)),
-      written_tag_(std::make_unique<Handled<&Robot::OnWritten>>(*this)),
-      half_closed_tag_(std::make_unique<Handled<&Robot::OnHalfClosed>>(*this)),
-      finished_tag_(std::make_unique<Handled<&Robot::OnFinished>>(*this)) {}
+      timer_(loop.io),
+      phase_(&scenario.phases.front()) {}
 
 Robot::~Robot() = default;
 
 void Robot::Start(milliseconds after) {
-  next_tick_ = clock_.Steady() + after;
+  next_tick_ = start_ + after;
   ArmTick();
 }
 
 void Robot::ArmTick() {
-  const auto wait = std::max(next_tick_ - clock_.Steady(), SteadyTime::duration::zero());
-  alarm_.Set(&queue_, std::chrono::system_clock::time_point(clock_.System()) + wait,
-             tick_tag_.get());
+  timer_.expires_at(next_tick_);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) OnTick();
+  });
 }
 
-void Robot::OnTick(bool ok) {
+void Robot::OnTick() {
   const SteadyTime now = clock_.Steady();
-  const bool abandon = !ok || shared_.abandon.load(std::memory_order_acquire);
-  if (state_ == State::kIdle && (abandon || agent_.ended_ok())) {
-    done_ = true;
-    shared_.closed_robots.fetch_add(1);
-    return;
+  const bool abandon = shared_.abandon.load(std::memory_order_acquire);
+  if (abandon || (state_ == State::kIdle && agent_.ended_ok())) return Done();
+  LiveUpTo(now);
+  std::erase_if(leftovers_, [now](const auto& each) { return each->over(now); });
+  if (state_ == State::kIdle && now >= next_open_) {
+    Connect();
+  } else if (state_ != State::kIdle && !agent_.welcomed() && now - opened_ > kWelcomeDeadline) {
+    shared_.KeepFirstError(fmt::format("{}: no Welcome within 10 s", options_.ruri));
+    connection_->Cut();
+    connection_.reset();
+    ++failures_;
+    StreamIsOver();
   }
-  if (abandon) {
-    call_->context.TryCancel();
-  } else {
-    agent_.Tick(now, clock_.System());
-    if (state_ == State::kIdle && now >= next_open_) Open();
-    if ((state_ == State::kOpening || state_ == State::kStreaming) && !agent_.welcomed() &&
-        now - opened_ > kWelcomeDeadline) {
-      shared_.KeepFirstError(fmt::format("{}: no Welcome within 10 s", options_.ruri));
-      call_->context.TryCancel();
-    }
-    Break();
-    Pump();
+  if (state_ == State::kStreaming && agent_.welcomed() &&
+      shared_.stage.load(std::memory_order_relaxed) == Stage::kRun) {
+    MakeTrouble(now);
   }
-  // A late tick does not make the next ones come in a burst.
-  next_tick_ = std::max(next_tick_ + options_.tick, now);
+  ReadSlowly(now);
+  Pump();
   ArmTick();
 }
 
+void Robot::LiveUpTo(SteadyTime now) {
+  if (now - next_tick_ > kCatchUpMax) {
+    const auto skipped = (now - next_tick_) / TickOf(*phase_);
+    shared_.skipped_ticks.fetch_add(static_cast<std::uint64_t>(skipped));
+    next_tick_ = now;
+  }
+  // A late tick was due at its own time: what waited for this program counts as waiting.
+  do {
+    Enter(scenario_.At(std::chrono::duration_cast<milliseconds>(next_tick_ - start_)));
+    agent_.Tick(next_tick_, clock_.System());
+    next_tick_ += TickOf(*phase_);
+  } while (next_tick_ <= now);
+}
+
+void Robot::Enter(const Phase& phase) {
+  if (&phase == phase_) return;
+  phase_ = &phase;
+  static_cast<void>(Storms(next_tick_));
+  agent_.Adopt(phase);
+}
+
+bool Robot::Happens(double per_minute) {
+  const double ticks_a_minute = kMsAMinute / static_cast<double>(TickOf(*phase_).count());
+  return per_minute > 0 &&
+         std::uniform_real_distribution<double>(0, 1)(random_) < per_minute / ticks_a_minute;
+}
+
+bool Robot::Storms(SteadyTime now) {
+  const milliseconds every = phase_->trouble.storm_every;
+  if (every.count() == 0) return false;
+  const auto storms = (now - start_) / every;
+  return std::exchange(storms_, storms) < storms;
+}
+
+void Robot::MakeTrouble(SteadyTime now) {
+  const Trouble& trouble = phase_->trouble;
+  if (Storms(now) || Happens(trouble.cuts_per_minute)) {
+    shared_.breaks.fetch_add(1, std::memory_order_relaxed);
+    Cut();
+  } else if (Happens(trouble.breaks_per_minute)) {
+    Break();
+  } else if (Happens(trouble.half_opens_per_minute)) {
+    shared_.breaks.fetch_add(1, std::memory_order_relaxed);
+    LeaveBehind(true, now);
+  } else if (Happens(trouble.takeovers_per_minute)) {
+    shared_.takeovers.fetch_add(1, std::memory_order_relaxed);
+    LeaveBehind(false, now);
+  }
+}
+
+void Robot::ReadSlowly(SteadyTime now) {
+  if (connection_ == nullptr || phase_->trouble.slow_readers <= 0) return;
+  // Spread evenly over the fleet.
+  const double before = phase_->trouble.slow_readers * static_cast<double>(options_.index);
+  const bool slow = std::floor(before + phase_->trouble.slow_readers) > std::floor(before);
+  const bool running = shared_.stage.load(std::memory_order_relaxed) == Stage::kRun;
+  connection_->PauseReading(slow && running && agent_.welcomed() &&
+                            (now - start_) % kSlowCycle < kSlowPause);
+}
+
 void Robot::Break() {
-  if (options_.breaks_per_minute <= 0 || state_ != State::kStreaming ||
-      shared_.stage.load(std::memory_order_relaxed) != Stage::kRun || !agent_.welcomed()) {
-    return;
-  }
-  const double ticks_a_minute = 60'000.0 / static_cast<double>(options_.tick.count());
-  if (std::uniform_real_distribution<double>(0, 1)(random_) >=
-      options_.breaks_per_minute / ticks_a_minute) {
-    return;
-  }
   shared_.breaks.fetch_add(1, std::memory_order_relaxed);
-  call_->broken_by_us = true;
-  // A network loses what was written last; the agent cannot tell, and must send it again.
-  static_cast<void>(agent_.NextFrame(clock_.Steady(), clock_.System()));
-  call_->context.TryCancel();
-  // Half of the breaks cost the connection too.
-  if (random_() % 2 == 0) ForgetChannel();
-}
-
-void Robot::ForgetChannel() { stub_.reset(); }
-
-void Robot::Open() {
-  if (stub_ == nullptr) stub_ = v1::UplinkRelay::NewStub(NewChannel(options_));
-  call_ = std::make_unique<Call>();
-  call_->stream = stub_->PrepareAsyncRelay(&call_->context, &queue_);
-  state_ = State::kOpening;
-  opened_ = clock_.Steady();
-  call_->stream->StartCall(started_tag_.get());
-}
-
-void Robot::OnStarted(bool ok) {
-  if (!ok) {
-    call_->read_over = true;
-    EndIfQuiet();
+  static_cast<void>(LastFrame());
+  broken_by_us_ = true;
+  if (random_() % 2 == 0) {
+    connection_->CancelStream();
     return;
+  }
+  // Half of the breaks cost the connection too.
+  connection_.reset();
+  StreamIsOver();
+}
+
+std::string Robot::LastFrame() {
+  const auto frame = agent_.NextFrame(clock_.Steady(), clock_.System());
+  return frame ? frame->SerializeAsString() : std::string();
+}
+
+void Robot::Cut() {
+  static_cast<void>(LastFrame());
+  connection_->Cut();
+  connection_.reset();
+  broken_by_us_ = true;
+  StreamIsOver();
+}
+
+void Robot::LeaveBehind(bool frozen, SteadyTime now) {
+  if (leftovers_.size() >= kLeftoversMax) {
+    leftovers_.front()->Cut();
+    leftovers_.pop_front();
+  }
+  auto leftover =
+      std::make_unique<Leftover>(std::exchange(connection_, nullptr), now + kFrozenFor, shared_);
+  const std::string frame = LastFrame();
+  if (frozen) {
+    leftover->Freeze();
+  } else if (!frame.empty()) {
+    leftover->Send(frame);
+  }
+  leftovers_.push_back(std::move(leftover));
+  broken_by_us_ = true;
+  StreamIsOver();
+}
+
+void Robot::Connect() {
+  state_ = State::kConnecting;
+  opened_ = clock_.Steady();
+  if (connection_ != nullptr && connection_->usable()) return OpenStream();
+  options_.link.delay = phase_->trouble.delay;
+  connection_ = std::make_unique<link::GrpcConnection>(loop_, options_.link,
+                                                       static_cast<link::StreamEvents&>(*this));
+  connection_->Connect();
+}
+
+void Robot::OnConnected() {
+  shared_.connects.fetch_add(1, std::memory_order_relaxed);
+  OpenStream();
+}
+
+void Robot::OpenStream() {
+  half_closed_ = false;
+  if (!connection_->OpenStream(kMethod)) {
+    connection_.reset();
+    return StreamIsOver();
   }
   state_ = State::kStreaming;
   shared_.streams.fetch_add(1, std::memory_order_relaxed);
-  call_->stream->Read(&call_->incoming, read_tag_.get());
-  Write(agent_.BeginStream());
-}
-
-void Robot::Write(const v1::RelayRequest& frame) {
-  call_->writing = true;
-  call_->stream->Write(frame, written_tag_.get());
+  connection_->Send(agent_.BeginStream().SerializeAsString());
 }
 
 void Robot::Pump() {
-  if (state_ != State::kStreaming || call_->writing || call_->half_closed || call_->read_over ||
-      call_->broken_by_us) {
-    return;
+  if (state_ != State::kStreaming || half_closed_ || broken_by_us_) return;
+  while (connection_->unsent() < kUnsentMax) {
+    const SteadyTime now = clock_.Steady();
+    agent_.Fill(now, clock_.System());
+    const auto frame = agent_.NextFrame(now, clock_.System());
+    if (!frame) break;
+    connection_->Send(frame->SerializeAsString());
   }
-  if (auto frame = agent_.NextFrame(clock_.Steady(), clock_.System())) {
-    Write(*frame);
-  } else if (agent_.may_close()) {
-    call_->half_closing = true;
-    call_->half_closed = true;
-    call_->stream->WritesDone(half_closed_tag_.get());
+  if (agent_.may_close()) {
+    half_closed_ = true;
+    connection_->HalfClose();
   }
 }
 
-void Robot::OnWritten(bool ok) {
-  call_->writing = false;
-  // A write that failed means that the stream is over: the read side will say so too.
-  if (ok) Pump();
-  EndIfQuiet();
-}
-
-void Robot::OnHalfClosed(bool /*ok*/) {
-  call_->half_closing = false;
-  EndIfQuiet();
-}
-
-void Robot::OnRead(bool ok) {
-  if (!ok) {
-    call_->read_over = true;
-    EndIfQuiet();
-    return;
+void Robot::OnMessage(std::string_view message) {
+  v1::RelayResponse frame;
+  absl::Status status = absl::InternalError("the server broke a rule: a frame is protobuf");
+  if (frame.ParseFromArray(message.data(), static_cast<int>(message.size()))) {
+    status = agent_.OnFrame(frame, clock_.Steady());
   }
-  const absl::Status status = agent_.OnFrame(call_->incoming, clock_.Steady());
   if (!status.ok()) {
     shared_.KeepFirstBrokenRule(
         fmt::format("{}: {}", options_.ruri, std::string(status.message())));
-    call_->context.TryCancel();
+    connection_->CancelStream();
+    return;
   }
-  call_->stream->Read(&call_->incoming, read_tag_.get());
   Pump();
 }
 
-void Robot::EndIfQuiet() {
-  if (!call_->read_over || call_->writing || call_->half_closing || call_->finishing) return;
-  call_->finishing = true;
-  if (state_ == State::kStreaming) shared_.streams.fetch_sub(1, std::memory_order_relaxed);
-  state_ = State::kEnding;
-  call_->stream->Finish(&call_->status, finished_tag_.get());
+void Robot::OnEnded(const link::StreamEnd& end) {
+  Note(end);
+  if (!connection_->usable()) connection_.reset();
+  StreamIsOver();
 }
 
-void Robot::OnFinished(bool /*ok*/) {
-  const grpc::Status& status = call_->status;
-  const auto code = static_cast<std::size_t>(status.error_code());
-  if (!call_->broken_by_us && code < kStatusCodes) {
-    shared_.ends[code].fetch_add(1, std::memory_order_relaxed);
-  }
+void Robot::Note(const link::StreamEnd& end) {
+  if (!broken_by_us_) shared_.CountEnd(end.code);
   failures_ = agent_.welcomed() ? 0 : failures_ + 1;
-  if (status.ok() && call_->half_closed) {
+  if (end.code == link::kCodeOk && half_closed_) {
     agent_.OnEndedOk();
-  } else if (IsFault(status.error_code())) {
+  } else if (IsFault(end.code)) {
     shared_.KeepFirstBrokenRule(
-        fmt::format("{}: code {}: {}", options_.ruri, code, status.error_message()));
-  } else if (!call_->broken_by_us && !status.ok()) {
-    shared_.KeepFirstError(
-        fmt::format("{}: code {}: {}", options_.ruri, code, status.error_message()));
+        fmt::format("{}: code {}: {}", options_.ruri, end.code, end.message));
+  } else if (!broken_by_us_ && end.code != link::kCodeOk) {
+    shared_.KeepFirstError(fmt::format("{}: code {}: {}", options_.ruri, end.code, end.message));
   }
-  const bool at_once = call_->broken_by_us;
-  agent_.EndStream();
-  call_.reset();
+}
+
+void Robot::StreamIsOver() {
+  if (state_ == State::kStreaming) shared_.streams.fetch_sub(1, std::memory_order_relaxed);
   state_ = State::kIdle;
+  agent_.EndStream();
+  const bool at_once = std::exchange(broken_by_us_, false);
   if (at_once && !shared_.abandon.load(std::memory_order_acquire)) {
     // While commits of the broken stream still wait: the hardest moment to resume at.
-    Open();
+    Connect();
   } else {
     next_open_ = clock_.Steady() + NextBackoff();
   }
+}
+
+void Robot::Done() {
+  if (state_ == State::kStreaming) shared_.streams.fetch_sub(1, std::memory_order_relaxed);
+  state_ = State::kIdle;
+  connection_.reset();
+  leftovers_.clear();
+  shared_.closed_robots.fetch_add(1);
 }
 
 milliseconds Robot::NextBackoff() {

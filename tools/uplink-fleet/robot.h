@@ -1,101 +1,101 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <random>
 #include <string>
 
-#include <grpcpp/alarm.h>
-#include <grpcpp/grpcpp.h>
+#include <boost/asio/steady_timer.hpp>
 
 #include "schema/base/clock.h"
-#include "tools/pki/authority.h"
+#include "tools/link/grpc_connection.h"
 #include "tools/uplink-fleet/agent.h"
-#include "uplink/v1/relay.grpc.pb.h"
+#include "tools/uplink-fleet/leftover.h"
+#include "tools/uplink-fleet/scenario.h"
 
 namespace uplink::synthetic {
 
-/// What a completion queue hands back.
-class Tag {
- public:
-  virtual ~Tag() = default;
-  virtual void Proceed(bool ok) = 0;
-};
-
 struct RobotOptions {
-  std::string target;
   std::string ruri;
-  pki::Credentials credentials;
-  std::string ca_pem;
-  milliseconds tick{100};
-  /// Breaks of its own making, a minute.
-  double breaks_per_minute = 0;
+  std::size_t index = 0;
+  link::LinkOptions link;
   std::uint64_t seed = 1;
 };
 
+/// Connections that one robot has left behind; at it the oldest is cut.
+inline constexpr std::size_t kLeftoversMax = 8;
+
 /// One robot's connection: a TLS connection and a stream of its own, opened again after each end,
-/// driven by an alarm each tick. Tags of one robot all return on one completion queue.
+/// driven by a timer each tick; and what the scenario does to it.
 ///
-/// Thread: Start from the thread that makes it; everything else on the queue's thread. It may be
-/// destroyed once done() and the queue is drained.
-class Robot final {
+/// Thread: Start from the thread that makes it, before the loop runs; everything else on the
+/// loop's thread.
+class Robot final : private link::StreamEvents {
  public:
-  Robot(RobotOptions options, Agent agent, grpc::CompletionQueue& queue, const Clock& clock,
-        Shared& shared);
-  ~Robot();
+  /// `scenario` outlives the robot, and `start` is when the run begins.
+  Robot(RobotOptions options, Agent agent, const Scenario& scenario, SteadyTime start,
+        link::Loop& loop, const Clock& clock, Shared& shared);
+  ~Robot() override;
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  /// Sets the first alarm, `after` from now: a fleet does not connect in one instant.
+  /// Sets the first tick, `after` the start: a fleet does not connect in one instant.
   void Start(milliseconds after);
-  [[nodiscard]] bool done() const { return done_; }
   [[nodiscard]] RobotOutcome TakeOutcome() { return agent_.TakeOutcome(options_.ruri); }
 
  private:
-  enum class State : std::uint8_t { kIdle, kOpening, kStreaming, kEnding };
-  template <void (Robot::*Handler)(bool)>
-  class Handled;
-  struct Call;
+  enum class State : std::uint8_t { kIdle, kConnecting, kStreaming };
 
-  void OnTick(bool ok);
-  void OnStarted(bool ok);
-  void OnRead(bool ok);
-  void OnWritten(bool ok);
-  void OnHalfClosed(bool ok);
-  void OnFinished(bool ok);
+  void OnConnected() override;
+  void OnMessage(std::string_view message) override;
+  void OnSent() override { Pump(); }
+  void OnEnded(const link::StreamEnd& end) override;
 
-  void Open();
-  void Write(const v1::RelayRequest& frame);
-  void Pump();
-  void Break();
-  void EndIfQuiet();
   void ArmTick();
-  void ForgetChannel();
+  void OnTick();
+  void LiveUpTo(SteadyTime now);
+  void Enter(const Phase& phase);
+  void MakeTrouble(SteadyTime now);
+  [[nodiscard]] bool Storms(SteadyTime now);
+  [[nodiscard]] bool Happens(double per_minute);
+  void ReadSlowly(SteadyTime now);
+  /// The frame that a network loses with the connection: the agent cannot tell, and must send it
+  /// again.
+  [[nodiscard]] std::string LastFrame();
+  void Break();
+  void Cut();
+  void LeaveBehind(bool frozen, SteadyTime now);
+  void Connect();
+  void OpenStream();
+  void Pump();
+  void Note(const link::StreamEnd& end);
+  void StreamIsOver();
+  void Done();
   [[nodiscard]] milliseconds NextBackoff();
 
   RobotOptions options_;
   Agent agent_;
-  grpc::CompletionQueue& queue_;
+  const Scenario& scenario_;
+  const SteadyTime start_;
+  link::Loop& loop_;
   const Clock& clock_;
   Shared& shared_;
   std::mt19937_64 random_;
+  boost::asio::steady_timer timer_;
 
-  std::unique_ptr<Tag> tick_tag_;
-  std::unique_ptr<Tag> started_tag_;
-  std::unique_ptr<Tag> read_tag_;
-  std::unique_ptr<Tag> written_tag_;
-  std::unique_ptr<Tag> half_closed_tag_;
-  std::unique_ptr<Tag> finished_tag_;
-  grpc::Alarm alarm_;
-
-  std::unique_ptr<v1::UplinkRelay::Stub> stub_;
-  std::unique_ptr<Call> call_;
+  const Phase* phase_;
+  std::unique_ptr<link::GrpcConnection> connection_;
+  std::deque<std::unique_ptr<Leftover>> leftovers_;
   State state_ = State::kIdle;
   SteadyTime next_open_{};
   SteadyTime opened_{};
   SteadyTime next_tick_{};
+  std::int64_t storms_ = 0;
   int failures_ = 0;
-  bool done_ = false;
+  bool half_closed_ = false;
+  /// The stream that ends next was ended by the scenario.
+  bool broken_by_us_ = false;
 };
 
 }  // namespace uplink::synthetic

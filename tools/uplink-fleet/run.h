@@ -38,7 +38,14 @@ struct Shared {
   std::atomic<std::uint64_t> sent{0};
   std::atomic<std::uint64_t> acked_durable{0};
   std::atomic<std::uint64_t> rejects{0};
+  /// Streams and connections that the scenario ended, in whatever way.
   std::atomic<std::uint64_t> breaks{0};
+  /// Second connections that it opened beside the first.
+  std::atomic<std::uint64_t> takeovers{0};
+  /// Connections that were up, with their handshake done.
+  std::atomic<std::uint64_t> connects{0};
+  /// Ticks that this program could not keep up with: it was the limit, not the server.
+  std::atomic<std::uint64_t> skipped_ticks{0};
   std::atomic<std::uint64_t> drains{0};
   std::atomic<std::uint64_t> rules_broken{0};
   /// Ends of streams by status code.
@@ -48,6 +55,11 @@ struct Shared {
   /// Once for each round of kLast.
   std::atomic<std::size_t> last_robots{0};
   std::atomic<std::size_t> closed_robots{0};
+
+  void CountEnd(int code) {
+    const auto index = static_cast<std::size_t>(code);
+    if (index < kStatusCodes) ends[index].fetch_add(1, std::memory_order_relaxed);
+  }
 
   /// Keeps the first text of its kind, for the report.
   void KeepFirstError(const std::string& text) {

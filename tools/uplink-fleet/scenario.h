@@ -8,6 +8,8 @@
 
 #include <absl/status/statusor.h>
 
+#include "schema/base/clock.h"
+
 namespace uplink::synthetic {
 
 /// What every robot of a run does. Bounds are those of the flags.
@@ -17,6 +19,8 @@ struct ScenarioOptions {
   std::string run;
   /// Motion messages a second; a tick each.
   double rate_hz = 10;
+  /// Status messages a second.
+  double status_hz = 1;
   /// Share of ticks in which something wrong is sent beside the rest.
   double malformed_share = 0;
   /// Fault reports a second, on average.
@@ -26,25 +30,60 @@ struct ScenarioOptions {
   double pace = 1;
 };
 
-/// A scenario by name or from a file: what the flags of the same names would say.
-struct Scenario {
-  std::size_t robots = 10;
+/// What happens to a robot's connection. The rates are averages for each robot.
+struct Trouble {
+  /// The agent ends its stream, and half of the times the connection, in order.
+  double breaks_per_minute = 0;
+  /// The network forgets the connection: a TCP reset.
+  double cuts_per_minute = 0;
+  /// Nothing passes any more, and nobody is told.
+  double half_opens_per_minute = 0;
+  /// A second connection opens while the first one goes on.
+  double takeovers_per_minute = 0;
+  /// What a robot writes waits so long.
+  milliseconds delay{0};
+  /// Share of the robots that read nothing for kSlowPause of every kSlowCycle.
+  double slow_readers = 0;
+  /// All connections are cut in one instant, each time that this has passed; never if 0.
+  milliseconds storm_every{0};
+};
+inline constexpr milliseconds kSlowCycle{4000};
+inline constexpr milliseconds kSlowPause{3000};
+
+/// What holds at one time of a scenario.
+struct Phase {
+  /// Where there are several, which follow each other again and again.
+  milliseconds lasts{0};
+  /// Of which seed and run are the whole run's.
+  ScenarioOptions options;
   /// Messages that are gathered for a frame.
   std::size_t batch = 1;
-  double breaks_per_minute = 0;
-  ScenarioOptions options;
+  /// Motion is sent as fast as acks let it, whatever the rate.
+  bool flood = false;
+  Trouble trouble;
 };
 
-/// The names that LoadScenario knows, with what they are for.
-struct NamedScenario {
-  std::string_view name;
-  std::string_view text;
-  Scenario scenario;
-};
-[[nodiscard]] const std::vector<NamedScenario>& NamedScenarios();
+/// A scenario by name or from a file.
+struct Scenario {
+  /// For people.
+  std::string about;
+  std::size_t robots = 10;
+  /// Robots that connect a second at the start, at most.
+  double connects_per_second = 500;
+  /// How long each robot lived and kept its messages before it first connects.
+  milliseconds offline_before{0};
+  /// One at least.
+  std::vector<Phase> phases = {Phase{}};
 
-/// The scenario of that name; else the TOML file at that path, whose keys are robots, rate, faults,
-/// malformed_share, breaks_per_minute, batch and pace; those that it leaves out are as in `calm`.
+  /// The phase that holds so long after the start.
+  [[nodiscard]] const Phase& At(milliseconds since_start) const;
+};
+
+/// The names that LoadScenario knows: the files of tests/load/scenarios, built in.
+[[nodiscard]] std::vector<std::string> ScenarioNames();
+
+/// The scenario of that name; else the TOML file at that path. Keys at the top hold in every phase
+/// that does not name them; what no key sets is as above.
 ///
 /// Errors: kInvalidArgument for a file that cannot be read, an unknown key or a value out of range,
 ///         which is named with its limits.
@@ -57,11 +96,19 @@ struct ScenarioNumber {
   double max = 0;
 };
 inline constexpr ScenarioNumber kRobotsNumber{"robots", 1, 50'000};
+inline constexpr ScenarioNumber kConnectsNumber{"connects_per_second", 1, 50'000};
 inline constexpr ScenarioNumber kRateNumber{"rate", 0.1, 1000};
+inline constexpr ScenarioNumber kStatusNumber{"status", 0.01, 100};
 inline constexpr ScenarioNumber kFaultsNumber{"faults", 0, 1000};
 inline constexpr ScenarioNumber kMalformedNumber{"malformed_share", 0, 1};
 inline constexpr ScenarioNumber kBreaksNumber{"breaks_per_minute", 0, 600};
+inline constexpr ScenarioNumber kCutsNumber{"cuts_per_minute", 0, 600};
+inline constexpr ScenarioNumber kHalfOpensNumber{"half_opens_per_minute", 0, 60};
+inline constexpr ScenarioNumber kTakeoversNumber{"takeovers_per_minute", 0, 600};
+inline constexpr ScenarioNumber kSlowReadersNumber{"slow_readers", 0, 1};
 inline constexpr ScenarioNumber kBatchNumber{"batch", 1, 256};
 inline constexpr ScenarioNumber kPaceNumber{"pace", 0.1, 100};
+/// Phases of one scenario.
+inline constexpr std::size_t kPhasesMax = 32;
 
 }  // namespace uplink::synthetic

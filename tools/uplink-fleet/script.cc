@@ -10,8 +10,6 @@
 namespace uplink::synthetic {
 namespace {
 
-/// Seconds between status messages.
-constexpr double kStatusEveryS = 1;
 constexpr double kFuelPct = 63.5;
 /// Metres and seconds that a full battery is good for.
 constexpr double kRangeM = 1800;
@@ -25,10 +23,10 @@ Seeded SourceFor(const ScenarioOptions& options, std::size_t index, std::uint64_
 
 Outgoing Enter(const model::Body& body, Ledger& ledger) {
   if (model::IsDurable(model::VariantOf(body))) {
-    return {Keeping::kDurable, Content::kRoverNexus, schema::Encode(body), ledger.Enter(body)};
+    return {Keeping::kDurable, Content::kRoverNexus, schema::Encode(body), ledger.Enter(body), {}};
   }
   ledger.EnterLive(body);
-  return {Keeping::kLive, Content::kRoverNexus, schema::Encode(body), 0};
+  return {Keeping::kLive, Content::kRoverNexus, schema::Encode(body), 0, {}};
 }
 
 std::vector<Outgoing> EnterAll(const Outbox& out, Ledger& ledger) {
@@ -64,7 +62,16 @@ RobotScript::RobotScript(const ScenarioOptions& options, std::size_t index, cons
       settings_(SourceFor(options, index, 8)),
       equipment_(SourceFor(options, index, 9)),
       wrong_(SourceFor(options, index, 10), mark),
-      status_(kStatusEveryS, random_.Unit()) {}
+      status_(1 / options.status_hz, random_.Unit() / options.status_hz) {}
+
+void RobotScript::Adopt(const ScenarioOptions& options) {
+  options_.rate_hz = options.rate_hz;
+  options_.malformed_share = options.malformed_share;
+  options_.pace = options.pace;
+  tick_s_ = 1 / options.rate_hz;
+  faults_.SetRate(options.faults_hz);
+  status_.SetPeriod(1 / options.status_hz);
+}
 
 std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
   const Moment clock{now_ms, tick_s_};
@@ -92,6 +99,10 @@ Outgoing RobotScript::Motion(std::int64_t now_ms, Ledger& ledger) {
   facts_.speed_mps = 0;
   facts_.turn_rps = 0;
   return Enter(route_.Motion({now_ms, tick_s_}, facts_), ledger);
+}
+
+Outgoing RobotScript::Again(std::int64_t now_ms, Ledger& ledger) {
+  return Enter(route_.Motion({now_ms, 0}, facts_), ledger);
 }
 
 std::vector<Outgoing> RobotScript::Last(std::int64_t now_ms, Ledger& ledger) {

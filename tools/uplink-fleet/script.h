@@ -28,10 +28,14 @@ class RobotScript final {
  public:
   RobotScript(const ScenarioOptions& options, std::size_t index);
 
+  /// Goes on with other rates, shares and pace; who the robot is stays.
+  void Adopt(const ScenarioOptions& options);
   /// The messages of one tick, at `now_ms` (Unix).
   [[nodiscard]] std::vector<Outgoing> Tick(std::int64_t now_ms, Ledger& ledger);
   /// A motion message of a robot that stands still.
   [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Ledger& ledger);
+  /// A motion message between two ticks.
+  [[nodiscard]] Outgoing Again(std::int64_t now_ms, Ledger& ledger);
   /// One of each live message, with every key.
   [[nodiscard]] std::vector<Outgoing> Last(std::int64_t now_ms, Ledger& ledger);
 

@@ -1,6 +1,5 @@
 #include "tools/uplink-fleet/swarm.h"
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <random>
@@ -8,17 +7,15 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <grpc/support/log.h>
 #include <pthread.h>
 
+#include "tools/link/loop.h"
 #include "tools/pki/directory.h"
 #include "tools/uplink-fleet/robot.h"
 
 namespace uplink::synthetic {
 namespace {
 
-/// Robots that connect a second at most: a handshake costs the server about 1.5 ms of a core.
-constexpr std::int64_t kConnectsASecond = 200;
 constexpr int kCertificateDays = 30;
 
 model::SessionId RandomSession(std::random_device& random) {
@@ -29,35 +26,31 @@ model::SessionId RandomSession(std::random_device& random) {
   return model::SessionId(bytes);
 }
 
-/// Hands tags back until the queue is drained.
-void Drive(grpc::CompletionQueue& queue) {
-  void* tag = nullptr;
-  bool ok = false;
-  while (queue.Next(&tag, &ok)) {
-    static_cast<Tag*>(tag)->Proceed(ok);
-  }
-}
-
-/// Hands tags back until every robot of this queue is done.
-void DriveUntilDone(grpc::CompletionQueue& queue, const std::vector<Robot*>& robots) {
-  void* tag = nullptr;
-  bool ok = false;
-  std::size_t done = 0;
-  while (done < robots.size() && queue.Next(&tag, &ok)) {
-    static_cast<Tag*>(tag)->Proceed(ok);
-    // Robots finish rarely; counting from the last known is cheap.
-    while (done < robots.size() && robots[done]->done()) ++done;
-  }
-  queue.Shutdown();
-  Drive(queue);
-}
+/// One thread's robots. Members are destroyed in reverse: robots before the loop they hang on.
+struct Driver {
+  link::Loop loop;
+  Latencies latencies;
+  std::vector<std::unique_ptr<Robot>> robots;
+  /// Their places in the fleet.
+  std::vector<std::size_t> indices;
+};
 
 }  // namespace
 
 struct Swarm::Inside {
-  std::vector<std::unique_ptr<grpc::CompletionQueue>> queues;
-  std::vector<std::unique_ptr<Robot>> robots;
+  SwarmOptions options;
+  const Clock& clock;
+  Shared& shared;
+  std::unique_ptr<pki::Authority> authority;
+  std::shared_ptr<const link::TlsClient> tls;
+  link::Address address;
+  std::vector<link::Identity> identities;
+  std::vector<model::SessionId> sessions;
+  std::vector<std::unique_ptr<Driver>> drivers;
   std::vector<std::jthread> threads;
+
+  /// On the driver's own thread: a robot that was offline first lives through that time.
+  void MakeRobots(Driver& driver, SteadyTime start);
 };
 
 std::string RuriOf(const SwarmOptions& options, std::size_t index) {
@@ -69,50 +62,70 @@ Swarm::~Swarm() = default;
 
 absl::StatusOr<std::unique_ptr<Swarm>> Swarm::Create(const SwarmOptions& options,
                                                      const Clock& clock, Shared& shared) {
-  // What ends a stream is counted and reported; gRPC's own lines would go through the live summary.
-  gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
-  const auto authority = pki::Directory(options.pki_directory).LoadAuthority();
+  auto authority = pki::Directory(options.pki_directory).LoadAuthority();
   if (!authority.ok()) return authority.status();
+  auto tls =
+      link::TlsClient::Create((*authority)->credentials().certificate_pem, link::Alpn::kHttp2);
+  if (!tls.ok()) return tls.status();
+  auto address = link::Resolve(options.target);
+  if (!address.ok()) return address.status();
+  std::unique_ptr<Inside> inside(new Inside{options,
+                                            clock,
+                                            shared,
+                                            *std::move(authority),
+                                            *std::move(tls),
+                                            *std::move(address),
+                                            {},
+                                            {},
+                                            {},
+                                            {}});
   std::random_device random;
-  auto inside = std::make_unique<Inside>();
   for (std::size_t i = 0; i < options.threads; ++i) {
-    inside->queues.push_back(std::make_unique<grpc::CompletionQueue>());
+    inside->drivers.push_back(std::make_unique<Driver>());
   }
-  const double tick_ms = std::max(1.0, 1000.0 / options.scenario.rate_hz);
-  for (std::size_t i = 0; i < options.robots; ++i) {
+  for (std::size_t i = 0; i < options.scenario.robots; ++i) {
     const auto profile =
         pki::RobotProfile(RuriOf(options, i), options.fleet, fmt::format("robot-{:04}", i + 1));
     if (!profile.ok()) return profile.status();
-    auto credentials = (*authority)->Issue(*profile, kCertificateDays);
+    const auto credentials = inside->authority->Issue(*profile, kCertificateDays);
     if (!credentials.ok()) return credentials.status();
-    RobotOptions robot;
-    robot.target = options.target;
-    robot.ruri = RuriOf(options, i);
-    robot.credentials = std::move(*credentials);
-    robot.ca_pem = (*authority)->credentials().certificate_pem;
-    robot.tick = milliseconds(static_cast<std::int64_t>(tick_ms));
-    robot.breaks_per_minute = options.breaks_per_minute;
-    robot.seed = options.scenario.seed * 1'000'003 + i;
-    Agent agent(options.scenario, i, options.batch, RandomSession(random), shared);
-    inside->robots.push_back(std::make_unique<Robot>(
-        std::move(robot), std::move(agent), *inside->queues[i % options.threads], clock, shared));
+    auto identity = link::Identity::Parse(credentials->certificate_pem, credentials->key_pem);
+    if (!identity.ok()) return identity.status();
+    inside->identities.push_back(*std::move(identity));
+    inside->sessions.push_back(RandomSession(random));
+    inside->drivers[i % options.threads]->indices.push_back(i);
   }
   return std::unique_ptr<Swarm>(new Swarm(std::move(inside)));
 }
 
-void Swarm::Start() {
-  const std::size_t queues = inside_->queues.size();
-  for (std::size_t i = 0; i < inside_->robots.size(); ++i) {
-    inside_->robots[i]->Start(milliseconds(static_cast<std::int64_t>(i) * 1000 / kConnectsASecond));
+void Swarm::Inside::MakeRobots(Driver& driver, SteadyTime start) {
+  const Scenario& scenario = options.scenario;
+  const Phase& first = scenario.phases.front();
+  for (const std::size_t i : driver.indices) {
+    RobotOptions robot;
+    robot.ruri = RuriOf(options, i);
+    robot.index = i;
+    robot.link.address = address;
+    robot.link.identity = identities[i];
+    robot.link.tls = tls;
+    robot.seed = first.options.seed * 1'000'003 + i;
+    Agent agent(first, i, sessions[i], shared, driver.latencies);
+    agent.LiveOffline(scenario.offline_before, start, clock.System());
+    driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agent), scenario,
+                                                    start, driver.loop, clock, shared));
+    const double after_ms = static_cast<double>(i) * 1000 / scenario.connects_per_second;
+    driver.robots.back()->Start(milliseconds(static_cast<std::int64_t>(after_ms)));
   }
-  for (std::size_t q = 0; q < queues; ++q) {
-    std::vector<Robot*> mine;
-    for (std::size_t i = q; i < inside_->robots.size(); i += queues) {
-      mine.push_back(inside_->robots[i].get());
-    }
-    inside_->threads.emplace_back([&queue = *inside_->queues[q], mine = std::move(mine)] {
+}
+
+void Swarm::Start() {
+  const SteadyTime start = inside_->clock.Steady();
+  for (const auto& driver : inside_->drivers) {
+    inside_->threads.emplace_back([inside = inside_.get(), &driver = *driver, start] {
       pthread_setname_np(pthread_self(), "robots");
-      DriveUntilDone(queue, mine);
+      inside->MakeRobots(driver, start);
+      // Until no robot sets another timer: all are done.
+      driver.loop.io.run();
     });
   }
 }
@@ -120,11 +133,17 @@ void Swarm::Start() {
 std::vector<RobotOutcome> Swarm::Finish() {
   inside_->threads.clear();
   std::vector<RobotOutcome> outcomes;
-  outcomes.reserve(inside_->robots.size());
-  for (const auto& robot : inside_->robots) {
-    outcomes.push_back(robot->TakeOutcome());
+  outcomes.reserve(inside_->options.scenario.robots);
+  for (const auto& driver : inside_->drivers) {
+    for (const auto& robot : driver->robots) outcomes.push_back(robot->TakeOutcome());
   }
   return outcomes;
+}
+
+Latencies Swarm::TakeLatencies() {
+  Latencies all;
+  for (const auto& driver : inside_->drivers) all.Merge(driver->latencies);
+  return all;
 }
 
 }  // namespace uplink::synthetic

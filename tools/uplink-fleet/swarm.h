@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/histogram.h"
 #include "tools/uplink-fleet/ledger.h"
 #include "tools/uplink-fleet/run.h"
 #include "tools/uplink-fleet/scenario.h"
@@ -20,11 +21,8 @@ struct SwarmOptions {
   std::string pki_directory;
   std::string fleet = "default";
   std::string ruri_prefix;
-  std::size_t robots = 10;
-  std::size_t threads = 2;
-  std::size_t batch = 1;
-  double breaks_per_minute = 0;
-  ScenarioOptions scenario;
+  std::size_t threads = 1;
+  Scenario scenario;
 };
 
 /// All robots of a run, with the threads that drive them. Their certificates are made in memory
@@ -33,7 +31,7 @@ struct SwarmOptions {
 /// Thread: confined to the thread that made it; `shared` is how it talks to the robots' threads.
 class Swarm final {
  public:
-  /// Errors: those of the pki folder.
+  /// Errors: those of the pki folder, and of looking the target up.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Swarm>> Create(const SwarmOptions& options,
                                                                      const Clock& clock,
                                                                      Shared& shared);
@@ -45,6 +43,8 @@ class Swarm final {
   void Start();
   /// Waits for every robot to be done (Stage::kClose or abandon) and gives what they learned.
   [[nodiscard]] std::vector<RobotOutcome> Finish();
+  /// Of all robots; after Finish.
+  [[nodiscard]] Latencies TakeLatencies();
 
  private:
   struct Inside;

@@ -15,16 +15,18 @@ using ::testing::HasSubstr;
 /// One agent at ten ticks a second and a server that answers as the test says.
 class AgentTest : public ::testing::Test {
  protected:
-  static ScenarioOptions Options() {
-    ScenarioOptions options;
-    options.run = "test";
-    options.faults_hz = 10;
-    options.malformed_share = 0.2;
-    return options;
+  static Phase PhaseOf(std::size_t batch) {
+    Phase phase;
+    phase.options.run = "test";
+    phase.options.faults_hz = 10;
+    phase.options.malformed_share = 0.2;
+    phase.batch = batch;
+    return phase;
   }
 
-  Agent Make(std::size_t batch = 1) {
-    return {Options(), 0, batch, model::SessionId(std::array<std::uint8_t, 16>{1}), shared_};
+  Agent Make(std::size_t batch = 1) { return Make(PhaseOf(batch)); }
+  Agent Make(const Phase& phase) {
+    return {phase, 0, model::SessionId(std::array<std::uint8_t, 16>{1}), shared_, latencies_};
   }
 
   void Welcome(Agent& agent) {
@@ -60,6 +62,7 @@ class AgentTest : public ::testing::Test {
 
   testing::ManualClock clock_;
   Shared shared_;
+  Latencies latencies_;
   model::Seq highest_ = 0;
 };
 
@@ -176,6 +179,71 @@ TEST_F(AgentTest, TheLedgerKnowsWhatWasAckedAndWhatWasTold) {
   ASSERT_GT(outcome.ledger.good(), 10U);
   EXPECT_EQ(outcome.ledger.good_rejected(), outcome.ledger.good());
   EXPECT_EQ(outcome.mark, "test-1");
+}
+
+TEST_F(AgentTest, AFloodGoesAsFarAsAcksLetIt) {
+  Phase phase = PhaseOf(64);
+  phase.flood = true;
+  phase.options.faults_hz = 0;
+  phase.options.malformed_share = 0;
+  Agent agent = Make(phase);
+  agent.Fill(clock_.Steady(), clock_.System());
+  EXPECT_EQ(Take(agent), 0) << "not before the Welcome";
+  Welcome(agent);
+  int frames = 0;
+  do {
+    agent.Fill(clock_.Steady(), clock_.System());
+    frames = Take(agent);
+  } while (frames > 0);
+  EXPECT_EQ(highest_, kFloodAhead);
+  Ack(agent);
+  agent.Fill(clock_.Steady(), clock_.System());
+  EXPECT_EQ(Take(agent), 1);
+  EXPECT_EQ(highest_, kFloodAhead + 64);
+}
+
+TEST_F(AgentTest, ARobotThatWasOfflineComesWithWhatItKept) {
+  Phase phase = PhaseOf(1);
+  phase.options.malformed_share = 0;
+  Agent agent = Make(phase);
+  agent.LiveOffline(std::chrono::hours(1), clock_.Steady(), clock_.System());
+  Welcome(agent);
+  while (Take(agent) > 0) {
+  }
+  const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
+  EXPECT_GT(outcome.live_dropped, 3600 - kLiveWaitingMax);
+  EXPECT_GT(outcome.ledger.good(), 3600U);
+  EXPECT_EQ(outcome.sent, outcome.ledger.good() + kLiveWaitingMax);
+}
+
+TEST_F(AgentTest, LatencyRunsFromWhenAMessageWasDue) {
+  Phase phase = PhaseOf(1);
+  phase.options.malformed_share = 0;
+  Agent agent = Make(phase);
+  // The stream is away for half a second.
+  for (int i = 0; i < 5; ++i) Tick(agent);
+  Welcome(agent);
+  while (Take(agent) > 0) {
+  }
+  clock_.Advance(milliseconds(10));
+  Ack(agent);
+  EXPECT_GT(latencies_.durable.count(), 0U);
+  EXPECT_GT(latencies_.live.count(), 4U);
+  EXPECT_EQ(latencies_.live.max(), milliseconds(410));
+  EXPECT_LT(latencies_.live.Quantile(0), milliseconds(11));
+}
+
+TEST_F(AgentTest, APhaseChangesWhatIsSent) {
+  Phase phase = PhaseOf(1);
+  phase.options.malformed_share = 0;
+  Agent agent = Make(phase);
+  Welcome(agent);
+  Tick(agent);
+  EXPECT_GT(Take(agent), 0);
+  phase.batch = 200;
+  agent.Adopt(phase);
+  Tick(agent);
+  EXPECT_EQ(Take(agent), 0);
 }
 
 }  // namespace

@@ -56,7 +56,13 @@ model::Fault Faults::Sample(const Moment& moment) {
 }
 
 void Faults::Advance(const Moment& moment, Facts& facts, Outbox& out) {
-  if (!random_.Chance(rate_hz_ * moment.dt_s)) return;
+  double due = rate_hz_ * moment.dt_s;
+  do {
+    if (random_.Chance(due)) Change(moment, facts, out);
+  } while (--due > 0);
+}
+
+void Faults::Change(const Moment& moment, Facts& facts, Outbox& out) {
   const std::size_t kind = random_.Below(kKinds.size());
   const bool was_active = active_.contains(kind);
   const bool active = !was_active || random_.Chance(kRaisedAgain);

@@ -17,11 +17,13 @@ class Faults final {
   /// `rate_hz`: reports a second, on average.
   Faults(Seeded random, std::string mark, std::string source, double rate_hz);
 
+  void SetRate(double rate_hz) { rate_hz_ = rate_hz; }
   void Advance(const Moment& moment, Facts& facts, Outbox& out);
   /// A report like the others, that no set follows: to be made wrong.
   [[nodiscard]] model::Fault Sample(const Moment& moment);
 
  private:
+  void Change(const Moment& moment, Facts& facts, Outbox& out);
   [[nodiscard]] model::Fault Report(const Moment& moment, std::size_t kind, bool active);
 
   Seeded random_;

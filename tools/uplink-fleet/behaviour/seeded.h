@@ -34,6 +34,10 @@ class Seeded final {
 class Every final {
  public:
   Every(double period_s, double first_s) : period_s_(period_s), left_s_(first_s) {}
+  void SetPeriod(double period_s) {
+    period_s_ = period_s;
+    left_s_ = std::min(left_s_, period_s);
+  }
   [[nodiscard]] bool Passed(double dt_s) {
     left_s_ -= dt_s;
     if (left_s_ > 0) return false;
