@@ -134,9 +134,11 @@ Judgement Rejected(model::Rejection rejection, std::optional<model::Variant> var
 
 }  // namespace
 
-/// The aligned copy of the payload at hand; kept between calls while it is small.
+/// The aligned copy of the payload at hand, kept between calls while it is small, and texts whose
+/// memory is free.
 struct Judge::Scratch {
   kj::Array<capnp::word> words;
+  SpareTexts texts;
 
   kj::ArrayPtr<const capnp::word> Copy(std::span<const std::byte> payload) {
     const std::size_t count = payload.size() / kWordBytes;
@@ -165,6 +167,12 @@ Judgement Judge::Payload(std::span<const std::byte> payload) {
   return judgement;
 }
 
+void Judge::Reuse(model::Record&& record) {
+  if (auto* const status = std::get_if<model::StatusTelemetry>(&record.body_)) {
+    if (status->status) scratch_->texts.Give(*std::move(status->status));
+  }
+}
+
 Judgement Judge::Message(std::span<const std::byte> payload) {
   std::optional<model::Variant> variant;
   const kj::ArrayPtr<const capnp::word> words = scratch_->Copy(payload);
@@ -175,20 +183,17 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     if (member >= model::kVariants) return Rejected(UnknownVariant(Path(), member));
     if (reader.getEnd() != words.end()) return Rejected(Malformed("bytes follow the message"));
     variant = static_cast<model::Variant>(member);
-    Faults faults(model::IsDurable(*variant));
+    Faults faults(model::IsDurable(*variant), &scratch_->texts);
     const std::size_t bytes_max =
         MayBeLarge(*variant) ? limits_.payload_bytes_max : limits_.message_bytes_max;
-    model::Body body;
-    if (payload.size() > bytes_max) {
-      faults.Reject(PayloadTooLarge(payload.size(), bytes_max));
-    } else {
-      body = DecodeMember(message, limits_, faults);
-    }
-    Verdict verdict =
-        faults.rejected()
-            ? Verdict(faults.TakeRejection())
-            : Verdict(model::Record(std::move(body), faults.TakeDropped(), payload.size()));
-    return {.verdict = std::move(verdict),
+    const bool too_large = payload.size() > bytes_max;
+    if (too_large) faults.Reject(PayloadTooLarge(payload.size(), bytes_max));
+    // A body is moved as little as can be: it is large.
+    model::Body body = too_large ? model::Body() : DecodeMember(message, limits_, faults);
+    return {.verdict =
+                faults.rejected()
+                    ? Verdict(faults.TakeRejection())
+                    : Verdict(model::Record(std::move(body), faults.TakeDropped(), payload.size())),
             .variant = variant,
             .sign_of_life = IsSignOfLife(*variant),
             .times_unknown = faults.times_unknown(),

@@ -74,7 +74,7 @@ class Record {
   [[nodiscard]] bool durable() const { return IsDurable(variant()); }
   [[nodiscard]] const Body& body() const { return body_; }
   /// Moves the body out; the record must not be used afterwards.
-  [[nodiscard]] Body TakeBody() && { return std::move(body_); }
+  [[nodiscard]] Body&& TakeBody() && { return std::move(body_); }
   /// What judgement dropped; always empty for durable kinds.
   [[nodiscard]] std::span<const DroppedField> dropped() const { return dropped_; }
   /// Size of the serialized payload it came from.

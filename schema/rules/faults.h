@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -10,11 +13,30 @@
 
 namespace uplink::schema {
 
+/// Texts of live messages whose memory is used again: two, since a message is judged while the one
+/// before it is still held. Confined to one thread.
+class SpareTexts final {
+ public:
+  /// A text with this content, in memory that was given before if there is any.
+  [[nodiscard]] std::string Take(std::string_view content) {
+    std::string text = std::exchange(Larger() ? texts_.front() : texts_.back(), {});
+    text.assign(content);
+    return text;
+  }
+  void Give(std::string&& text) { (Larger() ? texts_.back() : texts_.front()) = std::move(text); }
+
+ private:
+  /// The first has room for more than the second.
+  [[nodiscard]] bool Larger() const { return texts_.front().capacity() > texts_.back().capacity(); }
+
+  std::array<std::string, 2> texts_;
+};
+
 /// What was found while one message was judged: the rejection if there is one, the fields dropped,
 /// the counts. Confined to one judgement.
 class Faults final {
  public:
-  explicit Faults(bool durable) : durable_(durable) {}
+  explicit Faults(bool durable, SpareTexts* spare = nullptr) : durable_(durable), spare_(spare) {}
 
   /// A fault that rejects whatever the kind: of structure, or of a live message's own key. The
   /// first one stays.
@@ -38,6 +60,11 @@ class Faults final {
     if (!dropped_.empty()) Reject(dropped_.front());
   }
 
+  /// A text that comes with each message of a kind.
+  [[nodiscard]] std::string NewText(std::string_view content) {
+    return spare_ == nullptr ? std::string(content) : spare_->Take(content);
+  }
+
   void CountUnknownTime() { ++times_unknown_; }
   void CountUnrecognized() { ++enumerants_unrecognized_; }
 
@@ -50,6 +77,7 @@ class Faults final {
 
  private:
   bool durable_;
+  SpareTexts* spare_;
   std::uint32_t times_unknown_ = 0;
   std::uint32_t enumerants_unrecognized_ = 0;
   std::optional<model::Rejection> rejection_;

@@ -69,13 +69,13 @@ std::string RequiredLiveKey(Faults& faults, const Path& path, std::string_view t
 
 std::optional<std::string> CutText(Faults& faults, const Path& path, std::string_view text,
                                    std::size_t bytes_max) {
-  if (text.size() <= bytes_max) return Text(faults, path, text, bytes_max);
   if (auto fault = TextFault(path, text, text.size())) {
     faults.Content(*std::move(fault));
     return std::nullopt;
   }
+  if (text.size() <= bytes_max) return faults.NewText(text);
   faults.Content(TextTooLong(path, text.size(), bytes_max));
-  return std::string(Utf8Prefix(text, bytes_max));
+  return faults.NewText(Utf8Prefix(text, bytes_max));
 }
 
 }  // namespace uplink::schema

@@ -1,5 +1,6 @@
 #include "server/fleet/live_parts.h"
 
+#include <utility>
 #include <variant>
 
 #include "schema/base/check.h"
@@ -20,7 +21,9 @@ struct Put {
     return 0;
   }
   std::size_t operator()(model::StatusTelemetry&& body) const {
-    parts.status = std::move(body);
+    // Copied: the text goes into the memory of the one before, and the message keeps its own, which
+    // is used again (schema::Judge::Reuse).
+    parts.status = std::as_const(body);
     return 0;
   }
   std::size_t operator()(model::TelemetryExtras&& body) const {
@@ -57,7 +60,7 @@ struct Put {
 
 }  // namespace
 
-std::size_t PutInto(LiveParts& parts, model::Body body) {
+std::size_t PutInto(LiveParts& parts, model::Body&& body) {
   return std::visit(Put{parts}, std::move(body));
 }
 

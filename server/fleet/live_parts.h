@@ -93,6 +93,6 @@ struct LiveParts {
 
 /// Puts one live body into the parts; returns the number of keys that had to go. A body of a
 /// durable kind is a mistake of ours.
-std::size_t PutInto(LiveParts& parts, model::Body body);
+std::size_t PutInto(LiveParts& parts, model::Body&& body);
 
 }  // namespace uplink::fleet

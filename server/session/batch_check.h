@@ -5,8 +5,8 @@
 #include <absl/status/status.h>
 
 #include "schema/model/ids.h"
+#include "server/session/frame_view.h"
 #include "server/session/limits.h"
-#include "uplink/v1/relay.pb.h"
 
 namespace uplink::session {
 
@@ -17,7 +17,7 @@ namespace uplink::session {
 /// `last_seq` is the stream's last number, 0 before the first; `frame` its frame's number from 1.
 /// Errors:  kInvalidArgument that names frame, field and rule.
 /// Thread:  pure; any thread.
-[[nodiscard]] absl::Status CheckBatch(const v1::UplinkBatch& batch, model::Seq last_seq,
+[[nodiscard]] absl::Status CheckBatch(const BatchView& batch, model::Seq last_seq,
                                       const SessionLimits& limits, std::uint64_t frame);
 
 }  // namespace uplink::session

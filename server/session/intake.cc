@@ -1,6 +1,6 @@
 #include "server/session/intake.h"
 
-#include <array>
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -30,11 +30,6 @@ bool ExpiredOnArrival(const model::Body& body, SystemTime now) {
   return false;
 }
 
-const std::string& PayloadOf(const v1::Uplink& uplink) {
-  return uplink.content_case() == v1::Uplink::kRcanRobotState ? uplink.rcan_robot_state()
-                                                              : uplink.rover_nexus();
-}
-
 schema::Judgement Unsupported(std::string detail) {
   schema::Judgement judgement{.verdict = model::Rejection{}};
   judgement.verdict = model::Rejection{
@@ -42,13 +37,13 @@ schema::Judgement Unsupported(std::string detail) {
   return judgement;
 }
 
-schema::Judgement JudgeContent(const v1::Uplink& uplink, schema::Judge& judge) {
-  switch (uplink.content_case()) {
-    case v1::Uplink::kRoverNexus:
-      return judge.Payload(std::as_bytes(std::span(uplink.rover_nexus())));
-    case v1::Uplink::kRcanRobotState:
+schema::Judgement JudgeContent(const UplinkView& uplink, schema::Judge& judge) {
+  switch (uplink.content) {
+    case UplinkView::Content::kRoverNexus:
+      return judge.Payload(std::as_bytes(std::span(uplink.payload)));
+    case UplinkView::Content::kRcanRobotState:
       return Unsupported("this server does not take rcan_robot_state");
-    case v1::Uplink::CONTENT_NOT_SET:
+    case UplinkView::Content::kNone:
       break;
   }
   return Unsupported("the uplink has no content");
@@ -65,12 +60,33 @@ Intake::Intake(const SessionContext& context, fleet::Robot& robot, storage::Robo
       session_(session),
       generation_(generation) {}
 
-void Intake::Begin(std::unique_ptr<v1::RelayRequest> frame, SteadyTime arrived,
+void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
-  frame_ = std::move(frame);
-  next_ = 0;
+  uplinks_ = uplinks;
   arrived_ = arrived;
   received_at_ = received_at;
+}
+
+void Intake::Keep() {
+  if (!pending() || kept_ != nullptr) return;
+  auto kept = std::make_unique<Kept>();
+  kept->uplinks.assign(uplinks_.begin(), uplinks_.end());
+  std::size_t bytes = 0;
+  for (const UplinkView& uplink : uplinks_) bytes += uplink.payload.size();
+  kept->bytes.reserve(bytes);
+  // There is room for all, so appending moves no byte.
+  for (UplinkView& uplink : kept->uplinks) {
+    kept->bytes.append(uplink.payload);
+    uplink.payload =
+        std::string_view(kept->bytes).substr(kept->bytes.size() - uplink.payload.size());
+  }
+  uplinks_ = kept->uplinks;
+  kept_ = std::move(kept);
+}
+
+void Intake::Drop() {
+  uplinks_ = {};
+  kept_.reset();
 }
 
 Hold Intake::Holding(std::size_t outgoing) const {
@@ -89,38 +105,55 @@ std::optional<SteadyTime> Intake::throttle_end() const {
 
 Intake::Taken Intake::Take(std::size_t outgoing) {
   Taken taken;
-  const v1::UplinkBatch& batch = frame_->batch();
-  while (next_ < batch.uplinks_size() && !taken.is_void &&
-         Holding(outgoing + taken.frames.size()) == Hold::kNone) {
-    TakeOne(batch.uplinks(next_), taken);
-    ++next_;
+  new_before_ = 0;
+  while (pending() && !taken.is_void && Holding(outgoing + taken.frames.size()) == Hold::kNone) {
+    TakeOne(uplinks_.front(), taken);
+    uplinks_ = uplinks_.subspan(1);
+  }
+  SettleRun();
+  if (std::exchange(sign_of_life_, false)) {
+    robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits());
   }
   ApplyLive();
   Publish();
-  if (next_ >= batch.uplinks_size() || taken.is_void) frame_.reset();
+  if (!pending() || taken.is_void) Drop();
   return taken;
 }
 
-void Intake::TakeOne(const v1::Uplink& uplink, Taken& taken) {
-  const RobotSessions::Seen seen = robot_.sessions.See(session_, uplink.seq());
+RobotSessions::Seen Intake::See(model::Seq seq) {
+  // Numbers of a batch increase, so what follows a new one is new, and where it follows at once
+  // nothing is missing: no look is needed.
+  if (new_before_ > 0 && seq == new_before_ + 1) return {};
+  SettleRun();
+  return robot_.sessions.See(session_, seq);
+}
+
+void Intake::SettleRun() {
+  if (unsettled_ == 0) return;
+  robot_.sessions.AddSettled(session_, std::exchange(unsettled_, 0));
+}
+
+void Intake::TakeDuplicate(const RobotSessions::Seen& seen, Taken& taken) {
+  ++counts_.received;
+  ++counts_.duplicate;
+  if (Planted(Mutation::kDuplicateNotAcked)) return;
+  ++taken.messages;
+  if (!seen.waits) taken.ack_owed = true;
+}
+
+void Intake::TakeOne(const UplinkView& uplink, Taken& taken) {
+  const RobotSessions::Seen seen = See(uplink.seq);
+  new_before_ = 0;
   if (seen.place == Place::kVoid) {
     taken.is_void = true;
     return;
   }
-  if (seen.place == Place::kDuplicate) {
-    ++counts_.received;
-    ++counts_.duplicate;
-    if (Planted(Mutation::kDuplicateNotAcked)) return;
-    ++taken.messages;
-    if (!seen.waits) taken.ack_owed = true;
-    return;
-  }
+  if (seen.place == Place::kDuplicate) return TakeDuplicate(seen, taken);
+  new_before_ = uplink.seq;
   ++taken.messages;
   if (seen.missing_first > 0) NoteMissing(seen);
   schema::Judgement judgement = JudgeContent(uplink, context_.judge);
-  if (judgement.sign_of_life) {
-    robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits());
-  }
+  sign_of_life_ = sign_of_life_ || judgement.sign_of_life;
   if (judgement.times_unknown > 0 || judgement.enumerants_unrecognized > 0) {
     context_.ledger.CountOdd(judgement.times_unknown, judgement.enumerants_unrecognized);
   }
@@ -142,22 +175,35 @@ void Intake::NoteMissing(const RobotSessions::Seen& seen) {
                       .seen_at = received_at_});
 }
 
-void Intake::TakeRecord(const v1::Uplink& uplink, schema::Judgement& judgement, Taken& taken) {
+void Intake::TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, Taken& taken) {
   auto& record = std::get<model::Record>(judgement.verdict);
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
-    NoteDropped(uplink.seq(), record, taken);
-    robot_.sessions.AddSettled(session_, uplink.seq());
-    live_.push_back(std::move(record));
-    return;
+    NoteDropped(uplink.seq, record, taken);
+    unsettled_ = uplink.seq;
+    return TakeLive(std::move(record));
   }
   if (ExpiredOnArrival(record.body(), received_at_)) {
-    robot_.sessions.AddSettled(session_, uplink.seq());
+    unsettled_ = uplink.seq;
     ++counts_.received;
     ++counts_.superseded;
     return;
   }
-  Append(uplink.seq(), std::move(record), PayloadOf(uplink), PayloadOf(uplink).size());
+  Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
+}
+
+void Intake::TakeLive(model::Record record) {
+  std::vector<model::Record>& live = context_.scratch.live;
+  if (ReplacedWhole(record.variant())) {
+    const auto before = std::ranges::find(live, record.variant(), &model::Record::variant);
+    if (before != live.end()) {
+      ++counts_.received;
+      ++counts_.superseded;
+      std::swap(*before, record);
+      return context_.judge.Reuse(std::move(record));
+    }
+  }
+  live.push_back(std::move(record));
 }
 
 void Intake::NoteDropped(model::Seq seq, const model::Record& record, Taken& taken) {
@@ -172,18 +218,17 @@ void Intake::NoteDropped(model::Seq seq, const model::Record& record, Taken& tak
   }
 }
 
-void Intake::TakeRejected(const v1::Uplink& uplink, const model::Rejection& rejection,
+void Intake::TakeRejected(const UplinkView& uplink, const model::Rejection& rejection,
                           Taken& taken) {
   NoteMalformed();
-  taken.frames.push_back(RejectFrame(uplink.seq(), rejection));
-  robot_.sessions.Remember(session_, uplink.seq(), rejection);
-  const std::string& payload = PayloadOf(uplink);
+  taken.frames.push_back(RejectFrame(uplink.seq, rejection));
+  robot_.sessions.Remember(session_, uplink.seq, rejection);
   std::string kept;
   if (robot_.sessions.KeepPayload(rejection.reason, arrived_)) {
-    kept = payload.substr(0, context_.limits.payload_bytes_max);
+    kept = uplink.payload.substr(0, context_.limits.payload_bytes_max);
   }
-  Append(uplink.seq(), storage::QuarantineItem{.rejection = rejection}, std::move(kept),
-         payload.size());
+  Append(uplink.seq, storage::QuarantineItem{.rejection = rejection}, std::move(kept),
+         uplink.payload.size());
 }
 
 void Intake::NoteMalformed() {
@@ -199,10 +244,12 @@ void Intake::NoteMalformed() {
 void Intake::Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
                     std::string payload, std::size_t payload_bytes) {
   ++counts_.received;
+  SettleRun();
   const std::int64_t grew = robot_.sessions.AddWaiting(session_, seq);
   if (grew == 0) {
-    // Another process took the robot since the number was seen.
+    // Another process took the robot since the number was seen: the next look says so.
     ++counts_.superseded;
+    new_before_ = 0;
     return;
   }
   counts_.in_flight += grew;
@@ -220,22 +267,13 @@ void Intake::Append(model::Seq seq, std::variant<model::Record, storage::Quarant
 }
 
 void Intake::ApplyLive() {
-  if (live_.empty()) return;
-  const std::size_t taken = live_.size();
-  if (taken > 1) {
-    std::array<bool, model::kVariants> replaced{};
-    for (std::size_t i = taken; i-- > 0;) {
-      const auto variant = static_cast<std::size_t>(live_[i].variant());
-      if (!ReplacedWhole(live_[i].variant())) continue;
-      if (replaced[variant]) live_.erase(live_.begin() + static_cast<std::ptrdiff_t>(i));
-      replaced[variant] = true;
-    }
-  }
-  counts_.received += taken;
-  counts_.applied += live_.size();
-  counts_.superseded += taken - live_.size();
-  robot_.state.Apply(live_);
-  live_.clear();
+  std::vector<model::Record>& live = context_.scratch.live;
+  if (live.empty()) return;
+  counts_.received += live.size();
+  counts_.applied += live.size();
+  robot_.state.Apply(live);
+  for (model::Record& record : live) context_.judge.Reuse(std::move(record));
+  live.clear();
 }
 
 void Intake::Publish() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,14 +13,23 @@
 #include "schema/judge.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
+#include "server/session/frame_view.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::session {
 
-/// What a whole server shares with its sessions, and what a queue's sessions share: the judge and
-/// the ledger page belong to the queue's thread.
+/// What the sessions of one thread use one after the other, so that none needs memory of its own
+/// for a frame.
+struct IntakeScratch {
+  BatchView batch;
+  /// Live records of the frame at hand, in order, not applied yet.
+  std::vector<model::Record> live;
+};
+
+/// What a whole server shares with its sessions, and what a queue's sessions share: the judge, the
+/// ledger page and the scratch belong to the queue's thread.
 struct SessionContext {
   const Clock& clock;
   fleet::Fleet& fleet;
@@ -28,6 +38,7 @@ struct SessionContext {
   metrics::Ledger& ledger;
   schema::Judge& judge;
   const SessionLimits& limits;
+  IntakeScratch& scratch;
 };
 
 /// Why no message of a stream may be taken (protocol: Holding back).
@@ -66,14 +77,17 @@ class Intake final {
     bool is_void = false;
   };
 
-  /// A checked batch becomes the pending one. Must not be called while one is pending.
-  void Begin(std::unique_ptr<v1::RelayRequest> frame, SteadyTime arrived, SystemTime received_at);
+  /// A checked batch becomes the pending one. Must not be called while one is pending. The views
+  /// must hold until Keep.
+  void Begin(std::span<const UplinkView> uplinks, SteadyTime arrived, SystemTime received_at);
   /// Takes messages of the pending batch until it is done or the stream must be held back.
   /// `outgoing` is the number of frames that wait for the peer already.
   [[nodiscard]] Taken Take(std::size_t outgoing);
-  [[nodiscard]] bool pending() const { return frame_ != nullptr; }
+  [[nodiscard]] bool pending() const { return !uplinks_.empty(); }
+  /// Copies what is still pending: the frame's bytes are about to go.
+  void Keep();
   /// Drops what is pending, untaken.
-  void Drop() { frame_.reset(); }
+  void Drop();
 
   /// Whether a message may be taken now, and what keeps it if not. What it says can change at once:
   /// other threads commit and fill the journal.
@@ -83,9 +97,19 @@ class Intake final {
   [[nodiscard]] std::optional<SteadyTime> throttle_end() const;
 
  private:
-  void TakeOne(const v1::Uplink& uplink, Taken& taken);
-  void TakeRecord(const v1::Uplink& uplink, schema::Judgement& judgement, Taken& taken);
-  void TakeRejected(const v1::Uplink& uplink, const model::Rejection& rejection, Taken& taken);
+  /// What stayed of a frame that could not be taken at once.
+  struct Kept {
+    std::string bytes;
+    std::vector<UplinkView> uplinks;
+  };
+
+  [[nodiscard]] RobotSessions::Seen See(model::Seq seq);
+  void TakeOne(const UplinkView& uplink, Taken& taken);
+  void TakeDuplicate(const RobotSessions::Seen& seen, Taken& taken);
+  void TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, Taken& taken);
+  void TakeLive(model::Record record);
+  void TakeRejected(const UplinkView& uplink, const model::Rejection& rejection, Taken& taken);
+  void SettleRun();
   void NoteMissing(const RobotSessions::Seen& seen);
   void NoteDropped(model::Seq seq, const model::Record& record, Taken& taken);
   void NoteMalformed();
@@ -101,12 +125,16 @@ class Intake final {
   const model::SessionId session_;
   const std::uint64_t generation_;
 
-  std::unique_ptr<v1::RelayRequest> frame_;
-  int next_ = 0;
+  /// Those that are pending; empty if none are.
+  std::span<const UplinkView> uplinks_;
+  std::unique_ptr<Kept> kept_;
   SteadyTime arrived_;
   SystemTime received_at_;
-  /// Live records of the pending batch, in order, not applied yet.
-  std::vector<model::Record> live_;
+  /// Within one Take: the number before, if it was new, and the highest of the live ones that the
+  /// window has not been told of; both 0 otherwise.
+  model::Seq new_before_ = 0;
+  model::Seq unsettled_ = 0;
+  bool sign_of_life_ = false;
   metrics::UplinkCounts counts_;
   SteadyTime malformed_since_{};
   std::uint32_t malformed_ = 0;

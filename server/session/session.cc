@@ -8,6 +8,12 @@
 #include "server/session/frames.h"
 
 namespace uplink::session {
+namespace {
+
+constexpr std::string_view kNoRequest =
+    "not a RelayRequest (bad protobuf, or a text that is not UTF-8)";
+
+}  // namespace
 
 Session::Session(const SessionContext& context, identity::PeerIdentity peer,
                  journal::StreamRef self, FrameSource& source, FrameSink& sink)
@@ -32,20 +38,26 @@ void Session::OnFrame(std::string_view bytes) {
   ++frames_;
   context_.probe.frames_total.Add();
   context_.probe.frame_bytes_total.Add(static_cast<std::int64_t>(bytes.size()));
-  auto frame = std::make_unique<v1::RelayRequest>();
-  if (!frame->ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return ProtocolError("not a RelayRequest (bad protobuf, or a text that is not UTF-8)");
-  }
-  switch (frame->frame_case()) {
-    case v1::RelayRequest::kHello:
-      if (state_ != State::kHello) return ProtocolError("hello: only the first frame may be one");
-      return TakeHello(frame->hello());
-    case v1::RelayRequest::kBatch:
+  switch (ReadFrame(bytes, context_.scratch.batch)) {
+    case FrameContent::kMalformed:
+      return ProtocolError(kNoRequest);
+    case FrameContent::kHello:
+      return TakeHelloFrame(bytes);
+    case FrameContent::kBatch:
       if (state_ == State::kHello) return ProtocolError("the first frame must be a hello");
-      return TakeBatch(std::move(frame));
-    case v1::RelayRequest::FRAME_NOT_SET:
+      return TakeBatch();
+    case FrameContent::kNothing:
       return ProtocolError("it holds neither hello nor batch");
   }
+}
+
+void Session::TakeHelloFrame(std::string_view bytes) {
+  v1::RelayRequest frame;
+  if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return ProtocolError(kNoRequest);
+  }
+  if (state_ != State::kHello) return ProtocolError("hello: only the first frame may be one");
+  TakeHello(frame.hello());
 }
 
 void Session::OnFrameTooLarge(std::uint64_t bytes) {
@@ -126,21 +138,23 @@ void Session::SendWelcome() {
   Read();
 }
 
-void Session::TakeBatch(std::unique_ptr<v1::RelayRequest> frame) {
-  const v1::UplinkBatch& batch = frame->batch();
+void Session::TakeBatch() {
+  const BatchView& batch = context_.scratch.batch;
   const absl::Status status = CheckBatch(batch, last_seq_, context_.limits, frames_);
   if (!status.ok()) {
     context_.probe.protocol_errors_total.Add();
     return Finish(status);
   }
   const SystemTime now = context_.clock.System();
-  if (batch.sent_unix_ms() > 0) {
-    robot_->state.NoteClockSkew(batch.sent_unix_ms() - UnixMs(now));
+  if (batch.sent_unix_ms > 0) {
+    robot_->state.NoteClockSkew(batch.sent_unix_ms - UnixMs(now));
   }
-  if (batch.uplinks_size() > 0) {
-    last_seq_ = batch.uplinks(batch.uplinks_size() - 1).seq();
-    intake_->Begin(std::move(frame), context_.clock.Steady(), now);
+  if (!batch.uplinks.empty()) {
+    last_seq_ = batch.uplinks.back().seq;
+    intake_->Begin(batch.uplinks, context_.clock.Steady(), now);
     TakePending();
+    // The frame's bytes are the transport's, until this returns.
+    intake_->Keep();
   }
   Flush();
   Read();

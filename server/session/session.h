@@ -71,7 +71,8 @@ class Session final {
   void TakeHello(const v1::Hello& hello);
   void BeginOpening();
   void SendWelcome();
-  void TakeBatch(std::unique_ptr<v1::RelayRequest> frame);
+  void TakeHelloFrame(std::string_view bytes);
+  void TakeBatch();
   void TakePending();
   void TakeProgress();
   void NoteReleased(const std::vector<SteadyTime>& released);

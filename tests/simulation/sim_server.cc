@@ -93,7 +93,8 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .probe = probe_,
                                         .ledger = ledger_,
                                         .judge = judge_,
-                                        .limits = limits_.session};
+                                        .limits = limits_.session,
+                                        .scratch = scratch_};
   identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),
                                             journal::StreamRef{.inbox = this, .stream = id});

@@ -135,6 +135,7 @@ class SimServer final : public journal::WakeInbox {
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
+  session::IntakeScratch scratch_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;
   std::map<std::string, std::uint64_t> newest_;

@@ -29,7 +29,7 @@ class LiveBytesTest : public ::testing::Test {
   LiveRead Again(const std::vector<model::Body>& bodies) {
     LiveChanges changes;
     changes.changed.set();
-    for (const model::Body& body : bodies) PutInto(changes.parts, body);
+    for (const model::Body& body : bodies) PutInto(changes.parts, model::Body(body));
     return FromRow(ToRow("rcan://a", changes), judge_);
   }
   static std::string Framed(const std::string& message) {
@@ -129,7 +129,7 @@ TEST_F(LiveBytesTest, OfMoreThanFitsTheLatestKeysAreKept) {
   }
   LiveChanges changes;
   changes.changed.set(static_cast<std::size_t>(LivePart::kExtras));
-  for (const model::Body& body : bodies) PutInto(changes.parts, body);
+  for (const model::Body& body : bodies) PutInto(changes.parts, model::Body(body));
   const storage::LiveRow row = ToRow("rcan://a", changes);
   EXPECT_LE(storage::BytesOf(row), kLivePartBytesMax);
   const auto keys = KeysOf(FromRow(row, judge_).before.parts.extras.items());

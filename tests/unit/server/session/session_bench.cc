@@ -206,7 +206,8 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .probe = probe_,
                                .ledger = ledger_,
                                .judge = judge_,
-                               .limits = limits_.session};
+                               .limits = limits_.session,
+                               .scratch = scratch_};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
                                               journal::StreamRef{.inbox = this, .stream = id});

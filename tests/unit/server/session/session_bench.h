@@ -147,6 +147,7 @@ class BenchServer final : public journal::WakeInbox {
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
+  IntakeScratch scratch_;
   metrics::Ledger& ledger_;
   std::set<std::uint64_t> wakes_;
   std::map<std::uint64_t, std::unique_ptr<BenchStream>> streams_;

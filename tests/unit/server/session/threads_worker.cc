@@ -80,7 +80,8 @@ void ThreadsWorker::Open() {
                                .probe = core_.probe,
                                .ledger = ledger_,
                                .judge = judge_,
-                               .limits = core_.limits.session};
+                               .limits = core_.limits.session,
+                               .scratch = scratch_};
   stream_ = std::make_unique<ThreadsStream>(context, agent_.ruri(),
                                             journal::StreamRef{.inbox = this, .stream = id});
   stream_->session().Start();

@@ -117,6 +117,7 @@ class ThreadsWorker final : public journal::WakeInbox {
   ThreadsAgent& agent_;
   metrics::Ledger& ledger_;
   schema::Judge judge_{{}};
+  IntakeScratch scratch_;
   ThreadsWorker* partner_ = nullptr;
 
   std::mutex mutex_;

@@ -1,0 +1,137 @@
+#include "server/session/frame_view.h"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::session {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
+
+constexpr std::uint32_t LengthDelimited(int field) {
+  return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+}
+constexpr std::uint32_t Varint(int field) {
+  return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_VARINT);
+}
+
+constexpr std::uint32_t kHelloTag = LengthDelimited(v1::RelayRequest::kHelloFieldNumber);
+constexpr std::uint32_t kBatchTag = LengthDelimited(v1::RelayRequest::kBatchFieldNumber);
+constexpr std::uint32_t kUplinksTag = LengthDelimited(v1::UplinkBatch::kUplinksFieldNumber);
+constexpr std::uint32_t kSentTag = Varint(v1::UplinkBatch::kSentUnixMsFieldNumber);
+constexpr std::uint32_t kSeqTag = Varint(v1::Uplink::kSeqFieldNumber);
+constexpr std::uint32_t kRoverNexusTag = LengthDelimited(v1::Uplink::kRoverNexusFieldNumber);
+constexpr std::uint32_t kRcanTag = LengthDelimited(v1::Uplink::kRcanRobotStateFieldNumber);
+
+/// Walks the bytes of one frame.
+class Walk {
+ public:
+  explicit Walk(std::string_view bytes)
+      : bytes_(bytes),
+        input_(reinterpret_cast<const std::uint8_t*>(bytes.data()),
+               static_cast<int>(bytes.size())) {}
+
+  FrameContent Request(BatchView& batch) {
+    FrameContent content = FrameContent::kNothing;
+    while (const std::uint32_t tag = input_.ReadTag()) {
+      bool good = true;
+      if (tag == kBatchTag) {
+        // A hello before it no longer counts; another batch before it does.
+        if (content != FrameContent::kBatch) Clear(batch);
+        content = FrameContent::kBatch;
+        good = Within([&] { return Batch(batch); });
+      } else if (tag == kHelloTag) {
+        content = FrameContent::kHello;
+        std::string_view ignored;
+        good = Bytes(ignored);
+      } else {
+        good = WireFormatLite::SkipField(&input_, tag);
+      }
+      if (!good) return FrameContent::kMalformed;
+    }
+    return input_.ConsumedEntireMessage() ? content : FrameContent::kMalformed;
+  }
+
+  static void Clear(BatchView& batch) {
+    batch.uplinks.clear();
+    batch.sent_unix_ms = 0;
+  }
+
+ private:
+  bool Batch(BatchView& batch) {
+    while (const std::uint32_t tag = input_.ReadTag()) {
+      bool good = true;
+      std::uint64_t number = 0;
+      if (tag == kUplinksTag) {
+        UplinkView& uplink = batch.uplinks.emplace_back();
+        good = Within([&] { return Uplink(uplink); });
+      } else if (tag == kSentTag) {
+        good = input_.ReadVarint64(&number);
+        batch.sent_unix_ms = static_cast<std::int64_t>(number);
+      } else {
+        good = WireFormatLite::SkipField(&input_, tag);
+      }
+      if (!good) return false;
+    }
+    return input_.ConsumedEntireMessage();
+  }
+
+  bool Uplink(UplinkView& uplink) {
+    while (const std::uint32_t tag = input_.ReadTag()) {
+      bool good = true;
+      if (tag == kSeqTag) {
+        good = input_.ReadVarint64(&uplink.seq);
+      } else if (tag == kRoverNexusTag) {
+        uplink.content = UplinkView::Content::kRoverNexus;
+        good = Bytes(uplink.payload);
+      } else if (tag == kRcanTag) {
+        uplink.content = UplinkView::Content::kRcanRobotState;
+        good = Bytes(uplink.payload);
+      } else {
+        good = WireFormatLite::SkipField(&input_, tag);
+      }
+      if (!good) return false;
+    }
+    return input_.ConsumedEntireMessage();
+  }
+
+  bool Bytes(std::string_view& to) {
+    int size = 0;
+    if (!input_.ReadVarintSizeAsInt(&size)) return false;
+    const auto at = static_cast<std::size_t>(input_.CurrentPosition());
+    if (!input_.Skip(size)) return false;
+    to = bytes_.substr(at, static_cast<std::size_t>(size));
+    return true;
+  }
+
+  /// Bytes until the message at hand ends.
+  [[nodiscard]] int Left() const {
+    const int within = input_.BytesUntilLimit();
+    return within >= 0 ? within : static_cast<int>(bytes_.size()) - input_.CurrentPosition();
+  }
+
+  /// A message within the message.
+  template <typename Read>
+  bool Within(const Read& read) {
+    int size = 0;
+    if (!input_.ReadVarintSizeAsInt(&size) || size > Left()) return false;
+    const auto [limit, depth] = input_.IncrementRecursionDepthAndPushLimit(size);
+    if (depth < 0 || !read()) return false;
+    return input_.DecrementRecursionDepthAndPopLimit(limit);
+  }
+
+  std::string_view bytes_;
+  CodedInputStream input_;
+};
+
+}  // namespace
+
+FrameContent ReadFrame(std::string_view bytes, BatchView& batch) {
+  Walk::Clear(batch);
+  return Walk(bytes).Request(batch);
+}
+
+}  // namespace uplink::session

@@ -1,0 +1,149 @@
+#include "server/session/frame_view.h"
+
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/server/session/session_bench.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::session {
+namespace {
+
+/// What protobuf's own parser finds in the same bytes.
+FrameContent Parsed(const std::string& bytes, v1::RelayRequest& frame) {
+  if (!frame.ParseFromString(bytes)) return FrameContent::kMalformed;
+  switch (frame.frame_case()) {
+    case v1::RelayRequest::kHello:
+      return FrameContent::kHello;
+    case v1::RelayRequest::kBatch:
+      return FrameContent::kBatch;
+    case v1::RelayRequest::FRAME_NOT_SET:
+      break;
+  }
+  return FrameContent::kNothing;
+}
+
+void ExpectSame(const UplinkView& view, const v1::Uplink& uplink) {
+  EXPECT_EQ(view.seq, uplink.seq());
+  switch (uplink.content_case()) {
+    case v1::Uplink::kRoverNexus:
+      EXPECT_EQ(view.content, UplinkView::Content::kRoverNexus);
+      EXPECT_EQ(view.payload, uplink.rover_nexus());
+      break;
+    case v1::Uplink::kRcanRobotState:
+      EXPECT_EQ(view.content, UplinkView::Content::kRcanRobotState);
+      EXPECT_EQ(view.payload, uplink.rcan_robot_state());
+      break;
+    case v1::Uplink::CONTENT_NOT_SET:
+      EXPECT_EQ(view.content, UplinkView::Content::kNone);
+      break;
+  }
+}
+
+/// Both readers agree on these bytes. A hello is read by protobuf anyway, and may be wrong within.
+void ExpectAgreement(const std::string& bytes) {
+  BatchView batch;
+  v1::RelayRequest frame;
+  const FrameContent content = ReadFrame(bytes, batch);
+  const FrameContent parsed = Parsed(bytes, frame);
+  if (parsed == FrameContent::kMalformed && bytes.find('\x0a') != std::string::npos) return;
+  ASSERT_EQ(content, parsed);
+  if (content != FrameContent::kBatch) return;
+  EXPECT_EQ(batch.sent_unix_ms, frame.batch().sent_unix_ms());
+  ASSERT_EQ(batch.uplinks.size(), static_cast<std::size_t>(frame.batch().uplinks_size()));
+  for (std::size_t i = 0; i < batch.uplinks.size(); ++i) {
+    ExpectSame(batch.uplinks[i], frame.batch().uplinks(static_cast<int>(i)));
+  }
+}
+
+std::string Whole() {
+  v1::RelayRequest frame = BatchFrame({{1, "one"}, {2, ""}, {1ULL << 63, std::string(300, 'x')}});
+  frame.mutable_batch()->set_sent_unix_ms(-5);
+  frame.mutable_batch()->add_uplinks();
+  frame.mutable_batch()->add_uplinks()->set_rcan_robot_state("{}");
+  return frame.SerializeAsString();
+}
+
+TEST(FrameViewTest, ABatchIsViewsIntoItsBytes) {
+  const std::string bytes = Whole();
+  BatchView batch;
+  ASSERT_EQ(ReadFrame(bytes, batch), FrameContent::kBatch);
+  ASSERT_EQ(batch.uplinks.size(), 5U);
+  EXPECT_EQ(batch.uplinks[0].payload, "one");
+  EXPECT_GE(batch.uplinks[2].payload.data(), bytes.data());
+  EXPECT_LT(batch.uplinks[2].payload.data(), bytes.data() + bytes.size());
+  EXPECT_EQ(batch.sent_unix_ms, -5);
+  ExpectAgreement(bytes);
+  // What was read before is gone.
+  ASSERT_EQ(ReadFrame(BatchFrame({{9, "z"}}).SerializeAsString(), batch), FrameContent::kBatch);
+  EXPECT_EQ(batch.uplinks.size(), 1U);
+  EXPECT_EQ(batch.sent_unix_ms, 0);
+}
+
+TEST(FrameViewTest, NothingAndHello) {
+  ExpectAgreement("");
+  ExpectAgreement(HelloFrame(SessionOf(1)).SerializeAsString());
+  // An unknown field alone.
+  ExpectAgreement("\xa0\x06\x01");
+}
+
+TEST(FrameViewTest, TheLastOfAOneofCountsAndPiecesAreJoined) {
+  const std::string hello = HelloFrame(SessionOf(1)).SerializeAsString();
+  const std::string batch = Whole();
+  ExpectAgreement(batch + batch);
+  ExpectAgreement(hello + batch);
+  ExpectAgreement(batch + hello);
+  ExpectAgreement(batch + hello + batch);
+  v1::Uplink twice;
+  twice.set_rover_nexus("first");
+  std::string uplink = twice.SerializeAsString();
+  twice.set_rcan_robot_state("second");
+  uplink += twice.SerializeAsString();
+  std::string within = "\x0a" + std::string(1, static_cast<char>(uplink.size())) + uplink;
+  std::string frame = "\x12" + std::string(1, static_cast<char>(within.size())) + within;
+  BatchView view;
+  ASSERT_EQ(ReadFrame(frame, view), FrameContent::kBatch);
+  EXPECT_EQ(view.uplinks.at(0).payload, "second");
+  ExpectAgreement(frame);
+}
+
+TEST(FrameViewTest, EveryCutIsReadAsProtobufReadsIt) {
+  const std::string bytes = Whole();
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    SCOPED_TRACE(size);
+    BatchView batch;
+    v1::RelayRequest frame;
+    EXPECT_EQ(ReadFrame(bytes.substr(0, size), batch), Parsed(bytes.substr(0, size), frame));
+  }
+}
+
+TEST(FrameViewTest, ChangedBytesAreReadAsProtobufReadsThem) {
+  const std::string good = BatchFrame({{1, "one"}, {200, "two"}}).SerializeAsString();
+  std::mt19937 random(1);
+  for (int turn = 0; turn < 20'000; ++turn) {
+    std::string bytes = good;
+    for (int change = 0; change < 1 + turn % 3; ++change) {
+      bytes[random() % bytes.size()] = static_cast<char>(random());
+    }
+    SCOPED_TRACE(::testing::PrintToString(bytes));
+    BatchView batch;
+    v1::RelayRequest frame;
+    const FrameContent content = ReadFrame(bytes, batch);
+    // A hello's inside is protobuf's own to read.
+    if (content == FrameContent::kHello || bytes.front() == '\x0a') continue;
+    ASSERT_EQ(content, Parsed(bytes, frame));
+    if (content == FrameContent::kBatch) ExpectAgreement(bytes);
+  }
+}
+
+TEST(FrameViewTest, NestingWithoutEndIsMalformed) {
+  // Groups within groups, a hundred and more deep.
+  const std::string groups(200, '\x1b');
+  BatchView batch;
+  EXPECT_EQ(ReadFrame(groups, batch), FrameContent::kMalformed);
+}
+
+}  // namespace
+}  // namespace uplink::session
