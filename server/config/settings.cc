@@ -81,7 +81,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kCount,
      .min = 1,
      .max = 256,
-     .zero = "one a core",
+     .zero = "one a core that the process may use",
      .text = "Completion queues of the relay, each with a thread. Measure before raising it.",
      UPLINK_BIND(listen, ListenConfig, relay_threads)},
     {.section = "listen",

@@ -20,11 +20,10 @@ Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> com
       service_(service),
       gate_(gate),
       parts_(parts),
+      clock_(parts.clock),
       judge_(parts.judge_limits),
-      context_{
-          parts.clock, parts.fleet, parts.journals, parts.session_probe, parts.ledgers.NewPage(),
-          judge_,      parts.limits},
-      now_(parts.clock.Steady()) {}
+      context_{clock_, parts.fleet,  parts.journals, parts.session_probe, parts.ledgers.NewPage(),
+               judge_, parts.limits, scratch_} {}
 
 Queue::~Queue() {
   UPLINK_CHECK(!thread_.joinable(), "a queue that was started must be closed");
@@ -79,11 +78,11 @@ void Queue::Run() {
       case grpc::CompletionQueue::SHUTDOWN:
         return;
       case grpc::CompletionQueue::GOT_EVENT:
-        now_ = parts_.clock.Steady();
+        clock_.Advance();
         static_cast<Tag*>(tag)->Proceed(ok);
         break;
       case grpc::CompletionQueue::TIMEOUT:
-        now_ = parts_.clock.Steady();
+        clock_.Advance();
         if (closing_ && CloseIfDone()) completions_->Shutdown();
         break;
     }
@@ -91,15 +90,20 @@ void Queue::Run() {
   }
 }
 
-gpr_timespec Queue::NextDeadline() const {
+gpr_timespec Queue::NextDeadline() {
   // Closing: look at each event that is there already, then shut down.
   if (closing_ && calls_.empty()) return gpr_inf_past(GPR_CLOCK_MONOTONIC);
   const std::optional<SteadyTime> next = timers_.next();
-  if (!next) return gpr_inf_future(GPR_CLOCK_MONOTONIC);
+  if (next == next_timer_) return next_deadline_;
+  next_timer_ = next;
+  next_deadline_ = gpr_inf_future(GPR_CLOCK_MONOTONIC);
+  if (!next) return next_deadline_;
   // Our clock is not gRPC's, so only the distance counts.
-  const auto wait = std::max(*next - now_, SteadyTime::duration(0));
+  const auto wait = std::max(*next - now(), SteadyTime::duration(0));
   const auto micros = std::chrono::ceil<std::chrono::microseconds>(wait).count();
-  return gpr_time_add(gpr_now(GPR_CLOCK_MONOTONIC), gpr_time_from_micros(micros, GPR_TIMESPAN));
+  next_deadline_ =
+      gpr_time_add(gpr_now(GPR_CLOCK_MONOTONIC), gpr_time_from_micros(micros, GPR_TIMESPAN));
+  return next_deadline_;
 }
 
 void Queue::EmptyInbox() {
@@ -118,14 +122,14 @@ void Queue::EmptyInbox() {
 }
 
 void Queue::RunTimers() {
-  while (const std::optional<std::uint64_t> id = timers_.PopDue(now_)) {
+  while (const std::optional<std::uint64_t> id = timers_.PopDue(now())) {
     // An entry is taken out when its call retires, so the call is there.
     calls_.at(*id)->OnTimer();
   }
 }
 
 void Queue::BeginDrain(milliseconds grace) {
-  const SteadyTime end = now_ + grace;
+  const SteadyTime end = now() + grace;
   std::vector<Call*> streams;
   for (const auto& [id, call] : calls_) {
     if (call->has_session()) streams.push_back(call.get());
@@ -134,7 +138,7 @@ void Queue::BeginDrain(milliseconds grace) {
   const auto count = static_cast<milliseconds::rep>(streams.size());
   const auto spread = std::min<SteadyTime::duration>(grace / kDrainPart, count * kDrainSpacing);
   for (std::size_t i = 0; i < streams.size(); ++i) {
-    streams[i]->DrainAt(now_ + spread * static_cast<milliseconds::rep>(i) / count, end);
+    streams[i]->DrainAt(now() + spread * static_cast<milliseconds::rep>(i) / count, end);
   }
 }
 
@@ -155,7 +159,7 @@ void Queue::Offer() {
 void Queue::Retire(Call& call) { calls_.erase(call.id()); }
 
 void Queue::CallAt(std::uint64_t id, Timers::Slot& slot, SteadyTime deadline) {
-  timers_.Want(id, slot, deadline, now_);
+  timers_.Want(id, slot, deadline, now());
 }
 
 }  // namespace uplink::relay

@@ -13,6 +13,7 @@
 #include <grpcpp/completion_queue.h>
 
 #include "server/journal/wake.h"
+#include "server/relay/event_clock.h"
 #include "server/relay/gate.h"
 #include "server/relay/options.h"
 #include "server/relay/service.h"
@@ -70,7 +71,7 @@ class Queue final : public journal::WakeInbox {
   [[nodiscard]] const RelayParts& parts() const { return parts_; }
   [[nodiscard]] const session::SessionContext& session_context() const { return context_; }
   /// The time at the event that is being handled.
-  [[nodiscard]] SteadyTime now() const { return now_; }
+  [[nodiscard]] SteadyTime now() const { return clock_.Steady(); }
 
  private:
   /// The alarm has rung: the inbox holds something.
@@ -98,20 +99,24 @@ class Queue final : public journal::WakeInbox {
   bool CloseIfDone();
   template <typename Change>
   void Post(const Change& change);
-  [[nodiscard]] gpr_timespec NextDeadline() const;
+  [[nodiscard]] gpr_timespec NextDeadline();
 
   const std::size_t index_;
   const std::unique_ptr<grpc::ServerCompletionQueue> completions_;
   RelayService& service_;
   Gate& gate_;
   const RelayParts& parts_;
+  EventClock clock_;
   schema::Judge judge_;
+  session::IntakeScratch scratch_;
   const session::SessionContext context_;
 
   Timers timers_;
+  /// The earliest timer, and the same on gRPC's clock.
+  std::optional<SteadyTime> next_timer_;
+  gpr_timespec next_deadline_ = gpr_inf_future(GPR_CLOCK_MONOTONIC);
   std::unordered_map<std::uint64_t, std::unique_ptr<Call>> calls_;
   std::uint64_t next_id_ = 1;
-  SteadyTime now_;
   bool closing_ = false;
 
   std::mutex mutex_;

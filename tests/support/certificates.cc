@@ -106,7 +106,8 @@ void AddUsages(X509* certificate, const std::vector<std::string>& key_usages) {
 
 void AddConstraints(X509* certificate, bool is_authority) {
   const Constraints constraints(BASIC_CONSTRAINTS_new());
-  constraints->ca = is_authority ? 1 : 0;
+  // DER knows one byte for true; Go takes no other.
+  constraints->ca = is_authority ? 0xFF : 0;
   Require(X509_add1_ext_i2d(certificate, NID_basic_constraints, constraints.get(), 1,
                             X509V3_ADD_DEFAULT) == 1);
 }
