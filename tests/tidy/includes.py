@@ -38,7 +38,7 @@ FOREIGN = (
     Foreign(
         "Cap'n Proto",
         re.compile(r"^(capnp|kj)/|\.capnp\.h$"),
-        ("schema/", "tests/unit/schema/", "tests/conformance/", "tests/fuzz/"),
+        ("schema/", "tests/unit/schema/", "tests/conformance/", "tests/fuzz/", "tests/bench/"),
     ),
     Foreign("Boost.JSON", re.compile(r"^boost/json"), ("schema/json/", "server/view/", "tools/", "tests/")),
     Foreign(

@@ -1,26 +1,51 @@
 #!/usr/bin/env bash
-# bench.sh [store] [--json FILE] [--rounds N] [--seconds N]: benchmarks with their comparators in the
-# same run, on a private PostgreSQL cluster with the settings that it is installed with.
+# bench.sh [relay|decode|connect|memory|store] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
+# settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 # shellcheck source=tools/dev/lib.sh
 source tools/dev/lib.sh
 
-name="${1:-store}"
-[[ $# -eq 0 ]] || shift
-[[ "$name" == store ]] || die_usage "bench: unknown benchmark: $name (store)"
-need_packages
-build_preset release bin/uplink_bench_store bin/uplinkctl
+name=relay
+if [[ $# -gt 0 && "$1" != --* ]]; then
+  name="$1"
+  shift
+fi
 readonly bin="$PWD/build/release/bin" folder="$PWD/build/bench"
-readonly cluster="$folder/postgres.state"
-[[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
-rm -rf "$folder"
-mkdir -p "$folder"
-trap 'tools/dev/postgres.sh stop "$cluster"' EXIT
-tools/dev/postgres.sh start "$cluster"
-at="$(sed -n 's/^folder=//p' "$cluster")&port=$(sed -n 's/^port=//p' "$cluster")"
-psql -X -q -c 'CREATE DATABASE uplinkd OWNER uplinkd_owner' "postgresql://postgres@/postgres?host=$at"
-"$bin/uplinkctl" store migrate --url "postgresql://uplinkd_owner@/uplinkd?host=$at" --grant-to uplinkd \
-  >"$folder/migrate.log"
-"$bin/uplink_bench_store" --url "postgresql://uplinkd@/uplinkd?host=$at" --folder "$folder" \
-  --commit "$(git -c safe.directory='*' rev-parse --short HEAD)" "$@"
+commit="$(git -c safe.directory='*' rev-parse --short HEAD)"
+
+bench_store() {
+  build_preset release bin/uplink_bench_store bin/uplinkctl
+  local cluster="$folder/postgres.state" at
+  [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
+  rm -rf "$folder"
+  mkdir -p "$folder"
+  # shellcheck disable=SC2064 # the name is known now, and is gone when the trap runs
+  trap "tools/dev/postgres.sh stop '$cluster'" EXIT
+  tools/dev/postgres.sh start "$cluster"
+  at="$(sed -n 's/^folder=//p' "$cluster")&port=$(sed -n 's/^port=//p' "$cluster")"
+  psql -X -q -c 'CREATE DATABASE uplinkd OWNER uplinkd_owner' "postgresql://postgres@/postgres?host=$at"
+  "$bin/uplinkctl" store migrate --url "postgresql://uplinkd_owner@/uplinkd?host=$at" \
+    --grant-to uplinkd >"$folder/migrate.log"
+  "$bin/uplink_bench_store" --url "postgresql://uplinkd@/uplinkd?host=$at" --folder "$folder" \
+    --commit "$commit" "$@"
+}
+
+case "$name" in
+  store)
+    need_packages
+    bench_store "$@"
+    ;;
+  relay | connect | memory)
+    need_packages
+    build_preset release bin/uplink_bench_relay bin/uplinkd
+    "$bin/uplink_bench_relay" "$name" --commit "$commit" "$@"
+    ;;
+  decode)
+    need_packages
+    build_preset release bin/uplink_bench_decode
+    "$bin/uplink_bench_decode" --commit "$commit" "$@"
+    ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory or store)" ;;
+esac

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "schema/base/clock.h"
+#include "tests/bench/load/client.h"
+
+namespace uplink::bench {
+
+/// Many clients of one server, driven by the thread that calls it.
+///
+/// Errors: a client that is refused or cut aborts the benchmark: its figures would mean nothing.
+/// Thread: confined to one thread.
+class Load final {
+ public:
+  struct Where {
+    Protocol protocol = Protocol::kRelay;
+    link::LinkOptions link;
+    /// The robots' certificates; as many robots as there are can be connected.
+    const std::vector<link::Identity>* identities = nullptr;
+  };
+
+  explicit Load(Where where) : where_(std::move(where)) {}
+  /// Closes the connections and lets them end.
+  ~Load();
+  Load(const Load&) = delete;
+  Load& operator=(const Load&) = delete;
+
+  /// Connects robots until there are so many, `at_once` handshakes at a time.
+  void ConnectUpTo(std::size_t robots, std::size_t at_once);
+  /// Each robot sends this many messages, one a frame; waits until the server has acked nearly all.
+  void SendEach(std::size_t messages);
+  /// Evenly spread: so many frames a second over all robots, in turn.
+  void Pace(double frames_a_second, std::size_t frame_messages, milliseconds duration);
+  /// Each robot keeps `ahead` messages unacked.
+  void Flood(std::size_t ahead, std::size_t frame_messages, milliseconds duration);
+  /// Connects all robots again, each until it is welcomed, with `at_once` at a time: the server was
+  /// started anew. Gives up after `patience`.
+  [[nodiscard]] bool ConnectAgain(std::size_t at_once, milliseconds patience);
+
+  [[nodiscard]] std::size_t robots() const { return clients_.size(); }
+  /// What all robots sent, and what of it is acked.
+  [[nodiscard]] std::uint64_t sent() const;
+  [[nodiscard]] std::uint64_t acked() const;
+  /// How many paced frames left more than 100 ms late: then the load was the limit.
+  [[nodiscard]] std::uint64_t late() const { return late_; }
+
+ private:
+  [[nodiscard]] std::unique_ptr<Client> NewClient(std::size_t number);
+  void RunFor(milliseconds duration);
+  void CheckNoneFailed() const;
+  void FillUp(Client& client, std::size_t ahead, std::size_t frame_messages) const;
+
+  Where where_;
+  link::Loop loop_;
+  boost::asio::steady_timer timer_{loop_.io};
+  std::vector<std::unique_ptr<Client>> clients_;
+  std::size_t next_ = 0;
+  std::uint64_t late_ = 0;
+  const SystemClock clock_{};
+};
+
+}  // namespace uplink::bench

@@ -1,0 +1,56 @@
+#include "tests/bench/load/relay_client.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+namespace uplink::bench {
+namespace {
+
+constexpr std::size_t kSessionBytes = 16;
+
+std::string NewSession() {
+  std::random_device random;
+  std::string session(kSessionBytes, '\0');
+  std::ranges::generate(session, [&] { return static_cast<char>(random()); });
+  return session;
+}
+
+}  // namespace
+
+RelayClient::RelayClient(link::Loop& loop, link::LinkOptions options, std::size_t number)
+    : number_(number),
+      connection_(loop, std::move(options), static_cast<link::StreamEvents&>(*this)) {
+  connection_.Connect();
+}
+
+void RelayClient::OnConnected() {
+  connection_.OpenStream("/uplink.v1.UplinkRelay/Relay");
+  v1::RelayRequest frame;
+  frame.mutable_hello()->set_session_id(NewSession());
+  frame.mutable_hello()->set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
+  frame.mutable_hello()->set_agent_version("benchmark");
+  connection_.Send(frame.SerializeAsString());
+}
+
+void RelayClient::Send(std::size_t messages) {
+  v1::UplinkBatch& batch = *frame_.mutable_batch();
+  batch.clear_uplinks();
+  for (std::size_t i = 0; i < messages; ++i) {
+    v1::Uplink& uplink = *batch.add_uplinks();
+    uplink.set_seq(++sent_);
+    uplink.set_rover_nexus(Payload(number_ + sent_));
+  }
+  connection_.Send(frame_.SerializeAsString());
+}
+
+void RelayClient::OnMessage(std::string_view message) {
+  v1::RelayResponse frame;
+  if (!frame.ParseFromArray(message.data(), static_cast<int>(message.size()))) return;
+  if (frame.has_welcome()) ready_ = true;
+  if (frame.has_ack()) acked_ = std::max(acked_, frame.ack().judged_seq());
+  if (frame.has_reject()) Fail("rejected: " + frame.reject().detail());
+  Moved();
+}
+
+}  // namespace uplink::bench

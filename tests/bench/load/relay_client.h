@@ -1,0 +1,28 @@
+#pragma once
+
+#include "tests/bench/load/client.h"
+#include "tools/link/grpc_connection.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::bench {
+
+/// A robot as uplinkd and the bare gRPC sink know it.
+class RelayClient final : public Client, private link::StreamEvents {
+ public:
+  RelayClient(link::Loop& loop, link::LinkOptions options, std::size_t number);
+
+  void Send(std::size_t messages) override;
+  [[nodiscard]] std::size_t unsent() const override { return connection_.unsent(); }
+
+ private:
+  void OnConnected() override;
+  void OnMessage(std::string_view message) override;
+  void OnSent() override { Moved(); }
+  void OnEnded(const link::StreamEnd& end) override { Fail(end.message); }
+
+  std::size_t number_;
+  v1::RelayRequest frame_;
+  link::GrpcConnection connection_;
+};
+
+}  // namespace uplink::bench

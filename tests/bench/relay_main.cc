@@ -1,0 +1,297 @@
+// What a message, a connection and a byte of state cost uplinkd, beside bare servers and brokers
+// that do less, in one run. Servers have one core, the load has the other.
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include "schema/base/check.h"
+#include "tests/bench/figures.h"
+#include "tests/bench/servers.h"
+
+namespace uplink::bench {
+namespace {
+
+using std::chrono::seconds;
+
+struct Arguments {
+  std::string what = "relay";
+  std::string json;
+  std::string commit = "unknown";
+  std::vector<std::string> only;
+  int rounds = 3;
+  int seconds = 3;
+};
+
+constexpr double kMicrosASecond = 1e6;
+constexpr double kBytesAKiB = 1024;
+constexpr int kWarmUpSeconds = 1;
+/// Handshakes at a time while nothing is measured.
+constexpr std::size_t kConnectsAtOnce = 32;
+
+// The load of the scenarios.
+constexpr std::size_t kPacedRobots = 2000;
+constexpr double kPacedHz = 10;
+constexpr std::size_t kFloodRobots = 16;
+/// Messages that a flooding robot has on its way.
+constexpr std::size_t kFloodAhead = 2048;
+constexpr std::size_t kIdleRobots = 5000;
+constexpr std::size_t kFewRobots = 100;
+constexpr std::size_t kManyRobots = 10'000;
+constexpr double kGrowthRate = 10'000;
+constexpr std::size_t kMemoryRobots = 2000;
+constexpr std::size_t kMemoryMessages = 64;
+constexpr std::size_t kAcceptRobots = 2000;
+constexpr std::size_t kStormRobots = 5000;
+constexpr std::size_t kStormAtOnce = 256;
+
+using Kinds = std::vector<ServerKind>;
+const Kinds kAll = {ServerKind::kGrpcSink, ServerKind::kTlsSink, ServerKind::kMosquitto,
+                    ServerKind::kNats};
+const Kinds kSinks = {ServerKind::kGrpcSink, ServerKind::kTlsSink};
+
+class RelayBench final {
+ public:
+  explicit RelayBench(const Arguments& arguments) : arguments_(arguments) {}
+
+  std::vector<Row> Run() {
+    if (arguments_.what == "relay") {
+      Cost("paced_1", kAll, 1, kPacedRobots, Paced(kPacedRobots * kPacedHz, 1));
+      Cost("paced_10", kSinks, 10, kPacedRobots, Paced(kPacedRobots, 10));
+      Cost("flood_1", kAll, 1, kFloodRobots, Flooding(1));
+      Cost("flood_64", kSinks, 64, kFloodRobots, Flooding(64));
+      Cost("connected_5000_1hz", {ServerKind::kGrpcSink}, 1, kIdleRobots, Paced(kIdleRobots, 1));
+      Growth();
+    } else if (arguments_.what == "memory") {
+      Memory();
+    } else {
+      Accepts();
+      Storm();
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  using Act = std::function<void(Load&, milliseconds)>;
+
+  static Act Paced(double frames_a_second, std::size_t frame_messages) {
+    return [=](Load& load, milliseconds duration) {
+      load.Pace(frames_a_second, frame_messages, duration);
+    };
+  }
+  static Act Flooding(std::size_t frame_messages) {
+    return [=](Load& load, milliseconds duration) {
+      load.Flood(kFloodAhead, frame_messages, duration);
+    };
+  }
+
+  [[nodiscard]] bool Wanted(const std::string& scenario) const {
+    return arguments_.only.empty() ||
+           std::ranges::find(arguments_.only, scenario) != arguments_.only.end();
+  }
+
+  static void Say(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+
+  /// Microseconds of the server's CPU for each message of one window.
+  double CostOnce(const Server& server, Load& load, const Act& act) {
+    act(load, seconds(kWarmUpSeconds));
+    const synthetic::ProcessUse before = server.use();
+    const std::uint64_t acked = load.acked();
+    const std::uint64_t sent = load.sent();
+    act(load, seconds(arguments_.seconds));
+    const double cpu = server.use().Since(before).cpu_seconds;
+    // Acks lag behind by less than a message in a hundred; a flood has as many on its way at its
+    // end as at its beginning.
+    const double messages = static_cast<double>(std::max(load.acked() - acked, load.sent() - sent));
+    return cpu * kMicrosASecond / std::max(messages, 1.0);
+  }
+
+  /// The server under test, and then each comparator, by turns.
+  void Cost(const std::string& scenario, const Kinds& comparators, std::size_t frame_messages,
+            std::size_t robots, const Act& act) {
+    if (!Wanted(scenario)) return;
+    world_.MakeRobots(robots);
+    Kinds kinds = {ServerKind::kUplinkd};
+    for (const ServerKind kind : comparators) {
+      if (IsInstalled(kind)) kinds.push_back(kind);
+    }
+    std::vector<std::unique_ptr<Server>> servers;
+    std::vector<std::unique_ptr<Load>> loads;
+    for (const ServerKind kind : kinds) {
+      Say(scenario + ": " + std::to_string(robots) + " robots of " + NameOf(kind));
+      servers.push_back(std::make_unique<Server>(world_, kind, frame_messages));
+      loads.push_back(std::make_unique<Load>(servers.back()->where()));
+      loads.back()->ConnectUpTo(robots, kConnectsAtOnce);
+    }
+    std::map<ServerKind, Rounds> costs;
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      for (std::size_t i = 0; i < servers.size(); ++i) {
+        costs[kinds[i]].Add(CostOnce(*servers[i], *loads[i], act));
+      }
+    }
+    for (std::size_t i = 1; i < kinds.size(); ++i) {
+      rows_.push_back({scenario, "us CPU/message", NameOf(kinds[i]), costs[ServerKind::kUplinkd],
+                       costs[kinds[i]]});
+    }
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      if (loads[i]->late() > 0) {
+        Say(fmt::format("{}: the load itself was late for {}: {} frames", scenario,
+                        NameOf(kinds[i]), loads[i]->late()));
+      }
+    }
+  }
+
+  /// Cost of a message with many robots over that with few, at the same rate of all.
+  void Growth() {
+    const std::string scenario = "growth_100_to_10000";
+    if (!Wanted(scenario)) return;
+    world_.MakeRobots(kManyRobots);
+    Row row{scenario, "x", NameOf(ServerKind::kGrpcSink), {}, {}};
+    for (const ServerKind kind : {ServerKind::kUplinkd, ServerKind::kGrpcSink}) {
+      Say(scenario + ": " + NameOf(kind));
+      const Server server(world_, kind);
+      Load load(server.where());
+      Rounds few;
+      Rounds many;
+      load.ConnectUpTo(kFewRobots, kConnectsAtOnce);
+      for (int i = 0; i < arguments_.rounds; ++i) {
+        few.Add(CostOnce(server, load, Paced(kGrowthRate, 1)));
+      }
+      load.ConnectUpTo(kManyRobots, kConnectsAtOnce);
+      for (int i = 0; i < arguments_.rounds; ++i) {
+        many.Add(CostOnce(server, load, Paced(kGrowthRate, 1)));
+      }
+      (kind == ServerKind::kUplinkd ? row.value : row.comparator_value)
+          .Add(many.median() / few.median());
+      if (kind == ServerKind::kUplinkd) {
+        rows_.push_back({"robots_100_at_10000_a_second", "us CPU/message", "", few, {}});
+        rows_.push_back({"robots_10000_at_10000_a_second", "us CPU/message", "", many, {}});
+      }
+    }
+    rows_.push_back(std::move(row));
+  }
+
+  /// Resident memory that a robot adds: connected, and after some messages with its live state.
+  void Memory() {
+    world_.MakeRobots(kMemoryRobots);
+    std::map<ServerKind, Rounds> idle;
+    std::map<ServerKind, Rounds> used;
+    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
+                         ServerKind::kMosquitto, ServerKind::kNats};
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      for (const ServerKind kind : kinds) {
+        if (!IsInstalled(kind)) continue;
+        Say("memory: " + NameOf(kind));
+        const Server server(world_, kind);
+        Load load(server.where());
+        const std::uint64_t before = server.use().rss_bytes;
+        load.ConnectUpTo(kMemoryRobots, kConnectsAtOnce);
+        idle[kind].Add(KiBARobot(server.use().rss_bytes - before));
+        load.SendEach(kMemoryMessages);
+        used[kind].Add(KiBARobot(server.use().rss_bytes - before));
+      }
+    }
+    for (std::size_t i = 1; i < kinds.size(); ++i) {
+      if (!IsInstalled(kinds[i])) continue;
+      rows_.push_back({"memory_connected", "KiB/robot", NameOf(kinds[i]),
+                       idle[ServerKind::kUplinkd], idle[kinds[i]]});
+      rows_.push_back({"memory_after_64_messages", "KiB/robot", NameOf(kinds[i]),
+                       used[ServerKind::kUplinkd], used[kinds[i]]});
+    }
+  }
+
+  static double KiBARobot(std::uint64_t bytes) {
+    return static_cast<double>(bytes) / kBytesAKiB / static_cast<double>(kMemoryRobots);
+  }
+
+  /// Connections with their whole handshake, and a stream, for each second of the server's CPU.
+  void Accepts() {
+    world_.MakeRobots(kAcceptRobots);
+    std::map<ServerKind, Rounds> rates;
+    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
+                         ServerKind::kMosquitto, ServerKind::kNats};
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      for (const ServerKind kind : kinds) {
+        if (!IsInstalled(kind)) continue;
+        Say("accepts: " + NameOf(kind));
+        const Server server(world_, kind);
+        Load load(server.where());
+        const synthetic::ProcessUse before = server.use();
+        load.ConnectUpTo(kAcceptRobots, kConnectsAtOnce);
+        rates[kind].Add(static_cast<double>(kAcceptRobots) /
+                        server.use().Since(before).cpu_seconds);
+      }
+    }
+    for (std::size_t i = 1; i < kinds.size(); ++i) {
+      if (!IsInstalled(kinds[i])) continue;
+      rows_.push_back({"accepts", "1/s of a core", NameOf(kinds[i]), rates[ServerKind::kUplinkd],
+                       rates[kinds[i]]});
+    }
+  }
+
+  /// A server that is killed under its robots: until all stream again to the next one.
+  void Storm() {
+    world_.MakeRobots(kStormRobots);
+    Row row{"reconnect_5000", "s", "", {}, {}};
+    Server server(world_, ServerKind::kUplinkd);
+    Load load(server.where());
+    load.ConnectUpTo(kStormRobots, kConnectsAtOnce);
+    load.SendEach(1);
+    const SystemClock clock;
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      Say("reconnect_5000");
+      const SteadyTime began = clock.Steady();
+      server.KillAndStart();
+      UPLINK_CHECK(load.ConnectAgain(kStormAtOnce, std::chrono::minutes(2)),
+                   "all robots stream again");
+      row.value.Add(std::chrono::duration<double>(clock.Steady() - began).count());
+      load.SendEach(1);
+    }
+    rows_.push_back(std::move(row));
+  }
+
+  const Arguments& arguments_;
+  World world_;
+  std::vector<Row> rows_;
+};
+
+int Run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Benchmarks of the relay", "uplink_bench_relay");
+  app.add_option("what", arguments.what)->check(CLI::IsMember({"relay", "connect", "memory"}));
+  app.add_option("--json", arguments.json, "Where the figures go as JSON");
+  app.add_option("--commit", arguments.commit, "What is measured");
+  app.add_option("--only", arguments.only, "Scenarios; all if none is named");
+  app.add_option("--rounds", arguments.rounds)->check(CLI::Range(1, 100));
+  app.add_option("--seconds", arguments.seconds)->check(CLI::Range(1, 600));
+  CLI11_PARSE(app, argc, argv);
+  const bool apart = PinTo(kLoadCore);
+  const std::vector<Row> rows = RelayBench(arguments).Run();
+  fmt::print(
+      "{}: the server on {}, robots over mutual TLS, {} rounds of {} s; no rate is limited\n{}",
+      arguments.what, apart ? "a core of its own" : "the only core", arguments.rounds,
+      arguments.seconds, TableOf(rows));
+  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
+  return 0;
+}
+
+}  // namespace
+}  // namespace uplink::bench
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+  return uplink::bench::Run(argc, argv);
+}
