@@ -65,6 +65,50 @@ class BareWalk final {
   std::uint64_t seen_ = 0;
 };
 
+/// A figure for each vector.
+class DecodeBench final {
+ public:
+  explicit DecodeBench(const Arguments& arguments)
+      : rounds_(arguments.rounds),
+        each_(static_cast<double>(arguments.seconds) / arguments.rounds / 2) {}
+
+  Row Good(const std::string& name) {
+    const std::string payload = test::ReadVector(name, ".bin");
+    Row row{fmt::format("{} ({} B)", name, payload.size()), "ns", "Cap'n Proto's walk", {}, {}};
+    for (int round = 0; round < rounds_; ++round) {
+      row.value.Add(NanosOf([&] { Take(payload); }, each_));
+      row.comparator_value.Add(NanosOf([&] { walk_(payload); }, each_));
+    }
+    UPLINK_CHECK(walk_.seen() > 0, "the walk is not left out");
+    return row;
+  }
+
+  Row CutOff() {
+    std::string payload = test::ReadVector("motionTelemetry", ".bin");
+    payload.resize(payload.size() - sizeof(capnp::word));
+    Row row{"cut off: rejected", "ns", "", {}, {}};
+    for (int round = 0; round < rounds_; ++round) {
+      row.value.Add(NanosOf([&] { Refuse(payload); }, each_));
+    }
+    return row;
+  }
+
+ private:
+  void Take(const std::string& payload) {
+    const auto judgement = judge_.Payload(std::as_bytes(std::span(payload)));
+    UPLINK_CHECK(judgement.record() != nullptr, "a vector is good");
+  }
+  void Refuse(const std::string& payload) {
+    const auto judgement = judge_.Payload(std::as_bytes(std::span(payload)));
+    UPLINK_CHECK(judgement.rejection() != nullptr, "what is cut off is rejected");
+  }
+
+  int rounds_;
+  std::chrono::duration<double> each_;
+  schema::Judge judge_{{}};
+  BareWalk walk_;
+};
+
 int Run(int argc, char** argv) {
   Arguments arguments;
   CLI::App app("Benchmark of decoding and judging", "uplink_bench_decode");
@@ -74,37 +118,10 @@ int Run(int argc, char** argv) {
   app.add_option("--seconds", arguments.seconds, "For a figure, all rounds together")
       ->check(CLI::Range(1, 600));
   CLI11_PARSE(app, argc, argv);
-  schema::Judge judge({});
-  BareWalk walk;
-  const std::chrono::duration<double> each(static_cast<double>(arguments.seconds) /
-                                           arguments.rounds / 2);
+  DecodeBench bench(arguments);
   std::vector<Row> rows;
-  for (const std::string& name : test::VectorNames()) {
-    const std::string payload = test::ReadVector(name, ".bin");
-    const auto judged = [&] {
-      const auto judgement = judge.Payload(std::as_bytes(std::span(payload)));
-      UPLINK_CHECK(judgement.record() != nullptr, name + " is good");
-    };
-    Row row{fmt::format("{} ({} B)", name, payload.size()), "ns", "Cap'n Proto's walk", {}, {}};
-    for (int round = 0; round < arguments.rounds; ++round) {
-      row.value.Add(NanosOf(judged, each));
-      row.comparator_value.Add(NanosOf([&] { walk(payload); }, each));
-    }
-    rows.push_back(std::move(row));
-  }
-  const std::string good = test::ReadVector("motionTelemetry", ".bin");
-  const std::string cut = good.substr(0, good.size() - sizeof(capnp::word));
-  Row malformed{"cut off: rejected", "ns", "", {}, {}};
-  for (int round = 0; round < arguments.rounds; ++round) {
-    malformed.value.Add(NanosOf(
-        [&] {
-          const auto judgement = judge.Payload(std::as_bytes(std::span(cut)));
-          UPLINK_CHECK(judgement.rejection() != nullptr, "what is cut off is rejected");
-        },
-        each));
-  }
-  rows.push_back(std::move(malformed));
-  UPLINK_CHECK(walk.seen() > 0, "the walk is not left out");
+  for (const std::string& name : test::VectorNames()) rows.push_back(bench.Good(name));
+  rows.push_back(bench.CutOff());
   fmt::print("decode: one payload judged, on one core; {} rounds\n{}", arguments.rounds,
              TableOf(rows));
   if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);

@@ -82,7 +82,7 @@ class FileReader {
     if (key == "offline_before") return Take(key, node, kOfflineMax, scenario.offline_before);
     if (key == kRobotsNumber.key) {
       double robots = 0;
-      const absl::Status status = Take(kRobotsNumber, true, node, robots);
+      absl::Status status = Take(kRobotsNumber, true, node, robots);
       if (status.ok()) scenario.robots = static_cast<std::size_t>(robots);
       return status;
     }
@@ -105,7 +105,7 @@ class FileReader {
       Phase phase = common;
       for (const auto& [key, node] : *table) {
         const std::string name(key.str());
-        const absl::Status status =
+        absl::Status status =
             name == "for" ? Take(name, node, kPhaseMax, phase.lasts) : InPhase(name, node, phase);
         if (!status.ok()) return status;
       }
@@ -126,7 +126,7 @@ class FileReader {
     for (const PhaseDuration& key : kPhaseDurations) {
       if (key.key != name) continue;
       milliseconds value{0};
-      const absl::Status status = Take(name, node, key.max, value);
+      absl::Status status = Take(name, node, key.max, value);
       if (status.ok()) key.set(phase, value);
       return status;
     }
@@ -134,7 +134,7 @@ class FileReader {
         kPhaseKeys, [&](const PhaseKey& each) { return each.number.key == name; });
     if (key == kPhaseKeys.end()) return Invalid(fmt::format("{}: no such key: {}", path_, name));
     double value = 0;
-    const absl::Status status = Take(key->number, key->whole, node, value);
+    absl::Status status = Take(key->number, key->whole, node, value);
     if (status.ok()) key->set(phase, value);
     return status;
   }

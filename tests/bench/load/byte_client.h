@@ -83,7 +83,6 @@ class NatsClient final : public ByteClient {
 
   std::string subject_;
   std::string out_;
-  std::uint64_t asked_ = 0;
 };
 
 }  // namespace uplink::bench

@@ -38,9 +38,9 @@ void Load::RunFor(milliseconds duration) {
   }
 }
 
-void Load::CheckNoneFailed() const {
-  for (const auto& client : clients_) {
-    UPLINK_CHECK(!client->failed(), "a robot was refused or cut: " + client->error());
+void Load::CheckNoneFailed(std::size_t from) const {
+  for (std::size_t i = from; i < clients_.size(); ++i) {
+    UPLINK_CHECK(!clients_[i]->failed(), "a robot was refused or cut: " + clients_[i]->error());
   }
 }
 
@@ -56,9 +56,7 @@ void Load::ConnectUpTo(std::size_t robots, std::size_t at_once) {
     loop_.io.run_one_for(kLook);
     loop_.io.poll();
     while (ready < clients_.size() && clients_[ready]->ready()) ++ready;
-    if (ready < clients_.size()) {
-      UPLINK_CHECK(!clients_[ready]->failed(), "a robot was refused: " + clients_[ready]->error());
-    }
+    CheckNoneFailed(ready);
   }
 }
 

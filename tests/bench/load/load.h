@@ -54,7 +54,7 @@ class Load final {
  private:
   [[nodiscard]] std::unique_ptr<Client> NewClient(std::size_t number);
   void RunFor(milliseconds duration);
-  void CheckNoneFailed() const;
+  void CheckNoneFailed(std::size_t from = 0) const;
   void FillUp(Client& client, std::size_t ahead, std::size_t frame_messages) const;
 
   Where where_;
