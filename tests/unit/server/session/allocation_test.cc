@@ -1,30 +1,13 @@
-// No message that is live takes memory on its way through the session. This program counts each
-// allocation by operator new.
-#include <atomic>
-#include <cstdlib>
-#include <new>
+// No message that is live takes memory on its way through the session.
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "schema/encode.h"
+#include "tests/unit/server/session/allocation_counter.h"
 #include "tests/unit/server/session/session_bench.h"
-
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  allocations.fetch_add(1, std::memory_order_relaxed);
-  void* const memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) std::abort();
-  return memory;
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
 namespace uplink::session {
 namespace {
@@ -58,9 +41,9 @@ class AllocationTest : public ::testing::Test {
 
   /// Allocations within the session while it takes these frames.
   std::size_t AllocationsFor(BenchStream& stream, const std::vector<std::string>& frames) {
-    const std::size_t before = allocations.load();
+    const std::size_t before = AllocationsSoFar();
     for (const std::string& frame : frames) stream.session().OnFrame(frame);
-    return allocations.load() - before;
+    return AllocationsSoFar() - before;
   }
 
   /// Acks are protobuf's messages and wait for their write: none comes within so many messages.
@@ -85,9 +68,9 @@ class AllocationTest : public ::testing::Test {
 };
 
 TEST_F(AllocationTest, TheCounterCounts) {
-  const std::size_t before = allocations.load();
+  const std::size_t before = AllocationsSoFar();
   const auto memory = std::make_unique<std::string>(100, 'x');
-  EXPECT_EQ(allocations.load(), before + 2);
+  EXPECT_EQ(AllocationsSoFar(), before + 2);
 }
 
 TEST_F(AllocationTest, MotionAndStatusTakeNone) {
