@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -26,7 +27,10 @@ namespace {
 std::size_t UsableCores() {
   cpu_set_t cores;
   CPU_ZERO(&cores);
-  if (sched_getaffinity(0, sizeof cores, &cores) != 0) return 1;
+  // More cores than the set has room for.
+  if (sched_getaffinity(0, sizeof cores, &cores) != 0) {
+    return std::max(1U, std::thread::hardware_concurrency());
+  }
   return std::max<std::size_t>(1, static_cast<std::size_t>(CPU_COUNT(&cores)));
 }
 

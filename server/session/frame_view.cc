@@ -11,6 +11,10 @@ namespace {
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
+/// Views whose memory stays for the next frame: a frame of nothing but empty messages can ask for a
+/// thousand times as many.
+constexpr std::size_t kViewsKeptMax = 4096;
+
 constexpr std::uint32_t LengthDelimited(int field) {
   return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
 }
@@ -36,7 +40,7 @@ class Walk {
 
   FrameContent Request(BatchView& batch) {
     FrameContent content = FrameContent::kNothing;
-    while (const std::uint32_t tag = input_.ReadTag()) {
+    while (const std::uint32_t tag = NextTag()) {
       bool good = true;
       if (tag == kBatchTag) {
         // A hello before it no longer counts; another batch before it does.
@@ -45,15 +49,19 @@ class Walk {
         good = Within([&] { return Batch(batch); });
       } else if (tag == kHelloTag) {
         content = FrameContent::kHello;
+        unusual_ = true;
         std::string_view ignored;
         good = Bytes(ignored);
       } else {
-        good = WireFormatLite::SkipField(&input_, tag);
+        good = SkipUnknown(tag);
       }
       if (!good) return FrameContent::kMalformed;
     }
     return input_.ConsumedEntireMessage() ? content : FrameContent::kMalformed;
   }
+
+  /// Something was met that agents of today do not send: protobuf's own parser has the last word.
+  [[nodiscard]] bool unusual() const { return unusual_; }
 
   static void Clear(BatchView& batch) {
     batch.uplinks.clear();
@@ -62,7 +70,7 @@ class Walk {
 
  private:
   bool Batch(BatchView& batch) {
-    while (const std::uint32_t tag = input_.ReadTag()) {
+    while (const std::uint32_t tag = NextTag()) {
       bool good = true;
       std::uint64_t number = 0;
       if (tag == kUplinksTag) {
@@ -72,7 +80,7 @@ class Walk {
         good = input_.ReadVarint64(&number);
         batch.sent_unix_ms = static_cast<std::int64_t>(number);
       } else {
-        good = WireFormatLite::SkipField(&input_, tag);
+        good = SkipUnknown(tag);
       }
       if (!good) return false;
     }
@@ -80,7 +88,7 @@ class Walk {
   }
 
   bool Uplink(UplinkView& uplink) {
-    while (const std::uint32_t tag = input_.ReadTag()) {
+    while (const std::uint32_t tag = NextTag()) {
       bool good = true;
       if (tag == kSeqTag) {
         good = input_.ReadVarint64(&uplink.seq);
@@ -91,16 +99,37 @@ class Walk {
         uplink.content = UplinkView::Content::kRcanRobotState;
         good = Bytes(uplink.payload);
       } else {
-        good = WireFormatLite::SkipField(&input_, tag);
+        good = SkipUnknown(tag);
       }
       if (!good) return false;
     }
     return input_.ConsumedEntireMessage();
   }
 
+  /// 0 at the end of the message at hand. All tags of ours have one byte.
+  std::uint32_t NextTag() {
+    const int before = input_.CurrentPosition();
+    const std::uint32_t tag = input_.ReadTag();
+    unusual_ = unusual_ || input_.CurrentPosition() > before + 1;
+    return tag;
+  }
+
+  bool SkipUnknown(std::uint32_t tag) {
+    unusual_ = true;
+    return WireFormatLite::SkipField(&input_, tag);
+  }
+
+  bool Size(int& size) {
+    constexpr int kUsualBytes = 5;
+    const int before = input_.CurrentPosition();
+    const bool good = input_.ReadVarintSizeAsInt(&size);
+    unusual_ = unusual_ || input_.CurrentPosition() > before + kUsualBytes;
+    return good;
+  }
+
   bool Bytes(std::string_view& to) {
     int size = 0;
-    if (!input_.ReadVarintSizeAsInt(&size)) return false;
+    if (!Size(size)) return false;
     const auto at = static_cast<std::size_t>(input_.CurrentPosition());
     if (!input_.Skip(size)) return false;
     to = bytes_.substr(at, static_cast<std::size_t>(size));
@@ -117,7 +146,7 @@ class Walk {
   template <typename Read>
   bool Within(const Read& read) {
     int size = 0;
-    if (!input_.ReadVarintSizeAsInt(&size) || size > Left()) return false;
+    if (!Size(size) || size > Left()) return false;
     const auto [limit, depth] = input_.IncrementRecursionDepthAndPushLimit(size);
     if (depth < 0 || !read()) return false;
     return input_.DecrementRecursionDepthAndPopLimit(limit);
@@ -125,13 +154,21 @@ class Walk {
 
   std::string_view bytes_;
   CodedInputStream input_;
+  bool unusual_ = false;
 };
 
 }  // namespace
 
 FrameContent ReadFrame(std::string_view bytes, BatchView& batch) {
+  if (batch.uplinks.capacity() > kViewsKeptMax) std::vector<UplinkView>().swap(batch.uplinks);
   Walk::Clear(batch);
-  return Walk(bytes).Request(batch);
+  Walk walk(bytes);
+  const FrameContent content = walk.Request(batch);
+  if (!walk.unusual() || content == FrameContent::kMalformed) return content;
+  v1::RelayRequest whole;
+  return whole.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))
+             ? content
+             : FrameContent::kMalformed;
 }
 
 }  // namespace uplink::session

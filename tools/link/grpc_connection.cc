@@ -16,6 +16,8 @@ namespace {
 /// A flag and a length before each message.
 constexpr std::size_t kPrefixBytes = 5;
 constexpr std::size_t kKeptBytes = 4 * 1024;
+/// Bytes that were taken already and still lie before the rest.
+constexpr std::size_t kTakenMax = 64 * 1024;
 constexpr int kHighestCode = 16;
 
 std::uint32_t LengthOf(std::string_view prefix) {
@@ -136,6 +138,7 @@ void GrpcConnection::OnUp() {
 }
 
 void GrpcConnection::OnBytes(std::string_view bytes) {
+  const std::size_t before = unsent();
   busy_ = true;
   const bool good = http2_.Receive(bytes);
   busy_ = false;
@@ -144,6 +147,8 @@ void GrpcConnection::OnBytes(std::string_view bytes) {
     return OnDown(absl::UnavailableError("the server's bytes are not HTTP/2"));
   }
   Flush();
+  // The server's window grew: what waited for it went.
+  if (!ended_ && unsent() < before) OnSent();
   TellEnd();
 }
 
@@ -152,7 +157,9 @@ void GrpcConnection::OnSent() {
 }
 
 void GrpcConnection::OnDown(const absl::Status& why) {
+  const bool between_streams = up_ && !streaming_;
   up_ = false;
+  if (between_streams) return;
   // Before the first stream too, its owner waits for something.
   if (!ended_) ended_ = StreamEnd{kCodeUnavailable, std::string(why.message())};
   TellEnd();
@@ -214,6 +221,9 @@ std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& en
     GiveBack(out_);
     out_taken_ = 0;
     end = half_closed_;
+  } else if (out_taken_ > kTakenMax) {
+    out_.erase(0, out_taken_);
+    out_taken_ = 0;
   }
   return taken;
 }

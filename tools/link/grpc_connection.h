@@ -77,6 +77,7 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
   [[nodiscard]] std::size_t unsent() const;
   /// As for TlsLink. After Cut and Freeze no event comes.
   void PauseReading(bool pause) { link_->PauseReading(pause); }
+  void SetDelay(milliseconds delay) { link_->SetDelay(delay); }
   void Freeze();
   void Cut();
 

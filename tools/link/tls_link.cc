@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
 
@@ -74,6 +75,7 @@ void TlsLink::ReadGreeting() {
 }
 
 void TlsLink::Handshake() {
+  ERR_clear_error();
   const int done = SSL_do_handshake(session_.get());
   if (done == 1) {
     state_ = State::kUp;
@@ -123,6 +125,8 @@ void TlsLink::OnWritable() {
 void TlsLink::Read() {
   const auto self = shared_from_this();
   while (state_ == State::kUp && !paused_) {
+    // What another connection of this thread left there is not this one's.
+    ERR_clear_error();
     const int got = SSL_read(session_.get(), loop_.in.data(), static_cast<int>(loop_.in.size()));
     if (got > 0) {
       events_->OnBytes({loop_.in.data(), static_cast<std::size_t>(got)});
@@ -138,6 +142,7 @@ void TlsLink::Read() {
 
 void TlsLink::Write(std::string_view bytes) {
   if (state_ != State::kUp) return;
+  ERR_clear_error();
   if (pending_.empty() && options_.delay.count() == 0) {
     while (!bytes.empty()) {
       const int put = SSL_write(session_.get(), bytes.data(), static_cast<int>(bytes.size()));
@@ -170,6 +175,7 @@ void TlsLink::FlushLater() {
 }
 
 void TlsLink::Flush() {
+  ERR_clear_error();
   std::size_t done = 0;
   while (done < pending_.size()) {
     const int put =

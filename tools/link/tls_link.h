@@ -59,6 +59,8 @@ class TlsLink final : public std::enable_shared_from_this<TlsLink> {
   /// Bytes that wait.
   [[nodiscard]] std::size_t unsent() const { return pending_.size(); }
 
+  /// From now on.
+  void SetDelay(milliseconds delay) { options_.delay = delay; }
   /// A slow reader: nothing is read until it is called with false.
   void PauseReading(bool pause);
   /// Half-open: nothing leaves, nothing is read, and the peer is told nothing.

@@ -190,8 +190,8 @@ class Run {
     evidence_.rules_broken = shared_.rules_broken.load();
     evidence_.first_broken_rule = shared_.FirstBrokenRule();
     FillFigures();
-    evidence_.disturbed = figures_.breaks > 0 || figures_.ends.size() > figures_.ends.count("OK") ||
-                          figures_.drains > 0;
+    evidence_.disturbed = figures_.breaks > 0 || figures_.takeovers > 0 ||
+                          figures_.ends.size() > figures_.ends.count("OK") || figures_.drains > 0;
     const std::vector<CheckRow> rows = Verify(evidence_);
     const std::string text = flags_.json ? JsonReport(figures_, rows, evidence_.findings)
                                          : TextReport(figures_, rows, evidence_.findings);

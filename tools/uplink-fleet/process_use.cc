@@ -39,9 +39,12 @@ void AddListeners(const char* table, std::uint16_t port, std::set<std::string>& 
 
 bool Holds(const fs::path& process, const std::set<std::string>& sockets) {
   std::error_code error;
-  for (const auto& each : fs::directory_iterator(process / "fd", error)) {
-    const fs::path target = fs::read_symlink(each.path(), error);
-    if (!error && sockets.contains(target.string())) return true;
+  // Not by range: a process that ends meanwhile is no exception.
+  for (fs::directory_iterator each(process / "fd", error), end; !error && each != end;
+       each.increment(error)) {
+    std::error_code gone;
+    const fs::path target = fs::read_symlink(each->path(), gone);
+    if (!gone && sockets.contains(target.string())) return true;
   }
   return false;
 }
@@ -74,11 +77,12 @@ std::optional<pid_t> ListenerOf(std::uint16_t port) {
   AddListeners("/proc/net/tcp6", port, sockets);
   if (sockets.empty()) return std::nullopt;
   std::error_code error;
-  for (const auto& each : fs::directory_iterator("/proc", error)) {
-    const std::string name = each.path().filename().string();
+  for (fs::directory_iterator each("/proc", error), last; !error && each != last;
+       each.increment(error)) {
+    const std::string name = each->path().filename().string();
     pid_t pid = 0;
     const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
-    if (bad == std::errc() && end == name.data() + name.size() && Holds(each.path(), sockets)) {
+    if (bad == std::errc() && end == name.data() + name.size() && Holds(each->path(), sockets)) {
       return pid;
     }
   }

@@ -79,9 +79,10 @@ void Robot::OnTick() {
     ++failures_;
     StreamIsOver();
   }
+  const bool storm = Storms(now);
   if (state_ == State::kStreaming && agent_.welcomed() &&
       shared_.stage.load(std::memory_order_relaxed) == Stage::kRun) {
-    MakeTrouble(now);
+    MakeTrouble(now, storm);
   }
   ReadSlowly(now);
   Pump();
@@ -107,6 +108,7 @@ void Robot::Enter(const Phase& phase) {
   phase_ = &phase;
   static_cast<void>(Storms(next_tick_));
   agent_.Adopt(phase);
+  if (connection_ != nullptr) connection_->SetDelay(phase.trouble.delay);
 }
 
 bool Robot::Happens(double per_minute) {
@@ -122,9 +124,9 @@ bool Robot::Storms(SteadyTime now) {
   return std::exchange(storms_, storms) < storms;
 }
 
-void Robot::MakeTrouble(SteadyTime now) {
+void Robot::MakeTrouble(SteadyTime now, bool storm) {
   const Trouble& trouble = phase_->trouble;
-  if (Storms(now) || Happens(trouble.cuts_per_minute)) {
+  if (storm || Happens(trouble.cuts_per_minute)) {
     shared_.breaks.fetch_add(1, std::memory_order_relaxed);
     Cut();
   } else if (Happens(trouble.breaks_per_minute)) {
@@ -139,7 +141,7 @@ void Robot::MakeTrouble(SteadyTime now) {
 }
 
 void Robot::ReadSlowly(SteadyTime now) {
-  if (connection_ == nullptr || phase_->trouble.slow_readers <= 0) return;
+  if (connection_ == nullptr) return;
   // Spread evenly over the fleet.
   const double before = phase_->trouble.slow_readers * static_cast<double>(options_.index);
   const bool slow = std::floor(before + phase_->trouble.slow_readers) > std::floor(before);
@@ -291,9 +293,8 @@ void Robot::Done() {
 milliseconds Robot::NextBackoff() {
   const int doublings = std::min(failures_, 5);
   const auto most = std::min(kBackoffFirst * (1 << doublings), kBackoffMax);
-  return milliseconds(
-      most.count() / 2 +
-      static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most.count() / 2 + 1)));
+  const std::int64_t half = most.count() / 2;
+  return milliseconds(half) + milliseconds(random_() % static_cast<std::uint64_t>(half + 1));
 }
 
 }  // namespace uplink::synthetic

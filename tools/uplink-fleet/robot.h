@@ -56,7 +56,7 @@ class Robot final : private link::StreamEvents {
   void OnTick();
   void LiveUpTo(SteadyTime now);
   void Enter(const Phase& phase);
-  void MakeTrouble(SteadyTime now);
+  void MakeTrouble(SteadyTime now, bool storm);
   [[nodiscard]] bool Storms(SteadyTime now);
   [[nodiscard]] bool Happens(double per_minute);
   void ReadSlowly(SteadyTime now);
