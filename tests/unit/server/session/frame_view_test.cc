@@ -147,9 +147,11 @@ TEST(FrameViewTest, WhatIsOddIsJudgedByProtobuf) {
       return std::string("\x12", 1) + static_cast<char>(body.size()) + body;
     };
     SCOPED_TRACE(zeros);
-    ExpectAgreement(whole("\x0a" + size + uplink));
-    ExpectAgreement(tag + std::string(1, static_cast<char>(uplink.size() + 2)) + "\x0a\x05" +
-                    uplink);
+    std::string inside("\x0a", 1);
+    inside.append(size).append(uplink);
+    ExpectAgreement(whole(inside));
+    tag.append(1, static_cast<char>(uplink.size() + 2)).append("\x0a\x05").append(uplink);
+    ExpectAgreement(tag);
   }
   // An unknown field whose size does not fit 32 bits.
   ExpectAgreement(batch + std::string("\x7a\x85\x80\x80\x80\x10hello", 11));
