@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <utility>
-
-#include <unistd.h>
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
+#include "tools/uplink-fleet/process_use.h"
 
 namespace uplink::bench {
 namespace {
@@ -70,18 +67,9 @@ void RelayBench::WaitUntilSettled() {
 }
 
 double RelayBench::Cpu() const {
-  std::ifstream file("/proc/" + std::to_string(process_->pid()) + "/stat");
-  std::string text;
-  std::getline(file, text);
-  // Behind the name, which ends with the last parenthesis: utime and stime are the 12th and 13th.
-  std::istringstream fields(text.substr(text.rfind(')') + 2));
-  std::string skipped;
-  constexpr int kBeforeUtime = 11;
-  for (int i = 0; i < kBeforeUtime; ++i) fields >> skipped;
-  double user = 0;
-  double system = 0;
-  fields >> user >> system;
-  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  const auto use = synthetic::UseOf(process_->pid());
+  UPLINK_CHECK(use.has_value(), "the server still runs");
+  return use->cpu_seconds;
 }
 
 RelayBench::Durable RelayBench::MeasureDurable(const std::string& name, std::size_t frame_messages,

@@ -44,12 +44,10 @@ class Server final {
   /// `frame_messages` is what the bare gRPC sink counts a frame as.
   Server(const World& world, ServerKind kind, std::size_t frame_messages = 1);
 
-  [[nodiscard]] ServerKind kind() const { return kind_; }
   [[nodiscard]] Load::Where where() const;
   [[nodiscard]] synthetic::ProcessUse use() const;
   /// SIGKILL, and a new process on the same port and store.
   void KillAndStart();
-  [[nodiscard]] testing::ServerProcess& process() { return *process_; }
 
  private:
   void Start();

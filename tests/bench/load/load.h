@@ -44,7 +44,6 @@ class Load final {
   /// started anew. Gives up after `patience`.
   [[nodiscard]] bool ConnectAgain(std::size_t at_once, milliseconds patience);
 
-  [[nodiscard]] std::size_t robots() const { return clients_.size(); }
   /// What all robots sent, and what of it is acked.
   [[nodiscard]] std::uint64_t sent() const;
   [[nodiscard]] std::uint64_t acked() const;
