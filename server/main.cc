@@ -17,6 +17,7 @@
 #include "server/config/load.h"
 #include "server/health/process.h"
 #include "server/log/logger.h"
+#include "server/identity/session_tickets.h"
 #include "server/relay/environment.h"
 #include "server/relay/grpc_log.h"
 
@@ -86,6 +87,7 @@ int Serve(const Flags& flags) {
     return kExitWrongUse;
   }
   const config::LoadResult loaded = Load(flags.config_file);
+  const absl::Status tickets = identity::SendNoSessionTickets();
   PrintProblems(loaded.problems);
   if (!loaded.ok()) return kExitWrongUse;
   const config::Config& config = *loaded.config;
@@ -104,6 +106,8 @@ int Serve(const Flags& flags) {
   const relay::GrpcLog grpc_log(logger);
   logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
   for (const config::Problem& note : loaded.notes) {
+  if (!tickets.ok())
+    logger.Warn("tls_tickets_are_sent", {{"error", std::string(tickets.message())}});
     logger.Warn("setting_without_effect", {{"note", config::ToText(note)}});
   }
   std::mt19937_64 random(std::random_device{}());

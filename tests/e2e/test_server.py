@@ -2,10 +2,12 @@
 
 import random
 import socket
+import ssl
+import threading
 import unittest
 import urllib.parse
 
-from harness import BIN, EndToEnd, run
+from harness import BIN, EndToEnd, run, uplinkctl
 
 KILLS = 20
 ROUND_SECONDS = 30
@@ -116,6 +118,52 @@ class Start(EndToEnd):
                 setattr(server, which, address)
                 done = run(BIN / "uplinkd", "--config", server.configuration(), code=1)
                 self.assertIn(address, done.stdout + done.stderr)
+
+
+class Tickets(EndToEnd):
+    """TLS 1.3 session tickets: OpenSSL sends two a handshake unless it is told not to."""
+
+    def context(self, server, purpose):
+        context = ssl.SSLContext(purpose)
+        context.load_verify_locations(server.pki / "ca.crt")
+        context.verify_mode = ssl.CERT_REQUIRED
+        context.minimum_version = ssl.TLSVersion.TLSv1_3
+        context.set_alpn_protocols(["h2"])
+        return context
+
+    def has_ticket(self, server, address):
+        context = self.context(server, ssl.PROTOCOL_TLS_CLIENT)
+        context.load_cert_chain(server.pki / "robot.crt", server.pki / "robot.key")
+        with socket.create_connection(address, timeout=ROUND_SECONDS) as plain:
+            with context.wrap_socket(plain, server_hostname="localhost") as link:
+                # Tickets come before what the server says first.
+                self.assertTrue(link.recv(1))
+                return link.session.has_ticket
+
+    def robot(self, server):
+        uplinkctl("pki", "robot", "--dir", server.pki, "--ruri", "rcan://local/acme/arm/1")
+
+    def test_the_relay_sends_none(self):
+        server = self.server().start()
+        self.robot(server)
+        host, port = server.relay.rsplit(":", 1)
+        self.assertFalse(self.has_ticket(server, (host, int(port))))
+
+    def test_a_server_that_is_not_told_sends_some(self):
+        server = self.server()
+        self.robot(server)
+        context = self.context(server, ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(server.pki / "server.crt", server.pki / "server.key")
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            def serve():
+                with context.wrap_socket(listener.accept()[0], server_side=True) as link:
+                    link.send(b"x")
+                    link.recv(1)
+
+            thread = threading.Thread(target=serve)
+            thread.start()
+            self.assertTrue(self.has_ticket(server, listener.getsockname()))
+            thread.join(ROUND_SECONDS)
 
 
 if __name__ == "__main__":
