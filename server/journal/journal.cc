@@ -224,7 +224,8 @@ void Journal::AddToBatch(Entry entry) {
   const Owner owner{.client = entry.client,
                     .generation = entry.generation,
                     .arrived = entry.arrived,
-                    .bytes = entry.bytes};
+                    .bytes = entry.bytes,
+                    .tried = entry.tried};
   if (auto* record = std::get_if<storage::CommitRecord>(&entry.item)) {
     batch_.records.push_back(std::move(*record));
     owners_.push_back(owner);

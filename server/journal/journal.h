@@ -135,6 +135,7 @@ class Journal final {
     SteadyTime arrived;
     std::size_t bytes = 0;
     std::variant<storage::CommitRecord, storage::GapItem> item;
+    bool tried = false;
   };
   struct OpenEntry {
     Client* client = nullptr;
@@ -146,6 +147,8 @@ class Journal final {
     std::uint64_t generation = 0;
     SteadyTime arrived;
     std::size_t bytes = 0;
+    /// It was part of a commit without an answer, which may have been carried out.
+    bool tried = false;
   };
 
   void Push(Entry entry);
@@ -160,6 +163,7 @@ class Journal final {
   /// After a failure: leaves the later half of the call for the next ones, if it failed often. The
   /// cursor decides, so it may have been written already.
   void NoteCommitFailure();
+  static storage::Outcome OutcomeOf(const Owner& owner, storage::Outcome told);
   void HalveBatch();
   void NoteOpenFailure();
   /// Counts a success of a call whose size is `now`, at most `most`.

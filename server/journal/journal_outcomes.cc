@@ -16,7 +16,7 @@ void Journal::TellOutcomes() {
     const Owner& owner = owners_[i];
     bytes += owner.bytes;
     if (owner.generation != owner.client->generation()) continue;
-    storage::Outcome& outcome = (*outcomes_)[i];
+    storage::Outcome outcome = OutcomeOf(owner, std::move((*outcomes_)[i]));
     if (outcome.kind == storage::OutcomeKind::kFenced) {
       if (std::ranges::find(fenced, owner.client) == fenced.end()) fenced.push_back(owner.client);
       continue;
@@ -112,7 +112,17 @@ void Journal::NoteSuccess(int& failures, std::size_t& now, std::size_t most) {
   now = std::min(most, 2 * now);
 }
 
+storage::Outcome Journal::OutcomeOf(const Owner& owner, storage::Outcome told) {
+  // Numbers are taken once, so what the store has already is what an earlier try of ours wrote: it
+  // was stored, once, and is counted so.
+  if (owner.tried && told.kind == storage::OutcomeKind::kDuplicate) {
+    told.kind = storage::OutcomeKind::kStored;
+  }
+  return told;
+}
+
 void Journal::NoteCommitFailure() {
+  for (Owner& owner : owners_) owner.tried = true;
   commit_failures_ = std::max(commit_failures_, 0) + 1;
   if (commit_failures_ < kFailuresToHalve) return;
   commit_failures_ = 0;
@@ -128,7 +138,8 @@ void Journal::HalveBatch() {
                          .generation = owner.generation,
                          .arrived = owner.arrived,
                          .bytes = owner.bytes,
-                         .item = std::move(items.back())});
+                         .item = std::move(items.back()),
+                         .tried = owner.tried});
       items.pop_back();
       owners.pop_back();
     }

@@ -49,8 +49,8 @@ TEST_F(JournalHalving, ABatchThatWasWrittenAllTheSameIsNotDoubled) {
   Append(client, 7);
   Run();
   EXPECT_THAT(Stored(client), ElementsAre(1U, 2U, 3U, 4U, 7U));
-  EXPECT_THAT(client.Told(), ElementsAre("settled 1 again 2 again", "gaps 1",
-                                         "settled 3 again 4 again", "settled 7"));
+  EXPECT_THAT(client.Told(), ElementsAre("settled 1 2", "gaps 1", "settled 3 4", "settled 7"))
+      << "what an earlier try of ours wrote was stored, also after the batch was halved";
   EXPECT_TRUE(journal.idle());
 }
 

@@ -137,7 +137,8 @@ TEST_F(JournalTest, ALostAnswerIsAskedForWithTheSameBatch) {
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 1")) << "not known to be durable";
   bench.Append(robot_, 3);
   bench.Run();
-  EXPECT_THAT(robot_.Told(), ElementsAre("settled 1 again 2 again", "settled 3"));
+  EXPECT_THAT(robot_.Told(), ElementsAre("settled 1 2", "settled 3"))
+      << "our own earlier try stored them: they count as stored, not as duplicates";
   EXPECT_THAT(bench.Stored(robot_), ElementsAre(1, 2, 3));
 }
 
