@@ -1,7 +1,10 @@
 #pragma once
 
+#include <string_view>
+
 #include <boost/json.hpp>
 
+#include "schema/model/rcan.h"
 #include "schema/model/record.h"
 
 /// The model as JSON values, by the specification's names: absent optionals are absent, hasX flags
@@ -27,6 +30,10 @@ namespace uplink::json {
 [[nodiscard]] boost::json::object Render(const model::Message& body);
 [[nodiscard]] boost::json::object Render(const model::AgentInfo& body);
 [[nodiscard]] boost::json::object Render(const model::SpatialDirectiveStatus& body);
+
+/// A Robot State as RCAN spells it; JudgeRcanState reads it again. The server's own count is not in
+/// it.
+[[nodiscard]] boost::json::object Render(const model::RcanState& state, std::string_view ruri);
 
 /// The whole message: `{"motionTelemetry": {...}}`.
 [[nodiscard]] boost::json::object RenderBody(const model::Body& body);

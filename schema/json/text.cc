@@ -27,6 +27,21 @@ std::string Text(const model::Trajectory& trajectory) {
   return boost::json::serialize(Render(trajectory));
 }
 
+std::string Text(const model::RcanState& state, std::string_view ruri) {
+  return boost::json::serialize(Render(state, ruri));
+}
+
+std::optional<double> NumberIn(std::string_view text, std::string_view name) {
+  boost::json::error_code error;
+  const boost::json::value body =
+      boost::json::parse(boost::json::string_view(text.data(), text.size()), error);
+  if (error || !body.is_object()) return std::nullopt;
+  const boost::json::value* value =
+      body.get_object().if_contains(boost::json::string_view(name.data(), name.size()));
+  if (value == nullptr || !value->is_number()) return std::nullopt;
+  return value->to_number<double>();
+}
+
 std::string GeometryText(const model::ShapeData& data) {
   return boost::json::serialize(RenderGeometry(data));
 }

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "schema/model/capabilities.h"
 #include "schema/model/fault.h"
 #include "schema/model/health.h"
 #include "schema/model/mission.h"
+#include "schema/model/rcan.h"
 #include "schema/model/spatial.h"
 
 /// What the stores keep as JSON text: an object by the specification's names, rendered as in
@@ -21,6 +24,10 @@ namespace uplink::json {
 [[nodiscard]] std::string Text(const model::AgentInfo& body);
 [[nodiscard]] std::string Text(const model::Pose& pose);
 [[nodiscard]] std::string Text(const model::Trajectory& trajectory);
+/// A Robot State as RCAN spells it.
+[[nodiscard]] std::string Text(const model::RcanState& state, std::string_view ruri);
+/// A number that such a text holds at its top; nothing if there is none of that name.
+[[nodiscard]] std::optional<double> NumberIn(std::string_view text, std::string_view name);
 /// A GeoJSON geometry (RFC 7946): longitude before latitude, rings closed. The direction of a ring
 /// is left as it was sent.
 [[nodiscard]] std::string GeometryText(const model::ShapeData& data);

@@ -1,0 +1,198 @@
+#include "schema/rcan/judge.h"
+
+#include <array>
+#include <exception>
+#include <optional>
+#include <string>
+#include <unordered_set>
+#include <utility>
+
+#include <boost/json.hpp>
+#include <fmt/format.h>
+
+#include "schema/base/utf8.h"
+#include "schema/limits.h"
+#include "schema/model/ids.h"
+#include "schema/rcan/members.h"
+#include "schema/rcan/ruri.h"
+#include "schema/rules/describe.h"
+
+namespace uplink::schema {
+namespace {
+
+namespace js = boost::json;
+
+constexpr std::int64_t kPercentWhole = 100;
+/// Most states are parsed within this; larger ones take more from the heap.
+constexpr std::size_t kParseBytes = std::size_t{16} * 1024;
+
+RcanJudgement Rejected(model::Rejection rejection) {
+  return {.verdict = std::move(rejection), .dropped = {}};
+}
+
+std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root, Faults& faults) {
+  const js::value* value = state.Find("position", Need::kMay);
+  if (value == nullptr) return std::nullopt;
+  const js::object* object = value->if_object();
+  if (object == nullptr) {
+    state.ReportType(Need::kMay, "position", *value, "object");
+    return std::nullopt;
+  }
+  const Path path = root.Field("position");
+  Members members(*object, path, faults);
+  // Both are required, of a member that is not: without one the position is dropped.
+  for (const std::string_view name : {"x", "y"}) {
+    if (members.Find(name, Need::kMay) != nullptr) continue;
+    const Path field = path.Field(name);
+    members.Report(Need::kMay, MissingField(field, "is missing"));
+    return std::nullopt;
+  }
+  const std::optional<double> x = members.Number("x", Need::kMay);
+  const std::optional<double> y = members.Number("y", Need::kMay);
+  const std::optional<double> heading = members.Number("heading_rad", Need::kMay);
+  if (!x || !y) return std::nullopt;
+  return model::RcanPosition{.x_m = *x, .y_m = *y, .heading_rad = heading};
+}
+
+model::RcanJoint JointOf(const js::object& object, const Path& path, Faults& faults) {
+  Members members(object, path, faults);
+  model::RcanJoint joint;
+  joint.joint = members.Text("joint", Need::kMust, kIdBytesMax).value_or("");
+  if (joint.joint.empty()) {
+    const Path name = path.Field("joint");
+    faults.Reject(MissingField(name, "is empty"));
+  }
+  joint.position_rad = members.Number("position_rad", Need::kMay);
+  joint.velocity_rad_s = members.Number("velocity_rad_s", Need::kMay);
+  joint.position_m = members.Number("position_m", Need::kMay);
+  joint.velocity_m_s = members.Number("velocity_m_s", Need::kMay);
+  joint.effort_nm = members.Number("effort_nm", Need::kMay);
+  joint.temperature_c = members.Number("temperature_c", Need::kMay);
+  joint.error_flags = members.Bits("error_flags");
+  joint.timestamp_us = members.Whole("timestamp_us", Need::kMust, {}).value_or(0);
+  return joint;
+}
+
+/// The joint, or nothing after reporting it: a joint at fault is dropped, and nothing else with it.
+std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& item,
+                                          Faults& faults) {
+  const js::object* object = value.if_object();
+  if (object == nullptr) {
+    faults.Content(TypeMismatch(item, KindOf(value), "object"));
+    return std::nullopt;
+  }
+  Faults own(/*durable=*/false);
+  model::RcanJoint joint = JointOf(*object, item, own);
+  if (!own.rejected()) {
+    for (model::Rejection& dropped : own.TakeDropped()) faults.Content(std::move(dropped));
+    return joint;
+  }
+  model::Rejection fault = own.TakeRejection();
+  if (fault.reason == model::RejectReason::kNotFinite) {
+    faults.Reject(std::move(fault));
+  } else {
+    faults.Content(std::move(fault));
+  }
+  return std::nullopt;
+}
+
+std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Faults& faults) {
+  std::vector<model::RcanJoint> joints;
+  const js::value* value = state.Find("joints", Need::kMay);
+  if (value == nullptr) return joints;
+  const js::array* items = value->if_array();
+  if (items == nullptr) {
+    state.ReportType(Need::kMay, "joints", *value, "array");
+    return joints;
+  }
+  const Path list = root.Field("joints");
+  if (items->size() > kRcanJointsMax) {
+    faults.Reject(TooManyItems(list, items->size(), kRcanJointsMax, "joints"));
+    return joints;
+  }
+  joints.reserve(items->size());
+  std::unordered_set<std::string> names;
+  for (std::size_t i = 0; i < items->size() && !faults.rejected(); ++i) {
+    const Path item = list.Item(i);
+    std::optional<model::RcanJoint> joint = TakeJoint((*items)[i], item, faults);
+    if (!joint) continue;
+    if (!names.insert(joint->joint).second) {
+      const Path name = item.Field("joint");
+      faults.Reject(DuplicateKey(name, joint->joint));
+    }
+    joints.push_back(*std::move(joint));
+  }
+  return joints;
+}
+
+/// Whether the state is of this robot, as far as it says so; reports if it is not.
+bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Faults& faults) {
+  const std::optional<std::string> said = state.Text("ruri", Need::kMust, model::kRuriBytesMax);
+  if (!said) return false;
+  if (NormalRuri(*said) == NormalRuri(ruri)) return true;
+  faults.Reject(
+      {.reason = model::RejectReason::kIdentityMismatch,
+       .field = root.Field("ruri").Text(),
+       .detail = PrintableUtf8(fmt::format("\"{}\" is not the stream's robot \"{}\"", *said, ruri),
+                               model::kDetailBytesMax)});
+  return false;
+}
+
+RcanJudgement JudgeObject(const js::object& object, std::string_view ruri) {
+  const Path root;
+  Faults faults(/*durable=*/false);
+  Members members(object, root, faults);
+  const bool own = CheckRuri(members, root, ruri, faults);
+  model::RcanState state;
+  state.timestamp_us = members.Whole("timestamp_us", Need::kMust, {}).value_or(0);
+  state.seq = members.Whole("seq", Need::kMay, {.min = 1});
+  state.uptime_ms = members.Whole("uptime_ms", Need::kMay, {});
+  state.battery_v = members.NumberFrom("battery_v", 0);
+  state.battery_pct = members.Whole("battery_pct", Need::kMay, {.max = kPercentWhole});
+  state.position = PositionOf(members, root, faults);
+  state.joints = JointsOf(members, root, faults);
+  state.clock_source = members.Text("clock_source", Need::kMay, kNameBytesMax);
+  if (faults.rejected()) {
+    return {.verdict = faults.TakeRejection(), .dropped = {}, .sign_of_life = own};
+  }
+  return {.verdict = std::move(state), .dropped = faults.TakeDropped(), .sign_of_life = own};
+}
+
+RcanJudgement JudgeText(std::string_view text, std::string_view ruri) {
+  std::array<unsigned char, kParseBytes> buffer;  // NOLINT(*-member-init): the parser's to fill
+  js::monotonic_resource memory(buffer.data(), buffer.size());
+  js::parse_options options;
+  options.max_depth = kRcanDepthMax;
+  js::error_code error;
+  const js::value value =
+      js::parse(js::string_view(text.data(), text.size()), error, &memory, options);
+  if (error == js::error::exponent_overflow) {
+    const Path root;
+    return Rejected({.reason = model::RejectReason::kNotFinite,
+                     .field = root.Text(),
+                     .detail = "a number is beyond a double"});
+  }
+  if (error) return Rejected(Malformed(error.message()));
+  if (const js::object* object = value.if_object()) return JudgeObject(*object, ruri);
+  return Rejected(TypeMismatch(Path(), KindOf(value), "object"));
+}
+
+}  // namespace
+
+RcanJudgement JudgeRcanState(std::string_view text, std::string_view ruri, std::size_t bytes_max) {
+  if (text.size() > bytes_max) return Rejected(PayloadTooLarge(text.size(), bytes_max));
+  if (!IsCleanUtf8(text)) return Rejected(TextNotUtf8(Path(), text));
+  try {
+    return JudgeText(text, ruri);
+  } catch (const std::exception& error) {
+    return Rejected(Malformed(error.what()));
+  }
+}
+
+model::Rejection NotMonotonic(std::string_view field, std::int64_t value, std::int64_t last) {
+  return {.reason = model::RejectReason::kNotMonotonic,
+          .field = std::string(field),
+          .detail = fmt::format("{} is before {}, the time of the state before", value, last)};
+}
+
+}  // namespace uplink::schema

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <boost/json.hpp>
+
+#include "schema/rules/faults.h"
+#include "schema/rules/path.h"
+
+namespace uplink::schema {
+
+/// What a fault in a member does.
+enum class Need : std::uint8_t {
+  /// The member must be there and good: the message is rejected.
+  kMust,
+  /// The member is dropped.
+  kMay,
+};
+
+struct WholeBounds {
+  std::int64_t min = 0;
+  std::int64_t max = INT64_MAX;
+};
+
+/// The members of one JSON object by name; each read returns the value fit to keep, or reports the
+/// fault. Confined to one judgement; object, path and faults outlive it.
+class Members final {
+ public:
+  Members(const boost::json::object& object, const Path& path, Faults& faults)
+      : object_(object), path_(path), faults_(faults) {}
+
+  /// A finite number. One that is beyond a double rejects the message in any case.
+  [[nodiscard]] std::optional<double> Number(std::string_view name, Need need);
+  [[nodiscard]] std::optional<double> NumberFrom(std::string_view name, double min);
+  /// 78.0 is whole, 78.5 is not.
+  [[nodiscard]] std::optional<std::int64_t> Whole(std::string_view name, Need need,
+                                                  WholeBounds bounds);
+  /// From 0 to 2^64-1.
+  [[nodiscard]] std::optional<std::uint64_t> Bits(std::string_view name);
+  [[nodiscard]] std::optional<std::string> Text(std::string_view name, Need need,
+                                                std::size_t bytes_max);
+
+  /// Null if it is not there, and reported if it must be.
+  [[nodiscard]] const boost::json::value* Find(std::string_view name, Need need);
+  void Report(Need need, model::Rejection fault);
+  void ReportType(Need need, std::string_view name, const boost::json::value& value,
+                  std::string_view expected);
+
+ private:
+  const boost::json::object& object_;
+  const Path& path_;
+  Faults& faults_;
+};
+
+/// `string`, `null`: what a value is, for sentences.
+[[nodiscard]] std::string_view KindOf(const boost::json::value& value);
+
+}  // namespace uplink::schema
