@@ -8,6 +8,7 @@
 #include <prometheus/metric_family.h>
 #include <prometheus/text_serializer.h>
 
+#include "metrics/openmetrics.h"
 #include "schema/base/check.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
@@ -104,7 +105,7 @@ void Exposition::AddLedger(const Ledger::Page& sum) {
   Add(MetricId::kEnumerantsUnrecognized, Number(sum.enumerants_unrecognized));
 }
 
-std::string Exposition::Text() const {
+std::string Exposition::Text(Format format) const {
   std::vector<prometheus::MetricFamily> families;
   families.reserve(kMetrics);
   for (const prometheus::MetricFamily& family : families_->by_id) {
@@ -116,3 +117,4 @@ std::string Exposition::Text() const {
 }
 
 }  // namespace uplink::metrics
+  if (format == Format::kOpenMetrics) return OpenMetricsText(families);

@@ -10,6 +10,7 @@
 
 #include "metrics/catalogue.h"
 #include "metrics/cells.h"
+#include "metrics/format.h"
 #include "metrics/ledger.h"
 
 namespace uplink::metrics {
@@ -44,8 +45,7 @@ class Exposition final {
   /// All samples that come from the ledgers: what belongs together is taken from one sum.
   void AddLedger(const Ledger::Page& sum);
 
-  /// Prometheus text format 0.0.4.
-  [[nodiscard]] std::string Text() const;
+  [[nodiscard]] std::string Text(Format format = Format::kText) const;
 
  private:
   struct Families;

@@ -1,0 +1,116 @@
+#include "metrics/rcan/series.h"
+
+#include <array>
+
+#include <fmt/core.h>
+
+namespace uplink::metrics::rcan {
+namespace {
+
+using enum SeriesId;
+
+constexpr std::string_view kJoint = "joint";
+constexpr std::string_view kDevice = "device";
+constexpr std::string_view kFromJoints = "Robot State, `joints`; extras `joint/NAME/...`";
+
+constexpr auto kSpecs = std::to_array<SeriesSpec>({
+    {kJointPositionRad, "position_rad", kJoint, "Angle of the joint, radians.", kFromJoints},
+    {kJointVelocityRadS, "velocity_rad_s", kJoint, "Velocity of the joint, radians a second.",
+     kFromJoints},
+    {kJointPositionM, "position_m", kJoint, "Position of the prismatic joint, metres.",
+     kFromJoints},
+    {kJointVelocityMS, "velocity_m_s", kJoint, "Velocity of the prismatic joint, metres a second.",
+     kFromJoints},
+    {kJointEffortNm, "effort_nm", kJoint,
+     "Torque of the joint, newton metres; of a prismatic joint its force.", kFromJoints},
+    {kJointTemperatureC, "temperature_c", kJoint,
+     "Temperature of the joint's motor or actuator, degrees Celsius.", kFromJoints},
+    {kJointErrorFlags, "error_flags", kJoint,
+     "Error bits of the joint, the vendor's; bits above 2^53 blur.", kFromJoints},
+    {kOnline, "robot_online", "", "1 if the robot is online, 0 if it is offline.", "presence"},
+    {kLastSignOfLife, "robot_last_sign_of_life_timestamp_seconds", "",
+     "Unix time at which the robot was last heard, by the server's clock.", "presence"},
+    {kBatteryV, "robot_battery_v", "", "Voltage of the battery.",
+     "Robot State `battery_v`; status `battery.voltageV`"},
+    {kBatteryPct, "robot_battery_pct", "", "Charge of the battery, percent.",
+     "Robot State `battery_pct`; status `battery.socPct`"},
+    {kBatteryTemperatureC, "robot_battery_temperature_c", "",
+     "Temperature of the battery, degrees Celsius.", "status `battery.temperature`"},
+    {kFuelPct, "robot_fuel_pct", "", "Fuel, percent.", "status `fuel.levelPct`"},
+    {kUptimeMs, "robot_uptime_ms", "", "Milliseconds since the robot's process started.",
+     "Robot State `uptime_ms`"},
+    {kBooted, "robot_booted_timestamp_seconds", "",
+     "Unix time at which the robot's computer started, by the server's clock.",
+     "agentInfo `uptimeS` at its arrival"},
+    {kLatitudeDeg, "robot_latitude_deg", "", "Latitude, degrees.", "motion `pose`"},
+    {kLongitudeDeg, "robot_longitude_deg", "", "Longitude, degrees.", "motion `pose`"},
+    {kAltitudeM, "robot_altitude_m", "", "Altitude, metres.", "motion `pose`"},
+    {kHeadingDeg, "robot_heading_deg", "", "Heading, degrees clockwise from north.",
+     "motion `pose`"},
+    {kSpeedMS, "robot_speed_m_s", "", "Speed, metres a second.", "motion `velocity.linearMps`"},
+    {kTurnRateRadS, "robot_turn_rate_rad_s", "", "Turn rate, radians a second.",
+     "motion `velocity.angularRps`"},
+    {kPositionXM, "robot_position_x_m", "", "Position in the robot's own frame, metres.",
+     "Robot State `position`"},
+    {kPositionYM, "robot_position_y_m", "", "Position in the robot's own frame, metres.",
+     "Robot State `position`"},
+    {kPositionHeadingRad, "robot_position_heading_rad", "",
+     "Heading in the robot's own frame, radians counter-clockwise.", "Robot State `position`"},
+    {kRangeRemainingM, "robot_range_remaining_m", "", "Distance that the robot can still go.",
+     "status `rangeRemaining`"},
+    {kRuntimeRemainingS, "robot_runtime_remaining_s", "", "Time that the robot can still run.",
+     "status `runtimeRemaining`"},
+    {kEstop, "robot_estop", "", "1 while an emergency stop is engaged.", "status `estop.active`"},
+    {kFaulted, "robot_faulted", "", "1 while the robot says that it is faulted.",
+     "status `faulted`"},
+    {kAcceptingMissions, "robot_accepting_missions", "", "1 while the robot can accept missions.",
+     "status `missionActive`"},
+    {kActiveFaults, "robot_active_faults", "severity", "Faults that are active.", "faults"},
+    {kMissionProgressPct, "robot_mission_progress_pct", "",
+     "Progress of the open mission run with the latest report, percent.",
+     "missionRunStatus `progressX100`"},
+    {kCpuPct, "robot_cpu_pct", kDevice, "Load of the device's processor, percent.", "systemHealth"},
+    {kMemPct, "robot_mem_pct", kDevice, "Memory of the device in use, percent.", "systemHealth"},
+    {kDiskPct, "robot_disk_pct", kDevice, "Disk of the device in use, percent.", "systemHealth"},
+    {kCpuTemperatureC, "robot_cpu_temperature_c", kDevice,
+     "Temperature of the device's processor, degrees Celsius.", "systemHealth"},
+    {kExtra, "robot_extra", "key", "A number or boolean of extras (rcan.extras).", "extras"},
+});
+static_assert(kSpecs.size() == kSeries, "each SeriesId has one entry");
+
+constexpr bool InOrder() {
+  for (std::size_t i = 0; i < kSpecs.size(); ++i) {
+    if (static_cast<std::size_t>(kSpecs[i].id) != i) return false;
+    if ((i < kJointSeries) != (kSpecs[i].label == kJoint)) return false;
+  }
+  return true;
+}
+static_assert(InOrder(), "the table stands in the order of SeriesId, joints first");
+
+}  // namespace
+
+std::span<const SeriesSpec> AllSeries() { return kSpecs; }
+
+std::string ShortName(const SeriesSpec& spec, std::string_view subsystem) {
+  if (static_cast<std::size_t>(spec.id) >= kJointSeries) return std::string(spec.name);
+  return fmt::format("{}_{}", subsystem, spec.name);
+}
+
+std::size_t JointSeriesOf(std::string_view field) {
+  for (std::size_t i = 0; i < kJointSeries; ++i) {
+    if (kSpecs[i].name == field) return i;
+  }
+  return kSeries;
+}
+
+std::string SeriesTable(std::string_view subsystem) {
+  std::string table = "| name | labels | is | from |\n| --- | --- | --- | --- |\n";
+  for (const SeriesSpec& spec : kSpecs) {
+    table += fmt::format("| `rcan_{}` | {}`ruri` | {} | {} |\n", ShortName(spec, subsystem),
+                         spec.label.empty() ? "" : fmt::format("`{}`, ", spec.label), spec.help,
+                         spec.source);
+  }
+  return table;
+}
+
+}  // namespace uplink::metrics::rcan

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace uplink::metrics::rcan {
+
+/// The robots' series by RCAN's label convention (section 20), in the order of the text; all are
+/// gauges. A series exists by its entry here and in the table of series.cc.
+enum class SeriesId : std::uint8_t {
+  kJointPositionRad,
+  kJointVelocityRadS,
+  kJointPositionM,
+  kJointVelocityMS,
+  kJointEffortNm,
+  kJointTemperatureC,
+  kJointErrorFlags,
+  kOnline,
+  kLastSignOfLife,
+  kBatteryV,
+  kBatteryPct,
+  kBatteryTemperatureC,
+  kFuelPct,
+  kUptimeMs,
+  kBooted,
+  kLatitudeDeg,
+  kLongitudeDeg,
+  kAltitudeM,
+  kHeadingDeg,
+  kSpeedMS,
+  kTurnRateRadS,
+  kPositionXM,
+  kPositionYM,
+  kPositionHeadingRad,
+  kRangeRemainingM,
+  kRuntimeRemainingS,
+  kEstop,
+  kFaulted,
+  kAcceptingMissions,
+  kActiveFaults,
+  kMissionProgressPct,
+  kCpuPct,
+  kMemPct,
+  kDiskPct,
+  kCpuTemperatureC,
+  kExtra,
+};
+inline constexpr std::size_t kSeries = static_cast<std::size_t>(SeriesId::kExtra) + 1;
+inline constexpr std::size_t kJointSeries =
+    static_cast<std::size_t>(SeriesId::kJointErrorFlags) + 1;
+
+/// What is declared of one series. Immutable.
+struct SeriesSpec {
+  SeriesId id;
+  /// Of a joint's series the field with its unit (`position_rad`); else `robot_...`.
+  std::string_view name;
+  /// The label beside `ruri`; empty: none.
+  std::string_view label;
+  /// One sentence, units included.
+  std::string_view help;
+  /// Where the value comes from, for the reference page.
+  std::string_view source;
+};
+
+/// All series, by SeriesId.
+[[nodiscard]] std::span<const SeriesSpec> AllSeries();
+
+/// The name without `rcan_`: `acb_position_rad`, `robot_battery_pct`.
+[[nodiscard]] std::string ShortName(const SeriesSpec& spec, std::string_view subsystem);
+
+/// The joints' series whose field and unit are spelled so (`position_rad`); kSeries if none is.
+[[nodiscard]] std::size_t JointSeriesOf(std::string_view field);
+
+/// The table as Markdown, for the reference page.
+[[nodiscard]] std::string SeriesTable(std::string_view subsystem);
+
+}  // namespace uplink::metrics::rcan
