@@ -201,6 +201,15 @@ struct LatestRow {
 struct ActiveFaults {
   std::string ruri;
   std::int64_t count = 0;
+  /// Of the same by FaultSeverity; the last: of severities beyond those known.
+  std::array<std::int64_t, model::kEnumNames<model::FaultSeverity>.size() + 1> by_severity{};
+
+  void Add(std::int64_t severity, std::int64_t faults) {
+    count += faults;
+    const auto known = static_cast<std::int64_t>(by_severity.size()) - 1;
+    const bool recognized = severity >= 0 && severity < known;
+    by_severity[static_cast<std::size_t>(recognized ? severity : known)] += faults;
+  }
 };
 
 /// The query side of the store.

@@ -24,8 +24,8 @@ constexpr std::string_view kRobots =
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " ORDER BY r.ruri LIMIT $1::bigint";
 constexpr std::string_view kActiveFaultCounts =
-    "SELECT ruri, count(*) FROM uplinkd.faults_active WHERE ruri = ANY ($1::text[]) GROUP BY ruri"
-    " ORDER BY ruri";
+    "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
+    " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
@@ -118,9 +118,10 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();
     std::vector<ActiveFaults> counts;
-    counts.reserve(static_cast<std::size_t>(rows->rows()));
     for (int row = 0; row < rows->rows(); ++row) {
-      counts.push_back({std::string(rows->Bytes(row, 0)), rows->Int(row, 1)});
+      const std::string_view ruri = rows->Bytes(row, 0);
+      if (counts.empty() || counts.back().ruri != ruri) counts.emplace_back().ruri = ruri;
+      counts.back().Add(rows->Int(row, 2), rows->Int(row, 1));
     }
     return counts;
   });

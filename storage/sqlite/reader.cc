@@ -60,14 +60,20 @@ absl::StatusOr<Page<FaultRow>> SqliteReader::FaultHistory(const HistoryQuery& qu
 absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<ActiveFaults>> {
-    auto statement = database.Prepare("SELECT COUNT(*) FROM faults_active WHERE ruri = ?");
+    auto statement = database.Prepare(
+        "SELECT severity, COUNT(*) FROM faults_active WHERE ruri = ? GROUP BY severity");
     if (!statement.ok()) return statement.status();
     std::vector<ActiveFaults> counts;
     for (const std::string& ruri : ruris) {
       Rows rows = (*statement)->Select(std::string_view(ruri));
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (*found && rows.Int(0) > 0) counts.push_back({ruri, rows.Int(0)});
+      ActiveFaults faults{.ruri = ruri};
+      while (true) {
+        const absl::StatusOr<bool> found = rows.Next();
+        if (!found.ok()) return found.status();
+        if (!*found) break;
+        faults.Add(rows.Int(0), rows.Int(1));
+      }
+      if (faults.count > 0) counts.push_back(std::move(faults));
     }
     return counts;
   });

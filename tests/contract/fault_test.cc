@@ -87,6 +87,25 @@ TEST_P(StoreContract, KeysActiveFaultsByRobotFaultAndSource) {
   EXPECT_EQ(sum, 3);
 }
 
+TEST_P(StoreContract, CountsActiveFaultsBySeverity) {
+  Open();
+  model::Fault minor = Fault("minor");
+  minor.severity = model::FaultSeverity::kMinor;
+  model::Fault critical = Fault("critical");
+  critical.severity = model::FaultSeverity::kCritical;
+  model::Fault beyond = Fault("beyond");
+  beyond.severity = static_cast<model::FaultSeverity>(77);
+  model::Fault second = minor;
+  second.fault_id = "second";
+  Commit({Good(1, minor), Good(2, critical), Good(3, beyond), Good(4, second)});
+  const std::vector<std::string> ruris = {robot_->ruri};
+  const auto counts = store_->reader().ActiveFaultCounts(ruris);
+  ASSERT_TRUE(counts.ok()) << counts.status();
+  ASSERT_THAT(*counts, SizeIs(1));
+  EXPECT_EQ(counts->front().count, 4);
+  EXPECT_THAT(counts->front().by_severity, ::testing::ElementsAre(0, 2, 0, 1, 1));
+}
+
 TEST_P(StoreContract, BoundsTheActiveFaultsOfARobot) {
   Open();
   std::vector<storage::CommitRecord> raises;

@@ -84,7 +84,11 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> FakeReader::ActiveFaultCounts
   for (const std::string& ruri : ruris) {
     const auto robot = database_.robots_.find(ruri);
     if (robot == database_.robots_.end() || robot->second.faults_active.empty()) continue;
-    counts.push_back({ruri, static_cast<std::int64_t>(robot->second.faults_active.size())});
+    storage::ActiveFaults& faults = counts.emplace_back();
+    faults.ruri = ruri;
+    for (const auto& [key, fault] : robot->second.faults_active) {
+      faults.Add(static_cast<std::int64_t>(fault.row.fault.severity), 1);
+    }
   }
   return counts;
 }
