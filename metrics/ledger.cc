@@ -15,6 +15,10 @@ void AddPage(Ledger::Page& sum, const Ledger::Page& page) {
     for (std::size_t r = 0; r < page.dropped[v].size(); ++r)
       sum.dropped[v][r] += page.dropped[v][r];
   }
+  for (std::size_t k = 0; k < page.rejected_kinds.size(); ++k) {
+    for (std::size_t r = 0; r < page.rejected_kinds[k].size(); ++r)
+      sum.rejected_kinds[k][r] += page.rejected_kinds[k][r];
+  }
   sum.times_unknown += page.times_unknown;
   sum.enumerants_unrecognized += page.enumerants_unrecognized;
 }
@@ -32,6 +36,8 @@ UplinkCounts& UplinkCounts::operator+=(const UplinkCounts& other) {
   missing = AddSaturating(missing, other.missing);
   for (std::size_t i = 0; i < rejects.size(); ++i) rejects[i] += other.rejects[i];
   for (std::size_t i = 0; i < records.size(); ++i) records[i] += other.records[i];
+  rcan_states += other.rcan_states;
+  rcan_missing = AddSaturating(rcan_missing, other.rcan_missing);
   return *this;
 }
 
@@ -45,9 +51,14 @@ void Ledger::Publish(const UplinkCounts& delta) {
   page_.uplinks += delta;
 }
 
-void Ledger::CountDropped(model::Variant variant, model::RejectReason reason) {
+void Ledger::CountDropped(std::size_t kind, model::RejectReason reason) {
   const std::lock_guard lock(mutex_);
-  ++page_.dropped[static_cast<std::size_t>(variant)][static_cast<std::size_t>(reason)];
+  ++page_.dropped.at(kind)[static_cast<std::size_t>(reason)];
+}
+
+void Ledger::CountRejected(std::size_t kind, model::RejectReason reason) {
+  const std::lock_guard lock(mutex_);
+  ++page_.rejected_kinds.at(kind)[static_cast<std::size_t>(reason)];
 }
 
 void Ledger::CountOdd(std::uint32_t times_unknown, std::uint32_t enumerants_unrecognized) {

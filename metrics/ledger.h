@@ -12,6 +12,12 @@
 
 namespace uplink::metrics {
 
+/// The kinds of messages that are counted: the variants by their number, and RCAN's Robot State.
+inline constexpr std::size_t kRcanKind = model::kVariants;
+inline constexpr std::size_t kKinds = model::kVariants + 1;
+/// Of a message that could not be read so far; also of one without content.
+inline constexpr std::size_t kUnknownKind = kKinds;
+
 /// What happened to uplink messages: the columns of the conservation law
 /// received = stored + applied + superseded + duplicate + rejected + in flight. A value.
 struct UplinkCounts {
@@ -30,28 +36,38 @@ struct UplinkCounts {
   std::array<std::uint64_t, model::kRejectReasons + 1> rejects{};
   /// Good records by variant.
   std::array<std::uint64_t, model::kVariants> records{};
+  /// Good Robot States.
+  std::uint64_t rcan_states = 0;
+  /// Numbers of `seq` that Robot States skipped.
+  std::uint64_t rcan_missing = 0;
 
   UplinkCounts& operator+=(const UplinkCounts& other);
   /// True when the law holds.
   [[nodiscard]] bool Balanced() const;
 };
 
-/// Fields of live messages that were dropped, by variant and reason.
-using DroppedCounts =
-    std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, model::kVariants>;
+/// Fields of live messages that were dropped, by kind and reason.
+using DroppedCounts = std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, kKinds>;
+
+/// Messages that judgement rejected, by kind (kUnknownKind included) and reason.
+using RejectedCounts = std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, kKinds + 1>;
 
 /// One thread's page of counts. What belongs together is published together, so that the law holds
 /// on every page at every moment and so in their sum. Thread-safe; one writer in practice.
 class Ledger final {
  public:
   void Publish(const UplinkCounts& delta);
-  void CountDropped(model::Variant variant, model::RejectReason reason);
+  /// `kind`: a variant's number, or kRcanKind.
+  void CountDropped(std::size_t kind, model::RejectReason reason);
+  /// `kind`: as above, or kUnknownKind.
+  void CountRejected(std::size_t kind, model::RejectReason reason);
   /// Times taken as unknown and enumerants kept as numbers.
   void CountOdd(std::uint32_t times_unknown, std::uint32_t enumerants_unrecognized);
 
   struct Page {
     UplinkCounts uplinks;
     DroppedCounts dropped{};
+    RejectedCounts rejected_kinds{};
     std::uint64_t times_unknown = 0;
     std::uint64_t enumerants_unrecognized = 0;
   };

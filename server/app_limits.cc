@@ -32,6 +32,7 @@ session::SessionLimits SessionLimitsOf(const config::Config& config, const std::
           .extras_items_max = static_cast<std::uint32_t>(limits.extras_items_max),
           .in_flight_uplinks_max = static_cast<std::uint32_t>(limits.in_flight_uplinks_max),
           .frame_bytes_max = static_cast<std::uint32_t>(limits.frame_bytes_max),
+          .rcan_counts_as_life = config.rcan.counts_as_life,
           .ack_interval = limits.ack_interval,
           .session_idle = limits.session_idle,
           .drain_timeout = config.drain.timeout,

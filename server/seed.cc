@@ -18,6 +18,7 @@ absl::Status Seed::Run(std::size_t robots_max) {
     journals_.BeginPresence((*robot)->id(), *row.last_presence, clock_.System());
   }
   absl::Status restored = RestoreLive();
+  if (restored.ok()) restored = RestoreReported();
   if (!restored.ok()) return restored;
   done_.store(true);
   return admitted;

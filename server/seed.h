@@ -34,6 +34,7 @@ class Seed final {
 
  private:
   [[nodiscard]] absl::Status RestoreLive();
+  [[nodiscard]] absl::Status RestoreReported();
 
   fleet::Fleet& fleet_;
   const journal::Shards& journals_;

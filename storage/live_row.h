@@ -25,8 +25,9 @@ enum class LivePart : std::uint8_t {
   kUsage = 4,
   kConsumables = 5,
   kDirectives = 6,
+  kRcan = 7,
 };
-inline constexpr std::size_t kLivePartKinds = 7;
+inline constexpr std::size_t kLivePartKinds = 8;
 
 /// What a checkpoint keeps of a robot's live state. Whatever a write leaves unset stays as the
 /// store has it. A value.

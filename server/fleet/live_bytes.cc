@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "schema/encode.h"
+#include "schema/json/text.h"
+#include "schema/rcan/judge.h"
 
 namespace uplink::fleet {
 namespace {
@@ -79,7 +81,7 @@ model::Body ExtraBody(const std::string& key, const Extra& extra) {
   return body;
 }
 
-std::string PartBytes(LivePart part, const LiveParts& parts) {
+std::string PartBytes(LivePart part, const LiveParts& parts, std::string_view ruri) {
   const auto as_body = [](const std::string& /*key*/, const auto& value) {
     return model::Body(value);
   };
@@ -98,12 +100,33 @@ std::string PartBytes(LivePart part, const LiveParts& parts) {
       return KeyedBytes(parts.consumables.items(), as_body);
     case LivePart::kDirectives:
       return KeyedBytes(parts.directives.items(), as_body);
+    case LivePart::kRcan:
+      if (!parts.rcan) return {};
+      return Joined({json::Text(*parts.rcan, ruri)});
   }
   return {};
 }
 
+/// Judges one message of a part and puts it into `read`; false if the rules do not pass it.
+bool TakeMessage(LivePart part, std::string_view message, std::string_view ruri,
+                 schema::Judge& judge, LiveRead& read) {
+  if (part == LivePart::kRcan) {
+    schema::RcanJudgement judgement = schema::JudgeRcanState(message, ruri, kLivePartBytesMax);
+    auto* state = std::get_if<model::RcanState>(&judgement.verdict);
+    if (state == nullptr) return false;
+    read.before.parts.rcan = std::move(*state);
+    return true;
+  }
+  schema::Judgement judgement = judge.Payload(std::as_bytes(std::span(message)));
+  auto* record = std::get_if<model::Record>(&judgement.verdict);
+  if (record == nullptr || record->durable()) return false;
+  PutInto(read.before.parts, std::move(*record).TakeBody());
+  return true;
+}
+
 /// Puts the messages of a part into `read`.
-void TakePart(std::string_view bytes, schema::Judge& judge, LiveRead& read) {
+void TakePart(LivePart part, std::string_view bytes, std::string_view ruri, schema::Judge& judge,
+              LiveRead& read) {
   while (!bytes.empty()) {
     if (bytes.size() < kLengthBytes || bytes.size() - kLengthBytes < LengthAt(bytes)) {
       ++read.left_out;
@@ -111,13 +134,7 @@ void TakePart(std::string_view bytes, schema::Judge& judge, LiveRead& read) {
     }
     const std::string_view message = bytes.substr(kLengthBytes, LengthAt(bytes));
     bytes.remove_prefix(kLengthBytes + message.size());
-    schema::Judgement judgement = judge.Payload(std::as_bytes(std::span(message)));
-    auto* record = std::get_if<model::Record>(&judgement.verdict);
-    if (record == nullptr || record->durable()) {
-      ++read.left_out;
-      continue;
-    }
-    PutInto(read.before.parts, std::move(*record).TakeBody());
+    if (!TakeMessage(part, message, ruri, judge, read)) ++read.left_out;
   }
 }
 
@@ -130,7 +147,7 @@ storage::LiveRow ToRow(std::string ruri, const LiveChanges& changes) {
   row.clock_skew_ms = changes.clock_skew_ms;
   for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
     if (!changes.changed.test(kind)) continue;
-    row.parts[kind] = PartBytes(static_cast<LivePart>(kind), changes.parts);
+    row.parts[kind] = PartBytes(static_cast<LivePart>(kind), changes.parts, row.ruri);
   }
   return row;
 }
@@ -139,8 +156,10 @@ LiveRead FromRow(const storage::LiveRow& row, schema::Judge& judge) {
   LiveRead read;
   read.before.last_sign_of_life = row.last_sign_of_life;
   read.before.clock_skew_ms = row.clock_skew_ms;
-  for (const std::optional<std::string>& part : row.parts) {
-    if (part) TakePart(*part, judge, read);
+  for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
+    if (const auto& part = row.parts[kind]) {
+      TakePart(static_cast<LivePart>(kind), *part, row.ruri, judge, read);
+    }
   }
   return read;
 }

@@ -15,6 +15,7 @@ std::string ConsumableKey(const model::ConsumableStatus& status) {
 
 struct Put {
   LiveParts& parts;
+  SteadyTime arrived;
 
   std::size_t operator()(model::MotionTelemetry&& body) const {
     parts.motion = std::move(body);
@@ -30,8 +31,9 @@ struct Put {
     std::size_t evicted = 0;
     for (model::SensorReading& reading : body.kv) {
       const std::int64_t sampled = reading.unix_time_ms.value_or(body.unix_time_ms);
-      evicted += parts.extras.Put(std::move(reading.key),
-                                  {.value = std::move(reading.value), .sampled_at_ms = sampled});
+      evicted += parts.extras.Put(
+          std::move(reading.key),
+          {.value = std::move(reading.value), .sampled_at_ms = sampled, .arrived = arrived});
     }
     return evicted;
   }
@@ -60,8 +62,8 @@ struct Put {
 
 }  // namespace
 
-std::size_t PutInto(LiveParts& parts, model::Body&& body) {
-  return std::visit(Put{parts}, std::move(body));
+std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived) {
+  return std::visit(Put{parts, arrived}, std::move(body));
 }
 
 }  // namespace uplink::fleet

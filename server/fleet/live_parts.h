@@ -10,6 +10,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "schema/base/clock.h"
+#include "schema/model/rcan.h"
 #include "schema/model/record.h"
 
 namespace uplink::fleet {
@@ -54,10 +56,24 @@ class LatestByKey {
     return 1;
   }
 
+  void Erase(std::string_view key) {
+    const auto found = index_.find(key);
+    if (found == index_.end()) return;
+    const auto item = found->second;
+    index_.erase(found);
+    items_.erase(item);
+  }
+
   /// Puts these on top of older ones, which are kept as far as there is room.
   void PutOnTopOf(LatestByKey older) {
     for (auto& [key, value] : items_) older.Put(key, std::move(value));
     *this = std::move(older);
+  }
+
+  /// Null if the key is not kept.
+  [[nodiscard]] const Value* Find(std::string_view key) const {
+    const auto found = index_.find(key);
+    return found == index_.end() ? nullptr : &found->second->second;
   }
 
   /// Least recently updated first.
@@ -78,6 +94,8 @@ class LatestByKey {
 struct Extra {
   model::Value value;
   std::int64_t sampled_at_ms = 0;
+  /// In this life of the server; the epoch if it was restored.
+  SteadyTime arrived{};
 };
 
 /// The latest of each live kind, in stream order; no robot clock decides anything. A value.
@@ -89,10 +107,12 @@ struct LiveParts {
   std::optional<model::UsageTelemetry> usage;
   LatestByKey<model::ConsumableStatus, kConsumablesMax> consumables;
   LatestByKey<model::SpatialDirectiveStatus, kDirectivesMax> directives;
+  /// RCAN's Robot State.
+  std::optional<model::RcanState> rcan;
 };
 
 /// Puts one live body into the parts; returns the number of keys that had to go. A body of a
 /// durable kind is a mistake of ours.
-std::size_t PutInto(LiveParts& parts, model::Body&& body);
+std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived = {});
 
 }  // namespace uplink::fleet

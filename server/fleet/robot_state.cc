@@ -38,12 +38,48 @@ void CopyIf(const LivePartSet& changed, storage::LivePart kind, const Part& from
 
 }  // namespace
 
-void RobotState::Apply(std::vector<model::Record>& records) {
+void RobotState::Apply(std::vector<model::Record>& records, SteadyTime arrived) {
   const std::lock_guard lock(mutex_);
   for (model::Record& record : records) {
+    if (record.variant() == model::Variant::kStatusTelemetry) status_arrived_ = arrived;
     parts_changed_.set(static_cast<std::size_t>(PartOf(record.variant())));
-    keys_evicted_ += PutInto(parts_, std::move(record).TakeBody());
+    keys_evicted_ += PutInto(parts_, std::move(record).TakeBody(), arrived);
   }
+}
+
+void RobotState::Apply(model::RcanState&& state, SteadyTime arrived) {
+  const std::lock_guard lock(mutex_);
+  parts_changed_.set(static_cast<std::size_t>(storage::LivePart::kRcan));
+  parts_.rcan = std::move(state);
+  rcan_arrived_ = arrived;
+}
+
+void RobotState::Note(const model::Body& report, SystemTime received_at) {
+  if (const auto* info = std::get_if<model::AgentInfo>(&report)) {
+    if (!info->uptime_s || *info->uptime_s > kUptimeSMax) return;
+    const std::lock_guard lock(mutex_);
+    reported_.booted_at =
+        received_at - std::chrono::seconds(static_cast<std::int64_t>(*info->uptime_s));
+  } else if (const auto* run = std::get_if<model::MissionRunStatus>(&report)) {
+    std::string key = RunKey(run->mission_id, run->run_id);
+    const std::lock_guard lock(mutex_);
+    if (model::IsTerminal(run->status)) {
+      reported_.open_runs.Erase(key);
+      ended_runs_.Put(std::move(key), true);
+      return;
+    }
+    ended_runs_.Erase(key);
+    std::optional<double> progress;
+    if (run->progress_x100) progress = *run->progress_x100 / kProgressAPercent;
+    reported_.open_runs.Put(std::move(key), progress);
+  }
+}
+
+void RobotState::Restore(Reported before) {
+  const std::lock_guard lock(mutex_);
+  if (!reported_.booted_at) reported_.booted_at = before.booted_at;
+  for (const auto& [key, ended] : ended_runs_.items()) before.open_runs.Erase(key);
+  reported_.open_runs.PutOnTopOf(std::move(before.open_runs));
 }
 
 void RobotState::Reach(SteadyTime steady, SystemTime system) {
@@ -124,6 +160,7 @@ std::optional<LiveChanges> RobotState::TakeChanges() {
   CopyIf(changes.changed, kUsage, parts_.usage, changes.parts.usage);
   CopyIf(changes.changed, kConsumables, parts_.consumables, changes.parts.consumables);
   CopyIf(changes.changed, kDirectives, parts_.directives, changes.parts.directives);
+  CopyIf(changes.changed, kRcan, parts_.rcan, changes.parts.rcan);
   return changes;
 }
 
@@ -147,6 +184,7 @@ void RobotState::Restore(LiveBefore before) {
   if (!parts_.motion) parts_.motion = std::move(before.parts.motion);
   if (!parts_.status) parts_.status = std::move(before.parts.status);
   if (!parts_.usage) parts_.usage = std::move(before.parts.usage);
+  if (!parts_.rcan) parts_.rcan = std::move(before.parts.rcan);
   Merge(storage::LivePart::kExtras, parts_.extras, std::move(before.parts.extras));
   Merge(storage::LivePart::kHealth, parts_.health, std::move(before.parts.health));
   Merge(storage::LivePart::kConsumables, parts_.consumables, std::move(before.parts.consumables));

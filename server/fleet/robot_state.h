@@ -28,6 +28,43 @@ struct StateSnapshot {
   std::uint64_t keys_evicted = 0;
 };
 
+/// Open mission runs of which the progress is kept; the least recently reported goes first.
+inline constexpr std::size_t kOpenRunsMax = 16;
+
+/// progress_x100 of one percent.
+inline constexpr double kProgressAPercent = 100;
+/// A computer that was up for longer than a century has no clock.
+inline constexpr std::uint64_t kUptimeSMax = std::uint64_t{100} * 366 * 24 * 3600;
+
+/// How a run is named among a robot's open runs.
+[[nodiscard]] inline std::string RunKey(std::string_view mission_id, std::string_view run_id) {
+  return std::string(mission_id).append("/").append(run_id);
+}
+
+/// What a robot's durable reports say of it now, for its series. A value.
+struct Reported {
+  /// Progress in percent of open runs, by mission and run; the last one reported last. Nothing
+  /// where a report named none.
+  LatestByKey<std::optional<double>, kOpenRunsMax> open_runs;
+  /// By the server's clock.
+  std::optional<SystemTime> booted_at;
+};
+
+/// Runs that ended before it was read from the store what was open, and are remembered until then.
+inline constexpr std::size_t kEndedRunsMax = 64;
+
+/// A robot's state as it stands, for one look under its lock.
+struct StateView {
+  const LiveParts& parts;
+  const Reported& reported;
+  Presence presence = Presence::kUnknown;
+  SystemTime presence_since;
+  std::optional<SystemTime> last_sign_of_life;
+  /// In this life of the server; the epoch if they did not.
+  SteadyTime status_arrived;
+  SteadyTime rcan_arrived;
+};
+
 /// Which live parts, by storage::LivePart.
 using LivePartSet = std::bitset<storage::kLivePartKinds>;
 
@@ -63,8 +100,12 @@ class RobotState final {
         changed_(std::move(changed)),
         presence_since_(system_now) {}
 
-  /// Applies live records in order. All must be live kinds.
-  void Apply(std::vector<model::Record>& records);
+  /// Applies live records in order. All must be live kinds. `arrived` is kept of a status, to tell
+  /// which of two sources of a value is fresher.
+  void Apply(std::vector<model::Record>& records, SteadyTime arrived);
+  void Apply(model::RcanState&& state, SteadyTime arrived);
+  /// A durable report that its robot's series look at; others change nothing.
+  void Note(const model::Body& report, SystemTime received_at);
   /// A motion or status message that arrived at this time. It may have waited since: presence is
   /// judged at the latest time that any call named.
   void SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
@@ -85,6 +126,9 @@ class RobotState final {
   /// Takes over what is not known better by now. Presence stays as it is: it was not heard.
   void Restore(LiveBefore before);
 
+  /// As above; what ended meanwhile is not taken.
+  void Restore(Reported before);
+
   /// Brings presence up to date and returns it.
   Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   [[nodiscard]] Presence presence() const;
@@ -93,6 +137,18 @@ class RobotState final {
   /// Which live parts a snapshot copies: none; those without a key (motion, status, usage); all.
   enum class Parts : std::uint8_t { kNone, kUnkeyed, kAll };
   [[nodiscard]] StateSnapshot Snapshot(Parts parts) const;
+  /// Calls `look` with the state as it stands, under the lock: it must be short.
+  template <typename Look>
+  void LookAt(Look look) const {
+    const std::lock_guard lock(mutex_);
+    look(StateView{.parts = parts_,
+                   .reported = reported_,
+                   .presence = presence_,
+                   .presence_since = presence_since_,
+                   .last_sign_of_life = last_sign_system_,
+                   .status_arrived = status_arrived_,
+                   .rcan_arrived = rcan_arrived_});
+  }
 
  private:
   template <typename Part>
@@ -107,6 +163,11 @@ class RobotState final {
   mutable std::mutex mutex_;
   LiveParts parts_;
   LivePartSet parts_changed_;
+  Reported reported_;
+  LatestByKey<bool, kEndedRunsMax> ended_runs_;
+  /// When the parts arrived in this life of the server; the epoch if they did not.
+  SteadyTime status_arrived_;
+  SteadyTime rcan_arrived_;
   /// The last sign of life or the clock's skew.
   bool signs_changed_ = false;
   Presence presence_ = Presence::kUnknown;

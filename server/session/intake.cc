@@ -30,23 +30,10 @@ bool ExpiredOnArrival(const model::Body& body, SystemTime now) {
   return false;
 }
 
-schema::Judgement Unsupported(std::string detail) {
-  schema::Judgement judgement{.verdict = model::Rejection{}};
-  judgement.verdict = model::Rejection{
-      .reason = model::RejectReason::kUnsupportedContent, .field = "", .detail = std::move(detail)};
-  return judgement;
-}
-
-schema::Judgement JudgeContent(const UplinkView& uplink, schema::Judge& judge) {
-  switch (uplink.content) {
-    case UplinkView::Content::kRoverNexus:
-      return judge.Payload(std::as_bytes(std::span(uplink.payload)));
-    case UplinkView::Content::kRcanRobotState:
-      return Unsupported("this server does not take rcan_robot_state");
-    case UplinkView::Content::kNone:
-      break;
-  }
-  return Unsupported("the uplink has no content");
+model::Rejection NoContent() {
+  return {.reason = model::RejectReason::kUnsupportedContent,
+          .field = "",
+          .detail = "the uplink has no content"};
 }
 
 }  // namespace
@@ -152,13 +139,26 @@ void Intake::TakeOne(const UplinkView& uplink, Taken& taken) {
   new_before_ = uplink.seq;
   ++taken.messages;
   if (seen.missing_first > 0) NoteMissing(seen);
-  schema::Judgement judgement = JudgeContent(uplink, context_.judge);
+  switch (uplink.content) {
+    case UplinkView::Content::kRoverNexus:
+      return TakeRoverNexus(uplink, taken);
+    case UplinkView::Content::kRcanRobotState:
+      return TakeRcan(uplink, taken);
+    case UplinkView::Content::kNone:
+      return TakeRejected(uplink, NoContent(), metrics::kUnknownKind, taken);
+  }
+}
+
+void Intake::TakeRoverNexus(const UplinkView& uplink, Taken& taken) {
+  schema::Judgement judgement = context_.judge.Payload(std::as_bytes(std::span(uplink.payload)));
   sign_of_life_ = sign_of_life_ || judgement.sign_of_life;
   if (judgement.times_unknown > 0 || judgement.enumerants_unrecognized > 0) {
     context_.ledger.CountOdd(judgement.times_unknown, judgement.enumerants_unrecognized);
   }
   if (const model::Rejection* rejection = judgement.rejection()) {
-    TakeRejected(uplink, *rejection, taken);
+    const std::size_t kind =
+        judgement.variant ? static_cast<std::size_t>(*judgement.variant) : metrics::kUnknownKind;
+    TakeRejected(uplink, *rejection, kind, taken);
   } else {
     TakeRecord(uplink, judgement, taken);
   }
@@ -179,7 +179,7 @@ void Intake::TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, 
   auto& record = std::get<model::Record>(judgement.verdict);
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
-    NoteDropped(uplink.seq, record, taken);
+    NoteDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()), taken);
     unsettled_ = uplink.seq;
     return TakeLive(std::move(record));
   }
@@ -189,6 +189,7 @@ void Intake::TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, 
     ++counts_.superseded;
     return;
   }
+  robot_.state.Note(record.body(), received_at_);
   Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
 }
 
@@ -206,21 +207,23 @@ void Intake::TakeLive(model::Record record) {
   live.push_back(std::move(record));
 }
 
-void Intake::NoteDropped(model::Seq seq, const model::Record& record, Taken& taken) {
-  if (record.dropped().empty()) return;
-  robot_.state.CountDropped(record.dropped().size());
-  for (const model::DroppedField& dropped : record.dropped()) {
-    context_.ledger.CountDropped(record.variant(), dropped.reason);
-    if (robot_.sessions.MayNotice(dropped.field, arrived_)) {
+void Intake::NoteDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
+                         std::size_t kind, Taken& taken) {
+  if (dropped.empty()) return;
+  robot_.state.CountDropped(dropped.size());
+  for (const model::DroppedField& field : dropped) {
+    context_.ledger.CountDropped(kind, field.reason);
+    if (robot_.sessions.MayNotice(field.field, arrived_)) {
       context_.probe.notices_total.Add();
-      taken.frames.push_back(NoticeFrame(seq, dropped));
+      taken.frames.push_back(NoticeFrame(seq, field));
     }
   }
 }
 
 void Intake::TakeRejected(const UplinkView& uplink, const model::Rejection& rejection,
-                          Taken& taken) {
+                          std::size_t kind, Taken& taken) {
   NoteMalformed();
+  context_.ledger.CountRejected(kind, rejection.reason);
   taken.frames.push_back(RejectFrame(uplink.seq, rejection));
   robot_.sessions.Remember(session_, uplink.seq, rejection);
   std::string kept;
@@ -268,10 +271,15 @@ void Intake::Append(model::Seq seq, std::variant<model::Record, storage::Quarant
 
 void Intake::ApplyLive() {
   std::vector<model::Record>& live = context_.scratch.live;
+  if (auto rcan = std::exchange(context_.scratch.rcan, std::nullopt)) {
+    ++counts_.received;
+    ++counts_.applied;
+    robot_.state.Apply(*std::move(rcan), arrived_);
+  }
   if (live.empty()) return;
   counts_.received += live.size();
   counts_.applied += live.size();
-  robot_.state.Apply(live);
+  robot_.state.Apply(live, arrived_);
   for (model::Record& record : live) context_.judge.Reuse(std::move(record));
   live.clear();
 }

@@ -16,6 +16,7 @@
 #include "server/session/frame_view.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
+#include "server/session/rcan_order.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::session {
@@ -26,6 +27,8 @@ struct IntakeScratch {
   BatchView batch;
   /// Live records of the frame at hand, in order, not applied yet.
   std::vector<model::Record> live;
+  /// The last Robot State of the frame at hand, not applied yet.
+  std::optional<model::RcanState> rcan;
 };
 
 /// What a whole server shares with its sessions, and what a queue's sessions share: the judge, the
@@ -105,13 +108,17 @@ class Intake final {
 
   [[nodiscard]] RobotSessions::Seen See(model::Seq seq);
   void TakeOne(const UplinkView& uplink, Taken& taken);
+  void TakeRoverNexus(const UplinkView& uplink, Taken& taken);
   void TakeDuplicate(const RobotSessions::Seen& seen, Taken& taken);
   void TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, Taken& taken);
   void TakeLive(model::Record record);
-  void TakeRejected(const UplinkView& uplink, const model::Rejection& rejection, Taken& taken);
+  void TakeRcan(const UplinkView& uplink, Taken& taken);
+  void TakeRejected(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
+                    Taken& taken);
   void SettleRun();
   void NoteMissing(const RobotSessions::Seen& seen);
-  void NoteDropped(model::Seq seq, const model::Record& record, Taken& taken);
+  void NoteDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
+                   Taken& taken);
   void NoteMalformed();
   void Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
               std::string payload, std::size_t payload_bytes);
@@ -135,6 +142,8 @@ class Intake final {
   model::Seq new_before_ = 0;
   model::Seq unsettled_ = 0;
   bool sign_of_life_ = false;
+  /// Once the stream has sent a Robot State.
+  std::unique_ptr<RcanOrder> rcan_order_;
   metrics::UplinkCounts counts_;
   SteadyTime malformed_since_{};
   std::uint32_t malformed_ = 0;

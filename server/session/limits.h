@@ -48,6 +48,8 @@ struct SessionLimits {
   std::uint32_t extras_items_max = 256;
   std::uint32_t in_flight_uplinks_max = 4096;
   std::uint32_t frame_bytes_max = 1024 * 1024;
+  /// Whether an RCAN Robot State is a sign of life (rcan.counts_as_life).
+  bool rcan_counts_as_life = true;
   std::chrono::milliseconds ack_interval{1000};
   std::chrono::milliseconds session_idle{std::chrono::hours(1)};
   std::chrono::milliseconds drain_timeout{std::chrono::seconds(20)};

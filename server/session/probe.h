@@ -1,8 +1,33 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <string_view>
+
 #include "metrics/cells.h"
 
 namespace uplink::session {
+
+/// How a stream ends: with one of gRPC's codes, by their number, or broken off without one. Closed.
+inline constexpr std::array<std::string_view, 18> kStreamEnds = {"ok",
+                                                                 "cancelled",
+                                                                 "unknown",
+                                                                 "invalid_argument",
+                                                                 "deadline_exceeded",
+                                                                 "not_found",
+                                                                 "already_exists",
+                                                                 "permission_denied",
+                                                                 "resource_exhausted",
+                                                                 "failed_precondition",
+                                                                 "aborted",
+                                                                 "out_of_range",
+                                                                 "unimplemented",
+                                                                 "internal",
+                                                                 "unavailable",
+                                                                 "data_loss",
+                                                                 "unauthenticated",
+                                                                 "broken"};
+inline constexpr std::size_t kStreamBroken = kStreamEnds.size() - 1;
 
 /// What sessions count besides the ledger. Thread-safe; one for all sessions.
 struct SessionProbe {
@@ -23,6 +48,8 @@ struct SessionProbe {
   metrics::Cell held_back_total;
   metrics::Cell peer_stalls_total;
   metrics::Cell superseded_total;
+  /// Streams that ended, by kStreamEnds.
+  std::array<metrics::Cell, kStreamEnds.size()> ended_total;
   metrics::Cell frames_total;
   metrics::Cell frame_bytes_total;
   /// Arrival to the Ack that covers it, durable messages.

@@ -54,11 +54,14 @@ void Session::EndWhenSettled() {
 
 void Session::OnBroken() {
   if (state_ == State::kDone) return;
+  context_.probe.ended_total[kStreamBroken].Add();
   Leave();
 }
 
 void Session::Finish(const absl::Status& status) {
   if (state_ == State::kDone) return;
+  const auto code = static_cast<std::size_t>(status.code());
+  context_.probe.ended_total[std::min(code, kStreamBroken - 1)].Add();
   Leave();
   sink_.Finish(status);
 }

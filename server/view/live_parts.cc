@@ -25,6 +25,13 @@ boost::json::object RenderExtra(const fleet::Extra& extra) {
   return Fields().Set("value", Render(extra.value)).Set("sampledAtMs", extra.sampled_at_ms).Take();
 }
 
+/// What the robot said, and the server's own count of what it left out.
+boost::json::object RenderRcan(const model::RcanState& state, const std::string& ruri) {
+  boost::json::object fields = Render(state, ruri);
+  fields["seq_missing"] = state.seq_missing;
+  return fields;
+}
+
 }  // namespace
 
 void SetLiveParts(const fleet::LiveParts& live, const PartSet& wanted, v1::Robot& robot) {
@@ -35,6 +42,9 @@ void SetLiveParts(const fleet::LiveParts& live, const PartSet& wanted, v1::Robot
     *robot.mutable_status() = ToStruct(Render(*live.status));
   if (wanted.Has(Part::kUsage) && live.usage)
     *robot.mutable_usage() = ToStruct(Render(*live.usage));
+  if (wanted.Has(Part::kRcanState) && live.rcan) {
+    *robot.mutable_rcan_state() = ToStruct(RenderRcan(*live.rcan, robot.ruri()));
+  }
   if (wanted.Has(Part::kExtras)) {
     SetByKey(live.extras.items(), &v1::Robot::mutable_extras, robot, RenderExtra);
   }

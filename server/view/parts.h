@@ -50,7 +50,7 @@ class PartSet {
   /// A part that holds many items, by key.
   [[nodiscard]] bool AnyKeyed() const {
     return Has(Part::kExtras) || Has(Part::kHealth) || Has(Part::kConsumables) ||
-           Has(Part::kDirectives);
+           Has(Part::kDirectives) || Has(Part::kRcanState);
   }
 
   friend bool operator==(const PartSet&, const PartSet&) = default;

@@ -17,11 +17,11 @@ constexpr std::string_view kDoing = "write a checkpoint";
 // order of the keys, so that two processes do not lock each other out.
 constexpr std::string_view kUpsert =
     "INSERT INTO uplinkd.live AS l (ruri, last_sign_at, clock_skew_ms, motion, status, extras,"
-    " health, usage, consumables, directives)"
+    " health, usage, consumables, directives, rcan)"
     " SELECT u.* FROM unnest($1::text[], $2::timestamptz[], $3::bigint[], $4::bytea[],"
-    " $5::bytea[], $6::bytea[], $7::bytea[], $8::bytea[], $9::bytea[], $10::bytea[])"
+    " $5::bytea[], $6::bytea[], $7::bytea[], $8::bytea[], $9::bytea[], $10::bytea[], $11::bytea[])"
     " AS u (ruri, last_sign_at, clock_skew_ms, motion, status, extras, health, usage, consumables,"
-    " directives) JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = $11::uuid"
+    " directives, rcan) JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = $12::uuid"
     " ORDER BY u.ruri"
     " ON CONFLICT (ruri) DO UPDATE SET"
     " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
@@ -30,15 +30,16 @@ constexpr std::string_view kUpsert =
     " extras = coalesce(excluded.extras, l.extras), health = coalesce(excluded.health, l.health),"
     " usage = coalesce(excluded.usage, l.usage),"
     " consumables = coalesce(excluded.consumables, l.consumables),"
-    " directives = coalesce(excluded.directives, l.directives) RETURNING ruri";
+    " directives = coalesce(excluded.directives, l.directives),"
+    " rcan = coalesce(excluded.rcan, l.rcan) RETURNING ruri";
 // The lengths are known without reading the bytes.
 constexpr std::string_view kRead =
     "SELECT ruri, last_sign_at, clock_skew_ms, motion, status, extras, health, usage, consumables,"
-    " directives FROM (SELECT *, sum(bytes) OVER (ORDER BY ruri) - bytes AS before FROM ("
+    " directives, rcan FROM (SELECT *, sum(bytes) OVER (ORDER BY ruri) - bytes AS before FROM ("
     "SELECT *, coalesce(octet_length(motion), 0) + coalesce(octet_length(status), 0)"
     " + coalesce(octet_length(extras), 0) + coalesce(octet_length(health), 0)"
     " + coalesce(octet_length(usage), 0) + coalesce(octet_length(consumables), 0)"
-    " + coalesce(octet_length(directives), 0) AS bytes"
+    " + coalesce(octet_length(directives), 0) + coalesce(octet_length(rcan), 0) AS bytes"
     " FROM uplinkd.live WHERE ruri > $1::text ORDER BY ruri LIMIT $2::bigint) AS p) AS q"
     " WHERE before < $3::bigint ORDER BY ruri";
 

@@ -12,8 +12,8 @@ namespace {
 // Only the holder's row of robots lets anything through.
 constexpr std::string_view kUpsert =
     "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms, motion, status, extras, health, usage,"
-    " consumables, directives)"
-    " SELECT ?1, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11"
+    " consumables, directives, rcan)"
+    " SELECT ?1, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12"
     " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2)"
     " ON CONFLICT (ruri) DO UPDATE SET"
     " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
@@ -22,10 +22,11 @@ constexpr std::string_view kUpsert =
     " extras = coalesce(excluded.extras, extras), health = coalesce(excluded.health, health),"
     " usage = coalesce(excluded.usage, usage),"
     " consumables = coalesce(excluded.consumables, consumables),"
-    " directives = coalesce(excluded.directives, directives) RETURNING 1";
+    " directives = coalesce(excluded.directives, directives),"
+    " rcan = coalesce(excluded.rcan, rcan) RETURNING 1";
 constexpr std::string_view kRead =
     "SELECT ruri, last_sign_ms, clock_skew_ms, motion, status, extras, health, usage, consumables,"
-    " directives FROM live WHERE ruri > ? ORDER BY ruri LIMIT ?";
+    " directives, rcan FROM live WHERE ruri > ? ORDER BY ruri LIMIT ?";
 
 constexpr int kFirstPartBound = 5;
 constexpr int kFirstPartRead = 3;

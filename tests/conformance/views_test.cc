@@ -31,7 +31,7 @@ class ViewsTest : public ::testing::TestWithParam<std::string> {
     } else {
       std::vector<model::Record> records;
       records.push_back(std::move(record));
-      robot.state.Apply(records);
+      robot.state.Apply(records, {});
     }
   }
   [[nodiscard]] static std::string Ruri() { return test::RuriOfVector(GetParam()); }

@@ -76,7 +76,8 @@ TEST(LedgerTest, APageHoldsWhatWasPublished) {
   Ledger ledger;
   ledger.Publish({.received = 2, .in_flight = 2});
   ledger.Publish({.stored = 1, .in_flight = -1});
-  ledger.CountDropped(model::Variant::kStatusTelemetry, model::RejectReason::kOutOfRange);
+  ledger.CountDropped(static_cast<std::size_t>(model::Variant::kStatusTelemetry),
+                      model::RejectReason::kOutOfRange);
   ledger.CountOdd(3, 4);
   const Ledger::Page page = ledger.Read();
   EXPECT_EQ(page.uplinks.in_flight, 1);
@@ -96,8 +97,10 @@ TEST(LedgerBookTest, TheLawHoldsInTheSumOverPages) {
   journal.Publish({.stored = 3, .in_flight = -3});
   intake.CountOdd(1, 1);
   journal.CountOdd(1, 1);
-  intake.CountDropped(model::Variant::kFault, model::RejectReason::kMalformed);
-  journal.CountDropped(model::Variant::kFault, model::RejectReason::kMalformed);
+  intake.CountDropped(static_cast<std::size_t>(model::Variant::kFault),
+                      model::RejectReason::kMalformed);
+  journal.CountDropped(static_cast<std::size_t>(model::Variant::kFault),
+                       model::RejectReason::kMalformed);
   const Ledger::Page sum = book.Sum();
   EXPECT_TRUE(sum.uplinks.Balanced());
   EXPECT_EQ(sum.uplinks.in_flight, 2);

@@ -55,6 +55,59 @@ TEST_F(SeedTest, TakesTheRobotsOfTheStore) {
   EXPECT_EQ(fleet_.size(), 1U);
 }
 
+TEST_F(SeedTest, RobotsComeWithWhatTheirReportsSay) {
+  Know("rcan://a");
+  Know("rcan://b");
+  const auto commit = [this](model::Seq seq, const model::Body& body) {
+    const storage::OpenRequest open{
+        std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),
+        model::SessionId({1}),
+        0,
+        clock_.System(),
+        {}};
+    const auto opened = store_.OpenStreams({&open, 1});
+    ASSERT_TRUE(opened.ok());
+    storage::Batch batch;
+    batch.records.push_back({.robot = open.robot,
+                             .session = open.session,
+                             .seq = seq,
+                             .held_since = opened->front().held_since,
+                             .received_at = clock_.System(),
+                             .content = test::RecordOf(body)});
+    ASSERT_TRUE(store_.Commit(batch).ok());
+    clock_.Advance(std::chrono::seconds(1));
+  };
+  model::AgentInfo info;
+  info.uptime_s = 100;
+  const SystemTime told_at = clock_.System();
+  commit(1, info);
+  const auto run = [](const std::string& id, std::uint16_t progress, model::MissionStatus status) {
+    model::MissionRunStatus body;
+    body.mission_id = "m";
+    body.run_id = id;
+    body.progress_x100 = progress;
+    body.status = status;
+    return body;
+  };
+  commit(2, run("first", 100, model::MissionStatus::kRunning));
+  commit(3, run("second", 200, model::MissionStatus::kRunning));
+  commit(4, run("third", 300, model::MissionStatus::kComplete));
+  commit(5, run("first", 4250, model::MissionStatus::kRunning));
+  ASSERT_TRUE(seed_.Run(2).ok());
+  fleet_.Find("rcan://a")->state.LookAt([&](const fleet::StateView& view) {
+    EXPECT_EQ(view.reported.booted_at, told_at - std::chrono::seconds(100));
+    const auto& runs = view.reported.open_runs.items();
+    ASSERT_EQ(runs.size(), 2U);
+    EXPECT_EQ(runs.back().first, "m/first") << "the latest report, not the latest run";
+    EXPECT_EQ(runs.back().second, 42.5);
+    EXPECT_EQ(runs.front().second, 2);
+  });
+  fleet_.Find("rcan://b")->state.LookAt([&](const fleet::StateView& view) {
+    EXPECT_FALSE(view.reported.booted_at);
+    EXPECT_TRUE(view.reported.open_runs.items().empty());
+  });
+}
+
 TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
   Know("rcan://a");
   reader_.SetAway(true);
@@ -91,7 +144,7 @@ TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsWhatItTold) {
   ASSERT_TRUE(robot.ok());
   std::vector<model::Record> records;
   records.push_back(test::RecordOf(model::UsageTelemetry{.unix_time_ms = 6, .reboot_count = 5}));
-  (*robot)->state.Apply(records);
+  (*robot)->state.Apply(records, {});
   ASSERT_TRUE(seed_.Run(2).ok());
   EXPECT_EQ(State("rcan://a").parts.usage->reboot_count, 5U);
 }

@@ -30,7 +30,7 @@ class CheckpointTest : public ::testing::Test {
   static void Apply(Robot& robot, const model::Body& body) {
     std::vector<model::Record> records;
     records.push_back(test::RecordOf(body));
-    robot.state.Apply(records);
+    robot.state.Apply(records, {});
   }
   static model::UsageTelemetry Usage(std::uint32_t reboots = 1) {
     return {.unix_time_ms = kNow, .reboot_count = reboots};

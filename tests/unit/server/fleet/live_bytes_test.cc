@@ -100,6 +100,31 @@ TEST_F(LiveBytesTest, KeysKeepTheirOrderValuesAndTimes) {
   EXPECT_TRUE(read.before.parts.directives.items().front().second.active);
 }
 
+TEST_F(LiveBytesTest, ARobotStateComesBackAsItWas) {
+  LiveChanges changes;
+  changes.changed.set(static_cast<std::size_t>(LivePart::kRcan));
+  model::RcanState& state = changes.parts.rcan.emplace();
+  state.seq = 7;
+  state.battery_v = 14.2;
+  state.timestamp_us = 1'741'737'600'000'000;
+  state.joints.push_back({.joint = "pan \"1\"", .position_rad = 0.785, .timestamp_us = 5});
+  state.seq_missing = 3;
+  const LiveRead read = FromRow(ToRow("rcan://a", changes), judge_);
+  EXPECT_EQ(read.left_out, 0U);
+  model::RcanState expected = state;
+  expected.seq_missing = 0;  // counted from each stream's begin
+  EXPECT_EQ(read.before.parts.rcan, expected);
+  EXPECT_FALSE(FromRow(ToRow("rcan://a", {}), judge_).before.parts.rcan);
+}
+
+TEST_F(LiveBytesTest, ARobotStateThatIsNoneIsLeftOut) {
+  storage::LiveRow row;
+  row.ruri = "rcan://a";
+  row.parts[static_cast<std::size_t>(LivePart::kRcan)] =
+      Framed(R"({"ruri":"rcan://b","timestamp_us":1})") + Framed("{");
+  EXPECT_EQ(FromRow(row, judge_).left_out, 2U);
+}
+
 TEST_F(LiveBytesTest, OnlyWhatChangedIsInTheRow) {
   LiveChanges changes;
   changes.changed.set(static_cast<std::size_t>(LivePart::kUsage));

@@ -19,7 +19,7 @@ class RobotStateTest : public ::testing::Test {
     std::vector<model::Record> records;
     records.reserve(bodies.size());
     for (const model::Body& body : bodies) records.push_back(test::RecordOf(body));
-    state_.Apply(records);
+    state_.Apply(records, {});
   }
   StateSnapshot All() const { return state_.Snapshot(RobotState::Parts::kAll); }
 
@@ -249,7 +249,7 @@ TEST(RobotStateDeathTest, ADurableKindIsNeverApplied) {
   RobotState state(clock.Steady(), clock.Steady(), clock.System());
   std::vector<model::Record> records{
       test::RecordOf(model::Message{.unix_time_ms = kNow, .message = "hello"})};
-  EXPECT_DEATH(state.Apply(records), "only live kinds");
+  EXPECT_DEATH(state.Apply(records, {}), "only live kinds");
 }
 
 TEST_F(RobotStateTest, TakesOverWhatItWasNotToldItself) {
@@ -297,6 +297,28 @@ TEST_F(RobotStateTest, ASignOfLifeOfEarlierDaysMakesNobodyOnline) {
   clock_.Advance(limits_.startup_grace + milliseconds(1));
   EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
   EXPECT_FALSE(state_.TakeChanges()) << "what is restored is in the store";
+}
+
+TEST_F(RobotStateTest, RunsThatEndedBeforeTheStoreWasReadStayEnded) {
+  const auto report = [this](const std::string& run, model::MissionStatus status) {
+    model::MissionRunStatus body;
+    body.run_id = run;
+    body.status = status;
+    state_.Note(body, SystemTime());
+  };
+  report("ended", model::MissionStatus::kComplete);
+  report("again", model::MissionStatus::kError);
+  report("again", model::MissionStatus::kRunning);
+  Reported before;
+  for (const char* run : {"older", "ended", "again"}) before.open_runs.Put(RunKey("", run), 1.0);
+  before.booted_at = FromUnixMs(5);
+  state_.Restore(std::move(before));
+  std::vector<std::string> open;
+  state_.LookAt([&](const StateView& view) {
+    for (const auto& [key, progress] : view.reported.open_runs.items()) open.push_back(key);
+    EXPECT_EQ(view.reported.booted_at, FromUnixMs(5));
+  });
+  EXPECT_EQ(open, (std::vector<std::string>{"/older", "/again"}));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ fleet::LiveParts EveryPart() {
                                                                    .unit = "l"}));
   records.push_back(uplink::test::RecordOf(model::SpatialDirectiveStatus{
       .directive_id = "d1", .last_eval_time_ms = 18, .active = true, .inside_zone = true}));
-  state.Apply(records);
+  state.Apply(records, {});
   return state.Snapshot(fleet::RobotState::Parts::kAll).parts;
 }
 

@@ -81,7 +81,7 @@ TEST_F(StoredQueriesTest, LivePartsAreCopiedOnlyIfOneIsWanted) {
   fleet::Robot& robot = world_.AddRobot("rcan://a");
   std::vector<model::Record> records;
   records.push_back(test::RecordOf(model::MotionTelemetry{.unix_time_ms = 1}));
-  robot.state.Apply(records);
+  robot.state.Apply(records, {});
   RobotsQuery query;
   query.parts = Parts({Part::kSettings, Part::kAgentInfo, Part::kUiCapabilities});
   EXPECT_FALSE(Robots(query).robots.front().state.parts.motion);

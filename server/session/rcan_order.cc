@@ -1,0 +1,34 @@
+#include "server/session/rcan_order.h"
+
+namespace uplink::session {
+
+RcanOrder::Place RcanOrder::PlaceOf(const model::RcanState& state) const {
+  if (!last_timestamp_us_ || state.timestamp_us > *last_timestamp_us_) return Place::kNewer;
+  return state.timestamp_us == *last_timestamp_us_ ? Place::kSame : Place::kOlder;
+}
+
+std::uint64_t RcanOrder::See(const model::RcanState& state) {
+  if (!state.seq) return 0;
+  const std::optional<std::int64_t> before = last_seq_;
+  last_seq_ = state.seq;
+  // Going back is a robot that began anew, or a number that wrapped: nothing is known to miss.
+  if (!before || *state.seq <= *before) return 0;
+  const std::uint64_t skipped = static_cast<std::uint64_t>(*state.seq - *before) - 1;
+  missing_ = missing_ + skipped < missing_ ? UINT64_MAX : missing_ + skipped;
+  return skipped;
+}
+
+void RcanOrder::Take(model::RcanState& state) {
+  last_timestamp_us_ = state.timestamp_us;
+  state.seq_missing = missing_;
+  for (model::RcanJoint& joint : state.joints) {
+    const model::RcanJoint* held = held_.Find(joint.joint);
+    if (held != nullptr && joint.timestamp_us <= held->timestamp_us) {
+      joint = *held;
+    } else {
+      held_.Put(joint.joint, joint);
+    }
+  }
+}
+
+}  // namespace uplink::session

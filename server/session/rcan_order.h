@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "schema/model/rcan.h"
+#include "schema/model/rejection.h"
+#include "server/fleet/live_parts.h"
+
+namespace uplink::session {
+
+/// Joints of which a stream holds the last sample.
+inline constexpr std::size_t kJointsHeldMax = 256;
+
+/// The order of the Robot States of one stream: RCAN's session begins with each Hello. Confined to
+/// the stream's thread.
+class RcanOrder final {
+ public:
+  /// What a state's time says beside the one before.
+  enum class Place : std::uint8_t {
+    kNewer,
+    /// The same sample again.
+    kSame,
+    kOlder,
+  };
+  [[nodiscard]] Place PlaceOf(const model::RcanState& state) const;
+  /// The time of the state before; only where PlaceOf is not kNewer.
+  [[nodiscard]] std::int64_t last_timestamp_us() const { return last_timestamp_us_.value_or(0); }
+
+  /// Sees the number of a state, whatever becomes of it. Returns how many were skipped before it.
+  std::uint64_t See(const model::RcanState& state);
+  /// The state becomes the last one. A joint in it that is not newer than its held sample gets that
+  /// sample back; all the numbers that were skipped are counted into it.
+  void Take(model::RcanState& state);
+
+ private:
+  std::optional<std::int64_t> last_timestamp_us_;
+  std::optional<std::int64_t> last_seq_;
+  std::uint64_t missing_ = 0;
+  fleet::LatestByKey<model::RcanJoint, kJointsHeldMax> held_;
+};
+
+}  // namespace uplink::session
