@@ -20,9 +20,11 @@ enum class MetricId : std::uint8_t {
   kUplinksSettled,
   kUplinksInFlight,
   kRejects,
+  kRejectsJudged,
   kFieldsDropped,
   kUplinksMissing,
   kRecords,
+  kRcanStatesMissing,
   kTimesUnknown,
   kEnumerantsUnrecognized,
   kRobots,
@@ -35,6 +37,7 @@ enum class MetricId : std::uint8_t {
   kTakeovers,
   kContested,
   kSuperseded,
+  kStreamsEnded,
   kProtocolErrors,
   kPeerStalls,
   kResumes,
@@ -43,6 +46,7 @@ enum class MetricId : std::uint8_t {
   kAcks,
   kNotices,
   kStreamsRefused,
+  kHandshakesFailed,
   kFinishTimeouts,
   kWakes,
   kAckSeconds,
@@ -56,6 +60,8 @@ enum class MetricId : std::uint8_t {
   kExpiredDeleted,
   kHistoryDeleted,
   kRetentionFailing,
+  kSweepSeconds,
+  kCheckpointSeconds,
   kCheckpointRobots,
   kCheckpointFailing,
   kStoreErrors,
@@ -70,6 +76,12 @@ enum class MetricId : std::uint8_t {
   kHttpReadsWaiting,
   kHttpReadsWaitingLimit,
   kHttpReadsRefused,
+  kRcanSeries,
+  kRcanSeriesLimit,
+  kRcanRobotsLeftOut,
+  kRcanScrapeSeconds,
+  kRcanScrapeBytes,
+  kRcanScrapesRefused,
   kRelayLastHandshakeSeconds,
   kCertificateExpiry,
   kDraining,
@@ -77,6 +89,8 @@ enum class MetricId : std::uint8_t {
   kProcessStartTime,
   kProcessCpuSeconds,
   kProcessResidentBytes,
+  kProcessVirtualBytes,
+  kProcessVirtualMaxBytes,
   kProcessThreads,
   kProcessOpenFds,
   kProcessMaxFds,
@@ -94,6 +108,8 @@ struct MetricSpec {
   std::string_view help;
   /// Names of the labels, in the order in which their values are given.
   std::span<const std::string_view> labels{};
+  /// The first version that has it.
+  std::string_view since = "0.1.0";
 };
 
 /// All metrics, by MetricId.

@@ -30,10 +30,11 @@ std::string_view ToText(MetricType type) {
 }
 
 std::string CatalogueTable() {
-  std::string table = "| name | type | unit | labels | is |\n| --- | --- | --- | --- | --- |\n";
+  std::string table =
+      "| name | type | unit | labels | is | since |\n| --- | --- | --- | --- | --- | --- |\n";
   for (const MetricSpec& spec : Catalogue()) {
-    table += fmt::format("| `{}` | {} | {} | {} | {} |\n", spec.name, ToText(spec.type), spec.unit,
-                         LabelsText(spec), spec.help);
+    table += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", spec.name, ToText(spec.type),
+                         spec.unit, LabelsText(spec), spec.help, spec.since);
   }
   return table;
 }

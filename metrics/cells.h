@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -32,6 +33,12 @@ class Distribution final {
     counts_[bucket].fetch_add(1, std::memory_order_relaxed);
     // Nanounits keep the sum an integer, which adds without a loop.
     sum_nano_.fetch_add(static_cast<std::int64_t>(value * 1e9), std::memory_order_relaxed);
+  }
+
+  /// The seconds between two moments of one clock.
+  template <typename Time>
+  void ObserveSince(Time from, Time to) {
+    Observe(std::chrono::duration<double>(to - from).count());
   }
 
   [[nodiscard]] const std::array<double, kBuckets>& upper_bounds() const { return upper_bounds_; }

@@ -28,6 +28,11 @@ prometheus::MetricType TypeOf(MetricType type) {
   return prometheus::MetricType::Untyped;
 }
 
+std::string_view KindText(std::size_t kind) {
+  if (kind == kUnknownKind) return "unknown";
+  return kind == kRcanKind ? "rcanRobotState" : model::ToText(static_cast<model::Variant>(kind));
+}
+
 double Number(std::uint64_t value) { return static_cast<double>(value); }
 
 }  // namespace
@@ -92,15 +97,24 @@ void Exposition::AddLedger(const Ledger::Page& sum) {
     const auto index = static_cast<std::size_t>(reason);
     Add(MetricId::kRejects, Number(uplinks.rejects[index]), {model::ToText(reason)});
   }
-  for (std::size_t v = 0; v < model::kVariants; ++v) {
-    const auto variant = static_cast<model::Variant>(v);
-    Add(MetricId::kRecords, Number(uplinks.records[v]), {model::ToText(variant)});
-    if (model::IsDurable(variant)) continue;
+  for (std::size_t kind = 0; kind < kKinds; ++kind) {
+    const std::string_view name = KindText(kind);
+    const bool rcan = kind == kRcanKind;
+    Add(MetricId::kRecords, Number(rcan ? uplinks.rcan_states : uplinks.records[kind]), {name});
+    if (!rcan && model::IsDurable(static_cast<model::Variant>(kind))) continue;
     for (const model::RejectReason reason : model::kAllRejectReasons) {
-      Add(MetricId::kFieldsDropped, Number(sum.dropped[v][static_cast<std::size_t>(reason)]),
-          {model::ToText(variant), model::ToText(reason)});
+      Add(MetricId::kFieldsDropped, Number(sum.dropped[kind][static_cast<std::size_t>(reason)]),
+          {name, model::ToText(reason)});
     }
   }
+  for (std::size_t kind = 0; kind <= kUnknownKind; ++kind) {
+    for (const model::RejectReason reason : model::kAllRejectReasons) {
+      const auto index = static_cast<std::size_t>(reason);
+      Add(MetricId::kRejectsJudged, Number(sum.rejected_kinds[kind][index]),
+          {KindText(kind), model::ToText(reason)});
+    }
+  }
+  Add(MetricId::kRcanStatesMissing, Number(uplinks.rcan_missing));
   Add(MetricId::kTimesUnknown, Number(sum.times_unknown));
   Add(MetricId::kEnumerantsUnrecognized, Number(sum.enumerants_unrecognized));
 }
@@ -111,10 +125,10 @@ std::string Exposition::Text(Format format) const {
   for (const prometheus::MetricFamily& family : families_->by_id) {
     if (!family.metric.empty()) families.push_back(family);
   }
+  if (format == Format::kOpenMetrics) return OpenMetricsText(families);
   std::ostringstream out;
   prometheus::TextSerializer().Serialize(out, families);
   return std::move(out).str();
 }
 
 }  // namespace uplink::metrics
-  if (format == Format::kOpenMetrics) return OpenMetricsText(families);

@@ -15,9 +15,6 @@
 
 namespace uplink::metrics {
 
-/// Media type of Exposition::Text.
-inline constexpr std::string_view kTextFormat = "text/plain; version=0.0.4; charset=utf-8";
-
 /// One scrape under construction: samples of catalogue entries, then the text. Each entry is
 /// written in the catalogue's order, whatever the order of the calls; one without a sample is left
 /// out.

@@ -15,7 +15,6 @@
 #include "server/app_samples.h"
 #include "server/deadline.h"
 #include "server/fleet/fleet.h"
-#include "server/health/certificate.h"
 #include "server/health/monitor.h"
 #include "server/health/process.h"
 #include "server/http/event_loop.h"
@@ -25,6 +24,8 @@
 #include "server/http/server.h"
 #include "server/http/site.h"
 #include "server/journal/journal.h"
+#include "server/opened.h"
+#include "server/rcan/scrape.h"
 #include "server/relay/server.h"
 #include "server/reload.h"
 #include "server/store_side.h"
@@ -41,23 +42,6 @@ constexpr std::chrono::seconds kLastWrites{2};
 constexpr std::chrono::seconds kStoreEvery{1};
 /// How often a fleet that could not be read at the start is tried again.
 constexpr std::chrono::seconds kSeedEvery{2};
-/// What was opened before the rest could be built on it.
-struct Opened {
-  Stores stores;
-  SystemTime certificate_expiry;
-};
-
-absl::StatusOr<Opened> Open(const App::Options& options) {
-  Opened opened;
-  const auto expiry = health::CertificateExpiry(options.config.tls.certificate_file);
-  if (!expiry.ok()) return expiry.status();
-  opened.certificate_expiry = *expiry;
-  auto stores = OpenStores(options.config, options.process, options.clock);
-  if (!stores.ok()) return stores.status();
-  opened.stores = *std::move(stores);
-  return opened;
-}
-
 }  // namespace
 
 class App::Impl {
@@ -84,11 +68,19 @@ class App::Impl {
                  .http = http_probe_,
                  .journal_limits = journal_limits_,
                  .http_connections_max = options_.config.http.connections_max,
+                 .rcan = rcan_probe_,
+                 .sweep_seconds = sweep_seconds_,
+                 .rcan_series_max = options_.config.rcan.series_max,
                  .version = options_.version,
                  .store_facts = [this] { return store_.facts(); },
                  .add_relay =
-                     [this](auto& page) { AddRelaySamples(relay_probe_, session_probe_, page); }}),
-        site_(queries_, monitor_, scrape_),
+                     [this](auto& page) {
+                       AddRelaySamples(relay_probe_, session_probe_, options_.handshakes_failed,
+                                       page);
+                     }}),
+        robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
+                        options_.logger}),
+        site_(queries_, monitor_, scrape_, robots_scrape_),
         loop_(options_.logger) {}
 
   ~Impl() { Stop(); }
@@ -101,9 +93,10 @@ class App::Impl {
           store_.journals().NotePresence(robot, presence, at);
         });
     if (absl::Status begun = store_.Begin(); !begun.ok()) return begun;
-    reads_.emplace(http_probe_);
+    reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
+    scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
     auto http = http::HttpServer::Listen(
-        {loop_, site_, *reads_, http_probe_, options_.clock},
+        {loop_, site_, *reads_, *scrapes_, http_probe_, options_.clock},
         {options_.config.listen.http, options_.config.http.connections_max});
     if (!http.ok()) return http.status();
     http_ = *std::move(http);
@@ -173,14 +166,17 @@ class App::Impl {
   }
 
   void StartLoop() {
-    // Whom a drain sends away is not heard, and not offline either.
     loop_.Every(kSweepEvery, [this] {
-      if (!draining_.load()) fleet_.Sweep(session_limits_.session_idle);
+      if (draining_.load()) return;  // whom it sends away is not heard, and not offline either
+      const SteadyTime began = options_.clock.Steady();
+      fleet_.Sweep(session_limits_.session_idle);
+      sweep_seconds_.ObserveSince(began, options_.clock.Steady());
     });
     loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
     loop_.Every(kStoreEvery, [this] { store_.LookForErrors(); });
-    loop_.Every(kSeedEvery, [this] {
-      store_.ReadRobotsOn([this](auto job) { return reads_->TryPost(std::move(job)); });
+    loop_.Every(kSeedEvery, [this] { store_.ReadRobotsOn(OnReads()); });
+    loop_.Every(rcan::kFaultCountsEvery, [this] {
+      if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, store_.reader());
     });
     loop_.Every(health::kHandshakeEvery, [this] {
       http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
@@ -190,6 +186,11 @@ class App::Impl {
     loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { OnStopSignal(signal); });
     loop_.OnSignals({SIGHUP}, [this](int) { OnReloadSignal(); });
     loop_.Start();
+  }
+
+  /// To the thread that may wait for the store.
+  std::function<bool(std::function<void()>)> OnReads() {
+    return [this](auto job) { return reads_->TryPost(std::move(job)); };
   }
 
   void LookAtCertificate() {
@@ -241,6 +242,7 @@ class App::Impl {
     if (relay_ != nullptr) relay_->Shutdown(kStopWait / 2);
     store_.StopWriters();
     loop_.Stop();
+    scrapes_.reset();
     reads_.reset();
   }
 
@@ -258,11 +260,15 @@ class App::Impl {
   journal::JournalProbe journal_probe_;
   relay::RelayProbe relay_probe_;
   http::HttpProbe http_probe_;
+  rcan::RcanProbe rcan_probe_;
+  metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
   StoreSide store_;
   view::Queries queries_;
   health::Monitor monitor_;
   http::Scrape scrape_;
+  rcan::FaultCounts fault_counts_{options_.clock};
+  rcan::RobotScrape robots_scrape_;
   http::Site site_;
   std::atomic<bool> draining_{false};
   /// The io thread's own.
@@ -270,6 +276,7 @@ class App::Impl {
   std::binary_semaphore stop_{0};
   http::EventLoop loop_;
   std::optional<http::ReadThread> reads_;
+  std::optional<http::ReadThread> scrapes_;
   std::unique_ptr<http::HttpServer> http_;
   std::unique_ptr<relay::RelayServer> relay_;
 };
@@ -278,7 +285,7 @@ App::App(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 App::~App() = default;
 
 absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
-  absl::StatusOr<Opened> opened = Open(options);
+  absl::StatusOr<Opened> opened = Open(options.config, options.process, options.clock);
   if (!opened.ok()) return opened.status();
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(opened));
   if (absl::Status started = impl->Start(); !started.ok()) return started;

@@ -8,6 +8,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "metrics/cells.h"
 #include "schema/base/clock.h"
 #include "server/config/address.h"
 #include "server/config/load.h"
@@ -41,6 +42,8 @@ class App final {
     /// Evenly drawn numbers, for the backoff's jitter; called by one thread at a time.
     std::function<std::uint64_t()> random;
     std::string version;
+    /// TLS handshakes of the relay that failed, as gRPC told.
+    const metrics::Cell& handshakes_failed;
   };
 
   /// Opens the store, reads the fleet, then serves robots and HTTP, and logs `listening` with the

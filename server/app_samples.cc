@@ -3,7 +3,7 @@
 namespace uplink {
 
 void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe& sessions,
-                     metrics::Exposition& page) {
+                     const metrics::Cell& handshakes_failed, metrics::Exposition& page) {
   using enum metrics::MetricId;
   const auto value = [](const metrics::Cell& cell) { return static_cast<double>(cell.value()); };
   page.Add(kStreamsRefused, value(probe.refused_full_total) + value(sessions.refused_full_total),
@@ -12,6 +12,7 @@ void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe
   page.Add(kStreamsRefused,
            value(probe.refused_identity_total) + value(sessions.refused_identity_total),
            {"identity"});
+  page.Add(kHandshakesFailed, handshakes_failed);
   page.Add(kFinishTimeouts, probe.finish_timeouts_total);
   page.Add(kWakes, probe.wakes_total);
 }

@@ -8,6 +8,6 @@ namespace uplink {
 
 /// What the relay counts, for a page of metrics. Any thread.
 void AddRelaySamples(const relay::RelayProbe& probe, const session::SessionProbe& sessions,
-                     metrics::Exposition& page);
+                     const metrics::Cell& handshakes_failed, metrics::Exposition& page);
 
 }  // namespace uplink

@@ -11,13 +11,14 @@
 #include <fmt/core.h>
 
 #include "metrics/catalogue.h"
+#include "metrics/rcan/series.h"
 #include "schema/base/clock.h"
 #include "server/app.h"
 #include "server/app_limits.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
-#include "server/log/logger.h"
 #include "server/identity/session_tickets.h"
+#include "server/log/logger.h"
 #include "server/relay/environment.h"
 #include "server/relay/grpc_log.h"
 
@@ -86,8 +87,8 @@ int Serve(const Flags& flags) {
     fmt::print(stderr, "uplinkd: {}\n", std::string(fit.message()));
     return kExitWrongUse;
   }
-  const config::LoadResult loaded = Load(flags.config_file);
   const absl::Status tickets = identity::SendNoSessionTickets();
+  const config::LoadResult loaded = Load(flags.config_file);
   PrintProblems(loaded.problems);
   if (!loaded.ok()) return kExitWrongUse;
   const config::Config& config = *loaded.config;
@@ -105,9 +106,9 @@ int Serve(const Flags& flags) {
                      LogLevelOf(config.log.level));
   const relay::GrpcLog grpc_log(logger);
   logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
-  for (const config::Problem& note : loaded.notes) {
   if (!tickets.ok())
     logger.Warn("tls_tickets_are_sent", {{"error", std::string(tickets.message())}});
+  for (const config::Problem& note : loaded.notes) {
     logger.Warn("setting_without_effect", {{"note", config::ToText(note)}});
   }
   std::mt19937_64 random(std::random_device{}());
@@ -117,7 +118,8 @@ int Serve(const Flags& flags) {
                          .clock = clock,
                          .process = DrawProcessId(),
                          .random = [&random] { return random(); },
-                         .version = UPLINK_VERSION});
+                         .version = UPLINK_VERSION,
+                         .handshakes_failed = grpc_log.handshakes_failed()});
   if (!app.ok()) {
     logger.Error("start_failed", {{"error", std::string(app.status().message())}});
     return kExitFailed;
@@ -145,7 +147,8 @@ int Main(int argc, char** argv) {
     return cli.exit(error) == 0 ? kExitDone : kExitWrongUse;
   }
   if (flags.print_metrics) {
-    fmt::print("{}", metrics::CatalogueTable());
+    fmt::print("{}\n{}", metrics::CatalogueTable(),
+               metrics::rcan::SeriesTable(config::RcanConfig().subsystem));
     return kExitDone;
   }
   if (flags.check_config) return CheckConfig(flags);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "server/config/address.h"
 
@@ -108,6 +109,12 @@ struct RcanConfig {
   std::string subsystem = "acb";
   std::size_t series_max = 600'000;
   milliseconds series_ttl = std::chrono::minutes(10);
+  /// Names of series without `rcan_`; empty: all.
+  std::vector<std::string> fields;
+  /// Empty: all.
+  std::vector<std::string> fleets;
+  /// Keys of extras; empty: none.
+  std::vector<std::string> extras;
   bool counts_as_life = true;
 };
 

@@ -150,10 +150,24 @@ class Loader {
     if (setting.kind == Kind::kCount && node.is_integer()) {
       return InterpretInteger(setting, node.value_or(std::int64_t{0}));
     }
-    if (setting.kind != Kind::kSwitch && setting.kind != Kind::kCount && node.is_string()) {
+    if (setting.kind == Kind::kList && node.is_array()) {
+      return InterpretArray(setting, *node.as_array());
+    }
+    if (setting.kind != Kind::kSwitch && setting.kind != Kind::kCount &&
+        setting.kind != Kind::kList && node.is_string()) {
       return InterpretText(setting, node.value_or(std::string_view()));
     }
     return BadValue{fmt::format("it must be {}", AllowedText(setting))};
+  }
+
+  static Interpreted InterpretArray(const Setting& setting, const toml::array& array) {
+    std::vector<std::string> items;
+    items.reserve(array.size());
+    for (const toml::node& node : array) {
+      if (!node.is_string()) return BadValue{fmt::format("it must be {}", AllowedText(setting))};
+      items.push_back(node.value_or(std::string()));
+    }
+    return InterpretList(setting, std::move(items));
   }
 
   void Take(const Setting& setting, const Interpreted& interpreted, std::string where,

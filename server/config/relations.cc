@@ -4,6 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "metrics/rcan/series.h"
+#include "schema/base/utf8.h"
 #include "server/config/units.h"
 #include "storage/postgres/url.h"
 
@@ -13,6 +15,8 @@ namespace {
 constexpr std::string_view kSqliteScheme = "sqlite://";
 /// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
 constexpr std::size_t kSubsystemBytesMax = 32;
+/// Longest part of a wrong name that a problem repeats.
+constexpr std::size_t kShownBytesMax = 100;
 
 class Breaches {
  public:
@@ -99,6 +103,17 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
     breaches.Add("rcan", "subsystem",
                  fmt::format("it must be 1 to {} lower-case letters, digits and underscores",
                              kSubsystemBytesMax));
+    return;
+  }
+  for (const std::string& field : rcan.fields) {
+    const bool known = std::ranges::any_of(metrics::rcan::AllSeries(), [&](const auto& spec) {
+      return metrics::rcan::ShortName(spec, word) == field;
+    });
+    if (known) continue;
+    breaches.Add("rcan", "fields",
+                 fmt::format("\"{}\" is no series; names stand without rcan_, such as "
+                             "\"robot_battery_pct\" or \"{}_position_rad\"",
+                             PrintableUtf8(field, kShownBytesMax), word));
   }
 }
 

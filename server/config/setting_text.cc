@@ -55,6 +55,7 @@ std::string NumberText(const Setting& setting, std::uint64_t number) {
     case Kind::kFile:
     case Kind::kChoice:
     case Kind::kAddress:
+    case Kind::kList:
       return fmt::format("{}", number);
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
@@ -80,6 +81,14 @@ struct ValueTextVisitor {
   }
   std::string operator()(Choice choice) const { return Quoted(setting.choices[choice.index]); }
   std::string operator()(const ListenAddress& address) const { return Quoted(ToText(address)); }
+  std::string operator()(const std::vector<std::string>& items) const {
+    std::string list = "[";
+    for (const std::string& item : items) {
+      list += list.size() > 1 ? ", " : "";
+      list += Quoted(item);
+    }
+    return list + "]";
+  }
 };
 
 }  // namespace
@@ -118,6 +127,9 @@ std::string AllowedText(const Setting& setting) {
       return fmt::format("\"{}\"", fmt::join(setting.choices, "\" or \""));
     case Kind::kAddress:
       return "a literal address with a port, such as \"127.0.0.1:7480\" or \"[::]:7443\"";
+    case Kind::kList:
+      return fmt::format("a list of at most {} strings of 1 to {} bytes", kListItemsMax,
+                         kListItemBytesMax);
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "server/config/config.h"
 
@@ -23,6 +24,7 @@ enum class Kind : std::uint8_t {
   kFile,      // a path; may be empty
   kChoice,    // one of a few words
   kAddress,   // "[::]:7443"
+  kList,      // ["a", "b"]; in the environment a,b
 };
 
 /// When a changed value counts.
@@ -41,7 +43,11 @@ struct Choice {
 
 /// The value of one setting; the alternative follows from its Kind (counts and sizes share one).
 using Value = std::variant<bool, std::uint64_t, std::chrono::milliseconds, std::string, Choice,
-                           ListenAddress>;
+                           ListenAddress, std::vector<std::string>>;
+
+/// Items of a kList setting, and bytes of one.
+inline constexpr std::size_t kListItemsMax = 256;
+inline constexpr std::size_t kListItemBytesMax = 256;
 
 /// One key that an operator can set. The only list of keys: reading, printing, the example file
 /// and the reference page follow from it.

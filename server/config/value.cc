@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -56,7 +57,30 @@ std::string Shown(std::string_view text) {
   return fmt::format("\"{}\"", PrintableUtf8(text, kShownBytesMax));
 }
 
+std::vector<std::string> SplitAtCommas(std::string_view text) {
+  std::vector<std::string> items;
+  while (!text.empty()) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    items.emplace_back(text.substr(0, comma));
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return items;
+}
+
 }  // namespace
+
+Interpreted InterpretList(const Setting& setting, std::vector<std::string> items) {
+  if (items.size() > kListItemsMax) return Bad(setting, fmt::format("{} strings", items.size()));
+  for (const std::string& item : items) {
+    if (std::ranges::count(items, item) > 1) {
+      return BadValue{fmt::format("{} stands in it twice", Shown(item))};
+    }
+    if (item.empty() || item.size() > kListItemBytesMax || !IsCleanUtf8(item)) {
+      return Bad(setting, Shown(item));
+    }
+  }
+  return Value(std::move(items));
+}
 
 Interpreted InterpretText(const Setting& setting, std::string_view text) {
   const std::string shown = Shown(text);
@@ -85,6 +109,8 @@ Interpreted InterpretText(const Setting& setting, std::string_view text) {
         return Value(*address);
       }
       return Bad(setting, shown);
+    case Kind::kList:
+      return InterpretList(setting, SplitAtCommas(text));
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
 }

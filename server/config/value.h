@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "server/config/settings.h"
 
@@ -19,6 +20,9 @@ using Interpreted = std::variant<Value, BadValue>;
 /// Reads a setting from a string: every kind from the environment; sizes, durations, texts, files,
 /// choices and addresses from TOML. Bounds are checked.
 [[nodiscard]] Interpreted InterpretText(const Setting& setting, std::string_view text);
+
+/// Reads a list from its items. Its bounds are checked, and that no item is empty.
+[[nodiscard]] Interpreted InterpretList(const Setting& setting, std::vector<std::string> items);
 
 /// Reads a count from a TOML integer. Bounds are checked.
 [[nodiscard]] Interpreted InterpretInteger(const Setting& setting, std::int64_t number);

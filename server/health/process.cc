@@ -46,7 +46,13 @@ ProcessFigures ReadProcess() {
   std::size_t total_pages = 0;
   std::size_t resident_pages = 0;
   if (statm >> total_pages >> resident_pages) {
-    figures.resident_bytes = resident_pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    const auto page_bytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    figures.resident_bytes = resident_pages * page_bytes;
+    figures.virtual_bytes = total_pages * page_bytes;
+  }
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    figures.virtual_max_bytes = limit.rlim_cur;
   }
   figures.threads = Entries("/proc/self/task");
   return figures;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 namespace uplink::health {
 
@@ -8,6 +9,9 @@ namespace uplink::health {
 struct ProcessFigures {
   double cpu_seconds = 0;
   std::size_t resident_bytes = 0;
+  std::size_t virtual_bytes = 0;
+  /// The limit of the one above; nothing: none.
+  std::optional<std::size_t> virtual_max_bytes;
   std::size_t threads = 0;
 };
 

@@ -12,6 +12,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
+#include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 
@@ -72,13 +73,17 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     method_ = MethodOf(message.method());
     version_ = message.version();
     keep_alive_ = message.keep_alive();
-    Resolved resolved = context_->parts.site.Resolve({method_, std::string(message.target())});
+    Resolved resolved = context_->parts.site.Resolve(
+        {method_, std::string(message.target()), std::string(message[bhttp::field::accept]),
+         std::string(message[bhttp::field::accept_encoding])});
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
+    ReadThread& thread =
+        resolved.lane == Lane::kScrape ? context_->parts.scrapes : context_->parts.reads;
 
     stream_.expires_never();  // the answer's time is the store's
-    const bool taken = context_->parts.reads.TryPost(
-        [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
+    const bool taken =
+        thread.TryPost([self = shared_from_this(), run = std::move(resolved.run)]() mutable {
           Response response = run();
           // The reference moves along, so that the connection always ends on the loop's thread.
           asio::any_io_executor executor = self->stream_.get_executor();
@@ -119,8 +124,13 @@ class Connection final : public std::enable_shared_from_this<Connection> {
       message.set(bhttp::field::allow,
                   beast::string_view(answer.allow.data(), answer.allow.size()));
     }
+    if (!answer.coding.empty()) {
+      message.set(bhttp::field::content_encoding,
+                  beast::string_view(answer.coding.data(), answer.coding.size()));
+    }
+    if (answer.varies) message.set(bhttp::field::vary, "Accept, Accept-Encoding");
     message.keep_alive(keep_alive_);
-    message.content_length(answer.body.size());
+    message.content_length(answer.content().size());
     return message;
   }
 
@@ -130,6 +140,11 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     context_->parts.probe.CountRequest(route_, answer.status);
     if (method_ == Method::kHead) {
       Send(answer_.emplace<HeadOnly>(Head<bhttp::empty_body>(answer)));
+    } else if (answer.shared_body != nullptr) {
+      auto& message = answer_.emplace<Shared>(Head<bhttp::span_body<const char>>(answer));
+      message.body() = {answer.shared_body->data(), answer.shared_body->size()};
+      shared_body_ = std::move(answer.shared_body);
+      Send(message);
     } else {
       auto& message = answer_.emplace<Whole>(Head<bhttp::string_body>(answer));
       message.body() = std::move(answer.body);
@@ -142,6 +157,9 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     stream_.expires_after(kAnswerWait);
     bhttp::async_write(stream_, message,
                        [self = shared_from_this()](beast::error_code error, std::size_t) {
+                         // What was shared is given back at once, whoever keeps the connection.
+                         self->answer_.emplace<std::monostate>();
+                         self->shared_body_.reset();
                          if (error) return;
                          if (self->keep_alive_) return self->ReadRequest();
                          self->Close();
@@ -165,12 +183,14 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 
   using Whole = bhttp::response<bhttp::string_body>;
   using HeadOnly = bhttp::response<bhttp::empty_body>;
+  using Shared = bhttp::response<bhttp::span_body<const char>>;
 
   const std::shared_ptr<ConnectionContext> context_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<bhttp::request_parser<bhttp::string_body>> parser_;
-  std::variant<std::monostate, Whole, HeadOnly> answer_;
+  std::variant<std::monostate, Whole, HeadOnly, Shared> answer_;
+  std::shared_ptr<const std::string> shared_body_;
   Method method_ = Method::kGet;
   RouteId route_ = RouteId::kOther;
   unsigned version_ = 11;

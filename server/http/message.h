@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,9 @@ struct Request {
   Method method = Method::kGet;
   /// Path and query as they came: `/api/v1/robots?fleet=a`.
   std::string target;
+  /// The headers Accept and Accept-Encoding; empty: none.
+  std::string accept{};
+  std::string accept_encoding{};
 };
 
 inline constexpr std::string_view kJson = "application/json";
@@ -25,6 +29,16 @@ struct Response {
   std::string body;
   /// Value of the Allow header; empty: none.
   std::string_view allow{};
+  /// In place of `body`, if set: a text that others may hold too.
+  std::shared_ptr<const std::string> shared_body{};
+  /// How the body is carried: `gzip`; empty: as it is.
+  std::string_view coding{};
+  /// The answer depends on Accept and Accept-Encoding.
+  bool varies = false;
+
+  [[nodiscard]] std::string_view content() const {
+    return shared_body != nullptr ? std::string_view(*shared_body) : std::string_view(body);
+  }
 };
 
 }  // namespace uplink::http

@@ -14,6 +14,7 @@ enum class RouteId : std::uint8_t {
   kLivez,
   kReadyz,
   kMetrics,
+  kMetricsRobots,
   kStatus,
   kRobots,
   kRobot,
@@ -28,9 +29,10 @@ enum class RouteId : std::uint8_t {
   kObjects,
   kOther,
 };
-inline constexpr std::array<std::string_view, 16> kRouteNames = {
-    "livez",    "readyz",     "metrics", "status", "robots",   "robot",  "events",  "messages",
-    "presence", "quarantine", "gaps",    "faults", "missions", "shapes", "objects", "other"};
+inline constexpr std::array<std::string_view, 17> kRouteNames = {
+    "livez",  "readyz",   "metrics",  "metrics_robots", "status",     "robots",
+    "robot",  "events",   "messages", "presence",       "quarantine", "gaps",
+    "faults", "missions", "shapes",   "objects",        "other"};
 /// Answers are counted by their class: 2xx, 4xx, 5xx.
 inline constexpr std::array<std::string_view, 3> kCodeClasses = {"2xx", "4xx", "5xx"};
 
@@ -42,6 +44,8 @@ struct HttpProbe {
   metrics::Cell connections_refused;
   metrics::Cell reads_waiting;
   metrics::Cell reads_refused;
+  /// Scrapes of robots that wait for their thread.
+  metrics::Cell scrapes_waiting;
 
   void CountRequest(RouteId route, int status) {
     const std::size_t code_class = status < 400 ? 0 : status < 500 ? 1 : 2;

@@ -3,12 +3,17 @@
 #include <utility>
 
 #include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace uplink::http {
 
-ReadThread::ReadThread(HttpProbe& probe)
-    : probe_(probe), thread_([this](const std::stop_token& stop) { Run(stop); }) {
-  pthread_setname_np(thread_.native_handle(), "http-read");
+ReadThread::ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind)
+    : waiting_(waiting),
+      refused_(refused),
+      nice_(kind.nice),
+      thread_([this](const std::stop_token& stop) { Run(stop); }) {
+  pthread_setname_np(thread_.native_handle(), kind.name);
 }
 
 ReadThread::~ReadThread() {
@@ -20,17 +25,19 @@ bool ReadThread::TryPost(std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
     if (jobs_.size() >= kReadsWaitingMax) {
-      probe_.reads_refused.Add();
+      refused_.Add();
       return false;
     }
     jobs_.push_back(std::move(job));
-    probe_.reads_waiting.Add();
+    waiting_.Add();
   }
   work_.notify_one();
   return true;
 }
 
 void ReadThread::Run(const std::stop_token& stop) {
+  // Linux keeps it by thread. Where it is not allowed, the thread is as the others are.
+  if (nice_ > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice_);
   while (true) {
     std::function<void()> job;
     {
@@ -40,7 +47,7 @@ void ReadThread::Run(const std::stop_token& stop) {
       }
       job = std::move(jobs_.front());
       jobs_.pop_front();
-      probe_.reads_waiting.Add(-1);
+      waiting_.Add(-1);
     }
     job();
   }

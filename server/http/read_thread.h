@@ -8,18 +8,28 @@
 #include <stop_token>
 #include <thread>
 
-#include "server/http/probe.h"
+#include "metrics/cells.h"
 
 namespace uplink::http {
 
 /// Jobs that wait for the reading thread at most.
 inline constexpr std::size_t kReadsWaitingMax = 64;
 
+/// How such a thread is called (at most 15 bytes), and how far it gives way to others (0 to 19).
+struct ThreadKind {
+  const char* name;
+  int nice;
+};
+inline constexpr ThreadKind kReadThread{"http-read", 0};
+/// Scrapes of robots give way to the robots.
+inline constexpr ThreadKind kScrapeThread{"http-scrape", 10};
+
 /// One thread that runs what may wait for the store, so that the io thread never does. Jobs must
 /// not throw. Thread-safe. The destructor drops what waits and joins.
 class ReadThread final {
  public:
-  explicit ReadThread(HttpProbe& probe);
+  /// `waiting` and `refused` count jobs and outlive the thread.
+  ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind);
   ~ReadThread();
   ReadThread(const ReadThread&) = delete;
   ReadThread& operator=(const ReadThread&) = delete;
@@ -30,7 +40,9 @@ class ReadThread final {
  private:
   void Run(const std::stop_token& stop);
 
-  HttpProbe& probe_;
+  metrics::Cell& waiting_;
+  metrics::Cell& refused_;
+  const int nice_;
   std::mutex mutex_;
   std::condition_variable_any work_;
   std::deque<std::function<void()>> jobs_;

@@ -22,16 +22,17 @@ double Seconds(milliseconds duration) { return Value(duration.count()) / 1e3; }
 Scrape::Scrape(Sources sources)
     : sources_(std::move(sources)), started_at_(sources_.clock.System()) {}
 
-std::string Scrape::Text() const {
+std::string Scrape::Text(metrics::Format format) const {
   metrics::Exposition page;
   page.AddLedger(sources_.ledgers.Sum());
   AddSessions(page);
   AddFleet(page);
   AddJournal(page);
   AddHttp(page);
+  AddRcan(page);
   AddProcess(page);
   sources_.add_relay(page);
-  return page.Text();
+  return page.Text(format);
 }
 
 void Scrape::AddSessions(metrics::Exposition& page) const {
@@ -43,6 +44,9 @@ void Scrape::AddSessions(metrics::Exposition& page) const {
   page.Add(kTakeovers, probe.takeovers_total);
   page.Add(kContested, probe.contested_total);
   page.Add(kSuperseded, probe.superseded_total);
+  for (std::size_t end = 0; end < session::kStreamEnds.size(); ++end) {
+    page.Add(kStreamsEnded, Value(probe.ended_total[end].value()), {session::kStreamEnds[end]});
+  }
   page.Add(kProtocolErrors, probe.protocol_errors_total);
   page.Add(kPeerStalls, probe.peer_stalls_total);
   page.Add(kResumes, probe.resumes_total);
@@ -58,6 +62,7 @@ void Scrape::AddFleet(metrics::Exposition& page) const {
   page.Add(kRobots, Value(counts.online), {"online"});
   page.Add(kRobots, Value(counts.offline), {"offline"});
   page.Add(kRobots, Value(counts.unknown), {"unknown"});
+  page.Add(kSweepSeconds, sources_.sweep_seconds);
   page.Add(kRobotsLimit, Value(sources_.fleet.robots_max()));
 }
 
@@ -80,6 +85,7 @@ void Scrape::AddJournal(metrics::Exposition& page) const {
   page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kHistoryDeleted, probe.history_deleted);
   page.Add(kRetentionFailing, probe.retention_failing);
+  page.Add(kCheckpointSeconds, probe.checkpoint_seconds);
   page.Add(kCheckpointRobots, probe.checkpoint_robots);
   page.Add(kCheckpointFailing, probe.checkpoint_failing.value() > 0 ? 1 : 0);
   page.Add(kStoreErrors, probe.store_errors);
@@ -105,6 +111,16 @@ void Scrape::AddHttp(metrics::Exposition& page) const {
   page.Add(kHttpReadsRefused, probe.reads_refused);
 }
 
+void Scrape::AddRcan(metrics::Exposition& page) const {
+  const rcan::RcanProbe& probe = sources_.rcan;
+  page.Add(kRcanSeries, probe.series);
+  page.Add(kRcanSeriesLimit, Value(sources_.rcan_series_max));
+  page.Add(kRcanRobotsLeftOut, probe.robots_left_out);
+  page.Add(kRcanScrapeSeconds, probe.scrape_seconds);
+  page.Add(kRcanScrapeBytes, probe.bytes);
+  page.Add(kRcanScrapesRefused, probe.refused_total);
+}
+
 void Scrape::AddProcess(metrics::Exposition& page) const {
   health::Monitor& monitor = sources_.monitor;
   page.Add(kRelayLastHandshakeSeconds, Seconds(monitor.liveness().age()));
@@ -115,6 +131,9 @@ void Scrape::AddProcess(metrics::Exposition& page) const {
   const health::ProcessFigures process = health::ReadProcess();
   page.Add(kProcessCpuSeconds, process.cpu_seconds);
   page.Add(kProcessResidentBytes, Value(process.resident_bytes));
+  page.Add(kProcessVirtualBytes, Value(process.virtual_bytes));
+  page.Add(kProcessVirtualMaxBytes,
+           process.virtual_max_bytes ? Value(*process.virtual_max_bytes) : -1);
   page.Add(kProcessThreads, Value(process.threads));
   page.Add(kProcessOpenFds, Value(health::OpenDescriptors()));
   page.Add(kProcessMaxFds, Value(health::DescriptorsMax()));

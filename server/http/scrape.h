@@ -11,6 +11,7 @@
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
 #include "server/journal/shards.h"
+#include "server/rcan/scrape.h"
 #include "server/session/probe.h"
 #include "storage/store.h"
 
@@ -31,6 +32,9 @@ class Scrape final {
     const HttpProbe& http;
     journal::JournalLimits journal_limits;
     std::size_t http_connections_max = 0;
+    const rcan::RcanProbe& rcan;
+    const metrics::LatencyDistribution& sweep_seconds;
+    std::size_t rcan_series_max = 0;
     std::string version;
     std::function<storage::StoreFacts()> store_facts = [] { return storage::StoreFacts(); };
     /// Adds the samples of the robots' transport, which this folder does not know.
@@ -38,12 +42,13 @@ class Scrape final {
   };
   explicit Scrape(Sources sources);
 
-  [[nodiscard]] std::string Text() const;
+  [[nodiscard]] std::string Text(metrics::Format format = metrics::Format::kText) const;
 
  private:
   void AddSessions(metrics::Exposition& page) const;
   void AddFleet(metrics::Exposition& page) const;
   void AddJournal(metrics::Exposition& page) const;
+  void AddRcan(metrics::Exposition& page) const;
   void AddHttp(metrics::Exposition& page) const;
   void AddProcess(metrics::Exposition& page) const;
 

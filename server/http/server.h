@@ -39,6 +39,8 @@ class HttpServer final {
     EventLoop& loop;
     const Site& site;
     ReadThread& reads;
+    /// Where the robots' scrapes are written.
+    ReadThread& scrapes;
     HttpProbe& probe;
     const Clock& clock;
   };

@@ -6,8 +6,9 @@
 
 #include <fmt/core.h>
 
-#include "metrics/exposition.h"
+#include "metrics/gzip.h"
 #include "server/http/errors.h"
+#include "server/http/negotiate.h"
 #include "server/http/target.h"
 #include "server/view/json.h"
 
@@ -23,15 +24,26 @@ std::optional<BadParameter> NoParameters(const std::string& query) {
   return Parameters(query).Problem();
 }
 
+/// The head of a scrape.
+Response ScrapeResponse(metrics::Format format, metrics::Coding coding) {
+  Response response;
+  response.content_type = metrics::MediaType(format);
+  if (coding == metrics::Coding::kGzip) response.coding = "gzip";
+  response.varies = true;
+  return response;
+}
+
 }  // namespace
 
-Site::Site(view::Queries& queries, health::Monitor& monitor, const Scrape& scrape)
-    : queries_(queries), monitor_(monitor), scrape_(scrape) {}
+Site::Site(view::Queries& queries, health::Monitor& monitor, const Scrape& scrape,
+           rcan::RobotScrape& robots)
+    : queries_(queries), monitor_(monitor), scrape_(scrape), robots_(robots) {}
 
-constexpr std::array<Site::Route, 15> Site::kRoutes = {{
+constexpr std::array<Site::Route, 16> Site::kRoutes = {{
     {"/livez", RouteId::kLivez, Lane::kIo, &Site::Livez},
     {"/readyz", RouteId::kReadyz, Lane::kIo, &Site::Readyz},
     {"/metrics", RouteId::kMetrics, Lane::kIo, &Site::Metrics},
+    {"/metrics/robots", RouteId::kMetricsRobots, Lane::kScrape, &Site::MetricsOfRobots},
     {"/api/v1/status", RouteId::kStatus, Lane::kRead, &Site::Status},
     {"/api/v1/robots", RouteId::kRobots, Lane::kRead, &Site::Robots},
     {"/api/v1/robots/{}", RouteId::kRobot, Lane::kRead, &Site::Robot},
@@ -52,7 +64,8 @@ Resolved Site::Resolve(const Request& request) const {
     std::optional<PathMatch> match = MatchPath(route.pattern, target.path);
     if (!match) continue;
     if (request.method == Method::kOther) return AtOnce(route.id, MethodNotAllowed());
-    Call call{std::move(match->segment), std::string(target.query)};
+    Call call{std::move(match->segment), std::string(target.query), FormatFor(request.accept),
+              CodingFor(request.accept_encoding)};
     return {route.id, route.lane, [this, handler = route.handler, call = std::move(call)] {
               // What a library throws under a handler (memory) ends here.
               try {
@@ -86,9 +99,21 @@ Response Site::Readyz(const Call& call) const {
 
 Response Site::Metrics(const Call& call) const {
   if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
-  Response response;
-  response.content_type = metrics::kTextFormat;
-  response.body = scrape_.Text();
+  Response response = ScrapeResponse(call.format, call.coding);
+  std::string text = scrape_.Text(call.format);
+  if (call.coding == metrics::Coding::kGzip) {
+    metrics::Gzip(text, response.body);
+  } else {
+    response.body = std::move(text);
+  }
+  return response;
+}
+
+Response Site::MetricsOfRobots(const Call& call) const {
+  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+  Response response = ScrapeResponse(call.format, call.coding);
+  response.shared_body = robots_.Text(call.format, call.coding);
+  if (response.shared_body == nullptr) return TooBusy();
   return response;
 }
 

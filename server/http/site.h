@@ -11,13 +11,14 @@
 #include "server/http/parameters.h"
 #include "server/http/probe.h"
 #include "server/http/scrape.h"
+#include "server/rcan/scrape.h"
 #include "server/view/queries.h"
 
 namespace uplink::http {
 
-/// Which thread answers: probes and scrapes at once, on the io thread; what may wait for the store
-/// on the thread that reads.
-enum class Lane : std::uint8_t { kIo, kRead };
+/// Which thread answers: probes and our own scrape at once, on the io thread; what may wait for the
+/// store on the thread that reads; the robots' scrape on one of its own.
+enum class Lane : std::uint8_t { kIo, kRead, kScrape };
 
 /// An answer that is found but not computed yet. A value; `run` does not throw.
 struct Resolved {
@@ -29,7 +30,8 @@ struct Resolved {
 /// All paths and what they answer; no sockets. Thread-safe after its making.
 class Site final {
  public:
-  Site(view::Queries& queries, health::Monitor& monitor, const Scrape& scrape);
+  Site(view::Queries& queries, health::Monitor& monitor, const Scrape& scrape,
+       rcan::RobotScrape& robots);
   Site(const Site&) = delete;
   Site& operator=(const Site&) = delete;
 
@@ -42,6 +44,8 @@ class Site final {
     /// The `{}` of the route's path, decoded.
     std::string segment;
     std::string query;
+    metrics::Format format = metrics::Format::kText;
+    metrics::Coding coding = metrics::Coding::kPlain;
   };
   using Handler = Response (Site::*)(const Call&) const;
   struct Route {
@@ -50,11 +54,12 @@ class Site final {
     Lane lane;
     Handler handler;
   };
-  static const std::array<Route, 15> kRoutes;
+  static const std::array<Route, 16> kRoutes;
 
   [[nodiscard]] Response Livez(const Call& call) const;
   [[nodiscard]] Response Readyz(const Call& call) const;
   [[nodiscard]] Response Metrics(const Call& call) const;
+  [[nodiscard]] Response MetricsOfRobots(const Call& call) const;
   [[nodiscard]] Response Status(const Call& call) const;
   [[nodiscard]] Response Robots(const Call& call) const;
   [[nodiscard]] Response Robot(const Call& call) const;
@@ -71,6 +76,7 @@ class Site final {
   view::Queries& queries_;
   health::Monitor& monitor_;
   const Scrape& scrape_;
+  rcan::RobotScrape& robots_;
 };
 
 }  // namespace uplink::http

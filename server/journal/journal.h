@@ -243,6 +243,7 @@ class Journal final {
   /// Null: this journal writes no checkpoints.
   LiveSource* live_ = nullptr;
   milliseconds checkpoint_every_{0};
+  SteadyTime checkpoint_began_;
   SteadyTime checkpoint_due_;
   bool checkpoint_under_way_ = false;
   /// The one that is under way was asked for.

@@ -59,6 +59,7 @@ std::optional<Journal::Step> Journal::AdvanceCheckpoint() {
   if (!checkpoint_under_way_) {
     checkpoint_under_way_ = true;
     checkpoint_answers_ = checkpoint_asked_.exchange(false);
+    checkpoint_began_ = clock_.Steady();
     live_->BeginRound();
   }
   return WriteCheckpoint();
@@ -94,6 +95,7 @@ Journal::Step Journal::WriteCheckpoint() {
 }
 
 void Journal::EndCheckpoint() {
+  probe_.checkpoint_seconds.ObserveSince(checkpoint_began_, clock_.Steady());
   checkpoint_under_way_ = false;
   checkpoint_due_ = clock_.Steady() + checkpoint_every_;
   checkpoint_answers_ = false;

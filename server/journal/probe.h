@@ -23,6 +23,8 @@ struct JournalProbe {
   metrics::Cell retention_failing;
   /// Robots whose live state was checkpointed, once a checkpoint.
   metrics::Cell checkpoint_robots;
+  /// A round of checkpoints, from its first row to its last.
+  metrics::LatencyDistribution checkpoint_seconds{metrics::kLatencyBoundsSeconds};
   /// The journals that cannot write checkpoints though the store is there.
   metrics::Cell checkpoint_failing;
 };

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 #include <grpc/support/log.h>
 
@@ -11,10 +12,14 @@
 namespace uplink::relay {
 namespace {
 
+/// How gRPC 1.51 begins a line about a TLS handshake that failed (ssl_transport_security.cc).
+constexpr std::string_view kHandshakeFailed = "Handshake failed";
+
 /// gRPC takes a function without an argument of ours, so that its receiver can only be static.
 struct Receiver {
   std::mutex mutex;
   std::unique_ptr<log::RateLimited> lines;
+  metrics::Cell* handshakes_failed = nullptr;
 };
 
 Receiver& TheReceiver() {
@@ -27,6 +32,9 @@ void Receive(gpr_log_func_args* line) {
   Receiver& receiver = TheReceiver();
   const std::lock_guard lock(receiver.mutex);
   if (receiver.lines == nullptr) return;
+  if (std::string_view(line->message).starts_with(kHandshakeFailed)) {
+    receiver.handshakes_failed->Add();
+  }
   receiver.lines->Write(log::Level::kWarn, "grpc", {{"text", line->message}});
 }
 
@@ -37,6 +45,7 @@ GrpcLog::GrpcLog(const log::Logger& logger) {
   const std::lock_guard lock(receiver.mutex);
   UPLINK_CHECK(receiver.lines == nullptr, "gRPC's lines have one receiver");
   receiver.lines = std::make_unique<log::RateLimited>(logger);
+  receiver.handshakes_failed = &handshakes_failed_;
   gpr_set_log_function(&Receive);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "metrics/cells.h"
 #include "server/log/logger.h"
 
 namespace uplink::relay {
@@ -17,6 +18,12 @@ class GrpcLog final {
   ~GrpcLog();
   GrpcLog(const GrpcLog&) = delete;
   GrpcLog& operator=(const GrpcLog&) = delete;
+
+  /// TLS handshakes that failed, by gRPC's own lines: it has no other sign of them.
+  [[nodiscard]] const metrics::Cell& handshakes_failed() const { return handshakes_failed_; }
+
+ private:
+  metrics::Cell handshakes_failed_;
 };
 
 }  // namespace uplink::relay

@@ -80,10 +80,10 @@ class Document:
 
     def answer_problems(self, response, answer):
         """What is wrong with an answer that this response object describes."""
-        [(content_type, media)] = response["content"].items()
-        if answer.content_type != content_type:
-            return [f"content type {answer.content_type}, not {content_type}"]
-        if content_type != "application/json":
+        media = response["content"].get(answer.content_type)
+        if media is None:
+            return [f"content type {answer.content_type}, not one of {list(response['content'])}"]
+        if answer.content_type != "application/json":
             return []
         return self.problems(media["schema"], answer.json())
 

@@ -11,7 +11,7 @@ from openapi import Document, request, target
 from openapi_server import LISTS, WAIT_SECONDS, Served
 
 NOWHERE = "rcan://never/seen"
-ROUTE = re.compile(r'^uplinkd_http_requests_total\{route="([a-z]+)",code="([2-5]xx)"\} (\d+)$', re.MULTILINE)
+ROUTE = re.compile(r'^uplinkd_http_requests_total\{route="([a-z_]+)",code="([2-5]xx)"\} (\d+)$', re.MULTILINE)
 VECTORS = SOURCE / "tests" / "conformance" / "vectors"
 
 # Bytes of the -shm file that stand for SQLite's locks (its file format: the WAL-index).
@@ -82,7 +82,8 @@ class Answers(Served):
             for ruri in ruris if "{ruri}" in path else ruris[:1]:
                 with self.subTest(path, ruri=ruri):
                     self.assertEqual(self.assert_documented(server, path, ruri).status, 200)
-        parts = {"parts": "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities"}
+        parts = {"parts": "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities,"
+                          "rcanState"}
         for path, parameters in (
             ("/api/v1/robots", parts), ("/api/v1/faults", {"active": "true"}),
             ("/api/v1/shapes", {"includeExpired": "true"}), ("/api/v1/objects", {"includeExpired": "true"}),

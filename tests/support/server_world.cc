@@ -13,14 +13,21 @@ void AddRelaySamples(metrics::Exposition& page) {
   for (const std::string_view cause : {"full", "draining", "identity"}) {
     page.Add(metrics::MetricId::kStreamsRefused, 0, {cause});
   }
+  page.Add(metrics::MetricId::kHandshakesFailed, 0);
   page.Add(metrics::MetricId::kFinishTimeouts, 0);
   page.Add(metrics::MetricId::kWakes, 0);
 }
 
+class NoLines final : public log::LineSink {
+ public:
+  void Write(std::string_view /*line*/) override {}
+};
+
 }  // namespace
 
 ServerWorld::ServerWorld()
-    : journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
+    : logger(std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError),
+      journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
               storage::ProcessId{1}),
       queries({clock, fleet, reader, shards, ledgers, sessions, "9.9.9"}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
@@ -35,9 +42,13 @@ ServerWorld::ServerWorld()
               .http = http_probe,
               .journal_limits = journal_limits,
               .http_connections_max = 4,
+              .rcan = rcan_probe,
+              .sweep_seconds = sweep_seconds,
+              .rcan_series_max = rcan_config.series_max,
               .version = "9.9.9",
               .add_relay = AddRelaySamples}),
-      site(queries, monitor, scrape) {}
+      robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
+      site(queries, monitor, scrape, robots_scrape) {}
 
 fleet::Robot& ServerWorld::AddRobot(const std::string& ruri, const std::string& fleet_name) {
   const absl::StatusOr<fleet::Robot*> robot = fleet.FindOrAdmit({ruri, fleet_name});
@@ -117,8 +128,8 @@ void ServerWorld::CommitGap(const std::string& ruri, model::Seq first, model::Se
            .seen_at = clock.System()}});
 }
 
-http::Response ServerWorld::Get(const std::string& target) const {
-  return site.Resolve({http::Method::kGet, target}).run();
+http::Response ServerWorld::Get(const http::Request& request) const {
+  return site.Resolve(request).run();
 }
 
 }  // namespace uplink::testing

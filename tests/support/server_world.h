@@ -10,6 +10,8 @@
 #include "server/http/scrape.h"
 #include "server/http/site.h"
 #include "server/journal/shards.h"
+#include "server/log/logger.h"
+#include "server/rcan/scrape.h"
 #include "server/session/probe.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
@@ -39,7 +41,10 @@ class ServerWorld {
                         const std::string& payload);
   void CommitGap(const std::string& ruri, model::Seq first, model::Seq last);
 
-  [[nodiscard]] http::Response Get(const std::string& target) const;
+  [[nodiscard]] http::Response Get(const std::string& target) const {
+    return Get(http::Request{http::Method::kGet, target});
+  }
+  [[nodiscard]] http::Response Get(const http::Request& request) const;
 
   ManualClock clock;
   FakeDatabase database;
@@ -50,12 +55,18 @@ class ServerWorld {
   journal::JournalProbe journal_probe;
   session::SessionProbe sessions;
   http::HttpProbe http_probe;
+  rcan::RcanProbe rcan_probe;
+  metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
+  config::RcanConfig rcan_config;
+  log::Logger logger;
   fleet::Fleet fleet{clock, kRobotsMax, fleet::PresenceLimits{}};
   journal::Journal journal;
   journal::Shards shards{{&journal}};
   view::Queries queries;
   health::Monitor monitor;
   http::Scrape scrape;
+  rcan::FaultCounts fault_counts{clock};
+  rcan::RobotScrape robots_scrape;
   http::Site site;
 
   static model::SessionId session();

@@ -19,25 +19,26 @@ using testing::HttpGet;
 using testing::RawAnswer;
 using testing::RawConnection;
 
-class NoLines final : public log::LineSink {
- public:
-  void Write(std::string_view /*line*/) override {}
-};
-
 class HttpServerTest : public ::testing::Test {
  protected:
   static constexpr std::size_t kConnectionsMax = 4;
 
-  HttpServerTest() { reads_.emplace(world_.http_probe); }
+  HttpServerTest() {
+    http::HttpProbe& probe = world_.http_probe;
+    reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
+    scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
+  }
   ~HttpServerTest() override {
     world_.reader.Release();
     loop_.Stop();
+    scrapes_.reset();
     reads_.reset();
   }
 
   std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait) {
-    auto server = HttpServer::Listen({loop_, world_.site, *reads_, world_.http_probe, clock_},
-                                     {{host, 0}, kConnectionsMax, wait});
+    auto server =
+        HttpServer::Listen({loop_, world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
+                           {{host, 0}, kConnectionsMax, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     loop_.Start();
@@ -46,9 +47,9 @@ class HttpServerTest : public ::testing::Test {
 
   testing::ServerWorld world_;
   SystemClock clock_;
-  log::Logger logger_{std::make_unique<NoLines>(), clock_, log::Format::kText, log::Level::kError};
-  EventLoop loop_{logger_};
+  EventLoop loop_{world_.logger};
   std::optional<ReadThread> reads_;
+  std::optional<ReadThread> scrapes_;
   std::unique_ptr<HttpServer> server_;
 };
 
@@ -202,8 +203,9 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
-  const auto second = HttpServer::Listen({loop_, world_.site, *reads_, world_.http_probe, clock_},
-                                         {{"127.0.0.1", port}, 1});
+  const auto second =
+      HttpServer::Listen({loop_, world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
+                         {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),
               HasSubstr("127.0.0.1:" + std::to_string(port)));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "metrics/catalogue.h"
+#include "metrics/rcan/series.h"
 #include "tests/support/uplinkd_folder.h"
 
 namespace uplink::testing {
@@ -67,7 +68,7 @@ TEST(CommandLine, PrintMetricsIsTheCatalogue) {
   const UplinkdFolder folder;
   const Ended ended = RunToEnd(folder, {"--print-metrics"});
   EXPECT_EQ(ended.code, 0);
-  EXPECT_EQ(ended.text, metrics::CatalogueTable());
+  EXPECT_EQ(ended.text, metrics::CatalogueTable() + "\n" + metrics::rcan::SeriesTable("acb"));
 }
 
 TEST(CommandLine, VersionIsOneLine) {

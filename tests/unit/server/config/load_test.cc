@@ -122,12 +122,41 @@ TEST(ParseConfigTest, ReportsWhatTheEnvironmentHasWrong) {
 
 TEST(ParseConfigTest, NotesKeysThatHaveNoEffectYet) {
   const LoadResult result =
-      ParseWith("[rcan]\nseries_max = 5\n", {{"UPLINKD_RCAN_SUBSYSTEM", "x"}});
+      ParseWith("[presence]\nflap_changes = 5\n", {{"UPLINKD_PRESENCE_FLAP_WINDOW", "1m"}});
   ASSERT_TRUE(result.ok());
-  EXPECT_EQ(result.config->rcan.series_max, 5U);
-  EXPECT_THAT(result.notes, ElementsAre(IsProblem("u.toml:6", "rcan.series_max", "no effect"),
-                                        IsProblem("environment", "rcan.subsystem", "no effect")));
+  EXPECT_EQ(result.config->presence.flap_changes, 5U);
+  EXPECT_THAT(result.notes,
+              ElementsAre(IsProblem("u.toml:6", "presence.flap_changes", "no effect"),
+                          IsProblem("environment", "presence.flap_window", "no effect")));
   EXPECT_THAT(ParseWith("").notes, IsEmpty());
+}
+
+TEST(ParseConfigTest, ReadsListsFromTheFileAndTheEnvironment) {
+  const LoadResult result =
+      ParseWith("[rcan]\nfields = [\"robot_online\", \"acb_effort_nm\"]\nfleets = []\n",
+                {{"UPLINKD_RCAN_EXTRAS", "rpm,oil temp"}});
+  ASSERT_TRUE(result.ok());
+  EXPECT_THAT(result.config->rcan.fields, ElementsAre("robot_online", "acb_effort_nm"));
+  EXPECT_THAT(result.config->rcan.fleets, IsEmpty());
+  EXPECT_THAT(result.config->rcan.extras, ElementsAre("rpm", "oil temp"));
+  EXPECT_THAT(PrintConfig(*result.config),
+              HasSubstr("fields = [\"robot_online\", \"acb_effort_nm\"]"));
+  EXPECT_TRUE(ParseWith("", {{"UPLINKD_RCAN_EXTRAS", ""}}).config->rcan.extras.empty());
+}
+
+TEST(ParseConfigTest, RefusesListsThatAreNone) {
+  for (const char* wrong : {"\"a\"", "[1]", "[\"\"]", "[[\"a\"]]", "{}"}) {
+    const LoadResult result = ParseWith(std::string("[rcan]\nfields = ") + wrong + "\n");
+    EXPECT_THAT(result.problems,
+                ElementsAre(IsProblem("u.toml:6", "rcan.fields", "256 strings of 1 to 256 bytes")))
+        << wrong;
+  }
+  EXPECT_THAT(ParseWith("[rcan]\nextras = [\"rpm\", \"x\", \"rpm\"]\n").problems,
+              ElementsAre(IsProblem("u.toml:6", "rcan.extras", "\"rpm\" stands in it twice")));
+  std::string many;
+  for (int i = 0; i < 257; ++i) many += "\"x\",";
+  EXPECT_THAT(ParseWith("[rcan]\nfleets = [" + many + "]\n").problems,
+              ElementsAre(IsProblem("u.toml:6", "rcan.fleets", "257 strings")));
 }
 
 TEST(PrintConfigTest, ReadsBackToTheSameConfiguration) {

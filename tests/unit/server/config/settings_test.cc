@@ -26,8 +26,8 @@ TEST(SettingsTest, EveryKeyStandsOnceInAKnownSection) {
 TEST(SettingsTest, EveryDefaultIsWithinItsOwnBounds) {
   const Config defaults;
   for (const Setting& setting : Settings()) {
-    if (setting.secret) {
-      continue;  // shown masked
+    if (setting.secret || setting.kind == Kind::kList) {
+      continue;  // shown masked; shown as TOML, read otherwise from the environment
     }
     std::string text = ValueText(setting, setting.get(defaults));
     if (text.front() == '"') {
@@ -71,6 +71,8 @@ TEST(SettingsTest, EachMemberIsBoundToItsOwnKey) {
       *text += "x";
     } else if (auto* choice = std::get_if<Choice>(&value)) {
       choice->index = choice->index == 0 ? 1 : 0;
+    } else if (auto* list = std::get_if<std::vector<std::string>>(&value)) {
+      list->emplace_back("x");
     } else {
       ++std::get<ListenAddress>(value).port;
     }

@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include "server/http/probe.h"
+
 namespace uplink::http {
 namespace {
 
 TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
   HttpProbe probe;
-  ReadThread thread(probe);
+  ReadThread thread(probe.reads_waiting, probe.reads_refused, kScrapeThread);
   std::promise<std::thread::id> first;
   std::promise<int> second;
   ASSERT_TRUE(thread.TryPost([&] { first.set_value(std::this_thread::get_id()); }));
@@ -20,7 +22,7 @@ TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
 
 TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
   HttpProbe probe;
-  ReadThread thread(probe);
+  ReadThread thread(probe.reads_waiting, probe.reads_refused, kScrapeThread);
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> last;

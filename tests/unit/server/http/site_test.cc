@@ -46,6 +46,40 @@ TEST_F(SiteTest, ReadyzFailsWhenANewStreamWouldBeRefused) {
   EXPECT_EQ(response.body, R"({"refuses":["draining","robots_max"]})");
 }
 
+TEST_F(SiteTest, ScrapesComeInTheFormatAndCodingThatIsAskedFor) {
+  world_.AddRobot("rcan://a").state.SignOfLife(world_.clock.Steady(), world_.clock.System(), {});
+  for (const char* path : {"/metrics", "/metrics/robots"}) {
+    Request request{Method::kGet, path};
+    const Response plain = world_.Get(request);
+    EXPECT_EQ(plain.content_type, "text/plain; version=0.0.4; charset=utf-8");
+    EXPECT_EQ(plain.coding, "");
+    EXPECT_TRUE(plain.varies);
+    EXPECT_THAT(std::string(plain.content()), Not(HasSubstr("# EOF")));
+    request.accept = "application/openmetrics-text;version=1.0.0";
+    const Response open_metrics = world_.Get(request);
+    EXPECT_EQ(open_metrics.content_type,
+              "application/openmetrics-text; version=1.0.0; charset=utf-8");
+    EXPECT_TRUE(open_metrics.content().ends_with("# EOF\n"));
+    request.accept_encoding = "gzip";
+    const Response zipped = world_.Get(request);
+    EXPECT_EQ(zipped.coding, "gzip");
+    EXPECT_TRUE(zipped.content().starts_with("\x1f\x8b"));
+    EXPECT_EQ(world_.Get(std::string(path) + "?x=1").status, 400);
+  }
+}
+
+TEST_F(SiteTest, TheRobotsScrapeIsRefusedWhileTooManyAreRead) {
+  std::vector<Response> held;
+  for (std::size_t i = 0; i < rcan::kTextsMax; ++i) {
+    held.push_back(Get("/metrics/robots"));
+    world_.clock.Advance(rcan::kTextShared);
+  }
+  EXPECT_EQ(Get("/metrics/robots").status, 503);
+  EXPECT_THAT(Get("/metrics").body, HasSubstr("uplinkd_rcan_scrapes_refused_total 1\n"));
+  held.pop_back();
+  EXPECT_EQ(Get("/metrics/robots").status, 200);
+}
+
 TEST_F(SiteTest, ReadyzFailsOnceTheCertificateExpired) {
   world_.clock.Advance(std::chrono::hours(24 * 365));
   EXPECT_THAT(Get("/readyz").body, HasSubstr("certificate_expired"));

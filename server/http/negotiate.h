@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string_view>
+
+#include "metrics/format.h"
+
+namespace uplink::http {
+
+/// The format that an Accept header asks for: OpenMetrics where it is named and liked at least as
+/// much as plain text. Whatever cannot be read counts as not there.
+[[nodiscard]] metrics::Format FormatFor(std::string_view accept);
+
+/// Gzip where an Accept-Encoding header takes it.
+[[nodiscard]] metrics::Coding CodingFor(std::string_view accept_encoding);
+
+}  // namespace uplink::http

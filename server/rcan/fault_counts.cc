@@ -1,0 +1,45 @@
+#include "server/rcan/fault_counts.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace uplink::rcan {
+
+absl::Status FaultCounts::Refresh(const fleet::Fleet& fleet, storage::Reader& reader) {
+  std::vector<std::string> ruris;
+  for (const fleet::Robot* robot : fleet.All()) ruris.push_back(robot->ruri());
+  auto counts = std::make_shared<Map>();
+  for (std::span<const std::string> left = ruris; !left.empty();) {
+    const std::size_t now = std::min(left.size(), kFaultCountsRobots);
+    const auto rows = reader.ActiveFaultCounts(left.first(now));
+    if (!rows.ok()) return rows.status();
+    for (const storage::ActiveFaults& row : *rows) counts->emplace(row.ruri, row.by_severity);
+    left = left.subspan(now);
+  }
+  const std::lock_guard lock(mutex_);
+  counts_ = std::move(counts);
+  counted_at_ = clock_.Steady();
+  return absl::OkStatus();
+}
+
+void FaultCounts::RefreshOn(const std::function<bool(std::function<void()>)>& post,
+                            const fleet::Fleet& fleet, storage::Reader& reader) {
+  if (under_way_.exchange(true)) return;
+  const bool posted = post([this, &fleet, &reader] {
+    // What fails is asked for again; the log hears of the store from its writers.
+    static_cast<void>(Refresh(fleet, reader));
+    under_way_.store(false);
+  });
+  if (!posted) under_way_.store(false);
+}
+
+std::shared_ptr<const FaultCounts::Map> FaultCounts::counts() const {
+  const SteadyTime now = clock_.Steady();
+  const std::lock_guard lock(mutex_);
+  if (counts_ == nullptr || now - counted_at_ > kFaultCountsAgeMax) return nullptr;
+  return counts_;
+}
+
+}  // namespace uplink::rcan

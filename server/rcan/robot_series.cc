@@ -1,0 +1,147 @@
+#include "server/rcan/robot_series.h"
+
+#include <optional>
+#include <string_view>
+
+#include "schema/model/fault.h"
+#include "server/rcan/joint_series.h"
+
+namespace uplink::rcan {
+namespace {
+
+using metrics::rcan::SeriesPage;
+using enum metrics::rcan::SeriesId;
+
+constexpr double kMillisASecond = 1000;
+constexpr std::string_view kUnrecognized = "unrecognized";
+
+double UnixSeconds(SystemTime time) { return static_cast<double>(UnixMs(time)) / kMillisASecond; }
+
+template <typename Number>
+void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, const std::optional<Number>& value) {
+  if (value) page.Add(id, static_cast<double>(*value));
+}
+
+template <typename Number>
+void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, std::string_view label,
+           const std::optional<Number>& value) {
+  if (value) page.Add(id, label, static_cast<double>(*value));
+}
+
+bool ShowsValues(const fleet::StateView& view, const SeriesSources& sources) {
+  // Not since when presence is what it is: after a restart that is younger than the robot's
+  // silence.
+  if (view.presence == fleet::Presence::kOnline) return true;
+  return view.last_sign_of_life &&
+         sources.now - *view.last_sign_of_life <= sources.presence_timeout + sources.series_ttl;
+}
+
+void AddMotion(const model::MotionTelemetry& motion, SeriesPage& page) {
+  if (motion.pose) {
+    page.Add(kLatitudeDeg, motion.pose->lat_deg);
+    page.Add(kLongitudeDeg, motion.pose->lon_deg);
+    AddIf(page, kAltitudeM, motion.pose->altitude_m);
+    AddIf(page, kHeadingDeg, motion.pose->heading_deg);
+  }
+  if (motion.velocity) {
+    AddIf(page, kSpeedMS, motion.velocity->linear_mps);
+    AddIf(page, kTurnRateRadS, motion.velocity->angular_rps);
+  }
+}
+
+void AddStatus(const model::StatusTelemetry& status, SeriesPage& page) {
+  if (status.battery) AddIf(page, kBatteryTemperatureC, status.battery->temperature);
+  if (status.fuel) AddIf(page, kFuelPct, status.fuel->level_pct);
+  AddIf(page, kRangeRemainingM, status.range_remaining);
+  AddIf(page, kRuntimeRemainingS, status.runtime_remaining);
+  if (status.estop) page.Add(kEstop, status.estop->active ? 1 : 0);
+  page.Add(kFaulted, status.faulted ? 1 : 0);
+  page.Add(kAcceptingMissions, status.mission_active ? 1 : 0);
+}
+
+/// The fresher of two sources; the Robot State's where both came at once, or neither in this life.
+template <typename Ours, typename Rcan>
+std::optional<double> Fresher(const std::optional<Ours>& status, const std::optional<Rcan>& rcan,
+                              bool status_is_fresher) {
+  if (rcan && !(status && status_is_fresher)) return static_cast<double>(*rcan);
+  if (status) return static_cast<double>(*status);
+  return std::nullopt;
+}
+
+void AddBattery(const fleet::StateView& view, SeriesPage& page) {
+  const model::BatteryStatus none;
+  const auto& status = view.parts.status;
+  const model::BatteryStatus& battery = status && status->battery ? *status->battery : none;
+  const model::RcanState nothing;
+  const model::RcanState& rcan = view.parts.rcan ? *view.parts.rcan : nothing;
+  const bool status_is_fresher = view.status_arrived > view.rcan_arrived;
+  AddIf(page, kBatteryV, Fresher(battery.voltage_v, rcan.battery_v, status_is_fresher));
+  AddIf(page, kBatteryPct, Fresher(battery.soc_pct, rcan.battery_pct, status_is_fresher));
+}
+
+void AddRcan(const model::RcanState& state, SeriesPage& page) {
+  AddIf(page, kUptimeMs, state.uptime_ms);
+  if (!state.position) return;
+  page.Add(kPositionXM, state.position->x_m);
+  page.Add(kPositionYM, state.position->y_m);
+  AddIf(page, kPositionHeadingRad, state.position->heading_rad);
+}
+
+void AddFaults(const std::string& ruri, const FaultCounts::Map& faults, SeriesPage& page) {
+  const auto found = faults.find(ruri);
+  const FaultCounts::BySeverity counts =
+      found == faults.end() ? FaultCounts::BySeverity{} : found->second;
+  const auto& names = model::kEnumNames<model::FaultSeverity>;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    page.Add(kActiveFaults, names[i], static_cast<double>(counts[i]));
+  }
+  if (counts.back() > 0) {
+    page.Add(kActiveFaults, kUnrecognized, static_cast<double>(counts.back()));
+  }
+}
+
+void AddReported(const fleet::Reported& reported, SeriesPage& page) {
+  if (reported.booted_at) page.Add(kBooted, UnixSeconds(*reported.booted_at));
+  const auto& runs = reported.open_runs.items();
+  if (!runs.empty()) AddIf(page, kMissionProgressPct, runs.back().second);
+}
+
+void AddHealth(const fleet::LiveParts& parts, SeriesPage& page) {
+  for (const auto& [device, health] : parts.health.items()) {
+    AddIf(page, kCpuPct, device, health.cpu_pct);
+    AddIf(page, kMemPct, device, health.mem_pct);
+    AddIf(page, kDiskPct, device, health.disk_pct);
+    AddIf(page, kCpuTemperatureC, device, health.cpu_temp);
+  }
+}
+
+void AddExtras(const fleet::LiveParts& parts, std::span<const std::string> keys, SeriesPage& page) {
+  for (const std::string& key : keys) {
+    const fleet::Extra* extra = parts.extras.Find(key);
+    if (extra != nullptr) AddIf(page, kExtra, key, NumberOf(extra->value));
+  }
+}
+
+}  // namespace
+
+bool AddRobot(const std::string& ruri, const fleet::StateView& view, const SeriesSources& sources,
+              SeriesPage& page) {
+  // Of a robot that is neither heard nor known to be silent nothing is said.
+  if (view.presence != fleet::Presence::kUnknown) {
+    page.Add(kOnline, view.presence == fleet::Presence::kOnline ? 1 : 0);
+  }
+  if (view.last_sign_of_life) page.Add(kLastSignOfLife, UnixSeconds(*view.last_sign_of_life));
+  if (!ShowsValues(view, sources)) return false;
+  AddJoints(view, page);
+  AddBattery(view, page);
+  if (view.parts.motion) AddMotion(*view.parts.motion, page);
+  if (view.parts.status) AddStatus(*view.parts.status, page);
+  if (view.parts.rcan) AddRcan(*view.parts.rcan, page);
+  AddReported(view.reported, page);
+  AddHealth(view.parts, page);
+  AddExtras(view.parts, sources.extras, page);
+  if (sources.faults != nullptr) AddFaults(ruri, *sources.faults, page);
+  return true;
+}
+
+}  // namespace uplink::rcan

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "metrics/rcan/page.h"
+#include "server/fleet/robot_state.h"
+#include "server/rcan/fault_counts.h"
+
+namespace uplink::rcan {
+
+/// What the series of one robot are made of, beside its state.
+struct SeriesSources {
+  SystemTime now;
+  /// How long the values of a robot that went offline are shown (rcan.series_ttl).
+  milliseconds series_ttl;
+  /// A robot is offline when its last sign of life is older (presence.timeout).
+  milliseconds presence_timeout{0};
+  /// Keys of extras that are shown (rcan.extras).
+  std::span<const std::string> extras;
+  /// Null if they are not known.
+  const FaultCounts::Map* faults = nullptr;
+};
+
+/// Adds the samples of one robot: its presence always, its values while they are shown. What is not
+/// known has no sample. Returns whether the values are shown. Called under the robot's lock.
+bool AddRobot(const std::string& ruri, const fleet::StateView& view, const SeriesSources& sources,
+              metrics::rcan::SeriesPage& page);
+
+}  // namespace uplink::rcan

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "metrics/cells.h"
+#include "metrics/format.h"
+#include "metrics/rcan/page.h"
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/fleet/fleet.h"
+#include "server/log/rate_limited.h"
+#include "server/rcan/fault_counts.h"
+#include "server/rcan/text_pool.h"
+
+namespace uplink::rcan {
+
+/// Texts that scrapers are reading at a time; the memory of scrapes is at most so many texts and
+/// the page that they are made of.
+inline constexpr std::size_t kTextsMax = 4;
+/// A text that is being read is given to others who ask for the same for so long.
+inline constexpr std::chrono::seconds kTextShared{1};
+/// A fleet that was not scraped for so long is not asked for its faults any more.
+inline constexpr std::chrono::minutes kScrapedWithin{5};
+
+/// What the robots' scrapes count. Thread-safe.
+struct RcanProbe {
+  /// Of the last scrape.
+  metrics::Cell series;
+  metrics::Cell robots_left_out;
+  metrics::Cell bytes;
+  metrics::LatencyDistribution scrape_seconds{metrics::kLatencyBoundsSeconds};
+  /// Scrapes that got nothing because kTextsMax were still being read.
+  metrics::Cell refused_total;
+};
+
+/// What /metrics/robots answers. It never waits for the store, and holds a robot's lock only while
+/// that robot is written.
+///
+/// Thread: Text on one thread at a time; the texts go to any.
+class RobotScrape final {
+ public:
+  /// The references outlive it.
+  struct Sources {
+    const Clock& clock;
+    const fleet::Fleet& fleet;
+    const config::RcanConfig& config;
+    const FaultCounts& faults;
+    RcanProbe& probe;
+    log::Logger& logger;
+  };
+  explicit RobotScrape(const Sources& sources);
+
+  /// The text; the scraper's for as long as it holds it. Null if too many are being read.
+  [[nodiscard]] std::shared_ptr<const std::string> Text(metrics::Format format,
+                                                        metrics::Coding coding);
+  /// Whether anybody scraped lately.
+  [[nodiscard]] bool wanted() const;
+
+ private:
+  void Fill();
+  void NoteLeftOut(std::size_t robots);
+  [[nodiscard]] const std::vector<fleet::Robot*>& Robots();
+
+  const Sources sources_;
+  const std::unordered_set<std::string> fleets_;
+  metrics::rcan::SeriesPage page_;
+  const std::shared_ptr<TextPool> texts_ = std::make_shared<TextPool>();
+  std::string plain_;
+  /// The last text, while somebody reads it.
+  struct Shared {
+    std::weak_ptr<const std::string> text;
+    metrics::Format format = metrics::Format::kText;
+    metrics::Coding coding = metrics::Coding::kPlain;
+    SteadyTime at;
+  };
+  Shared last_;
+  /// By RURI; read again when there are more.
+  std::vector<fleet::Robot*> robots_;
+  /// The most samples that a robot ever had while its values are shown, so that who is left out
+  /// does not change from scrape to scrape.
+  std::unordered_map<const fleet::Robot*, std::size_t> room_;
+  log::RateLimited left_out_;
+  std::atomic<SteadyTime> scraped_at_{SteadyTime()};
+};
+
+}  // namespace uplink::rcan

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace uplink::rcan {
+
+/// Texts whose memory is used again once their last reader is done. Thread-safe; made as a
+/// shared_ptr, which texts that are still out keep alive.
+class TextPool final : public std::enable_shared_from_this<TextPool> {
+ public:
+  /// A text that nobody else holds, with what it held last; null if `out_max` are out.
+  [[nodiscard]] std::shared_ptr<std::string> Take(std::size_t out_max);
+
+ private:
+  void GiveBack(std::unique_ptr<std::string> text);
+
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<std::string>> free_;
+  std::size_t out_ = 0;
+};
+
+}  // namespace uplink::rcan

@@ -1,0 +1,164 @@
+// Scrapes of many robots: who is left out, whose memory it is.
+#include "server/rcan/scrape.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+#include "tests/support/records.h"
+
+namespace uplink::rcan {
+namespace {
+
+using metrics::Coding;
+using metrics::Format;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+class Lines final : public log::LineSink {
+ public:
+  explicit Lines(std::vector<std::string>& lines) : lines_(lines) {}
+  void Write(std::string_view line) override { lines_.emplace_back(line); }
+
+ private:
+  std::vector<std::string>& lines_;
+};
+
+class ScrapeTest : public ::testing::Test {
+ protected:
+  fleet::Robot& Robot(const std::string& ruri, const std::string& fleet_name = "default") {
+    fleet::Robot* robot = *fleet_.FindOrAdmit({ruri, fleet_name});
+    robot->state.SignOfLife(clock_.Steady(), clock_.System(), {});
+    return *robot;
+  }
+  void GiveMotion(fleet::Robot& robot) {
+    std::vector<model::Record> records;
+    model::MotionTelemetry motion;
+    motion.pose = model::Pose{.lat_deg = 1, .lon_deg = 2};
+    records.push_back(test::RecordOf(motion));
+    robot.state.Apply(records, clock_.Steady());
+  }
+  RobotScrape& Scrape() {
+    if (!scrape_)
+      scrape_.emplace(RobotScrape::Sources{clock_, fleet_, config_, faults_, probe_, logger_});
+    return *scrape_;
+  }
+  std::string Text() { return *Scrape().Text(Format::kText, Coding::kPlain); }
+  /// Later than any text is shared.
+  std::string NewText() {
+    clock_.Advance(kTextShared);
+    return Text();
+  }
+
+  testing::ManualClock clock_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<Lines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  fleet::Fleet fleet_{clock_, 100, {}};
+  config::RcanConfig config_;
+  FaultCounts faults_{clock_};
+  RcanProbe probe_;
+  std::optional<RobotScrape> scrape_;
+};
+
+TEST_F(ScrapeTest, RobotsStandInTheOrderOfTheirRuris) {
+  Robot("rcan://b");
+  Robot("rcan://a");
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_online{ruri=\"rcan://a\"} 1\n"
+                                "rcan_robot_online{ruri=\"rcan://b\"} 1\n"));
+  Robot("rcan://aa");
+  EXPECT_THAT(Text(), HasSubstr("\"rcan://aa\"} 1\nrcan_robot_online{ruri=\"rcan://b\"}"));
+  EXPECT_EQ(probe_.series.value(), 6);
+}
+
+TEST_F(ScrapeTest, OnlyTheFleetsThatAreAllowedAreShown) {
+  config_.fleets = {"north", "south"};
+  Robot("rcan://a", "north");
+  Robot("rcan://b", "east");
+  EXPECT_THAT(Text(), HasSubstr("rcan://a"));
+  EXPECT_THAT(Text(), Not(HasSubstr("rcan://b")));
+  EXPECT_EQ(probe_.robots_left_out.value(), 0) << "nobody asked for it";
+}
+
+TEST_F(ScrapeTest, RobotsThatDoNotFitAreLeftOutWholeCountedAndSaidOnceAMinute) {
+  config_.series_max = 7;
+  for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d"}) Robot(ruri);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THAT(Text(), Not(HasSubstr("rcan://d")));
+    EXPECT_EQ(probe_.series.value(), 6);
+    EXPECT_EQ(probe_.robots_left_out.value(), 1);
+  }
+  EXPECT_THAT(lines_, SizeIs(1));
+  EXPECT_THAT(lines_.front(), HasSubstr("rcan_robots_left_out robots=1 series_max=7"));
+  clock_.Advance(std::chrono::minutes(2));
+  static_cast<void>(Text());
+  EXPECT_THAT(lines_, SizeIs(2));
+}
+
+TEST_F(ScrapeTest, WhoIsLeftOutDoesNotChangeWithTheValuesOfOthers) {
+  config_.series_max = 7;
+  fleet::Robot& first = Robot("rcan://a");
+  Robot("rcan://b");
+  Robot("rcan://c");
+  model::RcanState two;
+  two.battery_v = 1;
+  two.uptime_ms = 1;
+  first.state.Apply(std::move(two), clock_.Steady());
+  EXPECT_THAT(Text(), Not(HasSubstr("rcan://c"))) << "4 and 2";
+  first.state.Apply(model::RcanState{}, clock_.Steady());
+  EXPECT_THAT(NewText(), Not(HasSubstr("rcan://c"))) << "the room is still the first one's";
+  EXPECT_THAT(NewText(), HasSubstr("rcan://b"));
+  EXPECT_EQ(probe_.series.value(), 4);
+}
+
+TEST_F(ScrapeTest, TextsAreUsedAgainWhenTheirReadersAreDone) {
+  Robot("rcan://a");
+  std::vector<std::shared_ptr<const std::string>> held;
+  for (std::size_t i = 0; i < kTextsMax; ++i) {
+    held.push_back(Scrape().Text(Format::kText, Coding::kPlain));
+    ASSERT_NE(held.back(), nullptr);
+    clock_.Advance(kTextShared);
+  }
+  EXPECT_EQ(Scrape().Text(Format::kText, Coding::kPlain), nullptr);
+  EXPECT_EQ(probe_.refused_total.value(), 1);
+  const std::string* const first = held.front().get();
+  held.front().reset();
+  const auto again = Scrape().Text(Format::kOpenMetrics, Coding::kPlain);
+  EXPECT_EQ(again.get(), first);
+  EXPECT_THAT(*again, EndsWith("# EOF\n"));
+}
+
+TEST_F(ScrapeTest, WhoAsksForTheSameWithinASecondReadsTheSameText) {
+  Robot("rcan://a");
+  const auto first = Scrape().Text(Format::kText, Coding::kPlain);
+  EXPECT_EQ(Scrape().Text(Format::kText, Coding::kPlain), first);
+  EXPECT_NE(Scrape().Text(Format::kOpenMetrics, Coding::kPlain), first);
+  const auto again = Scrape().Text(Format::kText, Coding::kPlain);
+  clock_.Advance(kTextShared);
+  EXPECT_NE(Scrape().Text(Format::kText, Coding::kPlain), again);
+}
+
+TEST_F(ScrapeTest, CompressedIsTheSameTextSmaller) {
+  for (int i = 0; i < 50; ++i) Robot("rcan://robot-" + std::to_string(i));
+  const std::string plain = Text();
+  const auto zipped = Scrape().Text(Format::kText, Coding::kGzip);
+  EXPECT_LT(zipped->size(), plain.size() / 4);
+  EXPECT_EQ(zipped->substr(0, 2), "\x1f\x8b");
+  EXPECT_EQ(probe_.bytes.value(), static_cast<std::int64_t>(plain.size()));
+}
+
+TEST_F(ScrapeTest, IsWantedForAWhileAfterAScrape) {
+  EXPECT_FALSE(Scrape().wanted());
+  static_cast<void>(Text());
+  EXPECT_TRUE(Scrape().wanted());
+  clock_.Advance(kScrapedWithin);
+  EXPECT_FALSE(Scrape().wanted());
+}
+
+}  // namespace
+}  // namespace uplink::rcan
