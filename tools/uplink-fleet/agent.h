@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/agent_model.h"
@@ -29,6 +30,8 @@ class Agent final {
   Agent(const Phase& phase, std::size_t index, const model::SessionId& session, Shared& shared,
         Latencies& latencies);
 
+  /// The robot's RURI (RobotScript::Name).
+  void Name(std::string ruri) { script_.Name(std::move(ruri)); }
   /// Goes on as this phase says.
   void Adopt(const Phase& phase);
   /// Lives `age` without a connection, up to `now`, in steps of kOfflineStep: live messages give

@@ -177,6 +177,9 @@ void AgentModel::Append(v1::UplinkBatch& batch, model::Seq seq, const Outgoing& 
     case Content::kRoverNexus:
       uplink->set_rover_nexus(message.payload);
       break;
+    case Content::kRcanRobotState:
+      uplink->set_rcan_robot_state(message.payload);
+      break;
     case Content::kNone:
       break;
   }

@@ -28,7 +28,7 @@ inline constexpr std::size_t kKeptMax = 8192;
 
 /// How a message is settled (protocol: Kinds), as its agent knows it.
 enum class Keeping : std::uint8_t { kLive, kDurable };
-enum class Content : std::uint8_t { kRoverNexus, kNone };
+enum class Content : std::uint8_t { kRoverNexus, kRcanRobotState, kNone };
 
 /// A message that the agent wants delivered. A value.
 struct Outgoing {

@@ -69,6 +69,12 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
   CompareKeyed(Thing::kHealth, robot, sent.health, live->health(), findings);
   CompareKeyed(Thing::kConsumables, robot, sent.consumables, live->consumables(), findings);
   CompareKeyed(Thing::kDirectives, robot, sent.directives, live->directives(), findings);
+  if (sent.rcan) {
+    Struct found = live->rcan_state();
+    // The server's own count: numbers that gave way unsent are missing in it.
+    found.mutable_fields()->erase("seq_missing");
+    ComparePart(Thing::kRcanState, robot, PartOf(*sent.rcan, robot.ruri), found, findings);
+  }
   CompareLast(Thing::kAgentInfo, robot, robot.ledger.agent_info(), live->agent_info(), findings);
   CompareLast(Thing::kSettings, robot, robot.ledger.settings(), live->settings(), findings);
   CompareLast(Thing::kUiCapabilities, robot, robot.ledger.ui_capabilities(),

@@ -24,6 +24,8 @@ ThingText TextOf(Thing thing) {
       return {"last consumables", false};
     case Thing::kDirectives:
       return {"last directives", false};
+    case Thing::kRcanState:
+      return {"last RCAN states", false};
     case Thing::kAgentInfo:
       return {"latest agent info", true};
     case Thing::kSettings:

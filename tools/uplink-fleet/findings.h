@@ -20,6 +20,7 @@ enum class Thing : std::uint8_t {
   kUsage,
   kConsumables,
   kDirectives,
+  kRcanState,
   kAgentInfo,
   kSettings,
   kUiCapabilities,
@@ -37,7 +38,7 @@ enum class Thing : std::uint8_t {
   kGaps,
   kGoodRejected,
 };
-inline constexpr std::size_t kThings = 25;
+inline constexpr std::size_t kThings = 26;
 
 /// Differences that are kept in words.
 inline constexpr std::size_t kDifferencesMax = 200;

@@ -82,6 +82,8 @@ class ScenarioFlags {
                         "Fault reports a second and robot");
     pace_ = AddNumber(app, "--pace", phase.options.pace, kPaceNumber,
                       "How much faster than the clock everything but motion and status goes on");
+    rcan_ = AddNumber(app, "--rcan-share", phase.options.rcan_share, kRcanNumber,
+                      "Share of the robots that send RCAN Robot States with six joints");
     batch_ = AddNumber(app, "--batch", phase.batch, kBatchNumber,
                        "Messages that are gathered for a frame, up to 1 s");
     malformed_ = AddNumber(app, "--malformed-share", phase.options.malformed_share,
@@ -100,6 +102,7 @@ class ScenarioFlags {
       if (rate_->count() > 0) options.rate_hz = given.options.rate_hz;
       if (faults_->count() > 0) options.faults_hz = given.options.faults_hz;
       if (pace_->count() > 0) options.pace = given.options.pace;
+      if (rcan_->count() > 0) options.rcan_share = given.options.rcan_share;
       if (batch_->count() > 0) phase.batch = given.batch;
       if (malformed_->count() > 0) options.malformed_share = given.options.malformed_share;
       if (breaks_->count() > 0) {
@@ -116,6 +119,7 @@ class ScenarioFlags {
   CLI::Option* rate_;
   CLI::Option* faults_;
   CLI::Option* pace_;
+  CLI::Option* rcan_;
   CLI::Option* batch_;
   CLI::Option* malformed_;
   CLI::Option* breaks_;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "schema/model/rcan.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 #include "tools/uplink-fleet/agent_model.h"
@@ -55,6 +56,7 @@ struct LastLive {
   std::map<std::string, model::SystemHealth> health;
   std::map<std::string, model::ConsumableStatus> consumables;
   std::map<std::string, model::SpatialDirectiveStatus> directives;
+  std::optional<model::RcanState> rcan;
 };
 
 /// Everything that one robot sent and learned: what the server and its store are held against.
@@ -65,6 +67,7 @@ class Ledger final {
   /// A good durable message; gives its tag.
   std::uint64_t Enter(const model::Body& body);
   void EnterLive(const model::Body& body);
+  void EnterRcan(model::RcanState state) { live_.rcan = std::move(state); }
   std::uint64_t EnterWrong(model::RejectReason reason, std::string field);
   /// An Ack covered the message of that tag.
   void Settle(Settled settled);

@@ -120,6 +120,10 @@ template Struct PartOf(const model::SpatialDirectiveStatus& body);
 template Struct PartOf(const model::AgentInfo& body);
 template Struct PartOf(const model::UiCapabilities& body);
 
+Struct PartOf(const model::RcanState& state, const std::string& ruri) {
+  return StructOf(json::Render(state, ruri));
+}
+
 Struct PartOf(const model::CurrentSettings& settings) {
   boost::json::object by_key;
   for (const model::SettingUpdate& setting : settings.settings) {

@@ -7,6 +7,7 @@
 #include <google/protobuf/message.h>
 #include <google/protobuf/struct.pb.h>
 
+#include "schema/model/rcan.h"
 #include "schema/model/record.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -32,6 +33,8 @@ namespace uplink::synthetic {
 /// A live part, or what is kept of a mission's report, as a Struct.
 template <typename Body>
 [[nodiscard]] google::protobuf::Struct PartOf(const Body& body);
+[[nodiscard]] google::protobuf::Struct PartOf(const model::RcanState& state,
+                                              const std::string& ruri);
 /// Key to setting.
 [[nodiscard]] google::protobuf::Struct PartOf(const model::CurrentSettings& settings);
 /// Key to value and sample time.

@@ -21,12 +21,13 @@ struct PhaseKey {
   void (*set)(Phase& phase, double value);
 };
 
-constexpr std::array<PhaseKey, 11> kPhaseKeys = {{
+constexpr std::array<PhaseKey, 12> kPhaseKeys = {{
     {kRateNumber, false, [](Phase& to, double value) { to.options.rate_hz = value; }},
     {kStatusNumber, false, [](Phase& to, double value) { to.options.status_hz = value; }},
     {kFaultsNumber, false, [](Phase& to, double value) { to.options.faults_hz = value; }},
     {kMalformedNumber, false, [](Phase& to, double value) { to.options.malformed_share = value; }},
     {kPaceNumber, false, [](Phase& to, double value) { to.options.pace = value; }},
+    {kRcanNumber, false, [](Phase& to, double value) { to.options.rcan_share = value; }},
     {kBatchNumber, true,
      [](Phase& to, double value) { to.batch = static_cast<std::size_t>(value); }},
     {kBreaksNumber, false, [](Phase& to, double value) { to.trouble.breaks_per_minute = value; }},

@@ -28,6 +28,8 @@ struct ScenarioOptions {
   /// How much faster than the clock a robot lives, but for motion and status: missions, shapes,
   /// objects and the like come as many times as often.
   double pace = 1;
+  /// Share of the robots that have an arm, and send RCAN's Robot State once a second.
+  double rcan_share = 0.25;
 };
 
 /// What happens to a robot's connection. The rates are averages for each robot.
@@ -108,6 +110,7 @@ inline constexpr ScenarioNumber kTakeoversNumber{"takeovers_per_minute", 0, 600}
 inline constexpr ScenarioNumber kSlowReadersNumber{"slow_readers", 0, 1};
 inline constexpr ScenarioNumber kBatchNumber{"batch", 1, 256};
 inline constexpr ScenarioNumber kPaceNumber{"pace", 0.1, 100};
+inline constexpr ScenarioNumber kRcanNumber{"rcan_share", 0, 1};
 /// Phases of one scenario.
 inline constexpr std::size_t kPhasesMax = 32;
 

@@ -1,11 +1,13 @@
 #include "tools/uplink-fleet/script.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "schema/encode.h"
+#include "schema/json/render.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -14,6 +16,8 @@ constexpr double kFuelPct = 63.5;
 /// Metres and seconds that a full battery is good for.
 constexpr double kRangeM = 1800;
 constexpr double kRuntimeS = 1200;
+/// Between two states of an arm.
+constexpr double kArmStateS = 1;
 
 /// One source of chance for each behaviour of each robot.
 Seeded SourceFor(const ScenarioOptions& options, std::size_t index, std::uint64_t behaviour) {
@@ -62,12 +66,15 @@ RobotScript::RobotScript(const ScenarioOptions& options, std::size_t index, cons
       settings_(SourceFor(options, index, 8)),
       equipment_(SourceFor(options, index, 9)),
       wrong_(SourceFor(options, index, 10), mark),
-      status_(1 / options.status_hz, random_.Unit() / options.status_hz) {}
+      status_(1 / options.status_hz, random_.Unit() / options.status_hz),
+      arm_(SourceFor(options, index, 11)),
+      arm_state_(kArmStateS, random_.Unit() * kArmStateS) {}
 
 void RobotScript::Adopt(const ScenarioOptions& options) {
   options_.rate_hz = options.rate_hz;
   options_.malformed_share = options.malformed_share;
   options_.pace = options.pace;
+  options_.rcan_share = options.rcan_share;
   tick_s_ = 1 / options.rate_hz;
   faults_.SetRate(options.faults_hz);
   status_.SetPeriod(1 / options.status_hz);
@@ -91,6 +98,8 @@ std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
   equipment_.Advance(lived, facts_, route_, out);
   if (status_.Passed(tick_s_)) out.emplace_back(Status(clock));
   std::vector<Outgoing> messages = EnterAll(out, ledger);
+  arm_.Advance(clock, facts_);
+  if (HasArm() && arm_state_.Passed(tick_s_)) messages.push_back(ArmState(clock, ledger));
   if (random_.Chance(options_.malformed_share)) messages.push_back(wrong_.Next(now_ms, ledger));
   return messages;
 }
@@ -111,7 +120,23 @@ std::vector<Outgoing> RobotScript::Last(std::int64_t now_ms, Ledger& ledger) {
   out.emplace_back(route_.Motion(moment, facts_));
   out.emplace_back(Status(moment));
   equipment_.All(moment, facts_, route_, out);
-  return EnterAll(out, ledger);
+  std::vector<Outgoing> messages = EnterAll(out, ledger);
+  if (HasArm()) messages.push_back(ArmState(moment, ledger));
+  return messages;
+}
+
+bool RobotScript::HasArm() const {
+  if (ruri_.empty()) return false;
+  // Spread evenly over the fleet.
+  const double before = options_.rcan_share * static_cast<double>(index_);
+  return std::floor(before + options_.rcan_share) > std::floor(before);
+}
+
+Outgoing RobotScript::ArmState(const Moment& moment, Ledger& ledger) {
+  model::RcanState state = arm_.State(moment, facts_);
+  std::string text = boost::json::serialize(json::Render(state, ruri_));
+  ledger.EnterRcan(std::move(state));
+  return {Keeping::kLive, Content::kRcanRobotState, std::move(text), 0, {}};
 }
 
 model::StatusTelemetry RobotScript::Status(const Moment& moment) const {

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/uplink-fleet/agent_model.h"
+#include "tools/uplink-fleet/behaviour/arm.h"
 #include "tools/uplink-fleet/behaviour/battery.h"
 #include "tools/uplink-fleet/behaviour/controls.h"
 #include "tools/uplink-fleet/behaviour/coverage.h"
@@ -28,6 +30,8 @@ class RobotScript final {
  public:
   RobotScript(const ScenarioOptions& options, std::size_t index);
 
+  /// The robot's RURI. One without sends no RCAN Robot States: they name it.
+  void Name(std::string ruri) { ruri_ = std::move(ruri); }
   /// Goes on with other rates, shares and pace; who the robot is stays.
   void Adopt(const ScenarioOptions& options);
   /// The messages of one tick, at `now_ms` (Unix).
@@ -42,9 +46,12 @@ class RobotScript final {
  private:
   RobotScript(const ScenarioOptions& options, std::size_t index, const std::string& mark);
   [[nodiscard]] model::StatusTelemetry Status(const Moment& moment) const;
+  [[nodiscard]] bool HasArm() const;
+  [[nodiscard]] Outgoing ArmState(const Moment& moment, Ledger& ledger);
 
   ScenarioOptions options_;
   std::size_t index_;
+  std::string ruri_;
   double tick_s_;
   Seeded random_;
   Facts facts_;
@@ -59,6 +66,8 @@ class RobotScript final {
   Equipment equipment_;
   Wrong wrong_;
   Every status_;
+  Arm arm_;
+  Every arm_state_;
 };
 
 /// What every id of a robot of a run begins with.

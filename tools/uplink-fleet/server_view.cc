@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kPageSize = 1000;
 constexpr const char* kParts =
-    "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities";
+    "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities,"
+    "rcanState";
 
 template <typename Message>
 absl::StatusOr<Message> Parse(const std::string& target, const std::string& json) {

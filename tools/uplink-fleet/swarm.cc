@@ -110,6 +110,7 @@ void Swarm::Inside::MakeRobots(Driver& driver, SteadyTime start) {
     robot.link.tls = tls;
     robot.seed = first.options.seed * 1'000'003 + i;
     Agent agent(first, i, sessions[i], shared, driver.latencies);
+    agent.Name(robot.ruri);
     agent.LiveOffline(scenario.offline_before, start, clock.System());
     driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agent), scenario,
                                                     start, driver.loop, clock, shared));

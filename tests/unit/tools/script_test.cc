@@ -1,5 +1,6 @@
 #include "tools/uplink-fleet/script.h"
 
+#include <cmath>
 #include <map>
 #include <set>
 #include <span>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/judge.h"
+#include "schema/rcan/judge.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -92,6 +94,39 @@ TEST(Wrong, EachWayIsRejectedAsTheLedgerSays) {
   }
   EXPECT_EQ(reasons.size(), 8U);
   EXPECT_EQ(ledger.good(), 0U);
+}
+
+TEST(RobotScript, ArmsSendRobotStatesThatPassWholeAndMove) {
+  ScenarioOptions options = Options(0);
+  options.rcan_share = 0.5;
+  int arms = 0;
+  for (std::size_t index = 0; index < 4; ++index) {
+    RobotScript script(options, index);
+    script.Name("rcan://test/arm");
+    Ledger ledger;
+    int states = 0;
+    std::set<double> positions;
+    for (int i = 0; i < kTicks; ++i) {
+      for (const Outgoing& message : script.Tick(kNowMs + 100 * i, ledger)) {
+        if (message.content != Content::kRcanRobotState) continue;
+        const schema::RcanJudgement judgement =
+            schema::JudgeRcanState(message.payload, "rcan://test/arm", 64 * 1024);
+        ASSERT_EQ(judgement.rejection(), nullptr) << judgement.rejection()->field;
+        EXPECT_TRUE(judgement.dropped.empty());
+        const auto& state = std::get<model::RcanState>(judgement.verdict);
+        EXPECT_EQ(state, *ledger.live().rcan) << "numbers survive the text";
+        EXPECT_EQ(state.seq, ++states);
+        ASSERT_EQ(state.joints.size(), kArmJoints);
+        positions.insert(*state.joints[0].position_rad);
+        for (const model::RcanJoint& joint : state.joints) {
+          EXPECT_FALSE(joint.effort_nm == 0 && std::signbit(*joint.effort_nm));
+        }
+      }
+    }
+    if (states > 0) ++arms;
+    EXPECT_TRUE(states == 0 || positions.size() > 20);
+  }
+  EXPECT_EQ(arms, 2);
 }
 
 TEST(RobotScript, SendsAsMuchThatIsWrongAsAskedFor) {
