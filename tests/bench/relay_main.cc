@@ -215,6 +215,7 @@ class RelayBench final {
 
   /// Connections with their whole handshake, and a stream, for each second of the server's CPU.
   void Accepts() {
+    if (!Wanted("accepts")) return;
     world_.MakeRobots(kAcceptRobots);
     std::map<ServerKind, Rounds> rates;
     const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
@@ -240,6 +241,7 @@ class RelayBench final {
 
   /// A server that is killed under its robots: until all stream again to the next one.
   void Storm() {
+    if (!Wanted("reconnect_5000")) return;
     world_.MakeRobots(kStormRobots);
     Row row{"reconnect_5000", "s", "", {}, {}};
     Server server(world_, ServerKind::kUplinkd);

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|store] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
 set -euo pipefail
@@ -32,6 +32,27 @@ bench_store() {
     --commit "$commit" "$@"
 }
 
+# The second part adds its row to what the first one wrote.
+bench_scrape() {
+  local json="$folder/scrape.json" arguments=()
+  while [[ $# -gt 0 ]]; do
+    case "$1" in
+      --json)
+        [[ $# -ge 2 ]] || die_usage "--json needs a file"
+        json="$2"
+        shift 2
+        ;;
+      *)
+        arguments+=("$1")
+        shift
+        ;;
+    esac
+  done
+  mkdir -p "$folder"
+  "$bin/uplink_bench_scrape" --commit "$commit" --json "$json" "${arguments[@]}"
+  UPLINK_BIN_DIR="$bin" PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/scrape_acks.py --json "$json"
+}
+
 case "$name" in
   store)
     need_packages
@@ -47,5 +68,10 @@ case "$name" in
     build_preset release bin/uplink_bench_decode
     "$bin/uplink_bench_decode" --commit "$commit" "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory or store)" ;;
+  scrape)
+    need_packages
+    build_preset release bin/uplink_bench_scrape bin/uplinkd bin/uplinkctl bin/uplink-fleet
+    bench_scrape "$@"
+    ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape or store)" ;;
 esac
