@@ -114,7 +114,7 @@ relay="$(address_of relay)"
 http="$(address_of http)"
 
 printf 'uplinkd: robots at %s, log in %s\n' "$relay" "$log"
-printf 'while it runs: http://%s/api/v1/robots  /api/v1/status  /metrics\n' "$http"
+printf 'while it runs: http://%s/api/v1/robots  /api/v1/status  /metrics  /metrics/robots\n' "$http"
 printf '               /api/v1/faults?active=true  /api/v1/missions?open=true  /api/v1/shapes  /api/v1/objects\n'
 printf '               /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it\n'
 printf '               /events  /messages  /presence  /quarantine  /gaps\n\n'

@@ -1,0 +1,198 @@
+"""Both scrapes, by Prometheus' own programs."""
+
+import gzip
+import json
+import pathlib
+import re
+import socket
+import subprocess
+import tempfile
+import unittest
+import urllib.request
+
+from harness import BIN, SOURCE, EndToEnd, run, wait_until
+from prometheus import Prometheus
+
+ROBOTS = 6
+WAIT_SECONDS = 60
+OPEN_METRICS = "application/openmetrics-text;version=1.0.0"
+# What promtool says of RCAN's own names, of which nothing can be changed.
+OF_RCANS_UNITS = re.compile(r"^rcan_\w+ metric names should not contain abbreviated units$")
+TYPE_LINE = re.compile(rb"^# TYPE (\S+)", re.MULTILINE)
+DASHBOARD = SOURCE / "deploy/grafana/uplinkd.json"
+GUIDE = SOURCE / "docs/operate/metrics.md"
+
+
+def scrape(server, path, **headers):
+    request = urllib.request.Request(
+        f"http://{server.http}{path}", headers={name.replace("_", "-"): text for name, text in headers.items()}
+    )
+    with urllib.request.urlopen(request, timeout=10) as answer:
+        return answer.headers, answer.read()
+
+
+def expressions_of_the_dashboard():
+    dashboard = json.loads(DASHBOARD.read_text(encoding="utf-8"))
+    targets = [target for panel in dashboard["panels"] for target in panel.get("targets", [])]
+    return [target["expr"].replace("$instance", ".*") for target in targets]
+
+
+def expressions_of_the_guide():
+    blocks = re.findall(r"```promql\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
+    return [line for block in blocks for line in block.splitlines()]
+
+
+class Scrapes(EndToEnd):
+    def setUp(self):
+        super().setUp()
+        self.running = self.server().start()
+
+    def at_work(self, *flags):
+        fleet = self.fleet(
+            self.running, "--robots", ROBOTS, "--rcan-share", 1, "--pace", 10, "--faults", 2, *flags
+        )
+        wait_until(fleet.process, lambda: b"rcan_acb_position_rad{" in self.robots(), WAIT_SECONDS, "joints are seen")
+        return fleet
+
+    def robots(self):
+        return scrape(self.running, "/metrics/robots")[1]
+
+    def check(self, text):
+        return subprocess.run(
+            ["promtool", "check", "metrics"], input=text, capture_output=True, timeout=60, check=False
+        )
+
+    def test_promtool_has_nothing_against_ours(self):
+        self.at_work()
+        done = self.check(scrape(self.running, "/metrics")[1])
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+
+    def test_promtool_has_nothing_but_units_against_the_robots(self):
+        self.at_work()
+        done = self.check(self.robots())
+        self.assertIn(done.returncode, (0, 3), done.stderr)
+        lines = [line for line in done.stderr.decode().splitlines() if line]
+        self.assertTrue(lines)
+        self.assertEqual([line for line in lines if not OF_RCANS_UNITS.match(line)], [])
+
+    def test_promtool_sees_a_text_that_is_wrong(self):
+        self.assertEqual(self.check(b"rcan_robot_online{ruri=\"a\n1\"} 1\n").returncode, 1)
+
+    def test_formats_and_codings_hold_the_same(self):
+        fleet = self.at_work()
+        for path in ("/metrics", "/metrics/robots"):
+            # Two scrapes: what one robot tells for the first time between them is in the second alone.
+            wait_until(
+                fleet.process, lambda path=path: self.families(path) == self.families_zipped(path),
+                WAIT_SECONDS, f"{path} holds the same families in both formats",
+            )  # fmt: skip
+
+    def families(self, path):
+        headers, plain = scrape(self.running, path)
+        self.assertEqual(headers["Content-Type"], "text/plain; version=0.0.4; charset=utf-8")
+        names = {name.removesuffix(b"_total") for name in TYPE_LINE.findall(plain)}
+        self.assertTrue(names)
+        return names
+
+    def families_zipped(self, path):
+        headers, zipped = scrape(self.running, path, Accept_Encoding="gzip", Accept=OPEN_METRICS)
+        self.assertEqual(headers["Content-Encoding"], "gzip")
+        self.assertEqual(headers["Content-Type"], "application/openmetrics-text; version=1.0.0; charset=utf-8")
+        text = gzip.decompress(zipped)
+        self.assertTrue(text.endswith(b"# EOF\n"))
+        return set(TYPE_LINE.findall(text))
+
+    def test_the_law_holds_in_each_scrape_of_a_flood(self):
+        self.at_work("--scenario", "flood", "--malformed-share", 0.2)
+        seen = 0
+        for _ in range(200):
+            text = scrape(self.running, "/metrics")[1].decode()
+            value = dict(re.findall(r"^(uplinkd_uplinks_\S+) (\S+)$", text, re.MULTILINE))
+            received = float(value["uplinkd_uplinks_received_total"])
+            settled = [float(number) for name, number in value.items() if "settled_total{" in name]
+            self.assertEqual(received, sum(settled) + float(value["uplinkd_uplinks_in_flight"]))
+            seen = max(seen, received)
+        self.assertGreater(seen, 1000)
+
+    def test_a_real_prometheus_answers_the_questions(self):
+        fleet = self.at_work()
+        prometheus = Prometheus(self.folder, self.running)
+        self.open_things.append(prometheus)
+        prometheus.wait_for_value("sum(rcan_robot_online)", ROBOTS)
+        ((_, battery),) = prometheus.wait_for("avg(rcan_robot_battery_pct)")
+        self.assertTrue(0 < battery <= 100, battery)
+        joints = prometheus.wait_for('rcan_acb_position_rad{joint="shoulder_pan"}')
+        self.assertEqual(len(joints), ROBOTS)
+        self.assertEqual(
+            {labels["ruri"].rsplit("/", 1)[1] for labels, _ in joints}, {f"robot-{n + 1:04}" for n in range(ROBOTS)}
+        )
+        for expression in expressions_of_the_guide() + expressions_of_the_dashboard():
+            with self.subTest(expression):
+                prometheus.wait_for(expression)
+        for rule in self.rules(prometheus, "recording"):
+            with self.subTest(rule):
+                prometheus.wait_for(rule)
+        for group in prometheus.get("/api/v1/rules")["groups"]:
+            for rule in group["rules"]:
+                self.assertEqual((rule["health"], rule.get("lastError")), ("ok", None), rule["name"])
+        self.assert_agrees(fleet)
+
+    @staticmethod
+    def rules(prometheus, kind):
+        groups = prometheus.get("/api/v1/rules")["groups"]
+        return [rule["name"] for group in groups for rule in group["rules"] if rule["type"] == kind]
+
+    def test_handshakes_that_fail_and_ends_of_streams_are_counted(self):
+        with socket_to(self.running.relay) as plain:
+            plain.sendall(b"GET / HTTP/1.1\r\n\r\n")
+            while plain.recv(1024):
+                pass
+        wait_until(
+            self.running.process, lambda: self.running.metric("uplinkd_handshakes_failed_total") == 1,
+            WAIT_SECONDS, "the handshake is counted",
+        )  # fmt: skip
+        fleet = self.at_work()
+        self.assert_agrees(fleet)
+        self.assertGreaterEqual(self.running.metric('uplinkd_streams_ended_total{code="ok"}'), ROBOTS)
+
+
+class Files(unittest.TestCase):
+    """What is deployed beside the program."""
+
+    def test_rules_fire_and_are_silent(self):
+        run("promtool", "check", "config", SOURCE / "deploy/prometheus/prometheus.yml")
+        run("promtool", "test", "rules", SOURCE / "tests/prometheus/rules_test.yml")
+
+    def test_each_alert_has_its_section_of_the_guide(self):
+        rules = (SOURCE / "deploy/prometheus/alerts.rules.yml").read_text(encoding="utf-8")
+        alerts = re.findall(r"alert: (\w+)", rules)
+        self.assertGreater(len(alerts), 5)
+        guide = GUIDE.read_text(encoding="utf-8")
+        for alert in alerts:
+            self.assertIn(f"\n### {alert}\n", guide)
+            self.assertIn(f"docs/operate/metrics.md#{alert.lower()}\n", rules)
+
+    def test_the_tables_of_the_reference_are_the_programs(self):
+        table = run(BIN / "uplinkd", "--print-metrics").stdout
+        ours = (SOURCE / "docs/reference/metrics.md").read_text(encoding="utf-8")
+        robots = (SOURCE / "docs/reference/rcan.md").read_text(encoding="utf-8")
+        first, second = table.split("\n\n", 1)
+        self.assertIn(first.strip(), ours)
+        self.assertIn(second.strip(), robots)
+
+    def test_the_unit_is_clean(self):
+        unit = (SOURCE / "deploy/systemd/uplinkd.service").read_text(encoding="utf-8")
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "uplinkd.service"
+            path.write_text(unit.replace("/usr/bin/uplinkd", str(BIN / "uplinkd")), encoding="utf-8")
+            done = run("systemd-analyze", "verify", "--man=no", path)
+            self.assertEqual(done.stdout + done.stderr, "")
+
+
+def socket_to(address):
+    host, port = address.rsplit(":", 1)
+    return socket.create_connection((host, int(port)), timeout=WAIT_SECONDS)
+
+
+if __name__ == "__main__":
+    unittest.main()
