@@ -77,8 +77,9 @@ GrpcConnection::GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& ev
     : loop_(loop),
       events_(&events),
       authority_(options.address.text),
-      link_(std::make_shared<TlsLink>(loop, std::move(options), static_cast<LinkEvents&>(*this))),
-      http2_(*this) {}
+      record_a_message_(options.record_a_message),
+      http2_(*this, options.window_bytes),
+      link_(std::make_shared<TlsLink>(loop, std::move(options), static_cast<LinkEvents&>(*this))) {}
 
 GrpcConnection::~GrpcConnection() { link_->Close(); }
 
@@ -214,7 +215,14 @@ void GrpcConnection::OnClosed(std::uint32_t error) {
 }
 
 std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& end) {
-  const std::size_t taken = std::min(max, out_.size() - out_taken_);
+  std::size_t taken = std::min(max, out_.size() - out_taken_);
+  if (record_a_message_ && taken > 0) {
+    if (message_left_ == 0) {
+      message_left_ = kPrefixBytes + LengthOf(std::string_view(out_).substr(out_taken_));
+    }
+    taken = std::min(taken, message_left_);
+    message_left_ -= taken;
+  }
   std::memcpy(to, out_.data() + out_taken_, taken);
   out_taken_ += taken;
   if (out_taken_ == out_.size()) {
@@ -232,6 +240,10 @@ void GrpcConnection::Flush() {
   if (busy_ || !up_) return;
   busy_ = true;
   loop_.out.clear();
+  while (record_a_message_ && http2_.ProduceFrame(loop_.out)) {
+    link_->Write(loop_.out);
+    loop_.out.clear();
+  }
   http2_.Produce(loop_.out);
   busy_ = false;
   if (!loop_.out.empty()) link_->Write(loop_.out);
@@ -252,6 +264,7 @@ void GrpcConnection::TellEnd() {
   GiveBack(out_);
   GiveBack(in_);
   out_taken_ = 0;
+  message_left_ = 0;
   grpc_status_.reset();
   grpc_message_.clear();
   StreamEvents* const events = events_;

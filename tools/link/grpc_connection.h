@@ -99,8 +99,9 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
   Loop& loop_;
   StreamEvents* events_;
   std::string authority_;
-  std::shared_ptr<TlsLink> link_;
+  const bool record_a_message_;
   Http2Session http2_;
+  std::shared_ptr<TlsLink> link_;
   bool up_ = false;
   /// Within nghttp2, which must not be entered again.
   bool busy_ = false;
@@ -109,6 +110,8 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
 
   std::string out_;
   std::size_t out_taken_ = 0;
+  /// Bytes of the message that was begun, if each has a frame of its own.
+  std::size_t message_left_ = 0;
   std::string in_;
   std::optional<int> grpc_status_;
   std::string grpc_message_;

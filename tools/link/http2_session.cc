@@ -9,9 +9,6 @@
 namespace uplink::link {
 namespace {
 
-/// What a server may send ahead of its stream's reader: acks are small.
-constexpr std::uint32_t kWindowBytes = 256 * 1024;
-
 std::string_view TextOf(const std::uint8_t* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size};
 }
@@ -63,7 +60,7 @@ struct Http2Session::Callbacks {
   }
 };
 
-Http2Session::Http2Session(Http2Events& events)
+Http2Session::Http2Session(Http2Events& events, std::uint32_t window_bytes)
     : events_(events), session_(nullptr, nghttp2_session_del) {
   nghttp2_session_callbacks* callbacks = nullptr;
   UPLINK_CHECK(nghttp2_session_callbacks_new(&callbacks) == 0, "nghttp2 makes callbacks");
@@ -76,9 +73,10 @@ Http2Session::Http2Session(Http2Events& events)
   UPLINK_CHECK(made == 0, "nghttp2 makes a session");
   session_.reset(session);
   const std::array<nghttp2_settings_entry, 2> settings = {
-      {{NGHTTP2_SETTINGS_ENABLE_PUSH, 0}, {NGHTTP2_SETTINGS_INITIAL_WINDOW_SIZE, kWindowBytes}}};
+      {{NGHTTP2_SETTINGS_ENABLE_PUSH, 0}, {NGHTTP2_SETTINGS_INITIAL_WINDOW_SIZE, window_bytes}}};
   nghttp2_submit_settings(session, NGHTTP2_FLAG_NONE, settings.data(), settings.size());
-  nghttp2_session_set_local_window_size(session, NGHTTP2_FLAG_NONE, 0, kWindowBytes);
+  nghttp2_session_set_local_window_size(session, NGHTTP2_FLAG_NONE, 0,
+                                        static_cast<std::int32_t>(window_bytes));
 }
 
 Http2Session::~Http2Session() = default;
@@ -108,11 +106,12 @@ bool Http2Session::Receive(std::string_view bytes) {
   return nghttp2_session_mem_recv(session_.get(), BytesOf(bytes), bytes.size()) >= 0;
 }
 
-void Http2Session::Produce(std::string& out) {
+bool Http2Session::ProduceFrame(std::string& out) {
   const std::uint8_t* bytes = nullptr;
-  for (ssize_t size = 0; (size = nghttp2_session_mem_send(session_.get(), &bytes)) > 0;) {
-    out.append(TextOf(bytes, static_cast<std::size_t>(size)));
-  }
+  const ssize_t size = nghttp2_session_mem_send(session_.get(), &bytes);
+  if (size <= 0) return false;
+  out.append(TextOf(bytes, static_cast<std::size_t>(size)));
+  return true;
 }
 
 bool Http2Session::may_open() const {

@@ -32,7 +32,8 @@ class Http2Session final {
  public:
   using Header = std::pair<std::string_view, std::string_view>;
 
-  explicit Http2Session(Http2Events& events);
+  /// `window_bytes`: what the server may send ahead of its reader.
+  Http2Session(Http2Events& events, std::uint32_t window_bytes);
   ~Http2Session();
   Http2Session(const Http2Session&) = delete;
   Http2Session& operator=(const Http2Session&) = delete;
@@ -47,7 +48,12 @@ class Http2Session final {
   /// Bytes from the peer; false if they are not HTTP/2.
   bool Receive(std::string_view bytes);
   /// Appends what is to be sent now.
-  void Produce(std::string& out);
+  void Produce(std::string& out) {
+    while (ProduceFrame(out)) {
+    }
+  }
+  /// Appends one HTTP/2 frame; false if there is none.
+  bool ProduceFrame(std::string& out);
   /// The server says no GOAWAY so far.
   [[nodiscard]] bool may_open() const;
 

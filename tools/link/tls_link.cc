@@ -18,6 +18,7 @@ namespace {
 using boost::asio::socket_base;
 using boost::asio::ip::tcp;
 using boost::system::error_code;
+using SteadyClock = SteadyTime::clock;
 
 /// A peer that acknowledges nothing for so long is gone.
 constexpr unsigned kUserTimeoutMs = 20'000;
@@ -155,42 +156,59 @@ void TlsLink::Write(std::string_view bytes) {
       bytes.remove_prefix(static_cast<std::size_t>(put));
     }
     if (bytes.empty()) return;
-    pending_.append(bytes);
-    return WaitWritable();
   }
   pending_.append(bytes);
-  if (options_.delay.count() > 0) FlushLater();
+  if (held_.empty() && options_.delay.count() == 0) {
+    released_ += bytes.size();
+    return WaitWritable();
+  }
+  // In the order of the writes, also when the delay became shorter meanwhile.
+  const SteadyTime due = SteadyClock::now() + options_.delay;
+  held_.push_back({held_.empty() ? due : std::max(due, held_.back().due), bytes.size()});
+  ReleaseLater();
 }
 
-void TlsLink::FlushLater() {
-  if (std::exchange(delayed_, true)) return;
+void TlsLink::ReleaseLater() {
+  if (held_.empty() || std::exchange(delayed_, true)) return;
   if (delay_timer_ == nullptr) {
     delay_timer_ = std::make_unique<boost::asio::steady_timer>(loop_.io);
   }
-  delay_timer_->expires_after(options_.delay);
+  delay_timer_->expires_at(held_.front().due);
   delay_timer_->async_wait([self = shared_from_this()](const error_code& error) {
     self->delayed_ = false;
-    if (!error && !self->writing_) self->OnWritable();
+    if (error || self->state_ != State::kUp) return;
+    for (const SteadyTime now = SteadyClock::now();
+         !self->held_.empty() && self->held_.front().due <= now; self->held_.pop_front()) {
+      self->released_ += self->held_.front().bytes;
+    }
+    self->ReleaseLater();
+    if (!self->writing_) self->OnWritable();
   });
 }
 
 void TlsLink::Flush() {
   ERR_clear_error();
   std::size_t done = 0;
-  while (done < pending_.size()) {
+  while (done < released_) {
     const int put =
-        SSL_write(session_.get(), pending_.data() + done, static_cast<int>(pending_.size() - done));
+        SSL_write(session_.get(), pending_.data() + done, static_cast<int>(released_ - done));
     if (put <= 0) {
       if (WantsMore(SSL_get_error(session_.get(), put))) break;
       static_cast<void>(TakeTlsError());
-      done = pending_.size();
-      break;
+      return Drop();
     }
     done += static_cast<std::size_t>(put);
   }
   pending_.erase(0, done);
-  if (!pending_.empty()) return WaitWritable();
-  if (pending_.capacity() > kKeptBytes) std::string().swap(pending_);
+  released_ -= done;
+  if (released_ > 0) return WaitWritable();
+  if (pending_.empty() && pending_.capacity() > kKeptBytes) std::string().swap(pending_);
+}
+
+void TlsLink::Drop() {
+  std::string().swap(pending_);
+  held_.clear();
+  released_ = 0;
 }
 
 void TlsLink::PauseReading(bool pause) {
@@ -230,7 +248,7 @@ void TlsLink::Forget() {
   error_code ignored;
   socket_.close(ignored);
   if (delay_timer_ != nullptr) delay_timer_->cancel();
-  std::string().swap(pending_);
+  Drop();
 }
 
 }  // namespace uplink::link

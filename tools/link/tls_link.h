@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -29,12 +30,19 @@ class LinkEvents {
   virtual void OnDown(const absl::Status& why) = 0;
 };
 
+/// Acks are small.
+inline constexpr std::uint32_t kWindowBytes = 256 * 1024;
+
 struct LinkOptions {
   Address address;
   Identity identity;
   std::shared_ptr<const TlsClient> tls;
-  /// What is written waits so long before it leaves: a slow network.
+  /// Each write waits so long before it leaves: a slow network.
   milliseconds delay{0};
+  /// What the server may send ahead of its reader, by HTTP/2's windows.
+  std::uint32_t window_bytes = kWindowBytes;
+  /// Each message leaves in a DATA frame and a TLS record of its own, however many wait.
+  bool record_a_message = false;
   /// A line in clear text comes before the handshake (NATS), and is skipped.
   bool greeted_in_clear = false;
 };
@@ -80,7 +88,9 @@ class TlsLink final : public std::enable_shared_from_this<TlsLink> {
   void Handshake();
   void Read();
   void Flush();
-  void FlushLater();
+  void ReleaseLater();
+  /// What was not sent is lost.
+  void Drop();
   void WaitReadable();
   void WaitWritable();
   void Down(const std::string& why);
@@ -92,7 +102,15 @@ class TlsLink final : public std::enable_shared_from_this<TlsLink> {
   boost::asio::ip::tcp::socket socket_;
   TlsClient::Session session_{nullptr, nullptr};
   std::unique_ptr<boost::asio::steady_timer> delay_timer_;
+  /// What was written and has not left. Its first `released_` bytes may leave now; the rest, in
+  /// the order of the writes, when each is due.
   std::string pending_;
+  std::size_t released_ = 0;
+  struct Held {
+    SteadyTime due;
+    std::size_t bytes;
+  };
+  std::deque<Held> held_;
   State state_ = State::kNew;
   bool reading_ = false;
   bool writing_ = false;

@@ -12,6 +12,9 @@ constexpr std::chrono::seconds kBatchAgeMax{1};
 constexpr std::chrono::seconds kIdleMotion{1};
 /// Longer than that without a frame, a robot counts as silent; below any useful presence.timeout.
 constexpr std::chrono::seconds kSilence{3};
+/// More durable messages than a tick of a script makes: 1,000 fault reports a second, each with its
+/// event, and a tick of ten seconds.
+constexpr std::size_t kDurableATickMax = 25'000;
 constexpr const char* kAgentVersion = "uplink-fleet " UPLINK_VERSION;
 
 }  // namespace
@@ -34,18 +37,30 @@ void Agent::Adopt(const Phase& phase) {
 
 void Agent::Offer(Outgoing message, SteadyTime due) {
   message.due = due;
-  // Refused only when 100,000 durable messages wait: the ledger then holds what was not sent as
-  // never acked, and the report says so.
+  // LifeAt leaves room; were there none, the ledger would call it never acked.
   if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
 }
 
-void Agent::LiveOffline(milliseconds age, SteadyTime now, SystemTime system_now) {
-  for (milliseconds left = age; left.count() > 0; left -= kOfflineStep) {
+void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SteadyTime now,
+                        SystemTime system_now) {
+  for (SteadyTime::duration left = age; left.count() > 0; left -= tick) {
+    const auto at = system_now - std::chrono::duration_cast<SystemTime::duration>(left);
     // Due from now on: before, nobody could have taken them.
-    for (Outgoing& message : script_.Tick(UnixMs(system_now - left), ledger_)) {
-      Offer(std::move(message), now);
-    }
+    for (Outgoing& message : LifeAt(UnixMs(at))) Offer(std::move(message), now);
   }
+  // That was no wait of a message: nobody was there to take it.
+  static_cast<void>(model_.TakeGaveWay());
+}
+
+std::vector<Outgoing> Agent::LifeAt(std::int64_t now_ms) {
+  // A robot whose memory is full of unsent messages goes on moving, and reports nothing new.
+  if (model_.durable_room() >= kDurableATickMax && !ledger_.full()) {
+    return script_.Tick(now_ms, ledger_);
+  }
+  if (!std::exchange(only_moves_, true)) shared_.only_moving.fetch_add(1);
+  std::vector<Outgoing> messages;
+  messages.push_back(script_.OnlyMove(now_ms, ledger_));
+  return messages;
 }
 
 void Agent::Fill(SteadyTime now, SystemTime system_now) {
@@ -62,7 +77,8 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
   const std::int64_t now_ms = UnixMs(system_now);
   switch (shared_.stage.load(std::memory_order_acquire)) {
     case Stage::kRun:
-      for (Outgoing& message : script_.Tick(now_ms, ledger_)) Offer(std::move(message), now);
+      for (Outgoing& message : LifeAt(now_ms)) Offer(std::move(message), now);
+      NoteGaveWay(now);
       break;
     case Stage::kSettle:
       if (now >= next_idle_motion_) {
@@ -120,7 +136,7 @@ v1::RelayRequest Agent::BeginStream() {
 
 absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
   if (frame.has_drain()) shared_.drains.fetch_add(1, std::memory_order_relaxed);
-  if (frame.has_reject()) shared_.rejects.fetch_add(1, std::memory_order_relaxed);
+  if (frame.has_reject()) shared_.CountReject(frame.reject().reason());
   if (frame.has_welcome()) shared_.welcomes.fetch_add(1, std::memory_order_relaxed);
   absl::Status status = model_.OnFrame(frame, now);
   for (Settled& settled : model_.TakeSettled()) {
@@ -129,7 +145,12 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
     ledger_.Settle(std::move(settled));
   }
   for (const SteadyTime due : model_.TakeJudged()) latencies_.live.Record(now - due);
+  NoteGaveWay(now);
   return status;
+}
+
+void Agent::NoteGaveWay(SteadyTime now) {
+  for (const SteadyTime due : model_.TakeGaveWay()) latencies_.gave_way.Record(now - due);
 }
 
 void Agent::OnEndedOk() {
@@ -154,7 +175,7 @@ RobotOutcome Agent::TakeOutcome(const std::string& ruri) {
   outcome.last_seq = model_.last_seq();
   outcome.sent = model_.sent();
   outcome.resent = model_.resent();
-  outcome.live_dropped = model_.live_dropped();
+  outcome.judged = model_.judged_seq();
   outcome.notices = model_.notices();
   outcome.all_settled = model_.all_settled();
   outcome.ended_ok = ended_ok_;

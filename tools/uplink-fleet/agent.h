@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/agent_model.h"
@@ -17,8 +18,6 @@ namespace uplink::synthetic {
 
 /// What a robot in a flood has on its way: enough for 16 frames of 64.
 inline constexpr std::size_t kFloodAhead = 1024;
-/// A robot without a connection lives in steps of that.
-inline constexpr milliseconds kOfflineStep{1000};
 
 /// One robot without its connection: its script feeds its model, and what the model learns goes
 /// into the ledger. The connection (robot.h) moves the frames.
@@ -34,9 +33,10 @@ class Agent final {
   void Name(std::string ruri) { script_.Name(std::move(ruri)); }
   /// Goes on as this phase says.
   void Adopt(const Phase& phase);
-  /// Lives `age` without a connection, up to `now`, in steps of kOfflineStep: live messages give
-  /// way to newer ones, durable ones are kept.
-  void LiveOffline(milliseconds age, SteadyTime now, SystemTime system_now);
+  /// Lives `age` without a connection, up to `now`, tick by tick: live messages give way to newer
+  /// ones, durable ones are kept.
+  void LiveOffline(milliseconds age, SteadyTime::duration tick, SteadyTime now,
+                   SystemTime system_now);
   /// Makes the messages of the tick that was due at `due`, as the stage asks.
   void Tick(SteadyTime due, SystemTime system_now);
   /// In a flood: makes motion messages until kFloodAhead have no Ack.
@@ -57,6 +57,9 @@ class Agent final {
 
  private:
   void Offer(Outgoing message, SteadyTime due);
+  /// What the script makes in one tick, as far as there is room.
+  [[nodiscard]] std::vector<Outgoing> LifeAt(std::int64_t now_ms);
+  void NoteGaveWay(SteadyTime now);
 
   RobotScript script_;
   AgentModel model_;
@@ -73,6 +76,7 @@ class Agent final {
   /// Rounds of kLast that were begun, and settled.
   std::size_t last_offered_ = 0;
   bool reported_settled_ = false;
+  bool only_moves_ = false;
   std::size_t reported_last_ = 0;
   bool ended_ok_ = false;
 };

@@ -26,8 +26,8 @@ bool AgentModel::Offer(Outgoing message) {
     return true;
   }
   if (live_waiting_.size() >= kLiveWaitingMax) {
+    gave_way_due_.push_back(live_waiting_.front().message.due);
     live_waiting_.pop_front();
-    ++live_dropped_;
   }
   live_waiting_.push_back({next_ticket_++, std::move(message)});
   return true;
@@ -133,6 +133,8 @@ absl::Status AgentModel::OnReject(const v1::Reject& reject, SteadyTime now) {
     --durable_kept_;
     later_.emplace(now + milliseconds(std::max<std::int64_t>(reject.retry_after_ms(), 0)),
                    std::move(message));
+  } else {
+    gave_way_due_.push_back(message.due);
   }
   return absl::OkStatus();
 }

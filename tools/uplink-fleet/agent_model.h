@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -63,6 +64,10 @@ class AgentModel final {
 
   /// Takes a message for sending; false if too many durable ones wait.
   bool Offer(Outgoing message);
+  /// How many durable messages more Offer takes now.
+  [[nodiscard]] std::size_t durable_room() const {
+    return kDurableWaitingMax - std::min(durable_waiting_.size(), kDurableWaitingMax);
+  }
 
   /// A new stream: the Hello that opens it. Nothing may be sent before the Welcome.
   [[nodiscard]] v1::Hello BeginStream(const std::string& agent_version);
@@ -78,6 +83,8 @@ class AgentModel final {
   [[nodiscard]] std::vector<Settled> TakeSettled() { return std::exchange(settled_, {}); }
   /// When the live messages that Acks covered since the last call were due.
   [[nodiscard]] std::vector<SteadyTime> TakeJudged() { return std::exchange(judged_due_, {}); }
+  /// When the live messages were due that gave way, unsent or rate-limited, since the last call.
+  [[nodiscard]] std::vector<SteadyTime> TakeGaveWay() { return std::exchange(gave_way_due_, {}); }
 
   /// Welcome came and neither Drain nor the stream's end since.
   [[nodiscard]] bool may_send() const { return phase_ == Phase::kOpen; }
@@ -104,8 +111,6 @@ class AgentModel final {
   /// Uplinks handed out by NextBatch, and how many of them were not the first time.
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
   [[nodiscard]] std::uint64_t resent() const { return resent_; }
-  /// Live messages that gave way before they had a number.
-  [[nodiscard]] std::uint64_t live_dropped() const { return live_dropped_; }
   [[nodiscard]] std::uint64_t rejects() const { return rejects_; }
   [[nodiscard]] std::uint64_t notices() const { return notices_; }
 
@@ -156,10 +161,10 @@ class AgentModel final {
   std::multimap<SteadyTime, Outgoing> later_;
   std::vector<Settled> settled_;
   std::vector<SteadyTime> judged_due_;
+  std::vector<SteadyTime> gave_way_due_;
 
   std::uint64_t sent_ = 0;
   std::uint64_t resent_ = 0;
-  std::uint64_t live_dropped_ = 0;
   std::uint64_t rejects_ = 0;
   std::uint64_t notices_ = 0;
 };

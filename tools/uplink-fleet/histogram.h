@@ -81,10 +81,14 @@ struct Latencies {
   Histogram durable;
   /// Acks of live messages are cumulative: by count, and once in `limits.ack_interval`.
   Histogram live;
+  /// Live messages that no Ack will ever cover: how long each waited until a newer one took its
+  /// place before it was sent, or the server said that it had come too often.
+  Histogram gave_way;
 
   void Merge(const Latencies& other) {
     durable.Merge(other.durable);
     live.Merge(other.live);
+    gave_way.Merge(other.gave_way);
   }
 };
 

@@ -133,7 +133,8 @@ struct RobotOutcome {
   std::uint64_t last_seq = 0;
   std::uint64_t sent = 0;
   std::uint64_t resent = 0;
-  std::uint64_t live_dropped = 0;
+  /// Its messages that the server has judged, stored or rejected, as far as it was told.
+  std::uint64_t judged = 0;
   std::uint64_t notices = 0;
   /// Times that the robot itself was silent for longer than 3 s while it ran: the server may
   /// have called it offline then.

@@ -77,7 +77,7 @@ std::string LiveSummary::Line(const Shared& shared, SteadyTime now,
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - *began_).count();
   const std::string own =
       fmt::format("{} acked, {} rejected, {} breaks", shared.acked_durable.load(),
-                  shared.rejects.load(), shared.breaks.load());
+                  shared.RejectsInAll(), shared.breaks.load());
   if (!status) return fmt::format("{:>4} s  the server does not answer  {}", seconds, own);
   const Reading reading{now, At(status->uplinks(), "received"),
                         page ? HistogramOf(*page, "uplinkd_ack_seconds") : Buckets()};

@@ -20,6 +20,7 @@
 #include "tools/uplink-fleet/flags.h"
 #include "tools/uplink-fleet/live_summary.h"
 #include "tools/uplink-fleet/process_use.h"
+#include "tools/uplink-fleet/progress_line.h"
 #include "tools/uplink-fleet/report.h"
 #include "tools/uplink-fleet/server_view.h"
 #include "tools/uplink-fleet/signals.h"
@@ -30,8 +31,6 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr milliseconds kLook{100};
-constexpr milliseconds kProgressEvery{1000};
-constexpr milliseconds kPlainProgressEvery{5000};
 /// Without any Welcome for that long at the start, nothing can be run.
 constexpr milliseconds kFirstWelcomeDeadline{15'000};
 /// The counters of the queue threads are published a moment after the acks.
@@ -68,6 +67,7 @@ class Run {
     const bool reached = Send();
     const std::optional<ProcessUse> server_after = server ? UseOf(*server) : std::nullopt;
     if (server_before && server_after) figures_.server = server_after->Since(*server_before);
+    figures_.sent_while_measured = shared_.sent.load();
     figures_.own = UseOf(getpid()).value_or(ProcessUse()).Since(own_before);
     figures_.seconds = std::chrono::duration<double>(clock_.Steady() - started).count();
     if (reached) Settle();
@@ -75,11 +75,13 @@ class Run {
     if (!reached || !WaitFor(shared_.closed_robots, flags_.settle_for)) shared_.abandon.store(true);
     outcomes_ = (*swarm)->Finish();
     figures_.latencies = (*swarm)->TakeLatencies();
-    ClearProgress();
     if (!reached) {
+      progress_.Clear();
       return CannotRun(absl::UnavailableError("no robot was welcomed: " + shared_.FirstError()));
     }
-    if (const absl::Status status = Gather(); !status.ok()) return CannotRun(status);
+    const absl::Status gathered = Gather();
+    progress_.Clear();
+    if (!gathered.ok()) return CannotRun(gathered);
     return Conclude();
   }
 
@@ -106,10 +108,13 @@ class Run {
   /// The run itself; false if the server never welcomed a robot.
   bool Send() {
     const SteadyTime start = clock_.Steady();
+    SteadyTime ready = start;
     while (clock_.Steady() - start < flags_.run_for) {
       Progress();
       if (signals_.Wait(kLook)) break;
-      if (shared_.welcomes.load() == 0 && clock_.Steady() - start > kFirstWelcomeDeadline) {
+      // Robots that were offline first live through that time before any of them connects.
+      if (shared_.threads_ready.load() < flags_.swarm.threads) ready = clock_.Steady();
+      if (shared_.welcomes.load() == 0 && clock_.Steady() - ready > kFirstWelcomeDeadline) {
         return false;
       }
     }
@@ -173,6 +178,15 @@ class Run {
       }
     }
     for (const RobotOutcome& robot : outcomes_) {
+      // Thousands of robots take minutes to compare.
+      if (signals_.Wait(milliseconds(0))) {
+        return absl::CancelledError(fmt::format("told to stop after {} of {} robots were compared",
+                                                evidence_.robots_read, outcomes_.size()));
+      }
+      if (progress_.Due(clock_.Steady())) {
+        progress_.Show(
+            fmt::format("compared {} of {} robots", evidence_.robots_read, outcomes_.size()));
+      }
       evidence_.fleet.Add(robot);
       const auto live = live_.find(robot.ruri);
       CompareLive(robot, live == live_.end() ? nullptr : &live->second, evidence_.findings);
@@ -206,10 +220,13 @@ class Run {
     for (const RobotOutcome& robot : outcomes_) {
       figures_.sent += robot.sent;
       figures_.resent += robot.resent;
+      figures_.judged += robot.judged;
       figures_.notices += robot.notices;
     }
     figures_.acked_durable = shared_.acked_durable.load();
-    figures_.rejects = shared_.rejects.load();
+    figures_.rejects = shared_.RejectsInAll();
+    figures_.rejects_by_reason = RejectsByReason(shared_);
+    figures_.only_moving = shared_.only_moving.load();
     figures_.welcomes = shared_.welcomes.load();
     figures_.breaks = shared_.breaks.load();
     figures_.takeovers = shared_.takeovers.load();
@@ -224,24 +241,14 @@ class Run {
     }
   }
 
-  /// A line a second that is overwritten on a terminal, plain lines less often elsewhere; on
-  /// standard error.
   void Progress() {
     const SteadyTime now = clock_.Steady();
-    if (now < next_progress_) return;
-    next_progress_ = now + (terminal_ ? kProgressEvery : kPlainProgressEvery);
+    if (!progress_.Due(now)) return;
     absl::StatusOr<v1::ServerStatus> status = view_.Status();
     absl::StatusOr<std::string> page = view_.Metrics();
-    const std::string line =
-        summary_.Line(shared_, now, status.ok() ? std::optional(*std::move(status)) : std::nullopt,
-                      page.ok() ? std::optional(*std::move(page)) : std::nullopt);
-    const std::string text = terminal_ ? "\r\x1b[K" + line : line + "\n";
-    std::fputs(text.c_str(), stderr);
-    std::fflush(stderr);
-  }
-
-  void ClearProgress() const {
-    if (terminal_) fmt::print(stderr, "\r\x1b[K");
+    progress_.Show(summary_.Line(shared_, now,
+                                 status.ok() ? std::optional(*std::move(status)) : std::nullopt,
+                                 page.ok() ? std::optional(*std::move(page)) : std::nullopt));
   }
 
   Flags flags_;
@@ -258,8 +265,7 @@ class Run {
   std::int64_t live_at_ms_ = 0;
   Evidence evidence_;
   RunFigures figures_;
-  SteadyTime next_progress_{};
-  bool terminal_ = isatty(STDERR_FILENO) == 1;
+  ProgressLine progress_;
 };
 
 }  // namespace

@@ -39,9 +39,9 @@ double MillisOf(Histogram::Micros micros) {
   return static_cast<double>(micros.count()) / kMicrosAMilli;
 }
 
-std::string LatencyLine(const char* name, const Histogram& histogram) {
+std::string LatencyLine(const char* what, const Histogram& histogram) {
   if (histogram.count() == 0) return {};
-  std::string text = fmt::format("{}, due to acked:", name);
+  std::string text = fmt::format("{}:", what);
   for (const auto& [label, share] : kQuantiles) {
     text += fmt::format(" {} {:.2f} ms,", label, MillisOf(histogram.Quantile(share)));
   }
@@ -50,7 +50,7 @@ std::string LatencyLine(const char* name, const Histogram& histogram) {
 }
 
 std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& figures) {
-  const double sent = static_cast<double>(std::max<std::uint64_t>(figures.sent, 1));
+  const double sent = static_cast<double>(std::max<std::uint64_t>(figures.sent_while_measured, 1));
   return fmt::format(
       "{}: {:.2f} s of CPU, {:.0f} % of a core, {:.1f} us a message; {:.0f} MiB\n", name,
       use.cpu_seconds, 100 * use.cpu_seconds / std::max(figures.seconds, 0.001),
@@ -60,19 +60,28 @@ std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& f
 /// How it went, above the table.
 std::string FiguresText(const RunFigures& figures) {
   std::string text = fmt::format(
-      "\n{} robots, {:.0f} s, seed {}, run {}: {} messages sent ({} again), {} durable acked, "
-      "{} rejects, {} connections, {} welcomes, {} breaks, {} takeovers, {} drains{}\n",
+      "\n{} robots, {:.0f} s, seed {}, run {}: {} messages sent ({} again), {} judged, "
+      "{} live acked, {} durable acked, {} rejects, {} connections, {} welcomes, {} breaks, {} "
+      "takeovers, {} drains{}\n",
       figures.robots, figures.seconds, figures.seed, figures.run, figures.sent, figures.resent,
-      figures.acked_durable, figures.rejects, figures.connects, figures.welcomes, figures.breaks,
-      figures.takeovers, figures.drains,
+      figures.judged, figures.latencies.live.count(), figures.acked_durable, figures.rejects,
+      figures.connects, figures.welcomes, figures.breaks, figures.takeovers, figures.drains,
       figures.restarted ? ", server restarted: its counters are left out" : "");
-  text += LatencyLine("durable", figures.latencies.durable);
-  text += LatencyLine("live", figures.latencies.live);
+  text += LatencyLine("durable, due to acked", figures.latencies.durable);
+  text += LatencyLine("live, due to acked", figures.latencies.live);
+  text += LatencyLine("live that gave way unacked, due to given up", figures.latencies.gave_way);
   if (figures.server) text += UseLine("server", *figures.server, figures);
   text += UseLine("fleet", figures.own, figures);
   if (figures.skipped_ticks > 0) {
     text += fmt::format("the fleet itself was too slow: {} ticks were left out\n",
                         figures.skipped_ticks);
+  }
+  if (figures.only_moving > 0) {
+    text += fmt::format("{} robots had as much to remember as they may, and only moved then\n",
+                        figures.only_moving);
+  }
+  for (const auto& [reason, count] : figures.rejects_by_reason) {
+    text += fmt::format("rejected {}: {}\n", reason, count);
   }
   for (const auto& [name, count] : figures.ends) {
     text += fmt::format("streams ended {}: {}\n", name, count);
@@ -110,6 +119,18 @@ std::string Differences(const Findings& findings) {
 }
 
 }  // namespace
+
+std::map<std::string, std::uint64_t> RejectsByReason(const Shared& shared) {
+  std::map<std::string, std::uint64_t> counts;
+  for (std::size_t index = 0; index < shared.rejects.size(); ++index) {
+    const std::uint64_t count = shared.rejects[index].load();
+    if (count == 0) continue;
+    const bool known = index > 0 && index <= model::kRejectReasons;
+    const auto reason = static_cast<model::RejectReason>(index);
+    counts[known ? std::string(model::ToText(reason)) : "unknown"] += count;
+  }
+  return counts;
+}
 
 bool AllOk(const std::vector<CheckRow>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const CheckRow& row) { return row.ok; });
@@ -149,6 +170,8 @@ std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& r
   Put(run, "seconds", figures.seconds);
   PutCount(run, "sent", figures.sent);
   PutCount(run, "resent", figures.resent);
+  PutCount(run, "judged", figures.judged);
+  PutCount(run, "ackedLive", figures.latencies.live.count());
   PutCount(run, "ackedDurable", figures.acked_durable);
   PutCount(run, "rejects", figures.rejects);
   PutCount(run, "notices", figures.notices);
@@ -157,14 +180,21 @@ std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& r
   PutCount(run, "takeovers", figures.takeovers);
   PutCount(run, "connects", figures.connects);
   PutCount(run, "skippedTicks", figures.skipped_ticks);
+  PutCount(run, "onlyMoving", figures.only_moving);
+  PutCount(run, "sentWhileMeasured", figures.sent_while_measured);
   PutCount(run, "drains", figures.drains);
   Struct& latency = *(*run.mutable_fields())["latencyMs"].mutable_struct_value();
   PutLatency(latency, "durable", figures.latencies.durable);
   PutLatency(latency, "live", figures.latencies.live);
+  PutLatency(latency, "liveGaveWay", figures.latencies.gave_way);
   if (figures.server) PutUse(run, "server", *figures.server);
   PutUse(run, "fleet", figures.own);
   PutBool(run, "serverRestarted", figures.restarted);
   Put(run, "firstError", figures.first_error);
+  Struct& rejected = *(*run.mutable_fields())["rejectsByReason"].mutable_struct_value();
+  for (const auto& [reason, count] : figures.rejects_by_reason) {
+    PutCount(rejected, reason, count);
+  }
   Struct& ends = *(*run.mutable_fields())["ends"].mutable_struct_value();
   for (const auto& [name, count] : figures.ends) {
     PutCount(ends, name, count);

@@ -8,6 +8,7 @@
 
 #include "tools/uplink-fleet/histogram.h"
 #include "tools/uplink-fleet/process_use.h"
+#include "tools/uplink-fleet/run.h"
 #include "tools/uplink-fleet/verify.h"
 
 namespace uplink::synthetic {
@@ -19,15 +20,23 @@ struct RunFigures {
   std::string run;
   double seconds = 0;
   std::uint64_t sent = 0;
+  /// Of these, what left before the robots began to settle: what server and own CPU stand for.
+  std::uint64_t sent_while_measured = 0;
   std::uint64_t resent = 0;
+  /// Messages that the server judged, as far as it told the robots.
+  std::uint64_t judged = 0;
   std::uint64_t acked_durable = 0;
   std::uint64_t rejects = 0;
+  /// Rejects that robots were told, by reason as JSON spells it.
+  std::map<std::string, std::uint64_t> rejects_by_reason;
   std::uint64_t notices = 0;
   std::uint64_t welcomes = 0;
   std::uint64_t breaks = 0;
   std::uint64_t takeovers = 0;
   std::uint64_t connects = 0;
   std::uint64_t skipped_ticks = 0;
+  /// Robots that remember, or have waiting, as much as they may, and only moved from then on.
+  std::uint64_t only_moving = 0;
   std::uint64_t drains = 0;
   bool restarted = false;
   /// Streams that ended on their own, by gRPC status name.
@@ -40,6 +49,10 @@ struct RunFigures {
   /// First trouble that was overcome by reconnecting; empty if none.
   std::string first_error;
 };
+
+/// The Rejects that robots were told, by reason as JSON spells it; `unknown` for reasons that this
+/// program does not know.
+[[nodiscard]] std::map<std::string, std::uint64_t> RejectsByReason(const Shared& shared);
 
 [[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
@@ -18,21 +17,17 @@ constexpr std::chrono::seconds kWelcomeDeadline{10};
 /// A robot that this program could not drive for longer leaves the ticks before out.
 constexpr std::chrono::seconds kCatchUpMax{10};
 /// How long the network holds a connection open that nothing passes.
-constexpr std::chrono::seconds kFrozenFor{15};
+constexpr std::chrono::seconds kFrozenFor{60};
 /// Unsent bytes above which no more frames are made.
 constexpr std::size_t kUnsentMax = 64 * 1024;
-constexpr double kMsAMinute = 60'000;
+/// Tells the network's chance from that of a robot's waits, with the same seed.
+constexpr std::uint64_t kBackoffSeed = 0x9E37'79B9'7F4A'7C15;
 
 /// Ends that the protocol page makes the agent's own fault, or the operator's.
 bool IsFault(int code) {
   return code == link::kCodeInvalidArgument || code == link::kCodeUnauthenticated ||
          code == link::kCodePermissionDenied || code == link::kCodeResourceExhausted ||
          code == link::kCodeUnimplemented;
-}
-
-milliseconds TickOf(const Phase& phase) {
-  return std::max(milliseconds(1),
-                  milliseconds(static_cast<std::int64_t>(1000 / phase.options.rate_hz)));
 }
 
 }  // namespace
@@ -47,6 +42,7 @@ Robot::Robot(RobotOptions options, Agent agent, const Scenario& scenario, Steady
       clock_(clock),
       shared_(shared),
       random_(options_.seed),
+      backoff_random_(options_.seed ^ kBackoffSeed),
       timer_(loop.io),
       phase_(&scenario.phases.front()) {}
 
@@ -79,10 +75,11 @@ void Robot::OnTick() {
     ++failures_;
     StreamIsOver();
   }
-  const bool storm = Storms(now);
+  const Mishap drawn = std::exchange(mishap_, Mishap::kNone);
+  const Mishap mishap = Storms(now) ? Mishap::kCut : drawn;
   if (state_ == State::kStreaming && agent_.welcomed() &&
       shared_.stage.load(std::memory_order_relaxed) == Stage::kRun) {
-    MakeTrouble(now, storm);
+    Suffer(mishap, now);
   }
   ReadSlowly(now);
   Pump();
@@ -91,7 +88,7 @@ void Robot::OnTick() {
 
 void Robot::LiveUpTo(SteadyTime now) {
   if (now - next_tick_ > kCatchUpMax) {
-    const auto skipped = (now - next_tick_) / TickOf(*phase_);
+    const auto skipped = (now - next_tick_) / phase_->tick();
     shared_.skipped_ticks.fetch_add(static_cast<std::uint64_t>(skipped));
     next_tick_ = now;
   }
@@ -99,7 +96,8 @@ void Robot::LiveUpTo(SteadyTime now) {
   do {
     Enter(scenario_.At(std::chrono::duration_cast<milliseconds>(next_tick_ - start_)));
     agent_.Tick(next_tick_, clock_.System());
-    next_tick_ += TickOf(*phase_);
+    if (const Mishap drawn = DrawMishap(*phase_, random_); drawn != Mishap::kNone) mishap_ = drawn;
+    next_tick_ += phase_->tick();
   } while (next_tick_ <= now);
 }
 
@@ -111,12 +109,6 @@ void Robot::Enter(const Phase& phase) {
   if (connection_ != nullptr) connection_->SetDelay(phase.trouble.delay);
 }
 
-bool Robot::Happens(double per_minute) {
-  const double ticks_a_minute = kMsAMinute / static_cast<double>(TickOf(*phase_).count());
-  return per_minute > 0 &&
-         std::uniform_real_distribution<double>(0, 1)(random_) < per_minute / ticks_a_minute;
-}
-
 bool Robot::Storms(SteadyTime now) {
   const milliseconds every = phase_->trouble.storm_every;
   if (every.count() == 0) return false;
@@ -124,27 +116,27 @@ bool Robot::Storms(SteadyTime now) {
   return std::exchange(storms_, storms) < storms;
 }
 
-void Robot::MakeTrouble(SteadyTime now, bool storm) {
-  const Trouble& trouble = phase_->trouble;
-  if (storm || Happens(trouble.cuts_per_minute)) {
-    shared_.breaks.fetch_add(1, std::memory_order_relaxed);
-    Cut();
-  } else if (Happens(trouble.breaks_per_minute)) {
-    Break();
-  } else if (Happens(trouble.half_opens_per_minute)) {
-    shared_.breaks.fetch_add(1, std::memory_order_relaxed);
-    LeaveBehind(true, now);
-  } else if (Happens(trouble.takeovers_per_minute)) {
-    shared_.takeovers.fetch_add(1, std::memory_order_relaxed);
-    LeaveBehind(false, now);
+void Robot::Suffer(Mishap mishap, SteadyTime now) {
+  switch (mishap) {
+    case Mishap::kNone:
+      return;
+    case Mishap::kCut:
+      shared_.breaks.fetch_add(1, std::memory_order_relaxed);
+      return Cut();
+    case Mishap::kBreak:
+      return Break();
+    case Mishap::kHalfOpen:
+      shared_.breaks.fetch_add(1, std::memory_order_relaxed);
+      return LeaveBehind(true, now);
+    case Mishap::kTakeover:
+      shared_.takeovers.fetch_add(1, std::memory_order_relaxed);
+      return LeaveBehind(false, now);
   }
 }
 
 void Robot::ReadSlowly(SteadyTime now) {
   if (connection_ == nullptr) return;
-  // Spread evenly over the fleet.
-  const double before = phase_->trouble.slow_readers * static_cast<double>(options_.index);
-  const bool slow = std::floor(before + phase_->trouble.slow_readers) > std::floor(before);
+  const bool slow = ReadsSlowly(phase_->trouble, options_.index);
   const bool running = shared_.stage.load(std::memory_order_relaxed) == Stage::kRun;
   connection_->PauseReading(slow && running && agent_.welcomed() &&
                             (now - start_) % kSlowCycle < kSlowPause);
@@ -154,7 +146,7 @@ void Robot::Break() {
   shared_.breaks.fetch_add(1, std::memory_order_relaxed);
   static_cast<void>(LastFrame());
   broken_by_us_ = true;
-  if (random_() % 2 == 0) {
+  if (++breaks_ % 2 == 0) {
     connection_->CancelStream();
     return;
   }
@@ -294,7 +286,8 @@ milliseconds Robot::NextBackoff() {
   const int doublings = std::min(failures_, 5);
   const auto most = std::min(kBackoffFirst * (1 << doublings), kBackoffMax);
   const std::int64_t half = most.count() / 2;
-  return milliseconds(half) + milliseconds(random_() % static_cast<std::uint64_t>(half + 1));
+  return milliseconds(half) +
+         milliseconds(backoff_random_() % static_cast<std::uint64_t>(half + 1));
 }
 
 }  // namespace uplink::synthetic

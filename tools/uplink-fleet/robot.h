@@ -12,6 +12,7 @@
 #include "tools/link/grpc_connection.h"
 #include "tools/uplink-fleet/agent.h"
 #include "tools/uplink-fleet/leftover.h"
+#include "tools/uplink-fleet/mishap.h"
 #include "tools/uplink-fleet/scenario.h"
 
 namespace uplink::synthetic {
@@ -56,9 +57,8 @@ class Robot final : private link::StreamEvents {
   void OnTick();
   void LiveUpTo(SteadyTime now);
   void Enter(const Phase& phase);
-  void MakeTrouble(SteadyTime now, bool storm);
+  void Suffer(Mishap mishap, SteadyTime now);
   [[nodiscard]] bool Storms(SteadyTime now);
-  [[nodiscard]] bool Happens(double per_minute);
   void ReadSlowly(SteadyTime now);
   /// The frame that a network loses with the connection: the agent cannot tell, and must send it
   /// again.
@@ -81,7 +81,9 @@ class Robot final : private link::StreamEvents {
   link::Loop& loop_;
   const Clock& clock_;
   Shared& shared_;
+  /// Of the network: drawn once a tick.
   std::mt19937_64 random_;
+  std::mt19937_64 backoff_random_;
   boost::asio::steady_timer timer_;
 
   const Phase* phase_;
@@ -92,6 +94,9 @@ class Robot final : private link::StreamEvents {
   SteadyTime opened_{};
   SteadyTime next_tick_{};
   std::int64_t storms_ = 0;
+  /// Of the ticks that are due.
+  Mishap mishap_ = Mishap::kNone;
+  std::uint64_t breaks_ = 0;
   int failures_ = 0;
   bool half_closed_ = false;
   /// The stream that ends next was ended by the scenario.

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <string>
+
+#include "schema/model/rejection.h"
 
 namespace uplink::synthetic {
 
@@ -37,7 +40,9 @@ struct Shared {
   std::atomic<std::uint64_t> welcomes{0};
   std::atomic<std::uint64_t> sent{0};
   std::atomic<std::uint64_t> acked_durable{0};
-  std::atomic<std::uint64_t> rejects{0};
+  /// Rejects that the robots were told, by reason; the last: of reasons that this program does not
+  /// know.
+  std::array<std::atomic<std::uint64_t>, model::kRejectReasons + 2> rejects{};
   /// Streams and connections that the scenario ended, in whatever way.
   std::atomic<std::uint64_t> breaks{0};
   /// Second connections that it opened beside the first.
@@ -47,6 +52,10 @@ struct Shared {
   /// Ticks that this program could not keep up with: it was the limit, not the server.
   std::atomic<std::uint64_t> skipped_ticks{0};
   std::atomic<std::uint64_t> drains{0};
+  /// Robots that remember, or have waiting, as much as they may: they only move since then.
+  std::atomic<std::size_t> only_moving{0};
+  /// Threads whose robots are all made and may connect.
+  std::atomic<std::size_t> threads_ready{0};
   std::atomic<std::uint64_t> rules_broken{0};
   /// Ends of streams by status code.
   std::array<std::atomic<std::uint64_t>, kStatusCodes> ends{};
@@ -56,9 +65,19 @@ struct Shared {
   std::atomic<std::size_t> last_robots{0};
   std::atomic<std::size_t> closed_robots{0};
 
+  void CountReject(int reason) {
+    const auto index = reason > 0 ? static_cast<std::size_t>(reason) : rejects.size() - 1;
+    rejects[std::min(index, rejects.size() - 1)].fetch_add(1, std::memory_order_relaxed);
+  }
   void CountEnd(int code) {
     const auto index = static_cast<std::size_t>(code);
     if (index < kStatusCodes) ends[index].fetch_add(1, std::memory_order_relaxed);
+  }
+
+  [[nodiscard]] std::uint64_t RejectsInAll() const {
+    std::uint64_t sum = 0;
+    for (const auto& count : rejects) sum += count.load(std::memory_order_relaxed);
+    return sum;
   }
 
   /// Keeps the first text of its kind, for the report.

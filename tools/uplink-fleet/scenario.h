@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -51,6 +53,15 @@ struct Trouble {
 };
 inline constexpr milliseconds kSlowCycle{4000};
 inline constexpr milliseconds kSlowPause{3000};
+/// What the server may send ahead of a robot that reads slowly: two or three acks.
+inline constexpr std::uint32_t kSlowWindowBytes = 64;
+
+/// Whether the robot of that index is one of the slow readers, who are spread evenly over the
+/// fleet.
+[[nodiscard]] inline bool ReadsSlowly(const Trouble& trouble, std::size_t index) {
+  const double before = trouble.slow_readers * static_cast<double>(index);
+  return std::floor(before + trouble.slow_readers) > std::floor(before);
+}
 
 /// What holds at one time of a scenario.
 struct Phase {
@@ -63,6 +74,12 @@ struct Phase {
   /// Motion is sent as fast as acks let it, whatever the rate.
   bool flood = false;
   Trouble trouble;
+
+  /// From one motion message to the next.
+  [[nodiscard]] SteadyTime::duration tick() const {
+    return std::chrono::duration_cast<SteadyTime::duration>(
+        std::chrono::duration<double>(1 / options.rate_hz));
+  }
 };
 
 /// A scenario by name or from a file.

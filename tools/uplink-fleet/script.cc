@@ -86,7 +86,6 @@ std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
   Outbox out;
   route_.Advance(clock, facts_);
   out.emplace_back(route_.Motion(clock, facts_));
-  if (ledger.full()) return EnterAll(out, ledger);
   battery_.Advance(lived, facts_, out);
   controls_.Advance(lived, facts_, out);
   missions_.Advance(lived, facts_, route_, out);
@@ -102,6 +101,12 @@ std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
   if (HasArm() && arm_state_.Passed(tick_s_)) messages.push_back(ArmState(clock, ledger));
   if (random_.Chance(options_.malformed_share)) messages.push_back(wrong_.Next(now_ms, ledger));
   return messages;
+}
+
+Outgoing RobotScript::OnlyMove(std::int64_t now_ms, Ledger& ledger) {
+  const Moment clock{now_ms, tick_s_};
+  route_.Advance(clock, facts_);
+  return Enter(route_.Motion(clock, facts_), ledger);
 }
 
 Outgoing RobotScript::Motion(std::int64_t now_ms, Ledger& ledger) {

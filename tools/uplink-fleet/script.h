@@ -36,6 +36,8 @@ class RobotScript final {
   void Adopt(const ScenarioOptions& options);
   /// The messages of one tick, at `now_ms` (Unix).
   [[nodiscard]] std::vector<Outgoing> Tick(std::int64_t now_ms, Ledger& ledger);
+  /// The same of a robot that moves and reports nothing else.
+  [[nodiscard]] Outgoing OnlyMove(std::int64_t now_ms, Ledger& ledger);
   /// A motion message of a robot that stands still.
   [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Ledger& ledger);
   /// A motion message between two ticks.

@@ -121,11 +121,12 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
       FetchPages<v1::ListGapsResponse>(
           http_, history("gaps"), [](auto& page) { return page.mutable_gaps(); },
           into(stored.gaps))};
+  // A robot that the server has never heard of has nothing.
   for (const absl::Status& status : present) {
-    if (!status.ok()) return status;
+    if (!status.ok() && !absl::IsNotFound(status)) return status;
   }
   for (const absl::Status& status : rest) {
-    if (!status.ok()) return status;
+    if (!status.ok() && !absl::IsNotFound(status)) return status;
   }
   return stored;
 }

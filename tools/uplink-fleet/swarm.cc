@@ -108,10 +108,11 @@ void Swarm::Inside::MakeRobots(Driver& driver, SteadyTime start) {
     robot.link.address = address;
     robot.link.identity = identities[i];
     robot.link.tls = tls;
+    if (ReadsSlowly(first.trouble, i)) robot.link.window_bytes = kSlowWindowBytes;
     robot.seed = first.options.seed * 1'000'003 + i;
     Agent agent(first, i, sessions[i], shared, driver.latencies);
     agent.Name(robot.ruri);
-    agent.LiveOffline(scenario.offline_before, start, clock.System());
+    agent.LiveOffline(scenario.offline_before, first.tick(), start, clock.System());
     driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agent), scenario,
                                                     start, driver.loop, clock, shared));
     const double after_ms = static_cast<double>(i) * 1000 / scenario.connects_per_second;
@@ -125,6 +126,7 @@ void Swarm::Start() {
     inside_->threads.emplace_back([inside = inside_.get(), &driver = *driver, start] {
       pthread_setname_np(pthread_self(), "robots");
       inside->MakeRobots(driver, start);
+      inside->shared.threads_ready.fetch_add(1);
       // Until no robot sets another timer: all are done.
       driver.loop.io.run();
     });

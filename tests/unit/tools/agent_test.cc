@@ -206,14 +206,40 @@ TEST_F(AgentTest, ARobotThatWasOfflineComesWithWhatItKept) {
   Phase phase = PhaseOf(1);
   phase.options.malformed_share = 0;
   Agent agent = Make(phase);
-  agent.LiveOffline(std::chrono::hours(1), clock_.Steady(), clock_.System());
+  agent.LiveOffline(std::chrono::hours(1), phase.tick(), clock_.Steady(), clock_.System());
   Welcome(agent);
-  while (Take(agent) > 0) {
-  }
+  while (Take(agent) > 0) Ack(agent);
   const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
-  EXPECT_GT(outcome.live_dropped, 3600 - kLiveWaitingMax);
-  EXPECT_GT(outcome.ledger.good(), 3600U);
+  EXPECT_GT(outcome.ledger.good(), 36'000U) << "an hour of ten ticks a second";
+  EXPECT_EQ(latencies_.gave_way.count(), 0U) << "nobody was there to take them";
   EXPECT_EQ(outcome.sent, outcome.ledger.good() + kLiveWaitingMax);
+}
+
+TEST_F(AgentTest, ARobotThatKeepsAllItMayOnlyMoves) {
+  Phase phase = PhaseOf(1);
+  phase.options.malformed_share = 0;
+  phase.options.faults_hz = 1000;
+  Agent agent = Make(phase);
+  agent.LiveOffline(std::chrono::minutes(10), phase.tick(), clock_.Steady(), clock_.System());
+  EXPECT_EQ(shared_.only_moving.load(), 1U);
+  Welcome(agent);
+  while (Take(agent) > 0) Ack(agent);
+  const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
+  EXPECT_LT(outcome.ledger.good(), kDurableWaitingMax);
+  EXPECT_EQ(outcome.ledger.good_acked(), outcome.ledger.good()) << "nothing was refused";
+  EXPECT_EQ(outcome.judged, outcome.sent);
+}
+
+TEST_F(AgentTest, WhatGaveWayIsMeasuredToo) {
+  Phase phase = PhaseOf(1);
+  phase.options.malformed_share = 0;
+  phase.options.faults_hz = 0;
+  Agent agent = Make(phase);
+  // A minute without a stream: the newest are kept.
+  for (int i = 0; i < 600; ++i) Tick(agent);
+  EXPECT_GT(latencies_.gave_way.count(), 600 - kLiveWaitingMax);
+  EXPECT_GE(latencies_.gave_way.max(), std::chrono::seconds(15));
+  EXPECT_EQ(latencies_.live.count(), 0U);
 }
 
 TEST_F(AgentTest, LatencyRunsFromWhenAMessageWasDue) {

@@ -51,7 +51,7 @@ TEST(LiveSummaryTest, SaysWhatCameSinceTheLineBefore) {
   testing::ManualClock clock;
   Shared shared;
   shared.acked_durable = 12;
-  shared.rejects = 3;
+  for (int i = 0; i < 3; ++i) shared.CountReject(1);
   shared.breaks = 2;
   v1::ServerStatus status;
   (*status.mutable_robots())["online"] = 4;
