@@ -9,6 +9,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include "schema/base/check.h"
+#include "server/identity/session_tickets.h"
 #include "server/relay/channel_arguments.h"
 #include "server/relay/credentials.h"
 #include "tests/bench/sink_protocol.h"
@@ -141,5 +142,7 @@ int main(int argc, char** argv) {
   if (argc != 4) return 2;
   // As the server does: Debian's abseil is built with its deadlock detector.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  const absl::Status tickets = uplink::identity::SendNoSessionTickets();
+  UPLINK_CHECK(tickets.ok(), tickets.ToString());
   uplink::bench::Run(argv[1], argv[2], std::stoull(argv[3]));
 }

@@ -35,12 +35,15 @@ struct Arguments {
 constexpr double kMicrosASecond = 1e6;
 constexpr double kBytesAKiB = 1024;
 constexpr int kWarmUpSeconds = 1;
+/// Share of a core above which a server had no more of it.
+constexpr double kFullCore = 0.97;
 /// Handshakes at a time while nothing is measured.
 constexpr std::size_t kConnectsAtOnce = 32;
 
 // The load of the scenarios.
 constexpr std::size_t kPacedRobots = 2000;
 constexpr double kPacedHz = 10;
+constexpr std::size_t kFewerRobots = 500;
 constexpr std::size_t kFloodRobots = 16;
 /// Messages that a flooding robot has on its way.
 constexpr std::size_t kFloodAhead = 2048;
@@ -66,6 +69,8 @@ class RelayBench final {
   std::vector<Row> Run() {
     if (arguments_.what == "relay") {
       Cost("paced_1", kAll, 1, kPacedRobots, Paced(kPacedRobots * kPacedHz, 1));
+      Cost("paced_500_robots", {ServerKind::kGrpcSink}, 1, kFewerRobots,
+           Paced(kFewerRobots * kPacedHz, 1));
       Cost("paced_10", kSinks, 10, kPacedRobots, Paced(kPacedRobots, 10));
       Cost("flood_1", kAll, 1, kFloodRobots, Flooding(1));
       Cost("flood_64", kSinks, 64, kFloodRobots, Flooding(64));
@@ -112,7 +117,18 @@ class RelayBench final {
     // Acks lag behind by less than a message in a hundred; a flood has as many on its way at its
     // end as at its beginning.
     const double messages = static_cast<double>(std::max(load.acked() - acked, load.sent() - sent));
+    full_core_ = cpu > kFullCore * arguments_.seconds;
     return cpu * kMicrosASecond / std::max(messages, 1.0);
+  }
+
+  /// As CostOnce, where messages come at a rate whether the server keeps up or not.
+  double PacedCostOnce(const std::string& scenario, const Server& server, Load& load,
+                       const Act& act) {
+    const double cost = CostOnce(server, load, act);
+    if (full_core_) {
+      Say(scenario + ": the server's core was full: a message costs at least this much");
+    }
+    return cost;
   }
 
   /// The server under test, and then each comparator, by turns.
@@ -124,18 +140,22 @@ class RelayBench final {
     for (const ServerKind kind : comparators) {
       if (IsInstalled(kind)) kinds.push_back(kind);
     }
+    link::Loop loop;
     std::vector<std::unique_ptr<Server>> servers;
     std::vector<std::unique_ptr<Load>> loads;
     for (const ServerKind kind : kinds) {
       Say(scenario + ": " + std::to_string(robots) + " robots of " + NameOf(kind));
       servers.push_back(std::make_unique<Server>(world_, kind, frame_messages));
-      loads.push_back(std::make_unique<Load>(servers.back()->where()));
+      loads.push_back(std::make_unique<Load>(servers.back()->where(), loop));
       loads.back()->ConnectUpTo(robots, kConnectsAtOnce);
     }
+    const bool flood = scenario.starts_with("flood");
     std::map<ServerKind, Rounds> costs;
     for (int round = 0; round < arguments_.rounds; ++round) {
       for (std::size_t i = 0; i < servers.size(); ++i) {
-        costs[kinds[i]].Add(CostOnce(*servers[i], *loads[i], act));
+        costs[kinds[i]].Add(flood ? CostOnce(*servers[i], *loads[i], act)
+                                  : PacedCostOnce(scenario + " of " + NameOf(kinds[i]), *servers[i],
+                                                  *loads[i], act));
       }
     }
     for (std::size_t i = 1; i < kinds.size(); ++i) {
@@ -150,33 +170,51 @@ class RelayBench final {
     }
   }
 
+  /// A server with few robots and one with many, for Growth.
+  struct Pair {
+    Pair(World& world, ServerKind kind, link::Loop& loop)
+        : few_server(world, kind),
+          many_server(world, kind),
+          few(few_server.where(), loop),
+          many(many_server.where(), loop) {
+      few.ConnectUpTo(kFewRobots, kConnectsAtOnce);
+      many.ConnectUpTo(kManyRobots, kConnectsAtOnce);
+    }
+
+    Server few_server;
+    Server many_server;
+    Load few;
+    Load many;
+    Rounds few_cost;
+    Rounds many_cost;
+  };
+
   /// Cost of a message with many robots over that with few, at the same rate of all.
   void Growth() {
     const std::string scenario = "growth_100_to_10000";
     if (!Wanted(scenario)) return;
     world_.MakeRobots(kManyRobots);
+    Say(scenario);
+    link::Loop loop;
+    Pair ours(world_, ServerKind::kUplinkd, loop);
+    Pair sink(world_, ServerKind::kGrpcSink, loop);
     Row row{scenario, "x", NameOf(ServerKind::kGrpcSink), {}, {}};
-    for (const ServerKind kind : {ServerKind::kUplinkd, ServerKind::kGrpcSink}) {
-      Say(scenario + ": " + NameOf(kind));
-      const Server server(world_, kind);
-      Load load(server.where());
-      Rounds few;
-      Rounds many;
-      load.ConnectUpTo(kFewRobots, kConnectsAtOnce);
-      for (int i = 0; i < arguments_.rounds; ++i) {
-        few.Add(CostOnce(server, load, Paced(kGrowthRate, 1)));
-      }
-      load.ConnectUpTo(kManyRobots, kConnectsAtOnce);
-      for (int i = 0; i < arguments_.rounds; ++i) {
-        many.Add(CostOnce(server, load, Paced(kGrowthRate, 1)));
-      }
-      (kind == ServerKind::kUplinkd ? row.value : row.comparator_value)
-          .Add(many.median() / few.median());
-      if (kind == ServerKind::kUplinkd) {
-        rows_.push_back({"robots_100_at_10000_a_second", "us CPU/message", "", few, {}});
-        rows_.push_back({"robots_10000_at_10000_a_second", "us CPU/message", "", many, {}});
+    const Act act = Paced(kGrowthRate, 1);
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      for (const auto& [pair, ratios] :
+           {std::pair(&ours, &row.value), std::pair(&sink, &row.comparator_value)}) {
+        const double few = PacedCostOnce(scenario, pair->few_server, pair->few, act);
+        const double many = PacedCostOnce(scenario, pair->many_server, pair->many, act);
+        pair->few_cost.Add(few);
+        pair->many_cost.Add(many);
+        ratios->Add(many / few);
       }
     }
+    const auto name = NameOf(ServerKind::kGrpcSink);
+    rows_.push_back(
+        {"robots_100_at_10000_a_second", "us CPU/message", name, ours.few_cost, sink.few_cost});
+    rows_.push_back(
+        {"robots_10000_at_10000_a_second", "us CPU/message", name, ours.many_cost, sink.many_cost});
     rows_.push_back(std::move(row));
   }
 
@@ -192,7 +230,8 @@ class RelayBench final {
         if (!IsInstalled(kind)) continue;
         Say("memory: " + NameOf(kind));
         const Server server(world_, kind);
-        Load load(server.where());
+        link::Loop loop;
+        Load load(server.where(), loop);
         const std::uint64_t before = server.use().rss_bytes;
         load.ConnectUpTo(kMemoryRobots, kConnectsAtOnce);
         idle[kind].Add(KiBARobot(server.use().rss_bytes - before));
@@ -225,7 +264,8 @@ class RelayBench final {
         if (!IsInstalled(kind)) continue;
         Say("accepts: " + NameOf(kind));
         const Server server(world_, kind);
-        Load load(server.where());
+        link::Loop loop;
+        Load load(server.where(), loop);
         const synthetic::ProcessUse before = server.use();
         load.ConnectUpTo(kAcceptRobots, kConnectsAtOnce);
         rates[kind].Add(static_cast<double>(kAcceptRobots) /
@@ -245,7 +285,8 @@ class RelayBench final {
     world_.MakeRobots(kStormRobots);
     Row row{"reconnect_5000", "s", "", {}, {}};
     Server server(world_, ServerKind::kUplinkd);
-    Load load(server.where());
+    link::Loop loop;
+    Load load(server.where(), loop);
     load.ConnectUpTo(kStormRobots, kConnectsAtOnce);
     load.SendEach(1);
     const SystemClock clock;
@@ -263,6 +304,8 @@ class RelayBench final {
 
   const Arguments& arguments_;
   World world_;
+  /// In the last window.
+  bool full_core_ = false;
   std::vector<Row> rows_;
 };
 

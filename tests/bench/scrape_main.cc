@@ -19,6 +19,7 @@
 #include "schema/base/check.h"
 #include "server/rcan/scrape.h"
 #include "tests/bench/figures.h"
+#include "tests/support/no_lines.h"
 #include "tests/support/records.h"
 #include "tools/uplink-fleet/process_use.h"
 
@@ -37,11 +38,6 @@ struct Arguments {
 
 constexpr std::size_t kJoints = 6;
 constexpr double kKiB = 1024;
-
-class Silent final : public log::LineSink {
- public:
-  void Write(std::string_view /*line*/) override {}
-};
 
 /// CPU of this thread for one call, in milliseconds.
 double CpuMs(const std::function<void()>& act) {
@@ -108,7 +104,8 @@ class ArmFleet {
   }
 
   SystemClock clock_;
-  log::Logger logger_{std::make_unique<Silent>(), clock_, log::Format::kText, log::Level::kError};
+  log::Logger logger_{std::make_unique<testing::NoLines>(), clock_, log::Format::kText,
+                      log::Level::kError};
   fleet::Fleet fleet_;
   config::RcanConfig config_;
   rcan::FaultCounts faults_{clock_};

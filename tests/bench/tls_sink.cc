@@ -48,7 +48,8 @@ class Sink final {
         "the certificates are read");
     SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
     SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS);
-    SSL_CTX_set_options(context, SSL_OP_NO_TICKET);
+    SSL_CTX_set_options(context, SSL_OP_NO_TICKET);  // TLS 1.2's
+    SSL_CTX_set_num_tickets(context, 0);             // TLS 1.3's
     SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
     listener_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
     sockaddr_in address{};

@@ -26,7 +26,8 @@ class Load final {
     const std::vector<link::Identity>* identities = nullptr;
   };
 
-  explicit Load(Where where) : where_(std::move(where)) {}
+  /// `loop` outlives it. Loads of one loop live while any of them is driven: they answer pings.
+  Load(Where where, link::Loop& loop) : where_(std::move(where)), loop_(loop), timer_(loop.io) {}
   /// Closes the connections and lets them end.
   ~Load();
   Load(const Load&) = delete;
@@ -57,8 +58,8 @@ class Load final {
   void FillUp(Client& client, std::size_t ahead, std::size_t frame_messages) const;
 
   Where where_;
-  link::Loop loop_;
-  boost::asio::steady_timer timer_{loop_.io};
+  link::Loop& loop_;
+  boost::asio::steady_timer timer_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::size_t next_ = 0;
   std::uint64_t late_ = 0;
