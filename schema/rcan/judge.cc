@@ -2,6 +2,7 @@
 
 #include <array>
 #include <exception>
+#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_set>
@@ -16,6 +17,7 @@
 #include "schema/rcan/members.h"
 #include "schema/rcan/ruri.h"
 #include "schema/rules/describe.h"
+#include "schema/rules/texts.h"
 
 namespace uplink::schema {
 namespace {
@@ -74,8 +76,9 @@ model::RcanJoint JointOf(const js::object& object, const Path& path, Faults& fau
 }
 
 /// The joint, or nothing after reporting it: a joint at fault is dropped, and nothing else with it.
-std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& item,
-                                          Faults& faults) {
+/// `name` is what it is called, empty if that cannot be told.
+std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& item, Faults& faults,
+                                          std::string& name) {
   const js::object* object = value.if_object();
   if (object == nullptr) {
     faults.Content(TypeMismatch(item, KindOf(value), "object"));
@@ -83,6 +86,7 @@ std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& it
   }
   Faults own(/*durable=*/false);
   model::RcanJoint joint = JointOf(*object, item, own);
+  name = joint.joint;
   if (!own.rejected()) {
     for (model::Rejection& dropped : own.TakeDropped()) faults.Content(std::move(dropped));
     return joint;
@@ -114,25 +118,35 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Faults&
   std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < items->size() && !faults.rejected(); ++i) {
     const Path item = list.Item(i);
-    std::optional<model::RcanJoint> joint = TakeJoint((*items)[i], item, faults);
-    if (!joint) continue;
-    if (!names.insert(joint->joint).second) {
-      const Path name = item.Field("joint");
-      faults.Reject(DuplicateKey(name, joint->joint));
+    std::string name;
+    std::optional<model::RcanJoint> joint = TakeJoint((*items)[i], item, faults, name);
+    // Also of a joint that is dropped for another fault.
+    if (!name.empty() && !names.insert(name).second) {
+      const Path field = item.Field("joint");
+      faults.Reject(DuplicateKey(field, name));
     }
-    joints.push_back(*std::move(joint));
+    if (joint) joints.push_back(*std::move(joint));
   }
   return joints;
 }
 
 /// Whether the state is of this robot, as far as it says so; reports if it is not.
 bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Faults& faults) {
-  const std::optional<std::string> said = state.Text("ruri", Need::kMust, model::kRuriBytesMax);
+  // The whole text has its limit already.
+  constexpr std::size_t text_bytes = std::numeric_limits<std::size_t>::max();
+  // Its length is that of the RURI without the signature, which may be longer than the rest.
+  const std::optional<std::string> said = state.Text("ruri", Need::kMust, text_bytes);
   if (!said) return false;
+  const Path field = root.Field("ruri");
+  const std::string_view bare = std::string_view(*said).substr(0, said->find("?sig="));
+  if (auto fault = TextFault(field, bare, model::kRuriBytesMax)) {
+    faults.Reject(*std::move(fault));
+    return false;
+  }
   if (NormalRuri(*said) == NormalRuri(ruri)) return true;
   faults.Reject(
       {.reason = model::RejectReason::kIdentityMismatch,
-       .field = root.Field("ruri").Text(),
+       .field = field.Text(),
        .detail = PrintableUtf8(fmt::format("\"{}\" is not the stream's robot \"{}\"", *said, ruri),
                                model::kDetailBytesMax)});
   return false;

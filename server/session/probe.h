@@ -40,8 +40,8 @@ struct SessionProbe {
   /// not do what the Hello asks for.
   metrics::Cell refused_full_total;
   metrics::Cell refused_identity_total;
-  metrics::Cell notices_total;
-  metrics::Cell acks_total;
+  metrics::CoreCell notices_total;
+  metrics::CoreCell acks_total;
   metrics::Cell resumes_total;
   /// Streams whose frames are not read now, and how often that began.
   metrics::Cell held_back;
@@ -50,8 +50,8 @@ struct SessionProbe {
   metrics::Cell superseded_total;
   /// Streams that ended, by kStreamEnds.
   std::array<metrics::Cell, kStreamEnds.size()> ended_total;
-  metrics::Cell frames_total;
-  metrics::Cell frame_bytes_total;
+  metrics::CoreCell frames_total;
+  metrics::CoreCell frame_bytes_total;
   /// Arrival to the Ack that covers it, durable messages.
   metrics::LatencyDistribution ack_seconds{metrics::kLatencyBoundsSeconds};
 };

@@ -10,6 +10,8 @@ RcanOrder::Place RcanOrder::PlaceOf(const model::RcanState& state) const {
 std::uint64_t RcanOrder::See(const model::RcanState& state) {
   if (!state.seq) return 0;
   const std::optional<std::int64_t> before = last_seq_;
+  // A state that comes too late does not begin the numbers anew.
+  if (before && *state.seq < *before && PlaceOf(state) == Place::kOlder) return 0;
   last_seq_ = state.seq;
   // Going back is a robot that began anew, or a number that wrapped: nothing is known to miss.
   if (!before || *state.seq <= *before) return 0;

@@ -27,7 +27,8 @@ class RcanOrder final {
   /// The time of the state before; only where PlaceOf is not kNewer.
   [[nodiscard]] std::int64_t last_timestamp_us() const { return last_timestamp_us_.value_or(0); }
 
-  /// Sees the number of a state, whatever becomes of it. Returns how many were skipped before it.
+  /// Sees the number of a state, whatever becomes of it, before Take. Returns how many were skipped
+  /// before it.
   std::uint64_t See(const model::RcanState& state);
   /// The state becomes the last one. A joint in it that is not newer than its held sample gets that
   /// sample back; all the numbers that were skipped are counted into it.

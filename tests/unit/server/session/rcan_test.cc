@@ -127,6 +127,9 @@ TEST_F(RcanTest, NumbersThatCameAreNotMissingWhateverBecameOfTheirStates) {
   Send({State(200, R"("seq":4)")});
   EXPECT_EQ(Latest().seq_missing, 0U);
   EXPECT_EQ(server().counts().rcan_missing, 0U);
+  // The sixth overtakes the fifth, which then comes too late.
+  Send({State(300, R"("seq":6)"), State(250, R"("seq":5)"), State(400, R"("seq":7)")});
+  EXPECT_EQ(Latest().seq_missing, 1U) << "what was counted once is not counted again";
 }
 
 TEST_F(RcanTest, TheLastOfAFrameWinsAndTheOthersAreSuperseded) {
