@@ -1,6 +1,8 @@
 #include "server/config/relations.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include <fmt/core.h>
 
@@ -104,6 +106,13 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
                  fmt::format("it must be 1 to {} lower-case letters, digits and underscores",
                              kSubsystemBytesMax));
     return;
+  }
+  std::set<std::string> names;
+  for (const auto& spec : metrics::rcan::AllSeries()) {
+    const std::string name = metrics::rcan::ShortName(spec, word);
+    if (names.insert(name).second) continue;
+    breaches.Add("rcan", "subsystem",
+                 fmt::format("\"{}\" would name two series rcan_{}", word, name));
   }
   for (const std::string& field : rcan.fields) {
     const bool known = std::ranges::any_of(metrics::rcan::AllSeries(), [&](const auto& spec) {

@@ -60,6 +60,9 @@ struct StateView {
   Presence presence = Presence::kUnknown;
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
+  /// The robot's stream is not read now; or when that ended. Its silence is ours.
+  bool held_back = false;
+  std::optional<SteadyTime> held_back_until;
   /// In this life of the server; the epoch if they did not.
   SteadyTime status_arrived;
   SteadyTime rcan_arrived;
@@ -146,6 +149,8 @@ class RobotState final {
                    .presence = presence_,
                    .presence_since = presence_since_,
                    .last_sign_of_life = last_sign_system_,
+                   .held_back = held_back_,
+                   .held_back_until = held_back_until_,
                    .status_arrived = status_arrived_,
                    .rcan_arrived = rcan_arrived_});
   }

@@ -31,9 +31,15 @@ void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, std::string_view label,
 bool ShowsValues(const fleet::StateView& view, const SeriesSources& sources) {
   // Not since when presence is what it is: after a restart that is younger than the robot's
   // silence.
-  if (view.presence == fleet::Presence::kOnline) return true;
-  return view.last_sign_of_life &&
-         sources.now - *view.last_sign_of_life <= sources.presence_timeout + sources.series_ttl;
+  if (view.presence == fleet::Presence::kOnline || view.held_back) return true;
+  const milliseconds shown = sources.presence_timeout + sources.series_ttl;
+  const auto lately = [&](SteadyTime at) {
+    return at != SteadyTime() && sources.steady_now - at <= shown;
+  };
+  // Silence that we caused is not the robot's; and what says a value may be no sign of life
+  // (rcan.counts_as_life).
+  if (lately(view.held_back_until.value_or(SteadyTime())) || lately(view.rcan_arrived)) return true;
+  return view.last_sign_of_life && sources.now - *view.last_sign_of_life <= shown;
 }
 
 void AddMotion(const model::MotionTelemetry& motion, SeriesPage& page) {

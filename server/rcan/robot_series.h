@@ -12,6 +12,8 @@ namespace uplink::rcan {
 /// What the series of one robot are made of, beside its state.
 struct SeriesSources {
   SystemTime now;
+  /// The same moment by the other clock.
+  SteadyTime steady_now;
   /// How long the values of a robot that went offline are shown (rcan.series_ttl).
   milliseconds series_ttl;
   /// A robot is offline when its last sign of life is older (presence.timeout).

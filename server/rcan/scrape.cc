@@ -28,6 +28,7 @@ const std::vector<fleet::Robot*>& RobotScrape::Robots() {
 void RobotScrape::Fill() {
   const std::shared_ptr<const FaultCounts::Map> faults = sources_.faults.counts();
   const SeriesSources series{.now = sources_.clock.System(),
+                             .steady_now = sources_.clock.Steady(),
                              .series_ttl = sources_.config.series_ttl,
                              .presence_timeout = sources_.fleet.presence_limits().timeout,
                              .extras = sources_.config.extras,

@@ -84,6 +84,17 @@ TEST(RelationsTest, TheSubsystemIsAWordOfASeriesName) {
   }
 }
 
+TEST(RelationsTest, TheSubsystemNamesNoSeriesTwice) {
+  for (const char* word : {"robot_battery", "robot_cpu"}) {
+    EXPECT_THAT(OneProblem(std::string("[rcan]\nsubsystem = \"") + word + "\"\n"),
+                HasSubstr("would name two series rcan_robot_"))
+        << word;
+  }
+  for (const char* word : {"robot", "robot_arm"}) {
+    EXPECT_EQ(OneProblem(std::string("[rcan]\nsubsystem = \"") + word + "\"\n"), "") << word;
+  }
+}
+
 TEST(RelationsTest, ABadValueIsNotReportedTwice) {
   EXPECT_THAT(ParseWith("[store]\nurl = 5\n").problems, SizeIs(1));
 }

@@ -33,6 +33,7 @@ class SeriesTest : public ::testing::Test {
     state_.LookAt([&](const fleet::StateView& view) {
       AddRobot("r", view,
                {.now = clock_.System(),
+                .steady_now = clock_.Steady(),
                 .series_ttl = seconds(600),
                 .presence_timeout = limits_.timeout,
                 .extras = extras_,
@@ -89,6 +90,29 @@ TEST_F(SeriesTest, PresenceStaysAndValuesVanishAfterTheirTime) {
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_online{ruri=\"r\"} 0\n"));
   EXPECT_THAT(Text(), HasSubstr("last_sign_of_life_timestamp_seconds{ruri=\"r\"} " +
                                 std::to_string(static_cast<std::int64_t>(heard))));
+}
+
+TEST_F(SeriesTest, ValuesStayWhileItsOwnStreamIsHeldBack) {
+  Hear();
+  Apply(Status(12.5, 50));
+  state_.SetReading(fleet::RobotState::Reading::kHeldBack, clock_.Steady());
+  clock_.Advance(seconds(3600));
+  Sweep();
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_v"));
+  state_.SetReading(fleet::RobotState::Reading::kFlowing, clock_.Steady());
+  clock_.Advance(seconds(610));
+  Sweep();
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_v")) << "at the limit, after it went offline";
+  clock_.Advance(seconds(1));
+  EXPECT_THAT(Text(), Not(HasSubstr("battery")));
+}
+
+TEST_F(SeriesTest, StatesThatAreNoSignOfLifeAreShownWhileTheyCome) {
+  Apply(WithJoint("a", 1));
+  Sweep();
+  EXPECT_THAT(Text(), HasSubstr("position_rad{joint=\"a\""));
+  clock_.Advance(seconds(611));
+  EXPECT_THAT(Text(), Not(HasSubstr("position_rad")));
 }
 
 TEST_F(SeriesTest, AfterARestartPresenceIsNotSaidBeforeItIsKnown) {
