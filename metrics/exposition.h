@@ -31,6 +31,7 @@ class Exposition final {
   /// A sample of a counter or gauge; `labels` are the values in the order of the entry's names.
   void Add(MetricId id, double value, std::initializer_list<std::string_view> labels = {});
   void Add(MetricId id, const Cell& cell) { Add(id, static_cast<double>(cell.value())); }
+  void Add(MetricId id, const CoreCell& cell) { Add(id, static_cast<double>(cell.value())); }
 
   template <std::size_t kBuckets>
   void Add(MetricId id, const Distribution<kBuckets>& distribution) {
