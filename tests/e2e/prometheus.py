@@ -1,6 +1,7 @@
 """A real Prometheus that scrapes a server with the deployed configuration, faster."""
 
 import json
+import math
 import re
 import socket
 import subprocess
@@ -59,8 +60,12 @@ class Prometheus:
         return [(sample["metric"], float(sample["value"][1])) for sample in data["result"]]
 
     def wait_for(self, expression, seconds=60):
-        """The first answer that is not empty."""
-        return wait_until(self.process, lambda: self.query(expression), seconds, f"an answer to {expression}")
+        """The first answer with a number in it."""
+        return wait_until(
+            self.process,
+            lambda: [sample for sample in self.query(expression) if not math.isnan(sample[1])],
+            seconds, f"an answer to {expression}",
+        )  # fmt: skip
 
     def wait_for_value(self, expression, value, seconds=60):
         return wait_until(

@@ -102,6 +102,23 @@ class Scrapes(EndToEnd):
         self.assertTrue(text.endswith(b"# EOF\n"))
         return set(TYPE_LINE.findall(text))
 
+    def test_a_real_scrape_is_the_catalogue(self):
+        self.at_work()
+        table = run(BIN / "uplinkd", "--print-metrics").stdout.split("\n\n")[0]
+        catalogue = {}
+        for row in table.splitlines()[2:]:
+            name, kind, _, labels, text, _ = (cell.strip() for cell in row.strip("| ").split(" | "))
+            catalogue[name.strip("`")] = (kind, set(re.findall(r"`(\w+)`", labels)), text)
+        text = scrape(self.running, "/metrics")[1].decode()
+        kinds = dict(re.findall(r"^# TYPE (\S+) (\S+)$", text, re.MULTILINE))
+        helps = dict(re.findall(r"^# HELP (\S+) (.*)$", text, re.MULTILINE))
+        self.assertEqual(kinds, {name: kind for name, (kind, _, _) in catalogue.items()})
+        self.assertEqual(helps, {name: said for name, (_, _, said) in catalogue.items()})
+        for name, labels in re.findall(r"^(\w+)(?:\{(.*)\})? \S+$", text, re.MULTILINE):
+            family = name if name in kinds else re.sub(r"_(bucket|sum|count)$", "", name)
+            found = set(re.findall(r'(\w+)="', labels)) - {"le"}
+            self.assertEqual(found, catalogue[family][1], name)
+
     def test_the_law_holds_in_each_scrape_of_a_flood(self):
         self.at_work("--scenario", "flood", "--malformed-share", 0.2)
         seen = 0
@@ -187,6 +204,17 @@ class Files(unittest.TestCase):
             path.write_text(unit.replace("/usr/bin/uplinkd", str(BIN / "uplinkd")), encoding="utf-8")
             done = run("systemd-analyze", "verify", "--man=no", path)
             self.assertEqual(done.stdout + done.stderr, "")
+
+    def test_its_user_is_made(self):
+        with tempfile.TemporaryDirectory() as root:
+            files = pathlib.Path(root) / "usr/lib/sysusers.d"
+            files.mkdir(parents=True)
+            (pathlib.Path(root) / "etc").mkdir()
+            text = (SOURCE / "deploy/systemd/uplinkd.sysusers.conf").read_text(encoding="utf-8")
+            (files / "uplinkd.conf").write_text(text, encoding="utf-8")
+            run("systemd-sysusers", f"--root={root}")
+            users = (pathlib.Path(root) / "etc/passwd").read_text(encoding="utf-8")
+            self.assertRegex(users, r"(?m)^uplinkd:.*:/var/lib/uplinkd:")
 
 
 def socket_to(address):
