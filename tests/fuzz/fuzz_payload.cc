@@ -4,25 +4,17 @@
 #include <string>
 
 #include "schema/base/check.h"
-#include "schema/base/utf8.h"
 #include "schema/encode.h"
 #include "schema/judge.h"
-#include "schema/model/ids.h"
+#include "tests/fuzz/check_fault.h"
 
 namespace {
 
-using uplink::IsCleanUtf8;
+using uplink::fuzz::CheckFault;
 using uplink::model::Rejection;
 using uplink::schema::Judge;
 using uplink::schema::JudgeLimits;
 using uplink::schema::Judgement;
-
-void CheckFault(const Rejection& fault) {
-  UPLINK_CHECK(!fault.detail.empty(), "a fault says something");
-  UPLINK_CHECK(fault.detail.size() <= uplink::model::kDetailBytesMax, "detail fits its frame");
-  UPLINK_CHECK(IsCleanUtf8(fault.detail), "detail is text");
-  UPLINK_CHECK(IsCleanUtf8(fault.field), "field is text");
-}
 
 /// What was judged good is good when it comes again, and comes back as it was.
 void CheckAgain(Judge& judge, const Judgement& first) {

@@ -5,14 +5,13 @@
 #include <variant>
 
 #include "schema/base/check.h"
-#include "schema/base/utf8.h"
 #include "schema/json/render.h"
-#include "schema/model/ids.h"
 #include "schema/rcan/judge.h"
+#include "tests/fuzz/check_fault.h"
 
 namespace {
 
-using uplink::IsCleanUtf8;
+using uplink::fuzz::CheckFault;
 using uplink::model::RcanState;
 using uplink::model::Rejection;
 using uplink::schema::JudgeRcanState;
@@ -22,13 +21,6 @@ constexpr std::string_view kRuri = "rcan://local.rcan/acme/arm/1";
 constexpr std::size_t kBytesMax = std::size_t{64} * 1024;
 /// A number may be longer when it is written again than as it came.
 constexpr std::size_t kAgainBytesMax = 16 * kBytesMax;
-
-void CheckFault(const Rejection& fault) {
-  UPLINK_CHECK(!fault.detail.empty(), "a fault says something");
-  UPLINK_CHECK(fault.detail.size() <= uplink::model::kDetailBytesMax, "detail fits its frame");
-  UPLINK_CHECK(IsCleanUtf8(fault.detail), "detail is text");
-  UPLINK_CHECK(IsCleanUtf8(fault.field), "field is text");
-}
 
 }  // namespace
 

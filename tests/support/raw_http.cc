@@ -12,10 +12,14 @@
 
 namespace uplink::testing {
 
-RawConnection::RawConnection(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+RawConnection::RawConnection(std::uint16_t port, int receive_bytes)
+    : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
   UPLINK_CHECK(socket_ >= 0, "a test can open a socket");
   const timeval wait{.tv_sec = 10, .tv_usec = 0};
   setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof(wait));
+  if (receive_bytes > 0) {
+    setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof(receive_bytes));
+  }
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);

@@ -18,7 +18,8 @@ struct RawAnswer {
 /// seconds. Confined to one thread.
 class RawConnection final {
  public:
-  explicit RawConnection(std::uint16_t port);
+  /// `receive_bytes`: what the kernel may hold unread, about; 0: as it likes.
+  explicit RawConnection(std::uint16_t port, int receive_bytes = 0);
   ~RawConnection();
   RawConnection(const RawConnection&) = delete;
   RawConnection& operator=(const RawConnection&) = delete;

@@ -4,6 +4,7 @@
 
 #include "metrics/exposition.h"
 #include "schema/base/check.h"
+#include "tests/support/no_lines.h"
 #include "tests/support/records.h"
 
 namespace uplink::testing {
@@ -17,11 +18,6 @@ void AddRelaySamples(metrics::Exposition& page) {
   page.Add(metrics::MetricId::kFinishTimeouts, 0);
   page.Add(metrics::MetricId::kWakes, 0);
 }
-
-class NoLines final : public log::LineSink {
- public:
-  void Write(std::string_view /*line*/) override {}
-};
 
 }  // namespace
 

@@ -15,14 +15,10 @@
 
 #include "server/http/client_hello.h"
 #include "tests/support/certificates.h"
+#include "tests/support/no_lines.h"
 
 namespace uplink::http {
 namespace {
-
-class NoLines final : public log::LineSink {
- public:
-  void Write(std::string_view /*line*/) override {}
-};
 
 /// Listens on a free port; what happens to its connections is the test's.
 class Listener {
@@ -75,7 +71,8 @@ class HandshakeProbeTest : public ::testing::Test {
   }
 
   SystemClock clock_;
-  log::Logger logger_{std::make_unique<NoLines>(), clock_, log::Format::kText, log::Level::kError};
+  log::Logger logger_{std::make_unique<testing::NoLines>(), clock_, log::Format::kText,
+                      log::Level::kError};
   EventLoop loop_{logger_};
 };
 

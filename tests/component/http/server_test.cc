@@ -3,11 +3,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "server/http/event_loop.h"
+#include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/server_world.h"
 
@@ -35,14 +37,45 @@ class HttpServerTest : public ::testing::Test {
     reads_.reset();
   }
 
-  std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait) {
+  std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
+                      std::size_t connections_max = kConnectionsMax) {
     auto server =
         HttpServer::Listen({loop_, world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
-                           {{host, 0}, kConnectionsMax, wait});
+                           {{host, 0}, connections_max, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     loop_.Start();
     return server_->bound().port;
+  }
+
+  /// More text of /metrics/robots than any kernel buffers for one connection.
+  void AddRobotsOfManyWords() {
+    constexpr std::size_t kLong = 256;
+    for (int i = 0; i < 5; ++i) {
+      std::string ruri = "rcan://r/" + std::to_string(i);
+      ruri.resize(kLong, 'r');
+      model::RcanState state;
+      for (int joint = 0; joint < 256; ++joint) {
+        std::string name = "j" + std::to_string(joint) + "-";
+        name.resize(kLong, 'j');
+        state.joints.push_back({.joint = name,
+                                .position_rad = 1,
+                                .velocity_rad_s = 1,
+                                .position_m = 1,
+                                .velocity_m_s = 1,
+                                .effort_nm = 1,
+                                .temperature_c = 1,
+                                .timestamp_us = 1});
+      }
+      world_.AddRobot(ruri).state.Apply(std::move(state), world_.clock.Steady());
+    }
+  }
+
+  [[nodiscard]] std::uint64_t ScrapesWritten() const {
+    const auto& seconds = world_.rcan_probe.scrape_seconds;
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i <= seconds.upper_bounds().size(); ++i) sum += seconds.count(i);
+    return sum;
   }
 
   testing::ServerWorld world_;
@@ -194,6 +227,31 @@ TEST_F(HttpServerTest, AClientThatLeavesDuringAReadHarmsNobody) {
   }
   world_.reader.Release();
   EXPECT_EQ(HttpGet(port, "/api/v1/faults").status, 200);
+}
+
+TEST_F(HttpServerTest, ScrapersThatDoNotReadHoldFourTextsAndNoMore) {
+  constexpr int kLittle = 4096;
+  AddRobotsOfManyWords();
+  const std::uint16_t port = Serve("127.0.0.1", kRequestWait, 16);
+  std::vector<std::unique_ptr<RawConnection>> slow;
+  for (std::size_t i = 0; i < rcan::kTextsMax; ++i) {
+    slow.push_back(std::make_unique<RawConnection>(port, kLittle));
+    slow.back()->SendGet("/metrics/robots");
+    ASSERT_TRUE(testing::Eventually([&] { return ScrapesWritten() == i + 1; }));
+    world_.clock.Advance(rcan::kTextShared);  // the next one gets a text of its own
+  }
+  EXPECT_EQ(HttpGet(port, "/metrics/robots").status, 503);
+  EXPECT_EQ(world_.rcan_probe.refused_total.value(), 1);
+  // Nobody else waits for them.
+  EXPECT_EQ(HttpGet(port, "/livez").status, 200);
+  EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
+  EXPECT_EQ(HttpGet(port, "/api/v1/status").status, 200);
+  // One hangs up, and its text is free again.
+  slow.pop_back();
+  EXPECT_TRUE(testing::Eventually([&] {
+    world_.clock.Advance(rcan::kTextShared);
+    return HttpGet(port, "/metrics/robots").status == 200;
+  }));
 }
 
 TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {

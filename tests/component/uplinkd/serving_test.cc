@@ -11,6 +11,7 @@
 #include "server/http/event_loop.h"
 #include "server/http/handshake_probe.h"
 #include "storage/sqlite/store.h"
+#include "tests/support/no_lines.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/uplinkd_folder.h"
 
@@ -18,11 +19,6 @@ namespace uplink::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-class NoLines final : public log::LineSink {
- public:
-  void Write(std::string_view /*line*/) override {}
-};
 
 class ServingTest : public ::testing::Test {
  protected:

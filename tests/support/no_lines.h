@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+
+#include "server/log/logger.h"
+
+namespace uplink::testing {
+
+/// Drops each line, for parts that want a logger where a test looks at none.
+class NoLines final : public log::LineSink {
+ public:
+  void Write(std::string_view /*line*/) override {}
+};
+
+}  // namespace uplink::testing
