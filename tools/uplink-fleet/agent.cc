@@ -92,7 +92,15 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
     case Stage::kLast:
       if (last_offered_ < shared_.last_round.load()) {
         ++last_offered_;
-        for (Outgoing& message : script_.Last(now_ms, ledger_)) Offer(std::move(message), now);
+        std::vector<Outgoing> last = script_.Last(now_ms, ledger_);
+        last_motion_ = last.front();
+        next_idle_motion_ = now + kIdleMotion;
+        for (Outgoing& message : last) Offer(std::move(message), now);
+      } else if (last_offered_ > 0 && reported_last_ == last_offered_ && now >= next_idle_motion_) {
+        // Looking at thousands of robots takes longer than the server waits for a sign of life. The
+        // same motion again changes nothing of what is looked at.
+        next_idle_motion_ = now + kIdleMotion;
+        Offer(last_motion_, now);
       }
       if (model_.all_settled() && reported_last_ < last_offered_) {
         reported_last_ = last_offered_;

@@ -77,6 +77,8 @@ class Agent final {
   std::size_t last_offered_ = 0;
   bool reported_settled_ = false;
   bool only_moves_ = false;
+  /// Of the last round of kLast.
+  Outgoing last_motion_;
   std::size_t reported_last_ = 0;
   bool ended_ok_ = false;
 };

@@ -104,8 +104,11 @@ TEST_F(AgentTest, GoesThroughTheStagesAndClosesOnlyWhenAllIsSettled) {
   Tick(agent);
   EXPECT_EQ(shared_.settled_robots.load(), 1U);
   const model::Seq before = highest_;
-  shared_.last_round = 1;
   shared_.stage = Stage::kLast;
+  for (int i = 0; i < 20; ++i) Tick(agent);
+  Take(agent);
+  EXPECT_EQ(highest_, before) << "nothing before the first round";
+  shared_.last_round = 1;
   Tick(agent);
   Take(agent);
   EXPECT_GE(highest_, before + 2);
@@ -122,6 +125,12 @@ TEST_F(AgentTest, GoesThroughTheStagesAndClosesOnlyWhenAllIsSettled) {
   Ack(agent);
   Tick(agent);
   EXPECT_EQ(shared_.last_robots.load(), 2U);
+  const model::Seq looked_at = highest_;
+  for (int i = 0; i < 10; ++i) Tick(agent);
+  Take(agent);
+  EXPECT_EQ(highest_, looked_at + 1) << "a sign of life while others are looked at";
+  EXPECT_EQ(shared_.last_robots.load(), 2U);
+  Ack(agent);
   EXPECT_FALSE(agent.may_close());
   shared_.stage = Stage::kClose;
   EXPECT_TRUE(agent.may_close());
