@@ -100,12 +100,6 @@ Server::Server(const World& world, ServerKind kind, std::size_t frame_messages)
       frame_messages_(frame_messages),
       folder_(world.folder.Path("")),
       port_(FreePort()) {
-  if (kind == ServerKind::kUplinkd) {
-    // Every server has a store of its own.
-    for (const char* end : {"", "-wal", "-shm"}) {
-      std::filesystem::remove(world.folder.Path("uplinkd.db") + end);
-    }
-  }
   Start();
 }
 
@@ -115,8 +109,11 @@ void Server::Start() {
   PinTo(kServerCore);
   switch (kind_) {
     case ServerKind::kUplinkd:
-      // Robots that rest while another server is measured are not offline.
+      // Every server has a store of its own, and keeps it when it is started again. Robots that
+      // rest while another server is measured are not offline.
       process_ = folder.Start({}, {fmt::format("UPLINKD_LISTEN_RELAY=127.0.0.1:{}", port_),
+                                   fmt::format("UPLINKD_STORE_URL=sqlite://{}",
+                                               folder.Path(fmt::format("uplinkd-{}.db", port_))),
                                    "UPLINKD_PRESENCE_TIMEOUT=1h"});
       break;
     case ServerKind::kGrpcSink:
