@@ -119,7 +119,7 @@ void RobotState::SignOfLife(SteadyTime steady, SystemTime system, const Presence
 void RobotState::SetReading(Reading reading, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   const bool held_back = reading == Reading::kHeldBack;
-  if (held_back_ && !held_back) held_back_until_ = now;
+  if (held_back_ && !held_back) held_back_until_ = stream_held_back_until_ = now;
   held_back_ = held_back;
 }
 

@@ -60,9 +60,9 @@ struct StateView {
   Presence presence = Presence::kUnknown;
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
-  /// The robot's stream is not read now; or when that ended. Its silence is ours.
+  /// The robot's own stream is not read now; or when that ended. Its silence is ours.
   bool held_back = false;
-  std::optional<SteadyTime> held_back_until;
+  std::optional<SteadyTime> stream_held_back_until;
   /// In this life of the server; the epoch if they did not.
   SteadyTime status_arrived;
   SteadyTime rcan_arrived;
@@ -150,7 +150,7 @@ class RobotState final {
                    .presence_since = presence_since_,
                    .last_sign_of_life = last_sign_system_,
                    .held_back = held_back_,
-                   .held_back_until = held_back_until_,
+                   .stream_held_back_until = stream_held_back_until_,
                    .status_arrived = status_arrived_,
                    .rcan_arrived = rcan_arrived_});
   }
@@ -183,7 +183,9 @@ class RobotState final {
   std::optional<SteadyTime> last_sign_;
   std::optional<SystemTime> last_sign_system_;
   bool held_back_ = false;
+  /// Also until when the server itself stood still.
   std::optional<SteadyTime> held_back_until_;
+  std::optional<SteadyTime> stream_held_back_until_;
   std::optional<std::int64_t> clock_skew_ms_;
   std::int64_t fields_dropped_ = 0;
   std::uint64_t keys_evicted_ = 0;

@@ -28,18 +28,20 @@ void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, std::string_view label,
   if (value) page.Add(id, label, static_cast<double>(*value));
 }
 
+/// Whether that happened so lately that what was known then is shown still.
+bool IsLately(SteadyTime at, const SeriesSources& sources) {
+  return at != SteadyTime() &&
+         sources.steady_now - at <= sources.presence_timeout + sources.series_ttl;
+}
+
 bool ShowsValues(const fleet::StateView& view, const SeriesSources& sources) {
   // Not since when presence is what it is: after a restart that is younger than the robot's
   // silence.
   if (view.presence == fleet::Presence::kOnline || view.held_back) return true;
-  const milliseconds shown = sources.presence_timeout + sources.series_ttl;
-  const auto lately = [&](SteadyTime at) {
-    return at != SteadyTime() && sources.steady_now - at <= shown;
-  };
-  // Silence that we caused is not the robot's; and what says a value may be no sign of life
-  // (rcan.counts_as_life).
-  if (lately(view.held_back_until.value_or(SteadyTime())) || lately(view.rcan_arrived)) return true;
-  return view.last_sign_of_life && sources.now - *view.last_sign_of_life <= shown;
+  // Silence that we caused is not the robot's.
+  if (IsLately(view.stream_held_back_until.value_or(SteadyTime()), sources)) return true;
+  return view.last_sign_of_life &&
+         sources.now - *view.last_sign_of_life <= sources.presence_timeout + sources.series_ttl;
 }
 
 void AddMotion(const model::MotionTelemetry& motion, SeriesPage& page) {
@@ -128,6 +130,26 @@ void AddExtras(const fleet::LiveParts& parts, std::span<const std::string> keys,
   }
 }
 
+/// What Robot States say of a robot that is not heard otherwise: they are no sign of life where
+/// rcan.counts_as_life says so, and come all the same.
+void AddStatesAlone(const fleet::StateView& view, SeriesPage& page) {
+  fleet::LiveParts parts;
+  parts.rcan = view.parts.rcan;
+  const fleet::Reported nothing;
+  const fleet::StateView states{.parts = parts,
+                                .reported = nothing,
+                                .presence = view.presence,
+                                .presence_since = view.presence_since,
+                                .last_sign_of_life = view.last_sign_of_life,
+                                .held_back = view.held_back,
+                                .stream_held_back_until = view.stream_held_back_until,
+                                .status_arrived = {},
+                                .rcan_arrived = view.rcan_arrived};
+  AddJoints(states, page);
+  AddBattery(states, page);
+  AddRcan(*parts.rcan, page);
+}
+
 }  // namespace
 
 bool AddRobot(const std::string& ruri, const fleet::StateView& view, const SeriesSources& sources,
@@ -137,7 +159,11 @@ bool AddRobot(const std::string& ruri, const fleet::StateView& view, const Serie
     page.Add(kOnline, view.presence == fleet::Presence::kOnline ? 1 : 0);
   }
   if (view.last_sign_of_life) page.Add(kLastSignOfLife, UnixSeconds(*view.last_sign_of_life));
-  if (!ShowsValues(view, sources)) return false;
+  if (!ShowsValues(view, sources)) {
+    if (!view.parts.rcan || !IsLately(view.rcan_arrived, sources)) return false;
+    AddStatesAlone(view, page);
+    return true;
+  }
   AddJoints(view, page);
   AddBattery(view, page);
   if (view.parts.motion) AddMotion(*view.parts.motion, page);

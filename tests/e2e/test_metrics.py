@@ -178,7 +178,8 @@ class Files(unittest.TestCase):
 
     def test_rules_fire_and_are_silent(self):
         run("promtool", "check", "config", SOURCE / "deploy/prometheus/prometheus.yml")
-        run("promtool", "test", "rules", SOURCE / "tests/prometheus/rules_test.yml")
+        for file in ("rules_test.yml", "usual_test.yml"):
+            run("promtool", "test", "rules", SOURCE / "tests/prometheus" / file, timeout=300)
 
     def test_each_alert_has_its_section_of_the_guide(self):
         rules = (SOURCE / "deploy/prometheus/alerts.rules.yml").read_text(encoding="utf-8")

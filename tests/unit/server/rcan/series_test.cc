@@ -107,10 +107,28 @@ TEST_F(SeriesTest, ValuesStayWhileItsOwnStreamIsHeldBack) {
   EXPECT_THAT(Text(), Not(HasSubstr("battery")));
 }
 
+TEST_F(SeriesTest, AStallOfTheServerBringsNobodyBack) {
+  Hear();
+  Apply(Status(12.5, 50));
+  clock_.Advance(seconds(7200));
+  Sweep();
+  EXPECT_THAT(Text(), Not(HasSubstr("battery")));
+  state_.NoteStall(clock_.Steady());
+  EXPECT_THAT(Text(), Not(HasSubstr("battery")));
+}
+
 TEST_F(SeriesTest, StatesThatAreNoSignOfLifeAreShownWhileTheyCome) {
-  Apply(WithJoint("a", 1));
+  Apply(Status(12.5, 50));
+  Hear();
+  clock_.Advance(seconds(7200));
+  model::RcanState state = WithJoint("a", 1);
+  state.battery_v = 24;
+  Apply(std::move(state));
   Sweep();
   EXPECT_THAT(Text(), HasSubstr("position_rad{joint=\"a\""));
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_v{ruri=\"r\"} 24\n"));
+  EXPECT_THAT(Text(), Not(HasSubstr("battery_pct"))) << "two hours old";
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_online{ruri=\"r\"} 0\n"));
   clock_.Advance(seconds(611));
   EXPECT_THAT(Text(), Not(HasSubstr("position_rad")));
 }
