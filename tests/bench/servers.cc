@@ -100,6 +100,10 @@ Server::Server(const World& world, ServerKind kind, std::size_t frame_messages)
       frame_messages_(frame_messages),
       folder_(world.folder.Path("")),
       port_(FreePort()) {
+  // A port may come again, and with it a store's name.
+  for (const char* end : {"", "-wal", "-shm"}) {
+    std::filesystem::remove(world.folder.Path(fmt::format("uplinkd-{}.db{}", port_, end)));
+  }
   Start();
 }
 

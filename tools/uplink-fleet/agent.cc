@@ -41,12 +41,10 @@ void Agent::Offer(Outgoing message, SteadyTime due) {
   if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
 }
 
-void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SteadyTime now,
-                        SystemTime system_now) {
+void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime now) {
   for (SteadyTime::duration left = age; left.count() > 0; left -= tick) {
-    const auto at = system_now - std::chrono::duration_cast<SystemTime::duration>(left);
-    // Due from now on: before, nobody could have taken them.
-    for (Outgoing& message : LifeAt(UnixMs(at))) Offer(std::move(message), now);
+    const auto at = now - std::chrono::duration_cast<SystemTime::duration>(left);
+    for (Outgoing& message : LifeAt(UnixMs(at))) Offer(std::move(message), {});
   }
   // That was no wait of a message: nobody was there to take it.
   static_cast<void>(model_.TakeGaveWay());

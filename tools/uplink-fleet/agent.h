@@ -35,8 +35,9 @@ class Agent final {
   void Adopt(const Phase& phase);
   /// Lives `age` without a connection, up to `now`, tick by tick: live messages give way to newer
   /// ones, durable ones are kept.
-  void LiveOffline(milliseconds age, SteadyTime::duration tick, SteadyTime now,
-                   SystemTime system_now);
+  void LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime now);
+  /// The run begins: before, nobody could have taken what was kept.
+  void Begin(SteadyTime start) { model_.DueAt(start); }
   /// Makes the messages of the tick that was due at `due`, as the stage asks.
   void Tick(SteadyTime due, SystemTime system_now);
   /// In a flood: makes motion messages until kFloodAhead have no Ack.

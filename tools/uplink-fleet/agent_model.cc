@@ -33,6 +33,11 @@ bool AgentModel::Offer(Outgoing message) {
   return true;
 }
 
+void AgentModel::DueAt(SteadyTime due) {
+  for (Waiting& waiting : live_waiting_) waiting.message.due = due;
+  for (Waiting& waiting : durable_waiting_) waiting.message.due = due;
+}
+
 v1::Hello AgentModel::BeginStream(const std::string& agent_version) {
   phase_ = Phase::kGreeting;
   stream_ack_.Clear();

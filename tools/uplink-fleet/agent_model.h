@@ -64,6 +64,8 @@ class AgentModel final {
 
   /// Takes a message for sending; false if too many durable ones wait.
   bool Offer(Outgoing message);
+  /// What waits is due at `due`, whenever it was offered.
+  void DueAt(SteadyTime due);
   /// How many durable messages more Offer takes now.
   [[nodiscard]] std::size_t durable_room() const {
     return kDurableWaitingMax - std::min(durable_waiting_.size(), kDurableWaitingMax);

@@ -60,10 +60,14 @@ class Run {
     absl::StatusOr<std::unique_ptr<Swarm>> swarm = Swarm::Create(flags_.swarm, clock_, shared_);
     if (!swarm.ok()) return CannotRun(swarm.status());
     const std::optional<pid_t> server = ServerProcess();
+    (*swarm)->Start();
+    // Robots that were offline first live through that time before any of them connects.
+    while (shared_.threads_ready.load() < flags_.swarm.threads && !shared_.abandon.load()) {
+      if (signals_.Wait(kLook)) shared_.abandon.store(true);
+    }
     const std::optional<ProcessUse> server_before = server ? UseOf(*server) : std::nullopt;
     const ProcessUse own_before = UseOf(getpid()).value_or(ProcessUse());
     const SteadyTime started = clock_.Steady();
-    (*swarm)->Start();
     const bool reached = Send();
     const std::optional<ProcessUse> server_after = server ? UseOf(*server) : std::nullopt;
     if (server_before && server_after) figures_.server = server_after->Since(*server_before);
@@ -108,13 +112,10 @@ class Run {
   /// The run itself; false if the server never welcomed a robot.
   bool Send() {
     const SteadyTime start = clock_.Steady();
-    SteadyTime ready = start;
     while (clock_.Steady() - start < flags_.run_for) {
       Progress();
       if (signals_.Wait(kLook)) break;
-      // Robots that were offline first live through that time before any of them connects.
-      if (shared_.threads_ready.load() < flags_.swarm.threads) ready = clock_.Steady();
-      if (shared_.welcomes.load() == 0 && clock_.Steady() - ready > kFirstWelcomeDeadline) {
+      if (shared_.welcomes.load() == 0 && clock_.Steady() - start > kFirstWelcomeDeadline) {
         return false;
       }
     }

@@ -90,6 +90,7 @@ void Robot::LiveUpTo(SteadyTime now) {
   if (now - next_tick_ > kCatchUpMax) {
     const auto skipped = (now - next_tick_) / phase_->tick();
     shared_.skipped_ticks.fetch_add(static_cast<std::uint64_t>(skipped));
+    for (auto i = skipped; i > 0; --i) static_cast<void>(DrawMishap(*phase_, random_));
     next_tick_ = now;
   }
   // A late tick was due at its own time: what waited for this program counts as waiting.

@@ -1,7 +1,10 @@
 #include "tools/uplink-fleet/swarm.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <latch>
+#include <mutex>
 #include <random>
 #include <thread>
 #include <utility>
@@ -47,10 +50,15 @@ struct Swarm::Inside {
   std::vector<link::Identity> identities;
   std::vector<model::SessionId> sessions;
   std::vector<std::unique_ptr<Driver>> drivers;
+  /// When all threads have made their agents, the run begins for all robots at once.
+  std::latch made{static_cast<std::ptrdiff_t>(options.threads)};
+  std::once_flag began;
+  SteadyTime start{};
   std::vector<std::jthread> threads;
 
   /// On the driver's own thread: a robot that was offline first lives through that time.
-  void MakeRobots(Driver& driver, SteadyTime start);
+  [[nodiscard]] std::vector<Agent> MakeAgents(Driver& driver);
+  void MakeRobots(Driver& driver, std::vector<Agent> agents);
 };
 
 std::string RuriOf(const SwarmOptions& options, std::size_t index) {
@@ -69,16 +77,12 @@ absl::StatusOr<std::unique_ptr<Swarm>> Swarm::Create(const SwarmOptions& options
   if (!tls.ok()) return tls.status();
   auto address = link::Resolve(options.target);
   if (!address.ok()) return address.status();
-  std::unique_ptr<Inside> inside(new Inside{options,
-                                            clock,
-                                            shared,
-                                            *std::move(authority),
-                                            *std::move(tls),
-                                            *std::move(address),
-                                            {},
-                                            {},
-                                            {},
-                                            {}});
+  std::unique_ptr<Inside> inside(new Inside{.options = options,
+                                            .clock = clock,
+                                            .shared = shared,
+                                            .authority = *std::move(authority),
+                                            .tls = *std::move(tls),
+                                            .address = *std::move(address)});
   std::random_device random;
   for (std::size_t i = 0; i < options.threads; ++i) {
     inside->drivers.push_back(std::make_unique<Driver>());
@@ -98,34 +102,49 @@ absl::StatusOr<std::unique_ptr<Swarm>> Swarm::Create(const SwarmOptions& options
   return std::unique_ptr<Swarm>(new Swarm(std::move(inside)));
 }
 
-void Swarm::Inside::MakeRobots(Driver& driver, SteadyTime start) {
-  const Scenario& scenario = options.scenario;
-  const Phase& first = scenario.phases.front();
+std::vector<Agent> Swarm::Inside::MakeAgents(Driver& driver) {
+  const Phase& first = options.scenario.phases.front();
+  std::vector<Agent> agents;
+  agents.reserve(driver.indices.size());
   for (const std::size_t i : driver.indices) {
+    Agent& agent = agents.emplace_back(first, i, sessions[i], shared, driver.latencies);
+    agent.Name(RuriOf(options, i));
+    if (shared.abandon.load()) continue;
+    agent.LiveOffline(options.scenario.offline_before, first.tick(), clock.System());
+  }
+  return agents;
+}
+
+void Swarm::Inside::MakeRobots(Driver& driver, std::vector<Agent> agents) {
+  const Scenario& scenario = options.scenario;
+  for (std::size_t at = 0; at < agents.size(); ++at) {
+    const std::size_t i = driver.indices[at];
     RobotOptions robot;
     robot.ruri = RuriOf(options, i);
     robot.index = i;
     robot.link.address = address;
     robot.link.identity = identities[i];
     robot.link.tls = tls;
-    if (ReadsSlowly(first.trouble, i)) robot.link.window_bytes = kSlowWindowBytes;
-    robot.seed = first.options.seed * 1'000'003 + i;
-    Agent agent(first, i, sessions[i], shared, driver.latencies);
-    agent.Name(robot.ruri);
-    agent.LiveOffline(scenario.offline_before, first.tick(), start, clock.System());
-    driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agent), scenario,
-                                                    start, driver.loop, clock, shared));
+    const bool slow = std::ranges::any_of(
+        scenario.phases, [i](const Phase& phase) { return ReadsSlowly(phase.trouble, i); });
+    if (slow) robot.link.window_bytes = kSlowWindowBytes;
+    robot.seed = scenario.phases.front().options.seed * 1'000'003 + i;
+    agents[at].Begin(start);
+    driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agents[at]),
+                                                    scenario, start, driver.loop, clock, shared));
     const double after_ms = static_cast<double>(i) * 1000 / scenario.connects_per_second;
     driver.robots.back()->Start(milliseconds(static_cast<std::int64_t>(after_ms)));
   }
 }
 
 void Swarm::Start() {
-  const SteadyTime start = inside_->clock.Steady();
   for (const auto& driver : inside_->drivers) {
-    inside_->threads.emplace_back([inside = inside_.get(), &driver = *driver, start] {
+    inside_->threads.emplace_back([inside = inside_.get(), &driver = *driver] {
       pthread_setname_np(pthread_self(), "robots");
-      inside->MakeRobots(driver, start);
+      std::vector<Agent> agents = inside->MakeAgents(driver);
+      inside->made.arrive_and_wait();
+      std::call_once(inside->began, [inside] { inside->start = inside->clock.Steady(); });
+      inside->MakeRobots(driver, std::move(agents));
       inside->shared.threads_ready.fetch_add(1);
       // Until no robot sets another timer: all are done.
       driver.loop.io.run();

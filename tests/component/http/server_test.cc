@@ -65,6 +65,7 @@ class HttpServerTest : public ::testing::Test {
                                 .velocity_m_s = 1,
                                 .effort_nm = 1,
                                 .temperature_c = 1,
+                                .error_flags = 1,
                                 .timestamp_us = 1});
       }
       world_.AddRobot(ruri).state.Apply(std::move(state), world_.clock.Steady());

@@ -215,7 +215,8 @@ TEST_F(AgentTest, ARobotThatWasOfflineComesWithWhatItKept) {
   Phase phase = PhaseOf(1);
   phase.options.malformed_share = 0;
   Agent agent = Make(phase);
-  agent.LiveOffline(std::chrono::hours(1), phase.tick(), clock_.Steady(), clock_.System());
+  agent.LiveOffline(std::chrono::hours(1), phase.tick(), clock_.System());
+  agent.Begin(clock_.Steady());
   Welcome(agent);
   while (Take(agent) > 0) Ack(agent);
   const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
@@ -229,13 +230,15 @@ TEST_F(AgentTest, ARobotThatKeepsAllItMayOnlyMoves) {
   phase.options.malformed_share = 0;
   phase.options.faults_hz = 1000;
   Agent agent = Make(phase);
-  agent.LiveOffline(std::chrono::minutes(10), phase.tick(), clock_.Steady(), clock_.System());
+  agent.LiveOffline(std::chrono::minutes(10), phase.tick(), clock_.System());
+  agent.Begin(clock_.Steady());
   EXPECT_EQ(shared_.only_moving.load(), 1U);
   Welcome(agent);
   while (Take(agent) > 0) Ack(agent);
   const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
   EXPECT_LT(outcome.ledger.good(), kDurableWaitingMax);
   EXPECT_EQ(outcome.ledger.good_acked(), outcome.ledger.good()) << "nothing was refused";
+  EXPECT_EQ(latencies_.durable.max(), Histogram::Micros(0)) << "due when the run begins";
   EXPECT_EQ(outcome.judged, outcome.sent);
 }
 
