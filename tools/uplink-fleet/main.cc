@@ -62,13 +62,15 @@ class Run {
     const std::optional<pid_t> server = ServerProcess();
     (*swarm)->Start();
     // Robots that were offline first live through that time before any of them connects.
-    while (shared_.threads_ready.load() < flags_.swarm.threads && !shared_.abandon.load()) {
-      if (signals_.Wait(kLook)) shared_.abandon.store(true);
+    bool told = false;
+    while (shared_.threads_ready.load() < flags_.swarm.threads && !told) {
+      told = signals_.Wait(kLook);
     }
+    if (shared_.threads_ready.load() < flags_.swarm.threads) shared_.abandon.store(true);
     const std::optional<ProcessUse> server_before = server ? UseOf(*server) : std::nullopt;
     const ProcessUse own_before = UseOf(getpid()).value_or(ProcessUse());
     const SteadyTime started = clock_.Steady();
-    const bool reached = Send();
+    const bool reached = told ? shared_.welcomes.load() > 0 : Send();
     const std::optional<ProcessUse> server_after = server ? UseOf(*server) : std::nullopt;
     if (server_before && server_after) figures_.server = server_after->Since(*server_before);
     figures_.sent_while_measured = shared_.sent.load();
