@@ -138,8 +138,7 @@ bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Faults& 
   const std::optional<std::string> said = state.Text("ruri", Need::kMust, text_bytes);
   if (!said) return false;
   const Path field = root.Field("ruri");
-  const std::string_view bare = std::string_view(*said).substr(0, said->find("?sig="));
-  if (auto fault = TextFault(field, bare, model::kRuriBytesMax)) {
+  if (auto fault = TextFault(field, WithoutSignature(*said), model::kRuriBytesMax)) {
     faults.Reject(*std::move(fault));
     return false;
   }

@@ -28,8 +28,12 @@ bool SplitShorthand(std::string_view text, std::array<std::string_view, kShortha
 
 }  // namespace
 
+std::string_view WithoutSignature(std::string_view text) {
+  return text.substr(0, text.find(kSignature));
+}
+
 std::string NormalRuri(std::string_view text) {
-  text = text.substr(0, text.find(kSignature));
+  text = WithoutSignature(text);
   std::array<std::string_view, kShorthandParts> parts;
   if (text.starts_with(kScheme) || !SplitShorthand(text, parts)) return std::string(text);
   std::string ruri(kLocal);

@@ -69,11 +69,12 @@ class Run {
     if (shared_.threads_ready.load() < flags_.swarm.threads) shared_.abandon.store(true);
     const std::optional<ProcessUse> server_before = server ? UseOf(*server) : std::nullopt;
     const ProcessUse own_before = UseOf(getpid()).value_or(ProcessUse());
+    const std::uint64_t sent_before = shared_.sent.load();
     const SteadyTime started = clock_.Steady();
     const bool reached = told ? shared_.welcomes.load() > 0 : Send();
     const std::optional<ProcessUse> server_after = server ? UseOf(*server) : std::nullopt;
     if (server_before && server_after) figures_.server = server_after->Since(*server_before);
-    figures_.sent_while_measured = shared_.sent.load();
+    figures_.sent_while_measured = shared_.sent.load() - sent_before;
     figures_.own = UseOf(getpid()).value_or(ProcessUse()).Since(own_before);
     figures_.seconds = std::chrono::duration<double>(clock_.Steady() - started).count();
     if (reached) Settle();
