@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -96,6 +98,29 @@ TEST(Wrong, EachWayIsRejectedAsTheLedgerSays) {
   EXPECT_EQ(ledger.good(), 0U);
 }
 
+/// What the states of one robot showed.
+struct Arm {
+  int states = 0;
+  std::set<double> positions;
+};
+
+/// Expects that a state passes whole, as it was meant, and is the next one; notes where it stands.
+void ExpectWholeState(const std::string& payload, const std::optional<model::RcanState>& meant,
+                      Arm& arm) {
+  const schema::RcanJudgement judgement =
+      schema::JudgeRcanState(payload, "rcan://test/arm", 64 * 1024);
+  ASSERT_EQ(judgement.rejection(), nullptr) << judgement.rejection()->field;
+  EXPECT_TRUE(judgement.dropped.empty());
+  const auto& state = std::get<model::RcanState>(judgement.verdict);
+  EXPECT_EQ(state, *meant) << "numbers survive the text";
+  EXPECT_EQ(state.seq, ++arm.states);
+  ASSERT_EQ(state.joints.size(), kArmJoints);
+  arm.positions.insert(*state.joints[0].position_rad);
+  for (const model::RcanJoint& joint : state.joints) {
+    EXPECT_FALSE(joint.effort_nm == 0 && std::signbit(*joint.effort_nm));
+  }
+}
+
 TEST(RobotScript, ArmsSendRobotStatesThatPassWholeAndMove) {
   ScenarioOptions options = Options(0);
   options.rcan_share = 0.5;
@@ -104,27 +129,15 @@ TEST(RobotScript, ArmsSendRobotStatesThatPassWholeAndMove) {
     RobotScript script(options, index);
     script.Name("rcan://test/arm");
     Ledger ledger;
-    int states = 0;
-    std::set<double> positions;
+    Arm arm;
     for (int i = 0; i < kTicks; ++i) {
       for (const Outgoing& message : script.Tick(kNowMs + 100 * i, ledger)) {
         if (message.content != Content::kRcanRobotState) continue;
-        const schema::RcanJudgement judgement =
-            schema::JudgeRcanState(message.payload, "rcan://test/arm", 64 * 1024);
-        ASSERT_EQ(judgement.rejection(), nullptr) << judgement.rejection()->field;
-        EXPECT_TRUE(judgement.dropped.empty());
-        const auto& state = std::get<model::RcanState>(judgement.verdict);
-        EXPECT_EQ(state, *ledger.live().rcan) << "numbers survive the text";
-        EXPECT_EQ(state.seq, ++states);
-        ASSERT_EQ(state.joints.size(), kArmJoints);
-        positions.insert(*state.joints[0].position_rad);
-        for (const model::RcanJoint& joint : state.joints) {
-          EXPECT_FALSE(joint.effort_nm == 0 && std::signbit(*joint.effort_nm));
-        }
+        ASSERT_NO_FATAL_FAILURE(ExpectWholeState(message.payload, ledger.live().rcan, arm));
       }
     }
-    if (states > 0) ++arms;
-    EXPECT_TRUE(states == 0 || positions.size() > 20);
+    if (arm.states > 0) ++arms;
+    EXPECT_TRUE(arm.states == 0 || arm.positions.size() > 20);
   }
   EXPECT_EQ(arms, 2);
 }
