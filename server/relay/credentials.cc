@@ -15,7 +15,7 @@ namespace {
 using identity::NamedPem;
 
 absl::Status CheckTexts(const PemTexts& texts) {
-  if (const absl::Status status =
+  if (absl::Status status =
           identity::CheckCertificate(NamedPem{"the client authority", texts.client_ca});
       !status.ok()) {
     return status;
