@@ -149,6 +149,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Scrapes of /metrics/robots that got 503 because too many were still being read."},
     {kRelayLastHandshakeSeconds, "uplinkd_relay_last_handshake_seconds", kGauge, "seconds",
      "Age of the last sign that the relay listener answers; /livez fails above 60."},
+    {kRelayBehind, "uplinkd_relay_behind", kGauge, "0 or 1",
+     "1 while the relay answers no handshake within 3 s: messages lie unread, nobody goes "
+     "offline."},
     {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
      "Unix time at which the server's certificate expires."},
     {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},

@@ -83,6 +83,7 @@ enum class MetricId : std::uint8_t {
   kRcanScrapeBytes,
   kRcanScrapesRefused,
   kRelayLastHandshakeSeconds,
+  kRelayBehind,
   kCertificateExpiry,
   kDraining,
   kBuildInfo,

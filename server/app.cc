@@ -16,6 +16,7 @@
 #include "server/deadline.h"
 #include "server/fleet/fleet.h"
 #include "server/health/monitor.h"
+#include "server/health/presence_watch.h"
 #include "server/health/process.h"
 #include "server/http/event_loop.h"
 #include "server/http/handshake_probe.h"
@@ -58,6 +59,8 @@ class App::Impl {
                   session_probe_, options_.version}),
         monitor_({options_.clock, fleet_, store_.journals(), journal_probe_, session_probe_,
                   journal_limits_, opened_.certificate_expiry, [this] { return store_.facts(); }}),
+        watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
+                session_limits_.session_idle}),
         scrape_({.clock = options_.clock,
                  .fleet = fleet_,
                  .journals = store_.journals(),
@@ -167,10 +170,7 @@ class App::Impl {
 
   void StartLoop() {
     loop_.Every(kSweepEvery, [this] {
-      if (draining_.load()) return;  // whom it sends away is not heard, and not offline either
-      const SteadyTime began = options_.clock.Steady();
-      fleet_.Sweep(session_limits_.session_idle);
-      sweep_seconds_.ObserveSince(began, options_.clock.Steady());
+      if (!draining_.load()) watch_.Sweep();  // whom it sends away is not heard, and not offline
     });
     loop_.Every(kCertificateEvery, [this] { LookAtCertificate(); });
     loop_.Every(kStoreEvery, [this] { store_.LookForErrors(); });
@@ -179,8 +179,8 @@ class App::Impl {
       if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, store_.reader());
     });
     loop_.Every(health::kHandshakeEvery, [this] {
-      http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, [this](bool answered) {
-        if (answered) monitor_.liveness().NoteHandshake();
+      watch_.AskRelay([this](auto done) {
+        http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
       });
     });
     loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { OnStopSignal(signal); });
@@ -219,12 +219,11 @@ class App::Impl {
     }
     if (!read.ok()) return;
     const Reload reload = CompareConfigs(options_.config, *read.config);
-    const log::Level before = LogLevelOf(options_.config.log.level);
     const log::Level after = LogLevelOf(read.config->log.level);
+    // By whichever level lets the line through.
+    options_.logger.SetLevel(std::min(LogLevelOf(options_.config.log.level), after));
     // Only the level is taken over, so that the next reload names the rest again.
     options_.config.log.level = read.config->log.level;
-    // By whichever level lets the line through.
-    options_.logger.SetLevel(std::min(before, after));
     options_.logger.Write(
         reload.needs_restart.empty() ? log::Level::kInfo : log::Level::kWarn, "reloaded",
         {{"log_level_changed", reload.log_level},
@@ -266,6 +265,7 @@ class App::Impl {
   StoreSide store_;
   view::Queries queries_;
   health::Monitor monitor_;
+  health::PresenceWatch watch_;
   http::Scrape scrape_;
   rcan::FaultCounts fault_counts_{options_.clock};
   rcan::RobotScrape robots_scrape_;

@@ -93,7 +93,7 @@ std::vector<Robot*> Fleet::Sorted() const {
   return robots;
 }
 
-PresenceCounts Fleet::Sweep(milliseconds session_idle) {
+PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
   PresenceCounts counts;
@@ -102,10 +102,8 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle) {
   const SteadyTime last = last_sweep_.exchange(steady);
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
   for (Robot* robot : Sorted()) {
-    if (stalled) {
-      robot->state.NoteStall(steady);
-      continue;
-    }
+    if (stalled || hearing == Hearing::kBehind) robot->state.NoteStall(steady);
+    if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);
     switch (robot->state.Sweep(steady, system, presence_)) {
       case Presence::kUnknown:

@@ -86,9 +86,13 @@ class Fleet final {
   /// server stood still.
   static constexpr std::chrono::seconds kSweepLate{3};
 
+  /// Whether what robots sent has been read. While the server is behind nobody becomes offline:
+  /// whose silence is too long is unknown, and so for presence.timeout after.
+  enum class Hearing : std::uint8_t { kUpToDate, kBehind };
+
   /// The periodic check: brings every robot's presence up to date, forgets sessions that have been
   /// idle for `session_idle`, and counts.
-  PresenceCounts Sweep(milliseconds session_idle);
+  PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate);
   /// The counts of the last sweep.
   [[nodiscard]] PresenceCounts presence_counts() const;
 

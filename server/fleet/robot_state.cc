@@ -125,7 +125,7 @@ void RobotState::SetReading(Reading reading, SteadyTime now) {
 
 void RobotState::NoteStall(SteadyTime now) {
   const std::lock_guard lock(mutex_);
-  held_back_until_ = now;
+  if (presence_ != Presence::kOffline) held_back_until_ = now;
 }
 
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {

@@ -115,7 +115,8 @@ class RobotState final {
   /// The server stopped (true) or began again to read the robot's stream.
   enum class Reading : std::uint8_t { kHeldBack, kFlowing };
   void SetReading(Reading reading, SteadyTime now);
-  /// The server itself stood still until now: what it did not hear meanwhile proves nothing.
+  /// The server itself stood still, or was behind with reading, until now: what it did not hear
+  /// meanwhile proves nothing. Who was offline before stays so.
   void NoteStall(SteadyTime now);
   void NoteClockSkew(std::int64_t skew_ms);
   /// A new stream begins: its dropped fields are counted from zero.

@@ -8,9 +8,23 @@ Liveness::Liveness(const Clock& clock, const session::SessionProbe& sessions)
       last_(clock.Steady()),
       streams_seen_(sessions.streams_total.value()) {}
 
+void Liveness::NoteAsked() {
+  const std::lock_guard lock(mutex_);
+  if (!asked_) asked_ = clock_.Steady();
+}
+
 void Liveness::NoteHandshake() {
   const std::lock_guard lock(mutex_);
   last_ = clock_.Steady();
+  if (!asked_) return;
+  const SteadyTime::duration took = last_ - *asked_;
+  late_ = took > (late_ ? kCaughtUpWithin : kBehindAfter);
+  asked_.reset();
+}
+
+bool Liveness::behind() const {
+  const std::lock_guard lock(mutex_);
+  return late_ || (asked_ && clock_.Steady() - *asked_ > kBehindAfter);
 }
 
 milliseconds Liveness::age() const {

@@ -3,15 +3,22 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 
 #include "schema/base/clock.h"
 #include "server/session/probe.h"
 
 namespace uplink::health {
 
-/// How often the background handshake asks the relay listener, and how long one may take.
-inline constexpr std::chrono::seconds kHandshakeEvery{10};
-inline constexpr std::chrono::seconds kHandshakeWait{5};
+/// How often the background handshake asks the relay listener, one at a time, and how long one may
+/// take.
+inline constexpr std::chrono::seconds kHandshakeEvery{2};
+inline constexpr std::chrono::seconds kHandshakeWait{20};
+/// A handshake goes the way of the robots' messages: one that takes longer than this shows that
+/// they lie unread. With kHandshakeEvery well below the default of presence.timeout (10 s).
+inline constexpr std::chrono::seconds kBehindAfter{3};
+/// One that takes no longer than this shows that they do not any more.
+inline constexpr std::chrono::seconds kCaughtUpWithin{1};
 /// Without any sign of the listener for so long the process counts as dead.
 inline constexpr std::chrono::seconds kAliveMax{60};
 static_assert(kHandshakeEvery + kHandshakeWait < kAliveMax, "one lost answer must not kill");
@@ -22,11 +29,16 @@ class Liveness final {
  public:
   Liveness(const Clock& clock, const session::SessionProbe& sessions);
 
+  /// The background handshake begins. While none is answered it counts from the first.
+  void NoteAsked();
   /// The listener answered a ClientHello.
   void NoteHandshake();
   /// Time since the last sign.
   [[nodiscard]] milliseconds age() const;
   [[nodiscard]] bool alive() const { return age() <= kAliveMax; }
+  /// The relay is behind with reading, so a robot's silence proves nothing: from kBehindAfter
+  /// without an answer until one comes within kCaughtUpWithin.
+  [[nodiscard]] bool behind() const;
 
  private:
   const Clock& clock_;
@@ -34,6 +46,10 @@ class Liveness final {
   mutable std::mutex mutex_;
   mutable SteadyTime last_;
   mutable std::int64_t streams_seen_;
+  /// The first handshake that has no answer yet.
+  std::optional<SteadyTime> asked_;
+  /// The last answer came late, and none in time since.
+  bool late_ = false;
 };
 
 }  // namespace uplink::health

@@ -19,6 +19,7 @@ Readiness Monitor::readiness() const {
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing = sources_.journal_probe.store_failing.value() != 0,
       .store_unsafe = sources_.store_facts().unsafe,
+      .relay_behind = liveness_.behind(),
       .journal_bytes = {sources_.journals.bytes(), limits.bytes_max},
       .journal_records = {sources_.journals.records(), limits.records_max},
       .journal_oldest = sources_.journals.oldest(sources_.clock.Steady()),

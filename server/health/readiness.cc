@@ -21,6 +21,7 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
       facts.journal_oldest > kBacklogAge) {
     readiness.degraded.emplace_back("journal_backlog");
   }
+  if (facts.relay_behind) readiness.degraded.emplace_back("relay_behind");
   if (!expired && facts.certificate_expiry - facts.now < kCertificateNotice) {
     readiness.degraded.emplace_back("certificate_expiring");
   }

@@ -124,6 +124,7 @@ void Scrape::AddRcan(metrics::Exposition& page) const {
 void Scrape::AddProcess(metrics::Exposition& page) const {
   health::Monitor& monitor = sources_.monitor;
   page.Add(kRelayLastHandshakeSeconds, Seconds(monitor.liveness().age()));
+  page.Add(kRelayBehind, monitor.liveness().behind() ? 1 : 0);
   page.Add(kCertificateExpiry, Value(UnixMs(monitor.certificate_expiry())) / 1e3);
   page.Add(kDraining, monitor.draining() ? 1 : 0);
   page.Add(kBuildInfo, 1, {sources_.version});

@@ -121,6 +121,41 @@ TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard
   EXPECT_EQ(gone.state.presence(), Presence::kOffline);
 }
 
+TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
+  using enum Fleet::Hearing;
+  Fleet fleet(clock_, 100, {});
+  const PresenceLimits& limits = fleet.presence_limits();
+  Robot& gone = Admit(fleet, "rcan://gone");
+  gone.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  clock_.Advance(limits.timeout + milliseconds(1));
+  Robot& heard = Admit(fleet, "rcan://heard");
+  Robot& waiting = Admit(fleet, "rcan://waiting");
+  heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  waiting.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  const auto sweep = [&](Fleet::Hearing hearing, milliseconds in) {
+    for (milliseconds left = in; left > milliseconds(0); left -= seconds(1)) {
+      clock_.Advance(std::min<milliseconds>(left, seconds(1)));
+      fleet.Sweep(kIdle, hearing);
+    }
+  };
+  fleet.Sweep(kIdle, kUpToDate);
+  ASSERT_EQ(gone.state.presence(), Presence::kOffline);
+
+  sweep(kBehind, limits.timeout);
+  EXPECT_EQ(waiting.state.presence(), Presence::kOnline) << "within the limit";
+  heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  sweep(kBehind, milliseconds(1));
+  EXPECT_EQ(heard.state.presence(), Presence::kOnline) << "it was read after all";
+  EXPECT_EQ(waiting.state.presence(), Presence::kUnknown);
+  EXPECT_EQ(gone.state.presence(), Presence::kOffline) << "its silence was proven before";
+
+  sweep(kUpToDate, limits.timeout);
+  EXPECT_EQ(waiting.state.presence(), Presence::kUnknown) << "a timeout to be heard";
+  EXPECT_EQ(gone.state.presence(), Presence::kOffline);
+  sweep(kUpToDate, milliseconds(1));
+  EXPECT_EQ(waiting.state.presence(), Presence::kOffline);
+}
+
 TEST_F(FleetTest, SweepForgetsIdleSessions) {
   Fleet fleet(clock_, 100, {});
   session::RobotSessions& sessions = Admit(fleet, "rcan://a").sessions;

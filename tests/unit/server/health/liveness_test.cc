@@ -37,6 +37,47 @@ TEST_F(LivenessTest, AStreamThatOpensCountsOnce) {
   EXPECT_FALSE(liveness_.alive());
 }
 
+TEST_F(LivenessTest, IsBehindFromTheLimitUntilAnAnswerComesInTime) {
+  liveness_.NoteAsked();
+  clock_.Advance(kBehindAfter);
+  EXPECT_FALSE(liveness_.behind());
+  clock_.Advance(milliseconds(1));
+  EXPECT_TRUE(liveness_.behind()) << "without an answer";
+  liveness_.NoteHandshake();
+  EXPECT_TRUE(liveness_.behind()) << "the answer was late";
+  liveness_.NoteAsked();
+  clock_.Advance(kCaughtUpWithin + milliseconds(1));
+  liveness_.NoteHandshake();
+  EXPECT_TRUE(liveness_.behind()) << "not quick enough to have caught up";
+  liveness_.NoteAsked();
+  clock_.Advance(kCaughtUpWithin);
+  liveness_.NoteHandshake();
+  EXPECT_FALSE(liveness_.behind());
+}
+
+TEST_F(LivenessTest, AnAnswerAtTheLimitIsNotLate) {
+  liveness_.NoteAsked();
+  clock_.Advance(kBehindAfter);
+  liveness_.NoteHandshake();
+  EXPECT_FALSE(liveness_.behind());
+}
+
+TEST_F(LivenessTest, WithoutAnAnswerItCountsFromTheFirstHandshake) {
+  liveness_.NoteAsked();
+  clock_.Advance(kBehindAfter);
+  liveness_.NoteAsked();
+  clock_.Advance(milliseconds(1));
+  EXPECT_TRUE(liveness_.behind());
+}
+
+TEST_F(LivenessTest, NobodyAskedSoNobodyIsBehind) {
+  clock_.Advance(kBehindAfter * 2);
+  EXPECT_FALSE(liveness_.behind());
+  sessions_.streams_total.Add();
+  liveness_.NoteHandshake();
+  EXPECT_FALSE(liveness_.behind());
+}
+
 TEST_F(LivenessTest, CivilTimeDoesNotMatter) {
   clock_.SetSystem(FromUnixMs(0));
   EXPECT_EQ(liveness_.age(), milliseconds(0));

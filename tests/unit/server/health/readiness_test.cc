@@ -51,6 +51,13 @@ TEST(Readiness, ReportsFilesThatAreNotServed) {
   EXPECT_THAT(ReadinessOf(facts).all(), ElementsAre("draining", "certificate_mismatch"));
 }
 
+TEST(Readiness, ReportsARelayThatIsBehind) {
+  ReadinessFacts facts = Good();
+  facts.relay_behind = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("relay_behind"));
+}
+
 TEST(Readiness, ReportsACertificateAWeekAhead) {
   ReadinessFacts facts = Good();
   facts.certificate_expiry = facts.now + kCertificateNotice;

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 
@@ -19,15 +20,6 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
-
-class Lines final : public log::LineSink {
- public:
-  explicit Lines(std::vector<std::string>& lines) : lines_(lines) {}
-  void Write(std::string_view line) override { lines_.emplace_back(line); }
-
- private:
-  std::vector<std::string>& lines_;
-};
 
 class ScrapeTest : public ::testing::Test {
  protected:
@@ -57,7 +49,7 @@ class ScrapeTest : public ::testing::Test {
 
   testing::ManualClock clock_;
   std::vector<std::string> lines_;
-  log::Logger logger_{std::make_unique<Lines>(lines_), clock_, log::Format::kText,
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
   fleet::Fleet fleet_{clock_, 100, {}};
   config::RcanConfig config_;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+
+#include "metrics/cells.h"
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/health/liveness.h"
+#include "server/log/logger.h"
+
+namespace uplink::health {
+
+/// The two rounds on which presence stands: the sweep that judges each robot's silence, and the
+/// handshake that tells whether the server itself hears. Confined to one thread.
+class PresenceWatch final {
+ public:
+  /// All of it outlives the watch.
+  struct Sources {
+    const Clock& clock;
+    fleet::Fleet& fleet;
+    Liveness& liveness;
+    const log::Logger& logger;
+    metrics::LatencyDistribution& sweep_seconds;
+    milliseconds session_idle;
+  };
+  explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
+
+  /// Judges every robot, and logs when the relay falls behind and when it has caught up.
+  void Sweep();
+
+  /// Begins a handshake with the relay's listener; tells, once and on the same thread, whether it
+  /// was answered.
+  using Ask = std::function<void(std::function<void(bool)> done)>;
+  /// Asks unless the last handshake is still under way. The watch outlives the answer.
+  void AskRelay(const Ask& ask);
+
+ private:
+  const Sources sources_;
+  bool asking_ = false;
+  /// As of the last sweep.
+  bool behind_ = false;
+};
+
+}  // namespace uplink::health

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/log/logger.h"
+
+namespace uplink::testing {
+
+/// Adds each line to a list of the test's, which outlives it. For one thread.
+class KeptLines final : public log::LineSink {
+ public:
+  explicit KeptLines(std::vector<std::string>& lines) : lines_(lines) {}
+  void Write(std::string_view line) override { lines_.emplace_back(line); }
+
+ private:
+  std::vector<std::string>& lines_;
+};
+
+}  // namespace uplink::testing

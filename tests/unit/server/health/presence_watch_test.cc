@@ -1,0 +1,110 @@
+#include "server/health/presence_watch.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::health {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class PresenceWatchTest : public ::testing::Test {
+ protected:
+  /// A handshake that is answered when the test wants.
+  void AskRelay() {
+    watch_.AskRelay([this](auto done) { waiting_.push_back(std::move(done)); });
+  }
+  void Answer(bool answered) {
+    ASSERT_FALSE(waiting_.empty());
+    const auto done = std::move(waiting_.back());
+    waiting_.pop_back();
+    done(answered);
+  }
+  /// Sweeps each second.
+  void SweepFor(seconds duration) {
+    for (seconds passed{0}; passed < duration; ++passed) {
+      clock_.Advance(seconds(1));
+      watch_.Sweep();
+    }
+  }
+
+  testing::ManualClock clock_;
+  session::SessionProbe sessions_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
+  fleet::Fleet fleet_{clock_, 10, {.timeout = seconds(10), .startup_grace = milliseconds(0)}};
+  Liveness liveness_{clock_, sessions_};
+  PresenceWatch watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_, std::chrono::hours(1)}};
+  std::vector<std::function<void(bool)>> waiting_;
+};
+
+TEST_F(PresenceWatchTest, ARobotIsOfflineOnlyWhileTheRelayAnswers) {
+  fleet::Robot& robot = **fleet_.FindOrAdmit({"north", "rcan://a"});
+  robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  AskRelay();
+  SweepFor(seconds(11));
+  EXPECT_EQ(robot.state.presence(), model::Presence::kUnknown);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind")));
+  Answer(true);
+  SweepFor(seconds(1));
+  EXPECT_TRUE(liveness_.behind()) << "that answer was late";
+  AskRelay();
+  Answer(true);
+  SweepFor(seconds(1));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind"), HasSubstr("relay_caught_up")));
+  SweepFor(seconds(9));
+  EXPECT_EQ(robot.state.presence(), model::Presence::kUnknown);
+  SweepFor(seconds(1));
+  EXPECT_EQ(robot.state.presence(), model::Presence::kOffline);
+  EXPECT_EQ(sweep_seconds_.count(0), 23U);
+}
+
+TEST_F(PresenceWatchTest, OneHandshakeAtATime) {
+  AskRelay();
+  AskRelay();
+  EXPECT_EQ(waiting_.size(), 1U);
+  Answer(false);
+  AskRelay();
+  EXPECT_EQ(waiting_.size(), 1U);
+}
+
+TEST_F(PresenceWatchTest, ARefusedHandshakeIsNoAnswer) {
+  for (int i = 0; i < 4; ++i) {
+    AskRelay();
+    Answer(false);
+    SweepFor(seconds(1));
+  }
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind")));
+  AskRelay();
+  Answer(true);
+  EXPECT_TRUE(liveness_.behind()) << "it was asked four seconds ago";
+  AskRelay();
+  Answer(true);
+  EXPECT_FALSE(liveness_.behind());
+}
+
+TEST_F(PresenceWatchTest, ARelayThatAnswersMakesNoLine) {
+  for (int i = 0; i < 10; ++i) {
+    AskRelay();
+    Answer(true);
+    SweepFor(seconds(1));
+  }
+  EXPECT_THAT(lines_, IsEmpty());
+}
+
+}  // namespace
+}  // namespace uplink::health
