@@ -10,6 +10,7 @@
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
+#include <openssl/provider.h>
 #include <openssl/x509v3.h>
 
 #include "schema/base/utf8.h"
@@ -45,13 +46,16 @@ absl::Status Wrong(std::string_view sentence) {
 
 std::string Shown(std::string_view text) { return PrintableUtf8(text, kShownBytesMax); }
 
-Certificate Parse(std::string_view pem) {
+/// Null if the text holds no certificate. With null as library the process' own is used.
+Certificate Parse(std::string_view pem, OSSL_LIB_CTX* library) {
   if (pem.size() > INT_MAX) return nullptr;
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
   if (bio == nullptr) return nullptr;
-  Certificate certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
+  X509* made = X509_new_ex(library, nullptr);
+  X509* read = made == nullptr ? nullptr : PEM_read_bio_X509(bio.get(), &made, nullptr, nullptr);
+  if (read == nullptr) X509_free(made);  // the library sets it to null if it has freed it itself
   ERR_clear_error();  // its queue belongs to the thread, and the TLS library reads it too
-  return certificate;
+  return Certificate(read);
 }
 
 /// The bytes of an ASN.1 string as they stand; a view into `text`.
@@ -214,8 +218,30 @@ std::string_view ToText(Role role) {
   return "";
 }
 
-absl::StatusOr<PeerIdentity> PeerIdentityOf(std::string_view certificate_pem) {
-  const Certificate certificate = Parse(certificate_pem);
+struct PeerReader::Library {
+  Library() : context(OSSL_LIB_CTX_new()) {
+    // Without a provider of its own a context loads the default one when it is first asked.
+    if (context != nullptr) nothing = OSSL_PROVIDER_load(context, "null");
+    if (nothing == nullptr) OSSL_LIB_CTX_free(std::exchange(context, nullptr));
+    ERR_clear_error();
+  }
+  ~Library() {
+    if (nothing != nullptr) OSSL_PROVIDER_unload(nothing);
+    OSSL_LIB_CTX_free(context);
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  /// Null, and so the process' own, if it could not be made: slower, and as good.
+  OSSL_LIB_CTX* context;
+  OSSL_PROVIDER* nothing = nullptr;
+};
+
+PeerReader::PeerReader() : library_(std::make_unique<Library>()) {}
+PeerReader::~PeerReader() = default;
+
+absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(std::string_view certificate_pem) const {
+  const Certificate certificate = Parse(certificate_pem, library_->context);
   if (certificate == nullptr) return Wrong("it cannot be read");
   if (const absl::Status status = CheckKeyUsage(*certificate); !status.ok()) return status;
 

@@ -15,8 +15,9 @@
 namespace uplink::relay {
 namespace {
 
-/// The client certificate that the TLS layer has verified.
-absl::StatusOr<identity::PeerIdentity> PeerOf(const grpc::ServerContext& context) {
+/// Who showed the client certificate that the TLS layer has verified.
+absl::StatusOr<identity::PeerIdentity> PeerOf(const grpc::ServerContext& context,
+                                              const identity::PeerReader& reader) {
   const auto auth = context.auth_context();
   if (auth == nullptr || !auth->IsPeerAuthenticated()) {
     return absl::UnauthenticatedError("client certificate: none was shown");
@@ -26,7 +27,7 @@ absl::StatusOr<identity::PeerIdentity> PeerOf(const grpc::ServerContext& context
   if (pems.size() != 1) {
     return absl::UnauthenticatedError("client certificate: none was shown");
   }
-  return identity::PeerIdentityOf(std::string_view(pems.front().data(), pems.front().size()));
+  return reader.IdentityOf(std::string_view(pems.front().data(), pems.front().size()));
 }
 
 }  // namespace
@@ -61,7 +62,7 @@ absl::Status Call::Admit() {
     return status;
   }
   admitted_ = true;
-  auto peer = PeerOf(context_);
+  auto peer = PeerOf(context_, queue_.peer_reader());
   if (!peer.ok()) {
     probe.refused_identity_total.Add();
     return peer.status();

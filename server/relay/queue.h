@@ -12,6 +12,7 @@
 #include <grpcpp/alarm.h>
 #include <grpcpp/completion_queue.h>
 
+#include "server/identity/peer_identity.h"
 #include "server/journal/wake.h"
 #include "server/relay/event_clock.h"
 #include "server/relay/gate.h"
@@ -70,6 +71,7 @@ class Queue final : public journal::WakeInbox {
   [[nodiscard]] Gate& gate() { return gate_; }
   [[nodiscard]] const RelayParts& parts() const { return parts_; }
   [[nodiscard]] const session::SessionContext& session_context() const { return context_; }
+  [[nodiscard]] const identity::PeerReader& peer_reader() const { return peer_reader_; }
   /// The time at the event that is being handled.
   [[nodiscard]] SteadyTime now() const { return clock_.Steady(); }
 
@@ -107,6 +109,7 @@ class Queue final : public journal::WakeInbox {
   Gate& gate_;
   const RelayParts& parts_;
   EventClock clock_;
+  const identity::PeerReader peer_reader_;
   schema::Judge judge_;
   session::IntakeScratch scratch_;
   const session::SessionContext context_;

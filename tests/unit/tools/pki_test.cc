@@ -49,7 +49,7 @@ TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
     EXPECT_TRUE(profile.ok()) << profile.status();
     const auto made = (*authority)->Issue(*profile, 10);
     EXPECT_TRUE(made.ok()) << made.status();
-    return identity::PeerIdentityOf(made->certificate_pem);
+    return identity::PeerReader().IdentityOf(made->certificate_pem);
   };
   const auto robot = identity_of(RobotProfile("rcan://a/b/c/d/1", "north", "r1"));
   ASSERT_TRUE(robot.ok()) << robot.status();

@@ -1,6 +1,9 @@
 #include "server/identity/peer_identity.h"
 
+#include <atomic>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +24,7 @@ constexpr char kRuri[] = "rcan://example.org/acme/rover/r1";
 
 absl::StatusOr<PeerIdentity> IdentityOf(const CertificateSpec& spec) {
   const TestAuthority authority;
-  return PeerIdentityOf(authority.Issue(spec).certificate);
+  return PeerReader().IdentityOf(authority.Issue(spec).certificate);
 }
 
 CertificateSpec OperatorSpec(const std::string& unit) {
@@ -230,13 +233,38 @@ TEST(PeerIdentity, OperatorWithARuri) {
 }
 
 TEST(PeerIdentity, TextThatIsNoCertificate) {
-  for (const char* text :
-       {"", "no certificate", "-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n"}) {
-    const auto identity = PeerIdentityOf(text);
+  const PeerReader reader;
+  const TestAuthority authority;
+  // Its last bytes are those of the signature: it breaks off when most of it was made.
+  std::string cut = authority.Issue(RobotSpec(kRuri)).certificate;
+  cut.erase(cut.find("-----END") - 9, 8);
+  for (const std::string& text :
+       {std::string(), std::string("no certificate"),
+        std::string("-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n"), cut}) {
+    const auto identity = reader.IdentityOf(text);
     ASSERT_FALSE(identity.ok());
     EXPECT_EQ(identity.status().code(), absl::StatusCode::kUnauthenticated);
     EXPECT_THAT(std::string(identity.status().message()), HasSubstr("cannot be read"));
   }
+}
+
+TEST(PeerIdentity, OneReaderReadsManyOnManyThreads) {
+  const PeerReader reader;
+  const TestAuthority authority;
+  const std::string good = authority.Issue(RobotSpec(kRuri)).certificate;
+  std::atomic<int> read = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 4; ++i) {
+      threads.emplace_back([&] {
+        for (int each = 0; each < 50; ++each) {
+          const auto identity = reader.IdentityOf(good);
+          if (identity.ok() && identity->ruri() == kRuri) ++read;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(read.load(), 200);
 }
 
 }  // namespace
