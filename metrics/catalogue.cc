@@ -150,8 +150,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kRelayLastHandshakeSeconds, "uplinkd_relay_last_handshake_seconds", kGauge, "seconds",
      "Age of the last sign that the relay listener answers; /livez fails above 60."},
     {kRelayBehind, "uplinkd_relay_behind", kGauge, "0 or 1",
-     "1 while the relay answers no handshake within 3 s: messages lie unread, nobody goes "
-     "offline."},
+     "1 from a handshake with the relay that takes more than 3 s until one takes 1 s at most: "
+     "nobody goes offline meanwhile."},
     {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
      "Unix time at which the server's certificate expires."},
     {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},

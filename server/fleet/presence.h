@@ -27,7 +27,7 @@ struct PresenceFacts {
   std::optional<SteadyTime> last_sign_of_life;
   /// The server does not read its stream now.
   bool held_back = false;
-  /// When it last began to read again after holding back.
+  /// When it last began to read again: after holding back, or when it had been behind itself.
   std::optional<SteadyTime> held_back_until;
 };
 

@@ -184,7 +184,7 @@ class RobotState final {
   std::optional<SteadyTime> last_sign_;
   std::optional<SystemTime> last_sign_system_;
   bool held_back_ = false;
-  /// Also until when the server itself stood still.
+  /// Also until when the server itself stood still or was behind.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
   std::optional<std::int64_t> clock_skew_ms_;

@@ -15,10 +15,11 @@ namespace uplink::health {
 inline constexpr std::chrono::seconds kHandshakeEvery{2};
 inline constexpr std::chrono::seconds kHandshakeWait{20};
 /// A handshake goes the way of the robots' messages: one that takes longer than this shows that
-/// they lie unread. With kHandshakeEvery well below the default of presence.timeout (10 s).
+/// they lie unread.
 inline constexpr std::chrono::seconds kBehindAfter{3};
 /// One that takes no longer than this shows that they do not any more.
 inline constexpr std::chrono::seconds kCaughtUpWithin{1};
+static_assert(kCaughtUpWithin < kBehindAfter, "whoever has caught up is not behind");
 /// Without any sign of the listener for so long the process counts as dead.
 inline constexpr std::chrono::seconds kAliveMax{60};
 static_assert(kHandshakeEvery + kHandshakeWait < kAliveMax, "one lost answer must not kill");

@@ -2,12 +2,16 @@
 
 namespace uplink::health {
 
+static_assert(
+    kHandshakeEvery + kBehindAfter < fleet::PresenceLimits{}.timeout,
+    "a robot that reports often is not offline before the server knows that it is behind");
+
 void PresenceWatch::Sweep() {
   using enum fleet::Fleet::Hearing;
   const SteadyTime began = sources_.clock.Steady();
   const bool behind = sources_.liveness.behind();
   if (behind && !behind_) {
-    sources_.logger.Warn("relay_behind", {{"limit_ms", milliseconds(kBehindAfter).count()}});
+    sources_.logger.Warn("relay_behind", {{"why", refused_ ? "refused" : "late"}});
   }
   if (!behind && behind_) sources_.logger.Info("relay_caught_up", {});
   behind_ = behind;
@@ -21,6 +25,7 @@ void PresenceWatch::AskRelay(const Ask& ask) {
   sources_.liveness.NoteAsked();
   ask([this](bool answered) {
     asking_ = false;
+    refused_ = !answered;
     if (answered) sources_.liveness.NoteHandshake();
   });
 }

@@ -37,6 +37,8 @@ class PresenceWatch final {
  private:
   const Sources sources_;
   bool asking_ = false;
+  /// The last handshake ended without an answer.
+  bool refused_ = false;
   /// As of the last sweep.
   bool behind_ = false;
 };

@@ -9,7 +9,7 @@
 
 namespace uplink::health {
 
-/// The journal counts as behind above this share of either bound, or when its oldest record is
+/// The journal has a backlog above this share of either bound, or when its oldest record is
 /// older.
 inline constexpr std::size_t kBacklogPercent = 80;
 inline constexpr std::chrono::seconds kBacklogAge{60};

@@ -41,6 +41,13 @@ class Offline(unittest.TestCase):
             with self.subTest(reference):
                 self.assertTrue(self.document.look_up({"$ref": reference}))
 
+    def test_the_words_of_readiness_are_the_programs(self):
+        program = (SOURCE / "server/health/readiness.cc").read_text(encoding="utf-8")
+        for schema, list_of in (("Degraded", "degraded"), ("Refusal", "refuses")):
+            words = re.findall(rf'{list_of}\.emplace_back\("(\w+)"\)', program)
+            self.assertTrue(words)
+            self.assertEqual(self.document.root["components"]["schemas"][schema]["enum"], words)
+
     def test_nothing_is_described_that_no_path_uses(self):
         used, more = set(), json.dumps(self.document.root["paths"])
         while more:

@@ -24,8 +24,13 @@ def _ptrace(request, thread):
 
 def threads_of(process, prefix):
     """The ids of the threads whose name begins with `prefix`."""
-    tasks = pathlib.Path(f"/proc/{process}/task")
-    return [int(task.name) for task in tasks.iterdir() if (task / "comm").read_text().startswith(prefix)]
+    found = []
+    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+        # Others may end meanwhile.
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+            if (task / "comm").read_text().startswith(prefix):
+                found.append(int(task.name))
+    return found
 
 
 @contextlib.contextmanager

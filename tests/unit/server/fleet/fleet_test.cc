@@ -102,6 +102,12 @@ TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard
   Robot& heard = Admit(fleet, "rcan://heard");
   Robot& gone = Admit(fleet, "rcan://gone");
   const PresenceLimits& limits = fleet.presence_limits();
+  Robot& offline = Admit(fleet, "rcan://offline");
+  offline.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  clock_.Advance(limits.timeout + milliseconds(1));
+  fleet.Sweep(kIdle);
+  ASSERT_EQ(offline.state.presence(), Presence::kOffline);
+  clock_.Advance(seconds(1));
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   gone.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   EXPECT_EQ(fleet.Sweep(kIdle).online, 2);
@@ -111,6 +117,7 @@ TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard
   clock_.Advance(seconds(1));
   EXPECT_EQ(fleet.Sweep(kIdle).online, 1);
   EXPECT_EQ(gone.state.presence(), Presence::kUnknown);
+  EXPECT_EQ(offline.state.presence(), Presence::kOffline) << "its silence was proven before";
   for (int i = 0; i < 3; ++i) {
     clock_.Advance(Fleet::kSweepLate);
     fleet.Sweep(kIdle);

@@ -58,7 +58,7 @@ TEST_F(PresenceWatchTest, ARobotIsOfflineOnlyWhileTheRelayAnswers) {
   AskRelay();
   SweepFor(seconds(11));
   EXPECT_EQ(robot.state.presence(), model::Presence::kUnknown);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind why=late")));
   Answer(true);
   SweepFor(seconds(1));
   EXPECT_TRUE(liveness_.behind()) << "that answer was late";
@@ -88,7 +88,7 @@ TEST_F(PresenceWatchTest, ARefusedHandshakeIsNoAnswer) {
     Answer(false);
     SweepFor(seconds(1));
   }
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind why=refused")));
   AskRelay();
   Answer(true);
   EXPECT_TRUE(liveness_.behind()) << "it was asked four seconds ago";
