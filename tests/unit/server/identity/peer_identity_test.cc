@@ -249,22 +249,23 @@ TEST(PeerIdentity, TextThatIsNoCertificate) {
 }
 
 TEST(PeerIdentity, OneReaderReadsManyOnManyThreads) {
+  constexpr int kThreads = 4;
+  constexpr int kReads = 50;
   const PeerReader reader;
   const TestAuthority authority;
   const std::string good = authority.Issue(RobotSpec(kRuri)).certificate;
   std::atomic<int> read = 0;
-  {
-    std::vector<std::jthread> threads;
-    for (int i = 0; i < 4; ++i) {
-      threads.emplace_back([&] {
-        for (int each = 0; each < 50; ++each) {
-          const auto identity = reader.IdentityOf(good);
-          if (identity.ok() && identity->ruri() == kRuri) ++read;
-        }
-      });
+  const auto read_often = [&] {
+    for (int i = 0; i < kReads; ++i) {
+      const auto identity = reader.IdentityOf(good);
+      if (identity.ok() && identity->ruri() == kRuri) ++read;
     }
+  };
+  {
+    std::vector<std::jthread> threads(kThreads);
+    for (std::jthread& thread : threads) thread = std::jthread(read_often);
   }
-  EXPECT_EQ(read.load(), 200);
+  EXPECT_EQ(read.load(), kThreads * kReads);
 }
 
 }  // namespace
