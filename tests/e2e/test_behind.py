@@ -47,7 +47,10 @@ class Behind(EndToEnd):
         server = self.server().start()
         fleet = self.fleet(server, "--robots", ROBOTS, "--faults", 5)
         self.wait_for_presence(server, "PRESENCE_ONLINE")
-        self.assertTrue(any(self.stand_still(server) for _ in range(STOPS)), "no stop without a lock")
+        try:
+            self.assertTrue(any(self.stand_still(server) for _ in range(STOPS)), "no stop without a lock")
+        except PermissionError as error:
+            self.skipTest(f"this system lets nobody stop threads: {error}")
         self.wait_for_presence(server, "PRESENCE_ONLINE")
         self.wait_for_word(server, False, "relay_caught_up")
         for robot in self.robots(server):
