@@ -66,6 +66,8 @@ absl::StatusOr<Robot*> Fleet::Admit(Shard& shard, const model::RobotId& id) {
                                        changed_);
   Robot* admitted = robot.get();
   shard.robots.emplace(id.ruri, std::move(robot));
+  const std::lock_guard lock(admitted_mutex_);
+  admitted_.push_back(admitted);
   return admitted;
 }
 
@@ -77,13 +79,8 @@ Robot* Fleet::Find(std::string_view ruri) const {
 }
 
 std::vector<Robot*> Fleet::All() const {
-  std::vector<Robot*> robots;
-  robots.reserve(size());
-  for (const Shard& shard : shards_) {
-    const std::lock_guard lock(shard.mutex);
-    for (const auto& [ruri, robot] : shard.robots) robots.push_back(robot.get());
-  }
-  return robots;
+  const std::lock_guard lock(admitted_mutex_);
+  return admitted_;
 }
 
 std::vector<Robot*> Fleet::Sorted() const {
@@ -101,7 +98,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   // are taken before the next sweep, which judges.
   const SteadyTime last = last_sweep_.exchange(steady);
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
-  for (Robot* robot : Sorted()) {
+  for (Robot* robot : All()) {
     if (stalled || hearing == Hearing::kBehind) robot->state.NoteStall(steady);
     if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);

@@ -71,7 +71,7 @@ class Fleet final {
   [[nodiscard]] absl::StatusOr<Robot*> AdmitNew(const model::RobotId& id);
   /// Null if it was never seen.
   [[nodiscard]] Robot* Find(std::string_view ruri) const;
-  /// All robots, in no order.
+  /// All robots, in the order in which they were admitted.
   [[nodiscard]] std::vector<Robot*> All() const;
   /// All robots by RURI.
   [[nodiscard]] std::vector<Robot*> Sorted() const;
@@ -116,6 +116,9 @@ class Fleet final {
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
   std::array<Shard, kShards> shards_;
   std::atomic<std::size_t> size_{0};
+  mutable std::mutex admitted_mutex_;
+  /// In order. Robots are never forgotten, so it only grows.
+  std::vector<Robot*> admitted_;
   mutable std::mutex counts_mutex_;
   PresenceCounts counts_;
 };
