@@ -104,15 +104,11 @@ void Call::TakeFrame() {
   session_->OnFrame(frame.view());
 }
 
-void Call::Write(const v1::RelayResponse& frame, session::Departure departure) {
+void Call::Write(const v1::RelayResponse& frame) {
   UPLINK_CHECK(!writing_ && !finishing(), "a write is under way, or the call ends");
   writing_ = true;
   ++tags_out_;
-  grpc::WriteOptions options;
-  // gRPC answers the read that follows with a WINDOW_UPDATE, which takes along what is buffered.
-  // A frame that was read in parts may need none: then the next one's does, or a ping.
-  if (departure == session::Departure::kWithNextRead) options.set_buffer_hint();
-  stream_.Write(Serialized(frame), options, &written_tag_);
+  stream_.Write(Serialized(frame), &written_tag_);
 }
 
 void Call::OnWritten(bool ok) {

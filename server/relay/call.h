@@ -40,7 +40,7 @@ class Call final : public session::FrameSource, public session::FrameSink {
   // session::FrameSource
   void RequestRead() override;
   // session::FrameSink
-  void Write(const v1::RelayResponse& frame, session::Departure departure) override;
+  void Write(const v1::RelayResponse& frame) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override;
 

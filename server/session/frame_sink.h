@@ -15,20 +15,12 @@ class FrameSource {
   virtual void RequestRead() = 0;
 };
 
-/// When a frame must leave.
-enum class Departure {
-  kNow,
-  /// The session asks for a read right after. What the transport sends for that read (HTTP/2: more
-  /// room in the stream's window) may take the frame along, in one record instead of two.
-  kWithNextRead,
-};
-
 /// Where a session's frames go. Confined to the stream's thread.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
   /// At most one write is under way; Session::OnWritten, called after Write has returned, ends it.
-  virtual void Write(const v1::RelayResponse& frame, Departure departure) = 0;
+  virtual void Write(const v1::RelayResponse& frame) = 0;
   /// Ends the call with this status, after a write under way. The session makes no further call,
   /// and the transport calls nothing but OnBroken.
   virtual void Finish(const absl::Status& status) = 0;

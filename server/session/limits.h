@@ -10,16 +10,6 @@ namespace uplink::session {
 /// Messages after which an Ack that only live messages move is sent (protocol: Ack; measured: an
 /// ack for each paced message is a third of its cost).
 inline constexpr std::uint32_t kAckMessages = 64;
-/// Part of ack_interval that a live message has waited for when the next message's read takes its
-/// Ack along.
-inline constexpr double kAckRidesAfter = 0.75;
-/// While one Ack after the other goes along with a message, the next waits for one this part of
-/// ack_interval longer: the robot that sends once in an interval does so a little late half of the
-/// time.
-inline constexpr int kAckGraceParts = 10;
-/// After two Acks in a row for which no message came in time, or a stream's first, so many go along
-/// with the first message that they cover: the robot sends less often than once in ack_interval.
-inline constexpr std::uint32_t kEagerAcks = 16;
 /// Rejects that session memory remembers for the next Welcome (protocol: Numbers).
 inline constexpr std::size_t kRejectsRememberedMax = 256;
 /// Sessions of one robot in memory (protocol: Numbers).

@@ -165,11 +165,8 @@ void Session::TakePending() {
   for (v1::RelayResponse& frame : taken.frames) outgoing_.push_back(std::move(frame));
   unacked_messages_ += taken.messages;
   if (taken.ack_owed || unacked_messages_ >= kAckMessages) ack_due_ = true;
-  NoteAckRides();
   if (unacked_messages_ > 0 && !ack_at_) {
-    unacked_since_ = context_.clock.Steady();
-    ack_at_ = unacked_since_ + context_.limits.ack_interval;
-    if (ack_rode_) *ack_at_ += context_.limits.ack_interval / kAckGraceParts;
+    ack_at_ = context_.clock.Steady() + context_.limits.ack_interval;
   }
 }
 
@@ -183,14 +180,12 @@ void Session::Read() {
     TakePending();
     hold = intake_->Holding(outgoing_.size());
   }
-  if (hold != Hold::kNone && ack_rides_) ack_due_ = true;
   Flush();
   NoteStall();
   SetHeldBack(hold != Hold::kNone);
   read_again_at_.reset();
   switch (hold) {
     case Hold::kNone:
-      if (ack_rides_) WriteRidingAck();
       return RequestRead();
     case Hold::kInFlight:  // a commit of the robot wakes the stream
     case Hold::kOutgoing:  // a write that is done calls

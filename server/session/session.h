@@ -78,8 +78,6 @@ class Session final {
   void NoteReleased(const std::vector<SteadyTime>& released);
   void Read();
   void RequestRead();
-  void NoteAckRides();
-  void WriteRidingAck();
   void NoteStall();
   void SetHeldBack(bool held_back);
   void Flush();
@@ -113,14 +111,6 @@ class Session final {
   model::Seq acked_through_ = 0;
   model::Seq acked_judged_ = 0;
   bool ack_due_ = false;
-  /// An Ack that only live messages move is due, and leaves with the next read.
-  bool ack_rides_ = false;
-  SteadyTime last_ack_at_;
-  /// When the first message came that no Ack covers.
-  SteadyTime unacked_since_;
-  /// The last Ack that waited for a message to go along with found one, or may wait again.
-  bool ack_rode_ = false;
-  std::uint32_t eager_acks_ = 0;
   std::size_t unacked_messages_ = 0;
   std::vector<SteadyTime> released_;
   /// With what kSettling ends; set once nothing waits and the last Ack is due.

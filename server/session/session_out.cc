@@ -37,11 +37,9 @@ std::optional<v1::RelayResponse> Session::NextAck() {
   acked_through_ = std::max(acked_through_, progress.through);
   acked_judged_ = std::max(acked_judged_, progress.judged);
   ack_due_ = false;
-  ack_rides_ = false;
   ack_at_.reset();
   unacked_messages_ = 0;
   const SteadyTime now = context_.clock.Steady();
-  last_ack_at_ = now;
   for (const SteadyTime arrived : released_) {
     context_.probe.ack_seconds.Observe(std::chrono::duration<double>(now - arrived).count());
   }
@@ -54,7 +52,7 @@ bool Session::WriteNext() {
   if (outgoing_.empty() && ack_due_) {
     if (std::optional<v1::RelayResponse> ack = NextAck()) {
       write_under_way_ = true;
-      sink_.Write(*ack, Departure::kNow);
+      sink_.Write(*ack);
       return true;
     }
   }
@@ -62,36 +60,8 @@ bool Session::WriteNext() {
   const v1::RelayResponse frame = std::move(outgoing_.front());
   outgoing_.pop_front();
   write_under_way_ = true;
-  sink_.Write(frame, Departure::kNow);
+  sink_.Write(frame);
   return true;
-}
-
-void Session::NoteAckRides() {
-  if (unacked_messages_ == 0 || ack_due_ || ack_rides_) return;
-  const auto wait = context_.limits.ack_interval * kAckRidesAfter;
-  const SteadyTime now = context_.clock.Steady();
-  if (eager_acks_ == 0) {
-    if (!ack_at_ || now - unacked_since_ < wait) return;
-  } else if (now - last_ack_at_ < wait) {
-    return;
-  }
-  // What waits for the store brings an Ack of its own.
-  ack_rides_ = robot_->sessions.waiting(hello_.session) == 0;
-  if (!ack_rides_) return;
-  if (eager_acks_ > 0) --eager_acks_;
-  if (eager_acks_ == 0) ack_rode_ = true;
-}
-
-void Session::WriteRidingAck() {
-  ack_due_ = true;
-  // Behind a write, or behind frames that wait, it goes when its turn comes.
-  if (write_under_way_ || !outgoing_.empty()) return;
-  if (std::optional<v1::RelayResponse> ack = NextAck()) {
-    write_under_way_ = true;
-    sink_.Write(*ack, Departure::kWithNextRead);
-  } else {
-    WriteNext();
-  }
 }
 
 void Session::Flush() {
@@ -120,8 +90,6 @@ void Session::OnTimer() {
   if (ack_at_ && now >= *ack_at_) {
     ack_at_.reset();
     ack_due_ = true;
-    // No message came that could have taken it along. Once is a robot that stops.
-    if (!std::exchange(ack_rode_, false)) eager_acks_ = kEagerAcks;
   }
   if (intake_ != nullptr && intake_->pending()) TakePending();
   Flush();

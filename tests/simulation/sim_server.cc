@@ -11,7 +11,7 @@ SimStream::SimStream(const session::SessionContext& context, identity::PeerIdent
       opened_at_(context.clock.Steady()),
       session_(context, std::move(peer), self, *this, *this) {}
 
-void SimStream::Write(const v1::RelayResponse& frame, session::Departure /*departure*/) {
+void SimStream::Write(const v1::RelayResponse& frame) {
   writing_ = ToAgent{.frame = frame, .batches_seen = batches_seen_};
 }
 

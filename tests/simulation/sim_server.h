@@ -39,7 +39,7 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   [[nodiscard]] SteadyTime opened_at() const { return opened_at_; }
 
   void RequestRead() override { read_wanted_ = true; }
-  void Write(const v1::RelayResponse& frame, session::Departure departure) override;
+  void Write(const v1::RelayResponse& frame) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override {}
 

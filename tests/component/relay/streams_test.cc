@@ -74,19 +74,6 @@ TEST(Streams, LiveMessagesAreAckedByTheTimer) {
   EXPECT_EQ(counts.applied + counts.superseded, 2U);
 }
 
-/// An Ack that leaves with the next read has no timer behind it: unless gRPC sends it with the
-/// room that it gives the stream for that read, the last one never comes.
-TEST(Streams, AnAckThatGoesAlongWithAReadArrives) {
-  RelayWorld world({.session = {.ack_interval = milliseconds(1)}});
-  TestAgent agent(world.Channel(RuriOf(1)));
-  ASSERT_TRUE(agent.Connect(SessionOf(1)));
-  // The first by the timer; after that each by its own message, once the last is a moment old.
-  for (model::Seq seq = 1; seq <= 1 + session::kEagerAcks; ++seq) {
-    agent.Send(BatchFrame({{seq, MotionPayload(static_cast<double>(seq))}}));
-    ASSERT_TRUE(agent.ReadJudged(seq)) << seq;
-  }
-}
-
 TEST(Streams, ARejectComesBeforeTheAckThatCoversIt) {
   RelayWorld world;
   TestAgent agent(world.Channel(RuriOf(1)));

@@ -6,33 +6,11 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 class AckTest : public SessionTest {
  protected:
   AckTest() : stream_(server().Connect(SessionOf(1))) { static_cast<void>(stream_.Said()); }
-  /// A message whose Ack the next one takes along.
-  void Ride(model::Seq seq) {
-    stream_.Send(BatchFrame({{seq, Motion()}}));
-    server().Pass(most_);
-    stream_.Send(BatchFrame({{seq + 1, Motion()}}));
-    EXPECT_THAT(stream_.Said(), SizeIs(1));
-    EXPECT_EQ(stream_.rode(), 1U);
-  }
-  /// A message after which none comes until its Ack goes alone.
-  void Miss(model::Seq seq, milliseconds longer) {
-    const std::size_t rode = stream_.rode();
-    stream_.Send(BatchFrame({{seq, Motion()}}));
-    EXPECT_THAT(stream_.Said(), IsEmpty());
-    server().Pass(limits_.session.ack_interval + longer);
-    EXPECT_THAT(stream_.Said(), SizeIs(1));
-    EXPECT_EQ(stream_.rode(), rode);
-  }
-
   BenchStream& stream_;
-  const milliseconds most_ =
-      std::chrono::duration_cast<milliseconds>(limits_.session.ack_interval * kAckRidesAfter);
-  const milliseconds grace_ = limits_.session.ack_interval / kAckGraceParts;
 };
 
 TEST_F(AckTest, LiveMessagesWaitForTheInterval) {
@@ -51,97 +29,6 @@ TEST_F(AckTest, TheIntervalBeginsWithTheFirstMessage) {
   stream_.Send(BatchFrame({{2, Motion()}}));
   server().Pass(milliseconds(400));
   EXPECT_THAT(stream_.Said(), ElementsAre("ack 2 judged 2"));
-}
-
-TEST_F(AckTest, AfterMostOfTheIntervalTheNextMessageTakesTheAckAlong) {
-  stream_.Send(BatchFrame({{1, Motion()}}));
-  server().Pass(most_ - milliseconds(1));
-  stream_.Send(BatchFrame({{2, Motion()}}));
-  EXPECT_THAT(stream_.Said(), IsEmpty()) << "the first has not waited for long";
-  server().Pass(milliseconds(1));
-  stream_.Send(BatchFrame({{3, Motion()}}));
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 3 judged 3"));
-  EXPECT_EQ(stream_.rode(), 1U);
-  server().Pass(limits_.session.ack_interval * 3);
-  EXPECT_THAT(stream_.Said(), IsEmpty()) << "nothing new to say";
-}
-
-TEST_F(AckTest, AfterOneThatWentAlongTheNextWaitsALittleLonger) {
-  Ride(1);
-  stream_.Send(BatchFrame({{3, Motion()}}));
-  server().Pass(limits_.session.ack_interval + grace_ - milliseconds(1));
-  EXPECT_THAT(stream_.Said(), IsEmpty());
-  server().Pass(milliseconds(1));
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 3 judged 3"));
-  EXPECT_EQ(stream_.rode(), 1U);
-}
-
-TEST_F(AckTest, ARobotThatStopsOnceIsNoSlowOne) {
-  Ride(1);
-  Miss(3, grace_);
-  stream_.Send(BatchFrame({{4, Motion()}}));
-  EXPECT_THAT(stream_.Said(), IsEmpty());
-  server().Pass(most_);
-  stream_.Send(BatchFrame({{5, Motion()}}));
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 5 judged 5"));
-  EXPECT_EQ(stream_.rode(), 2U);
-}
-
-TEST_F(AckTest, ASlowRobotsMessagesTakeTheirAcksAlongThemselves) {
-  Miss(1, milliseconds(0));
-  for (model::Seq seq = 2; seq < 2 + kEagerAcks; ++seq) {
-    server().Pass(limits_.session.ack_interval);
-    stream_.Send(BatchFrame({{seq, Motion()}}));
-    EXPECT_THAT(stream_.Said(), SizeIs(1)) << seq;
-  }
-  EXPECT_EQ(stream_.rode(), kEagerAcks);
-  Miss(2 + kEagerAcks, grace_);
-  Miss(3 + kEagerAcks, milliseconds(0));
-  server().Pass(limits_.session.ack_interval);
-  stream_.Send(BatchFrame({{4 + kEagerAcks, Motion()}}));
-  EXPECT_THAT(stream_.Said(), SizeIs(1)) << "still slow";
-}
-
-TEST_F(AckTest, EagerAcksKeepTheirDistance) {
-  Miss(1, milliseconds(0));
-  server().Pass(most_ - milliseconds(1));
-  stream_.Send(BatchFrame({{2, Motion()}}));
-  EXPECT_THAT(stream_.Said(), IsEmpty());
-  server().Pass(milliseconds(1));
-  stream_.Send(BatchFrame({{3, Motion()}}));
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 3 judged 3"));
-  EXPECT_EQ(stream_.rode(), 1U);
-}
-
-TEST_F(AckTest, WhatWaitsForTheStoreBringsTheAckItself) {
-  stream_.Send(BatchFrame({{1, Motion()}}));
-  server().Pass(most_);
-  stream_.Send(BatchFrame({{2, Fault()}, {3, Motion()}}));
-  EXPECT_THAT(stream_.Said(), IsEmpty());
-  server().Commit();
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 3 judged 3"));
-  EXPECT_EQ(stream_.rode(), 0U);
-}
-
-TEST_F(AckTest, BehindAWriteThatIsUnderWayTheAckTakesItsTurn) {
-  stream_.StopReading();
-  stream_.Send(BatchFrame(Messages(1, 65, Motion())));
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 65 judged 65"));
-  stream_.Send(BatchFrame({{66, Motion()}}));
-  server().Pass(most_);
-  stream_.Send(BatchFrame({{67, Motion()}}));
-  EXPECT_THAT(stream_.Said(), IsEmpty());
-  stream_.ReadAgain();
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 67 judged 67"));
-  EXPECT_EQ(stream_.rode(), 0U);
-}
-
-TEST_F(AckTest, ARejectGoesBeforeTheAckThatWouldHaveRidden) {
-  stream_.Send(BatchFrame({{1, Motion()}}));
-  server().Pass(most_);
-  stream_.Send(BatchFrame({{2, Motion()}, {3, "no message"}}));
-  server().Commit();
-  EXPECT_THAT(stream_.Said(), ElementsAre("reject 3 malformed ", "ack 3 judged 3"));
 }
 
 TEST_F(AckTest, SixtyFourLiveMessagesAreAckedAtOnce) {

@@ -108,10 +108,8 @@ BenchStream::BenchStream(const SessionContext& context, identity::PeerIdentity p
                          journal::StreamRef self)
     : session_(context, std::move(peer), self, *this, *this) {}
 
-void BenchStream::Write(const v1::RelayResponse& frame, Departure departure) {
+void BenchStream::Write(const v1::RelayResponse& frame) {
   UPLINK_CHECK(!writing_, "one write at a time");
-  rides_ = departure == Departure::kWithNextRead;
-  if (rides_) ++rode_;
   writing_ = true;
   frames_.push_back(frame);
 }
@@ -155,7 +153,6 @@ void BenchStream::ReadOne() {
 }
 
 void BenchStream::Pump() {
-  UPLINK_CHECK(!rides_, "the read that takes a frame along follows it");
   while (agent_reads_ && writing_ && !session_.done()) ReadOne();
 }
 

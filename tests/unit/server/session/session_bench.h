@@ -54,11 +54,8 @@ class BenchStream final : public FrameSource, public FrameSink {
  public:
   BenchStream(const SessionContext& context, identity::PeerIdentity peer, journal::StreamRef self);
 
-  void RequestRead() override {
-    reading_ = true;
-    rides_ = false;
-  }
-  void Write(const v1::RelayResponse& frame, Departure departure) override;
+  void RequestRead() override { reading_ = true; }
+  void Write(const v1::RelayResponse& frame) override;
   void Finish(const absl::Status& status) override { status_ = status; }
   void Cancel() override { cancelled_ = true; }
 
@@ -78,8 +75,6 @@ class BenchStream final : public FrameSource, public FrameSink {
   /// The lines of all frames since the last call.
   [[nodiscard]] std::vector<std::string> Said();
   [[nodiscard]] const std::vector<v1::RelayResponse>& frames() const { return frames_; }
-  /// How many of the frames left with the read that followed.
-  [[nodiscard]] std::size_t rode() const { return rode_; }
   /// The server wants a frame.
   [[nodiscard]] bool reading() const { return reading_; }
   /// `CODE: message` of the end; empty while the stream goes on.
@@ -96,9 +91,6 @@ class BenchStream final : public FrameSource, public FrameSink {
 
   std::vector<v1::RelayResponse> frames_;
   std::size_t told_ = 0;
-  std::size_t rode_ = 0;
-  /// A frame waits for the read that must follow.
-  bool rides_ = false;
   bool reading_ = false;
   bool writing_ = false;
   bool agent_reads_ = true;

@@ -57,7 +57,7 @@ class ThreadsStream final : public FrameSource, public FrameSink {
                  *this, *this) {}
 
   void RequestRead() override { reading_ = true; }
-  void Write(const v1::RelayResponse& frame, Departure /*departure*/) override { writing_ = frame; }
+  void Write(const v1::RelayResponse& frame) override { writing_ = frame; }
   void Finish(const absl::Status& status) override { end_ = status; }
   void Cancel() override {}
 
