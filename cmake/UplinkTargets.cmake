@@ -7,10 +7,13 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 
 find_program(UPLINK_CCACHE ccache)
 if(UPLINK_CCACHE)
-  # Precompiled headers and ccache agree only with these settings.
+  # Precompiled headers and ccache agree only with the first of these settings. The others, with the
+  # prefix map below, let every clone of the tree share one cache, wherever it lies.
   set(CMAKE_CXX_COMPILER_LAUNCHER
       "${CMAKE_COMMAND}" -E env "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+      "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" "CCACHE_NOHASHDIR=1"
       "${UPLINK_CCACHE}")
+  add_compile_options("-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
 endif()
 
 if(UPLINK_SANITIZE)
