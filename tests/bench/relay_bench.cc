@@ -9,7 +9,7 @@
 #include "schema/base/clock.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
-#include "tools/uplink-fleet/process_use.h"
+#include "tools/uplink-fleet/report/process_use.h"
 
 namespace uplink::bench {
 namespace {

@@ -21,7 +21,7 @@
 #include "tests/bench/figures.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/records.h"
-#include "tools/uplink-fleet/process_use.h"
+#include "tools/uplink-fleet/report/process_use.h"
 
 namespace uplink::bench {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/support/certificates.h"
 #include "tests/support/server_process.h"
 #include "tests/support/uplinkd_folder.h"
-#include "tools/uplink-fleet/process_use.h"
+#include "tools/uplink-fleet/report/process_use.h"
 
 namespace uplink::bench {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "schema/base/clock.h"
-#include "tools/uplink-fleet/swarm.h"
+#include "tools/uplink-fleet/robot/swarm.h"
 
 namespace uplink::synthetic {
 

@@ -16,16 +16,16 @@
 #include <unistd.h>
 
 #include "schema/base/clock.h"
-#include "tools/uplink-fleet/compare.h"
+#include "tools/uplink-fleet/compare/compare.h"
+#include "tools/uplink-fleet/compare/verify.h"
 #include "tools/uplink-fleet/flags.h"
-#include "tools/uplink-fleet/live_summary.h"
-#include "tools/uplink-fleet/process_use.h"
-#include "tools/uplink-fleet/progress_line.h"
-#include "tools/uplink-fleet/report.h"
-#include "tools/uplink-fleet/server_view.h"
-#include "tools/uplink-fleet/signals.h"
-#include "tools/uplink-fleet/swarm.h"
-#include "tools/uplink-fleet/verify.h"
+#include "tools/uplink-fleet/report/live_summary.h"
+#include "tools/uplink-fleet/report/process_use.h"
+#include "tools/uplink-fleet/report/progress_line.h"
+#include "tools/uplink-fleet/report/report.h"
+#include "tools/uplink-fleet/robot/swarm.h"
+#include "tools/uplink-fleet/run/server_view.h"
+#include "tools/uplink-fleet/run/signals.h"
 
 namespace uplink::synthetic {
 namespace {

@@ -1,0 +1,170 @@
+#include "tools/uplink-fleet/compare/verify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tools/uplink-fleet/report/report.h"
+
+namespace uplink::synthetic {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+/// A run in which everything went well: three durable messages, one of which expired on its way,
+/// one wrong message, two live ones, one of which a later one replaced.
+Evidence Good() {
+  Evidence evidence;
+  evidence.fleet = {.robots = 1,
+                    .numbers = 6,
+                    .sent = 6,
+                    .durable = 3,
+                    .acked = 3,
+                    .expiring = 1,
+                    .wrongs = 1,
+                    .wrongs_by_reason = {{"missing_field", 1}},
+                    .settled_robots = 1,
+                    .ended_ok = 1};
+  evidence.robots_read = 1;
+  evidence.before.set_started_at_ms(5);
+  evidence.after.set_started_at_ms(5);
+  auto& uplinks = *evidence.after.mutable_uplinks();
+  uplinks["received"] = 6;
+  uplinks["stored"] = 2;
+  uplinks["applied"] = 1;
+  uplinks["superseded"] = 2;
+  uplinks["rejected"] = 1;
+  (*evidence.after.mutable_rejects_by_reason())["missing_field"] = 1;
+  return evidence;
+}
+
+std::vector<std::string> Mismatches(const Evidence& evidence) {
+  std::vector<std::string> names;
+  for (const CheckRow& row : Verify(evidence)) {
+    if (!row.ok) names.push_back(row.what);
+  }
+  return names;
+}
+
+TEST(Verify, AGoodRunAgrees) { EXPECT_THAT(Mismatches(Good()), IsEmpty()); }
+
+TEST(Verify, ConservationMustHold) {
+  Evidence evidence = Good();
+  (*evidence.after.mutable_uplinks())["applied"] = 0;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("conservation: received = the rest",
+                                                "good: stored, applied or superseded"));
+}
+
+TEST(Verify, MoreIsSupersededThanCanHaveExpired) {
+  Evidence evidence = Good();
+  (*evidence.after.mutable_uplinks())["stored"] = 1;
+  (*evidence.after.mutable_uplinks())["superseded"] = 3;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("durable, stored"));
+}
+
+TEST(Verify, AMessageThatWasCountedTwice) {
+  Evidence evidence = Good();
+  auto& uplinks = *evidence.after.mutable_uplinks();
+  uplinks["received"] = 7;
+  uplinks["applied"] = 2;
+  evidence.disturbed = true;
+  EXPECT_THAT(Mismatches(evidence),
+              ElementsAre("messages, each once", "good: stored, applied or superseded"));
+  uplinks["applied"] = 1;
+  uplinks["duplicate"] = 1;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty()) << "a repeat is no second message";
+}
+
+TEST(Verify, ARejectForAnotherReason) {
+  Evidence evidence = Good();
+  auto& rejects = *evidence.after.mutable_rejects_by_reason();
+  rejects.clear();
+  rejects["out_of_range"] = 1;
+  EXPECT_THAT(Mismatches(evidence),
+              ElementsAre("rejected: missing_field", "rejected: out_of_range"));
+}
+
+TEST(Verify, CountersAreComparedFromWhereTheyStood) {
+  Evidence evidence = Good();
+  (*evidence.before.mutable_uplinks())["received"] = 100;
+  (*evidence.before.mutable_uplinks())["stored"] = 100;
+  (*evidence.before.mutable_rejects_by_reason())["malformed"] = 7;
+  (*evidence.after.mutable_rejects_by_reason())["malformed"] = 7;
+  (*evidence.after.mutable_uplinks())["received"] = 106;
+  (*evidence.after.mutable_uplinks())["stored"] = 102;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty());
+}
+
+TEST(Verify, RepeatsCountOnlyWhenNothingDisturbedTheStreams) {
+  Evidence evidence = Good();
+  evidence.fleet.sent = 7;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("messages with repeats"));
+  evidence.disturbed = true;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty());
+}
+
+TEST(Verify, AfterARestartOnlyRowsAndAcksCount) {
+  Evidence evidence = Good();
+  evidence.after.set_started_at_ms(6);
+  evidence.after.clear_uplinks();
+  EXPECT_THAT(Mismatches(evidence), IsEmpty());
+  evidence.findings.Differ(Thing::kEvents, "rcan://a", "one", "none");
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("events"));
+}
+
+TEST(Verify, WhatIsUnsettledBrokenOrUnreadIsAMismatch) {
+  Evidence evidence = Good();
+  evidence.fleet.settled_robots = 0;
+  evidence.fleet.ended_ok = 0;
+  evidence.fleet.acked = 2;
+  evidence.rules_broken = 1;
+  evidence.robots_read = 0;
+  (*evidence.after.mutable_uplinks())["inFlight"] = 1;
+  (*evidence.after.mutable_uplinks())["received"] = 7;
+  evidence.disturbed = true;
+  evidence.fleet.numbers = 7;
+  EXPECT_THAT(Mismatches(evidence),
+              ElementsAre("robots with all settled", "durable messages acked", "streams ended OK",
+                          "protocol rules broken", "in flight at the end",
+                          "good: stored, applied or superseded", "robots whose rows were read"));
+}
+
+TEST(Verify, EveryThingHasARowOfItsOwn) {
+  for (std::size_t i = 0; i < kThings; ++i) {
+    Evidence evidence = Good();
+    evidence.findings.Differ(static_cast<Thing>(i), "rcan://a", "this", "that");
+    EXPECT_THAT(Mismatches(evidence), ElementsAre(std::string(TextOf(static_cast<Thing>(i)).name)));
+  }
+}
+
+TEST(Report, SaysWhetherAllAgree) {
+  const Evidence good = Good();
+  EXPECT_TRUE(AllOk(Verify(good)));
+  EXPECT_THAT(TextReport({}, Verify(good), good.findings), HasSubstr("verification: all agree"));
+  EXPECT_THAT(JsonReport({}, Verify(good), good.findings), HasSubstr("\"ok\":true"));
+  Evidence bad = Good();
+  bad.findings.Differ(Thing::kShapes, "rcan://a", "a square", "a circle");
+  const std::string text = TextReport({}, Verify(bad), bad.findings);
+  EXPECT_THAT(text, HasSubstr("rcan://a | shapes present | a square | a circle\n"));
+  EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
+  const std::string json = JsonReport({}, Verify(bad), bad.findings);
+  EXPECT_THAT(json, HasSubstr("\"ok\":false"));
+  EXPECT_THAT(json, HasSubstr("\"found\":\"a circle\""));
+}
+
+TEST(Report, ShowsNoMoreDifferencesThanOnePage) {
+  Evidence bad = Good();
+  for (std::size_t i = 0; i < kDifferencesMax + 5; ++i) {
+    bad.findings.Differ(Thing::kEvents, "rcan://" + std::to_string(i), "", "");
+  }
+  EXPECT_EQ(bad.findings.differences().size(), kDifferencesMax);
+  const std::string text = TextReport({}, Verify(bad), bad.findings);
+  EXPECT_THAT(text, HasSubstr("rcan://19 | "));
+  EXPECT_THAT(text, Not(HasSubstr("rcan://20 | ")));
+  EXPECT_THAT(text, HasSubstr("and 185 more"));
+}
+
+}  // namespace
+}  // namespace uplink::synthetic

@@ -1,0 +1,108 @@
+// The live and latest parts, and presence.
+#include <fmt/core.h>
+
+#include "tools/uplink-fleet/compare/compare.h"
+#include "tools/uplink-fleet/robot/rows.h"
+
+namespace uplink::synthetic {
+namespace {
+
+using google::protobuf::Struct;
+
+void ComparePart(Thing thing, const RobotOutcome& robot, const Struct& expected,
+                 const Struct& found, Findings& findings) {
+  findings.Expect(thing);
+  if (Canonical(expected) == Canonical(found)) {
+    findings.Find(thing);
+    return;
+  }
+  // The field at fault rather than the whole part, where there is one.
+  for (const auto& [name, value] : expected.fields()) {
+    const auto other = found.fields().find(name);
+    if (other == found.fields().end()) {
+      return findings.Differ(thing, robot.ruri, fmt::format("{}: {}", name, Shown(value)),
+                             fmt::format("{}: nothing", name));
+    }
+    if (Canonical(value) == Canonical(other->second)) continue;
+    return findings.Differ(thing, robot.ruri, fmt::format("{}: {}", name, Shown(value)),
+                           fmt::format("{}: {}", name, Shown(other->second)));
+  }
+  findings.Differ(thing, robot.ruri, Shown(expected), Shown(found));
+}
+
+template <typename Body>
+void CompareLast(Thing thing, const RobotOutcome& robot, const std::optional<Body>& sent,
+                 const Struct& found, Findings& findings) {
+  if (sent) ComparePart(thing, robot, PartOf(*sent), found, findings);
+}
+
+template <typename Body>
+void CompareKeyed(Thing thing, const RobotOutcome& robot, const std::map<std::string, Body>& sent,
+                  const Struct& found, Findings& findings) {
+  if (!sent.empty()) ComparePart(thing, robot, PartOf(sent), found, findings);
+}
+
+}  // namespace
+
+void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& findings) {
+  findings.Expect(Thing::kOnline);
+  if (live == nullptr) {
+    return findings.Differ(Thing::kOnline, robot.ruri, "a robot", "not listed");
+  }
+  if (live->presence() == v1::PRESENCE_ONLINE && live->connected()) {
+    findings.Find(Thing::kOnline);
+  } else {
+    findings.Differ(Thing::kOnline, robot.ruri, "online and connected",
+                    fmt::format("{}, {}", v1::Presence_Name(live->presence()),
+                                live->connected() ? "connected" : "not connected"));
+  }
+  if (live->uplinks_missing() != 0) {
+    findings.Find(Thing::kNumbersMissing, static_cast<std::uint64_t>(live->uplinks_missing()));
+    findings.Differ(Thing::kNumbersMissing, robot.ruri, "0",
+                    fmt::format("{}", live->uplinks_missing()));
+  }
+  const LastLive& sent = robot.ledger.live();
+  CompareLast(Thing::kMotion, robot, sent.motion, live->motion(), findings);
+  CompareLast(Thing::kStatus, robot, sent.status, live->status(), findings);
+  CompareLast(Thing::kUsage, robot, sent.usage, live->usage(), findings);
+  CompareKeyed(Thing::kExtras, robot, sent.extras, live->extras(), findings);
+  CompareKeyed(Thing::kHealth, robot, sent.health, live->health(), findings);
+  CompareKeyed(Thing::kConsumables, robot, sent.consumables, live->consumables(), findings);
+  CompareKeyed(Thing::kDirectives, robot, sent.directives, live->directives(), findings);
+  if (sent.rcan) {
+    Struct found = live->rcan_state();
+    // The server's own count: numbers that gave way unsent are missing in it.
+    found.mutable_fields()->erase("seq_missing");
+    ComparePart(Thing::kRcanState, robot, PartOf(*sent.rcan, robot.ruri), found, findings);
+  }
+  CompareLast(Thing::kAgentInfo, robot, robot.ledger.agent_info(), live->agent_info(), findings);
+  CompareLast(Thing::kSettings, robot, robot.ledger.settings(), live->settings(), findings);
+  CompareLast(Thing::kUiCapabilities, robot, robot.ledger.ui_capabilities(),
+              live->ui_capabilities(), findings);
+}
+
+void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
+                     Findings& findings) {
+  findings.Expect(Thing::kPresenceHistory);
+  const v1::PresenceChange* latest = nullptr;
+  std::uint64_t offline = 0;
+  for (const v1::PresenceChange& change : stored.presence) {
+    if (change.at_ms() > run.to_ms) continue;
+    if (latest == nullptr) latest = &change;  // the newest comes first
+    const bool within = change.at_ms() >= run.from_ms;
+    if (within && change.presence() == v1::PRESENCE_OFFLINE) ++offline;
+  }
+  if (latest == nullptr || latest->presence() != v1::PRESENCE_ONLINE) {
+    return findings.Differ(
+        Thing::kPresenceHistory, robot.ruri, "online at last",
+        latest == nullptr ? "no change at all" : v1::Presence_Name(latest->presence()));
+  }
+  if (offline > robot.silences) {
+    return findings.Differ(Thing::kPresenceHistory, robot.ruri,
+                           fmt::format("offline {} times at most", robot.silences),
+                           fmt::format("{} times", offline));
+  }
+  findings.Find(Thing::kPresenceHistory);
+}
+
+}  // namespace uplink::synthetic

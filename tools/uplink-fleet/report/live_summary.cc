@@ -1,0 +1,100 @@
+#include "tools/uplink-fleet/report/live_summary.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/core.h>
+
+namespace uplink::synthetic {
+namespace {
+
+std::optional<double> NumberOf(std::string_view text) {
+  if (text == "+Inf") return std::numeric_limits<double>::infinity();
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::int64_t At(const google::protobuf::Map<std::string, std::int64_t>& map,
+                const std::string& name) {
+  const auto found = map.find(name);
+  return found == map.end() ? 0 : found->second;
+}
+
+std::string Milliseconds(const std::optional<double>& seconds) {
+  return seconds ? fmt::format("{:.1f} ms", *seconds * 1000) : "-";
+}
+
+}  // namespace
+
+Buckets HistogramOf(std::string_view page, std::string_view name) {
+  Buckets buckets;
+  const std::string begin = fmt::format("{}_bucket{{le=\"", name);
+  std::size_t at = 0;
+  while ((at = page.find(begin, at)) != std::string_view::npos) {
+    const bool line_begins = at == 0 || page[at - 1] == '\n';
+    at += begin.size();
+    const std::size_t quote = page.find('"', at);
+    const std::size_t end = std::min(page.find('\n', at), page.size());
+    const std::size_t space = page.rfind(' ', end);
+    if (!line_begins || quote == std::string_view::npos || space < quote) continue;
+    const auto bound = NumberOf(page.substr(at, quote - at));
+    const auto count = NumberOf(page.substr(space + 1, end - space - 1));
+    if (bound && count) buckets[*bound] = *count;
+  }
+  return buckets;
+}
+
+std::optional<double> Quantile(const Buckets& before, const Buckets& after, double quantile) {
+  Buckets came;
+  for (const auto& [bound, count] : after) {
+    const auto was = before.find(bound);
+    came[bound] = count - (was == before.end() ? 0 : was->second);
+  }
+  if (came.empty() || came.rbegin()->second <= 0) return std::nullopt;
+  const double rank = quantile * came.rbegin()->second;
+  double low = 0;
+  double below = 0;
+  for (const auto& [bound, count] : came) {
+    if (count >= rank && count > below) {
+      if (std::isinf(bound)) return low;
+      return low + (bound - low) * (rank - below) / (count - below);
+    }
+    if (!std::isinf(bound)) low = bound;
+    below = count;
+  }
+  return low;
+}
+
+std::string LiveSummary::Line(const Shared& shared, SteadyTime now,
+                              const std::optional<v1::ServerStatus>& status,
+                              const std::optional<std::string>& page) {
+  if (!began_) began_ = now;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - *began_).count();
+  const std::string own =
+      fmt::format("{} acked, {} rejected, {} breaks", shared.acked_durable.load(),
+                  shared.RejectsInAll(), shared.breaks.load());
+  if (!status) return fmt::format("{:>4} s  the server does not answer  {}", seconds, own);
+  const Reading reading{now, At(status->uplinks(), "received"),
+                        page ? HistogramOf(*page, "uplinkd_ack_seconds") : Buckets()};
+  double rate = 0;
+  std::optional<double> p50;
+  std::optional<double> p99;
+  if (last_ && now > last_->at) {
+    const double span = std::chrono::duration<double>(now - last_->at).count();
+    // Less than before: the server was started anew.
+    rate = std::max(0.0, static_cast<double>(reading.received - last_->received) / span);
+    p50 = Quantile(last_->ack_seconds, reading.ack_seconds, 0.5);
+    p99 = Quantile(last_->ack_seconds, reading.ack_seconds, 0.99);
+  }
+  last_ = reading;
+  return fmt::format("{:>4} s  {} online  {:.0f} messages/s  {} stored, {}  ack p50 {}, p99 {}",
+                     seconds, At(status->robots(), "online"), rate, At(status->uplinks(), "stored"),
+                     own, Milliseconds(p50), Milliseconds(p99));
+}
+
+}  // namespace uplink::synthetic

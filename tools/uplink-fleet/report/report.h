@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/uplink-fleet/compare/verify.h"
+#include "tools/uplink-fleet/report/process_use.h"
+#include "tools/uplink-fleet/robot/histogram.h"
+#include "tools/uplink-fleet/robot/shared.h"
+
+namespace uplink::synthetic {
+
+/// What a run did, beside the table. A value.
+struct RunFigures {
+  std::uint64_t robots = 0;
+  std::uint64_t seed = 0;
+  std::string run;
+  double seconds = 0;
+  std::uint64_t sent = 0;
+  /// Of these, what left before the robots began to settle: what server and own CPU stand for.
+  std::uint64_t sent_while_measured = 0;
+  std::uint64_t resent = 0;
+  /// Messages that the server judged, as far as it told the robots.
+  std::uint64_t judged = 0;
+  std::uint64_t acked_durable = 0;
+  std::uint64_t rejects = 0;
+  /// Rejects that robots were told, by reason as JSON spells it.
+  std::map<std::string, std::uint64_t> rejects_by_reason;
+  std::uint64_t notices = 0;
+  std::uint64_t welcomes = 0;
+  std::uint64_t breaks = 0;
+  std::uint64_t takeovers = 0;
+  std::uint64_t connects = 0;
+  std::uint64_t skipped_ticks = 0;
+  /// Robots that remember, or have waiting, as much as they may, and only moved from then on.
+  std::uint64_t only_moving = 0;
+  std::uint64_t drains = 0;
+  bool restarted = false;
+  /// Streams that ended on their own, by gRPC status name.
+  std::map<std::string, std::uint64_t> ends;
+  Latencies latencies;
+  /// What the server's process used while the robots ran; none if it runs elsewhere.
+  std::optional<ProcessUse> server;
+  /// What this program itself used.
+  ProcessUse own;
+  /// First trouble that was overcome by reconnecting; empty if none.
+  std::string first_error;
+};
+
+/// The Rejects that robots were told, by reason as JSON spells it; `unknown` for reasons that this
+/// program does not know.
+[[nodiscard]] std::map<std::string, std::uint64_t> RejectsByReason(const Shared& shared);
+
+[[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
+
+/// Differences that the text shows; the JSON shows all that are kept.
+inline constexpr std::size_t kDifferencesShown = 20;
+
+/// The table for people, with what differs robot by robot, ending with one line that says whether
+/// all agree.
+[[nodiscard]] std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
+
+/// The same as one JSON object: `{"ok":...,"run":{...},"checks":[...],"differences":[...]}`.
+[[nodiscard]] std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
+
+}  // namespace uplink::synthetic

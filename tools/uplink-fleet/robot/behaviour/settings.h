@@ -1,0 +1,27 @@
+#pragma once
+
+#include "schema/model/capabilities.h"
+#include "tools/uplink-fleet/robot/behaviour/facts.h"
+#include "tools/uplink-fleet/robot/behaviour/seeded.h"
+
+namespace uplink::synthetic {
+
+/// What the robot can do, and its settings: both are told at the start; a setting changes now and
+/// then, within what the capabilities declare, and all of them are told again.
+class Settings final {
+ public:
+  explicit Settings(Seeded random);
+
+  void Advance(const Moment& moment, Outbox& out);
+
+ private:
+  void ChangeOne();
+
+  Seeded random_;
+  model::UiCapabilities capabilities_;
+  model::CurrentSettings current_;
+  bool told_ = false;
+  Every change_;
+};
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,127 @@
+#include "tools/uplink-fleet/robot/ledger.h"
+
+#include <algorithm>
+
+#include "tools/uplink-fleet/robot/rows.h"
+
+namespace uplink::synthetic {
+namespace {
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
+}  // namespace
+
+std::uint64_t Ledger::Enter(const model::Body& body) {
+  sent_.push_back({.row_hash = Expect(body), .seq = 0, .variant = model::VariantOf(body)});
+  return sent_.size();
+}
+
+std::uint64_t Ledger::EnterWrong(model::RejectReason reason, std::string field) {
+  sent_.push_back({});
+  wrongs_[sent_.size()] = {.reason = reason, .field = std::move(field)};
+  return sent_.size();
+}
+
+std::uint64_t Ledger::Expect(const model::Body& body) {
+  return std::visit(
+      Overloaded{[&](const model::Fault& fault) {
+                   const v1::Fault row = RowOf(fault);
+                   const std::pair key{fault.fault_id, fault.source};
+                   if (fault.active) {
+                     active_[key] = row;
+                   } else {
+                     active_.erase(key);
+                   }
+                   return HashOf(row);
+                 },
+                 [&](const model::EventTelemetry& event) { return HashOf(RowOf(event)); },
+                 [&](const model::Message& message) { return HashOf(RowOf(message)); },
+                 [&](const model::MissionRunStatus& report) {
+                   RunExpectation& run = runs_[{report.mission_id, report.run_id}];
+                   if (report.name) run.name = *report.name;
+                   ++run.updates;
+                   run.latest = report;
+                   return std::uint64_t{0};
+                 },
+                 [&](const model::ShapeOp& op) {
+                   if (const model::ReportedShape* shape = op.upsert()) {
+                     shapes_[op.id()] = RowOf(*shape);
+                     if (shape->expire_time_ms != 0) ++expiring_;
+                   } else {
+                     shapes_.erase(op.id());
+                   }
+                   return std::uint64_t{0};
+                 },
+                 [&](const model::ObjectOp& op) {
+                   if (const model::Object* object = op.upsert()) {
+                     objects_[op.id()] = RowOf(*object);
+                     if (object->expires_unix_time_ms != 0) ++expiring_;
+                   } else {
+                     objects_.erase(op.id());
+                   }
+                   return std::uint64_t{0};
+                 },
+                 [&](const model::AgentInfo& info) {
+                   agent_info_ = info;
+                   return std::uint64_t{0};
+                 },
+                 [&](const model::CurrentSettings& settings) {
+                   settings_ = settings;
+                   return std::uint64_t{0};
+                 },
+                 [&](const model::UiCapabilities& capabilities) {
+                   ui_capabilities_ = capabilities;
+                   return std::uint64_t{0};
+                 },
+                 [](const auto& /*live*/) { return std::uint64_t{0}; }},
+      body);
+}
+
+void Ledger::EnterLive(const model::Body& body) {
+  std::visit(
+      Overloaded{
+          [&](const model::MotionTelemetry& motion) { live_.motion = motion; },
+          [&](const model::StatusTelemetry& status) { live_.status = status; },
+          [&](const model::UsageTelemetry& usage) { live_.usage = usage; },
+          [&](const model::TelemetryExtras& extras) {
+            for (model::SensorReading reading : extras.kv) {
+              if (!reading.unix_time_ms) reading.unix_time_ms = extras.unix_time_ms;
+              live_.extras[reading.key] = reading;
+            }
+          },
+          [&](const model::SystemHealth& health) { live_.health[health.device_id] = health; },
+          [&](const model::ConsumableStatus& consumable) {
+            live_.consumables[consumable.kind + "/" + consumable.tank_id] = consumable;
+          },
+          [&](const model::SpatialDirectiveStatus& directive) {
+            live_.directives[directive.directive_id] = directive;
+          },
+          [](const auto& /*durable*/) {}},
+      body);
+}
+
+std::uint64_t Ledger::good_acked() const {
+  return static_cast<std::uint64_t>(std::ranges::count_if(sent_, &SentMessage::acked));
+}
+
+void Ledger::Settle(Settled settled) {
+  if (const auto wrong = wrongs_.find(settled.tag); wrong != wrongs_.end()) {
+    wrong->second.seq = settled.seq;
+    wrong->second.acked = true;
+    wrong->second.told = std::move(settled.rejection);
+    return;
+  }
+  if (settled.tag == 0 || settled.tag > sent_.size()) return;
+  SentMessage& message = sent_[settled.tag - 1];
+  message.seq = settled.seq;
+  message.acked = true;
+  if (!settled.rejection) return;
+  if (good_rejected_++ == 0) first_good_rejection_ = settled.rejection->detail;
+}
+
+}  // namespace uplink::synthetic

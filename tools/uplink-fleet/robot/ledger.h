@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/model/rcan.h"
+#include "schema/model/record.h"
+#include "schema/model/rejection.h"
+#include "tools/uplink-fleet/robot/agent_model.h"
+#include "uplink/v1/fleet.pb.h"
+
+namespace uplink::synthetic {
+
+/// Messages that one robot remembers for the comparison at the end; at it the robot only moves.
+inline constexpr std::size_t kRememberedMax = 400'000;
+
+/// What is kept of a message until the end: enough to find its row, and to name it if it is not
+/// there.
+struct SentMessage {
+  /// Of the row that it must become (rows.h); 0 for what makes no row of its own.
+  std::uint64_t row_hash = 0;
+  model::Seq seq = 0;
+  model::Variant variant = model::Variant::kFault;
+  bool acked = false;
+};
+
+/// A message that is wrong on purpose, and what the server must say of it.
+struct WrongReport {
+  model::RejectReason reason = model::RejectReason::kMalformed;
+  std::string field;
+  model::Seq seq = 0;
+  bool acked = false;
+  /// The Reject that came before the Ack.
+  std::optional<model::Rejection> told;
+};
+
+/// What the reports of one mission run must have become.
+struct RunExpectation {
+  std::string name;
+  std::uint64_t updates = 0;
+  model::MissionRunStatus latest;
+};
+
+/// The last of each live message, by its key where it has one.
+struct LastLive {
+  std::optional<model::MotionTelemetry> motion;
+  std::optional<model::StatusTelemetry> status;
+  std::optional<model::UsageTelemetry> usage;
+  /// With the time that the message or the reading bore.
+  std::map<std::string, model::SensorReading> extras;
+  std::map<std::string, model::SystemHealth> health;
+  std::map<std::string, model::ConsumableStatus> consumables;
+  std::map<std::string, model::SpatialDirectiveStatus> directives;
+  std::optional<model::RcanState> rcan;
+};
+
+/// Everything that one robot sent and learned: what the server and its store are held against.
+///
+/// Thread: written by the robot's thread, read when that has ended.
+class Ledger final {
+ public:
+  /// A good durable message; gives its tag.
+  std::uint64_t Enter(const model::Body& body);
+  void EnterLive(const model::Body& body);
+  void EnterRcan(model::RcanState state) { live_.rcan = std::move(state); }
+  std::uint64_t EnterWrong(model::RejectReason reason, std::string field);
+  /// An Ack covered the message of that tag.
+  void Settle(Settled settled);
+
+  /// The robot has sent as much as is remembered.
+  [[nodiscard]] bool full() const { return sent_.size() >= kRememberedMax; }
+
+  /// Good durable messages and wrong ones, by tag less one.
+  [[nodiscard]] const std::vector<SentMessage>& sent() const { return sent_; }
+  [[nodiscard]] const std::map<std::uint64_t, WrongReport>& wrongs() const { return wrongs_; }
+  [[nodiscard]] std::uint64_t good() const { return sent_.size() - wrongs_.size(); }
+  [[nodiscard]] std::uint64_t good_acked() const;
+  /// Upserts that name an expiry: the server may call them superseded if they come too late.
+  [[nodiscard]] std::uint64_t expiring() const { return expiring_; }
+
+  // What must be seen at the end, were all of it stored.
+  /// (fault id, source) to the row of its latest raise.
+  [[nodiscard]] const std::map<std::pair<std::string, std::string>, v1::Fault>& active() const {
+    return active_;
+  }
+  /// By (mission id, run id).
+  [[nodiscard]] const std::map<std::pair<std::string, std::string>, RunExpectation>& runs() const {
+    return runs_;
+  }
+  [[nodiscard]] const std::map<std::string, v1::Shape>& shapes() const { return shapes_; }
+  [[nodiscard]] const std::map<std::string, v1::TrackedObject>& objects() const { return objects_; }
+  [[nodiscard]] const std::optional<model::AgentInfo>& agent_info() const { return agent_info_; }
+  [[nodiscard]] const std::optional<model::CurrentSettings>& settings() const { return settings_; }
+  [[nodiscard]] const std::optional<model::UiCapabilities>& ui_capabilities() const {
+    return ui_capabilities_;
+  }
+  [[nodiscard]] const LastLive& live() const { return live_; }
+
+  /// Good messages that were answered with a Reject; none should be.
+  [[nodiscard]] std::uint64_t good_rejected() const { return good_rejected_; }
+  [[nodiscard]] const std::string& first_good_rejection() const { return first_good_rejection_; }
+
+ private:
+  [[nodiscard]] std::uint64_t Expect(const model::Body& body);
+
+  std::vector<SentMessage> sent_;
+  std::map<std::uint64_t, WrongReport> wrongs_;
+  std::uint64_t expiring_ = 0;
+  std::map<std::pair<std::string, std::string>, v1::Fault> active_;
+  std::map<std::pair<std::string, std::string>, RunExpectation> runs_;
+  std::map<std::string, v1::Shape> shapes_;
+  std::map<std::string, v1::TrackedObject> objects_;
+  std::optional<model::AgentInfo> agent_info_;
+  std::optional<model::CurrentSettings> settings_;
+  std::optional<model::UiCapabilities> ui_capabilities_;
+  LastLive live_;
+  std::uint64_t good_rejected_ = 0;
+  std::string first_good_rejection_;
+};
+
+/// One robot's part of the run, after it has ended.
+struct RobotOutcome {
+  std::string ruri;
+  std::string session_hex;
+  /// What its ids of this run begin with.
+  std::string mark;
+  Ledger ledger;
+  std::uint64_t last_seq = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t resent = 0;
+  /// Its messages that the server has judged, stored or rejected, as far as it was told.
+  std::uint64_t judged = 0;
+  std::uint64_t notices = 0;
+  /// Times that the robot itself was silent for longer than 3 s while it ran: the server may
+  /// have called it offline then.
+  std::uint64_t silences = 0;
+  bool all_settled = false;
+  bool ended_ok = false;
+};
+
+}  // namespace uplink::synthetic

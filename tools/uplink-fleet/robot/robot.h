@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <random>
+#include <string>
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "schema/base/clock.h"
+#include "tools/link/grpc_connection.h"
+#include "tools/uplink-fleet/robot/agent.h"
+#include "tools/uplink-fleet/robot/leftover.h"
+#include "tools/uplink-fleet/robot/mishap.h"
+#include "tools/uplink-fleet/scenario/scenario.h"
+
+namespace uplink::synthetic {
+
+struct RobotOptions {
+  std::string ruri;
+  std::size_t index = 0;
+  link::LinkOptions link;
+  std::uint64_t seed = 1;
+};
+
+/// Connections that one robot has left behind; at it the oldest is cut.
+inline constexpr std::size_t kLeftoversMax = 8;
+
+/// One robot's connection: a TLS connection and a stream of its own, opened again after each end,
+/// driven by a timer each tick; and what the scenario does to it.
+///
+/// Thread: Start from the thread that makes it, before the loop runs; everything else on the
+/// loop's thread.
+class Robot final : private link::StreamEvents {
+ public:
+  /// `scenario` outlives the robot, and `start` is when the run begins.
+  Robot(RobotOptions options, Agent agent, const Scenario& scenario, SteadyTime start,
+        link::Loop& loop, const Clock& clock, Shared& shared);
+  ~Robot() override;
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
+
+  /// Sets the first tick, `after` the start: a fleet does not connect in one instant.
+  void Start(milliseconds after);
+  [[nodiscard]] RobotOutcome TakeOutcome() { return agent_.TakeOutcome(options_.ruri); }
+
+ private:
+  enum class State : std::uint8_t { kIdle, kConnecting, kStreaming };
+
+  void OnConnected() override;
+  void OnMessage(std::string_view message) override;
+  void OnSent() override { Pump(); }
+  void OnEnded(const link::StreamEnd& end) override;
+
+  void ArmTick();
+  void OnTick();
+  void LiveUpTo(SteadyTime now);
+  void Enter(const Phase& phase);
+  void Suffer(Mishap mishap, SteadyTime now);
+  [[nodiscard]] bool Storms(SteadyTime now);
+  void ReadSlowly(SteadyTime now);
+  /// The frame that a network loses with the connection: the agent cannot tell, and must send it
+  /// again.
+  [[nodiscard]] std::string LastFrame();
+  void Break();
+  void Cut();
+  void LeaveBehind(bool frozen, SteadyTime now);
+  void Connect();
+  void OpenStream();
+  void Pump();
+  void Note(const link::StreamEnd& end);
+  void StreamIsOver();
+  void Done();
+  [[nodiscard]] milliseconds NextBackoff();
+
+  RobotOptions options_;
+  Agent agent_;
+  const Scenario& scenario_;
+  const SteadyTime start_;
+  link::Loop& loop_;
+  const Clock& clock_;
+  Shared& shared_;
+  /// Of the network: drawn once a tick.
+  std::mt19937_64 random_;
+  std::mt19937_64 backoff_random_;
+  boost::asio::steady_timer timer_;
+
+  const Phase* phase_;
+  std::unique_ptr<link::GrpcConnection> connection_;
+  std::deque<std::unique_ptr<Leftover>> leftovers_;
+  State state_ = State::kIdle;
+  SteadyTime next_open_{};
+  SteadyTime opened_{};
+  SteadyTime next_tick_{};
+  std::int64_t storms_ = 0;
+  /// Of the ticks that are due.
+  Mishap mishap_ = Mishap::kNone;
+  std::uint64_t breaks_ = 0;
+  int failures_ = 0;
+  bool half_closed_ = false;
+  /// The stream that ends next was ended by the scenario.
+  bool broken_by_us_ = false;
+};
+
+}  // namespace uplink::synthetic

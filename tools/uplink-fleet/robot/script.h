@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/uplink-fleet/robot/agent_model.h"
+#include "tools/uplink-fleet/robot/behaviour/arm.h"
+#include "tools/uplink-fleet/robot/behaviour/battery.h"
+#include "tools/uplink-fleet/robot/behaviour/controls.h"
+#include "tools/uplink-fleet/robot/behaviour/coverage.h"
+#include "tools/uplink-fleet/robot/behaviour/equipment.h"
+#include "tools/uplink-fleet/robot/behaviour/faults.h"
+#include "tools/uplink-fleet/robot/behaviour/missions.h"
+#include "tools/uplink-fleet/robot/behaviour/objects.h"
+#include "tools/uplink-fleet/robot/behaviour/route.h"
+#include "tools/uplink-fleet/robot/behaviour/settings.h"
+#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/wrong.h"
+#include "tools/uplink-fleet/scenario/scenario.h"
+
+namespace uplink::synthetic {
+
+/// One robot's seeded life: its behaviours, step by step. Each message is entered into the ledger
+/// as it is made. The same seed and index give the same messages but for times and marks.
+///
+/// Thread: confined to the robot's thread.
+class RobotScript final {
+ public:
+  RobotScript(const ScenarioOptions& options, std::size_t index);
+
+  /// The robot's RURI. One without sends no RCAN Robot States: they name it.
+  void Name(std::string ruri) { ruri_ = std::move(ruri); }
+  /// Goes on with other rates, shares and pace; who the robot is stays.
+  void Adopt(const ScenarioOptions& options);
+  /// The messages of one tick, at `now_ms` (Unix).
+  [[nodiscard]] std::vector<Outgoing> Tick(std::int64_t now_ms, Ledger& ledger);
+  /// The same of a robot that moves and reports nothing else.
+  [[nodiscard]] Outgoing OnlyMove(std::int64_t now_ms, Ledger& ledger);
+  /// A motion message of a robot that stands still.
+  [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Ledger& ledger);
+  /// A motion message between two ticks.
+  [[nodiscard]] Outgoing Again(std::int64_t now_ms, Ledger& ledger);
+  /// One of each live message, with every key.
+  [[nodiscard]] std::vector<Outgoing> Last(std::int64_t now_ms, Ledger& ledger);
+
+ private:
+  RobotScript(const ScenarioOptions& options, std::size_t index, const std::string& mark);
+  [[nodiscard]] model::StatusTelemetry Status(const Moment& moment) const;
+  [[nodiscard]] bool HasArm() const;
+  [[nodiscard]] Outgoing ArmState(const Moment& moment, Ledger& ledger);
+
+  ScenarioOptions options_;
+  std::size_t index_;
+  std::string ruri_;
+  double tick_s_;
+  Seeded random_;
+  Facts facts_;
+  Route route_;
+  Battery battery_;
+  Controls controls_;
+  Missions missions_;
+  Faults faults_;
+  Coverage coverage_;
+  Objects objects_;
+  Settings settings_;
+  Equipment equipment_;
+  Wrong wrong_;
+  Every status_;
+  Arm arm_;
+  Every arm_state_;
+};
+
+/// What every id of a robot of a run begins with.
+[[nodiscard]] std::string MarkOf(const std::string& run, std::size_t index);
+/// The source of the faults of a run.
+[[nodiscard]] std::string SourceOf(const std::string& run);
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/robot/histogram.h"
+#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/shared.h"
+#include "tools/uplink-fleet/scenario/scenario.h"
+
+namespace uplink::synthetic {
+
+struct SwarmOptions {
+  std::string target;
+  std::string pki_directory;
+  std::string fleet = "default";
+  std::string ruri_prefix;
+  std::size_t threads = 1;
+  Scenario scenario;
+};
+
+/// All robots of a run, with the threads that drive them. Their certificates are made in memory
+/// from the authority in `pki_directory`; nothing is written there.
+///
+/// Thread: confined to the thread that made it; `shared` is how it talks to the robots' threads.
+class Swarm final {
+ public:
+  /// Errors: those of the pki folder, and of looking the target up.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Swarm>> Create(const SwarmOptions& options,
+                                                                     const Clock& clock,
+                                                                     Shared& shared);
+  ~Swarm();
+  Swarm(const Swarm&) = delete;
+  Swarm& operator=(const Swarm&) = delete;
+
+  /// Starts the threads; robots connect over the next moments.
+  void Start();
+  /// Waits for every robot to be done (Stage::kClose or abandon) and gives what they learned.
+  [[nodiscard]] std::vector<RobotOutcome> Finish();
+  /// Of all robots; after Finish.
+  [[nodiscard]] Latencies TakeLatencies();
+
+ private:
+  struct Inside;
+  explicit Swarm(std::unique_ptr<Inside> inside);
+
+  std::unique_ptr<Inside> inside_;
+};
+
+/// RURI of the robot with this index, counted from 0.
+[[nodiscard]] std::string RuriOf(const SwarmOptions& options, std::size_t index);
+
+}  // namespace uplink::synthetic

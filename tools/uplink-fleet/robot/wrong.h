@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/uplink-fleet/robot/agent_model.h"
+#include "tools/uplink-fleet/robot/behaviour/faults.h"
+#include "tools/uplink-fleet/robot/behaviour/seeded.h"
+#include "tools/uplink-fleet/robot/ledger.h"
+
+namespace uplink::synthetic {
+
+/// How many ways there are to be wrong.
+inline constexpr std::size_t kWaysToBeWrong = 14;
+
+/// Messages that are wrong on purpose, in their structure or in a field, of durable and of live
+/// kinds; with what the server must say of each.
+/// Source: the validation sheet.
+class Wrong final {
+ public:
+  Wrong(Seeded random, const std::string& mark)
+      : random_(random), faults_(random, mark, "uplink-fleet/wrong", 0) {}
+
+  /// The next one, entered into the ledger. The agent keeps it until an Ack covers it, as if it
+  /// were durable, so that what it was told is known.
+  [[nodiscard]] Outgoing Next(std::int64_t now_ms, Ledger& ledger);
+  /// The `way`th way to be wrong.
+  [[nodiscard]] Outgoing Make(std::size_t way, std::int64_t now_ms, Ledger& ledger);
+
+ private:
+  Seeded random_;
+  Faults faults_;
+};
+
+}  // namespace uplink::synthetic

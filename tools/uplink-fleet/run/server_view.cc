@@ -1,0 +1,134 @@
+#include "tools/uplink-fleet/run/server_view.h"
+
+#include <utility>
+
+#include <fmt/core.h>
+#include <google/protobuf/util/json_util.h>
+
+namespace uplink::synthetic {
+namespace {
+
+constexpr int kPageSize = 1000;
+constexpr const char* kParts =
+    "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities,"
+    "rcanState";
+
+template <typename Message>
+absl::StatusOr<Message> Parse(const std::string& target, const std::string& json) {
+  google::protobuf::util::JsonParseOptions options;
+  options.ignore_unknown_fields = true;  // a newer server may say more
+  Message message;
+  const auto status = google::protobuf::util::JsonStringToMessage(json, &message, options);
+  if (!status.ok()) {
+    return absl::InternalError(
+        fmt::format("GET {}: not the contract's JSON: {}", target, status.ToString()));
+  }
+  return message;
+}
+
+template <typename Message>
+absl::StatusOr<Message> Fetch(HttpClient& http, const std::string& target) {
+  const absl::StatusOr<std::string> json = http.Get(target);
+  if (!json.ok()) return json.status();
+  return Parse<Message>(target, *json);
+}
+
+/// Follows page tokens; `rows` finds the list in a response, `take` gets each row.
+template <typename Response, typename Rows, typename Take>
+absl::Status FetchPages(HttpClient& http, const std::string& target, Rows rows, Take take) {
+  std::string token;
+  for (int page = 0; page < kPagesMax; ++page) {
+    const char separator = target.find('?') == std::string::npos ? '?' : '&';
+    std::string path = fmt::format("{}{}pageSize={}", target, separator, kPageSize);
+    if (!token.empty()) path += "&pageToken=" + PercentEncoded(token);
+    absl::StatusOr<Response> response = Fetch<Response>(http, path);
+    if (!response.ok()) return response.status();
+    for (auto& row : *rows(*response)) {
+      take(std::move(row));
+    }
+    token = response->next_page_token();
+    if (token.empty()) return absl::OkStatus();
+  }
+  return absl::InternalError(fmt::format("GET {}: more than {} pages", target, kPagesMax));
+}
+
+}  // namespace
+
+absl::StatusOr<v1::ServerStatus> ServerView::Status() {
+  const std::int64_t before_ms = UnixMs(clock_.System());
+  absl::StatusOr<v1::ServerStatus> status = Fetch<v1::ServerStatus>(http_, "/api/v1/status");
+  if (!status.ok()) return status;
+  ahead_min_ms_ = status->now_ms() - UnixMs(clock_.System());
+  ahead_max_ms_ = status->now_ms() - before_ms;
+  return status;
+}
+
+ServerView::ServerNow ServerView::Now() const {
+  const std::int64_t now_ms = UnixMs(clock_.System());
+  return {now_ms + ahead_min_ms_, now_ms + ahead_max_ms_};
+}
+
+absl::StatusOr<std::map<std::string, v1::Robot>> ServerView::Robots(const std::string& fleet) {
+  std::map<std::string, v1::Robot> robots;
+  const absl::Status status = FetchPages<v1::ListRobotsResponse>(
+      http_, fmt::format("/api/v1/robots?parts={}&fleet={}", kParts, PercentEncoded(fleet)),
+      [](auto& response) { return response.mutable_robots(); },
+      [&](v1::Robot&& robot) { robots[robot.ruri()] = std::move(robot); });
+  if (!status.ok()) return status;
+  return robots;
+}
+
+absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int64_t from_ms) {
+  StoredRobot stored;
+  const std::string name = PercentEncoded(ruri);
+  const auto list = [&](const char* path) { return fmt::format("/api/v1/{}?ruri={}", path, name); };
+  const auto history = [&](const char* path) {
+    return fmt::format("/api/v1/robots/{}/{}?fromMs={}", name, path, from_ms);
+  };
+  const auto into = [](auto& rows) {
+    return [&rows]<typename Row>(Row&& row) { rows.push_back(std::forward<Row>(row)); };
+  };
+  stored.read_from_ms = Now().from_ms;
+  const absl::Status present[] = {
+      FetchPages<v1::ListShapesResponse>(
+          http_, list("shapes"), [](auto& page) { return page.mutable_shapes(); },
+          into(stored.shapes)),
+      FetchPages<v1::ListObjectsResponse>(
+          http_, list("objects"), [](auto& page) { return page.mutable_objects(); },
+          into(stored.objects))};
+  stored.read_to_ms = Now().to_ms;
+  const auto faults = [](auto& page) { return page.mutable_faults(); };
+  const absl::Status rest[] = {
+      FetchPages<v1::ListFaultsResponse>(
+          http_, fmt::format("{}&fromMs={}", list("faults"), from_ms), faults, into(stored.faults)),
+      FetchPages<v1::ListFaultsResponse>(http_, list("faults") + "&active=true", faults,
+                                         into(stored.active_faults)),
+      FetchPages<v1::ListMissionRunsResponse>(
+          http_, list("missions"), [](auto& page) { return page.mutable_mission_runs(); },
+          into(stored.runs)),
+      FetchPages<v1::ListEventsResponse>(
+          http_, history("events"), [](auto& page) { return page.mutable_events(); },
+          into(stored.events)),
+      FetchPages<v1::ListMessagesResponse>(
+          http_, history("messages"), [](auto& page) { return page.mutable_messages(); },
+          into(stored.messages)),
+      FetchPages<v1::ListPresenceChangesResponse>(
+          http_, fmt::format("/api/v1/robots/{}/presence", name),
+          [](auto& page) { return page.mutable_changes(); }, into(stored.presence)),
+      FetchPages<v1::ListQuarantineResponse>(
+          http_, history("quarantine"), [](auto& page) { return page.mutable_items(); },
+          into(stored.quarantine)),
+      FetchPages<v1::ListGapsResponse>(
+          http_, history("gaps"), [](auto& page) { return page.mutable_gaps(); },
+          into(stored.gaps))};
+  // A robot that the server has never heard of has nothing.
+  for (const absl::Status& status : present) {
+    if (!status.ok() && !absl::IsNotFound(status)) return status;
+  }
+  for (const absl::Status& status : rest) {
+    if (!status.ok() && !absl::IsNotFound(status)) return status;
+  }
+  return stored;
+}
+
+}  // namespace uplink::synthetic

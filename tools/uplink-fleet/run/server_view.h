@@ -1,0 +1,49 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/compare/stored_robot.h"
+#include "tools/uplink-fleet/run/http_client.h"
+#include "uplink/v1/fleet.pb.h"
+
+namespace uplink::synthetic {
+
+/// Pages that one list is followed for: 10 million rows.
+inline constexpr int kPagesMax = 10'000;
+
+/// Reads the server's JSON into the contract's messages, all pages of a list.
+///
+/// Errors: HttpClient's; kInternal if an answer is not what the contract says.
+/// Thread: as HttpClient.
+class ServerView final {
+ public:
+  ServerView(const std::string& address, const Clock& clock) : clock_(clock), http_(address) {}
+
+  [[nodiscard]] absl::StatusOr<v1::ServerStatus> Status();
+  /// Every robot of the fleet by RURI, with all parts.
+  [[nodiscard]] absl::StatusOr<std::map<std::string, v1::Robot>> Robots(const std::string& fleet);
+  /// What the store holds of one robot; of histories what arrived at `from_ms` or later.
+  [[nodiscard]] absl::StatusOr<StoredRobot> Stored(const std::string& ruri, std::int64_t from_ms);
+  /// The server's metrics page.
+  [[nodiscard]] absl::StatusOr<std::string> Metrics() { return http_.Get("/metrics"); }
+
+ private:
+  /// Between which times the server's clock is now.
+  struct ServerNow {
+    std::int64_t from_ms = 0;
+    std::int64_t to_ms = 0;
+  };
+  [[nodiscard]] ServerNow Now() const;
+
+  const Clock& clock_;
+  HttpClient http_;
+  /// The server's clock less ours, by the last status: between these two.
+  std::int64_t ahead_min_ms_ = 0;
+  std::int64_t ahead_max_ms_ = 0;
+};
+
+}  // namespace uplink::synthetic
