@@ -34,6 +34,8 @@ std::string Escaped(std::string_view cell) {
   return escaped;
 }
 
+constexpr std::string_view kNoEffect = "No effect in this version.";
+
 }  // namespace
 
 std::string ExampleToml() {
@@ -50,9 +52,11 @@ std::string ExampleToml() {
       if (setting.section != section.name) {
         continue;
       }
-      text += fmt::format("\n{}{}# {} = {}\n", Comment(setting.text),
-                          Comment(fmt::format("Takes {}.", AllowedText(setting))), setting.key,
-                          ValueText(setting, setting.get(defaults)));
+      const bool none = setting.effect == Effect::kNone;
+      text +=
+          fmt::format("\n{}{}{}# {} = {}\n", Comment(setting.text), Comment(none ? kNoEffect : ""),
+                      Comment(fmt::format("Takes {}.", AllowedText(setting))), setting.key,
+                      ValueText(setting, setting.get(defaults)));
     }
   }
   return text;
@@ -62,9 +66,10 @@ std::string SettingsTable() {
   const Config defaults;
   std::string text = "| key | default | takes | what it does |\n| --- | --- | --- | --- |\n";
   for (const Setting& setting : Settings()) {
-    text += fmt::format("| `{}` | `{}` | {} | {} |\n", FullKey(setting),
+    text += fmt::format("| `{}` | `{}` | {} | {}{} |\n", FullKey(setting),
                         ValueText(setting, setting.get(defaults)), Escaped(AllowedText(setting)),
-                        Escaped(setting.text));
+                        Escaped(setting.text),
+                        setting.effect == Effect::kNone ? fmt::format(" {}", kNoEffect) : "");
   }
   return text;
 }

@@ -110,6 +110,7 @@ std::string ValueText(const Setting& setting, const Value& value) {
 }
 
 std::string AllowedText(const Setting& setting) {
+  if (!setting.allowed.empty()) return std::string(setting.allowed);
   switch (setting.kind) {
     case Kind::kSwitch:
       return "true or false";

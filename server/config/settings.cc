@@ -81,14 +81,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kCount,
      .min = 1,
      .max = 256,
-     .zero = "one a core that the process may use",
+     .zero = "one per core that the process may use",
      .text = "Completion queues of the relay, each with a thread. Measure before raising it.",
      UPLINK_BIND(listen, ListenConfig, relay_threads)},
     {.section = "listen",
      .key = "fleet",
      .kind = Kind::kAddress,
      .effect = Effect::kNone,
-     .text = "Operators: gRPC FleetView. This version does not open it.",
+     .text = "Operators: gRPC FleetView.",
      UPLINK_BIND(listen, ListenConfig, fleet)},
     {.section = "listen",
      .key = "http",
@@ -115,8 +115,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "operator_ca_file",
      .kind = Kind::kFile,
      .effect = Effect::kNone,
-     .text = "The authorities that sign operators' certificates; empty: tls.client_ca_file. No "
-             "listener of this version asks operators for a certificate.",
+     .text = "The authorities that sign operators' certificates; empty: tls.client_ca_file.",
      UPLINK_BIND(tls, TlsConfig, operator_ca_file)},
     {.section = "tls",
      .key = "min_version",
@@ -129,8 +128,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "registration",
      .kind = Kind::kChoice,
      .choices = kRegistrations,
-     .text = "\"open\": every robot whose certificate an authority of tls.client_ca_file signed. "
-             "This version does not serve \"closed\" and refuses it.",
+     .allowed = "\"open\", the only value that this version serves",
+     .text = "\"open\": every robot whose certificate an authority of tls.client_ca_file signed.",
      UPLINK_BIND(identity, IdentityConfig, registration)},
 
     {.section = "store",
@@ -151,38 +150,38 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "store",
      .key = "password_file",
      .kind = Kind::kFile,
-     .text = "PostgreSQL: a file whose first line is the password, read at each connect; empty: "
-             "~/.pgpass, or the file that PGPASSFILE names.",
+     .text = "PostgreSQL only: a file whose first line is the password, read at each connect; "
+             "empty: ~/.pgpass, or the file that PGPASSFILE names.",
      UPLINK_BIND(store, StoreConfig, password_file)},
     {.section = "store",
      .key = "shards",
      .kind = Kind::kCount,
      .min = 1,
      .max = 16,
-     .text = "PostgreSQL: connections that write, each with its share of the journal; a robot is "
-             "always on the same. SQLite has one.",
+     .text = "PostgreSQL only: connections that write, each with its share of the journal; a robot "
+             "is always on the same one. SQLite has one.",
      UPLINK_BIND(store, StoreConfig, shards)},
     {.section = "store",
      .key = "readers",
      .kind = Kind::kCount,
      .min = 1,
      .max = 16,
-     .text = "PostgreSQL: connections that answer questions of operators.",
+     .text = "PostgreSQL only: connections that answer operators' queries.",
      UPLINK_BIND(store, StoreConfig, readers)},
     {.section = "store",
      .key = "timeout",
      .kind = Kind::kDuration,
      .min = kSecond,
      .max = 5 * kMinute,
-     .text =
-         "PostgreSQL: how long a connect or a commit may take before the connection is given up "
-         "and the same is tried again on a new one.",
+     .text = "PostgreSQL only: how long a connect or a commit may take before the connection is "
+             "given up and the same is tried again on a new one.",
      UPLINK_BIND(store, StoreConfig, timeout)},
     {.section = "store",
      .key = "accept_unsafe",
      .kind = Kind::kSwitch,
-     .text = "PostgreSQL: accept a server with fsync = off, which may lose what was acked when the "
-             "power fails; `degraded` says so then.",
+     .text =
+         "PostgreSQL only: accept a server with fsync = off, which may lose acked messages when "
+         "the power fails; `degraded` says so then.",
      UPLINK_BIND(store, StoreConfig, accept_unsafe)},
     {.section = "store",
      .key = "checkpoint",
@@ -305,8 +304,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 30 * kDay,
      .zero = "never",
      .effect = Effect::kNone,
-     .text = "The age at which a connection is ended, so that agents spread anew. This version "
-             "never ends one for its age.",
+     .text = "The age at which a connection is ended, so that agents spread over servers again.",
      UPLINK_BIND(limits, LimitsConfig, connection_age_max)},
 
     {.section = "presence",
@@ -330,7 +328,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = 2,
      .max = 1000,
      .effect = Effect::kNone,
-     .text = "Presence changes within flap_window that flag a robot. This version flags none.",
+     .text = "Presence changes within flap_window that flag a robot.",
      UPLINK_BIND(presence, PresenceConfig, flap_changes)},
     {.section = "presence",
      .key = "flap_window",
@@ -338,7 +336,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = kSecond,
      .max = kDay,
      .effect = Effect::kNone,
-     .text = "The span over which flap_changes counts. This version flags none.",
+     .text = "The span over which flap_changes counts.",
      UPLINK_BIND(presence, PresenceConfig, flap_window)},
 
     {.section = "forward",
@@ -401,7 +399,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "format",
      .kind = Kind::kChoice,
      .choices = kLogFormats,
-     .text = "\"text\": event key=value; \"json\": one object a line.",
+     .text = "\"text\": event key=value; \"json\": one object per line.",
      UPLINK_BIND(log, LogConfig, format)},
     {.section = "log",
      .key = "level",

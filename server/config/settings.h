@@ -62,6 +62,8 @@ struct Setting {
   std::string_view zero{};
   /// The words of a kChoice setting, in the order of its enumeration.
   std::span<const std::string_view> choices{};
+  /// What it takes, for people, where this version takes less than `kind` and `choices` say.
+  std::string_view allowed{};
   Effect effect = Effect::kRestart;
   /// The value may hold a password: it is masked when printed and kept out of problems.
   bool secret = false;

@@ -1,11 +1,13 @@
 #include "server/config/reference.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <regex>
 
 #include <gtest/gtest.h>
 
+#include "server/config/settings.h"
 #include "tests/unit/server/config/minimal.h"
 
 namespace uplink::config {
@@ -36,6 +38,23 @@ TEST(ReferenceTest, TheReferencePageHoldsTheTableOfTheSettings) {
   const std::string expected = SettingsTable();
   EXPECT_NE(ReadFile("docs/operate/configuration.md").find(expected), std::string::npos)
       << WriteExpected("settings_table.md", expected);
+}
+
+TEST(ReferenceTest, BothSayWhichSettingsHaveNoEffect) {
+  const std::regex said("No effect in this version");
+  const auto count = [&said](const std::string& text) {
+    return std::distance(std::sregex_iterator(text.begin(), text.end(), said),
+                         std::sregex_iterator());
+  };
+  const auto without = std::ranges::count(Settings(), Effect::kNone, &Setting::effect);
+  EXPECT_GT(without, 0);
+  EXPECT_EQ(count(ExampleToml()), without);
+  EXPECT_EQ(count(SettingsTable()), without);
+}
+
+TEST(ReferenceTest, AChoiceThatIsNotServedIsNotOffered) {
+  EXPECT_EQ(ExampleToml().find("\"closed\""), std::string::npos);
+  EXPECT_EQ(SettingsTable().find("\"closed\""), std::string::npos);
 }
 
 TEST(ReferenceTest, TheExampleFileReadsBackToTheDefaultsWhenUncommented) {
