@@ -18,13 +18,13 @@
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
 #include "server/health/process.h"
-#include "server/http/event_loop.h"
-#include "server/http/handshake_probe.h"
 #include "server/http/read_thread.h"
 #include "server/http/scrape.h"
 #include "server/http/server.h"
 #include "server/http/site.h"
 #include "server/journal/journal.h"
+#include "server/loop/event_loop.h"
+#include "server/loop/handshake_probe.h"
 #include "server/opened.h"
 #include "server/rcan/scrape.h"
 #include "server/relay/server.h"
@@ -99,7 +99,7 @@ class App::Impl {
     reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
     scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
     auto http = http::HttpServer::Listen(
-        {loop_, site_, *reads_, *scrapes_, http_probe_, options_.clock},
+        {loop_.io(), site_, *reads_, *scrapes_, http_probe_, options_.clock},
         {options_.config.listen.http, options_.config.http.connections_max});
     if (!http.ok()) return http.status();
     http_ = *std::move(http);
@@ -180,7 +180,7 @@ class App::Impl {
     });
     loop_.Every(health::kHandshakeEvery, [this] {
       watch_.AskRelay([this](auto done) {
-        http::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
+        loop::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
       });
     });
     loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { OnStopSignal(signal); });
@@ -274,7 +274,7 @@ class App::Impl {
   /// The io thread's own.
   bool stopping_ = false;
   std::binary_semaphore stop_{0};
-  http::EventLoop loop_;
+  loop::EventLoop loop_;
   std::optional<http::ReadThread> reads_;
   std::optional<http::ReadThread> scrapes_;
   std::unique_ptr<http::HttpServer> http_;

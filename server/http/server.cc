@@ -4,12 +4,12 @@
 #include <utility>
 
 #include <absl/status/status.h>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/core.h>
 
-#include "server/http/asio_context.h"
 #include "server/http/connection.h"
 
 namespace uplink::http {
@@ -27,8 +27,8 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   Listener(const Parts& parts, const Options& options)
       : context_(std::make_shared<ConnectionContext>(parts, options.request_wait)),
         connections_max_(options.connections_max),
-        acceptor_(parts.loop.context().io),
-        pause_(parts.loop.context().io) {}
+        acceptor_(parts.io),
+        pause_(parts.io) {}
 
   error_code Open(const tcp::endpoint& endpoint) {
     error_code error;

@@ -8,10 +8,13 @@
 
 #include "schema/base/clock.h"
 #include "server/config/address.h"
-#include "server/http/event_loop.h"
 #include "server/http/probe.h"
 #include "server/http/read_thread.h"
 #include "server/http/site.h"
+
+namespace boost::asio {
+class io_context;
+}  // namespace boost::asio
 
 namespace uplink::http {
 
@@ -36,7 +39,8 @@ class HttpServer final {
     milliseconds request_wait = kRequestWait;
   };
   struct Parts {
-    EventLoop& loop;
+    /// One thread runs it: the loop.
+    boost::asio::io_context& io;
     const Site& site;
     ReadThread& reads;
     /// Where the robots' scrapes are written.

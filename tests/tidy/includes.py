@@ -44,7 +44,7 @@ FOREIGN = (
     Foreign(
         "Boost",
         re.compile(r"^boost/(?!json)"),
-        ("server/http/", "server/health/", "server/app", "tools/", "tests/"),
+        ("server/http/", "server/loop/", "tools/", "tests/"),
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
     Foreign("spdlog", re.compile(r"^spdlog/"), ("server/log/",)),

@@ -55,7 +55,7 @@ class ForeignTest(RuleTest):
         ("<kj/exception.h>", "schema/decode.cc", "tools/a.cc"),
         ('"schema/uplink.capnp.h"', "schema/decode.cc", "server/view/a.cc"),
         ("<boost/beast/core.hpp>", "server/http/a.cc", "server/relay/a.cc"),
-        ("<boost/asio.hpp>", "server/app.cc", "server/main.cc"),
+        ("<boost/asio.hpp>", "server/loop/a.cc", "server/app.cc"),
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/app.cc"),
         ("<spdlog/spdlog.h>", "server/log/a.cc", "server/relay/a.cc"),

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/http/event_loop.h"
+#include "server/loop/event_loop.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/server_world.h"
@@ -40,7 +40,7 @@ class HttpServerTest : public ::testing::Test {
   std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
                       std::size_t connections_max = kConnectionsMax) {
     auto server =
-        HttpServer::Listen({loop_, world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
+        HttpServer::Listen({loop_.io(), world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
                            {{host, 0}, connections_max, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -81,7 +81,7 @@ class HttpServerTest : public ::testing::Test {
 
   testing::ServerWorld world_;
   SystemClock clock_;
-  EventLoop loop_{world_.logger};
+  loop::EventLoop loop_{world_.logger};
   std::optional<ReadThread> reads_;
   std::optional<ReadThread> scrapes_;
   std::unique_ptr<HttpServer> server_;
@@ -263,7 +263,7 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
   const auto second =
-      HttpServer::Listen({loop_, world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
+      HttpServer::Listen({loop_.io(), world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
                          {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "server/http/event_loop.h"
-#include "server/http/handshake_probe.h"
+#include "server/loop/event_loop.h"
+#include "server/loop/handshake_probe.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/raw_http.h"
@@ -78,10 +78,10 @@ TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
     const SystemClock clock;
     const log::Logger logger(std::make_unique<NoLines>(), clock, log::Format::kText,
                              log::Level::kError);
-    http::EventLoop loop(logger);
+    loop::EventLoop loop(logger);
     std::promise<bool> answered;
     loop.Post([&] {
-      http::ProbeHandshake(loop, {"127.0.0.1", relay_}, seconds(10),
+      loop::ProbeHandshake(loop, {"127.0.0.1", relay_}, seconds(10),
                            [&](bool good) { answered.set_value(good); });
     });
     loop.Start();

@@ -1,11 +1,11 @@
-#include "server/http/client_hello.h"
+#include "server/loop/client_hello.h"
 
 #include <memory>
 
 #include <openssl/bio.h>
 #include <openssl/ssl.h>
 
-namespace uplink::http {
+namespace uplink::loop {
 namespace {
 
 struct FreeContext {
@@ -47,4 +47,4 @@ bool IsServerHello(std::string_view answer) {
          answer[1] == kTlsMajorVersion && answer[5] == kServerHelloMessage;
 }
 
-}  // namespace uplink::http
+}  // namespace uplink::loop

@@ -7,10 +7,14 @@
 #include "schema/base/clock.h"
 #include "server/log/logger.h"
 
-namespace uplink::http {
+namespace boost::asio {
+class io_context;
+}  // namespace boost::asio
 
-/// The one thread of the server that waits for sockets, signals and timers of its own: HTTP, the
-/// presence sweep, the background handshake.
+namespace uplink::loop {
+
+/// The one thread of the server that waits for sockets, signals and timers: those of HTTP, of the
+/// presence sweep, of the background handshake.
 ///
 /// Jobs run on the loop's thread, must be short, and must not throw.
 /// Thread: Every and OnSignals before Start; Stop by the owner. The rest: any thread.
@@ -32,15 +36,16 @@ class EventLoop final {
   /// Ends the thread. Idempotent.
   void Stop();
 
-  /// The io_context, for the transports of this folder (asio_context.h).
-  struct Context;
-  [[nodiscard]] Context& context() { return *context_; }
+  /// For those who wait for sockets on this thread: the handshake probe and HTTP.
+  [[nodiscard]] boost::asio::io_context& io();
 
  private:
+  struct Context;
+
   void Run();
 
   const log::Logger& logger_;
   std::unique_ptr<Context> context_;
 };
 
-}  // namespace uplink::http
+}  // namespace uplink::loop

@@ -1,4 +1,4 @@
-#include "server/http/event_loop.h"
+#include "server/loop/event_loop.h"
 
 #include <atomic>
 #include <future>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-namespace uplink::http {
+namespace uplink::loop {
 namespace {
 
 class Lines final : public log::LineSink {
@@ -76,4 +76,4 @@ TEST_F(EventLoopTest, StopsWithJobsStillQueued) {
 }
 
 }  // namespace
-}  // namespace uplink::http
+}  // namespace uplink::loop

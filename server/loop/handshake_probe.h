@@ -3,9 +3,9 @@
 #include <functional>
 
 #include "server/config/address.h"
-#include "server/http/event_loop.h"
+#include "server/loop/event_loop.h"
 
-namespace uplink::http {
+namespace uplink::loop {
 
 /// Asks a TLS listener for a ServerHello and closes: `done(true)` if one came within `wait`, else
 /// `done(false)`, on the loop's thread. An unspecified address is asked by its loopback.
@@ -14,4 +14,4 @@ namespace uplink::http {
 void ProbeHandshake(EventLoop& loop, const config::ListenAddress& address, milliseconds wait,
                     std::function<void(bool)> done);
 
-}  // namespace uplink::http
+}  // namespace uplink::loop

@@ -1,4 +1,4 @@
-#include "server/http/handshake_probe.h"
+#include "server/loop/handshake_probe.h"
 
 #include <future>
 #include <memory>
@@ -13,11 +13,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "server/http/client_hello.h"
+#include "server/loop/client_hello.h"
 #include "tests/support/certificates.h"
 #include "tests/support/no_lines.h"
 
-namespace uplink::http {
+namespace uplink::loop {
 namespace {
 
 /// Listens on a free port; what happens to its connections is the test's.
@@ -144,4 +144,4 @@ INSTANTIATE_TEST_SUITE_P(Versions, ClientHelloTest,
                          ::testing::Values(TLS1_2_VERSION, TLS1_3_VERSION));
 
 }  // namespace
-}  // namespace uplink::http
+}  // namespace uplink::loop

@@ -1,4 +1,4 @@
-#include "server/http/handshake_probe.h"
+#include "server/loop/handshake_probe.h"
 
 #include <array>
 #include <memory>
@@ -6,15 +6,15 @@
 #include <string_view>
 #include <utility>
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 
-#include "server/http/asio_context.h"
-#include "server/http/client_hello.h"
+#include "server/loop/client_hello.h"
 
-namespace uplink::http {
+namespace uplink::loop {
 namespace {
 
 namespace asio = boost::asio;
@@ -69,8 +69,8 @@ void ProbeHandshake(EventLoop& loop, const config::ListenAddress& address, milli
     target = target.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
                             : asio::ip::address(asio::ip::address_v4::loopback());
   }
-  std::make_shared<Probe>(loop.context().io, std::move(done))
+  std::make_shared<Probe>(loop.io(), std::move(done))
       ->Start(tcp::endpoint(target, address.port), wait);
 }
 
-}  // namespace uplink::http
+}  // namespace uplink::loop

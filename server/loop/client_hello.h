@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace uplink::http {
+namespace uplink::loop {
 
 /// A TLS ClientHello as OpenSSL's client would open with, for HTTP/2; empty if OpenSSL cannot make
 /// one.
@@ -16,4 +16,4 @@ inline constexpr std::size_t kServerHelloPrefix = 6;
 /// True if a server's answer begins with a ServerHello; an alert is none.
 [[nodiscard]] bool IsServerHello(std::string_view answer);
 
-}  // namespace uplink::http
+}  // namespace uplink::loop

@@ -1,19 +1,36 @@
-#include "server/http/event_loop.h"
+#include "server/loop/event_loop.h"
 
 #include <exception>
+#include <memory>
+#include <thread>
 #include <utility>
 
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <pthread.h>
 
-#include "server/http/asio_context.h"
-
-namespace uplink::http {
+namespace uplink::loop {
 namespace {
 
 namespace asio = boost::asio;
 
-void RunAndRepeat(EventLoop::Context::Repeated& repeated) {
+struct Repeated {
+  explicit Repeated(asio::io_context& io) : timer(io) {}
+  asio::steady_timer timer;
+  milliseconds interval{0};
+  std::function<void()> job;
+};
+
+struct Signals {
+  explicit Signals(asio::io_context& io) : set(io) {}
+  asio::signal_set set;
+  std::function<void(int)> job;
+};
+
+void RunAndRepeat(Repeated& repeated) {
   repeated.job();
   repeated.timer.expires_after(repeated.interval);
   repeated.timer.async_wait([&repeated](const boost::system::error_code& error) {
@@ -21,7 +38,7 @@ void RunAndRepeat(EventLoop::Context::Repeated& repeated) {
   });
 }
 
-void Await(EventLoop::Context::Signals& signals) {
+void Await(Signals& signals) {
   signals.set.async_wait([&signals](const boost::system::error_code& error, int signal) {
     if (error) return;
     signals.job(signal);
@@ -31,27 +48,37 @@ void Await(EventLoop::Context::Signals& signals) {
 
 }  // namespace
 
+struct EventLoop::Context {
+  /// One thread runs it: no locks inside.
+  asio::io_context io{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
+  std::vector<std::unique_ptr<Repeated>> repeated;
+  std::vector<std::unique_ptr<Signals>> signals;
+  std::jthread thread;
+};
+
 EventLoop::EventLoop(const log::Logger& logger)
     : logger_(logger), context_(std::make_unique<Context>()) {}
 
 EventLoop::~EventLoop() { Stop(); }
 
 void EventLoop::Every(milliseconds interval, std::function<void()> job) {
-  auto& repeated =
-      *context_->repeated.emplace_back(std::make_unique<Context::Repeated>(context_->io));
+  auto& repeated = *context_->repeated.emplace_back(std::make_unique<Repeated>(context_->io));
   repeated.interval = interval;
   repeated.job = std::move(job);
   asio::post(context_->io, [&repeated] { RunAndRepeat(repeated); });
 }
 
 void EventLoop::OnSignals(const std::vector<int>& signals, std::function<void(int)> job) {
-  auto& watched = *context_->signals.emplace_back(std::make_unique<Context::Signals>(context_->io));
+  auto& watched = *context_->signals.emplace_back(std::make_unique<Signals>(context_->io));
   watched.job = std::move(job);
   for (const int signal : signals) watched.set.add(signal);
   Await(watched);
 }
 
 void EventLoop::Post(std::function<void()> job) { asio::post(context_->io, std::move(job)); }
+
+asio::io_context& EventLoop::io() { return context_->io; }
 
 void EventLoop::Start() {
   context_->thread = std::jthread([this] { Run(); });
@@ -74,4 +101,4 @@ void EventLoop::Run() {
   }
 }
 
-}  // namespace uplink::http
+}  // namespace uplink::loop
