@@ -11,9 +11,7 @@
 #include <signal.h>
 
 #include "metrics/ledger.h"
-#include "server/app_limits.h"
 #include "server/app_samples.h"
-#include "server/deadline.h"
 #include "server/fleet/fleet.h"
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
@@ -23,13 +21,15 @@
 #include "server/http/server.h"
 #include "server/http/site.h"
 #include "server/journal/journal.h"
+#include "server/lifecycle/deadline.h"
+#include "server/lifecycle/from_config.h"
+#include "server/lifecycle/reload.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
 #include "server/opened.h"
 #include "server/rcan/scrape.h"
 #include "server/relay/server.h"
-#include "server/reload.h"
-#include "server/store_side.h"
+#include "server/store/store_side.h"
 #include "server/view/queries.h"
 
 namespace uplink {
@@ -50,10 +50,10 @@ class App::Impl {
   Impl(Options options, Opened opened)
       : options_(std::move(options)),
         opened_(std::move(opened)),
-        journal_limits_(JournalLimitsOf(options_.config.journal)),
-        session_limits_(SessionLimitsOf(options_.config, options_.version)),
+        journal_limits_(lifecycle::JournalLimitsOf(options_.config.journal)),
+        session_limits_(lifecycle::SessionLimitsOf(options_.config, options_.version)),
         fleet_(options_.clock, options_.config.limits.robots_max,
-               PresenceLimitsOf(options_.config.presence)),
+               lifecycle::PresenceLimitsOf(options_.config.presence)),
         store_(std::move(opened_.stores), PartsOfStore()),
         queries_({options_.clock, fleet_, store_.reader(), store_.journals(), ledgers_,
                   session_probe_, options_.version}),
@@ -105,9 +105,9 @@ class App::Impl {
     http_ = *std::move(http);
     store_.StartWriters();
     auto relay = relay::RelayServer::Start(
-        RelayOptionsOf(options_.config, health::MemoryMax()),
+        lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, store_.journals(), session_probe_, relay_probe_, ledgers_,
-         session_limits_, JudgeLimitsOf(options_.config.limits), &refusals_});
+         session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     StartLoop();
@@ -128,7 +128,7 @@ class App::Impl {
     monitor_.BeginDrain();
     draining_.store(true);
     store_.journals().RequestCheckpoint();
-    const Deadline last(timeout + kStopWait, [this] { EndUnfinished(); });
+    const lifecycle::Deadline last(timeout + kStopWait, [this] { EndUnfinished(); });
     relay_->Drain(timeout);
     if (!relay_->WaitForStreams(timeout)) {
       options_.logger.Warn("streams_left", {{"streams", relay_->streams()}});
@@ -155,7 +155,7 @@ class App::Impl {
   }
 
  private:
-  StoreSide::Parts PartsOfStore() {
+  store::StoreSide::Parts PartsOfStore() {
     return {.clock = options_.clock,
             .logger = options_.logger,
             .ledgers = ledgers_,
@@ -218,10 +218,10 @@ class App::Impl {
       options_.logger.Error("reload_refused", {{"problem", config::ToText(problem)}});
     }
     if (!read.ok()) return;
-    const Reload reload = CompareConfigs(options_.config, *read.config);
-    const log::Level after = LogLevelOf(read.config->log.level);
+    const lifecycle::Reload reload = lifecycle::CompareConfigs(options_.config, *read.config);
+    const log::Level after = lifecycle::LogLevelOf(read.config->log.level);
     // By whichever level lets the line through.
-    options_.logger.SetLevel(std::min(LogLevelOf(options_.config.log.level), after));
+    options_.logger.SetLevel(std::min(lifecycle::LogLevelOf(options_.config.log.level), after));
     // Only the level is taken over, so that the next reload names the rest again.
     options_.config.log.level = read.config->log.level;
     options_.logger.Write(
@@ -262,7 +262,7 @@ class App::Impl {
   rcan::RcanProbe rcan_probe_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
-  StoreSide store_;
+  store::StoreSide store_;
   view::Queries queries_;
   health::Monitor monitor_;
   health::PresenceWatch watch_;

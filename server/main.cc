@@ -14,10 +14,10 @@
 #include "metrics/rcan/series.h"
 #include "schema/base/clock.h"
 #include "server/app.h"
-#include "server/app_limits.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
 #include "server/identity/session_tickets.h"
+#include "server/lifecycle/from_config.h"
 #include "server/log/logger.h"
 #include "server/relay/environment.h"
 #include "server/relay/grpc_log.h"
@@ -102,8 +102,8 @@ int Serve(const Flags& flags) {
   const std::size_t descriptors = health::RaiseDescriptorsMax();
 
   const SystemClock clock;
-  log::Logger logger(log::StandardError(), clock, LogFormatOf(config.log.format),
-                     LogLevelOf(config.log.level));
+  log::Logger logger(log::StandardError(), clock, lifecycle::LogFormatOf(config.log.format),
+                     lifecycle::LogLevelOf(config.log.level));
   const relay::GrpcLog grpc_log(logger);
   logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
   if (!tickets.ok())

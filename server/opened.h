@@ -7,14 +7,14 @@
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/health/certificate.h"
-#include "server/stores.h"
+#include "server/store/open.h"
 #include "storage/types.h"
 
 namespace uplink {
 
 /// What is opened before the rest of the server can be built on it.
 struct Opened {
-  Stores stores;
+  store::Stores stores;
   SystemTime certificate_expiry;
 };
 
@@ -26,7 +26,7 @@ struct Opened {
   const auto expiry = health::CertificateExpiry(config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
   opened.certificate_expiry = *expiry;
-  auto stores = OpenStores(config, process, clock);
+  auto stores = store::OpenStores(config, process, clock);
   if (!stores.ok()) return stores.status();
   opened.stores = *std::move(stores);
   return opened;

@@ -14,7 +14,7 @@
 #include "storage/reader.h"
 #include "storage/store.h"
 
-namespace uplink {
+namespace uplink::store {
 
 /// The store that the configuration names: a writer a shard, and the query side.
 struct Stores {
@@ -33,4 +33,4 @@ struct Stores {
                                                 const storage::ProcessId& process,
                                                 const Clock& clock);
 
-}  // namespace uplink
+}  // namespace uplink::store

@@ -5,7 +5,7 @@
 
 #include "server/config/config.h"
 
-namespace uplink {
+namespace uplink::lifecycle {
 
 /// What a configuration that was read again asks for. A value.
 struct Reload {
@@ -18,4 +18,4 @@ struct Reload {
 /// Compares what runs with what was read. Pure.
 [[nodiscard]] Reload CompareConfigs(const config::Config& running, const config::Config& read);
 
-}  // namespace uplink
+}  // namespace uplink::lifecycle

@@ -1,10 +1,10 @@
-#include "server/deadline.h"
+#include "server/lifecycle/deadline.h"
 
 #include <future>
 
 #include <gtest/gtest.h>
 
-namespace uplink {
+namespace uplink::lifecycle {
 namespace {
 
 TEST(Deadline, ActsOnceItHasPassed) {
@@ -22,4 +22,4 @@ TEST(Deadline, DoesNothingIfItGoesBefore) {
 }
 
 }  // namespace
-}  // namespace uplink
+}  // namespace uplink::lifecycle

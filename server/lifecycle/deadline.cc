@@ -1,11 +1,11 @@
-#include "server/deadline.h"
+#include "server/lifecycle/deadline.h"
 
 #include <stop_token>
 #include <utility>
 
 #include <pthread.h>
 
-namespace uplink {
+namespace uplink::lifecycle {
 
 Deadline::Deadline(milliseconds wait, std::function<void()> late)
     : thread_([this, wait, act = std::move(late)](const std::stop_token& stop) {
@@ -21,4 +21,4 @@ Deadline::~Deadline() {
   thread_.join();
 }
 
-}  // namespace uplink
+}  // namespace uplink::lifecycle

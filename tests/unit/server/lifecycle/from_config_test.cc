@@ -1,11 +1,11 @@
-#include "server/app_limits.h"
+#include "server/lifecycle/from_config.h"
 
 #include <gtest/gtest.h>
 
-namespace uplink {
+namespace uplink::lifecycle {
 namespace {
 
-TEST(AppLimits, EverySettingOfASessionReachesIt) {
+TEST(FromConfig, EverySettingOfASessionReachesIt) {
   config::Config config;
   config.limits.payload_bytes_max = 101;
   config.limits.message_bytes_max = 102;
@@ -33,7 +33,7 @@ TEST(AppLimits, EverySettingOfASessionReachesIt) {
   EXPECT_EQ(judge.extras_items_max, 104U);
 }
 
-TEST(AppLimits, JournalAndPresenceGetTheirs) {
+TEST(FromConfig, JournalAndPresenceGetTheirs) {
   config::JournalConfig journal;
   journal.bytes_max = 1;
   journal.records_max = 2;
@@ -48,7 +48,7 @@ TEST(AppLimits, JournalAndPresenceGetTheirs) {
   EXPECT_EQ(PresenceLimitsOf(presence).startup_grace, milliseconds(5));
 }
 
-TEST(AppLimits, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
+TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config::Config config;
   config.limits.robots_max = 10;
   config.listen.relay_threads = 3;
@@ -69,4 +69,4 @@ TEST(AppLimits, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
 }
 
 }  // namespace
-}  // namespace uplink
+}  // namespace uplink::lifecycle

@@ -1,9 +1,9 @@
-#include "server/reload.h"
+#include "server/lifecycle/reload.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace uplink {
+namespace uplink::lifecycle {
 namespace {
 
 using ::testing::ElementsAre;
@@ -33,4 +33,4 @@ TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
 }
 
 }  // namespace
-}  // namespace uplink
+}  // namespace uplink::lifecycle

@@ -1,10 +1,10 @@
-#include "server/seed.h"
+#include "server/store/seed.h"
 
 #include <string>
 
 #include "server/fleet/live_bytes.h"
 
-namespace uplink {
+namespace uplink::store {
 
 absl::Status Seed::Run(std::size_t robots_max) {
   const auto rows = reader_.Robots(static_cast<std::uint32_t>(robots_max));
@@ -43,4 +43,4 @@ absl::Status Seed::RestoreLive() {
   }
 }
 
-}  // namespace uplink
+}  // namespace uplink::store

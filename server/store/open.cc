@@ -1,4 +1,4 @@
-#include "server/stores.h"
+#include "server/store/open.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/store.h"
 
-namespace uplink {
+namespace uplink::store {
 namespace {
 
 storage::StoreRules RulesOf(const config::Config& config) {
@@ -78,4 +78,4 @@ absl::StatusOr<Stores> OpenStores(const config::Config& config, const storage::P
                                           : OpenSqlite(config, process);
 }
 
-}  // namespace uplink
+}  // namespace uplink::store

@@ -1,8 +1,8 @@
-#include "server/reload.h"
+#include "server/lifecycle/reload.h"
 
 #include "server/config/settings.h"
 
-namespace uplink {
+namespace uplink::lifecycle {
 
 Reload CompareConfigs(const config::Config& running, const config::Config& read) {
   Reload reload;
@@ -17,4 +17,4 @@ Reload CompareConfigs(const config::Config& running, const config::Config& read)
   return reload;
 }
 
-}  // namespace uplink
+}  // namespace uplink::lifecycle

@@ -1,9 +1,9 @@
-#include "server/app_limits.h"
+#include "server/lifecycle/from_config.h"
 
 #include <cstddef>
 #include <cstdint>
 
-namespace uplink {
+namespace uplink::lifecycle {
 
 journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
   journal::JournalLimits limits;
@@ -76,4 +76,4 @@ log::Format LogFormatOf(config::LogFormat format) {
   return log::Format::kText;
 }
 
-}  // namespace uplink
+}  // namespace uplink::lifecycle

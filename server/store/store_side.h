@@ -17,10 +17,10 @@
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
 #include "server/log/logger.h"
-#include "server/seed.h"
-#include "server/stores.h"
+#include "server/store/open.h"
+#include "server/store/seed.h"
 
-namespace uplink {
+namespace uplink::store {
 
 /// The store with what stands before it: a journal and its writer a shard, the robots that it
 /// knows, and what the log says of it.
@@ -98,4 +98,4 @@ class StoreSide final {
   std::vector<std::unique_ptr<journal::JournalWriter>> writers_;
 };
 
-}  // namespace uplink
+}  // namespace uplink::store

@@ -1,4 +1,4 @@
-#include "server/seed.h"
+#include "server/store/seed.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "tests/support/records.h"
 #include "tests/support/switched_reader.h"
 
-namespace uplink {
+namespace uplink::store {
 namespace {
 
 class SeedTest : public ::testing::Test {
@@ -167,4 +167,4 @@ TEST_F(SeedTest, MoreRobotsThanThereMayBeAreAnError) {
 }
 
 }  // namespace
-}  // namespace uplink
+}  // namespace uplink::store

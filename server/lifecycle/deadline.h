@@ -7,7 +7,7 @@
 
 #include "schema/base/clock.h"
 
-namespace uplink {
+namespace uplink::lifecycle {
 
 /// Runs `late` on a thread of its own if it still exists after `wait`.
 class Deadline final {
@@ -23,4 +23,4 @@ class Deadline final {
   std::jthread thread_;
 };
 
-}  // namespace uplink
+}  // namespace uplink::lifecycle

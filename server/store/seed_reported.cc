@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "schema/json/text.h"
-#include "server/seed.h"
+#include "server/store/seed.h"
 
-namespace uplink {
+namespace uplink::store {
 namespace {
 
 /// Robots that are asked for at a time.
@@ -69,4 +69,4 @@ absl::Status Seed::RestoreReported() {
   return absl::OkStatus();
 }
 
-}  // namespace uplink
+}  // namespace uplink::store

@@ -10,7 +10,7 @@
 #include "server/journal/shards.h"
 #include "storage/reader.h"
 
-namespace uplink {
+namespace uplink::store {
 
 /// Takes the robots that the store knows into the fleet, each with the live state of its last
 /// checkpoint: at the start, or as soon as the store can be reached. A robot that has come by
@@ -44,4 +44,4 @@ class Seed final {
   std::atomic<bool> done_{false};
 };
 
-}  // namespace uplink
+}  // namespace uplink::store

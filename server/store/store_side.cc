@@ -1,9 +1,9 @@
-#include "server/store_side.h"
+#include "server/store/store_side.h"
 
 #include <string>
 #include <utility>
 
-namespace uplink {
+namespace uplink::store {
 namespace {
 
 /// A store's clock that differs by more is worth a line.
@@ -137,4 +137,4 @@ void StoreSide::StopWriters() {
   for (const auto& writer : writers_) writer->Stop();
 }
 
-}  // namespace uplink
+}  // namespace uplink::store

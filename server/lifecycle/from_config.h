@@ -11,7 +11,7 @@
 #include "server/relay/options.h"
 #include "server/session/limits.h"
 
-namespace uplink {
+namespace uplink::lifecycle {
 
 // What the configuration means for each component. Pure.
 
@@ -26,4 +26,4 @@ namespace uplink {
 [[nodiscard]] log::Level LogLevelOf(config::LogLevel level);
 [[nodiscard]] log::Format LogFormatOf(config::LogFormat format);
 
-}  // namespace uplink
+}  // namespace uplink::lifecycle
