@@ -10,11 +10,11 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
-#include "schema/model/fault.h"
 #include "schema/model/ids.h"
 #include "schema/model/mission.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
+#include "schema/model/reports.h"
 #include "schema/model/spatial.h"
 #include "storage/live_row.h"
 

@@ -6,9 +6,10 @@
 #include "schema/rules/faults.h"
 #include "schema/uplink.capnp.h"
 
-/// One function a variant: reads the member's struct into the model and judges it on the way, in
-/// schema order. What it returns is fit to keep unless `faults` says that the message is rejected.
-/// They may throw kj::Exception (a pointer that leads nowhere); schema/judge.cc catches it.
+/// One function per variant, in the file of its family: reads the member's struct into the model
+/// and judges it on the way, in schema order. What it returns is fit to keep unless `faults` says
+/// that the message is rejected. They may throw kj::Exception (a pointer that leads nowhere);
+/// schema/judge.cc catches it.
 namespace uplink::schema {
 
 // decode/motion.cc, decode/status.cc, decode/extras.cc
@@ -17,9 +18,11 @@ namespace uplink::schema {
 [[nodiscard]] model::TelemetryExtras DecodeExtras(wire::TelemetryExtras::Reader in, Faults& faults,
                                                   std::size_t items_max);
 
-// decode/reports.cc
+// decode/mission.cc
 [[nodiscard]] model::MissionRunStatus DecodeMission(wire::MissionRunStatus::Reader in,
                                                     Faults& faults);
+
+// decode/reports.cc
 [[nodiscard]] model::Fault DecodeFault(wire::Fault::Reader in, Faults& faults);
 [[nodiscard]] model::EventTelemetry DecodeEvent(wire::EventTelemetry::Reader in, Faults& faults);
 [[nodiscard]] model::Message DecodeMessage(wire::Message::Reader in, Faults& faults);

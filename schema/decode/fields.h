@@ -7,8 +7,8 @@
 #include "schema/model/enum_text.h"
 #include "schema/model/value.h"
 #include "schema/rules/faults.h"
+#include "schema/rules/motion.h"
 #include "schema/rules/path.h"
-#include "schema/rules/pose.h"
 #include "schema/uplink.capnp.h"
 
 /// What the decoders share: Cap'n Proto's field types as ours.

@@ -1,3 +1,5 @@
+#include "schema/rules/spatial.h"
+
 #include <utility>
 
 #include "schema/decode/decode.h"

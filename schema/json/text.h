@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "schema/model/capabilities.h"
-#include "schema/model/fault.h"
 #include "schema/model/health.h"
 #include "schema/model/mission.h"
 #include "schema/model/rcan.h"
+#include "schema/model/reports.h"
 #include "schema/model/spatial.h"
 
 /// What the stores keep as JSON text: an object by the specification's names, rendered as in

@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "schema/model/capabilities.h"
-#include "schema/model/fault.h"
+#include "schema/model/extras.h"
 #include "schema/model/health.h"
 #include "schema/model/mission.h"
 #include "schema/model/motion.h"
 #include "schema/model/rejection.h"
+#include "schema/model/reports.h"
 #include "schema/model/spatial.h"
 #include "schema/model/status.h"
 

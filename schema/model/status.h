@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "schema/model/enum_text.h"
-#include "schema/model/value.h"
 
 namespace uplink::model {
 
@@ -121,23 +120,6 @@ struct StatusTelemetry {
   std::optional<double> runtime_remaining;
 
   friend bool operator==(const StatusTelemetry&, const StatusTelemetry&) = default;
-};
-
-/// One reading of the maker's own. A value.
-struct SensorReading {
-  std::string key;
-  Value value;
-  std::optional<std::int64_t> unix_time_ms;
-
-  friend bool operator==(const SensorReading&, const SensorReading&) = default;
-};
-
-/// Readings beyond motion and status; keys are unique. Live. A value.
-struct TelemetryExtras {
-  std::int64_t unix_time_ms = 0;
-  std::vector<SensorReading> kv;
-
-  friend bool operator==(const TelemetryExtras&, const TelemetryExtras&) = default;
 };
 
 }  // namespace uplink::model

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "schema/model/fault.h"
+#include "schema/model/reports.h"
 #include "server/rcan/joint_series.h"
 
 namespace uplink::rcan {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "schema/model/fault.h"
 #include "schema/model/mission.h"
 #include "schema/model/rejection.h"
+#include "schema/model/reports.h"
 #include "storage/postgres/connection.h"
 #include "storage/postgres/parameters.h"
 #include "storage/types.h"

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "schema/model/fault.h"
+#include "schema/model/reports.h"
 #include "schema/model/spatial.h"
 #include "storage/postgres/connection.h"
 #include "storage/postgres/parameters.h"

@@ -10,8 +10,8 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "schema/model/fault.h"
 #include "schema/model/mission.h"
+#include "schema/model/reports.h"
 #include "schema/model/spatial.h"
 #include "storage/reader.h"
 #include "storage/sqlite/database.h"

@@ -10,9 +10,9 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "schema/model/fault.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
+#include "schema/model/reports.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_tables.h"

@@ -1,4 +1,4 @@
-#include "schema/rules/pose.h"
+#include "schema/rules/motion.h"
 
 #include <cmath>
 
@@ -37,11 +37,6 @@ std::optional<model::Pose> JudgePose(Faults& faults, const Path& path, const Raw
   });
   if (pose.heading_deg) pose.heading_deg = NormalizedHeading(*pose.heading_deg);
   return pose;
-}
-
-model::GeoPoint2 JudgePosition(Faults& faults, const Path& path, const model::GeoPoint2& raw) {
-  return {.lon = InRange(faults, path.Field("lon"), raw.lon, kLongitude).value_or(0),
-          .lat = InRange(faults, path.Field("lat"), raw.lat, kLatitude).value_or(0)};
 }
 
 }  // namespace uplink::schema

@@ -1,4 +1,4 @@
-#include "schema/model/fault.h"
+#include "schema/model/reports.h"
 
 namespace uplink::model {
 

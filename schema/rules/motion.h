@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "schema/model/motion.h"
-#include "schema/model/spatial.h"
 #include "schema/rules/faults.h"
 #include "schema/rules/path.h"
 
@@ -24,9 +23,5 @@ struct RawPose {
 /// and heading fall alone.
 [[nodiscard]] std::optional<model::Pose> JudgePose(Faults& faults, const Path& path,
                                                    const RawPose& raw);
-
-/// A position of a shape (a durable kind); its latitude and longitude as in a pose.
-[[nodiscard]] model::GeoPoint2 JudgePosition(Faults& faults, const Path& path,
-                                             const model::GeoPoint2& raw);
 
 }  // namespace uplink::schema
