@@ -18,6 +18,7 @@ class FakeBackend final : public Backend {
 
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
+  storage::Reader& Rows() override { return *store_; }
 
  private:
   const Cursor cursor_;

@@ -3,19 +3,29 @@
 #include <iterator>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace uplink::simulation {
 
 SimStream::SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
-                     journal::StreamRef self)
+                     journal::StreamRef self, Trace* trace)
     : ruri_(peer.ruris.front()),
+      id_(self.stream),
+      trace_(trace),
       opened_at_(context.clock.Steady()),
       session_(context, std::move(peer), self, *this, *this) {}
 
+void SimStream::AddToTrace(std::string_view what, const std::string& text) {
+  if (trace_ != nullptr) trace_->Add(fmt::format("stream {} {} {}", id_, what, text));
+}
+
 void SimStream::Write(const v1::RelayResponse& frame) {
+  AddToTrace("frame", frame.ShortDebugString());
   writing_ = ToAgent{.frame = frame, .batches_seen = batches_seen_};
 }
 
 void SimStream::Finish(const absl::Status& status) {
+  AddToTrace("end", status.ToString());
   end_ = status;
   if (writing_) {
     queued_end_ = status.code();
@@ -68,20 +78,21 @@ void SimStream::Send(const v1::RelayRequest& frame) {
   to_server_.push_back(frame.SerializeAsString());
 }
 
-SimServer::SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits,
+SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
                      const storage::ProcessId& process)
-    : clock_(clock),
+    : clock_(ground.clock),
+      trace_(ground.trace),
       limits_(limits),
-      fleet_(clock, 100, limits_.presence),
-      journal_(recorder, limits_.journal, clock, book_.NewPage(), journal_probe_, process),
+      fleet_(clock_, 100, limits_.presence),
+      journal_(ground.store, limits_.journal, clock_, book_.NewPage(), journal_probe_, process),
       judge_({}),
       ledger_(book_.NewPage()) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { journal_.NotePresence(robot, presence, at); });
   // As the server does with the robots that its store knows.
-  for (const auto& [ruri, stored] : recorder.presence()) {
+  for (const auto& [ruri, stored] : ground.recorder.presence()) {
     const auto robot = fleet_.FindOrAdmit({.ruri = ruri, .fleet = "sim"});
-    journal_.BeginPresence((*robot)->id(), stored, clock.System());
+    journal_.BeginPresence((*robot)->id(), stored, clock_.System());
   }
 }
 
@@ -96,8 +107,8 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .limits = limits_.session,
                                         .scratch = scratch_};
   identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
-  auto stream = std::make_unique<SimStream>(context, std::move(peer),
-                                            journal::StreamRef{.inbox = this, .stream = id});
+  auto stream = std::make_unique<SimStream>(
+      context, std::move(peer), journal::StreamRef{.inbox = this, .stream = id}, trace_);
   stream->session().Start();
   streams_.emplace(id, std::move(stream));
   newest_[ruri] = id;

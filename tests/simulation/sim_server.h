@@ -14,6 +14,7 @@
 
 #include "server/session/session.h"
 #include "tests/simulation/recorder.h"
+#include "tests/simulation/trace.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::simulation {
@@ -32,7 +33,7 @@ struct ToAgent {
 class SimStream final : public session::FrameSource, public session::FrameSink {
  public:
   SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
-            journal::StreamRef self);
+            journal::StreamRef self, Trace* trace);
 
   /// The robot that opened it, and when.
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
@@ -77,7 +78,12 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   }
 
  private:
+  /// Writes what the session did into the trace, if one is taken.
+  void AddToTrace(std::string_view what, const std::string& text);
+
   const std::string ruri_;
+  const std::uint64_t id_;
+  Trace* const trace_;
   const SteadyTime opened_at_;
   std::deque<std::string> to_server_;
   std::deque<ToAgent> to_agent_;
@@ -100,11 +106,21 @@ struct ServerLimits {
   fleet::PresenceLimits presence;
 };
 
+/// What the lives of the process stand on.
+struct Ground {
+  const Clock& clock;
+  /// Every life of the process is told what it says of presence.
+  const Recorder& recorder;
+  /// What the journal calls: the recorder, behind whatever else looks on.
+  storage::Store& store;
+  /// Null where no trace is taken.
+  Trace* trace = nullptr;
+};
+
 /// One life of the server process: the real fleet, journal and sessions over one store.
 class SimServer final : public journal::WakeInbox {
  public:
-  SimServer(const Clock& clock, Recorder& recorder, const ServerLimits& limits,
-            const storage::ProcessId& process);
+  SimServer(const Ground& ground, const ServerLimits& limits, const storage::ProcessId& process);
 
   void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
 
@@ -127,6 +143,7 @@ class SimServer final : public journal::WakeInbox {
 
  private:
   const Clock& clock_;
+  Trace* const trace_;
   const ServerLimits limits_;
   metrics::LedgerBook book_;
   session::SessionProbe probe_;

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -18,7 +19,27 @@ struct Arguments {
   std::uint64_t seeds = 1;
   std::uint32_t steps = 400;
   std::string store = "fake";
+  bool digest = false;
+  bool trace = false;
 };
+
+std::unique_ptr<Backend> NewBackend(const std::string& store) {
+  if (store == "sqlite") return std::make_unique<SqliteBackend>();
+  return std::make_unique<FakeBackend>();
+}
+
+/// Runs one seed and prints of its trace what the arguments ask for.
+RunResult RunSeed(const Arguments& arguments, const Payloads& payloads, std::uint64_t seed) {
+  const std::unique_ptr<Backend> backend = NewBackend(arguments.store);
+  Trace trace(arguments.trace ? [](std::string_view line) { fmt::print("{}\n", line); }
+                              : Trace::Show());
+  const bool traced = arguments.digest || arguments.trace;
+  World world(payloads, *backend,
+              {.seed = seed, .steps = arguments.steps, .trace = traced ? &trace : nullptr});
+  RunResult result = world.Run();
+  if (arguments.digest) fmt::print("{} {:016x}\n", seed, trace.digest());
+  return result;
+}
 
 int RunSeeds(const Arguments& arguments) {
   const Payloads payloads;
@@ -27,14 +48,7 @@ int RunSeeds(const Arguments& arguments) {
   std::uint64_t breaks = 0;
   std::uint64_t steps = 0;
   for (std::uint64_t i = 0; i < arguments.seeds; ++i) {
-    std::unique_ptr<Backend> backend;
-    if (arguments.store == "sqlite") {
-      backend = std::make_unique<SqliteBackend>();
-    } else {
-      backend = std::make_unique<FakeBackend>();
-    }
-    World world(payloads, *backend, {.seed = arguments.seed + i, .steps = arguments.steps});
-    const RunResult result = world.Run();
+    const RunResult result = RunSeed(arguments, payloads, arguments.seed + i);
     if (!result.violation.empty()) {
       fmt::print("{}\nrepeat with: ./dev simulate --seed {} --steps {} --store {}\n",
                  result.violation, arguments.seed + i, arguments.steps, arguments.store);
@@ -61,6 +75,10 @@ int main(int argc, char** argv) {
   app.add_option("--steps", arguments.steps, "Steps with faults, before everything must settle");
   app.add_option("--store", arguments.store, "The store under test")
       ->check(CLI::IsMember({"fake", "sqlite"}));
+  app.add_flag("--digest", arguments.digest,
+               "Print each seed with the digest of its trace: equal digests before and after a "
+               "change mean the same frames, calls of the store and rows, in the same order");
+  app.add_flag("--trace", arguments.trace, "Print the trace itself: what a digest stands for");
   CLI11_PARSE(app, argc, argv);
   return uplink::simulation::RunSeeds(arguments);
 }

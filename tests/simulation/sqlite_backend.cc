@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "schema/base/check.h"
-#include "storage/sqlite/reader.h"
 #include "tests/simulation/rows.h"
 #include "tests/support/sqlite_shell.h"
 
@@ -29,6 +28,13 @@ storage::Store& SqliteBackend::Reopen(const storage::ProcessId& process) {
                     kRefusedFaultId));
   }
   return *store_;
+}
+
+storage::Reader& SqliteBackend::Rows() {
+  auto opened = storage::sqlite::SqliteReader::Open(Path());
+  UPLINK_CHECK(opened.ok(), opened.status().ToString());
+  reader_ = *std::move(opened);
+  return *reader_;
 }
 
 std::optional<std::string> SqliteBackend::Compare(const Recorder& recorder) {

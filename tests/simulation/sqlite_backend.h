@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "storage/sqlite/reader.h"
 #include "storage/sqlite/store.h"
 #include "tests/simulation/world.h"
 #include "tests/support/temp_folder.h"
@@ -15,12 +16,14 @@ class SqliteBackend final : public Backend {
  public:
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
+  storage::Reader& Rows() override;
 
  private:
   [[nodiscard]] std::string Path() const;
 
   testing::TempFolder folder_;
   std::unique_ptr<storage::sqlite::SqliteStore> store_;
+  std::unique_ptr<storage::sqlite::SqliteReader> reader_;
 };
 
 }  // namespace uplink::simulation

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "tests/simulation/traced_rows.h"
+
 namespace uplink::simulation {
 
 World::World(const Payloads& payloads, Backend& backend, const RunOptions& options)
@@ -34,6 +36,7 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
           }
         })));
   }
+  if (options_.trace != nullptr) traced_.emplace(recorder_, *options_.trace);
   StartServer();
 }
 
@@ -41,7 +44,11 @@ void World::StartServer() {
   storage::ProcessId process{};
   for (std::uint8_t& byte : process) byte = static_cast<std::uint8_t>(random_.Next());
   recorder_.SetStore(&backend_.Reopen(process));
-  server_ = std::make_unique<SimServer>(clock_, recorder_, limits_, process);
+  const Ground ground{.clock = clock_,
+                      .recorder = recorder_,
+                      .store = traced_ ? static_cast<storage::Store&>(*traced_) : recorder_,
+                      .trace = options_.trace};
+  server_ = std::make_unique<SimServer>(ground, limits_, process);
 }
 
 RunResult World::Run() {
@@ -54,7 +61,14 @@ RunResult World::Run() {
   if (result_.violation.empty()) Heal();
   if (result_.violation.empty()) CheckEnd();
   result_.uplinks += server_->counts().uplinks;
+  TraceEnd();
   return result_;
+}
+
+void World::TraceEnd() {
+  if (options_.trace == nullptr) return;
+  TraceRows(backend_.Rows(), *options_.trace);
+  options_.trace->Add(ToText(result_));
 }
 
 World::Robot* World::OwnerOf(std::uint64_t stream) {

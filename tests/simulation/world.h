@@ -9,11 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "storage/reader.h"
 #include "tests/simulation/payloads.h"
 #include "tests/simulation/random.h"
 #include "tests/simulation/recorder.h"
 #include "tests/simulation/sim_agent.h"
 #include "tests/simulation/sim_server.h"
+#include "tests/simulation/trace.h"
+#include "tests/simulation/traced_store.h"
 
 namespace uplink::simulation {
 
@@ -25,11 +28,15 @@ class Backend {
   virtual storage::Store& Reopen(const storage::ProcessId& process) = 0;
   /// Compares what lies in the store with the book; a sentence for the first difference.
   virtual std::optional<std::string> Compare(const Recorder& recorder) = 0;
+  /// Reads what lies in the store that was opened last; until the next Reopen.
+  virtual storage::Reader& Rows() = 0;
 };
 
 struct RunOptions {
   std::uint64_t seed = 1;
   std::uint32_t steps = 400;
+  /// Is given everything that the server does; null: nothing is traced.
+  Trace* trace = nullptr;
 };
 
 struct RunResult {
@@ -87,6 +94,8 @@ class World final {
   [[nodiscard]] bool Settled();
   void CheckEnd();
   void CheckPresence();
+  /// What is left at the end, and the result.
+  void TraceEnd();
 
   const Payloads& payloads_;
   Backend& backend_;
@@ -95,6 +104,7 @@ class World final {
   testing::ManualClock clock_;
   RunResult result_;
   Recorder recorder_;
+  std::optional<TracedStore> traced_;
   ServerLimits limits_;
   std::unique_ptr<SimServer> server_;
   std::vector<std::unique_ptr<Robot>> robots_;

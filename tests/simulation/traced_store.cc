@@ -1,0 +1,130 @@
+#include "tests/simulation/traced_store.h"
+
+#include <string>
+#include <variant>
+
+#include <absl/strings/escaping.h>
+#include <fmt/format.h>
+
+namespace uplink::simulation {
+namespace {
+
+std::string TextOf(const model::Rejection& rejection) {
+  return fmt::format("{} \"{}\" \"{}\"", model::ToText(rejection.reason), rejection.field,
+                     rejection.detail);
+}
+
+std::string TextOf(const storage::OpenRequest& request) {
+  std::string text = fmt::format("open {} session {} settled {} at {} holding", request.robot->ruri,
+                                 request.session.ToHex(), request.settled_seq, UnixMs(request.at));
+  for (const model::SessionId& held : request.sessions_held) text += " " + held.ToHex();
+  return text;
+}
+
+std::string TextOf(const storage::OpenResult& result) {
+  std::string text =
+      fmt::format("opened epoch {} held since {} cursor {} rejects complete {}", result.epoch,
+                  result.held_since, result.cursor, result.rejects_complete);
+  for (const storage::StoredReject& reject : result.rejects) {
+    text += fmt::format(", {} {}", reject.seq, TextOf(reject.rejection));
+  }
+  return text;
+}
+
+/// The payload stands for the whole record, which was made from it.
+std::string TextOf(const storage::CommitRecord& record) {
+  std::string text = fmt::format(
+      "record {} session {} seq {} held since {} received {} payload {} of {} bytes",
+      record.robot->ruri, record.session.ToHex(), record.seq, record.held_since,
+      UnixMs(record.received_at), absl::BytesToHexString(record.payload), record.payload_bytes);
+  if (const auto* item = std::get_if<storage::QuarantineItem>(&record.content)) {
+    return text + " quarantine " + TextOf(item->rejection);
+  }
+  const auto& good = std::get<model::Record>(record.content);
+  return text + fmt::format(" variant {}", static_cast<int>(good.variant()));
+}
+
+std::string TextOf(const storage::GapItem& gap) {
+  return fmt::format("gap {} session {} from {} to {} held since {} seen {}", gap.robot->ruri,
+                     gap.session.ToHex(), gap.first, gap.last, gap.held_since, UnixMs(gap.seen_at));
+}
+
+std::string TextOf(const storage::PresenceItem& item) {
+  return fmt::format("presence {} {} at {} number {}", item.robot->ruri,
+                     model::ToText(item.presence), UnixMs(item.at), item.number);
+}
+
+std::string TextOf(const storage::Outcome& outcome) {
+  return fmt::format("outcome {} {}", static_cast<int>(outcome.kind),
+                     outcome.rejection ? TextOf(*outcome.rejection) : "");
+}
+
+std::string TextOf(const storage::LiveRow& row) {
+  std::string text = fmt::format("live {}", row.ruri);
+  if (row.last_sign_of_life) text += fmt::format(" alive {}", UnixMs(*row.last_sign_of_life));
+  if (row.clock_skew_ms) text += fmt::format(" skew {}", *row.clock_skew_ms);
+  for (std::size_t part = 0; part < row.parts.size(); ++part) {
+    if (!row.parts[part]) continue;
+    text += fmt::format(" part {} {}", part, absl::BytesToHexString(*row.parts[part]));
+  }
+  return text;
+}
+
+/// The answer as it is returned, written on its way: `add` writes what it holds if it is good.
+template <typename Answer, typename Add>
+absl::StatusOr<Answer> Traced(Trace& trace, absl::StatusOr<Answer> answer, const Add& add) {
+  if (answer.ok()) {
+    add(*answer);
+  } else {
+    trace.Add("failed " + answer.status().ToString());
+  }
+  return answer;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<storage::OpenResult>> TracedStore::OpenStreams(
+    std::span<const storage::OpenRequest> requests) {
+  trace_.Add(fmt::format("store OpenStreams of {}", requests.size()));
+  for (const storage::OpenRequest& request : requests) trace_.Add(TextOf(request));
+  return Traced(trace_, store_.OpenStreams(requests), [this](const auto& results) {
+    for (const storage::OpenResult& result : results) trace_.Add(TextOf(result));
+  });
+}
+
+void TracedStore::AddBatch(const storage::Batch& batch) {
+  trace_.Add(fmt::format("store Commit by {}", batch.presence_session.ToHex()));
+  for (const storage::CommitRecord& record : batch.records) trace_.Add(TextOf(record));
+  for (const storage::GapItem& gap : batch.gaps) trace_.Add(TextOf(gap));
+  for (const storage::PresenceItem& item : batch.presence) trace_.Add(TextOf(item));
+}
+
+absl::StatusOr<std::vector<storage::Outcome>> TracedStore::Commit(const storage::Batch& batch) {
+  AddBatch(batch);
+  return Traced(trace_, store_.Commit(batch), [this](const auto& outcomes) {
+    for (const storage::Outcome& outcome : outcomes) trace_.Add(TextOf(outcome));
+  });
+}
+
+absl::StatusOr<std::size_t> TracedStore::Sweep(SystemTime now) {
+  trace_.Add(fmt::format("store Sweep at {}", UnixMs(now)));
+  return Traced(trace_, store_.Sweep(now),
+                [this](std::size_t rows) { trace_.Add(fmt::format("swept {}", rows)); });
+}
+
+absl::StatusOr<std::size_t> TracedStore::Retain(SystemTime now) {
+  trace_.Add(fmt::format("store Retain at {}", UnixMs(now)));
+  return Traced(trace_, store_.Retain(now),
+                [this](std::size_t rows) { trace_.Add(fmt::format("removed {}", rows)); });
+}
+
+absl::StatusOr<std::vector<std::size_t>> TracedStore::Checkpoint(
+    std::span<const storage::LiveRow> rows) {
+  trace_.Add(fmt::format("store Checkpoint of {}", rows.size()));
+  for (const storage::LiveRow& row : rows) trace_.Add(TextOf(row));
+  return Traced(trace_, store_.Checkpoint(rows), [this](const auto& passed_over) {
+    trace_.Add(fmt::format("passed over {}", fmt::join(passed_over, " ")));
+  });
+}
+
+}  // namespace uplink::simulation
