@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -16,13 +15,6 @@
 #include "storage/types.h"
 
 namespace uplink {
-
-/// The presence sweep.
-inline constexpr std::chrono::seconds kSweepEvery{1};
-/// How often the relay's certificate file is looked at for its expiry.
-inline constexpr std::chrono::seconds kCertificateEvery{5};
-/// After drain.timeout, for ending what did not end: streams, the commit under way.
-inline constexpr std::chrono::seconds kStopWait{5};
 
 /// The server: constructs the components, connects them, starts them in order and stops them in
 /// reverse. The only place that knows them all.
@@ -56,9 +48,8 @@ class App final {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Serves until SIGTERM or SIGINT, then drains: at most drain.timeout for the streams and what
-  /// waits for a commit, then kStopWait to end the rest. What is unsettled then is counted in a
-  /// warning. A second signal ends the process at once, with 1.
+  /// Serves until SIGTERM or SIGINT, then drains (lifecycle::Drain). A second signal ends the
+  /// process at once, with 1.
   void Run();
 
  private:

@@ -1,4 +1,3 @@
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -7,7 +6,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <absl/synchronization/mutex.h>
 #include <fmt/core.h>
 
 #include "metrics/catalogue.h"
@@ -15,10 +13,10 @@
 #include "schema/base/clock.h"
 #include "server/app.h"
 #include "server/config/load.h"
-#include "server/health/process.h"
 #include "server/identity/session_tickets.h"
 #include "server/lifecycle/from_config.h"
 #include "server/log/logger.h"
+#include "server/process_setup.h"
 #include "server/relay/environment.h"
 #include "server/relay/grpc_log.h"
 
@@ -92,14 +90,7 @@ int Serve(const Flags& flags) {
   PrintProblems(loaded.problems);
   if (!loaded.ok()) return kExitWrongUse;
   const config::Config& config = *loaded.config;
-  relay::ApplyTlsMinimum(config.tls.min_version);
-  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  relay::SilenceProtobuf();
-  // A peer or a log reader that went away is an error of a write, not the end of the process.
-  std::signal(SIGPIPE, SIG_IGN);
-  // A limit on the size of files is an error of the write, as a full disk is.
-  std::signal(SIGXFSZ, SIG_IGN);
-  const std::size_t descriptors = health::RaiseDescriptorsMax();
+  const std::size_t descriptors = SetUpProcess(config);
 
   const SystemClock clock;
   log::Logger logger(log::StandardError(), clock, lifecycle::LogFormatOf(config.log.format),

@@ -1,8 +1,11 @@
 #include "server/store/seed.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/fleet/live_bytes.h"
+#include "server/store/reported.h"
 
 namespace uplink::store {
 
@@ -41,6 +44,17 @@ absl::Status Seed::RestoreLive() {
     }
     after = rows->back().ruri;
   }
+}
+
+absl::Status Seed::RestoreReported() {
+  std::vector<std::string> ruris;
+  for (const fleet::Robot* robot : fleet_.Sorted()) ruris.push_back(robot->ruri());
+  auto reported = ReadReported(ruris, reader_);
+  if (!reported.ok()) return reported.status();
+  for (auto& [ruri, before] : *reported) {
+    if (fleet::Robot* robot = fleet_.Find(ruri)) robot->state.Restore(std::move(before));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace uplink::store

@@ -24,8 +24,7 @@ class Seed final {
       : fleet_(fleet), journals_(journals), reader_(reader), clock_(clock) {}
 
   /// Errors: of the reader, and then it may be run again; kResourceExhausted if the store knows
-  /// more
-  ///         robots than `robots_max`.
+  ///         more robots than `robots_max`.
   [[nodiscard]] absl::Status Run(std::size_t robots_max);
   [[nodiscard]] bool done() const { return done_.load(); }
   /// Messages of checkpoints that this version does not pass, in the last run. After Run, on its

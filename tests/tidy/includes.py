@@ -54,7 +54,7 @@ FOREIGN = (
 
 # Adapters: only the composition root and tests know them, and never one another.
 TRANSPORTS = ("server/relay/", "server/http/")
-KNOWS_TRANSPORTS = ("server/lifecycle/", "server/app", "server/main.cc", "tests/")
+KNOWS_TRANSPORTS = ("server/lifecycle/", "server/app", "server/process_setup", "server/main.cc", "tests/")
 
 GENERATED = re.compile(r"\.(grpc\.pb|pb|capnp)\.h$")
 

@@ -1,35 +1,83 @@
 #include "server/lifecycle/reload.h"
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
 
 namespace uplink::lifecycle {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(CompareConfigs, SeesNothingInTheSame) {
-  const Reload reload = CompareConfigs({}, {});
-  EXPECT_FALSE(reload.log_level);
-  EXPECT_THAT(reload.needs_restart, IsEmpty());
+  const Changes changes = CompareConfigs({}, {});
+  EXPECT_FALSE(changes.log_level);
+  EXPECT_THAT(changes.needs_restart, IsEmpty());
 }
 
 TEST(CompareConfigs, TakesTheLogLevelAlone) {
   config::Config read;
   read.log.level = config::LogLevel::kDebug;
-  const Reload reload = CompareConfigs({}, read);
-  EXPECT_TRUE(reload.log_level);
-  EXPECT_THAT(reload.needs_restart, IsEmpty());
+  const Changes changes = CompareConfigs({}, read);
+  EXPECT_TRUE(changes.log_level);
+  EXPECT_THAT(changes.needs_restart, IsEmpty());
 }
 
 TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
   config::Config read;
   read.listen.http.port = 1;
   read.presence.timeout = config::milliseconds(1);
-  const Reload reload = CompareConfigs({}, read);
-  EXPECT_FALSE(reload.log_level);
-  EXPECT_THAT(reload.needs_restart, ElementsAre("listen.http", "presence.timeout"));
+  const Changes changes = CompareConfigs({}, read);
+  EXPECT_FALSE(changes.log_level);
+  EXPECT_THAT(changes.needs_restart, ElementsAre("listen.http", "presence.timeout"));
+}
+
+class ReloadTest : public ::testing::Test {
+ protected:
+  ReloadTest() { read_.config.emplace(); }
+
+  testing::ManualClock clock_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  config::LoadResult read_;
+  Reload reload_{{}, [this] { return read_; }, logger_};
+};
+
+TEST_F(ReloadTest, TakesTheLevelOverAndSaysSo) {
+  read_.config->log.level = config::LogLevel::kError;
+  reload_.Run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("reloaded log_level_changed=true")));
+  EXPECT_FALSE(logger_.Enabled(log::Level::kWarn));
+  // The line goes by whichever level lets it through.
+  read_.config->log.level = config::LogLevel::kInfo;
+  reload_.Run();
+  EXPECT_EQ(lines_.size(), 2U);
+  reload_.Run();
+  EXPECT_THAT(lines_.back(), HasSubstr("log_level_changed=false"));
+}
+
+TEST_F(ReloadTest, NamesTheRestEachTime) {
+  read_.config->listen.http.port = 1;
+  for (int run = 0; run < 2; ++run) reload_.Run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("needs_restart=listen.http"),
+                                  HasSubstr("needs_restart=listen.http")));
+}
+
+TEST_F(ReloadTest, AConfigurationWithAProblemChangesNothing) {
+  read_.config.reset();
+  read_.problems.push_back({.key = "log.level", .text = "must be one of these"});
+  reload_.Run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("reload_refused")));
+  EXPECT_TRUE(logger_.Enabled(log::Level::kInfo));
 }
 
 }  // namespace

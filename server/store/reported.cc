@@ -1,12 +1,13 @@
-// What durable reports say of robots now: for their series.
+#include "server/store/reported.h"
+
 #include <algorithm>
-#include <map>
-#include <string>
-#include <utility>
+#include <chrono>
+#include <cstdint>
+#include <iterator>
+#include <optional>
 #include <vector>
 
 #include "schema/json/text.h"
-#include "server/store/seed.h"
 
 namespace uplink::store {
 namespace {
@@ -14,16 +15,16 @@ namespace {
 /// Robots that are asked for at a time.
 constexpr std::size_t kRobotsAtATime = 500;
 /// Open runs that are read: ten of each of the most robots there can be, in pages.
-constexpr std::uint32_t kRunsAPage = 1000;
+constexpr std::uint32_t kRunsPerPage = 1000;
 constexpr std::size_t kRunPagesMax = 200;
 
-void NoteInfo(const storage::LatestRow& row, fleet::Reported& reported) {
+void AddInfo(const storage::LatestRow& row, fleet::Reported& reported) {
   const std::optional<double> uptime_s = json::NumberIn(row.body_json, "uptimeS");
   if (!uptime_s || *uptime_s < 0 || *uptime_s > fleet::kUptimeSMax) return;
   reported.booted_at = row.received_at - std::chrono::seconds(static_cast<std::int64_t>(*uptime_s));
 }
 
-void NoteRun(const storage::MissionRunRow& row, fleet::Reported& reported) {
+void AddRun(const storage::MissionRunRow& row, fleet::Reported& reported) {
   std::optional<double> progress = json::NumberIn(row.latest_json, "progressX100");
   if (progress) progress = *progress / fleet::kProgressAPercent;
   reported.open_runs.Put(fleet::RunKey(row.mission_id, row.run_id), progress);
@@ -34,7 +35,7 @@ absl::StatusOr<std::vector<storage::MissionRunRow>> OpenRuns(storage::Reader& re
   std::vector<storage::MissionRunRow> runs;
   storage::MissionsQuery query;
   query.open = true;
-  query.rows.page_size = kRunsAPage;
+  query.rows.page_size = kRunsPerPage;
   for (std::size_t page = 0; page < kRunPagesMax; ++page) {
     auto rows = reader.MissionRuns(query);
     if (!rows.ok()) return rows.status();
@@ -48,25 +49,20 @@ absl::StatusOr<std::vector<storage::MissionRunRow>> OpenRuns(storage::Reader& re
 
 }  // namespace
 
-absl::Status Seed::RestoreReported() {
+absl::StatusOr<std::map<std::string, fleet::Reported>> ReadReported(
+    std::span<const std::string> ruris, storage::Reader& reader) {
   std::map<std::string, fleet::Reported> reported;
-  std::vector<std::string> ruris;
-  for (const fleet::Robot* robot : fleet_.Sorted()) ruris.push_back(robot->ruri());
-  std::span<const std::string> left = ruris;
-  while (!left.empty()) {
-    const auto rows = reader_.Latest(left.first(std::min(left.size(), kRobotsAtATime)),
-                                     1U << static_cast<unsigned>(storage::LatestKind::kAgentInfo));
+  for (std::span<const std::string> left = ruris; !left.empty();) {
+    const auto rows = reader.Latest(left.first(std::min(left.size(), kRobotsAtATime)),
+                                    1U << static_cast<unsigned>(storage::LatestKind::kAgentInfo));
     if (!rows.ok()) return rows.status();
-    for (const storage::LatestRow& row : rows->rows) NoteInfo(row, reported[row.ruri]);
+    for (const storage::LatestRow& row : rows->rows) AddInfo(row, reported[row.ruri]);
     left = left.subspan(std::clamp<std::size_t>(rows->complete, 1, left.size()));
   }
-  const auto runs = OpenRuns(reader_);
+  const auto runs = OpenRuns(reader);
   if (!runs.ok()) return runs.status();
-  for (const storage::MissionRunRow& row : *runs) NoteRun(row, reported[row.robot.ruri]);
-  for (auto& [ruri, before] : reported) {
-    if (fleet::Robot* robot = fleet_.Find(ruri)) robot->state.Restore(std::move(before));
-  }
-  return absl::OkStatus();
+  for (const storage::MissionRunRow& row : *runs) AddRun(row, reported[row.robot.ruri]);
+  return reported;
 }
 
 }  // namespace uplink::store

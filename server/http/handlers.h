@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "metrics/format.h"
+#include "server/health/monitor.h"
+#include "server/http/message.h"
+#include "server/rcan/scrape.h"
+#include "server/view/queries.h"
+
+namespace uplink::http {
+
+/// What the handlers answer from. The references outlive it; what it names is thread-safe, or used
+/// on one lane alone.
+struct Sources {
+  view::Queries& queries;
+  health::Monitor& monitor;
+  /// The text of our own scrape: every metric of the catalogue.
+  std::function<std::string(metrics::Format)> metrics;
+  /// On the lane of scrapes alone.
+  rcan::RobotScrape& robots;
+};
+
+/// A request whose path was found. A value.
+struct Call {
+  /// The `{}` of the route's path, decoded.
+  std::string segment;
+  std::string query;
+  metrics::Format format = metrics::Format::kText;
+  metrics::Coding coding = metrics::Coding::kPlain;
+};
+
+// The handlers of Routes(). Errors are answers too.
+
+// probes.cc: how the server fares.
+[[nodiscard]] Response GetLivez(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetReadyz(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetMetrics(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetRobotMetrics(const Sources& sources, const Call& call);
+
+// api.cc: what is held in memory.
+[[nodiscard]] Response GetStatus(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetRobots(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetRobot(const Sources& sources, const Call& call);
+
+// lists.cc: rows of the store.
+[[nodiscard]] Response GetEvents(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetMessages(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetPresence(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetQuarantine(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetGaps(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetFaults(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetMissions(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetShapes(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetObjects(const Sources& sources, const Call& call);
+
+}  // namespace uplink::http

@@ -1,0 +1,41 @@
+#include "server/http/routes.h"
+
+#include <array>
+
+#include "server/http/handlers.h"
+
+namespace uplink::http {
+namespace {
+
+constexpr auto kRoutes = std::to_array<Route>({
+    {"/livez", "livez", Lane::kIo, GetLivez},
+    {"/readyz", "readyz", Lane::kIo, GetReadyz},
+    {"/metrics", "metrics", Lane::kIo, GetMetrics},
+    {"/metrics/robots", "metrics_robots", Lane::kScrape, GetRobotMetrics},
+    {"/api/v1/status", "status", Lane::kRead, GetStatus},
+    {"/api/v1/robots", "robots", Lane::kRead, GetRobots},
+    {"/api/v1/robots/{}", "robot", Lane::kRead, GetRobot},
+    {"/api/v1/robots/{}/events", "events", Lane::kRead, GetEvents},
+    {"/api/v1/robots/{}/messages", "messages", Lane::kRead, GetMessages},
+    {"/api/v1/robots/{}/presence", "presence", Lane::kRead, GetPresence},
+    {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetQuarantine},
+    {"/api/v1/robots/{}/gaps", "gaps", Lane::kRead, GetGaps},
+    {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
+    {"/api/v1/missions", "missions", Lane::kRead, GetMissions},
+    {"/api/v1/shapes", "shapes", Lane::kRead, GetShapes},
+    {"/api/v1/objects", "objects", Lane::kRead, GetObjects},
+});
+
+}  // namespace
+
+std::span<const Route> Routes() { return kRoutes; }
+
+RouteId OtherRoute() { return {kRoutes.size()}; }
+
+std::size_t RouteIds() { return kRoutes.size() + 1; }
+
+std::string_view RouteName(RouteId route) {
+  return route.index < kRoutes.size() ? kRoutes[route.index].name : "other";
+}
+
+}  // namespace uplink::http

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "server/http/message.h"
+
+namespace uplink::http {
+
+struct Call;
+struct Sources;
+
+/// Which thread answers: probes and our own scrape at once, on the io thread; what may wait for the
+/// store on the thread that reads; the robots' scrape on one of its own.
+enum class Lane : std::uint8_t { kIo, kRead, kScrape };
+
+/// A path and what answers it. Immutable.
+struct Route {
+  /// As MatchPath takes it: `{}` stands for one segment.
+  std::string_view pattern;
+  /// The label of its requests in the metrics.
+  std::string_view name;
+  Lane lane;
+  Response (*handler)(const Sources&, const Call&);
+};
+
+/// All paths: the only list of them.
+[[nodiscard]] std::span<const Route> Routes();
+
+/// What a request asked for, for counting: a place in Routes(), or the one after the last for
+/// every other path. A value.
+struct RouteId {
+  std::size_t index = 0;
+};
+[[nodiscard]] RouteId OtherRoute();
+/// As many as there are routes, and one for every other path.
+[[nodiscard]] std::size_t RouteIds();
+/// The label of a route's requests in the metrics.
+[[nodiscard]] std::string_view RouteName(RouteId route);
+
+}  // namespace uplink::http

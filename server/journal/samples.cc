@@ -1,0 +1,38 @@
+#include "server/journal/samples.h"
+
+#include <cstddef>
+
+#include "schema/model/presence.h"
+
+namespace uplink::journal {
+
+using enum metrics::MetricId;
+
+void AddSamples(const Shards& journals, const JournalLimits& limits, SteadyTime now,
+                metrics::Exposition& page) {
+  page.Add(kJournalRecords, journals.records());
+  page.Add(kJournalRecordsLimit, limits.records_max);
+  page.Add(kJournalBytes, journals.bytes());
+  page.Add(kJournalBytesLimit, limits.bytes_max);
+  page.Add(kJournalOldestSeconds, journals.oldest(now));
+}
+
+void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
+  page.Add(kStoreCommitSeconds, probe.commit_seconds);
+  page.Add(kStoreCommitRecords, probe.commit_records);
+  for (const model::Presence presence :
+       {model::Presence::kOnline, model::Presence::kOffline, model::Presence::kUnknown}) {
+    page.Add(kPresenceChanges, probe.presence_changes[static_cast<std::size_t>(presence)],
+             {ToText(presence)});
+  }
+  page.Add(kExpiredDeleted, probe.expired_deleted);
+  page.Add(kHistoryDeleted, probe.history_deleted);
+  page.Add(kRetentionFailing, probe.retention_failing);
+  page.Add(kCheckpointSeconds, probe.checkpoint_seconds);
+  page.Add(kCheckpointRobots, probe.checkpoint_robots);
+  page.Add(kCheckpointFailing, probe.checkpoint_failing.value() > 0 ? 1 : 0);
+  page.Add(kStoreErrors, probe.store_errors);
+  page.Add(kStoreFailing, probe.store_failing.value() > 0 ? 1 : 0);
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/health/monitor.h"
+#include "server/journal/shards.h"
+#include "server/lifecycle/stop_signal.h"
+#include "server/log/logger.h"
+
+namespace uplink::lifecycle {
+
+/// After drain.timeout, for ending what did not end: streams, the commit under way.
+inline constexpr std::chrono::seconds kStopWait{5};
+
+/// The way down: no stream is admitted, those that are here end, what waits is committed, and the
+/// rest of the server stops. It takes the timeout at most, then kStopWait to end what is left, and
+/// counts what is unsettled then in a warning.
+///
+/// Thread: main.
+class Drain final {
+ public:
+  /// What a drain asks of the robots' transport.
+  struct Transport {
+    /// Streams that have not ended.
+    std::function<std::size_t()> streams;
+    /// Admits no stream any more and tells those that are here, within a part of the time.
+    std::function<void(milliseconds)> drain;
+    /// Waits until every stream has ended, for so long at most; true if they have.
+    std::function<bool(milliseconds)> wait_for_streams;
+  };
+  /// The references outlive it.
+  struct Parts {
+    const Clock& clock;
+    log::Logger& logger;
+    const metrics::LedgerBook& ledgers;
+    const fleet::Fleet& fleet;
+    const journal::Shards& journals;
+    health::Monitor& monitor;
+    StopSignal& signal;
+    Transport transport;
+    /// Stops everything, at the end.
+    std::function<void()> stop;
+    milliseconds timeout{0};
+  };
+  explicit Drain(Parts parts);
+
+  /// Once, after the signal.
+  void Run();
+
+ private:
+  /// Nobody listens any more: the histories of presence say so.
+  void EndPresence();
+  void WaitForJournals(SteadyTime deadline);
+  /// The rest did not end in time: the process does, with what it has.
+  void EndUnfinished();
+
+  const Parts parts_;
+};
+
+}  // namespace uplink::lifecycle

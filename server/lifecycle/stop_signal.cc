@@ -1,0 +1,16 @@
+#include "server/lifecycle/stop_signal.h"
+
+#include <cstdlib>
+
+namespace uplink::lifecycle {
+
+void StopSignal::OnSignal(int signal) {
+  if (stopping_) {
+    logger_.Warn("stopped_at_once", {{"signal", signal}});
+    std::_Exit(1);
+  }
+  stopping_ = true;
+  stop_.release();
+}
+
+}  // namespace uplink::lifecycle

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <semaphore>
+
+#include "schema/base/clock.h"
+#include "server/log/logger.h"
+
+namespace uplink::lifecycle {
+
+/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once.
+///
+/// Thread: OnSignal on one thread (the loop's); Wait and Pause on another (main).
+class StopSignal final {
+ public:
+  explicit StopSignal(const log::Logger& logger) : logger_(logger) {}
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+
+  /// The signal came. The second time the process ends with 1.
+  void OnSignal(int signal);
+  /// Waits for the first signal.
+  void Wait() { stop_.acquire(); }
+  /// After Wait: a pause between two looks. Nothing ends it early, since a second signal ends the
+  /// process.
+  void Pause(milliseconds wait) { static_cast<void>(stop_.try_acquire_for(wait)); }
+
+ private:
+  const log::Logger& logger_;
+  bool stopping_ = false;
+  std::binary_semaphore stop_{0};
+};
+
+}  // namespace uplink::lifecycle

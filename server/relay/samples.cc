@@ -1,0 +1,19 @@
+#include "server/relay/samples.h"
+
+namespace uplink::relay {
+
+void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
+                const metrics::Cell& handshakes_failed, metrics::Exposition& page) {
+  using enum metrics::MetricId;
+  page.Add(kStreamsRefused, probe.refused_full_total.value() + sessions.refused_full_total.value(),
+           {"full"});
+  page.Add(kStreamsRefused, probe.refused_draining_total, {"draining"});
+  page.Add(kStreamsRefused,
+           probe.refused_identity_total.value() + sessions.refused_identity_total.value(),
+           {"identity"});
+  page.Add(kHandshakesFailed, handshakes_failed);
+  page.Add(kFinishTimeouts, probe.finish_timeouts_total);
+  page.Add(kWakes, probe.wakes_total);
+}
+
+}  // namespace uplink::relay

@@ -1,0 +1,29 @@
+#include "server/session/samples.h"
+
+#include <cstddef>
+
+namespace uplink::session {
+
+void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
+  using enum metrics::MetricId;
+  page.Add(kStreams, probe.streams);
+  page.Add(kStreamsOpened, probe.streams_total);
+  page.Add(kStreamsHeldBack, probe.held_back);
+  page.Add(kHoldBacks, probe.held_back_total);
+  page.Add(kTakeovers, probe.takeovers_total);
+  page.Add(kContested, probe.contested_total);
+  page.Add(kSuperseded, probe.superseded_total);
+  for (std::size_t end = 0; end < kStreamEnds.size(); ++end) {
+    page.Add(kStreamsEnded, probe.ended_total[end], {kStreamEnds[end]});
+  }
+  page.Add(kProtocolErrors, probe.protocol_errors_total);
+  page.Add(kPeerStalls, probe.peer_stalls_total);
+  page.Add(kResumes, probe.resumes_total);
+  page.Add(kFrames, probe.frames_total);
+  page.Add(kFrameBytes, probe.frame_bytes_total);
+  page.Add(kAcks, probe.acks_total);
+  page.Add(kNotices, probe.notices_total);
+  page.Add(kAckSeconds, probe.ack_seconds);
+}
+
+}  // namespace uplink::session

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "server/fleet/robot_state.h"
+#include "storage/reader.h"
+
+namespace uplink::store {
+
+/// What stored durable reports say of these robots now, by RURI: for their series. Robots of which
+/// nothing is stored are left out; others than these may be among them.
+///
+/// Errors: of the reader.
+[[nodiscard]] absl::StatusOr<std::map<std::string, fleet::Reported>> ReadReported(
+    std::span<const std::string> ruris, storage::Reader& reader);
+
+}  // namespace uplink::store

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "metrics/exposition.h"
+#include "storage/store.h"
+
+namespace uplink::store {
+
+/// What is known of what lies behind the store, for a page of metrics. Any thread.
+void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page);
+
+}  // namespace uplink::store

@@ -1,0 +1,45 @@
+#include "server/store/seed_rounds.h"
+
+#include <string>
+#include <utility>
+
+namespace uplink::store {
+
+absl::Status SeedRounds::Begin(absl::Status away) {
+  if (away.ok()) {
+    absl::Status seeded = seed_.Run(parts_.robots_max);
+    LogLiveLeftOut();
+    if (!absl::IsUnavailable(seeded) && !absl::IsDeadlineExceeded(seeded)) return seeded;
+    away = std::move(seeded);
+  }
+  parts_.logger.Warn("store_away", {{"why", std::string(away.message())}});
+  return absl::OkStatus();
+}
+
+void SeedRounds::ReadOn(const std::function<bool(std::function<void()>)>& post) {
+  if (seed_.done() || reading_.exchange(true)) return;
+  const bool posted = post([this] {
+    Read();
+    reading_.store(false);
+  });
+  // Where the queue of reads is full, the next round asks again.
+  if (!posted) reading_.store(false);
+}
+
+void SeedRounds::Read() {
+  const absl::Status read = seed_.Run(parts_.robots_max);
+  if (read.ok()) {
+    parts_.logger.Info("robots_read", {{"robots", parts_.fleet.size()}});
+    LogLiveLeftOut();
+  } else if (seed_.done()) {
+    parts_.logger.Error("robots_left_out", {{"why", std::string(read.message())}});
+  }
+}
+
+void SeedRounds::LogLiveLeftOut() {
+  if (seed_.live_left_out() == 0) return;
+  parts_.logger.Warn("live_state_left_out", {{"messages", seed_.live_left_out()},
+                                             {"why", "this version does not pass them"}});
+}
+
+}  // namespace uplink::store

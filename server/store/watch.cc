@@ -1,0 +1,49 @@
+#include "server/store/watch.h"
+
+#include <chrono>
+#include <string>
+#include <utility>
+
+namespace uplink::store {
+namespace {
+
+/// A store's clock that differs by more is worth a line.
+constexpr std::chrono::seconds kClockOffsetLogged{5};
+
+}  // namespace
+
+Watch::Watch(Sources sources, const log::Logger& logger)
+    : sources_(std::move(sources)), logger_(logger) {}
+
+void Watch::LookAtFacts() {
+  const storage::StoreFacts facts = sources_.facts();
+  if (facts.unsafe && !said_unsafe_) {
+    logger_.Warn("store_unsafe", {{"why", "fsync is off: what is acked may be lost"}});
+  }
+  said_unsafe_ = facts.unsafe;
+  const bool differs =
+      facts.clock_offset > kClockOffsetLogged || -facts.clock_offset > kClockOffsetLogged;
+  if (differs && !said_clock_) {
+    logger_.Warn("store_clock_differs", {{"offset_ms", facts.clock_offset.count()}});
+  }
+  said_clock_ = differs;
+}
+
+void Watch::Look() {
+  LookAtFacts();
+  LogTurn(retention_, sources_.retention());
+  LogTurn(checkpoints_, sources_.checkpoints());
+  LogTurn(store_, sources_.store());
+}
+
+void Watch::LogTurn(Turn& turn, const absl::Status& status) const {
+  if (status.ok() == turn.works) return;
+  turn.works = status.ok();
+  if (turn.works) {
+    logger_.Info(turn.works_again, {});
+  } else {
+    logger_.Warn(turn.fails, {{"why", std::string(status.message())}});
+  }
+}
+
+}  // namespace uplink::store

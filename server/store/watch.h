@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+
+#include <absl/status/status.h>
+
+#include "server/log/logger.h"
+#include "storage/store.h"
+
+namespace uplink::store {
+
+/// Tells the log how the store fares, each change once: when it begins to fail and when it works
+/// again, and what else is worth a line of it. Confined to one thread at a time.
+class Watch final {
+ public:
+  /// How each work of the store went last, as its journals tell.
+  struct Sources {
+    std::function<storage::StoreFacts()> facts;
+    std::function<absl::Status()> retention;
+    std::function<absl::Status()> checkpoints;
+    std::function<absl::Status()> store;
+  };
+  Watch(Sources sources, const log::Logger& logger);
+
+  /// Looks at what the store's connection told: at the start, before anything else is asked of it.
+  void LookAtFacts();
+  /// Looks at everything.
+  void Look();
+
+ private:
+  /// Something that fails and works again, with the event of each.
+  struct Turn {
+    const char* fails;
+    const char* works_again;
+    bool works = true;
+  };
+  void LogTurn(Turn& turn, const absl::Status& status) const;
+
+  const Sources sources_;
+  const log::Logger& logger_;
+  Turn retention_{"retention_fails", "retention_works_again"};
+  Turn checkpoints_{"checkpoint_fails", "checkpoint_works_again"};
+  Turn store_{"store_fails", "store_works_again"};
+  bool said_unsafe_ = false;
+  bool said_clock_ = false;
+};
+
+}  // namespace uplink::store

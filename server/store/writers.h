@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/fleet/checkpoint.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/shards.h"
+#include "server/journal/writer.h"
+#include "storage/store.h"
+#include "storage/types.h"
+
+namespace uplink::store {
+
+/// The journals that stand before the store, one per connection that writes, each with its share of
+/// the bounds, its writer and its part of the checkpoints.
+///
+/// Thread: constructed, started and stopped by main; journals() from any.
+class Writers final {
+ public:
+  /// The references outlive it.
+  struct Parts {
+    const Clock& clock;
+    metrics::LedgerBook& ledgers;
+    journal::JournalProbe& probe;
+    fleet::Fleet& fleet;
+    storage::ProcessId process{};
+    /// Evenly drawn, for the backoff's jitter; called by one thread at a time.
+    std::function<std::uint64_t()> random;
+    /// Of all journals together.
+    journal::JournalLimits limits;
+    /// How often live states are checkpointed; zero: never.
+    milliseconds checkpoint_every{0};
+    /// Whether the fleet has what the store knows: before, nothing is checkpointed. Any thread.
+    std::function<bool()> restored;
+  };
+  /// At least one store; they outlive it.
+  Writers(std::span<const std::unique_ptr<storage::Store>> stores, Parts parts);
+  Writers(const Writers&) = delete;
+  Writers& operator=(const Writers&) = delete;
+
+  [[nodiscard]] const journal::Shards& journals() const { return shards_; }
+
+  /// Starts a writer per journal.
+  void Start();
+  /// Ends the writers, after the calls of the store that are under way. Idempotent.
+  void Stop();
+
+ private:
+  std::uint64_t Random();
+
+  const Parts parts_;
+  const std::vector<std::unique_ptr<journal::Journal>> journals_;
+  const journal::Shards shards_;
+  /// One per journal, if there are checkpoints.
+  std::vector<std::unique_ptr<fleet::Checkpoint>> checkpoints_;
+  std::mutex random_mutex_;
+  std::vector<std::unique_ptr<journal::JournalWriter>> writers_;
+};
+
+}  // namespace uplink::store

@@ -1,0 +1,39 @@
+#include "server/lifecycle/stop_signal.h"
+
+#include <memory>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/support/no_lines.h"
+
+namespace uplink::lifecycle {
+namespace {
+
+class StopSignalTest : public ::testing::Test {
+ protected:
+  SystemClock clock_;
+  log::Logger logger_{std::make_unique<testing::NoLines>(), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  StopSignal signal_{logger_};
+};
+
+TEST_F(StopSignalTest, TheFirstEndsTheWait) {
+  const std::jthread loop([this] { signal_.OnSignal(SIGTERM); });
+  signal_.Wait();
+}
+
+TEST_F(StopSignalTest, APauseEndsByItself) {
+  signal_.OnSignal(SIGTERM);
+  signal_.Wait();
+  signal_.Pause(milliseconds(1));
+}
+
+TEST_F(StopSignalTest, TheSecondEndsTheProcessWithOne) {
+  signal_.OnSignal(SIGTERM);
+  EXPECT_EXIT(signal_.OnSignal(SIGINT), ::testing::ExitedWithCode(1), "");
+}
+
+}  // namespace
+}  // namespace uplink::lifecycle

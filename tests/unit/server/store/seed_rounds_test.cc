@@ -1,0 +1,112 @@
+#include "server/store/seed_rounds.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/kept_lines.h"
+#include "tests/support/server_world.h"
+
+namespace uplink::store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class SeedRoundsTest : public ::testing::Test {
+ protected:
+  void Know(const std::string& ruri) {
+    const storage::OpenRequest request{
+        .robot = std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
+        .session = testing::ServerWorld::session(),
+        .at = world_.clock.System()};
+    ASSERT_TRUE(world_.store.OpenStreams({&request, 1}).ok());
+  }
+  /// Keeps the job until the test runs it.
+  bool Post(std::function<void()> job) {
+    jobs_.push_back(std::move(job));
+    return true;
+  }
+  void ReadOn() {
+    rounds_.ReadOn([this](auto job) { return Post(std::move(job)); });
+  }
+
+  testing::ServerWorld world_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), world_.clock,
+                      log::Format::kText, log::Level::kInfo};
+  SeedRounds rounds_{
+      {world_.fleet, world_.shards, world_.reader, world_.clock, logger_, world_.kRobotsMax}};
+  std::vector<std::function<void()>> jobs_;
+};
+
+TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
+  Know("rcan://a");
+  EXPECT_TRUE(rounds_.Begin(absl::OkStatus()).ok());
+  EXPECT_TRUE(rounds_.done());
+  EXPECT_EQ(world_.fleet.size(), 1U);
+  EXPECT_THAT(lines_, IsEmpty());
+  ReadOn();
+  EXPECT_THAT(jobs_, IsEmpty()) << "they are read once";
+}
+
+TEST_F(SeedRoundsTest, AStoreThatIsAwayIsReadLater) {
+  Know("rcan://a");
+  EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
+  EXPECT_FALSE(rounds_.done());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away why=gone")));
+  ReadOn();
+  ASSERT_EQ(jobs_.size(), 1U);
+  jobs_.front()();
+  EXPECT_TRUE(rounds_.done());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away"), HasSubstr("robots_read robots=1")));
+}
+
+TEST_F(SeedRoundsTest, AStoreThatGoesAwayWhileItIsReadIsReadAgain) {
+  world_.reader.SetAway(true);
+  EXPECT_TRUE(rounds_.Begin(absl::OkStatus()).ok());
+  EXPECT_FALSE(rounds_.done());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away")));
+  ReadOn();
+  jobs_.front()();
+  EXPECT_FALSE(rounds_.done());
+  ReadOn();
+  EXPECT_EQ(jobs_.size(), 2U);
+}
+
+TEST_F(SeedRoundsTest, OneJobIsUnderWayAtATime) {
+  EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
+  ReadOn();
+  ReadOn();
+  EXPECT_EQ(jobs_.size(), 1U);
+}
+
+TEST_F(SeedRoundsTest, AJobThatIsNotTakenIsAskedForAgain) {
+  EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
+  rounds_.ReadOn([](const auto& /*job*/) { return false; });
+  ReadOn();
+  EXPECT_EQ(jobs_.size(), 1U);
+}
+
+TEST_F(SeedRoundsTest, MoreRobotsThanThereMayBeEndTheStartAndAreALineLater) {
+  for (const char* ruri : {"a", "b", "c", "d", "e"}) Know(ruri);
+  world_.AddRobot("another");
+  EXPECT_FALSE(rounds_.Begin(absl::OkStatus()).ok());
+  EXPECT_THAT(lines_, IsEmpty());
+
+  SeedRounds later({world_.fleet, world_.shards, world_.reader, world_.clock, logger_,
+                    testing::ServerWorld::kRobotsMax});
+  EXPECT_TRUE(later.Begin(absl::UnavailableError("gone")).ok());
+  later.ReadOn([this](auto job) { return Post(std::move(job)); });
+  jobs_.front()();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away"), HasSubstr("robots_left_out")));
+}
+
+}  // namespace
+}  // namespace uplink::store

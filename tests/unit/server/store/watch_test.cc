@@ -1,0 +1,92 @@
+#include "server/store/watch.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class WatchTest : public ::testing::Test {
+ protected:
+  testing::ManualClock clock_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  storage::StoreFacts facts_;
+  absl::Status retention_;
+  absl::Status checkpoints_;
+  absl::Status store_;
+  Watch watch_{{.facts = [this] { return facts_; },
+                .retention = [this] { return retention_; },
+                .checkpoints = [this] { return checkpoints_; },
+                .store = [this] { return store_; }},
+               logger_};
+};
+
+TEST_F(WatchTest, AStoreThatWorksMakesNoLine) {
+  watch_.LookAtFacts();
+  watch_.Look();
+  EXPECT_THAT(lines_, IsEmpty());
+}
+
+TEST_F(WatchTest, TellsOnceThatSomethingFailsAndOnceThatItWorksAgain) {
+  store_ = absl::UnavailableError("gone");
+  watch_.Look();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_fails why=gone")));
+  store_ = absl::OkStatus();
+  watch_.Look();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_fails"), HasSubstr("store_works_again")));
+}
+
+TEST_F(WatchTest, RetentionAndCheckpointsHaveTurnsOfTheirOwn) {
+  retention_ = absl::InternalError("a");
+  checkpoints_ = absl::InternalError("b");
+  watch_.Look();
+  EXPECT_THAT(lines_,
+              ElementsAre(HasSubstr("retention_fails why=a"), HasSubstr("checkpoint_fails why=b")));
+  lines_.clear();
+  retention_ = absl::OkStatus();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("retention_works_again")));
+  lines_.clear();
+  checkpoints_ = absl::OkStatus();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("checkpoint_works_again")));
+}
+
+TEST_F(WatchTest, TellsOnceThatTheStoreIsUnsafe) {
+  facts_.unsafe = true;
+  watch_.LookAtFacts();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_unsafe")));
+}
+
+TEST_F(WatchTest, TellsOfAClockThatDiffersByMoreThanFiveSecondsEitherWay) {
+  for (const milliseconds offset : {milliseconds(5001), milliseconds(-5001)}) {
+    facts_.clock_offset = milliseconds(5000);
+    watch_.LookAtFacts();
+    EXPECT_THAT(lines_, IsEmpty());
+    facts_.clock_offset = offset;
+    watch_.LookAtFacts();
+    watch_.LookAtFacts();
+    EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_clock_differs offset_ms=" +
+                                              std::to_string(offset.count()))));
+    lines_.clear();
+  }
+}
+
+}  // namespace
+}  // namespace uplink::store

@@ -1,0 +1,65 @@
+#include "server/store/writers.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/eventually.h"
+#include "tests/support/fake_store.h"
+
+namespace uplink::store {
+namespace {
+
+class WritersTest : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kStores = 2;
+
+  WritersTest() {
+    for (std::uint8_t i = 0; i < kStores; ++i) {
+      stores_[i] = std::make_unique<testing::FakeStore>(database_, storage::ProcessId{1});
+    }
+  }
+
+  std::unique_ptr<Writers> Make() {
+    return std::make_unique<Writers>(stores_,
+                                     Writers::Parts{.clock = clock_,
+                                                    .ledgers = ledgers_,
+                                                    .probe = probe_,
+                                                    .fleet = fleet_,
+                                                    .random = [] { return std::uint64_t{0}; },
+                                                    .restored = [] { return true; }});
+  }
+
+  SystemClock clock_;
+  testing::FakeDatabase database_;
+  std::array<std::unique_ptr<storage::Store>, kStores> stores_;
+  metrics::LedgerBook ledgers_;
+  journal::JournalProbe probe_;
+  fleet::Fleet fleet_{clock_, 5, {}};
+};
+
+TEST_F(WritersTest, AJournalStandsBeforeEachStore) {
+  EXPECT_EQ(Make()->journals().all().size(), kStores);
+}
+
+TEST_F(WritersTest, EachJournalIsWrittenOnceTheyRun) {
+  const auto writers = Make();
+  for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d"}) {
+    writers->journals().NotePresence(
+        std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}), model::Presence::kOnline,
+        clock_.System());
+  }
+  EXPECT_FALSE(writers->journals().idle());
+  writers->Start();
+  EXPECT_TRUE(testing::Eventually([&] { return writers->journals().idle(); }));
+  writers->Stop();
+  writers->Stop();
+}
+
+TEST_F(WritersTest, StopWithoutAStartDoesNothing) { Make()->Stop(); }
+
+}  // namespace
+}  // namespace uplink::store
