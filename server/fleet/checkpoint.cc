@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "server/fleet/live_bytes.h"
+#include "server/robot/live_bytes.h"
 
 namespace uplink::fleet {
 namespace {
 
-void CountAsChanged(Robot& robot, const storage::LiveRow& row) {
-  LivePartSet changed;
+void CountAsChanged(robot::Robot& robot, const storage::LiveRow& row) {
+  robot::LivePartSet changed;
   for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
     changed.set(kind, row.parts[kind].has_value());
   }
@@ -33,13 +33,13 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
   std::size_t bytes = 0;
   while (!left_.empty() && rows.size() < rows_max && bytes < storage::kCheckpointBytesMax &&
          round_bytes_ < kCheckpointRoundBytesMax) {
-    Robot* robot = left_.back();
+    robot::Robot* robot = left_.back();
     left_.pop_back();
     ++looked_at_;
     if (!sources_.writes(robot->ruri())) continue;
-    const std::optional<LiveChanges> changes = robot->state.TakeChanges();
+    const std::optional<robot::LiveChanges> changes = robot->state.TakeChanges();
     if (!changes) continue;
-    rows.push_back(ToRow(robot->ruri(), *changes));
+    rows.push_back(robot::ToRow(robot->ruri(), *changes));
     bytes += storage::BytesOf(rows.back());
     round_bytes_ += storage::BytesOf(rows.back());
   }
@@ -48,12 +48,12 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
 
 void Checkpoint::PutBack(std::span<const storage::LiveRow> rows) {
   for (const storage::LiveRow& row : rows) {
-    if (Robot* robot = sources_.fleet.Find(row.ruri)) CountAsChanged(*robot, row);
+    if (robot::Robot* robot = sources_.fleet.Find(row.ruri)) CountAsChanged(*robot, row);
   }
 }
 
 void Checkpoint::PassedOver(const storage::LiveRow& row) {
-  Robot* robot = sources_.fleet.Find(row.ruri);
+  robot::Robot* robot = sources_.fleet.Find(row.ruri);
   // With a stream here it is ours as soon as the store has opened that; else it went elsewhere.
   if (robot != nullptr && robot->sessions.View().connected) CountAsChanged(*robot, row);
 }

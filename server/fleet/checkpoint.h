@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/fleet/fleet.h"
-#include "server/journal/live_source.h"
+#include "server/fleet/live_source.h"
 
 namespace uplink::fleet {
 
@@ -17,8 +17,8 @@ inline constexpr std::size_t kCheckpointRoundBytesMax = std::size_t{64} * 1024 *
 
 /// The live states of a fleet's robots, of those that one journal is to write.
 ///
-/// Thread: as journal::LiveSource.
-class Checkpoint final : public journal::LiveSource {
+/// Thread: as LiveSource.
+class Checkpoint final : public LiveSource {
  public:
   struct Sources {
     const Fleet& fleet;
@@ -38,7 +38,7 @@ class Checkpoint final : public journal::LiveSource {
  private:
   const Sources sources_;
   /// The robots of the round that were not looked at yet, the next one last.
-  std::vector<Robot*> left_;
+  std::vector<robot::Robot*> left_;
   std::size_t round_bytes_ = 0;
   /// How many robots earlier rounds looked at: each begins where the last one ended.
   std::size_t looked_at_ = 0;

@@ -8,28 +8,7 @@
 
 namespace uplink::fleet {
 
-Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
-             const PresenceChanged& changed)
-    : state(server_started, clock.Steady(), clock.System(),
-            [this, &changed](Presence presence, SystemTime at) {
-              if (changed) changed(this->id(), presence, at);
-            }),
-      ruri_(id->ruri),
-      id_(std::move(id)) {}
-
-storage::RobotRef Robot::id() const {
-  const std::lock_guard lock(mutex_);
-  return id_;
-}
-
-void Robot::SetFleet(std::string_view fleet) {
-  const std::lock_guard lock(mutex_);
-  if (id_->fleet == fleet) return;
-  id_ = std::make_shared<const model::RobotId>(
-      model::RobotId{.ruri = ruri_, .fleet = std::string(fleet)});
-}
-
-Fleet::Fleet(const Clock& clock, std::size_t robots_max, const PresenceLimits& presence)
+Fleet::Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence)
     : clock_(clock), robots_max_(robots_max), presence_(presence), started_(clock.Steady()) {}
 
 Fleet::Shard& Fleet::ShardOf(std::string_view ruri) {
@@ -40,7 +19,7 @@ const Fleet::Shard& Fleet::ShardOf(std::string_view ruri) const {
   return shards_[std::hash<std::string_view>{}(ruri) % kShards];
 }
 
-absl::StatusOr<Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
+absl::StatusOr<robot::Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(id.ruri);
@@ -49,44 +28,44 @@ absl::StatusOr<Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
   return found->second.get();
 }
 
-absl::StatusOr<Robot*> Fleet::AdmitNew(const model::RobotId& id) {
+absl::StatusOr<robot::Robot*> Fleet::AdmitNew(const model::RobotId& id) {
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   if (shard.robots.contains(id.ruri)) return nullptr;
   return Admit(shard, id);
 }
 
-absl::StatusOr<Robot*> Fleet::Admit(Shard& shard, const model::RobotId& id) {
+absl::StatusOr<robot::Robot*> Fleet::Admit(Shard& shard, const model::RobotId& id) {
   if (size_.fetch_add(1) >= robots_max_) {
     size_.fetch_sub(1);
     return absl::ResourceExhaustedError(
         fmt::format("the server admits no more than {} robots (limits.robots_max)", robots_max_));
   }
-  auto robot = std::make_unique<Robot>(std::make_shared<const model::RobotId>(id), started_, clock_,
-                                       changed_);
-  Robot* admitted = robot.get();
+  auto robot = std::make_unique<robot::Robot>(std::make_shared<const model::RobotId>(id), started_,
+                                              clock_, changed_);
+  robot::Robot* admitted = robot.get();
   shard.robots.emplace(id.ruri, std::move(robot));
   const std::lock_guard lock(admitted_mutex_);
   admitted_.push_back(admitted);
   return admitted;
 }
 
-Robot* Fleet::Find(std::string_view ruri) const {
+robot::Robot* Fleet::Find(std::string_view ruri) const {
   const Shard& shard = ShardOf(ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(std::string(ruri));
   return found == shard.robots.end() ? nullptr : found->second.get();
 }
 
-std::vector<Robot*> Fleet::All() const {
+std::vector<robot::Robot*> Fleet::All() const {
   const std::lock_guard lock(admitted_mutex_);
   return admitted_;
 }
 
-std::vector<Robot*> Fleet::Sorted() const {
-  std::vector<Robot*> robots = All();
+std::vector<robot::Robot*> Fleet::Sorted() const {
+  std::vector<robot::Robot*> robots = All();
   std::ranges::sort(robots, {},
-                    [](const Robot* robot) -> const std::string& { return robot->ruri(); });
+                    [](const robot::Robot* robot) -> const std::string& { return robot->ruri(); });
   return robots;
 }
 
@@ -98,18 +77,18 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   // are taken before the next sweep, which judges.
   const SteadyTime last = last_sweep_.exchange(steady);
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
-  for (Robot* robot : All()) {
+  for (robot::Robot* robot : All()) {
     if (stalled || hearing == Hearing::kBehind) robot->state.NoteStall(steady);
     if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);
     switch (robot->state.Sweep(steady, system, presence_)) {
-      case Presence::kUnknown:
+      case robot::Presence::kUnknown:
         ++counts.unknown;
         break;
-      case Presence::kOnline:
+      case robot::Presence::kOnline:
         ++counts.online;
         break;
-      case Presence::kOffline:
+      case robot::Presence::kOffline:
         ++counts.offline;
         break;
     }

@@ -3,7 +3,7 @@
 namespace uplink::health {
 
 static_assert(
-    kHandshakeEvery + kBehindAfter < fleet::PresenceLimits{}.timeout,
+    kHandshakeEvery + kBehindAfter < robot::PresenceLimits{}.timeout,
     "a robot that reports often is not offline before the server knows that it is behind");
 
 void PresenceWatch::Sweep() {

@@ -15,10 +15,10 @@
 namespace uplink::http {
 namespace {
 
-std::optional<fleet::Presence> ReadPresence(Parameters& parameters) {
+std::optional<robot::Presence> ReadPresence(Parameters& parameters) {
   const std::string text = parameters.Text("presence");
   if (text.empty()) return std::nullopt;
-  const std::optional<fleet::Presence> presence = model::PresenceFromText(text);
+  const std::optional<robot::Presence> presence = model::PresenceFromText(text);
   if (presence) return presence;
   parameters.Reject("presence", "must be online, offline or unknown");
   return std::nullopt;

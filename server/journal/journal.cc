@@ -32,7 +32,8 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
   batch_.presence_session = model::SessionId(process);
 }
 
-void Journal::Open(Client& client, std::uint64_t open_id, storage::OpenRequest request) {
+void Journal::Open(robot::CommitClient& client, std::uint64_t open_id,
+                   storage::OpenRequest request) {
   {
     const std::lock_guard lock(mutex_);
     const auto queued = std::ranges::find(opens_, &client, &OpenEntry::client);
@@ -46,8 +47,8 @@ void Journal::Open(Client& client, std::uint64_t open_id, storage::OpenRequest r
   work_.notify_one();
 }
 
-void Journal::Append(Client& client, std::uint64_t generation, storage::CommitRecord record,
-                     SteadyTime arrived) {
+void Journal::Append(robot::CommitClient& client, std::uint64_t generation,
+                     storage::CommitRecord record, SteadyTime arrived) {
   const std::size_t bytes = kPayloadCopies * record.payload.size() + kRecordOverheadBytes;
   Push({.client = &client,
         .generation = generation,
@@ -56,7 +57,8 @@ void Journal::Append(Client& client, std::uint64_t generation, storage::CommitRe
         .item = std::move(record)});
 }
 
-void Journal::AppendGap(Client& client, std::uint64_t generation, storage::GapItem gap) {
+void Journal::AppendGap(robot::CommitClient& client, std::uint64_t generation,
+                        storage::GapItem gap) {
   Push({.client = &client,
         .generation = generation,
         .arrived = clock_.Steady(),
@@ -74,7 +76,7 @@ void Journal::Push(Entry entry) {
   work_.notify_one();
 }
 
-void Journal::WhenRoom(StreamRef stream) {
+void Journal::WhenRoom(robot::StreamRef stream) {
   {
     const std::lock_guard lock(mutex_);
     if (!HasRoom()) {
@@ -184,7 +186,7 @@ void Journal::TellOpened(const OpenEntry& open, const storage::OpenResult& resul
   const auto [held, first] = held_since_.try_emplace(open.client, result.held_since);
   const bool interrupted = !first && held->second != result.held_since;
   held->second = result.held_since;
-  const StreamRef stream =
+  const robot::StreamRef stream =
       interrupted ? open.client->OnFenced(ledger_) : open.client->OnOpened(open.open_id, result);
   stream.Wake();
 }

@@ -16,44 +16,15 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/fleet/live_source.h"
 #include "server/journal/limits.h"
-#include "server/journal/live_source.h"
 #include "server/journal/presence_log.h"
 #include "server/journal/probe.h"
-#include "server/journal/wake.h"
+#include "server/robot/commit_client.h"
+#include "server/robot/wake.h"
 #include "storage/store.h"
 
 namespace uplink::journal {
-
-/// One durable message whose place in the store is decided.
-struct Settled {
-  model::SessionId session;
-  model::Seq seq = 0;
-  storage::Outcome outcome;
-  /// The reason with which judgement rejected it; nothing for a good record.
-  std::optional<model::RejectReason> rejected_for;
-  SteadyTime arrived;
-};
-
-/// A robot as the journal sees it: what is told when its stream was opened or its records are
-/// settled. Lives as long as the process. Called on the journal's writer thread, with no lock held.
-class Client {
- public:
-  virtual ~Client() = default;
-  /// The stream `open_id` was opened. Returns the stream to wake.
-  virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
-  /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
-  /// wake.
-  virtual StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
-  /// Gap records of this robot left the journal. Returns the stream to wake.
-  virtual StreamRef OnGapsWritten(std::size_t count) = 0;
-  /// Another process holds the robot, or held it since this one's last OpenStream: forget its
-  /// sessions and all that waits, counted superseded; generation() has grown on return. Returns the
-  /// stream to wake.
-  virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
-  /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
-  [[nodiscard]] virtual std::uint64_t generation() const = 0;
-};
 
 /// The bounded queue between sessions and the store, one shard: order is kept a robot, and what
 /// gathered while the last commit ran is the next batch (natural group commit).
@@ -67,13 +38,13 @@ class Journal final {
 
   /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
   /// same client.
-  void Open(Client& client, std::uint64_t open_id, storage::OpenRequest request);
+  void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request);
   /// Appends one durable message. Always takes it: callers ask HasRoom before each message.
   /// `generation` is the client's when the record's stream began: a record that a fence overtook on
   /// its way here must not be written, since the cursor would pass those that the fence dropped.
-  void Append(Client& client, std::uint64_t generation, storage::CommitRecord record,
+  void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
               SteadyTime arrived);
-  void AppendGap(Client& client, std::uint64_t generation, storage::GapItem gap);
+  void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
 
   /// A robot's presence changed: a record of the server's own. It is in no count of this class but
   /// idle(), and holds no stream back: at most one a robot waits.
@@ -84,7 +55,7 @@ class Journal final {
 
   /// Before the first Advance: the live states that this journal checkpoints each `every`, in turns
   /// with what waits. `live` outlives the journal.
-  void CheckpointFrom(LiveSource& live, milliseconds every);
+  void CheckpointFrom(fleet::LiveSource& live, milliseconds every);
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -93,7 +64,7 @@ class Journal final {
     return bytes_.load() < limits_.bytes_max && records_.load() < limits_.records_max;
   }
   /// Wakes the stream once when there is room again.
-  void WhenRoom(StreamRef stream);
+  void WhenRoom(robot::StreamRef stream);
 
   [[nodiscard]] std::size_t records() const { return records_.load(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
@@ -130,7 +101,7 @@ class Journal final {
 
  private:
   struct Entry {
-    Client* client = nullptr;
+    robot::CommitClient* client = nullptr;
     std::uint64_t generation = 0;
     SteadyTime arrived;
     std::size_t bytes = 0;
@@ -138,12 +109,12 @@ class Journal final {
     bool tried = false;
   };
   struct OpenEntry {
-    Client* client = nullptr;
+    robot::CommitClient* client = nullptr;
     std::uint64_t open_id = 0;
     storage::OpenRequest request;
   };
   struct Owner {
-    Client* client = nullptr;
+    robot::CommitClient* client = nullptr;
     std::uint64_t generation = 0;
     SteadyTime arrived;
     std::size_t bytes = 0;
@@ -203,7 +174,7 @@ class Journal final {
   std::deque<Entry> queue_;
   std::deque<OpenEntry> opens_;
   PresenceLog presence_;
-  std::vector<StreamRef> waiting_for_room_;
+  std::vector<robot::StreamRef> waiting_for_room_;
   /// Of the last call of the store; what is told of it, and in the probe, is counted once.
   absl::Status last_error_;
   absl::Status duty_error_;
@@ -241,7 +212,7 @@ class Journal final {
   /// At once: a store may need room for today.
   SteadyTime retain_due_;
   /// Null: this journal writes no checkpoints.
-  LiveSource* live_ = nullptr;
+  fleet::LiveSource* live_ = nullptr;
   milliseconds checkpoint_every_{0};
   SteadyTime checkpoint_began_;
   SteadyTime checkpoint_due_;
@@ -253,7 +224,7 @@ class Journal final {
   std::vector<Owner> owners_;
   std::vector<Owner> gap_owners_;
   std::optional<std::vector<storage::Outcome>> outcomes_;
-  std::unordered_map<Client*, storage::Epoch> held_since_;
+  std::unordered_map<robot::CommitClient*, storage::Epoch> held_since_;
 };
 
 }  // namespace uplink::journal

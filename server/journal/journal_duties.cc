@@ -103,7 +103,7 @@ void Journal::EndCheckpoint() {
   checkpoint_waiting_.store(checkpoint_asked_.load());
 }
 
-void Journal::CheckpointFrom(LiveSource& live, milliseconds every) {
+void Journal::CheckpointFrom(fleet::LiveSource& live, milliseconds every) {
   live_ = &live;
   checkpoint_every_ = every;
   checkpoint_due_ = clock_.Steady() + every;

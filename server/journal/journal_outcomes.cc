@@ -8,9 +8,9 @@ namespace uplink::journal {
 
 void Journal::TellOutcomes() {
   // In order of first appearance, so that a run repeats exactly.
-  std::vector<std::pair<Client*, std::vector<Settled>>> by_client;
-  std::unordered_map<Client*, std::size_t> index;
-  std::vector<Client*> fenced;
+  std::vector<std::pair<robot::CommitClient*, std::vector<robot::Settled>>> by_client;
+  std::unordered_map<robot::CommitClient*, std::size_t> index;
+  std::vector<robot::CommitClient*> fenced;
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < owners_.size(); ++i) {
     const Owner& owner = owners_[i];
@@ -22,7 +22,7 @@ void Journal::TellOutcomes() {
       continue;
     }
     const auto [at, first] = index.try_emplace(owner.client, by_client.size());
-    if (first) by_client.emplace_back(owner.client, std::vector<Settled>{});
+    if (first) by_client.emplace_back(owner.client, std::vector<robot::Settled>{});
     const storage::CommitRecord& record = batch_.records[i];
     const auto* quarantined = std::get_if<storage::QuarantineItem>(&record.content);
     by_client[at->second].second.push_back(
@@ -33,12 +33,12 @@ void Journal::TellOutcomes() {
              quarantined != nullptr ? std::optional(quarantined->rejection.reason) : std::nullopt,
          .arrived = owner.arrived});
   }
-  std::vector<StreamRef> wake;
+  std::vector<robot::StreamRef> wake;
   wake.reserve(by_client.size() + fenced.size());
   for (const auto& [client, settled] : by_client) {
     wake.push_back(client->OnSettled(settled, ledger_));
   }
-  for (Client* client : fenced) {
+  for (robot::CommitClient* client : fenced) {
     held_since_.erase(client);
     wake.push_back(client->OnFenced(ledger_));
   }
@@ -53,11 +53,11 @@ void Journal::TellOutcomes() {
   owners_.clear();
   gap_owners_.clear();
   Release(records, bytes);
-  for (const StreamRef stream : wake) stream.Wake();
+  for (const robot::StreamRef stream : wake) stream.Wake();
 }
 
 void Journal::Release(std::size_t records, std::size_t bytes) {
-  std::vector<StreamRef> wake;
+  std::vector<robot::StreamRef> wake;
   {
     const std::lock_guard lock(mutex_);
     records_.fetch_sub(records);
@@ -65,7 +65,7 @@ void Journal::Release(std::size_t records, std::size_t bytes) {
     if (owners_.empty() && gap_owners_.empty()) batch_oldest_.reset();
     if (HasRoom()) wake.swap(waiting_for_room_);
   }
-  for (const StreamRef stream : wake) stream.Wake();
+  for (const robot::StreamRef stream : wake) stream.Wake();
 }
 
 void Journal::NotePresence(const storage::RobotRef& robot, model::Presence presence,

@@ -43,7 +43,7 @@ void Drain::Run() {
 }
 
 void Drain::EndPresence() {
-  for (const fleet::Robot* robot : parts_.fleet.Sorted()) {
+  for (const robot::Robot* robot : parts_.fleet.Sorted()) {
     if (robot->state.presence() == model::Presence::kUnknown) continue;
     parts_.journals.NotePresence(robot->id(), model::Presence::kUnknown, parts_.clock.System());
   }

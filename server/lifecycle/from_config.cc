@@ -13,7 +13,7 @@ journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
   return limits;
 }
 
-fleet::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence) {
+robot::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence) {
   return {.timeout = presence.timeout, .startup_grace = presence.startup_grace};
 }
 

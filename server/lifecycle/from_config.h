@@ -5,10 +5,10 @@
 
 #include "schema/judge.h"
 #include "server/config/config.h"
-#include "server/fleet/presence.h"
 #include "server/journal/journal.h"
 #include "server/log/logger.h"
 #include "server/relay/options.h"
+#include "server/robot/presence.h"
 #include "server/session/limits.h"
 
 namespace uplink::lifecycle {
@@ -16,7 +16,7 @@ namespace uplink::lifecycle {
 // What the configuration means for each component. Pure.
 
 [[nodiscard]] journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal);
-[[nodiscard]] fleet::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence);
+[[nodiscard]] robot::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence);
 [[nodiscard]] schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits);
 [[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
                                                      const std::string& version);

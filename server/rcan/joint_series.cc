@@ -65,7 +65,7 @@ std::optional<double> NumberOf(const model::Value& value) {
   return *number;
 }
 
-void AddJoints(const fleet::StateView& view, SeriesPage& page) {
+void AddJoints(const robot::StateView& view, SeriesPage& page) {
   const std::vector<model::RcanJoint> none;
   const std::vector<model::RcanJoint>& said = view.parts.rcan ? view.parts.rcan->joints : none;
   // Nearly no robot has joints among its extras: then there is nothing to merge.

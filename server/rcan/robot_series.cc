@@ -34,10 +34,10 @@ bool IsLately(SteadyTime at, const SeriesSources& sources) {
          sources.steady_now - at <= sources.presence_timeout + sources.series_ttl;
 }
 
-bool ShowsValues(const fleet::StateView& view, const SeriesSources& sources) {
+bool ShowsValues(const robot::StateView& view, const SeriesSources& sources) {
   // Not since when presence is what it is: after a restart that is younger than the robot's
   // silence.
-  if (view.presence == fleet::Presence::kOnline || view.held_back) return true;
+  if (view.presence == robot::Presence::kOnline || view.held_back) return true;
   // Silence that we caused is not the robot's.
   if (IsLately(view.stream_held_back_until.value_or(SteadyTime()), sources)) return true;
   return view.last_sign_of_life &&
@@ -76,7 +76,7 @@ std::optional<double> Fresher(const std::optional<Ours>& status, const std::opti
   return std::nullopt;
 }
 
-void AddBattery(const fleet::StateView& view, SeriesPage& page) {
+void AddBattery(const robot::StateView& view, SeriesPage& page) {
   const model::BatteryStatus none;
   const auto& status = view.parts.status;
   const model::BatteryStatus& battery = status && status->battery ? *status->battery : none;
@@ -108,13 +108,13 @@ void AddFaults(const std::string& ruri, const FaultCounts::Map& faults, SeriesPa
   }
 }
 
-void AddReported(const fleet::Reported& reported, SeriesPage& page) {
+void AddReported(const robot::Reported& reported, SeriesPage& page) {
   if (reported.booted_at) page.Add(kBooted, UnixSeconds(*reported.booted_at));
   const auto& runs = reported.open_runs.items();
   if (!runs.empty()) AddIf(page, kMissionProgressPct, runs.back().second);
 }
 
-void AddHealth(const fleet::LiveParts& parts, SeriesPage& page) {
+void AddHealth(const robot::LiveParts& parts, SeriesPage& page) {
   for (const auto& [device, health] : parts.health.items()) {
     AddIf(page, kCpuPct, device, health.cpu_pct);
     AddIf(page, kMemPct, device, health.mem_pct);
@@ -123,20 +123,20 @@ void AddHealth(const fleet::LiveParts& parts, SeriesPage& page) {
   }
 }
 
-void AddExtras(const fleet::LiveParts& parts, std::span<const std::string> keys, SeriesPage& page) {
+void AddExtras(const robot::LiveParts& parts, std::span<const std::string> keys, SeriesPage& page) {
   for (const std::string& key : keys) {
-    const fleet::Extra* extra = parts.extras.Find(key);
+    const robot::Extra* extra = parts.extras.Find(key);
     if (extra != nullptr) AddIf(page, kExtra, key, NumberOf(extra->value));
   }
 }
 
 /// What Robot States say of a robot that is not heard otherwise: they are no sign of life where
 /// rcan.counts_as_life says so, and come all the same.
-void AddStatesAlone(const fleet::StateView& view, SeriesPage& page) {
-  fleet::LiveParts parts;
+void AddStatesAlone(const robot::StateView& view, SeriesPage& page) {
+  robot::LiveParts parts;
   parts.rcan = view.parts.rcan;
-  const fleet::Reported nothing;
-  const fleet::StateView states{.parts = parts,
+  const robot::Reported nothing;
+  const robot::StateView states{.parts = parts,
                                 .reported = nothing,
                                 .presence = view.presence,
                                 .presence_since = view.presence_since,
@@ -152,11 +152,11 @@ void AddStatesAlone(const fleet::StateView& view, SeriesPage& page) {
 
 }  // namespace
 
-bool AddRobot(const std::string& ruri, const fleet::StateView& view, const SeriesSources& sources,
+bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
               SeriesPage& page) {
   // Of a robot that is neither heard nor known to be silent nothing is said.
-  if (view.presence != fleet::Presence::kUnknown) {
-    page.Add(kOnline, view.presence == fleet::Presence::kOnline ? 1 : 0);
+  if (view.presence != robot::Presence::kUnknown) {
+    page.Add(kOnline, view.presence == robot::Presence::kOnline ? 1 : 0);
   }
   if (view.last_sign_of_life) page.Add(kLastSignOfLife, UnixSeconds(*view.last_sign_of_life));
   if (!ShowsValues(view, sources)) {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "metrics/rcan/page.h"
-#include "server/fleet/robot_state.h"
 #include "server/rcan/fault_counts.h"
+#include "server/robot/robot_state.h"
 
 namespace uplink::rcan {
 
@@ -26,7 +26,7 @@ struct SeriesSources {
 
 /// Adds the samples of one robot: its presence always, its values while they are shown. What is not
 /// known has no sample. Returns whether the values are shown. Called under the robot's lock.
-bool AddRobot(const std::string& ruri, const fleet::StateView& view, const SeriesSources& sources,
+bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
               metrics::rcan::SeriesPage& page);
 
 }  // namespace uplink::rcan

@@ -19,7 +19,7 @@ bool RobotScrape::wanted() const {
   return at != SteadyTime() && sources_.clock.Steady() - at < kScrapedWithin;
 }
 
-const std::vector<fleet::Robot*>& RobotScrape::Robots() {
+const std::vector<robot::Robot*>& RobotScrape::Robots() {
   // Robots are never forgotten, so as many are the same ones.
   if (robots_.size() != sources_.fleet.size()) robots_ = sources_.fleet.Sorted();
   return robots_;
@@ -35,11 +35,11 @@ void RobotScrape::Fill() {
                              .faults = faults.get()};
   page_.Clear();
   std::size_t left_out = 0;
-  for (const fleet::Robot* robot : Robots()) {
+  for (const robot::Robot* robot : Robots()) {
     if (!fleets_.empty() && !fleets_.contains(robot->id()->fleet)) continue;
     page_.BeginRobot(robot->ruri());
     bool shown = false;
-    robot->state.LookAt([&](const fleet::StateView& view) {
+    robot->state.LookAt([&](const robot::StateView& view) {
       shown = AddRobot(robot->ruri(), view, series, page_);
     });
     std::size_t& room = room_[robot];

@@ -66,7 +66,7 @@ class RobotScrape final {
  private:
   void Fill();
   void NoteLeftOut(std::size_t robots);
-  [[nodiscard]] const std::vector<fleet::Robot*>& Robots();
+  [[nodiscard]] const std::vector<robot::Robot*>& Robots();
 
   const Sources sources_;
   const std::unordered_set<std::string> fleets_;
@@ -82,10 +82,10 @@ class RobotScrape final {
   };
   Shared last_;
   /// By RURI; read again when there are more.
-  std::vector<fleet::Robot*> robots_;
+  std::vector<robot::Robot*> robots_;
   /// The most samples that a robot ever had while its values are shown, so that who is left out
   /// does not change from scrape to scrape.
-  std::unordered_map<const fleet::Robot*, std::size_t> room_;
+  std::unordered_map<const robot::Robot*, std::size_t> room_;
   log::RateLimited left_out_;
   std::atomic<SteadyTime> scraped_at_{SteadyTime()};
 };

@@ -68,7 +68,7 @@ absl::Status Call::Admit() {
     return peer.status();
   }
   if (!peer->ruris.empty()) who_ = peer->ruris.front();
-  session_.emplace(queue_.session_context(), *std::move(peer), journal::StreamRef{&queue_, id_},
+  session_.emplace(queue_.session_context(), *std::move(peer), robot::StreamRef{&queue_, id_},
                    *this, *this);
   return absl::OkStatus();
 }

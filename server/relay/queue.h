@@ -13,13 +13,13 @@
 #include <grpcpp/completion_queue.h>
 
 #include "server/identity/peer_identity.h"
-#include "server/journal/wake.h"
 #include "server/relay/event_clock.h"
 #include "server/relay/gate.h"
 #include "server/relay/options.h"
 #include "server/relay/service.h"
 #include "server/relay/tag.h"
 #include "server/relay/timers.h"
+#include "server/robot/wake.h"
 #include "server/session/session.h"
 
 namespace uplink::relay {
@@ -41,7 +41,7 @@ inline constexpr int kDrainPart = 4;
 /// server
 ///         was shut down. Outlives nobody's calls: Wake does nothing once the queue has closed.
 /// Thread: Wake, Drain: any; Start, Close: main; the rest: its own.
-class Queue final : public journal::WakeInbox {
+class Queue final : public robot::WakeInbox {
  public:
   Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
         RelayService& service, Gate& gate, const RelayParts& parts);

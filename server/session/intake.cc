@@ -4,8 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "server/robot/mutation.h"
 #include "server/session/frames.h"
-#include "server/session/mutation.h"
 
 namespace uplink::session {
 namespace {
@@ -38,7 +38,7 @@ model::Rejection NoContent() {
 
 }  // namespace
 
-Intake::Intake(const SessionContext& context, fleet::Robot& robot, storage::RobotRef id,
+Intake::Intake(const SessionContext& context, robot::Robot& robot, storage::RobotRef id,
                const model::SessionId& session, std::uint64_t generation)
     : context_(context),
       journal_(context.journals.Of(id->ruri)),
@@ -107,7 +107,7 @@ Intake::Taken Intake::Take(std::size_t outgoing) {
   return taken;
 }
 
-RobotSessions::Seen Intake::See(model::Seq seq) {
+robot::RobotSessions::Seen Intake::See(model::Seq seq) {
   // Numbers of a batch increase, so what follows a new one is new, and where it follows at once
   // nothing is missing: no look is needed.
   if (new_before_ > 0 && seq == new_before_ + 1) return {};
@@ -120,22 +120,22 @@ void Intake::SettleRun() {
   robot_.sessions.AddSettled(session_, std::exchange(unsettled_, 0));
 }
 
-void Intake::TakeDuplicate(const RobotSessions::Seen& seen, Taken& taken) {
+void Intake::TakeDuplicate(const robot::RobotSessions::Seen& seen, Taken& taken) {
   ++counts_.received;
   ++counts_.duplicate;
-  if (Planted(Mutation::kDuplicateNotAcked)) return;
+  if (robot::Planted(robot::Mutation::kDuplicateNotAcked)) return;
   ++taken.messages;
   if (!seen.waits) taken.ack_owed = true;
 }
 
 void Intake::TakeOne(const UplinkView& uplink, Taken& taken) {
-  const RobotSessions::Seen seen = See(uplink.seq);
+  const robot::RobotSessions::Seen seen = See(uplink.seq);
   new_before_ = 0;
-  if (seen.place == Place::kVoid) {
+  if (seen.place == robot::Place::kVoid) {
     taken.is_void = true;
     return;
   }
-  if (seen.place == Place::kDuplicate) return TakeDuplicate(seen, taken);
+  if (seen.place == robot::Place::kDuplicate) return TakeDuplicate(seen, taken);
   new_before_ = uplink.seq;
   ++taken.messages;
   if (seen.missing_first > 0) NoteMissing(seen);
@@ -164,7 +164,7 @@ void Intake::TakeRoverNexus(const UplinkView& uplink, Taken& taken) {
   }
 }
 
-void Intake::NoteMissing(const RobotSessions::Seen& seen) {
+void Intake::NoteMissing(const robot::RobotSessions::Seen& seen) {
   counts_.missing += seen.missing_last - seen.missing_first + 1;
   robot_.sessions.AddGap();
   journal_.AppendGap(robot_.sessions, generation_,

@@ -64,8 +64,8 @@ enum class Hold : std::uint8_t {
 /// Thread:  confined to the stream's thread.
 class Intake final {
  public:
-  /// `generation` as RobotSessions::Begin gave it.
-  Intake(const SessionContext& context, fleet::Robot& robot, storage::RobotRef id,
+  /// `generation` as robot::RobotSessions::Begin gave it.
+  Intake(const SessionContext& context, robot::Robot& robot, storage::RobotRef id,
          const model::SessionId& session, std::uint64_t generation);
 
   /// What taking messages asks of the stream.
@@ -106,17 +106,17 @@ class Intake final {
     std::vector<UplinkView> uplinks;
   };
 
-  [[nodiscard]] RobotSessions::Seen See(model::Seq seq);
+  [[nodiscard]] robot::RobotSessions::Seen See(model::Seq seq);
   void TakeOne(const UplinkView& uplink, Taken& taken);
   void TakeRoverNexus(const UplinkView& uplink, Taken& taken);
-  void TakeDuplicate(const RobotSessions::Seen& seen, Taken& taken);
+  void TakeDuplicate(const robot::RobotSessions::Seen& seen, Taken& taken);
   void TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, Taken& taken);
   void TakeLive(model::Record record);
   void TakeRcan(const UplinkView& uplink, Taken& taken);
   void TakeRejected(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
                     Taken& taken);
   void SettleRun();
-  void NoteMissing(const RobotSessions::Seen& seen);
+  void NoteMissing(const robot::RobotSessions::Seen& seen);
   void NoteDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Taken& taken);
   void NoteMalformed();
@@ -127,7 +127,7 @@ class Intake final {
 
   const SessionContext& context_;
   journal::Journal& journal_;
-  fleet::Robot& robot_;
+  robot::Robot& robot_;
   const storage::RobotRef id_;
   const model::SessionId session_;
   const std::uint64_t generation_;

@@ -5,15 +5,13 @@
 #include <cstdint>
 #include <string>
 
+#include "server/robot/limits.h"
+
 namespace uplink::session {
 
 /// Messages after which an Ack that only live messages move is sent (protocol: Ack; measured: an
 /// ack for each paced message is a third of its cost).
 inline constexpr std::uint32_t kAckMessages = 64;
-/// Rejects that session memory remembers for the next Welcome (protocol: Numbers).
-inline constexpr std::size_t kRejectsRememberedMax = 256;
-/// Sessions of one robot in memory (protocol: Numbers).
-inline constexpr std::size_t kSessionsMax = 8;
 /// Frames that wait for a peer to read before its stream is held back.
 inline constexpr std::size_t kOutgoingFramesMax = 1024;
 /// A stream whose first frame does not come within this is ended: it holds a place among the
@@ -27,16 +25,12 @@ inline constexpr std::chrono::seconds kPeerStallMax{30};
 inline constexpr std::chrono::seconds kFinishWait{1};
 /// Malformed messages a second after which a stream is held back to the next second.
 inline constexpr std::uint32_t kMalformedPerSecondMax = 1000;
-/// Takeovers within a minute above which a robot is flagged as contested.
-inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
 /// Largest jump of numbers, but at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
 /// Arrivals that a stream keeps for the ack latency until its next Ack is written.
 inline constexpr std::size_t kReleasedMax = 4096;
-/// Distinct fields for which a robot's Notices are paced; further fields share one slot.
-inline constexpr std::size_t kNoticeFieldsMax = 64;
 
-static_assert(kRejectsRememberedMax <= kOutgoingFramesMax,
+static_assert(robot::kRejectsRememberedMax <= kOutgoingFramesMax,
               "the Rejects that memory repeats after a Welcome must fit the outgoing queue; those "
               "that quarantine adds (storage::kOpenRejectsMax) come on top, once a stream");
 

@@ -5,7 +5,7 @@
 
 #include "schema/model/rcan.h"
 #include "schema/model/rejection.h"
-#include "server/fleet/live_parts.h"
+#include "server/robot/live_parts.h"
 
 namespace uplink::session {
 
@@ -38,7 +38,7 @@ class RcanOrder final {
   std::optional<std::int64_t> last_timestamp_us_;
   std::optional<std::int64_t> last_seq_;
   std::uint64_t missing_ = 0;
-  fleet::LatestByKey<model::RcanJoint, kJointsHeldMax> held_;
+  robot::LatestByKey<model::RcanJoint, kJointsHeldMax> held_;
 };
 
 }  // namespace uplink::session

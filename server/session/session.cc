@@ -15,8 +15,8 @@ constexpr std::string_view kNoRequest =
 
 }  // namespace
 
-Session::Session(const SessionContext& context, identity::PeerIdentity peer,
-                 journal::StreamRef self, FrameSource& source, FrameSink& sink)
+Session::Session(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self,
+                 FrameSource& source, FrameSink& sink)
     : context_(context), peer_(std::move(peer)), self_(self), source_(source), sink_(sink) {
   context_.probe.streams.Add();
   context_.probe.streams_total.Add();
@@ -91,12 +91,12 @@ void Session::TakeHello(const v1::Hello& hello) {
     return Finish(robot.status());
   }
   robot_ = *robot;
-  const RobotSessions::Attached attached =
+  const robot::RobotSessions::Attached attached =
       robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
   if (attached.took_over) context_.probe.takeovers_total.Add();
   if (attached.contested) context_.probe.contested_total.Add();
-  for (const journal::StreamRef stream : attached.to_wake) stream.Wake();
-  if (attached.place == StreamPlace::kCurrent) return BeginOpening();
+  for (const robot::StreamRef stream : attached.to_wake) stream.Wake();
+  if (attached.place == robot::StreamPlace::kCurrent) return BeginOpening();
   state_ = State::kAttaching;
 }
 
@@ -105,7 +105,7 @@ void Session::BeginOpening() {
   const auto begun = robot_->sessions.Begin(hello_.session, now);
   if (!begun) {
     return Finish(absl::ResourceExhaustedError(
-        fmt::format("all {} sessions of the robot wait for the store", kSessionsMax)));
+        fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax)));
   }
   open_id_ = begun->open_id;
   state_ = State::kOpening;
@@ -125,12 +125,12 @@ void Session::SendWelcome() {
   welcome_at_.reset();
   state_ = State::kStreaming;
   robot_->state.StreamBegan();
-  const Resume resume =
+  const robot::Resume resume =
       robot_->sessions.ResumeFrom(hello_.session, open_id_, hello_.settled_seq, hello_.judged_seq);
   if (resume.committed > 0) context_.probe.resumes_total.Add();
   outgoing_.push_back(
       WelcomeFrame(robot_->ruri(), resume.committed, context_.limits, context_.clock.System()));
-  for (const RejectedSeq& rejected : resume.rejects) {
+  for (const robot::RejectedSeq& rejected : resume.rejects) {
     outgoing_.push_back(RejectFrame(rejected.seq, rejected.rejection));
   }
   ack_due_ = true;
@@ -217,7 +217,7 @@ void Session::SetHeldBack(bool held_back) {
   context_.probe.held_back.Add(held_back ? 1 : -1);
   if (held_back) context_.probe.held_back_total.Add();
   robot_->state.SetReading(
-      held_back ? fleet::RobotState::Reading::kHeldBack : fleet::RobotState::Reading::kFlowing,
+      held_back ? robot::RobotState::Reading::kHeldBack : robot::RobotState::Reading::kFlowing,
       context_.clock.Steady());
 }
 
@@ -234,12 +234,12 @@ void Session::OnWritten() {
 void Session::OnWake() {
   if (state_ == State::kDone || robot_ == nullptr) return;
   switch (robot_->sessions.PlaceOf(self_)) {
-    case StreamPlace::kSuperseded:
+    case robot::StreamPlace::kSuperseded:
       context_.probe.superseded_total.Add();
       return Finish(absl::AbortedError("superseded"));
-    case StreamPlace::kWaiting:
+    case robot::StreamPlace::kWaiting:
       return;
-    case StreamPlace::kCurrent:
+    case robot::StreamPlace::kCurrent:
       break;
   }
   if (state_ == State::kAttaching) BeginOpening();

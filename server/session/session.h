@@ -24,7 +24,7 @@ namespace uplink::session {
 /// makes the transport call OnWake there.
 class Session final {
  public:
-  Session(const SessionContext& context, identity::PeerIdentity peer, journal::StreamRef self,
+  Session(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self,
           FrameSource& source, FrameSink& sink);
   ~Session();
   Session(const Session&) = delete;
@@ -90,7 +90,7 @@ class Session final {
 
   const SessionContext context_;
   const identity::PeerIdentity peer_;
-  const journal::StreamRef self_;
+  const robot::StreamRef self_;
   FrameSource& source_;
   FrameSink& sink_;
 
@@ -101,7 +101,7 @@ class Session final {
   bool held_back_ = false;
 
   HelloTerms hello_;
-  fleet::Robot* robot_ = nullptr;
+  robot::Robot* robot_ = nullptr;
   std::uint64_t open_id_ = 0;
   std::unique_ptr<Intake> intake_;
   model::Seq last_seq_ = 0;

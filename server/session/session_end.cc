@@ -43,7 +43,7 @@ void Session::EndWhenSettled() {
   if (state_ != State::kSettling || intake_->pending()) return;
   if (robot_->sessions.waiting(hello_.session) > 0) return;
   // Another process took the robot, and what waited with it: the wake that is on its way ends this.
-  if (robot_->sessions.PlaceOf(self_) == StreamPlace::kSuperseded) return;
+  if (robot_->sessions.PlaceOf(self_) == robot::StreamPlace::kSuperseded) return;
   if (!last_ack_queued_) {
     last_ack_queued_ = true;
     ack_due_ = true;

@@ -10,8 +10,8 @@
 namespace uplink::session {
 
 void Session::TakeProgress() {
-  Progress progress = robot_->sessions.Take(hello_.session);
-  for (const RejectedSeq& rejected : progress.rejects) {
+  robot::Progress progress = robot_->sessions.Take(hello_.session);
+  for (const robot::RejectedSeq& rejected : progress.rejects) {
     outgoing_.push_back(RejectFrame(rejected.seq, rejected.rejection));
   }
   NoteReleased(progress.released);
@@ -28,9 +28,9 @@ void Session::NoteReleased(const std::vector<SteadyTime>& released) {
 std::optional<v1::RelayResponse> Session::NextAck() {
   // Nothing waits in front of it, so every Reject that it may cover has been written.
   const std::size_t before = outgoing_.size();
-  Progress progress = robot_->sessions.Take(hello_.session);
+  robot::Progress progress = robot_->sessions.Take(hello_.session);
   NoteReleased(progress.released);
-  for (const RejectedSeq& rejected : progress.rejects) {
+  for (const robot::RejectedSeq& rejected : progress.rejects) {
     outgoing_.push_back(RejectFrame(rejected.seq, rejected.rejection));
   }
   if (outgoing_.size() > before) return std::nullopt;

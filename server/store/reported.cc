@@ -18,16 +18,16 @@ constexpr std::size_t kRobotsAtATime = 500;
 constexpr std::uint32_t kRunsPerPage = 1000;
 constexpr std::size_t kRunPagesMax = 200;
 
-void AddInfo(const storage::LatestRow& row, fleet::Reported& reported) {
+void AddInfo(const storage::LatestRow& row, robot::Reported& reported) {
   const std::optional<double> uptime_s = json::NumberIn(row.body_json, "uptimeS");
-  if (!uptime_s || *uptime_s < 0 || *uptime_s > fleet::kUptimeSMax) return;
+  if (!uptime_s || *uptime_s < 0 || *uptime_s > robot::kUptimeSMax) return;
   reported.booted_at = row.received_at - std::chrono::seconds(static_cast<std::int64_t>(*uptime_s));
 }
 
-void AddRun(const storage::MissionRunRow& row, fleet::Reported& reported) {
+void AddRun(const storage::MissionRunRow& row, robot::Reported& reported) {
   std::optional<double> progress = json::NumberIn(row.latest_json, "progressX100");
-  if (progress) progress = *progress / fleet::kProgressAPercent;
-  reported.open_runs.Put(fleet::RunKey(row.mission_id, row.run_id), progress);
+  if (progress) progress = *progress / robot::kProgressAPercent;
+  reported.open_runs.Put(robot::RunKey(row.mission_id, row.run_id), progress);
 }
 
 /// Every open run, the last one reported last.
@@ -49,9 +49,9 @@ absl::StatusOr<std::vector<storage::MissionRunRow>> OpenRuns(storage::Reader& re
 
 }  // namespace
 
-absl::StatusOr<std::map<std::string, fleet::Reported>> ReadReported(
+absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(
     std::span<const std::string> ruris, storage::Reader& reader) {
-  std::map<std::string, fleet::Reported> reported;
+  std::map<std::string, robot::Reported> reported;
   for (std::span<const std::string> left = ruris; !left.empty();) {
     const auto rows = reader.Latest(left.first(std::min(left.size(), kRobotsAtATime)),
                                     1U << static_cast<unsigned>(storage::LatestKind::kAgentInfo));

@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "server/fleet/robot_state.h"
+#include "server/robot/robot_state.h"
 #include "storage/reader.h"
 
 namespace uplink::store {
@@ -15,7 +15,7 @@ namespace uplink::store {
 /// nothing is stored are left out; others than these may be among them.
 ///
 /// Errors: of the reader.
-[[nodiscard]] absl::StatusOr<std::map<std::string, fleet::Reported>> ReadReported(
+[[nodiscard]] absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(
     std::span<const std::string> ruris, storage::Reader& reader);
 
 }  // namespace uplink::store

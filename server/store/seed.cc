@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/fleet/live_bytes.h"
+#include "server/robot/live_bytes.h"
 #include "server/store/reported.h"
 
 namespace uplink::store {
@@ -28,7 +28,7 @@ absl::Status Seed::Run(std::size_t robots_max) {
 }
 
 absl::Status Seed::RestoreLive() {
-  schema::Judge judge(fleet::JudgeLimitsOfLive());
+  schema::Judge judge(robot::JudgeLimitsOfLive());
   live_left_out_ = 0;
   std::string after;
   while (true) {
@@ -36,9 +36,9 @@ absl::Status Seed::RestoreLive() {
     if (!rows.ok()) return rows.status();
     if (rows->empty()) return absl::OkStatus();
     for (const storage::LiveRow& row : *rows) {
-      fleet::Robot* robot = fleet_.Find(row.ruri);
+      robot::Robot* robot = fleet_.Find(row.ruri);
       if (robot == nullptr) continue;
-      fleet::LiveRead read = fleet::FromRow(row, judge);
+      robot::LiveRead read = robot::FromRow(row, judge);
       live_left_out_ += read.left_out;
       robot->state.Restore(std::move(read.before));
     }
@@ -48,11 +48,11 @@ absl::Status Seed::RestoreLive() {
 
 absl::Status Seed::RestoreReported() {
   std::vector<std::string> ruris;
-  for (const fleet::Robot* robot : fleet_.Sorted()) ruris.push_back(robot->ruri());
+  for (const robot::Robot* robot : fleet_.Sorted()) ruris.push_back(robot->ruri());
   auto reported = ReadReported(ruris, reader_);
   if (!reported.ok()) return reported.status();
   for (auto& [ruri, before] : *reported) {
-    if (fleet::Robot* robot = fleet_.Find(ruri)) robot->state.Restore(std::move(before));
+    if (robot::Robot* robot = fleet_.Find(ruri)) robot->state.Restore(std::move(before));
   }
   return absl::OkStatus();
 }

@@ -21,7 +21,7 @@ void SetByKey(const Items& items, Struct* (v1::Robot::*mutable_part)(), v1::Robo
   *(robot.*mutable_part)() = ToStruct(fields.Take());
 }
 
-boost::json::object RenderExtra(const fleet::Extra& extra) {
+boost::json::object RenderExtra(const robot::Extra& extra) {
   return Fields().Set("value", Render(extra.value)).Set("sampledAtMs", extra.sampled_at_ms).Take();
 }
 
@@ -34,7 +34,7 @@ boost::json::object RenderRcan(const model::RcanState& state, const std::string&
 
 }  // namespace
 
-void SetLiveParts(const fleet::LiveParts& live, const PartSet& wanted, v1::Robot& robot) {
+void SetLiveParts(const robot::LiveParts& live, const PartSet& wanted, v1::Robot& robot) {
   const auto render = [](const auto& value) { return Render(value); };
   if (wanted.Has(Part::kMotion) && live.motion)
     *robot.mutable_motion() = ToStruct(Render(*live.motion));

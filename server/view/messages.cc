@@ -10,7 +10,7 @@
 namespace uplink::view {
 namespace {
 
-void SetSession(const session::SessionView& session, v1::Robot& message) {
+void SetSession(const robot::SessionView& session, v1::Robot& message) {
   message.set_connected(session.connected);
   if (session.connected) message.set_connected_since_ms(UnixMs(session.connected_since));
   if (session.session) message.set_session_id(session.session->ToHex());

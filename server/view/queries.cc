@@ -13,18 +13,18 @@
 namespace uplink::view {
 namespace {
 
-RobotView Look(const fleet::Robot& robot, fleet::RobotState::Parts parts) {
+RobotView Look(const robot::Robot& robot, robot::RobotState::Parts parts) {
   return RobotView{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0, {}};
 }
 
-fleet::RobotState::Parts Wanted(const PartSet& parts) {
-  using enum fleet::RobotState::Parts;
+robot::RobotState::Parts Wanted(const PartSet& parts) {
+  using enum robot::RobotState::Parts;
   if (parts.AnyKeyed()) return kAll;
   return parts.AnyLive() ? kUnkeyed : kNone;
 }
 
 /// About how many bytes a copy of the keyed parts holds.
-std::size_t BytesOf(const fleet::LiveParts& parts) {
+std::size_t BytesOf(const robot::LiveParts& parts) {
   constexpr std::size_t kItemBytes = 256;
   std::size_t bytes = kItemBytes * (parts.health.items().size() + parts.consumables.items().size() +
                                     parts.directives.items().size());
@@ -70,7 +70,7 @@ void SetStored(storage::LatestRow row, StoredParts& stored) {
   }
 }
 
-bool Matches(const fleet::Robot& robot, const RobotsQuery& query) {
+bool Matches(const robot::Robot& robot, const RobotsQuery& query) {
   if (query.presence && robot.state.presence() != *query.presence) return false;
   return query.fleet.empty() || robot.id()->fleet == query.fleet;
 }
@@ -89,7 +89,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
   }
   RobotsPage page;
   std::size_t bytes = 0;
-  for (const fleet::Robot* robot : sources_.fleet.Sorted()) {
+  for (const robot::Robot* robot : sources_.fleet.Sorted()) {
     if (!Matches(*robot, query)) continue;
     ++page.total;
     if (robot->ruri() <= after) continue;
@@ -113,7 +113,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
 absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   if (absl::Status known = CheckKnown(ruri); !known.ok()) return known;
   std::vector<RobotView> one;
-  one.push_back(Look(*sources_.fleet.Find(ruri), fleet::RobotState::Parts::kAll));
+  one.push_back(Look(*sources_.fleet.Find(ruri), robot::RobotState::Parts::kAll));
   // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
   if (FillActiveFaults(one)) static_cast<void>(FillStored(one, PartSet::All()));
   return std::move(one.front());
@@ -178,15 +178,15 @@ StatusView Queries::Status() const {
   status.version = sources_.version;
   status.started_at = started_at_;
   status.now = sources_.clock.System();
-  for (const fleet::Robot* robot : sources_.fleet.Sorted()) {
+  for (const robot::Robot* robot : sources_.fleet.Sorted()) {
     switch (robot->state.presence()) {
-      case fleet::Presence::kUnknown:
+      case robot::Presence::kUnknown:
         ++status.robots.unknown;
         break;
-      case fleet::Presence::kOnline:
+      case robot::Presence::kOnline:
         ++status.robots.online;
         break;
-      case fleet::Presence::kOffline:
+      case robot::Presence::kOffline:
         ++status.robots.offline;
         break;
     }

@@ -14,10 +14,10 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "server/fleet/fleet.h"
-#include "server/fleet/robot_state.h"
 #include "server/journal/shards.h"
+#include "server/robot/robot_sessions.h"
+#include "server/robot/robot_state.h"
 #include "server/session/probe.h"
-#include "server/session/robot_sessions.h"
 #include "server/view/parts.h"
 #include "storage/reader.h"
 
@@ -33,8 +33,8 @@ struct StoredParts {
 /// One robot as it is now. A value.
 struct RobotView {
   model::RobotId id;
-  fleet::StateSnapshot state;
-  session::SessionView session;
+  robot::StateSnapshot state;
+  robot::SessionView session;
   /// As the store last said.
   std::int64_t active_faults = 0;
   StoredParts stored;
@@ -43,7 +43,7 @@ struct RobotView {
 /// Which robots, by RURI. Empty texts match everything.
 struct RobotsQuery {
   std::string fleet;
-  std::optional<fleet::Presence> presence;
+  std::optional<robot::Presence> presence;
   /// 1 to storage::kPageSizeMax.
   std::uint32_t page_size = storage::kPageSizeDefault;
   std::string page_token;

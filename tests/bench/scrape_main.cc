@@ -68,7 +68,7 @@ class ArmFleet {
   }
   void Add(std::size_t index) {
     const std::string ruri = fmt::format("rcan://local.rcan/uplink/synthetic/1.0/arm-{:06}", index);
-    fleet::Robot& robot = **fleet_.FindOrAdmit({ruri, "default"});
+    robot::Robot& robot = **fleet_.FindOrAdmit({ruri, "default"});
     robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
     std::vector<model::Record> records;
     model::MotionTelemetry motion;

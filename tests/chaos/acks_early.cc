@@ -1,9 +1,9 @@
 // Linked into a program with the sessions' sources in their mutable form: acks go out before the
 // commit.
-#include "server/session/mutation.h"
+#include "server/robot/mutation.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
 bool Planted(Mutation mutation) { return mutation == Mutation::kAckBeforeCommit; }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

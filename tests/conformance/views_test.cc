@@ -21,7 +21,7 @@ class ViewsTest : public ::testing::TestWithParam<std::string> {
  protected:
   /// The vector's robot sends it.
   void Send() {
-    fleet::Robot& robot = world_.AddRobot(Ruri());
+    robot::Robot& robot = world_.AddRobot(Ruri());
     const std::string payload = test::ReadVector(GetParam(), ".bin");
     schema::Judgement judgement = judge_.Payload(test::AsPayload(payload));
     UPLINK_CHECK(judgement.record() != nullptr, "every vector is good");

@@ -91,7 +91,7 @@ void World::CheckEnd() {
 }
 
 void World::CheckPresence() {
-  for (const fleet::Robot* robot : server_->fleet().Sorted()) {
+  for (const robot::Robot* robot : server_->fleet().Sorted()) {
     const auto stored = recorder_.presence().find(robot->ruri());
     const model::Presence last =
         stored == recorder_.presence().end() ? model::Presence::kUnknown : stored->second;

@@ -7,7 +7,7 @@
 namespace uplink::simulation {
 namespace {
 
-using session::Mutation;
+using robot::Mutation;
 
 /// Seeds within which a planted fault must show.
 constexpr std::uint64_t kSeedsMax = 500;
@@ -28,18 +28,18 @@ std::uint64_t FirstFailingSeed(FakeBackend::Cursor cursor = FakeBackend::Cursor:
 
 class PlantedFault : public ::testing::TestWithParam<Mutation> {
  protected:
-  ~PlantedFault() override { session::Plant(Mutation::kNone); }
+  ~PlantedFault() override { robot::Plant(Mutation::kNone); }
 };
 
 TEST_P(PlantedFault, IsFound) {
-  session::Plant(GetParam());
+  robot::Plant(GetParam());
   const std::uint64_t seed = FirstFailingSeed();
   ASSERT_NE(seed, 0U);
   RecordProperty("violation", RunSeed(seed).violation);
 }
 
 TEST_P(PlantedFault, ReplaysToTheSameViolation) {
-  session::Plant(GetParam());
+  robot::Plant(GetParam());
   const std::uint64_t seed = FirstFailingSeed();
   ASSERT_NE(seed, 0U);
   const RunResult first = RunSeed(seed);

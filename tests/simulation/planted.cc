@@ -1,6 +1,6 @@
 #include "tests/simulation/planted.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 namespace {
 
 // The one global of the simulation: the planted fault of this process's runs.
@@ -12,4 +12,4 @@ void Plant(Mutation mutation) { planted = mutation; }
 
 bool Planted(Mutation mutation) { return planted == mutation; }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "server/session/mutation.h"
+#include "server/robot/mutation.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
 /// Plants one fault for the runs that follow in this process, or none.
 void Plant(Mutation mutation);
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

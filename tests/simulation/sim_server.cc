@@ -8,7 +8,7 @@
 namespace uplink::simulation {
 
 SimStream::SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
-                     journal::StreamRef self, Trace* trace)
+                     robot::StreamRef self, Trace* trace)
     : ruri_(peer.ruris.front()),
       id_(self.stream),
       trace_(trace),
@@ -107,8 +107,8 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .limits = limits_.session,
                                         .scratch = scratch_};
   identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
-  auto stream = std::make_unique<SimStream>(
-      context, std::move(peer), journal::StreamRef{.inbox = this, .stream = id}, trace_);
+  auto stream = std::make_unique<SimStream>(context, std::move(peer),
+                                            robot::StreamRef{.inbox = this, .stream = id}, trace_);
   stream->session().Start();
   streams_.emplace(id, std::move(stream));
   newest_[ruri] = id;

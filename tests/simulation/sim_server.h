@@ -33,7 +33,7 @@ struct ToAgent {
 class SimStream final : public session::FrameSource, public session::FrameSink {
  public:
   SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
-            journal::StreamRef self, Trace* trace);
+            robot::StreamRef self, Trace* trace);
 
   /// The robot that opened it, and when.
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
@@ -103,7 +103,7 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
 struct ServerLimits {
   session::SessionLimits session;
   journal::JournalLimits journal;
-  fleet::PresenceLimits presence;
+  robot::PresenceLimits presence;
 };
 
 /// What the lives of the process stand on.
@@ -118,7 +118,7 @@ struct Ground {
 };
 
 /// One life of the server process: the real fleet, journal and sessions over one store.
-class SimServer final : public journal::WakeInbox {
+class SimServer final : public robot::WakeInbox {
  public:
   SimServer(const Ground& ground, const ServerLimits& limits, const storage::ProcessId& process);
 

@@ -216,7 +216,7 @@ void World::Reap() {
 void World::Check() {
   CheckLaw();
   for (const auto& robot : robots_) {
-    fleet::Robot* known = server_->fleet().Find(robot->agent.ruri());
+    robot::Robot* known = server_->fleet().Find(robot->agent.ruri());
     if (known != nullptr && known->state.held_back()) ++result_.held_back;
     if (known != nullptr &&
         known->sessions.in_flight() > limits_.session.in_flight_uplinks_max + 1) {

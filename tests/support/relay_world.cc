@@ -10,7 +10,7 @@ namespace uplink::testing {
 
 RelayWorld::RelayWorld(const Options& given)
     : options(given),
-      fleet(clock, given.robots_max, fleet::PresenceLimits{}),
+      fleet(clock, given.robots_max, robot::PresenceLimits{}),
       journal(store, given.journal, clock, ledgers.NewPage(), journal_probe, storage::ProcessId{1}),
       server_identity_(authority.Issue(ServerSpec())) {
   // Short pauses: tests order failures by their number, not by their time.

@@ -46,8 +46,8 @@ ServerWorld::ServerWorld()
       robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
       site(queries, monitor, scrape, robots_scrape) {}
 
-fleet::Robot& ServerWorld::AddRobot(const std::string& ruri, const std::string& fleet_name) {
-  const absl::StatusOr<fleet::Robot*> robot = fleet.FindOrAdmit({ruri, fleet_name});
+robot::Robot& ServerWorld::AddRobot(const std::string& ruri, const std::string& fleet_name) {
+  const absl::StatusOr<robot::Robot*> robot = fleet.FindOrAdmit({ruri, fleet_name});
   UPLINK_CHECK(robot.ok(), "the test's robots fit the fleet");
   return **robot;
 }
@@ -57,7 +57,7 @@ model::SessionId ServerWorld::session() {
 }
 
 storage::CommitRecord ServerWorld::Next(const std::string& ruri) {
-  fleet::Robot* robot = fleet.Find(ruri);
+  robot::Robot* robot = fleet.Find(ruri);
   UPLINK_CHECK(robot != nullptr, "AddRobot comes first");
   const storage::OpenRequest open{.robot = robot->id(), .session = session(), .at = clock.System()};
   const auto opened = store.OpenStreams(std::span(&open, 1));

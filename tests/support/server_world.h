@@ -28,7 +28,7 @@ class ServerWorld {
   ServerWorld();
 
   /// Admits a robot and writes its row.
-  fleet::Robot& AddRobot(const std::string& ruri, const std::string& fleet = "default");
+  robot::Robot& AddRobot(const std::string& ruri, const std::string& fleet = "default");
   /// Commits these for the robot, numbered on from the last.
   void Commit(const std::string& ruri, std::vector<storage::CommitRecord> records,
               std::vector<storage::GapItem> gaps = {});
@@ -59,7 +59,7 @@ class ServerWorld {
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
   config::RcanConfig rcan_config;
   log::Logger logger;
-  fleet::Fleet fleet{clock, kRobotsMax, fleet::PresenceLimits{}};
+  fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
   journal::Journal journal;
   journal::Shards shards{{&journal}};
   view::Queries queries;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/judge.h"
-#include "server/fleet/live_bytes.h"
+#include "server/robot/live_bytes.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 
@@ -16,7 +16,7 @@ using ::testing::SizeIs;
 
 constexpr std::int64_t kNow = 1'763'683'200'000;
 
-class NoInbox final : public journal::WakeInbox {
+class NoInbox final : public robot::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };
@@ -26,8 +26,8 @@ class CheckpointTest : public ::testing::Test {
   testing::ManualClock clock_;
   Fleet fleet_{clock_, 2'000, {}};
 
-  Robot& Admit(const std::string& ruri) { return **fleet_.FindOrAdmit({ruri, "f"}); }
-  static void Apply(Robot& robot, const model::Body& body) {
+  robot::Robot& Admit(const std::string& ruri) { return **fleet_.FindOrAdmit({ruri, "f"}); }
+  static void Apply(robot::Robot& robot, const model::Body& body) {
     std::vector<model::Record> records;
     records.push_back(test::RecordOf(body));
     robot.state.Apply(records, {});
@@ -59,11 +59,11 @@ class CheckpointTest : public ::testing::Test {
 
   bool restored_ = true;
   Checkpoint checkpoint_{Sources()};
-  schema::Judge judge_{JudgeLimitsOfLive()};
+  schema::Judge judge_{robot::JudgeLimitsOfLive()};
 };
 
 TEST_F(CheckpointTest, TakesWhatChangedOnce) {
-  Robot& robot = Admit("rcan://a");
+  robot::Robot& robot = Admit("rcan://a");
   Admit("rcan://quiet");
   EXPECT_THAT(Changed(), IsEmpty()) << "nothing was told yet";
   Apply(robot, Usage());
@@ -82,7 +82,7 @@ TEST_F(CheckpointTest, WritesNothingBeforeWhatTheStoreHadWasRead) {
 }
 
 TEST_F(CheckpointTest, SignsOfLifeAndTheClockAreChanges) {
-  Robot& robot = Admit("rcan://a");
+  robot::Robot& robot = Admit("rcan://a");
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
   robot.state.NoteClockSkew(40);
   const auto rows = Changed();
@@ -93,7 +93,7 @@ TEST_F(CheckpointTest, SignsOfLifeAndTheClockAreChanges) {
 }
 
 TEST_F(CheckpointTest, WhatWasPutBackIsTakenAgainWithWhatCameSince) {
-  Robot& robot = Admit("rcan://a");
+  robot::Robot& robot = Admit("rcan://a");
   Apply(robot, Usage(1));
   Apply(robot, model::SystemHealth{.unix_time_ms = kNow, .device_id = "main"});
   const auto rows = Changed();
@@ -101,18 +101,18 @@ TEST_F(CheckpointTest, WhatWasPutBackIsTakenAgainWithWhatCameSince) {
   checkpoint_.PutBack(rows);
   const auto again = Changed();
   ASSERT_THAT(again, SizeIs(1));
-  const LiveRead read = FromRow(again[0], judge_);
+  const robot::LiveRead read = robot::FromRow(again[0], judge_);
   EXPECT_EQ(read.before.parts.usage->reboot_count, 2U);
   EXPECT_THAT(read.before.parts.health.items(), SizeIs(1));
 }
 
 TEST_F(CheckpointTest, WhatWasPassedOverIsTakenAgainIfTheRobotHasAStreamHere) {
-  Robot& elsewhere = Admit("rcan://elsewhere");
+  robot::Robot& elsewhere = Admit("rcan://elsewhere");
   Apply(elsewhere, Usage());
   for (const auto& row : Changed()) checkpoint_.PassedOver(row);
   EXPECT_THAT(Changed(), IsEmpty());
   NoInbox inbox;
-  Robot& here = Admit("rcan://here");
+  robot::Robot& here = Admit("rcan://here");
   static_cast<void>(here.sessions.Attach({&inbox, 1}, clock_.Steady(), clock_.System()));
   Apply(here, Usage());
   for (const auto& row : Changed()) checkpoint_.PassedOver(row);
@@ -139,7 +139,7 @@ TEST_F(CheckpointTest, TakesSomeAtATime) {
 
 TEST_F(CheckpointTest, TakesFewerWhereTheyAreLarge) {
   for (int i = 0; i < 40; ++i) {
-    Robot& robot = Admit("rcan://" + std::to_string(i));
+    robot::Robot& robot = Admit("rcan://" + std::to_string(i));
     for (int key = 0; key < 80; ++key) {
       Apply(robot, model::TelemetryExtras{.unix_time_ms = kNow,
                                           .kv = {{.key = std::to_string(key),
@@ -152,7 +152,7 @@ TEST_F(CheckpointTest, TakesFewerWhereTheyAreLarge) {
   ASSERT_FALSE(calls.empty());
   for (const auto& row : calls[0]) bytes += storage::BytesOf(row);
   EXPECT_GE(bytes, storage::kCheckpointBytesMax);
-  EXPECT_LE(bytes, storage::kCheckpointBytesMax + kLivePartBytesMax);
+  EXPECT_LE(bytes, storage::kCheckpointBytesMax + robot::kLivePartBytesMax);
 }
 
 TEST_F(CheckpointTest, LeavesTheRobotsOfOtherJournals) {

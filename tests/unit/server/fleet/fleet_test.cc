@@ -16,7 +16,7 @@ constexpr milliseconds kIdle = std::chrono::hours(1);
 
 class FleetTest : public ::testing::Test {
  protected:
-  Robot& Admit(Fleet& fleet, const std::string& ruri) {
+  robot::Robot& Admit(Fleet& fleet, const std::string& ruri) {
     const auto robot = fleet.FindOrAdmit({.ruri = ruri, .fleet = "north"});
     EXPECT_TRUE(robot.ok());
     return **robot;
@@ -26,7 +26,7 @@ class FleetTest : public ::testing::Test {
 
 TEST_F(FleetTest, AdmitsARobotOnce) {
   Fleet fleet(clock_, 10, {});
-  Robot& robot = Admit(fleet, "rcan://a");
+  robot::Robot& robot = Admit(fleet, "rcan://a");
   EXPECT_EQ(&Admit(fleet, "rcan://a"), &robot);
   EXPECT_EQ(fleet.size(), 1U);
   EXPECT_EQ(fleet.Find("rcan://a"), &robot);
@@ -63,16 +63,16 @@ TEST_F(FleetTest, SortedIsByRuri) {
     Admit(fleet, ruri);
   }
   std::vector<std::string> ruris;
-  for (const Robot* robot : fleet.Sorted()) ruris.push_back(robot->ruri());
+  for (const robot::Robot* robot : fleet.Sorted()) ruris.push_back(robot->ruri());
   EXPECT_THAT(ruris, ElementsAre("rcan://A", "rcan://a", "rcan://b", "rcan://c"));
 }
 
 TEST_F(FleetTest, SweepCountsPresence) {
   Fleet fleet(clock_, 100, {});
-  Robot& heard = Admit(fleet, "rcan://heard");
-  Robot& held = Admit(fleet, "rcan://held");
+  robot::Robot& heard = Admit(fleet, "rcan://heard");
+  robot::Robot& held = Admit(fleet, "rcan://held");
   Admit(fleet, "rcan://silent");
-  held.state.SetReading(RobotState::Reading::kHeldBack, clock_.Steady());
+  held.state.SetReading(robot::RobotState::Reading::kHeldBack, clock_.Steady());
   clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits());
   const PresenceCounts counts = fleet.Sweep(kIdle);
@@ -99,14 +99,14 @@ TEST_F(FleetTest, ARobotThatIsNewHasATimeoutToBeHeard) {
 
 TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard) {
   Fleet fleet(clock_, 100, {});
-  Robot& heard = Admit(fleet, "rcan://heard");
-  Robot& gone = Admit(fleet, "rcan://gone");
-  const PresenceLimits& limits = fleet.presence_limits();
-  Robot& offline = Admit(fleet, "rcan://offline");
+  robot::Robot& heard = Admit(fleet, "rcan://heard");
+  robot::Robot& gone = Admit(fleet, "rcan://gone");
+  const robot::PresenceLimits& limits = fleet.presence_limits();
+  robot::Robot& offline = Admit(fleet, "rcan://offline");
   offline.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   clock_.Advance(limits.timeout + milliseconds(1));
   fleet.Sweep(kIdle);
-  ASSERT_EQ(offline.state.presence(), Presence::kOffline);
+  ASSERT_EQ(offline.state.presence(), robot::Presence::kOffline);
   clock_.Advance(seconds(1));
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   gone.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
@@ -116,27 +116,27 @@ TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   clock_.Advance(seconds(1));
   EXPECT_EQ(fleet.Sweep(kIdle).online, 1);
-  EXPECT_EQ(gone.state.presence(), Presence::kUnknown);
-  EXPECT_EQ(offline.state.presence(), Presence::kOffline) << "its silence was proven before";
+  EXPECT_EQ(gone.state.presence(), robot::Presence::kUnknown);
+  EXPECT_EQ(offline.state.presence(), robot::Presence::kOffline) << "its silence was proven before";
   for (int i = 0; i < 3; ++i) {
     clock_.Advance(Fleet::kSweepLate);
     fleet.Sweep(kIdle);
   }
-  EXPECT_EQ(gone.state.presence(), Presence::kUnknown) << "a timeout after the standstill";
+  EXPECT_EQ(gone.state.presence(), robot::Presence::kUnknown) << "a timeout after the standstill";
   clock_.Advance(seconds(1));
   fleet.Sweep(kIdle);
-  EXPECT_EQ(gone.state.presence(), Presence::kOffline);
+  EXPECT_EQ(gone.state.presence(), robot::Presence::kOffline);
 }
 
 TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
   using enum Fleet::Hearing;
   Fleet fleet(clock_, 100, {});
-  const PresenceLimits& limits = fleet.presence_limits();
-  Robot& gone = Admit(fleet, "rcan://gone");
+  const robot::PresenceLimits& limits = fleet.presence_limits();
+  robot::Robot& gone = Admit(fleet, "rcan://gone");
   gone.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   clock_.Advance(limits.timeout + milliseconds(1));
-  Robot& heard = Admit(fleet, "rcan://heard");
-  Robot& waiting = Admit(fleet, "rcan://waiting");
+  robot::Robot& heard = Admit(fleet, "rcan://heard");
+  robot::Robot& waiting = Admit(fleet, "rcan://waiting");
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   waiting.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   const auto sweep = [&](Fleet::Hearing hearing, milliseconds in) {
@@ -146,26 +146,26 @@ TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
     }
   };
   fleet.Sweep(kIdle, kUpToDate);
-  ASSERT_EQ(gone.state.presence(), Presence::kOffline);
+  ASSERT_EQ(gone.state.presence(), robot::Presence::kOffline);
 
   sweep(kBehind, limits.timeout);
-  EXPECT_EQ(waiting.state.presence(), Presence::kOnline) << "within the limit";
+  EXPECT_EQ(waiting.state.presence(), robot::Presence::kOnline) << "within the limit";
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   sweep(kBehind, milliseconds(1));
-  EXPECT_EQ(heard.state.presence(), Presence::kOnline) << "it was read after all";
-  EXPECT_EQ(waiting.state.presence(), Presence::kUnknown);
-  EXPECT_EQ(gone.state.presence(), Presence::kOffline) << "its silence was proven before";
+  EXPECT_EQ(heard.state.presence(), robot::Presence::kOnline) << "it was read after all";
+  EXPECT_EQ(waiting.state.presence(), robot::Presence::kUnknown);
+  EXPECT_EQ(gone.state.presence(), robot::Presence::kOffline) << "its silence was proven before";
 
   sweep(kUpToDate, limits.timeout);
-  EXPECT_EQ(waiting.state.presence(), Presence::kUnknown) << "a timeout to be heard";
-  EXPECT_EQ(gone.state.presence(), Presence::kOffline);
+  EXPECT_EQ(waiting.state.presence(), robot::Presence::kUnknown) << "a timeout to be heard";
+  EXPECT_EQ(gone.state.presence(), robot::Presence::kOffline);
   sweep(kUpToDate, milliseconds(1));
-  EXPECT_EQ(waiting.state.presence(), Presence::kOffline);
+  EXPECT_EQ(waiting.state.presence(), robot::Presence::kOffline);
 }
 
 TEST_F(FleetTest, SweepForgetsIdleSessions) {
   Fleet fleet(clock_, 100, {});
-  session::RobotSessions& sessions = Admit(fleet, "rcan://a").sessions;
+  robot::RobotSessions& sessions = Admit(fleet, "rcan://a").sessions;
   ASSERT_TRUE(sessions.Begin(model::SessionId(), clock_.Steady()));
   clock_.Advance(kIdle);
   fleet.Sweep(kIdle);

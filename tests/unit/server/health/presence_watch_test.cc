@@ -53,7 +53,7 @@ class PresenceWatchTest : public ::testing::Test {
 };
 
 TEST_F(PresenceWatchTest, ARobotIsOfflineOnlyWhileTheRelayAnswers) {
-  fleet::Robot& robot = **fleet_.FindOrAdmit({"north", "rcan://a"});
+  robot::Robot& robot = **fleet_.FindOrAdmit({"north", "rcan://a"});
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
   AskRelay();
   SweepFor(seconds(11));

@@ -17,7 +17,7 @@ using ::testing::SizeIs;
 constexpr std::chrono::seconds kEvery{5};
 
 /// Gives the rows that a test names, a call each; a round ends where none is left.
-class ListedRows final : public LiveSource {
+class ListedRows final : public fleet::LiveSource {
  public:
   void BeginRound() override {
     ++rounds;

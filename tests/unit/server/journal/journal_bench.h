@@ -16,7 +16,7 @@
 namespace uplink::journal {
 
 /// Counts wakes by stream. Thread-safe.
-class CountingInbox final : public WakeInbox {
+class CountingInbox final : public robot::WakeInbox {
  public:
   void Wake(std::uint64_t stream) override {
     const std::lock_guard lock(mutex_);
@@ -34,18 +34,19 @@ class CountingInbox final : public WakeInbox {
 };
 
 /// A robot that writes down what the journal tells it. Thread-safe.
-class RecordingClient final : public Client {
+class RecordingClient final : public robot::CommitClient {
  public:
-  explicit RecordingClient(std::string ruri, StreamRef stream = {})
+  explicit RecordingClient(std::string ruri, robot::StreamRef stream = {})
       : robot_(std::make_shared<const model::RobotId>(model::RobotId{std::move(ruri), "bench"})),
         stream_(stream) {}
 
-  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
+  robot::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
     return Note("opened " + std::to_string(open_id));
   }
-  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& /*ledger*/) override {
+  robot::StreamRef OnSettled(std::span<const robot::Settled> settled,
+                             metrics::Ledger& /*ledger*/) override {
     std::string line = "settled";
-    for (const Settled& one : settled) {
+    for (const robot::Settled& one : settled) {
       line += " " + std::to_string(one.seq);
       if (one.outcome.kind == storage::OutcomeKind::kDuplicate) line += " again";
       if (one.outcome.kind == storage::OutcomeKind::kRefused) line += " refused";
@@ -53,10 +54,10 @@ class RecordingClient final : public Client {
     }
     return Note(std::move(line));
   }
-  StreamRef OnGapsWritten(std::size_t count) override {
+  robot::StreamRef OnGapsWritten(std::size_t count) override {
     return Note("gaps " + std::to_string(count));
   }
-  StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
+  robot::StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
     generation_.fetch_add(1);
     return Note("fenced");
   }
@@ -70,14 +71,14 @@ class RecordingClient final : public Client {
   [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
 
  private:
-  StreamRef Note(std::string line) {
+  robot::StreamRef Note(std::string line) {
     const std::lock_guard lock(mutex_);
     told_.push_back(std::move(line));
     return stream_;
   }
 
   const storage::RobotRef robot_;
-  const StreamRef stream_;
+  const robot::StreamRef stream_;
   std::atomic<std::uint64_t> generation_{1};
   mutable std::mutex mutex_;
   std::vector<std::string> told_;

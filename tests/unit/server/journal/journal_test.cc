@@ -225,7 +225,7 @@ TEST_F(JournalTest, RoomEndsAtItsRecords) {
 
 TEST_F(JournalTest, WhenRoomWakesOnceAfterTheCommit) {
   JournalBench bench({.records_max = 1});
-  const StreamRef waiter{.inbox = &inbox_, .stream = 9};
+  const robot::StreamRef waiter{.inbox = &inbox_, .stream = 9};
   bench.Open(robot_);
   bench.Append(robot_, 1);
   bench.journal.WhenRoom(waiter);

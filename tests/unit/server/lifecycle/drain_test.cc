@@ -75,7 +75,7 @@ TEST_F(DrainTest, CountsWhatIsUnsettled) {
 }
 
 TEST_F(DrainTest, NobodyListensAnyMoreSoPresenceIsUnknown) {
-  fleet::Robot& heard = world_.AddRobot("rcan://heard");
+  robot::Robot& heard = world_.AddRobot("rcan://heard");
   world_.AddRobot("rcan://never");
   heard.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
                          world_.fleet.presence_limits());

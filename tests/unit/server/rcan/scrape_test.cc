@@ -23,12 +23,12 @@ using ::testing::SizeIs;
 
 class ScrapeTest : public ::testing::Test {
  protected:
-  fleet::Robot& Robot(const std::string& ruri, const std::string& fleet_name = "default") {
-    fleet::Robot* robot = *fleet_.FindOrAdmit({ruri, fleet_name});
+  robot::Robot& Robot(const std::string& ruri, const std::string& fleet_name = "default") {
+    robot::Robot* robot = *fleet_.FindOrAdmit({ruri, fleet_name});
     robot->state.SignOfLife(clock_.Steady(), clock_.System(), {});
     return *robot;
   }
-  void GiveMotion(fleet::Robot& robot) {
+  void GiveMotion(robot::Robot& robot) {
     std::vector<model::Record> records;
     model::MotionTelemetry motion;
     motion.pose = model::Pose{.lat_deg = 1, .lon_deg = 2};
@@ -94,7 +94,7 @@ TEST_F(ScrapeTest, RobotsThatDoNotFitAreLeftOutWholeCountedAndSaidOnceAMinute) {
 
 TEST_F(ScrapeTest, WhoIsLeftOutDoesNotChangeWithTheValuesOfOthers) {
   config_.series_max = 7;
-  fleet::Robot& first = Robot("rcan://a");
+  robot::Robot& first = Robot("rcan://a");
   Robot("rcan://b");
   Robot("rcan://c");
   model::RcanState two;

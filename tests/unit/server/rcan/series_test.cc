@@ -30,7 +30,7 @@ class SeriesTest : public ::testing::Test {
   std::string Text() {
     metrics::rcan::SeriesPage page({.series_max = 1000});
     page.BeginRobot("r");
-    state_.LookAt([&](const fleet::StateView& view) {
+    state_.LookAt([&](const robot::StateView& view) {
       AddRobot("r", view,
                {.now = clock_.System(),
                 .steady_now = clock_.Steady(),
@@ -47,8 +47,8 @@ class SeriesTest : public ::testing::Test {
   }
 
   testing::ManualClock clock_;
-  fleet::PresenceLimits limits_;
-  fleet::RobotState state_{clock_.Steady(), clock_.Steady(), clock_.System()};
+  robot::PresenceLimits limits_;
+  robot::RobotState state_{clock_.Steady(), clock_.Steady(), clock_.System()};
   std::vector<std::string> extras_;
   const FaultCounts::Map* faults_ = nullptr;
 };
@@ -95,11 +95,11 @@ TEST_F(SeriesTest, PresenceStaysAndValuesVanishAfterTheirTime) {
 TEST_F(SeriesTest, ValuesStayWhileItsOwnStreamIsHeldBack) {
   Hear();
   Apply(Status(12.5, 50));
-  state_.SetReading(fleet::RobotState::Reading::kHeldBack, clock_.Steady());
+  state_.SetReading(robot::RobotState::Reading::kHeldBack, clock_.Steady());
   clock_.Advance(seconds(3600));
   Sweep();
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_v"));
-  state_.SetReading(fleet::RobotState::Reading::kFlowing, clock_.Steady());
+  state_.SetReading(robot::RobotState::Reading::kFlowing, clock_.Steady());
   clock_.Advance(seconds(610));
   Sweep();
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_v")) << "at the limit, after it went offline";
@@ -134,7 +134,7 @@ TEST_F(SeriesTest, StatesThatAreNoSignOfLifeAreShownWhileTheyCome) {
 }
 
 TEST_F(SeriesTest, AfterARestartPresenceIsNotSaidBeforeItIsKnown) {
-  fleet::LiveBefore before;
+  robot::LiveBefore before;
   before.last_sign_of_life = clock_.System() - seconds(30);
   before.parts.status = Status(12.5, 50);
   state_.Restore(std::move(before));
@@ -149,7 +149,7 @@ TEST_F(SeriesTest, AfterARestartPresenceIsNotSaidBeforeItIsKnown) {
 }
 
 TEST_F(SeriesTest, ARestartShowsNoValuesOfARobotThatWasLongGone) {
-  fleet::LiveBefore before;
+  robot::LiveBefore before;
   before.last_sign_of_life = clock_.System() - seconds(86'400);
   before.parts.status = Status(12.5, 50);
   state_.Restore(std::move(before));

@@ -187,7 +187,7 @@ TEST_F(FrameTest, SentTimeTellsTheClocksSkew) {
   v1::RelayRequest frame = BatchFrame({});
   frame.mutable_batch()->set_sent_unix_ms(UnixMs(clock_.System()) + 1500);
   stream.Send(frame);
-  const auto snapshot = server().robot().state.Snapshot(fleet::RobotState::Parts::kNone);
+  const auto snapshot = server().robot().state.Snapshot(robot::RobotState::Parts::kNone);
   EXPECT_EQ(snapshot.clock_skew_ms, 1500);
 }
 

@@ -172,7 +172,7 @@ TEST_F(HelloTest, RobotsMaxAdmitsNoMore) {
 
 TEST_F(HelloTest, ANinthSessionIsRefusedWhileEightWait) {
   server().StoreAway();
-  for (std::uint8_t session = 1; session <= kSessionsMax; ++session) {
+  for (std::uint8_t session = 1; session <= robot::kSessionsMax; ++session) {
     BenchStream& stream = server().Connect(SessionOf(session));
     server().Pass(kWelcomeWait);
     stream.Send(BatchFrame({{1, Fault()}}));
@@ -189,12 +189,12 @@ TEST_F(HelloTest, ANinthSessionIsRefusedWhileEightWait) {
 }
 
 TEST_F(HelloTest, ANinthSessionReplacesTheOneUnusedForLongest) {
-  for (std::uint8_t session = 1; session <= kSessionsMax + 1; ++session) {
+  for (std::uint8_t session = 1; session <= robot::kSessionsMax + 1; ++session) {
     server().Connect(SessionOf(session)).Break();
     server().Pass(milliseconds(1));
   }
   const auto held = server().robot().sessions.Held();
-  EXPECT_EQ(held.size(), kSessionsMax);
+  EXPECT_EQ(held.size(), robot::kSessionsMax);
   EXPECT_THAT(held, ::testing::Not(::testing::Contains(SessionOf(1))));
 }
 

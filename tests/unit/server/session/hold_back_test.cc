@@ -16,7 +16,7 @@ class HoldBackTest : public SessionTest {
     static_cast<void>(stream.Said());
     return stream;
   }
-  fleet::Presence Swept() {
+  robot::Presence Swept() {
     server().fleet().Sweep(limits_.session.session_idle);
     return server().robot().state.presence();
   }
@@ -189,18 +189,18 @@ TEST_F(HoldBackTest, PresenceIsUnknownInsteadOfOffline) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Motion()}, {2, Fault()}, {3, Fault()}}));
   server().Pass(std::chrono::seconds(10));
-  EXPECT_EQ(Swept(), fleet::Presence::kOnline);
+  EXPECT_EQ(Swept(), robot::Presence::kOnline);
   server().Pass(milliseconds(1));
-  EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
+  EXPECT_EQ(Swept(), robot::Presence::kUnknown);
   server().Commit();
-  EXPECT_EQ(Swept(), fleet::Presence::kUnknown) << "for presence.timeout after";
+  EXPECT_EQ(Swept(), robot::Presence::kUnknown) << "for presence.timeout after";
   // Sweep by sweep: one that came late would be a standstill of the server.
   for (int i = 0; i < 5; ++i) {
     server().Pass(std::chrono::seconds(2));
-    EXPECT_EQ(Swept(), fleet::Presence::kUnknown);
+    EXPECT_EQ(Swept(), robot::Presence::kUnknown);
   }
   server().Pass(milliseconds(1));
-  EXPECT_EQ(Swept(), fleet::Presence::kOffline);
+  EXPECT_EQ(Swept(), robot::Presence::kOffline);
 }
 
 TEST_F(HoldBackTest, ABreakEndsIt) {

@@ -10,8 +10,8 @@ using ::testing::ElementsAre;
 class KindsTest : public SessionTest {
  protected:
   KindsTest() : stream_(server().Connect(SessionOf(1))) { static_cast<void>(stream_.Said()); }
-  fleet::LiveParts Parts() {
-    return server().robot().state.Snapshot(fleet::RobotState::Parts::kAll).parts;
+  robot::LiveParts Parts() {
+    return server().robot().state.Snapshot(robot::RobotState::Parts::kAll).parts;
   }
   BenchStream& stream_;
 };
@@ -45,7 +45,7 @@ TEST_F(KindsTest, LiveIsAppliedAtOnce) {
   stream_.Send(BatchFrame({{1, Motion(47)}}));
   EXPECT_EQ(Parts().motion->pose->lat_deg, 47);
   EXPECT_EQ(server().counts().applied, 1U);
-  EXPECT_EQ(server().robot().state.presence(), fleet::Presence::kOnline);
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline);
 }
 
 TEST_F(KindsTest, TheLatestInStreamOrderWins) {
@@ -99,17 +99,17 @@ TEST_F(KindsTest, ADeleteIsStored) {
 TEST_F(KindsTest, ARejectedMotionIsASignOfLife) {
   server().Pass(std::chrono::minutes(3));
   server().fleet().Sweep(limits_.session.session_idle);
-  EXPECT_EQ(server().robot().state.presence(), fleet::Presence::kOffline);
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOffline);
   stream_.Send(BatchFrame({{1, Motion(123)}}));
   EXPECT_THAT(stream_.Said(), ElementsAre("reject 1 out_of_range pose.latDeg"));
-  EXPECT_EQ(server().robot().state.presence(), fleet::Presence::kOnline);
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline);
 }
 
 TEST_F(KindsTest, AFaultIsNoSignOfLife) {
   server().Pass(std::chrono::minutes(3));
   stream_.Send(BatchFrame({{1, Fault()}}));
   server().fleet().Sweep(limits_.session.session_idle);
-  EXPECT_EQ(server().robot().state.presence(), fleet::Presence::kOffline);
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOffline);
 }
 
 TEST_F(KindsTest, GoodRecordsAreCountedByVariant) {

@@ -42,7 +42,7 @@ class RcanTest : public SessionTest {
     static_cast<void>(stream_->Said());
   }
   [[nodiscard]] model::RcanState Latest() {
-    const auto parts = server().robot().state.Snapshot(fleet::RobotState::Parts::kAll).parts;
+    const auto parts = server().robot().state.Snapshot(robot::RobotState::Parts::kAll).parts;
     return parts.rcan.value_or(model::RcanState{});
   }
 
@@ -55,7 +55,7 @@ TEST_F(RcanTest, IsAppliedAtOnceAndASignOfLife) {
   EXPECT_EQ(Latest().battery_v, 12.5);
   EXPECT_EQ(server().counts().applied, 1U);
   EXPECT_EQ(server().counts().rcan_states, 1U);
-  EXPECT_EQ(server().robot().state.presence(), fleet::Presence::kOnline);
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline);
 }
 
 class RcanWithoutLife : public RcanTest {
@@ -70,7 +70,7 @@ class RcanWithoutLife : public RcanTest {
 TEST_F(RcanWithoutLife, ItIsNoneWhereTheSettingSaysSo) {
   Send({State(1000)});
   EXPECT_EQ(server().counts().applied, 1U);
-  EXPECT_NE(server().robot().state.presence(), fleet::Presence::kOnline);
+  EXPECT_NE(server().robot().state.presence(), robot::Presence::kOnline);
 }
 
 TEST_F(RcanTest, AnOlderStateIsRejectedAndAnEqualOneSuperseded) {
@@ -154,7 +154,7 @@ TEST_F(RcanTest, WhatIsRejectedLiesInQuarantine) {
   server().Commit();
   EXPECT_THAT(stream_->Said(), ElementsAre("ack 2 judged 2"));
   EXPECT_EQ(server().counts().rejected, 2U);
-  EXPECT_NE(server().robot().state.presence(), fleet::Presence::kOnline);
+  EXPECT_NE(server().robot().state.presence(), robot::Presence::kOnline);
 }
 
 TEST_F(RcanTest, ItStandsBesideOtherMessagesOfAFrame) {

@@ -159,7 +159,7 @@ TEST_F(RejectTest, MemoryHoldsTheLast256) {
   BenchStream& away = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
   const std::vector<std::string> said = away.Said();
-  ASSERT_EQ(said.size(), kRejectsRememberedMax + 2);
+  ASSERT_EQ(said.size(), robot::kRejectsRememberedMax + 2);
   EXPECT_EQ(said[1], BadReject(45));
   EXPECT_EQ(said[256], BadReject(300));
   away.Break();
@@ -226,7 +226,7 @@ TEST_F(RejectTest, ADroppedFieldIsNoticedOnceASecond) {
   EXPECT_THAT(stream.Said(), ElementsAre("ack 4 judged 4"));
   stream.Send(BatchFrame({{5, StatusWith(500)}}));
   EXPECT_THAT(stream.Said(), ElementsAre("notice 5 out_of_range battery.socPct"));
-  EXPECT_EQ(server().robot().state.Snapshot(fleet::RobotState::Parts::kNone).fields_dropped, 5);
+  EXPECT_EQ(server().robot().state.Snapshot(robot::RobotState::Parts::kNone).fields_dropped, 5);
   EXPECT_EQ(server().counts().applied, 3U);
   EXPECT_EQ(server().counts().rejected, 0U);
 }
@@ -252,7 +252,7 @@ TEST_F(RejectTest, DroppedFieldsAreCountedAStream) {
   first.Send(BatchFrame({{1, StatusWith(500)}}));
   first.Break();
   Welcomed();
-  EXPECT_EQ(server().robot().state.Snapshot(fleet::RobotState::Parts::kNone).fields_dropped, 0);
+  EXPECT_EQ(server().robot().state.Snapshot(robot::RobotState::Parts::kNone).fields_dropped, 0);
 }
 
 }  // namespace

@@ -176,7 +176,7 @@ TEST_F(ResumeTest, ALiveDuplicateIsNotAppliedAgain) {
   SendAndBreak({{1, Motion(47)}, {2, Fault()}});
   BenchStream& stream = server().Connect(SessionOf(1));
   stream.Send(BatchFrame({{1, Motion(10)}}));
-  const auto parts = server().robot().state.Snapshot(fleet::RobotState::Parts::kAll).parts;
+  const auto parts = server().robot().state.Snapshot(robot::RobotState::Parts::kAll).parts;
   EXPECT_EQ(parts.motion->pose->lat_deg, 47);
   EXPECT_EQ(server().counts().duplicate, 1U);
 }

@@ -105,7 +105,7 @@ std::string ToLine(const v1::RelayResponse& frame) {
 }
 
 BenchStream::BenchStream(const SessionContext& context, identity::PeerIdentity peer,
-                         journal::StreamRef self)
+                         robot::StreamRef self)
     : session_(context, std::move(peer), self, *this, *this) {}
 
 void BenchStream::Write(const v1::RelayResponse& frame) {
@@ -210,7 +210,7 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .scratch = scratch_};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
-                                              journal::StreamRef{.inbox = this, .stream = id});
+                                              robot::StreamRef{.inbox = this, .stream = id});
   BenchStream& opened = *stream;
   streams_.emplace(id, std::move(stream));
   opened.session().Start();
@@ -270,8 +270,8 @@ void BenchServer::StoreAway() { store_.FailNext(1'000'000, testing::FailAt::kBef
 
 void BenchServer::StoreBack() { store_.Heal(); }
 
-fleet::Robot& BenchServer::robot(std::string_view ruri) {
-  fleet::Robot* const found = fleet_.Find(ruri);
+robot::Robot& BenchServer::robot(std::string_view ruri) {
+  robot::Robot* const found = fleet_.Find(ruri);
   UPLINK_CHECK(found != nullptr, "the robot was never seen");
   return *found;
 }

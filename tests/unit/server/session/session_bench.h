@@ -52,7 +52,7 @@ struct Message {
 /// One stream: a session, and an agent that takes every frame at once unless it is told not to.
 class BenchStream final : public FrameSource, public FrameSink {
  public:
-  BenchStream(const SessionContext& context, identity::PeerIdentity peer, journal::StreamRef self);
+  BenchStream(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self);
 
   void RequestRead() override { reading_ = true; }
   void Write(const v1::RelayResponse& frame) override;
@@ -106,7 +106,7 @@ struct BenchLimits {
 };
 
 /// One life of a server process on a database that outlives it.
-class BenchServer final : public journal::WakeInbox {
+class BenchServer final : public robot::WakeInbox {
  public:
   BenchServer(testing::ManualClock& clock, testing::FakeDatabase& database, std::uint8_t process,
               const BenchLimits& limits);
@@ -129,7 +129,7 @@ class BenchServer final : public journal::WakeInbox {
   void StoreAway();
   void StoreBack();
 
-  [[nodiscard]] fleet::Robot& robot(std::string_view ruri = kRobot);
+  [[nodiscard]] robot::Robot& robot(std::string_view ruri = kRobot);
   [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
   [[nodiscard]] journal::Journal& journal() { return journal_; }
   [[nodiscard]] testing::FakeStore& store() { return store_; }

@@ -88,12 +88,12 @@ TEST_F(TakeoverTest, PresenceDoesNotChange) {
   BenchStream& older = server().Connect(SessionOf(1));
   older.Send(BatchFrame({{1, Motion()}}));
   const SystemTime since =
-      server().robot().state.Snapshot(fleet::RobotState::Parts::kNone).presence_since;
+      server().robot().state.Snapshot(robot::RobotState::Parts::kNone).presence_since;
   server().Pass(milliseconds(500));
   server().Connect(SessionOf(2));
   server().fleet().Sweep(limits_.session.session_idle);
-  const auto snapshot = server().robot().state.Snapshot(fleet::RobotState::Parts::kNone);
-  EXPECT_EQ(snapshot.presence, fleet::Presence::kOnline);
+  const auto snapshot = server().robot().state.Snapshot(robot::RobotState::Parts::kNone);
+  EXPECT_EQ(snapshot.presence, robot::Presence::kOnline);
   EXPECT_EQ(snapshot.presence_since, since);
 }
 

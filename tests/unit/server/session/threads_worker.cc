@@ -83,7 +83,7 @@ void ThreadsWorker::Open() {
                                .limits = core_.limits.session,
                                .scratch = scratch_};
   stream_ = std::make_unique<ThreadsStream>(context, agent_.ruri(),
-                                            journal::StreamRef{.inbox = this, .stream = id});
+                                            robot::StreamRef{.inbox = this, .stream = id});
   stream_->session().Start();
   stream_->Send(*hello);
 }

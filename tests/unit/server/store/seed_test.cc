@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/fleet/live_bytes.h"
+#include "server/robot/live_bytes.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
@@ -24,15 +24,15 @@ class SeedTest : public ::testing::Test {
   }
 
   static storage::LiveRow Live(const std::string& ruri, std::uint32_t reboots) {
-    fleet::LiveChanges changes;
+    robot::LiveChanges changes;
     changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
     changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = reboots};
     changes.last_sign_of_life = FromUnixMs(1'763'683'200'000);
-    return fleet::ToRow(ruri, changes);
+    return robot::ToRow(ruri, changes);
   }
   void Checkpoint(const storage::LiveRow& row) { ASSERT_TRUE(store_.Checkpoint({&row, 1}).ok()); }
-  fleet::StateSnapshot State(const std::string& ruri) {
-    return fleet_.Find(ruri)->state.Snapshot(fleet::RobotState::Parts::kAll);
+  robot::StateSnapshot State(const std::string& ruri) {
+    return fleet_.Find(ruri)->state.Snapshot(robot::RobotState::Parts::kAll);
   }
 
   testing::ManualClock clock_;
@@ -94,7 +94,7 @@ TEST_F(SeedTest, RobotsComeWithWhatTheirReportsSay) {
   commit(4, run("third", 300, model::MissionStatus::kComplete));
   commit(5, run("first", 4250, model::MissionStatus::kRunning));
   ASSERT_TRUE(seed_.Run(2).ok());
-  fleet_.Find("rcan://a")->state.LookAt([&](const fleet::StateView& view) {
+  fleet_.Find("rcan://a")->state.LookAt([&](const robot::StateView& view) {
     EXPECT_EQ(view.reported.booted_at, told_at - std::chrono::seconds(100));
     const auto& runs = view.reported.open_runs.items();
     ASSERT_EQ(runs.size(), 2U);
@@ -102,7 +102,7 @@ TEST_F(SeedTest, RobotsComeWithWhatTheirReportsSay) {
     EXPECT_EQ(runs.back().second, 42.5);
     EXPECT_EQ(runs.front().second, 2);
   });
-  fleet_.Find("rcan://b")->state.LookAt([&](const fleet::StateView& view) {
+  fleet_.Find("rcan://b")->state.LookAt([&](const robot::StateView& view) {
     EXPECT_FALSE(view.reported.booted_at);
     EXPECT_TRUE(view.reported.open_runs.items().empty());
   });
@@ -132,7 +132,7 @@ TEST_F(SeedTest, RobotsComeWithTheirLastCheckpoint) {
   ASSERT_TRUE(seed_.Run(2).ok());
   EXPECT_EQ(State("rcan://a").parts.usage->reboot_count, 4U);
   EXPECT_EQ(State("rcan://a").last_sign_of_life, FromUnixMs(1'763'683'200'000));
-  EXPECT_EQ(State("rcan://a").presence, fleet::Presence::kUnknown);
+  EXPECT_EQ(State("rcan://a").presence, robot::Presence::kUnknown);
   EXPECT_FALSE(State("rcan://b").last_sign_of_life);
   EXPECT_EQ(seed_.live_left_out(), 0U);
 }

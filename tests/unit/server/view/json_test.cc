@@ -36,8 +36,8 @@ RobotView EmptyRobot() {
   return robot;
 }
 
-fleet::LiveParts EveryPart() {
-  fleet::RobotState state(SteadyTime(), SteadyTime(), FromUnixMs(0));
+robot::LiveParts EveryPart() {
+  robot::RobotState state(SteadyTime(), SteadyTime(), FromUnixMs(0));
   std::vector<model::Record> records;
   records.push_back(uplink::test::RecordOf(model::MotionTelemetry{
       .unix_time_ms = 11,
@@ -72,7 +72,7 @@ fleet::LiveParts EveryPart() {
   records.push_back(uplink::test::RecordOf(model::SpatialDirectiveStatus{
       .directive_id = "d1", .last_eval_time_ms = 18, .active = true, .inside_zone = true}));
   state.Apply(records, {});
-  return state.Snapshot(fleet::RobotState::Parts::kAll).parts;
+  return state.Snapshot(robot::RobotState::Parts::kAll).parts;
 }
 
 TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
@@ -85,7 +85,7 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
 
 TEST(Json, ARobotWithEveryPart) {
   RobotView robot = EmptyRobot();
-  robot.state.presence = fleet::Presence::kOnline;
+  robot.state.presence = robot::Presence::kOnline;
   robot.state.last_sign_of_life = FromUnixMs(2000);
   robot.state.clock_skew_ms = -250;
   robot.state.fields_dropped = 3;

@@ -63,14 +63,14 @@ TEST_F(QueriesTest, ATokenStaysValidWhileRobotsAreAdded) {
 
 TEST_F(QueriesTest, FiltersByFleetAndPresence) {
   world_.AddRobot("rcan://a", "north");
-  fleet::Robot& online = world_.AddRobot("rcan://b", "north");
+  robot::Robot& online = world_.AddRobot("rcan://b", "north");
   world_.AddRobot("rcan://c", "south");
   online.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
                           world_.fleet.presence_limits());
   RobotsQuery query;
   query.fleet = "north";
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://a", "rcan://b"));
-  query.presence = fleet::Presence::kOnline;
+  query.presence = robot::Presence::kOnline;
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://b"));
   query.fleet = "south";
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre());

@@ -78,7 +78,7 @@ TEST_F(StoredQueriesTest, AListAsksTheStoreOnlyForThePartsThatAreWanted) {
 }
 
 TEST_F(StoredQueriesTest, LivePartsAreCopiedOnlyIfOneIsWanted) {
-  fleet::Robot& robot = world_.AddRobot("rcan://a");
+  robot::Robot& robot = world_.AddRobot("rcan://a");
   std::vector<model::Record> records;
   records.push_back(test::RecordOf(model::MotionTelemetry{.unix_time_ms = 1}));
   robot.state.Apply(records, {});

@@ -1,14 +1,12 @@
-#include "server/session/robot_sessions.h"
+#include "server/robot/robot_sessions.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "schema/base/check.h"
-#include "server/session/mutation.h"
+#include "server/robot/mutation.h"
 
-namespace uplink::session {
-
-using journal::StreamRef;
+namespace uplink::robot {
 
 RobotSessions::Numbering* RobotSessions::Find(const model::SessionId& session) {
   const auto found = sessions_.find(session);
@@ -217,4 +215,4 @@ void RobotSessions::Sweep(SteadyTime now, milliseconds idle) {
   contested_ = takeovers_.size() > kTakeoversPerMinuteMax;
 }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -5,7 +5,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/presence.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 
 using model::Presence;
 
@@ -34,4 +34,4 @@ struct PresenceFacts {
 /// Whether the robot is there: a pure function. A stream that opens or closes changes nothing.
 [[nodiscard]] Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits);
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

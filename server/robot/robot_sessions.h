@@ -15,12 +15,12 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
-#include "server/journal/journal.h"
-#include "server/journal/wake.h"
-#include "server/session/ack_window.h"
-#include "server/session/limits.h"
+#include "server/robot/ack_window.h"
+#include "server/robot/commit_client.h"
+#include "server/robot/limits.h"
+#include "server/robot/wake.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
 /// A number that was rejected, as the agent is told.
 struct RejectedSeq {
@@ -76,11 +76,11 @@ struct SessionView {
 };
 
 /// The sessions of one robot in memory: their numbers, ack windows and remembered Rejects, and
-/// which stream is the robot's. Outlives streams; as a journal::Client it learns of commits.
+/// which stream is the robot's. Outlives streams; as a CommitClient it learns of commits.
 ///
 /// Thread: thread-safe by one mutex, never held across a call out. What only the robot's stream
 /// may call says so.
-class RobotSessions final : public journal::Client {
+class RobotSessions final : public CommitClient {
  public:
   RobotSessions() = default;
 
@@ -89,24 +89,24 @@ class RobotSessions final : public journal::Client {
   struct Attached {
     StreamPlace place = StreamPlace::kCurrent;
     /// Streams that must be woken: they were superseded.
-    std::vector<journal::StreamRef> to_wake;
+    std::vector<StreamRef> to_wake;
     /// This attach took over from another stream.
     bool took_over = false;
     /// The robot changes hands more than kTakeoversPerMinuteMax times a minute.
     bool contested = false;
   };
   /// A new stream wants the robot. An older one is superseded and must confirm by Detach first.
-  [[nodiscard]] Attached Attach(journal::StreamRef stream, SteadyTime now, SystemTime system_now);
-  [[nodiscard]] StreamPlace PlaceOf(journal::StreamRef stream) const;
+  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
+  [[nodiscard]] StreamPlace PlaceOf(StreamRef stream) const;
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
-  journal::StreamRef Detach(journal::StreamRef stream, SteadyTime now);
+  StreamRef Detach(StreamRef stream, SteadyTime now);
 
   // --- The robot's stream ---
 
   struct Begun {
     /// The id under which OpenStream is to be asked for.
     std::uint64_t open_id = 0;
-    /// Goes with every record of the stream (journal::Journal::Append).
+    /// Goes with every record of the stream (Journal::Append).
     std::uint64_t generation = 0;
   };
   /// Opens the session on the robot's stream; creates it, forgetting the least recently used idle
@@ -157,13 +157,12 @@ class RobotSessions final : public journal::Client {
   /// Forgets sessions that had no stream for `idle` and wait for nothing.
   void Sweep(SteadyTime now, milliseconds idle);
 
-  // --- journal::Client ---
+  // --- CommitClient ---
 
-  journal::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override;
-  journal::StreamRef OnSettled(std::span<const journal::Settled> settled,
-                               metrics::Ledger& ledger) override;
-  journal::StreamRef OnGapsWritten(std::size_t count) override;
-  journal::StreamRef OnFenced(metrics::Ledger& ledger) override;
+  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override;
+  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) override;
+  StreamRef OnGapsWritten(std::size_t count) override;
+  StreamRef OnFenced(metrics::Ledger& ledger) override;
   [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
 
  private:
@@ -188,14 +187,13 @@ class RobotSessions final : public journal::Client {
   bool MakeRoom();
   bool NoteTakeover(SteadyTime now);
   static void RememberIn(Numbering& numbering, RejectedSeq rejected);
-  static void Count(const journal::Settled& settled, Numbering& numbering,
-                    metrics::UplinkCounts& counts);
+  static void Count(const Settled& settled, Numbering& numbering, metrics::UplinkCounts& counts);
 
   mutable std::mutex mutex_;
   std::map<model::SessionId, Numbering> sessions_;
-  journal::StreamRef current_;
+  StreamRef current_;
   /// Waits for the current one to confirm its end.
-  journal::StreamRef next_;
+  StreamRef next_;
   /// The current stream must stop: superseded by next_, or fenced.
   bool current_superseded_ = false;
   bool contested_ = false;
@@ -214,4 +212,4 @@ class RobotSessions final : public journal::Client {
   std::atomic<std::uint64_t> generation_{1};
 };
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

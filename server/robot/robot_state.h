@@ -11,11 +11,11 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
-#include "server/fleet/live_parts.h"
-#include "server/fleet/presence.h"
+#include "server/robot/live_parts.h"
+#include "server/robot/presence.h"
 #include "storage/live_row.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 
 /// A robot's state as it is now, copied for a reader. A value.
 struct StateSnapshot {
@@ -192,4 +192,4 @@ class RobotState final {
   std::uint64_t keys_evicted_ = 0;
 };
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -1,8 +1,8 @@
-#include "server/session/ack_window.h"
+#include "server/robot/ack_window.h"
 
 #include <gtest/gtest.h>
 
-namespace uplink::session {
+namespace uplink::robot {
 namespace {
 
 TEST(AckWindowTest, BeginsSettledUpToWhereItStarts) {
@@ -104,4 +104,4 @@ TEST(AckWindowDeathTest, ANumberAtOrBelowTheHighestSeenIsOurBug) {
 }
 
 }  // namespace
-}  // namespace uplink::session
+}  // namespace uplink::robot

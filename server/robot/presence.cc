@@ -1,6 +1,6 @@
-#include "server/fleet/presence.h"
+#include "server/robot/presence.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 
 Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   if (facts.last_sign_of_life && facts.now - *facts.last_sign_of_life <= limits.timeout) {
@@ -18,4 +18,4 @@ Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   return Presence::kOffline;
 }
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

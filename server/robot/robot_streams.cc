@@ -1,11 +1,9 @@
 // Which stream is the robot's: attaching, taking over, detaching.
 #include <utility>
 
-#include "server/session/robot_sessions.h"
+#include "server/robot/robot_sessions.h"
 
-namespace uplink::session {
-
-using journal::StreamRef;
+namespace uplink::robot {
 
 RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
                                               SystemTime system_now) {
@@ -67,4 +65,4 @@ StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
   return current_;
 }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

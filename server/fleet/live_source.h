@@ -6,7 +6,7 @@
 
 #include "storage/live_row.h"
 
-namespace uplink::journal {
+namespace uplink::fleet {
 
 /// The live states that a journal checkpoints, in rounds. Called on the journal's writer thread,
 /// with no lock held.
@@ -25,4 +25,4 @@ class LiveSource {
   virtual void PassedOver(const storage::LiveRow& row) = 0;
 };
 
-}  // namespace uplink::journal
+}  // namespace uplink::fleet

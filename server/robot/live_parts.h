@@ -14,7 +14,7 @@
 #include "schema/model/rcan.h"
 #include "schema/model/record.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 
 /// Keys that a robot's live state keeps (validation rules: what is kept per robot).
 inline constexpr std::size_t kExtrasMax = 1024;
@@ -115,4 +115,4 @@ struct LiveParts {
 /// durable kind is a mistake of ours.
 std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived = {});
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

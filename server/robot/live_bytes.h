@@ -4,10 +4,10 @@
 #include <string>
 
 #include "schema/judge.h"
-#include "server/fleet/robot_state.h"
+#include "server/robot/robot_state.h"
 #include "storage/live_row.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 
 /// Bytes of one part in a checkpoint. Of a part that holds more, the keys that were updated last
 /// are kept as far as they fit.
@@ -27,4 +27,4 @@ struct LiveRead {
 [[nodiscard]] LiveRead FromRow(const storage::LiveRow& row, schema::Judge& judge);
 [[nodiscard]] schema::JudgeLimits JudgeLimitsOfLive();
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -2,12 +2,10 @@
 #include <utility>
 
 #include "schema/base/check.h"
-#include "server/session/mutation.h"
-#include "server/session/robot_sessions.h"
+#include "server/robot/mutation.h"
+#include "server/robot/robot_sessions.h"
 
-namespace uplink::session {
-
-using journal::StreamRef;
+namespace uplink::robot {
 
 StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
@@ -16,7 +14,7 @@ StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResu
   return current_;
 }
 
-void RobotSessions::Count(const journal::Settled& settled, Numbering& numbering,
+void RobotSessions::Count(const Settled& settled, Numbering& numbering,
                           metrics::UplinkCounts& counts) {
   const auto reject = [&counts](model::RejectReason reason) {
     ++counts.rejected;
@@ -49,13 +47,12 @@ void RobotSessions::Count(const journal::Settled& settled, Numbering& numbering,
   UPLINK_CHECK(false, "fenced records are told by OnFenced");
 }
 
-StreamRef RobotSessions::OnSettled(std::span<const journal::Settled> settled,
-                                   metrics::Ledger& ledger) {
+StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) {
   metrics::UplinkCounts counts;
   StreamRef wake;
   {
     const std::lock_guard lock(mutex_);
-    for (const journal::Settled& one : settled) {
+    for (const Settled& one : settled) {
       Numbering* numbering = Find(one.session);
       if (numbering == nullptr) continue;
       const std::size_t before = numbering->window.waiting();
@@ -99,4 +96,4 @@ StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
   return wake;
 }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace uplink::session {
+namespace uplink::robot {
 
 /// Faults that the simulation plants one at a time, to show that it would find them.
 enum class Mutation : std::uint8_t {
@@ -24,4 +24,4 @@ enum class Mutation : std::uint8_t {
 [[nodiscard]] constexpr bool Planted(Mutation /*mutation*/) { return false; }
 #endif
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -1,4 +1,4 @@
-#include "server/fleet/robot_state.h"
+#include "server/robot/robot_state.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 namespace {
 
 using ::testing::ElementsAre;
@@ -322,4 +322,4 @@ TEST_F(RobotStateTest, RunsThatEndedBeforeTheStoreWasReadStayEnded) {
 }
 
 }  // namespace
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -1,4 +1,4 @@
-#include "server/fleet/live_bytes.h"
+#include "server/robot/live_bytes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "tests/support/records.h"
 #include "tests/support/vector_files.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 namespace {
 
 using storage::LivePart;
@@ -184,4 +184,4 @@ TEST_F(LiveBytesTest, WhatCannotBeReadIsLeftOutAndCounted) {
 }
 
 }  // namespace
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -1,11 +1,11 @@
-#include "server/fleet/live_parts.h"
+#include "server/robot/live_parts.h"
 
 #include <utility>
 #include <variant>
 
 #include "schema/base/check.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 namespace {
 
 /// The key under which a consumable is held and shown: `kind/tankId`.
@@ -66,4 +66,4 @@ std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived) {
   return std::visit(Put{parts, arrived}, std::move(body));
 }
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

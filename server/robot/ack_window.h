@@ -5,7 +5,7 @@
 
 #include "schema/model/ids.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
 /// Which numbers of a session wait for a commit. Confined to its owner's lock.
 ///
@@ -45,4 +45,4 @@ class AckWindow final {
   model::Seq through_ = 0;
 };
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

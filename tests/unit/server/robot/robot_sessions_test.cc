@@ -1,19 +1,19 @@
 // What sessions keep in memory, apart from any stream's frames.
-#include "server/session/robot_sessions.h"
+#include "server/robot/robot_sessions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/manual_clock.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class SilentInbox final : public journal::WakeInbox {
+class SilentInbox final : public WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };
@@ -28,19 +28,19 @@ class RobotSessionsTest : public ::testing::Test {
     static_cast<void>(sessions_.Attach(Stream(1), clock_.Steady(), clock_.System()));
     begun_ = *sessions_.Begin(Id(1), clock_.Steady());
   }
-  journal::StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
+  StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
   std::vector<model::Seq> Rejects(const Resume& resume) {
     std::vector<model::Seq> seqs;
     for (const RejectedSeq& rejected : resume.rejects) seqs.push_back(rejected.seq);
     return seqs;
   }
-  journal::StreamRef Settle(model::Seq seq, storage::Outcome outcome,
-                            std::optional<model::RejectReason> rejected_for = std::nullopt) {
-    const journal::Settled settled{.session = Id(1),
-                                   .seq = seq,
-                                   .outcome = std::move(outcome),
-                                   .rejected_for = rejected_for,
-                                   .arrived = clock_.Steady()};
+  StreamRef Settle(model::Seq seq, storage::Outcome outcome,
+                   std::optional<model::RejectReason> rejected_for = std::nullopt) {
+    const Settled settled{.session = Id(1),
+                          .seq = seq,
+                          .outcome = std::move(outcome),
+                          .rejected_for = rejected_for,
+                          .arrived = clock_.Steady()};
     return sessions_.OnSettled({&settled, 1}, ledger_);
   }
 
@@ -187,4 +187,4 @@ TEST_F(RobotSessionsTest, PayloadsAreKeptOnceASecondAReason) {
 }
 
 }  // namespace
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -1,10 +1,10 @@
-#include "server/session/ack_window.h"
+#include "server/robot/ack_window.h"
 
 #include <algorithm>
 
 #include "schema/base/check.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
 void AckWindow::Raise(model::Seq seq) {
   if (seq <= seen_) return;
@@ -42,4 +42,4 @@ void AckWindow::Advance() {
   through_ = std::max(through_, settled);
 }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -1,4 +1,4 @@
-#include "server/fleet/live_bytes.h"
+#include "server/robot/live_bytes.h"
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "schema/json/text.h"
 #include "schema/rcan/judge.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 namespace {
 
 using storage::LivePart;
@@ -172,4 +172,4 @@ schema::JudgeLimits JudgeLimitsOfLive() {
   return limits;
 }
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -1,10 +1,10 @@
-#include "server/fleet/presence.h"
+#include "server/robot/presence.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-namespace uplink::fleet {
+namespace uplink::robot {
 namespace {
 
 constexpr PresenceLimits kLimits{.timeout = milliseconds(10'000),
@@ -65,4 +65,4 @@ TEST(PresenceText, IsAsTheApiSpellsIt) {
 }
 
 }  // namespace
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -1,10 +1,10 @@
-#include "server/fleet/robot_state.h"
+#include "server/robot/robot_state.h"
 
 #include <utility>
 
 #include "schema/base/check.h"
 
-namespace uplink::fleet {
+namespace uplink::robot {
 namespace {
 
 /// The part that a live message changes.
@@ -234,4 +234,4 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
   return snapshot;
 }
 
-}  // namespace uplink::fleet
+}  // namespace uplink::robot

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "schema/model/rejection.h"
+#include "server/robot/wake.h"
+#include "storage/store.h"
+
+namespace uplink::robot {
+
+/// One durable message whose place in the store is decided.
+struct Settled {
+  model::SessionId session;
+  model::Seq seq = 0;
+  storage::Outcome outcome;
+  /// The reason with which judgement rejected it; nothing for a good record.
+  std::optional<model::RejectReason> rejected_for;
+  SteadyTime arrived;
+};
+
+/// A robot as the journal sees it: what is told when its stream was opened or its records are
+/// settled. Lives as long as the process. Called on the journal's writer thread, with no lock held.
+class CommitClient {
+ public:
+  virtual ~CommitClient() = default;
+  /// The stream `open_id` was opened. Returns the stream to wake.
+  virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
+  /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
+  /// wake.
+  virtual StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
+  /// Gap records of this robot left the journal. Returns the stream to wake.
+  virtual StreamRef OnGapsWritten(std::size_t count) = 0;
+  /// Another process holds the robot, or held it since this one's last OpenStream: forget its
+  /// sessions and all that waits, counted superseded; generation() has grown on return. Returns the
+  /// stream to wake.
+  virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
+  /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
+  [[nodiscard]] virtual std::uint64_t generation() const = 0;
+};
+
+}  // namespace uplink::robot

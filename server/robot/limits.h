@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace uplink::robot {
+
+/// Rejects that session memory remembers for the next Welcome (protocol: Numbers).
+inline constexpr std::size_t kRejectsRememberedMax = 256;
+/// Sessions of one robot in memory (protocol: Numbers).
+inline constexpr std::size_t kSessionsMax = 8;
+/// Takeovers within a minute above which a robot is flagged as contested.
+inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
+/// Distinct fields for which a robot's Notices are paced; further fields share one slot.
+inline constexpr std::size_t kNoticeFieldsMax = 64;
+
+}  // namespace uplink::robot

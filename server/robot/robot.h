@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "schema/base/clock.h"
+#include "server/robot/robot_sessions.h"
+#include "server/robot/robot_state.h"
+#include "storage/types.h"
+
+namespace uplink::robot {
+
+/// Told of each change of a robot's presence, a robot's in order. Called on any thread, under a
+/// lock of the robot: short, and never back into the fleet.
+using PresenceChanged =
+    std::function<void(const storage::RobotRef& robot, Presence presence, SystemTime at)>;
+
+/// One robot that this process knows. Never destroyed before the process ends, so plain pointers to
+/// it are safe on every thread. Its parts are thread-safe.
+class Robot final {
+ public:
+  /// `changed` outlives the robot.
+  Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
+        const PresenceChanged& changed);
+
+  /// Identity now. The fleet part may change when the robot gets a certificate of another fleet.
+  [[nodiscard]] storage::RobotRef id() const;
+  void SetFleet(std::string_view fleet);
+  [[nodiscard]] const std::string& ruri() const { return ruri_; }
+
+  RobotState state;
+  RobotSessions sessions;
+
+ private:
+  const std::string ruri_;
+  mutable std::mutex mutex_;
+  storage::RobotRef id_;
+};
+
+}  // namespace uplink::robot
