@@ -27,8 +27,8 @@ class RelayBench final {
   /// Starts uplinkd with these settings in its environment (`UPLINKD_...=`).
   explicit RelayBench(std::vector<std::string> environment);
 
-  /// Two rows: durable records a second, and the server's CPU for each. `comparator` runs a bare
-  /// loop for so many seconds and returns its rows a second.
+  /// Two rows: durable records per second, and the server's CPU for each. `comparator` runs a bare
+  /// loop for so many seconds and returns its rows per second.
   struct Durable {
     Row rate;
     Row cpu;

@@ -131,7 +131,7 @@ class RelayBench final {
     return cost;
   }
 
-  /// The server under test, and then each comparator, by turns.
+  /// The server under test, and then each comparator, one after the other.
   void Cost(const std::string& scenario, const Kinds& comparators, std::size_t frame_messages,
             std::size_t robots, const Act& act) {
     if (!Wanted(scenario)) return;

@@ -26,7 +26,7 @@ inline constexpr int kLoadCore = 1;
 /// Binds this thread, and what it starts, to a core; false if the machine has none of that number.
 bool PinTo(int core);
 
-/// Robots' certificates, and whom servers and robots trust; for a whole run.
+/// Robots' certificates, and which authorities servers and robots trust; for a whole run.
 struct World {
   /// Makes certificates until there are so many.
   void MakeRobots(std::size_t robots);

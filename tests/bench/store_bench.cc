@@ -39,7 +39,7 @@ struct Arguments {
 /// Commits one batch and returns its rows.
 using Committer = std::function<std::size_t()>;
 
-/// Runs every committer on a thread of its own; returns rows a second.
+/// Runs every committer on a thread of its own; returns rows per second.
 double Measure(std::vector<Committer> committers, int seconds) {
   const SystemClock clock;
   std::atomic<std::size_t> rows{0};

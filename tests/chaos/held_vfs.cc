@@ -141,7 +141,7 @@ int SectorSize(sqlite3_file* base) { return Of(base).usual->pMethods->xSectorSiz
 int DeviceCharacteristics(sqlite3_file* base) {
   return Of(base).usual->pMethods->xDeviceCharacteristics(Of(base).usual);
 }
-// The index of the WAL is memory: a kill leaves it, and SQLite makes it anew.
+// The index of the WAL is memory: a kill leaves it, and SQLite makes a new one.
 int ShmMap(sqlite3_file* base, int region, int size, int extend, void volatile** memory) {
   return Of(base).usual->pMethods->xShmMap(Of(base).usual, region, size, extend, memory);
 }

@@ -2,7 +2,7 @@
 
 #include "tests/contract/present_contract.h"
 
-/// The bound of shapes and objects a robot.
+/// The bound of shapes and objects per robot.
 namespace uplink::testing {
 namespace {
 

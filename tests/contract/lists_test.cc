@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-/// A row of any list: which item of the test it is, and of whom.
+/// A row of any list: which item of the test it is, and of which robot.
 struct Seen {
   int item = 0;
   model::RobotId robot;

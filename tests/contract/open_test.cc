@@ -143,7 +143,7 @@ TEST_P(StoreContract, ForgetsTheSessionThatWasUsedLongestAgo) {
     record.received_at = Time(number);
     Commit({record});
   }
-  // Session 1 is used anew, so that 2 is the oldest.
+  // Session 1 is used again, so that 2 is the oldest.
   storage::OpenRequest request = Request();
   request.at = Time(100);
   Open(request);

@@ -86,7 +86,7 @@ class Campaign:
         self.acked = self.stored = 0
 
     def start_server(self):
-        """In SQLite's rounds by turns the program itself, and the one that loses what is not synced."""
+        """With SQLite alternately the program itself and the one that loses what is not synced."""
         programs = ["uplinkd"]
         if self.canary:
             programs = [CANARIES[self.canary]]

@@ -22,7 +22,7 @@ class Crash(EndToEnd):
             server, "--robots", 8, "--rate", 10, "--faults", 20, "--malformed-share", 0.05, "--seed", 3
         )
         for kill in range(KILLS):
-            # The counters begin anew with each process: so many commits, then the end.
+            # The counters start from zero in each process: so many commits, then the end.
             stored = choose.randint(1, 150)
             server.wait_for_status(
                 lambda status: int(status["uplinks"]["stored"]) >= stored,

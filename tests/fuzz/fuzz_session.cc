@@ -224,7 +224,7 @@ void World::End() {
   Check();
   UPLINK_CHECK(server_->journal().idle(), "everything commits");
   UPLINK_CHECK(server_->counts().in_flight == 0, "what was taken is settled");
-  // A session that the store evicted may begin anew under its id.
+  // A session that the store evicted may begin again under its id.
   if (sessions_.size() > storage::kSessionsPerRobotMax) return;
   for (const auto& [ruri, session] : database_.Sessions()) {
     const auto& written = database_.Log(ruri, session).times_written;

@@ -11,7 +11,7 @@
 
 namespace uplink::simulation {
 
-/// The real SQLite store on a file of its own, opened anew by each process.
+/// The real SQLite store on a file of its own, opened again by each process.
 class SqliteBackend final : public Backend {
  public:
   storage::Store& Reopen(const storage::ProcessId& process) override;

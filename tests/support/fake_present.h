@@ -57,7 +57,7 @@ class FakePresent final {
            std::ranges::any_of(rows, [now](const auto& row) { return Expired(row, now); });
   }
 
-  /// Only if Takes. An id that is there keeps its place; one that has expired begins anew.
+  /// Only if Takes. An id that is there keeps its place; one that has expired becomes a new entry.
   void Upsert(const std::string& id, FakeEntry<Row> entry) {
     const SystemTime now = entry.row.received_at;
     Rows& rows = robots_[entry.row.robot.ruri];

@@ -22,7 +22,7 @@ class SwitchedReader final : public storage::Reader {
   explicit SwitchedReader(storage::Reader& reader) : reader_(reader) {}
 
   void SetAway(bool away);
-  /// Latest looks at no more than so many robots a call.
+  /// Latest looks at at most so many robots per call.
   void SetLatestMax(std::size_t robots);
   /// Calls wait until Release.
   void Hold();

@@ -2,7 +2,7 @@
 # demo.sh [--for 30s] [--robots 50] [--store sqlite|postgres] [--seed N]: a development authority,
 # an uplinkd with the embedded store or a private PostgreSQL cluster, a synthetic fleet that breaks
 # off and sends wrong things on purpose, and the comparison of what was sent, counted and stored.
-# Everything lies in build/demo, made anew; nothing is left running. Fails if anything does not add
+# Everything lies in build/demo, made afresh; nothing is left running. Fails if anything does not add
 # up.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."

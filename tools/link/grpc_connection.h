@@ -38,7 +38,7 @@ class StreamEvents {
   virtual void OnMessage(std::string_view message) = 0;
   /// What had waited was taken by the kernel.
   virtual void OnSent() = 0;
-  /// The stream, or the connection before one was opened, is over. Said once a stream.
+  /// The stream, or the connection before one was opened, is over. Said once per stream.
   virtual void OnEnded(const StreamEnd& end) = 0;
 };
 

@@ -29,8 +29,9 @@ class Identity final {
 /// What the client offers in the handshake (ALPN).
 enum class Alpn : unsigned char { kNone, kHttp2 };
 
-/// What all TLS connections of a program share: whom to trust, and what to offer. TLS 1.2 and 1.3,
-/// no tickets, so that every connection is a whole handshake, as after a restart of the server.
+/// What all TLS connections of a program share: which authorities to trust, and what to offer.
+/// TLS 1.2 and 1.3, no tickets, so that every connection is a whole handshake, as after a restart
+/// of the server.
 ///
 /// Thread: immutable once made; NewSession may be called from several threads.
 class TlsClient final {

@@ -35,14 +35,15 @@ class Load final {
 
   /// Connects robots until there are so many, `at_once` handshakes at a time.
   void ConnectUpTo(std::size_t robots, std::size_t at_once);
-  /// Each robot sends this many messages, one a frame; waits until the server has acked nearly all.
+  /// Each robot sends this many messages, one per frame; waits until the server has acked nearly
+  /// all.
   void SendEach(std::size_t messages);
-  /// Evenly spread: so many frames a second over all robots, in turn.
+  /// Evenly spread: so many frames per second over all robots, in turn.
   void Pace(double frames_a_second, std::size_t frame_messages, milliseconds duration);
   /// Each robot keeps `ahead` messages unacked.
   void Flood(std::size_t ahead, std::size_t frame_messages, milliseconds duration);
   /// Connects all robots again, each until it is welcomed, with `at_once` at a time: the server was
-  /// started anew. Gives up after `patience`.
+  /// started again. Gives up after `patience`.
   [[nodiscard]] bool ConnectAgain(std::size_t at_once, milliseconds patience);
 
   /// What all robots sent, and what of it is acked.

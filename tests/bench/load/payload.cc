@@ -35,7 +35,7 @@ std::string StatusAt(std::int64_t time_ms, double step) {
   return schema::Encode(status);
 }
 
-/// Motion and status by turns: 150 bytes and a little on average.
+/// Alternately motion and status: a little over 150 bytes on average.
 std::array<std::string, kPayloads> MakePayloads() {
   std::array<std::string, kPayloads> payloads;
   for (std::size_t i = 0; i < kPayloads; ++i) {

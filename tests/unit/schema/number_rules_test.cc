@@ -17,7 +17,7 @@ using model::RejectReason;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// One number of a message, with values that are good and values at fault. NaN and the infinities
+/// One number of a message, with valid and invalid values. NaN and the infinities
 /// are tried for every field.
 struct NumberCase {
   std::string name;

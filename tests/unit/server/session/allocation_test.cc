@@ -24,7 +24,7 @@ std::string Status(const std::string& text) {
 
 class AllocationTest : public ::testing::Test {
  protected:
-  /// Frames of these payloads by turns, numbered on, serialized beforehand.
+  /// Frames of these payloads alternately, numbered on, serialized beforehand.
   std::vector<std::string> Frames(const std::vector<std::string>& payloads, std::size_t frames,
                                   std::size_t frame_messages) {
     std::vector<std::string> made;
