@@ -74,22 +74,23 @@ class ScenarioFlags {
  public:
   explicit ScenarioFlags(CLI::App& app) {
     app.add_option("--scenario", name_, ScenarioHelp())->capture_default_str();
-    robots_ = AddNumber(app, "--robots", given_.robots, kRobotsNumber, "");
+    robots_ = AddNumber(app, "--robots", given_.robots, kRobotsNumber, "How many");
     Phase& phase = given_.phases.front();
     rate_ = AddNumber(app, "--rate", phase.options.rate_hz, kRateNumber,
-                      "Motion messages a second and robot");
+                      "Motion messages per second and robot");
     faults_ = AddNumber(app, "--faults", phase.options.faults_hz, kFaultsNumber,
-                        "Fault reports a second and robot");
+                        "Fault reports per second and robot");
     pace_ = AddNumber(app, "--pace", phase.options.pace, kPaceNumber,
-                      "How much faster than the clock everything but motion and status goes on");
+                      "How many times as often everything but motion, status and faults comes");
     rcan_ = AddNumber(app, "--rcan-share", phase.options.rcan_share, kRcanNumber,
                       "Share of the robots that send RCAN Robot States with six joints");
     batch_ = AddNumber(app, "--batch", phase.batch, kBatchNumber,
-                       "Messages that are gathered for a frame, up to 1 s");
-    malformed_ = AddNumber(app, "--malformed-share", phase.options.malformed_share,
-                           kMalformedNumber, "Share of ticks in which something wrong is sent");
+                       "Messages that are gathered for one frame, for at most 1 s");
+    malformed_ =
+        AddNumber(app, "--malformed-share", phase.options.malformed_share, kMalformedNumber,
+                  "Share of ticks in which an invalid message is sent, too");
     breaks_ = AddNumber(app, "--breaks-per-minute", phase.trouble.breaks_per_minute, kBreaksNumber,
-                        "How often a robot breaks its stream off");
+                        "How often each robot breaks its stream off");
   }
 
   [[nodiscard]] absl::StatusOr<Scenario> Read() const {
@@ -144,7 +145,7 @@ std::optional<Flags> ReadFlags(int argc, char** argv, int& code) {
   app.add_option("--target", swarm.target, "The server's relay listener")
       ->capture_default_str()
       ->check(IsAddress());
-  app.add_option("--http", flags.http, "The server's HTTP listener, to verify")
+  app.add_option("--http", flags.http, "The server's HTTP listener, for the comparison")
       ->capture_default_str()
       ->check(IsAddress());
   app.add_option("--pki", swarm.pki_directory,
@@ -162,11 +163,15 @@ std::optional<Flags> ReadFlags(int argc, char** argv, int& code) {
       ->capture_default_str()
       ->check(IsDuration());
   std::string seed = "1";
-  app.add_option("--seed", seed)->capture_default_str()->check(IsSeed());
-  app.add_option("--threads", swarm.threads)
+  app.add_option("--seed", seed, "The same seed sends the same messages")
+      ->capture_default_str()
+      ->check(IsSeed());
+  app.add_option("--threads", swarm.threads, "Threads that drive the robots")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, kThreadsMax));
-  app.add_option("--report", report)->capture_default_str()->check(CLI::IsMember({"text", "json"}));
+  app.add_option("--report", report, "Form of the report")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"text", "json"}));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -52,7 +52,7 @@ std::string LatencyLine(const char* what, const Histogram& histogram) {
 std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& figures) {
   const double sent = static_cast<double>(std::max<std::uint64_t>(figures.sent_while_measured, 1));
   return fmt::format(
-      "{}: {:.2f} s of CPU, {:.0f} % of a core, {:.1f} us a message; {:.0f} MiB\n", name,
+      "{}: {:.2f} s of CPU, {:.0f} % of a core, {:.1f} us per message; {:.0f} MiB\n", name,
       use.cpu_seconds, 100 * use.cpu_seconds / std::max(figures.seconds, 0.001),
       use.cpu_seconds * kMicrosASecond / sent, static_cast<double>(use.rss_bytes) / kBytesAMiB);
 }

@@ -32,8 +32,8 @@ TEST(ReportTest, TheTextHoldsLatencyAndCost) {
               AllOf(HasSubstr("5 connections"), HasSubstr("2 takeovers"),
                     HasSubstr("durable, due to acked: p50 4.00 ms, p90 4.00 ms"),
                     HasSubstr("max 4.00 ms (1 messages)"), Not(HasSubstr("live, due")),
-                    HasSubstr("server: 0.02 s of CPU, 0 % of a core, 20.0 us a message; 64 MiB"),
-                    HasSubstr("fleet: 0.50 s of CPU, 5 % of a core, 500.0 us a message; 32 MiB"),
+                    HasSubstr("server: 0.02 s of CPU, 0 % of a core, 20.0 us per message; 64 MiB"),
+                    HasSubstr("fleet: 0.50 s of CPU, 5 % of a core, 500.0 us per message; 32 MiB"),
                     Not(HasSubstr("too slow"))));
 }
 
