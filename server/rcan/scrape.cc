@@ -48,10 +48,10 @@ void RobotScrape::Fill() {
   }
   sources_.probe.series.Set(static_cast<std::int64_t>(page_.samples()));
   sources_.probe.robots_left_out.Set(static_cast<std::int64_t>(left_out));
-  NoteLeftOut(left_out);
+  LogLeftOut(left_out);
 }
 
-void RobotScrape::NoteLeftOut(std::size_t robots) {
+void RobotScrape::LogLeftOut(std::size_t robots) {
   if (robots == 0) return;
   left_out_.Write(log::Level::kWarn, "rcan_robots_left_out",
                   {{"robots", robots}, {"series_max", sources_.config.series_max}});

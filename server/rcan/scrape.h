@@ -65,7 +65,7 @@ class RobotScrape final {
 
  private:
   void Fill();
-  void NoteLeftOut(std::size_t robots);
+  void LogLeftOut(std::size_t robots);
   [[nodiscard]] const std::vector<robot::Robot*>& Robots();
 
   const Sources sources_;

@@ -88,11 +88,11 @@ void Call::OnRead(bool ok) {
     half_close_at_ = queue_.now() + kTimerTick;
     return;
   }
-  TakeFrame();
+  HandleFrame();
   received_.Clear();
 }
 
-void Call::TakeFrame() {
+void Call::HandleFrame() {
   // The length first: a frame over the limit is never copied.
   const std::size_t bytes = received_.Length();
   if (bytes > queue_.parts().limits.frame_bytes_max) return session_->OnFrameTooLarge(bytes);

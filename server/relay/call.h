@@ -66,7 +66,7 @@ class Call final : public session::FrameSource, public session::FrameSink {
   void OnFinished(bool ok);
 
   [[nodiscard]] absl::Status Admit();
-  void TakeFrame();
+  void HandleFrame();
   void LogRefusal(const absl::Status& status);
   void StartFinish();
   void Break();

@@ -181,10 +181,10 @@ void GrpcConnection::OnHeader(std::string_view name, std::string_view value) {
 void GrpcConnection::OnData(std::string_view bytes) {
   if (!streaming_ || ended_) return;
   in_.append(bytes);
-  TakeMessages();
+  DeliverMessages();
 }
 
-void GrpcConnection::TakeMessages() {
+void GrpcConnection::DeliverMessages() {
   std::size_t at = 0;
   while (in_.size() - at >= kPrefixBytes) {
     const std::string_view rest = std::string_view(in_).substr(at);

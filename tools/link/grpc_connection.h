@@ -92,7 +92,7 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
   std::size_t TakeBody(std::uint8_t* to, std::size_t max, bool& end) override;
 
   void Flush();
-  void TakeMessages();
+  void DeliverMessages();
   void TellEnd();
   void TellEndLater();
 
