@@ -303,8 +303,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = 10 * kSecond,
      .max = 30 * kDay,
      .zero = "never",
-     .effect = Effect::kNone,
-     .text = "The age at which a connection is ended, so that agents spread over servers again.",
+     .text = "The age at which a connection is ended, with up to 10 s of grace, so that agents "
+             "spread over servers again.",
      UPLINK_BIND(limits, LimitsConfig, connection_age_max)},
 
     {.section = "presence",
