@@ -1,18 +1,12 @@
 #!/usr/bin/env bash
-# lint.sh [--all]: format, shellcheck, the tidy test and clang-tidy, each to its end before the
-# verdict. clang-tidy skips what it has passed before with the same content; files that hold gRPC
-# take it minutes each and are left to --all.
+# lint.sh: format, shellcheck, the tidy test and clang-tidy, each to its end before the verdict.
+# clang-tidy skips what it has passed before with the same content (tools/dev/lint/README.md).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 # shellcheck source=tools/dev/lib.sh
 source tools/dev/lib.sh
 
-all=()
-case "${1:-}" in
-  --all) all=(--all) ;;
-  '') ;;
-  *) die_usage "lint takes --all or nothing" ;;
-esac
+[[ $# -eq 0 ]] || die_usage "lint takes no arguments"
 need_packages
 
 readonly build=build/lint
@@ -34,20 +28,18 @@ check_shell() {
 }
 
 check_clang_tidy() {
-  mkdir -p "$build/passed"
-  # clang as compiler: the database then holds only flags that clang-tidy knows. Without
-  # precompiled headers, which g++ or another clang may have written.
+  mkdir -p "$build"
+  # clang as compiler: the database then holds only flags that clang-tidy knows. Without the
+  # precompiled headers of the targets, which g++ or another clang may have written.
   cmake --preset dev -B "$build" -DCMAKE_C_COMPILER=clang-14 -DCMAKE_CXX_COMPILER=clang++-14 \
-    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >"$build/configure.log" 2>&1 || {
+    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DUPLINK_LINT=ON >"$build/configure.log" 2>&1 || {
     cat "$build/configure.log" >&2
     return 1
   }
   ninja -C "$build" -t targets all |
     sed -n 's/^\(.*\.\(pb\|capnp\)\.h\): CUSTOM_COMMAND$/\1/p' |
-    xargs -r ninja -C "$build" >/dev/null || return 1
-  python3 tools/dev/tidy_files.py --database "$build/compile_commands.json" \
-    --passed "$build/passed" "${all[@]}" |
-    xargs -0 -r -n 2 -P 2 tools/dev/clang_tidy_one.sh "$build"
+    xargs -r ninja -C "$build" uplink_lint_scope >/dev/null || return 1
+  PYTHONDONTWRITEBYTECODE=1 python3 tools/dev/lint/clang_tidy.py "$build"
 }
 
 step "format (./dev format repairs it)" check_format
