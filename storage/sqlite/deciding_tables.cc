@@ -133,8 +133,10 @@ absl::Status Tables::Prepare(Database& database) {
   if (status.ok()) status = set_aside.Prepare(database);
   if (status.ok()) status = history.Prepare(database);
   if (status.ok()) status = missions.Prepare(database);
-  if (status.ok()) status = shapes.Prepare(database);
-  if (status.ok()) status = objects.Prepare(database);
+  if (status.ok()) status = spatial.Prepare(database);
+  for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
+    if (status.ok()) status = present_rows(kind).Prepare(database, kind);
+  }
   if (status.ok()) status = latest.Prepare(database);
   if (status.ok()) status = presence.Prepare(database);
   if (status.ok()) status = retention.Prepare(database);

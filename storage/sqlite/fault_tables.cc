@@ -1,4 +1,3 @@
-#include "schema/base/check.h"
 #include "storage/numbers.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/tables.h"
@@ -12,9 +11,6 @@ absl::Status FaultTables::Prepare(Database& database) {
                "INSERT INTO faults_history (ruri, received_ms, entry, fleet, session, seq,"
                " sampled_ms, fault_id, source, severity, active, category, description,"
                " suggested_action) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  prepare.Into(is_active_,
-               "SELECT 1 FROM faults_active WHERE ruri = ? AND fault_id = ? AND source = ?");
-  prepare.Into(count_active_, "SELECT COUNT(*) FROM faults_active WHERE ruri = ?");
   prepare.Into(raise_,
                "INSERT INTO faults_active (ruri, fault_id, source, fleet, raised_ms, entry,"
                " received_ms, sampled_ms, severity, category, description, suggested_action)"
@@ -24,7 +20,6 @@ absl::Status FaultTables::Prepare(Database& database) {
                " severity = excluded.severity, category = excluded.category,"
                " description = excluded.description,"
                " suggested_action = excluded.suggested_action");
-  prepare.Into(clear_, "DELETE FROM faults_active WHERE ruri = ? AND fault_id = ? AND source = ?");
   return prepare.status();
 }
 
@@ -38,28 +33,12 @@ absl::Status FaultTables::InsertHistory(const CommitRecord& record, const model:
                               View(fault.description), View(fault.suggested_action));
 }
 
-absl::StatusOr<bool> FaultTables::IsActive(std::string_view ruri, const model::Fault& fault) {
-  return is_active_->Select(ruri, View(fault.fault_id), View(fault.source)).Next();
-}
-
-absl::StatusOr<std::size_t> FaultTables::CountActive(std::string_view ruri) {
-  Rows rows = count_active_->Select(ruri);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  UPLINK_CHECK(*found, "a count is a row");
-  return static_cast<std::size_t>(rows.Int(0));
-}
-
 absl::Status FaultTables::Raise(const CommitRecord& record, const model::Fault& fault,
                                 EntryNumber entry) {
   return raise_->Run(View(record.robot->ruri), View(fault.fault_id), View(fault.source),
                      View(record.robot->fleet), UnixMs(record.received_at), entry,
                      fault.unix_time_ms, NumberOf(fault.severity), View(fault.category),
                      View(fault.description), View(fault.suggested_action));
-}
-
-absl::Status FaultTables::Clear(std::string_view ruri, const model::Fault& fault) {
-  return clear_->Run(ruri, View(fault.fault_id), View(fault.source));
 }
 
 }  // namespace uplink::storage::sqlite

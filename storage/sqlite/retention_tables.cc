@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/types.h"
 
@@ -46,13 +47,10 @@ absl::StatusOr<std::size_t> RetentionTables::EraseSetAside(SystemTime until) {
 absl::StatusOr<std::size_t> RetentionTables::Erase(const Statements& statements, SystemTime until) {
   std::size_t erased = 0;
   for (const std::unique_ptr<Statement>& statement : statements) {
-    Rows rows = statement->Select(UnixMs(until), static_cast<std::int64_t>(kRetainRowsMax));
-    while (true) {
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
-      ++erased;
-    }
+    const absl::StatusOr<std::size_t> rows =
+        CountReturned(statement->Select(UnixMs(until), static_cast<std::int64_t>(kRetainRowsMax)));
+    if (!rows.ok()) return rows.status();
+    erased += *rows;
   }
   return erased;
 }

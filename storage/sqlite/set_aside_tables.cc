@@ -1,8 +1,7 @@
-#include <algorithm>
 #include <string>
 
-#include "schema/base/check.h"
 #include "storage/numbers.h"
+#include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/tables.h"
 
@@ -14,11 +13,9 @@ constexpr auto kNothing = std::string_view();
 /// The rows of a count over its bound; 0 if it is within.
 absl::StatusOr<std::int64_t> CountOver(Statement& count, std::string_view ruri,
                                        std::size_t rows_max) {
-  Rows rows = count.Select(ruri);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  UPLINK_CHECK(*found, "a count is a row");
-  return std::max<std::int64_t>(0, rows.Int(0) - static_cast<std::int64_t>(rows_max));
+  const absl::StatusOr<std::size_t> counted = CountOf(count, ruri);
+  if (!counted.ok()) return counted.status();
+  return *counted <= rows_max ? 0 : static_cast<std::int64_t>(*counted - rows_max);
 }
 
 }  // namespace

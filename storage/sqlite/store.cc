@@ -165,11 +165,13 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
 absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
   return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
-    const auto shapes = parts_->tables.shapes.rows().Sweep(until_ms, kSweepRowsMax);
-    if (!shapes.ok()) return shapes.status();
-    const auto objects = parts_->tables.objects.rows().Sweep(until_ms, kSweepRowsMax);
-    if (!objects.ok()) return objects.status();
-    return *shapes + *objects;
+    std::size_t swept = 0;
+    for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
+      const auto rows = parts_->tables.present_rows(kind).Sweep(until_ms, kSweepRowsMax);
+      if (!rows.ok()) return rows.status();
+      swept += *rows;
+    }
+    return swept;
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,11 +14,14 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "schema/model/reports.h"
+#include "storage/present.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_tables.h"
 #include "storage/sqlite/live_table.h"
+#include "storage/sqlite/present_rows.h"
 #include "storage/sqlite/retention_tables.h"
+#include "storage/sqlite/spatial_tables.h"
 #include "storage/sqlite/statement.h"
 #include "storage/types.h"
 
@@ -71,22 +75,19 @@ class DecidingTables final {
       open_session_, find_session_, raise_cursor_, sessions_, delete_session_;
 };
 
-/// Faults: every report, and those that are active.
+/// Faults: every report, and the raises of those that are active.
 class FaultTables final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
   [[nodiscard]] absl::Status InsertHistory(const CommitRecord& record, const model::Fault& fault,
                                            EntryNumber entry);
-  [[nodiscard]] absl::StatusOr<bool> IsActive(std::string_view ruri, const model::Fault& fault);
-  [[nodiscard]] absl::StatusOr<std::size_t> CountActive(std::string_view ruri);
   /// Keeps when and as which entry the fault was raised, if it is active already.
   [[nodiscard]] absl::Status Raise(const CommitRecord& record, const model::Fault& fault,
                                    EntryNumber entry);
-  [[nodiscard]] absl::Status Clear(std::string_view ruri, const model::Fault& fault);
 
  private:
-  std::unique_ptr<Statement> insert_history_, is_active_, count_active_, raise_, clear_;
+  std::unique_ptr<Statement> insert_history_, raise_;
 };
 
 /// Which numbers of a session to read quarantine for.
@@ -130,14 +131,18 @@ struct Tables {
   SetAsideTables set_aside;
   HistoryTables history;
   MissionTables missions;
-  ShapeTable shapes;
-  ObjectTable objects;
+  SpatialTables spatial;
+  /// By PresentKind.
+  std::array<PresentRows, kPresentKinds> present;
   LatestTable latest;
   PresenceTable presence;
   RetentionTables retention;
   LiveTable live;
 
   [[nodiscard]] absl::Status Prepare(Database& database);
+  [[nodiscard]] PresentRows& present_rows(PresentKind kind) {
+    return present[static_cast<std::size_t>(kind)];
+  }
 };
 
 }  // namespace uplink::storage::sqlite

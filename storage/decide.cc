@@ -1,0 +1,96 @@
+#include "storage/decide.h"
+
+#include <algorithm>
+
+#include "schema/base/check.h"
+#include "storage/expiry.h"
+
+namespace uplink::storage {
+
+bool RaiseCursor(HeldSession& session, model::Seq number, SystemTime at) {
+  if (number <= session.cursor) return false;
+  session.cursor = number;
+  session.is_raised = true;
+  session.last_used = std::max(session.last_used, at);
+  return true;
+}
+
+absl::StatusOr<bool> Decider::IsFenced(const Hold& hold) {
+  const absl::StatusOr<HeldRobot*> robot = held_.Robot(hold);
+  if (!robot.ok()) return robot.status();
+  return hold.held_since < (*robot)->held_since;
+}
+
+absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record) {
+  UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
+  const absl::StatusOr<bool> fenced =
+      IsFenced({*record.robot, record.held_since, record.received_at});
+  if (!fenced.ok()) return fenced.status();
+  if (*fenced) return Outcome{OutcomeKind::kFenced, std::nullopt};
+  const absl::StatusOr<HeldSession*> session = held_.Session(record);
+  if (!session.ok()) return session.status();
+  if (RaiseCursor(**session, record.seq, record.received_at)) return std::optional<Outcome>();
+
+  if (record.seq == 0) return Outcome{OutcomeKind::kDuplicate, std::nullopt};
+  absl::StatusOr<std::optional<model::Rejection>> why = held_.Quarantined(record);
+  if (!why.ok()) return why.status();
+  if (!why->has_value()) return Outcome{OutcomeKind::kDuplicate, std::nullopt};
+  return Outcome{OutcomeKind::kRefused, *std::move(why)};
+}
+
+absl::StatusOr<Ruling> Decider::Judge(const CommitRecord& record) {
+  Ruling ruling;
+  ruling.change = PresentChangeOf(record, rules_);
+  if (!ruling.change) return ruling;
+  const PresentKey& key = ruling.change->key;
+  const absl::StatusOr<HeldRobot*> robot =
+      held_.Robot({*record.robot, record.held_since, record.received_at});
+  if (!robot.ok()) return robot.status();
+  const absl::StatusOr<std::optional<std::int64_t>> there = held_.ExpiryOf(key);
+  if (!there.ok()) return there.status();
+  ruling.was_present = there->has_value();
+  if (ruling.change->is_upsert) {
+    const absl::StatusOr<bool> room = MakeRoom(*ruling.change, **robot, *there, record.received_at);
+    if (!room.ok()) return room.status();
+    if (!*room) ruling.refusal = BoundOf(key.kind).refusal();
+    return ruling;
+  }
+  std::optional<std::size_t>& count = (*robot)->counts[static_cast<std::size_t>(key.kind)];
+  if (ruling.was_present && count) --*count;
+  return ruling;
+}
+
+absl::StatusOr<bool> Decider::MakeRoom(const PresentChange& change, HeldRobot& robot,
+                                       const std::optional<std::int64_t>& there, SystemTime now) {
+  const PresentKey& key = change.key;
+  const PresentBound& bound = BoundOf(key.kind);
+  const std::int64_t now_ms = UnixMs(now);
+  if (there && !IsExpired(*there, now_ms)) return true;
+  std::optional<std::size_t>& count = robot.counts[static_cast<std::size_t>(key.kind)];
+  if (there) {
+    absl::Status deleted = held_.Delete(key);
+    if (!deleted.ok()) return deleted;
+    if (count) --*count;
+  }
+  if (!count) {
+    const absl::StatusOr<std::size_t> counted = held_.Count(key.kind, key.ruri);
+    if (!counted.ok()) return counted.status();
+    count = *counted;
+  }
+  if (*count >= bound.entries_max && bound.expires) {
+    const absl::StatusOr<std::size_t> expired = held_.DeleteExpired(key.kind, key.ruri, now_ms);
+    if (!expired.ok()) return expired.status();
+    *count -= *expired;
+  }
+  if (*count >= bound.entries_max) return false;
+  ++*count;
+  return true;
+}
+
+absl::StatusOr<bool> Decider::Takes(const GapItem& gap) {
+  const absl::StatusOr<bool> fenced = IsFenced({*gap.robot, gap.held_since, gap.seen_at});
+  if (!fenced.ok()) return fenced.status();
+  return !*fenced;
+}
+
+}  // namespace uplink::storage

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "storage/present.h"
+#include "storage/types.h"
+
+// What a store decides for the records of a batch (README.md: The contract), once for every store.
+namespace uplink::storage {
+
+/// A robot, as the batch at hand has it so far.
+struct HeldRobot {
+  /// The epoch since which its process holds it.
+  Epoch held_since = 0;
+  /// Entries that are present, by PresentKind, expired ones included. Nothing: not counted yet;
+  /// that is done when the first new entry asks.
+  std::array<std::optional<std::size_t>, kPresentKinds> counts;
+};
+
+/// A session, as the batch at hand has it so far.
+struct HeldSession {
+  model::Seq cursor = 0;
+  /// Whether the batch raised the cursor, and the latest arrival of what did.
+  bool is_raised = false;
+  SystemTime last_used;
+};
+
+/// Under which hold a record, or a gap, is committed.
+struct Hold {
+  const model::RobotId& robot;
+  Epoch held_since = 0;
+  SystemTime at;
+};
+
+/// What a store holds, as far as a decision asks for it. Each answer takes in what was decided
+/// before in the same batch: a store writes a record, or notes it, before the next one is decided.
+///
+/// Errors: the store's own; they end the batch.
+class Held {
+ public:
+  Held() = default;
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  virtual ~Held() = default;
+
+  /// A robot that the store does not know is entered as the hold says. The answer is valid for the
+  /// whole batch.
+  [[nodiscard]] virtual absl::StatusOr<HeldRobot*> Robot(const Hold& hold) = 0;
+  /// Of a record whose robot was asked for. The answer is valid until the next call.
+  [[nodiscard]] virtual absl::StatusOr<HeldSession*> Session(const CommitRecord& record) = 0;
+  /// Why the record's number lies in quarantine; nothing if it does not.
+  [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
+      const CommitRecord& record) = 0;
+
+  /// When the entry expires, 0: never; nothing if there is none.
+  [[nodiscard]] virtual absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(
+      const PresentKey& key) = 0;
+  /// A robot's entries, expired ones included.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> Count(PresentKind kind,
+                                                          std::string_view ruri) = 0;
+  /// Deletes an entry that has expired, so that the upsert at hand makes a new one.
+  [[nodiscard]] virtual absl::Status Delete(const PresentKey& key) = 0;
+  /// Deletes all entries of a robot that have expired by `now_ms`; returns how many. Of kinds that
+  /// expire alone.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> DeleteExpired(PresentKind kind,
+                                                                  std::string_view ruri,
+                                                                  std::int64_t now_ms) = 0;
+};
+
+/// True if the number is above the session's cursor, which it then becomes.
+[[nodiscard]] bool RaiseCursor(HeldSession& session, model::Seq number, SystemTime at);
+
+/// What the bounds say to a new record.
+struct Ruling {
+  /// Set if a bound refuses the record: it goes to quarantine.
+  std::optional<model::Rejection> refusal;
+  /// What the record changes of what is present, if anything.
+  std::optional<PresentChange> change;
+  /// Whether there was such an entry before.
+  bool was_present = false;
+};
+
+/// Decides the records of one batch, one after the other. The caller does what was decided before
+/// it asks for the next:
+///
+/// 1. Look: the record is fenced, or was there before: that is its outcome, and nothing is written.
+/// 2. Otherwise it is new, and the session's cursor is its number now. A QuarantineItem goes to
+///    quarantine and is stored.
+/// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
+///    quarantine in its stead and it is refused.
+///
+/// Errors: those of Held.
+/// Thread: confined to that of its store.
+class Decider final {
+ public:
+  /// Both must outlive this.
+  Decider(Held& held, const StoreRules& rules) : held_(held), rules_(rules) {}
+
+  /// The outcome of a record that is not new; nothing for one that is.
+  [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
+  /// Of a good record that Look found new. What it lets pass counts from now on.
+  [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
+  /// Whether the gap is to be written: false if another process holds the robot.
+  [[nodiscard]] absl::StatusOr<bool> Takes(const GapItem& gap);
+
+ private:
+  absl::StatusOr<bool> IsFenced(const Hold& hold);
+  /// True if there is room for an upsert of the entry; it is counted then. `there` is when the
+  /// entry that is there expires.
+  absl::StatusOr<bool> MakeRoom(const PresentChange& change, HeldRobot& robot,
+                                const std::optional<std::int64_t>& there, SystemTime now);
+
+  Held& held_;
+  const StoreRules& rules_;
+};
+
+}  // namespace uplink::storage

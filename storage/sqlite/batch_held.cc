@@ -1,0 +1,71 @@
+#include "storage/sqlite/batch_held.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace uplink::storage::sqlite {
+
+absl::StatusOr<HeldRobot*> BatchHeld::Robot(const Hold& hold) {
+  const auto known = robots_.find(hold.robot.ruri);
+  if (known != robots_.end()) return &known->second.held;
+  absl::StatusOr<std::optional<Epoch>> stored = tables_.deciding.HeldSince(hold.robot.ruri);
+  if (!stored.ok()) return stored.status();
+  if (!stored->has_value()) {
+    absl::Status inserted =
+        tables_.deciding.InsertRobot(hold.robot, hold.held_since, hold.at, process_);
+    if (!inserted.ok()) return inserted;
+    *stored = hold.held_since;
+  }
+  BatchRobot& robot = robots_[hold.robot.ruri];
+  robot.held.held_since = **stored;
+  return &robot.held;
+}
+
+absl::StatusOr<HeldSession*> BatchHeld::Session(const CommitRecord& record) {
+  std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
+  const auto known = std::ranges::find(sessions, record.session, &BatchSession::id);
+  if (known != sessions.end()) return &known->held;
+  const absl::StatusOr<std::optional<SessionCursor>> stored =
+      tables_.deciding.FindSession(record.robot->ruri, record.session);
+  if (!stored.ok()) return stored.status();
+  const SessionCursor row = stored->value_or(SessionCursor{0, next_entry_});
+  BatchSession& session = sessions.emplace_back();
+  session.id = record.session;
+  session.held.cursor = row.cursor;
+  session.first_entry = row.first_entry;
+  return &session.held;
+}
+
+absl::StatusOr<std::optional<model::Rejection>> BatchHeld::Quarantined(const CommitRecord& record) {
+  const std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
+  const auto session = std::ranges::find(sessions, record.session, &BatchSession::id);
+  RejectRange range;
+  range.ruri = record.robot->ruri;
+  range.session = record.session;
+  range.first_entry = session->first_entry;
+  range.above = record.seq - 1;
+  range.through = record.seq;
+  absl::StatusOr<std::vector<StoredReject>> rejects = tables_.set_aside.Rejects(range, 1);
+  if (!rejects.ok()) return rejects.status();
+  if (rejects->empty()) return std::optional<model::Rejection>();
+  return std::optional(std::move(rejects->front().rejection));
+}
+
+absl::StatusOr<std::optional<std::int64_t>> BatchHeld::ExpiryOf(const PresentKey& key) {
+  return tables_.present_rows(key.kind).ExpiryOf(key);
+}
+
+absl::StatusOr<std::size_t> BatchHeld::Count(PresentKind kind, std::string_view ruri) {
+  return tables_.present_rows(kind).Count(ruri);
+}
+
+absl::Status BatchHeld::Delete(const PresentKey& key) {
+  return tables_.present_rows(key.kind).Delete(key);
+}
+
+absl::StatusOr<std::size_t> BatchHeld::DeleteExpired(PresentKind kind, std::string_view ruri,
+                                                     std::int64_t now_ms) {
+  return tables_.present_rows(kind).DeleteExpired(ruri, now_ms);
+}
+
+}  // namespace uplink::storage::sqlite

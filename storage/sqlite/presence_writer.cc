@@ -1,0 +1,47 @@
+#include "storage/sqlite/presence_writer.h"
+
+#include <optional>
+#include <vector>
+
+#include "storage/decide.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+absl::Status TrimServerSessions(DecidingTables& deciding, const model::SessionId& present) {
+  const absl::StatusOr<std::vector<model::SessionId>> sessions = deciding.Sessions(kServerRuri);
+  if (!sessions.ok()) return sessions.status();
+  std::size_t kept = sessions->size();
+  for (const model::SessionId& session : *sessions) {
+    if (kept <= kServerSessionsMax) break;
+    if (session == present) continue;
+    absl::Status deleted = deciding.DeleteSession(kServerRuri, session);
+    if (!deleted.ok()) return deleted;
+    --kept;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status WritePresence(Tables& tables, const Batch& batch, EntryNumber& next_entry) {
+  if (batch.presence.empty()) return absl::OkStatus();
+  const absl::StatusOr<std::optional<SessionCursor>> stored =
+      tables.deciding.FindSession(kServerRuri, batch.presence_session);
+  if (!stored.ok()) return stored.status();
+  const SessionCursor row = stored->value_or(SessionCursor{0, next_entry});
+  HeldSession session;
+  session.cursor = row.cursor;
+  for (const PresenceItem& item : batch.presence) {
+    if (!RaiseCursor(session, item.number, item.at)) continue;
+    absl::Status inserted = tables.presence.Insert(item, next_entry++);
+    if (!inserted.ok()) return inserted;
+  }
+  absl::Status raised =
+      tables.deciding.RaiseCursor(kServerRuri, batch.presence_session,
+                                  {session.cursor, row.first_entry}, batch.presence.back().at);
+  if (!raised.ok() || stored->has_value()) return raised;
+  return TrimServerSessions(tables.deciding, batch.presence_session);
+}
+
+}  // namespace uplink::storage::sqlite

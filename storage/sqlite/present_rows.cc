@@ -1,0 +1,80 @@
+#include "storage/sqlite/present_rows.h"
+
+#include <array>
+#include <string>
+
+#include "storage/sqlite/counts.h"
+#include "storage/sqlite/prepare.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+/// How a table of what is present differs from the others.
+struct TableShape {
+  std::string_view name;
+  std::string_view id_column;
+  /// Empty if the id alone is the key of a robot's row.
+  std::string_view source_column;
+  /// When a row expires.
+  std::string_view expiry;
+};
+
+/// In the order of PresentKind.
+constexpr std::array<TableShape, kPresentKinds> kTables = {{
+    {"faults_active", "fault_id", "source", "0"},
+    {"shapes", "id", "", "expires_ms"},
+    {"objects", "id", "", "expires_ms"},
+}};
+
+}  // namespace
+
+absl::Status PresentRows::Prepare(Database& database, PresentKind kind) {
+  const TableShape& shape = kTables[static_cast<std::size_t>(kind)];
+  has_source_ = !shape.source_column.empty();
+  const std::string table(shape.name);
+  std::string key = " WHERE ruri = ? AND " + std::string(shape.id_column) + " = ?";
+  if (has_source_) key += " AND " + std::string(shape.source_column) + " = ?";
+  Preparer prepare(database);
+  prepare.Into(expiry_, "SELECT " + std::string(shape.expiry) + " FROM " + table + key);
+  prepare.Into(count_, "SELECT COUNT(*) FROM " + table + " WHERE ruri = ?");
+  prepare.Into(delete_, "DELETE FROM " + table + key);
+  if (!BoundOf(kind).expires) return prepare.status();
+  prepare.Into(delete_expired_, "DELETE FROM " + table +
+                                    " WHERE ruri = ? AND expires_ms != 0 AND expires_ms <= ?"
+                                    " RETURNING 1");
+  prepare.Into(sweep_, "DELETE FROM " + table + " WHERE rowid IN (SELECT rowid FROM " + table +
+                           " WHERE expires_ms != 0 AND expires_ms <= ? ORDER BY expires_ms"
+                           " LIMIT ?) RETURNING 1");
+  return prepare.status();
+}
+
+Rows PresentRows::SelectKey(Statement& statement, const PresentKey& key) const {
+  return has_source_ ? statement.Select(key.ruri, key.id, key.source)
+                     : statement.Select(key.ruri, key.id);
+}
+
+absl::StatusOr<std::optional<std::int64_t>> PresentRows::ExpiryOf(const PresentKey& key) {
+  Rows rows = SelectKey(*expiry_, key);
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<std::int64_t>();
+  return std::optional<std::int64_t>(rows.Int(0));
+}
+
+absl::StatusOr<std::size_t> PresentRows::Count(std::string_view ruri) {
+  return CountOf(*count_, ruri);
+}
+
+absl::Status PresentRows::Delete(const PresentKey& key) {
+  return SelectKey(*delete_, key).Next().status();
+}
+
+absl::StatusOr<std::size_t> PresentRows::DeleteExpired(std::string_view ruri, std::int64_t now_ms) {
+  return CountReturned(delete_expired_->Select(ruri, now_ms));
+}
+
+absl::StatusOr<std::size_t> PresentRows::Sweep(std::int64_t until_ms, std::size_t rows_max) {
+  return CountReturned(sweep_->Select(until_ms, static_cast<std::int64_t>(rows_max)));
+}
+
+}  // namespace uplink::storage::sqlite
