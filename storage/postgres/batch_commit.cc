@@ -1,6 +1,7 @@
 #include "storage/postgres/batch_commit.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string>
 #include <utility>
@@ -25,11 +26,8 @@ constexpr std::string_view kBeginBatch =
 
 /// What begin_batch checks, gathered from a batch.
 struct Premises {
-  struct Counts {
-    std::int32_t faults = 0;
-    std::int32_t shapes = 0;
-    std::int32_t objects = 0;
-  };
+  /// Upserts, by PresentKind.
+  using Counts = std::array<std::int32_t, kPresentKinds>;
   std::map<std::string_view, Epoch> holds;
   std::map<std::pair<std::string_view, model::SessionId>, model::Seq> first_numbers;
   std::map<std::string_view, Counts> bounded;
@@ -38,16 +36,8 @@ struct Premises {
     const auto [hold, is_new] = holds.try_emplace(ruri, held_since);
     hold->second = std::min(hold->second, held_since);
   }
-  void AddBounded(std::string_view ruri, const model::Body& body) {
-    if (const auto* fault = std::get_if<model::Fault>(&body); fault != nullptr && fault->active) {
-      ++bounded[ruri].faults;
-    }
-    if (const auto* op = std::get_if<model::ShapeOp>(&body); op != nullptr && op->upsert()) {
-      ++bounded[ruri].shapes;
-    }
-    if (const auto* op = std::get_if<model::ObjectOp>(&body); op != nullptr && op->upsert()) {
-      ++bounded[ruri].objects;
-    }
+  void AddBounded(const PresentChange& change) {
+    if (change.is_upsert) ++bounded[change.key.ruri][static_cast<std::size_t>(change.key.kind)];
   }
 };
 
@@ -63,18 +53,19 @@ Call BeginBatchCall(const Premises& premises, const Batch& batch) {
     session_ids.Uuid(key.second);
     firsts.Int8(first);
   }
-  Array bounded{Type::kText}, faults{Type::kInt4}, shapes{Type::kInt4}, objects{Type::kInt4};
+  Array bounded{Type::kText};
+  std::array<Array, kPresentKinds> upserts = {Array(Type::kInt4), Array(Type::kInt4),
+                                              Array(Type::kInt4)};
   for (const auto& [ruri, counts] : premises.bounded) {
     bounded.Text(ruri);
-    faults.Int4(counts.faults);
-    shapes.Int4(counts.shapes);
-    objects.Int4(counts.objects);
+    for (std::size_t kind = 0; kind < kPresentKinds; ++kind) upserts[kind].Int4(counts[kind]);
   }
-  Call call = CallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts,
-                                   &bounded, &faults, &shapes, &objects});
-  call.parameters.Int8(static_cast<std::int64_t>(kActiveFaultsPerRobotMax));
-  call.parameters.Int8(static_cast<std::int64_t>(kShapesPerRobotMax));
-  call.parameters.Int8(static_cast<std::int64_t>(kObjectsPerRobotMax));
+  Call call =
+      CallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts, &bounded});
+  for (Array& column : upserts) call.parameters.Add(std::move(column));
+  for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
+    call.parameters.Int8(static_cast<std::int64_t>(BoundOf(kind).entries_max));
+  }
   if (batch.presence.empty()) {
     call.parameters.Null();
     call.parameters.Null();
@@ -124,7 +115,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
       rows.Reject(record, item->rejection, QuarantineDetail::kAll, place++);
     } else {
-      premises.AddBounded(ruri, std::get<model::Record>(record.content).body());
+      if (const auto change = PresentChangeOf(record, rules_)) premises.AddBounded(*change);
       rows.Write(record, place++);
     }
   }
@@ -147,10 +138,10 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   absl::Status begun = Begin(connection_, kDoing);
   if (!begun.ok()) return begun;
-  absl::StatusOr<Known> known = ReadKnown(connection_, Whole(), process_);
+  absl::StatusOr<Known> known = ReadKnown(connection_, Whole(), process_, rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
-  Outcomes outcomes = Decide(Whole(), *known, rules_, std::nullopt, rows);
+  Outcomes outcomes = DecidePart(Whole(), *known, rules_, std::nullopt, rows);
   absl::Status committed =
       RunAndCommit(connection_, std::move(rows).TakeCalls(), kDoing, before_commit_);
   if (!committed.ok()) return committed;
@@ -211,10 +202,10 @@ absl::Status BatchCommit::Isolate(const Part& part, const absl::Status& cause, O
 
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WritePart(
     const Part& part, const std::optional<DatabaseRefusal>& refusal) {
-  absl::StatusOr<Known> known = ReadKnown(connection_, part, process_);
+  absl::StatusOr<Known> known = ReadKnown(connection_, part, process_, rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
-  Outcomes outcomes = Decide(part, *known, rules_, refusal, rows);
+  Outcomes outcomes = DecidePart(part, *known, rules_, refusal, rows);
   std::vector<Call> calls;
   calls.push_back({kSavepoint, {}});
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));

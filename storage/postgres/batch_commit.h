@@ -8,7 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/postgres/connection.h"
-#include "storage/postgres/decide.h"
+#include "storage/postgres/decide_part.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {

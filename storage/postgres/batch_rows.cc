@@ -1,11 +1,11 @@
 #include "storage/postgres/batch_rows.h"
 
 #include <algorithm>
+#include <optional>
 #include <variant>
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
-#include "storage/expiry.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -52,23 +52,19 @@ struct BatchRows::KindWriter {
   const std::int32_t place;
 
   void operator()(const model::Fault& fault) const {
-    rows.fault_history_.Add(record, fault, place);
-    if (fault.active) {
-      rows.faults_.Raise(record, fault, place);
-    } else {
-      rows.faults_.Clear(record, fault);
-    }
+    rows.fault_history_.push_back({&record, &fault, place});
+    Present(rows.faults_, fault.active ? &fault : nullptr);
   }
   void operator()(const model::EventTelemetry& event) const {
-    rows.events_.Add(record, event, place);
+    rows.events_.push_back({&record, &event, place});
   }
   void operator()(const model::Message& message) const {
-    rows.messages_.Add(record, message, place);
+    rows.messages_.push_back({&record, &message, place});
   }
   void operator()(const model::MissionRunStatus& report) const {
-    std::string text = json::Text(report);
-    rows.reports_.Add(record, report, text, place);
-    rows.runs_.Add(record, report, std::move(text), place);
+    const std::string& text = rows.report_texts_.emplace_back(json::Text(report));
+    rows.reports_.push_back({&record, &report, text, place});
+    rows.runs_.Add(rows.reports_.back());
   }
   void operator()(const model::AgentInfo& /*body*/) const { AddLatest(LatestKind::kAgentInfo); }
   void operator()(const model::CurrentSettings& /*body*/) const {
@@ -77,17 +73,8 @@ struct BatchRows::KindWriter {
   void operator()(const model::UiCapabilities& /*body*/) const {
     AddLatest(LatestKind::kUiCapabilities);
   }
-  void operator()(const model::ShapeOp& op) const {
-    const model::ReportedShape* shape = op.upsert();
-    if (shape == nullptr) return rows.shapes_.Delete(record.robot->ruri, op.id());
-    rows.shapes_.Upsert(record, *shape, op.id(), shape->expire_time_ms, place);
-  }
-  void operator()(const model::ObjectOp& op) const {
-    const model::Object* object = op.upsert();
-    if (object == nullptr) return rows.objects_.Delete(record.robot->ruri, op.id());
-    rows.objects_.Upsert(record, *object, op.id(),
-                         ExpiryOf(*object, record.received_at, rows.rules_), place);
-  }
+  void operator()(const model::ShapeOp& op) const { Present(rows.shapes_, op.upsert()); }
+  void operator()(const model::ObjectOp& op) const { Present(rows.objects_, op.upsert()); }
   template <typename Live>
   void operator()(const Live& /*body*/) const {
     CheckFailed(__FILE__, __LINE__, "durable", "a live record reached the store");
@@ -95,6 +82,13 @@ struct BatchRows::KindWriter {
 
  private:
   void AddLatest(LatestKind kind) const { rows.latest_.Add(record, kind); }
+  /// A removal if there is no upsert.
+  template <typename Body>
+  void Present(PresentRows<Body>& present, const Body* upsert) const {
+    const std::optional<PresentChange> change = PresentChangeOf(record, rows.rules_);
+    if (upsert == nullptr) return present.Delete(change->key);
+    present.Upsert(record, *upsert, *change, place);
+  }
 };
 
 void BatchRows::Write(const CommitRecord& record, std::int32_t place) {
@@ -104,9 +98,18 @@ void BatchRows::Write(const CommitRecord& record, std::int32_t place) {
 
 void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejection,
                        QuarantineDetail detail, std::int32_t place) {
-  quarantine_.Add(record, rejection, detail, place);
+  quarantine_.push_back({&record, rejection, detail, place});
   if (!record.payload.empty()) robots_with_payloads_.insert(record.robot->ruri);
   Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+}
+
+void BatchRows::Drop(const PresentKey& key) {
+  UPLINK_CHECK(BoundOf(key.kind).expires, "a kind that expires");
+  if (key.kind == PresentKind::kShape) {
+    shapes_.Delete(key);
+  } else {
+    objects_.Delete(key);
+  }
 }
 
 void BatchRows::AddGap(const GapItem& gap, std::int32_t place) {
@@ -141,14 +144,14 @@ void BatchRows::MoveCursors(std::vector<Call>& calls) const {
 
 std::vector<Call> BatchRows::TakeCalls() && {
   std::vector<Call> calls;
-  fault_history_.MoveInto(calls);
-  events_.MoveInto(calls);
-  messages_.MoveInto(calls);
-  reports_.MoveInto(calls);
-  quarantine_.MoveInto(calls);
-  faults_.MoveInto(calls);
-  shapes_.MoveInto(calls);
-  objects_.MoveInto(calls);
+  AddInsert<kFaultHistoryTable>(fault_history_, calls);
+  AddInsert<kEventTable>(events_, calls);
+  AddInsert<kMessageTable>(messages_, calls);
+  AddInsert<kMissionReportTable>(reports_, calls);
+  AddInsert<kQuarantineTable>(quarantine_, calls);
+  faults_.MoveInto<kActiveFaultTable>(calls);
+  shapes_.MoveInto<kShapeTable>(calls);
+  objects_.MoveInto<kObjectTable>(calls);
   runs_.MoveInto(calls);
   latest_.MoveInto(calls);
   presence_.MoveInto(calls);

@@ -1,16 +1,22 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "storage/postgres/connection.h"
-#include "storage/postgres/history_rows.h"
 #include "storage/postgres/latest_rows.h"
 #include "storage/postgres/present_rows.h"
+#include "storage/postgres/tables/faults.h"
+#include "storage/postgres/tables/reports.h"
+#include "storage/postgres/tables/set_aside.h"
+#include "storage/postgres/tables/spatial.h"
+#include "storage/present.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {
@@ -32,9 +38,8 @@ class BatchRows final {
   void AddGap(const GapItem& gap, std::int32_t place);
   /// A change of presence, and its number in `session`.
   void AddPresence(const PresenceItem& item, const model::SessionId& session, std::int32_t place);
-  /// Present shapes or objects that make room for others.
-  void DropShape(std::string_view ruri, std::string_view id) { shapes_.Delete(ruri, id); }
-  void DropObject(std::string_view ruri, std::string_view id) { objects_.Delete(ruri, id); }
+  /// An expired shape or object that makes room for another. The views must outlive this.
+  void Drop(const PresentKey& key);
 
   /// The statements, in an order in which they may run. The rows must not be used afterwards.
   [[nodiscard]] std::vector<Call> TakeCalls() &&;
@@ -50,14 +55,16 @@ class BatchRows final {
   void MoveCursors(std::vector<Call>& calls) const;
 
   const StoreRules& rules_;
-  FaultHistoryRows fault_history_;
-  EventRows events_;
-  MessageRows messages_;
-  MissionReportRows reports_;
-  QuarantineRows quarantine_;
-  ActiveFaultRows faults_;
-  ShapeRows shapes_;
-  ObjectRows objects_;
+  std::vector<FaultReport> fault_history_;
+  std::vector<EventReport> events_;
+  std::vector<MessageReport> messages_;
+  std::vector<MissionReport> reports_;
+  /// The texts of the reports.
+  std::deque<std::string> report_texts_;
+  std::vector<Quarantined> quarantine_;
+  PresentRows<model::Fault> faults_{PresentKind::kFault};
+  PresentRows<model::ReportedShape> shapes_{PresentKind::kShape};
+  PresentRows<model::Object> objects_{PresentKind::kObject};
   MissionRunRows runs_;
   LatestRows latest_;
   PresenceRows presence_;

@@ -1,11 +1,10 @@
 #include "storage/postgres/known.h"
 
 #include <algorithm>
-#include <functional>
-#include <string_view>
-#include <variant>
+#include <vector>
 
 #include "storage/postgres/rejection_row.h"
+#include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/transaction.h"
 
 namespace uplink::storage::postgres {
@@ -43,41 +42,6 @@ constexpr std::string_view kReadQuarantined =
     " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
     " JOIN uplinkd.quarantine AS q ON q.ruri = u.ruri AND q.session = u.session AND q.seq = u.seq"
     " AND q.entry >= s.first_entry WHERE u.seq <= s.cursor_seq";
-constexpr std::string_view kReadActive =
-    "SELECT f.ruri, f.fault_id, f.source"
-    " FROM unnest($1::text[], $2::text[], $3::text[]) AS u (ruri, fault_id, source)"
-    " JOIN uplinkd.faults_active AS f ON f.ruri = u.ruri AND f.fault_id = u.fault_id"
-    " AND f.source = u.source";
-constexpr std::string_view kCountActive =
-    "SELECT u.ruri, (SELECT count(*) FROM uplinkd.faults_active AS f WHERE f.ruri = u.ruri)"
-    " FROM unnest($1::text[]) AS u (ruri)";
-
-/// The statements for one of the tables of what is present.
-struct PresentSql {
-  std::string_view read;
-  std::string_view count;
-  /// $2: upserts a robot, $3: the bound.
-  std::string_view expiring;
-};
-constexpr PresentSql kShapeSql = {
-    "SELECT s.ruri, s.id, s.expires_ms FROM unnest($1::text[], $2::text[]) AS u (ruri, id)"
-    " JOIN uplinkd.shapes AS s ON s.ruri = u.ruri AND s.id = u.id",
-    "SELECT u.ruri, (SELECT count(*) FROM uplinkd.shapes AS s WHERE s.ruri = u.ruri)"
-    " FROM unnest($1::text[]) AS u (ruri)",
-    "SELECT s.ruri, s.id, s.expires_ms FROM unnest($1::text[], $2::int[]) AS u (ruri, upserts)"
-    " JOIN uplinkd.shapes AS s ON s.ruri = u.ruri AND s.expires_ms <> 0"
-    " WHERE u.upserts + (SELECT count(*) FROM uplinkd.shapes AS c WHERE c.ruri = u.ruri)"
-    " > $3::bigint"};
-constexpr PresentSql kObjectSql = {
-    "SELECT s.ruri, s.id, s.expires_ms FROM unnest($1::text[], $2::text[]) AS u (ruri, id)"
-    " JOIN uplinkd.objects AS s ON s.ruri = u.ruri AND s.id = u.id",
-    "SELECT u.ruri, (SELECT count(*) FROM uplinkd.objects AS s WHERE s.ruri = u.ruri)"
-    " FROM unnest($1::text[]) AS u (ruri)",
-    "SELECT s.ruri, s.id, s.expires_ms FROM unnest($1::text[], $2::int[]) AS u (ruri, upserts)"
-    " JOIN uplinkd.objects AS s ON s.ruri = u.ruri AND s.expires_ms <> 0"
-    " WHERE u.upserts + (SELECT count(*) FROM uplinkd.objects AS c WHERE c.ruri = u.ruri)"
-    " > $3::bigint"};
-
 std::string Text(const Result& result, int row, int column) {
   return std::string(result.Bytes(row, column));
 }
@@ -134,7 +98,7 @@ void ReadRobots(const Part& part, const ProcessId& process, Known& known, Reads&
   reads.Add(std::move(insert));
   reads.Add(CallOf(kLockRobots, {&locked}), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
-      known.held_since[Text(rows, row, 0)] = static_cast<Epoch>(rows.Int(row, 1));
+      known.robots[Text(rows, row, 0)].held_since = static_cast<Epoch>(rows.Int(row, 1));
     }
   });
   reads.Add({kNextBatch, {}});
@@ -190,101 +154,79 @@ void ReadQuarantined(const Part& part, Known& known, Reads& reads) {
     place.Int4(static_cast<std::int32_t>(i));
   }
   reads.Add(CallOf(kReadQuarantined, {&ruri, &session, &seq, &place}),
-            [&known](const Result& rows) {
+            [&known, &batch = *part.batch](const Result& rows) {
               for (int row = 0; row < rows.rows(); ++row) {
-                known.quarantined[static_cast<std::size_t>(rows.Int(row, 0))] =
+                const CommitRecord& record =
+                    batch.records[static_cast<std::size_t>(rows.Int(row, 0))];
+                known.quarantined[{record.robot->ruri, record.session, record.seq}] =
                     ReadRejection(rows, row, 1);
               }
             });
 }
 
-const model::Body* BodyOf(const CommitRecord& record) {
-  const auto* good = std::get_if<model::Record>(&record.content);
-  return good == nullptr ? nullptr : &good->body();
-}
-
-void ReadFaults(const Part& part, Known& known, Reads& reads) {
-  Array ruri{Type::kText}, fault_id{Type::kText}, source{Type::kText}, counted{Type::kText};
-  std::set<std::string_view> robots;
-  for (const CommitRecord& record : part.records()) {
-    const model::Body* body = BodyOf(record);
-    const auto* fault = body == nullptr ? nullptr : std::get_if<model::Fault>(body);
-    if (fault == nullptr) continue;
-    ruri.Text(record.robot->ruri);
-    fault_id.Text(fault->fault_id);
-    source.Text(fault->source);
-    if (robots.insert(record.robot->ruri).second) counted.Text(record.robot->ruri);
-  }
-  if (robots.empty()) return;
-  reads.Add(CallOf(kReadActive, {&ruri, &fault_id, &source}), [&known](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      known.active.emplace(Text(rows, row, 0), Text(rows, row, 1), Text(rows, row, 2));
-    }
-  });
-  reads.Add(CallOf(kCountActive, {&counted}), [&known](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      known.active_counts[Text(rows, row, 0)] = static_cast<std::size_t>(rows.Int(row, 1));
-    }
-  });
-}
-
-template <typename Op>
-void ReadPresent(const Part& part, const PresentSql& sql, std::size_t rows_max, KnownPresent& known,
-                 Reads& reads) {
-  Array ruri{Type::kText}, id{Type::kText};
+/// The entries of one kind that a part names.
+struct Named {
+  Array ruri{Type::kText}, id{Type::kText}, source{Type::kText};
+  /// Of each robot that has any.
   std::map<std::string_view, std::int32_t> upserts;
-  for (const CommitRecord& record : part.records()) {
-    const model::Body* body = BodyOf(record);
-    const auto* op = body == nullptr ? nullptr : std::get_if<Op>(body);
-    if (op == nullptr) continue;
-    ruri.Text(record.robot->ruri);
-    id.Text(op->id());
-    upserts[record.robot->ruri] += op->upsert() == nullptr ? 0 : 1;
-  }
-  if (upserts.empty()) return;
+};
+
+void ReadPresent(PresentKind kind, Named& named, Known& known, Reads& reads) {
+  if (named.upserts.empty()) return;
   Array counted{Type::kText}, near{Type::kText}, near_upserts{Type::kInt4};
-  for (const auto& [robot, count] : upserts) {
+  for (const auto& [robot, count] : named.upserts) {
     counted.Text(robot);
     near.Text(robot);
     near_upserts.Int4(count);
   }
-  const auto take_expiry = [&known](const Result& rows) {
+  const auto index = static_cast<std::size_t>(kind);
+  const PresentSql& sql = PresentSqlOf(kind);
+  const auto take_entries = [&entries = known.present[index]](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
-      known.expires_ms[{Text(rows, row, 0), Text(rows, row, 1)}] = rows.Int(row, 2);
+      entries[{Text(rows, row, 0), Text(rows, row, 1), Text(rows, row, 2)}] = rows.Int(row, 3);
     }
   };
-  reads.Add(CallOf(sql.read, {&ruri, &id}), take_expiry);
-  reads.Add(CallOf(sql.count, {&counted}), [&known](const Result& rows) {
+  Call read = CallOf(sql.read.view(), {&named.ruri, &named.id});
+  if (sql.has_source) read.parameters.Add(std::move(named.source));
+  reads.Add(std::move(read), take_entries);
+  reads.Add(CallOf(sql.count.view(), {&counted}), [&known, index](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
-      known.counts[Text(rows, row, 0)] = static_cast<std::size_t>(rows.Int(row, 1));
+      known.robots[Text(rows, row, 0)].counts[index] = static_cast<std::size_t>(rows.Int(row, 1));
     }
   });
-  Call expiring = CallOf(sql.expiring, {&near, &near_upserts});
-  expiring.parameters.Int8(static_cast<std::int64_t>(rows_max));
-  reads.Add(std::move(expiring), take_expiry);
+  const PresentBound& bound = BoundOf(kind);
+  if (!bound.expires) return;
+  Call expiring = CallOf(sql.expiring.view(), {&near, &near_upserts});
+  expiring.parameters.Int8(static_cast<std::int64_t>(bound.entries_max));
+  reads.Add(std::move(expiring), take_entries);
+}
+
+void ReadAllPresent(const Part& part, const StoreRules& rules, Known& known, Reads& reads) {
+  std::array<Named, kPresentKinds> kinds;
+  for (const CommitRecord& record : part.records()) {
+    const std::optional<PresentChange> change = PresentChangeOf(record, rules);
+    if (!change) continue;
+    Named& named = kinds[static_cast<std::size_t>(change->key.kind)];
+    named.ruri.Text(change->key.ruri);
+    named.id.Text(change->key.id);
+    named.source.Text(change->key.source);
+    named.upserts[change->key.ruri] += change->is_upsert ? 1 : 0;
+  }
+  for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
+    ReadPresent(kind, kinds[static_cast<std::size_t>(kind)], known, reads);
+  }
 }
 
 }  // namespace
 
-std::optional<model::Rejection> Known::Quarantined(const CommitRecord& record,
-                                                   std::size_t place) const {
-  const auto now = quarantined_now_.find({record.robot->ruri, record.session, record.seq});
-  if (now != quarantined_now_.end()) return now->second;
-  const auto before = quarantined.find(place);
-  if (before == quarantined.end()) return std::nullopt;
-  return before->second;
-}
-
-absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part,
-                                const ProcessId& process) {
+absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part, const ProcessId& process,
+                                const StoreRules& rules) {
   Known known;
   Reads reads;
   ReadRobots(part, process, known, reads);
   ReadSessions(part, known, reads);
   ReadQuarantined(part, known, reads);
-  ReadFaults(part, known, reads);
-  ReadPresent<model::ShapeOp>(part, kShapeSql, kShapesPerRobotMax, known.shapes, reads);
-  ReadPresent<model::ObjectOp>(part, kObjectSql, kObjectsPerRobotMax, known.objects, reads);
+  ReadAllPresent(part, rules, known, reads);
   absl::Status read = reads.Run(connection);
   if (!read.ok()) return read;
   return known;

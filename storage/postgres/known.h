@@ -1,20 +1,21 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include <absl/status/statusor.h>
 
+#include "storage/decide.h"
 #include "storage/postgres/connection.h"
 #include "storage/types.h"
 
@@ -33,50 +34,36 @@ struct Part {
   }
 };
 
-/// Shapes or objects of the robots of a part, as far as the part needs to know.
-struct KnownPresent {
-  /// When each id that the part names expires; ids that are not there are left out. Of robots that
-  /// are near their bound also all ids that expire at all.
-  std::map<std::pair<std::string, std::string>, std::int64_t> expires_ms;
-  /// Rows a robot.
-  std::map<std::string, std::size_t> counts;
-};
-
 /// What the store holds of everything that a part of a batch touches, read with its rows locked.
+/// What is decided and written then goes in too.
 struct Known {
-  struct Session {
-    model::Seq cursor = 0;
-  };
-  std::map<std::string, Epoch> held_since;
-  std::map<std::pair<std::string, model::SessionId>, Session> sessions;
-  /// Why the record at this place of the batch lies in quarantine, for numbers at or below a
-  /// cursor.
-  std::map<std::size_t, model::Rejection> quarantined;
-  /// Active faults that the part names.
-  std::set<std::tuple<std::string, std::string, std::string>> active;
-  std::map<std::string, std::size_t> active_counts;
-  KnownPresent shapes;
-  KnownPresent objects;
+  /// RURI, id and source of an entry that is present.
+  using Entry = std::tuple<std::string, std::string, std::string>;
+  /// When each entry expires; 0: never.
+  using Entries = std::map<Entry, std::int64_t, std::less<>>;
+  using Number = std::tuple<std::string, model::SessionId, model::Seq>;
 
-  // What a decision adds.
-  void NoteQuarantined(const CommitRecord& record, const model::Rejection& rejection) {
-    quarantined_now_[{record.robot->ruri, record.session, record.seq}] = rejection;
+  /// Each with the counts of the kinds that the part names of it.
+  std::map<std::string, HeldRobot, std::less<>> robots;
+  std::map<std::pair<std::string, model::SessionId>, HeldSession, std::less<>> sessions;
+  /// Why a number lies in quarantine: of those that the part names.
+  std::map<Number, model::Rejection> quarantined;
+  /// By PresentKind: the entries that the part names, as far as they are there; of robots that are
+  /// near their bound also all that expire at all.
+  std::array<Entries, kPresentKinds> present;
+
+  [[nodiscard]] Entries& entries(PresentKind kind) {
+    return present[static_cast<std::size_t>(kind)];
   }
-  /// Why the record's number lies in quarantine; nothing if it does not.
-  [[nodiscard]] std::optional<model::Rejection> Quarantined(const CommitRecord& record,
-                                                            std::size_t place) const;
   /// A copy of the text that lives as long as this.
-  [[nodiscard]] std::string_view Keep(const std::string& text) { return kept_.emplace_back(text); }
+  [[nodiscard]] std::string_view Keep(const std::string& text) { return kept.emplace_back(text); }
 
- private:
-  std::map<std::tuple<std::string, model::SessionId, model::Seq>, model::Rejection>
-      quarantined_now_;
-  std::deque<std::string> kept_;
+  std::deque<std::string> kept;
 };
 
 /// Locks the rows of the part's robots and sessions, making those that are missing, and reads what
 /// it touches. Within an open transaction; also draws the transaction's number.
 [[nodiscard]] absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part,
-                                              const ProcessId& process);
+                                              const ProcessId& process, const StoreRules& rules);
 
 }  // namespace uplink::storage::postgres

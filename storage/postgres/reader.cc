@@ -4,10 +4,16 @@
 #include <utility>
 
 #include "storage/numbers.h"
-#include "storage/postgres/kind_rows.h"
+#include "storage/postgres/lists.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/pages.h"
 #include "storage/postgres/reader_pool.h"
+#include "storage/postgres/tables/faults.h"
+#include "storage/postgres/tables/latest.h"
+#include "storage/postgres/tables/mission_runs.h"
+#include "storage/postgres/tables/reports.h"
+#include "storage/postgres/tables/set_aside.h"
+#include "storage/postgres/tables/spatial.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -97,15 +103,13 @@ absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robot
 }
 
 absl::StatusOr<Page<FaultRow>> PostgresReader::FaultsActive(const HistoryQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadPage<FaultRow>(connection, kFaultsActive, query, ReadActiveFault);
-  });
+  return pool_->With(
+      [&](Connection& connection) { return ReadList<kActiveFaultTable>(connection, query); });
 }
 
 absl::StatusOr<Page<FaultRow>> PostgresReader::FaultHistory(const HistoryQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadPage<FaultRow>(connection, kFaultHistory, query, ReadFault);
-  });
+  return pool_->With(
+      [&](Connection& connection) { return ReadList<kFaultHistoryTable>(connection, query); });
 }
 
 absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
@@ -128,58 +132,52 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
 }
 
 absl::StatusOr<Page<QuarantineRow>> PostgresReader::Quarantine(const HistoryQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadPage<QuarantineRow>(connection, kQuarantine, query, ReadQuarantine);
-  });
+  return pool_->With(
+      [&](Connection& connection) { return ReadList<kQuarantineTable>(connection, query); });
 }
 
 absl::StatusOr<Page<GapRow>> PostgresReader::Gaps(const HistoryQuery& query) {
   return pool_->With(
-      [&](Connection& connection) { return ReadPage<GapRow>(connection, kGaps, query, ReadGap); });
+      [&](Connection& connection) { return ReadList<kGapTable>(connection, query); });
 }
 
 absl::StatusOr<Page<EventRow>> PostgresReader::Events(const HistoryQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadPage<EventRow>(connection, kEvents, query, ReadEvent);
-  });
+  return pool_->With(
+      [&](Connection& connection) { return ReadList<kEventTable>(connection, query); });
 }
 
 absl::StatusOr<Page<MessageRow>> PostgresReader::Messages(const HistoryQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadPage<MessageRow>(connection, kMessages, query, ReadMessage);
-  });
+  return pool_->With(
+      [&](Connection& connection) { return ReadList<kMessageTable>(connection, query); });
 }
 
 absl::StatusOr<Page<MissionRunRow>> PostgresReader::MissionRuns(const MissionsQuery& query) {
   return pool_->With([&](Connection& connection) {
-    return ReadPage<MissionRunRow>(connection, kMissionRuns, query.rows, ReadMissionRun,
-                                   FilterOf(query, query.open));
+    return ReadList<kMissionRunTable>(connection, query.rows, FilterOf(query, query.open));
   });
 }
 
 absl::StatusOr<Page<MissionReportRow>> PostgresReader::MissionReports(const MissionsQuery& query) {
   return pool_->With([&](Connection& connection) {
-    return ReadPage<MissionReportRow>(connection, kMissionReports, query.rows, ReadMissionReport,
-                                      FilterOf(query, false));
+    return ReadList<kMissionReportTable>(connection, query.rows, FilterOf(query, false));
   });
 }
 
 absl::StatusOr<Page<ShapeRow>> PostgresReader::Shapes(const PresentQuery& query) {
   return pool_->With([&](Connection& connection) {
-    return ReadPage<ShapeRow>(connection, kShapes, query.rows, ReadShape, FilterOf(query));
+    return ReadList<kShapeTable>(connection, query.rows, FilterOf(query));
   });
 }
 
 absl::StatusOr<Page<ObjectRow>> PostgresReader::Objects(const PresentQuery& query) {
   return pool_->With([&](Connection& connection) {
-    return ReadPage<ObjectRow>(connection, kObjects, query.rows, ReadObject, FilterOf(query));
+    return ReadList<kObjectTable>(connection, query.rows, FilterOf(query));
   });
 }
 
 absl::StatusOr<Page<PresenceRow>> PostgresReader::PresenceChanges(const HistoryQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadPage<PresenceRow>(connection, kPresenceChanges, query, ReadPresence);
-  });
+  return pool_->With(
+      [&](Connection& connection) { return ReadList<kPresenceTable>(connection, query); });
 }
 
 absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::string> ruris,

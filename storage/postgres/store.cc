@@ -9,6 +9,7 @@
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/open_streams.h"
 #include "storage/postgres/retain.h"
+#include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/transaction.h"
 
 namespace uplink::storage::postgres {
@@ -16,15 +17,6 @@ namespace {
 
 /// How often a transaction is run that others stood in the way of, before the journal is told.
 constexpr int kTriesMax = 4;
-
-constexpr std::string_view kSweepShapes =
-    "DELETE FROM uplinkd.shapes AS s USING (SELECT ruri, id FROM uplinkd.shapes"
-    " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms LIMIT $2::bigint) AS o"
-    " WHERE s.ruri = o.ruri AND s.id = o.id AND s.expires_ms <> 0 AND s.expires_ms <= $1::bigint";
-constexpr std::string_view kSweepObjects =
-    "DELETE FROM uplinkd.objects AS s USING (SELECT ruri, id FROM uplinkd.objects"
-    " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms LIMIT $2::bigint) AS o"
-    " WHERE s.ruri = o.ruri AND s.id = o.id AND s.expires_ms <> 0 AND s.expires_ms <= $1::bigint";
 
 }  // namespace
 
@@ -120,8 +112,8 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
   return With<std::size_t>([&](Connection& connection) -> absl::StatusOr<std::size_t> {
     std::vector<Call> calls;
     calls.push_back({kBegin, {}});
-    for (const std::string_view sql : {kSweepShapes, kSweepObjects}) {
-      Call call{sql, {}};
+    for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
+      Call call{PresentSqlOf(kind).sweep.view(), {}};
       call.parameters.Int8(until_ms);
       call.parameters.Int8(static_cast<std::int64_t>(kSweepRowsMax));
       calls.push_back(std::move(call));

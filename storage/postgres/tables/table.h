@@ -1,0 +1,198 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "storage/page_token.h"
+#include "storage/postgres/connection.h"
+#include "storage/postgres/parameters.h"
+#include "storage/postgres/result.h"
+#include "storage/postgres/sql_text.h"
+
+// A table as one description: each column is named once, with its type, how a batch fills it and
+// how a list reads it. The statements are made from that.
+namespace uplink::storage::postgres {
+
+/// What an upsert does to a column of a row that is there.
+enum class Role : std::uint8_t {
+  /// By the key's columns the row is found.
+  kKey,
+  /// The value is replaced.
+  kValue,
+  /// What the first insert wrote stays.
+  kKept,
+};
+
+enum class Writes : std::uint8_t {
+  /// Rows are only added, whatever the roles say.
+  kInserts,
+  /// A row that is there by its key is updated.
+  kUpserts,
+};
+
+/// One value of a list's row.
+class Cell final {
+ public:
+  Cell(const Result& rows, int row, int column) : rows_(rows), row_(row), column_(column) {}
+
+  [[nodiscard]] std::string Text() const { return std::string(rows_.Bytes(row_, column_)); }
+  [[nodiscard]] std::int64_t Int() const { return rows_.Int(row_, column_); }
+  [[nodiscard]] bool Bool() const { return rows_.Bool(row_, column_); }
+  [[nodiscard]] double Real() const { return rows_.Real(row_, column_); }
+  [[nodiscard]] SystemTime Time() const { return rows_.Time(row_, column_); }
+  [[nodiscard]] model::SessionId Uuid() const { return rows_.Uuid(row_, column_); }
+
+ private:
+  const Result& rows_;
+  const int row_;
+  const int column_;
+};
+
+/// In: what a batch makes a row of. Out: a list's row.
+template <typename In, typename Out>
+struct Column {
+  std::string_view name;
+  Type type = Type::kText;
+  Role role = Role::kValue;
+  /// Adds one value.
+  void (*fill)(Array& array, const In& row) = nullptr;
+  /// Not set: lists leave the column out.
+  void (*read)(const Cell& cell, Out& row) = nullptr;
+  /// SQL that makes the inserted value of the filled one; empty: it is that one.
+  std::string_view value = {};
+  /// SQL of an update's value, where it is not the inserted one; the table is `t`.
+  std::string_view update = {};
+};
+
+/// Of a table that no list reads.
+struct Unlisted {};
+
+/// How lists go through a table: the newest first by `time_column`; entry breaks ties.
+template <typename Out>
+struct Listed {
+  PageKind kind = PageKind::kFaultHistory;
+  std::string_view time_column;
+  void (*read_time)(SystemTime time, Out& row) = nullptr;
+};
+
+template <typename In, typename Out, std::size_t kColumns>
+struct Table {
+  using ListRow = Out;
+
+  std::string_view name;
+  Writes writes = Writes::kInserts;
+  Listed<Out> listed;
+  std::array<Column<In, Out>, kColumns> columns;
+  /// SQL: when an upsert changes a row that is there; empty: always.
+  std::string_view only_if = {};
+};
+
+/// Types as SQL names them.
+constexpr std::string_view SqlName(Type type) {
+  switch (type) {
+    case Type::kBool:
+      return "bool";
+    case Type::kBytes:
+      return "bytea";
+    case Type::kInt8:
+      return "bigint";
+    case Type::kInt4:
+      return "int";
+    case Type::kText:
+      return "text";
+    case Type::kFloat8:
+      return "float8";
+    case Type::kTime:
+      return "timestamptz";
+    case Type::kUuid:
+      return "uuid";
+  }
+  return {};
+}
+
+/// Columns that several tables begin with, before their own.
+template <typename In, typename Out, std::size_t kFirst, std::size_t kOwn>
+constexpr std::array<Column<In, Out>, kFirst + kOwn> Join(
+    const std::array<Column<In, Out>, kFirst>& first,
+    const std::array<Column<In, Out>, kOwn>& own) {
+  std::array<Column<In, Out>, kFirst + kOwn> columns;
+  for (std::size_t i = 0; i < kFirst; ++i) columns[i] = first[i];
+  for (std::size_t i = 0; i < kOwn; ++i) columns[kFirst + i] = own[i];
+  return columns;
+}
+
+template <typename In, typename Out, std::size_t kColumns>
+constexpr SqlText ConflictSql(const Table<In, Out, kColumns>& table) {
+  if (table.writes == Writes::kInserts) return {};
+  SqlText keys;
+  SqlText updates;
+  for (const Column<In, Out>& column : table.columns) {
+    if (column.role == Role::kKey) {
+      keys.Add({keys.view().empty() ? std::string_view() : ", ", column.name});
+    }
+    if (column.role != Role::kValue) continue;
+    updates.Add({updates.view().empty() ? std::string_view() : ", ", column.name, " = "});
+    if (column.update.empty()) updates.Add({"excluded.", column.name});
+    updates.Add(column.update);
+  }
+  SqlText sql = {" ON CONFLICT (", keys.view(), ") DO UPDATE SET ", updates.view()};
+  if (!table.only_if.empty()) sql.Add({" WHERE ", table.only_if});
+  return sql;
+}
+
+/// Writes rows. The parameters are the columns, each an array, in order.
+template <typename In, typename Out, std::size_t kColumns>
+constexpr SqlText InsertSql(const Table<In, Out, kColumns>& table) {
+  SqlText names;
+  SqlText values;
+  SqlText arrays;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const Column<In, Out>& column = table.columns[i];
+    const std::string_view comma = i == 0 ? "" : ", ";
+    names.Add({comma, column.name});
+    values.Add({comma, column.value.empty() ? column.name : column.value});
+    arrays.Add(comma);
+    arrays.AddParameter(i + 1, SqlName(column.type));
+    arrays.Add("[]");
+  }
+  return {"INSERT INTO uplinkd.", table.name,    " AS t (",
+          names.view(),           ") SELECT ",   values.view(),
+          " FROM unnest(",        arrays.view(), ") AS u (",
+          names.view(),           ")",           ConflictSql(table).view()};
+}
+
+/// The columns that a list reads, in order.
+template <typename In, typename Out, std::size_t kColumns>
+constexpr SqlText ListedColumns(const Table<In, Out, kColumns>& table) {
+  SqlText sql;
+  for (const Column<In, Out>& column : table.columns) {
+    if (column.read == nullptr) continue;
+    sql.Add({sql.view().empty() ? std::string_view() : ", ", column.name});
+  }
+  return sql;
+}
+
+/// Adds the statement that writes the rows, if there are any. `kTable` is a constant, so that the
+/// statement's text is one too.
+template <const auto& kTable, typename Rows>
+void AddInsert(const Rows& rows, std::vector<Call>& calls) {
+  static constexpr SqlText kSql = InsertSql(kTable);
+  if (rows.empty()) return;
+  std::vector<Array> arrays;
+  arrays.reserve(kTable.columns.size());
+  for (const auto& column : kTable.columns) arrays.emplace_back(column.type);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < arrays.size(); ++i) kTable.columns[i].fill(arrays[i], row);
+  }
+  Call& call = calls.emplace_back(Call{kSql.view(), {}});
+  for (Array& array : arrays) call.parameters.Add(std::move(array));
+}
+
+}  // namespace uplink::storage::postgres
