@@ -12,10 +12,10 @@ namespace {
 using metrics::rcan::SeriesPage;
 using enum metrics::rcan::SeriesId;
 
-constexpr double kMillisASecond = 1000;
+constexpr double kMillisPerSecond = 1000;
 constexpr std::string_view kUnrecognized = "unrecognized";
 
-double UnixSeconds(SystemTime time) { return static_cast<double>(UnixMs(time)) / kMillisASecond; }
+double UnixSeconds(SystemTime time) { return static_cast<double>(UnixMs(time)) / kMillisPerSecond; }
 
 template <typename Number>
 void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, const std::optional<Number>& value) {

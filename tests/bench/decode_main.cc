@@ -30,7 +30,7 @@ struct Arguments {
   int seconds = 1;
 };
 
-constexpr double kNanosASecond = 1e9;
+constexpr double kNanosPerSecond = 1e9;
 constexpr int kTurns = 1000;
 
 /// Nanoseconds that one call takes.
@@ -44,7 +44,7 @@ double NanosOf(const std::function<void()>& call, std::chrono::duration<double> 
     calls += kTurns;
     took = clock.Steady() - began;
   }
-  return took.count() * kNanosASecond / static_cast<double>(calls);
+  return took.count() * kNanosPerSecond / static_cast<double>(calls);
 }
 
 /// Copies to aligned words, and follows every pointer.

@@ -19,7 +19,7 @@ constexpr std::size_t kRobots = 16;
 constexpr std::size_t kAhead = 2048;
 constexpr int kWarmUpSeconds = 1;
 constexpr std::size_t kAcksARound = 400;
-constexpr double kMicrosASecond = 1e6;
+constexpr double kMicrosPerSecond = 1e6;
 
 void WaitFor(int seconds) {
   std::mutex mutex;
@@ -91,7 +91,7 @@ RelayBench::Durable RelayBench::MeasureDurable(const std::string& name, std::siz
       const double acked = static_cast<double>(load.acked()) - before;
       const double cpu = Cpu() - cpu_before;
       rows.rate.value.Add(acked / std::chrono::duration<double>(clock.Steady() - began).count());
-      rows.cpu.value.Add(cpu * kMicrosASecond / std::max(acked, 1.0));
+      rows.cpu.value.Add(cpu * kMicrosPerSecond / std::max(acked, 1.0));
     }
     WaitUntilSettled();
     rows.rate.comparator_value.Add(bare(times.seconds));

@@ -32,7 +32,7 @@ struct Arguments {
   int seconds = 3;
 };
 
-constexpr double kMicrosASecond = 1e6;
+constexpr double kMicrosPerSecond = 1e6;
 constexpr double kBytesAKiB = 1024;
 constexpr int kWarmUpSeconds = 1;
 /// Share of a core above which a server had no more of it.
@@ -88,9 +88,9 @@ class RelayBench final {
  private:
   using Act = std::function<void(Load&, milliseconds)>;
 
-  static Act Paced(double frames_a_second, std::size_t frame_messages) {
+  static Act Paced(double frames_per_second, std::size_t frame_messages) {
     return [=](Load& load, milliseconds duration) {
-      load.Pace(frames_a_second, frame_messages, duration);
+      load.Pace(frames_per_second, frame_messages, duration);
     };
   }
   static Act Flooding(std::size_t frame_messages) {
@@ -118,7 +118,7 @@ class RelayBench final {
     // end as at its beginning.
     const double messages = static_cast<double>(std::max(load.acked() - acked, load.sent() - sent));
     full_core_ = cpu > kFullCore * arguments_.seconds;
-    return cpu * kMicrosASecond / std::max(messages, 1.0);
+    return cpu * kMicrosPerSecond / std::max(messages, 1.0);
   }
 
   /// As CostOnce, where messages come at a rate whether the server keeps up or not.
@@ -231,9 +231,9 @@ class RelayBench final {
         Load load(server.where(), loop);
         const std::uint64_t before = server.use().rss_bytes;
         load.ConnectUpTo(kMemoryRobots, kConnectsAtOnce);
-        idle[kind].Add(KiBARobot(server.use().rss_bytes - before));
+        idle[kind].Add(KiBPerRobot(server.use().rss_bytes - before));
         load.SendEach(kMemoryMessages);
-        used[kind].Add(KiBARobot(server.use().rss_bytes - before));
+        used[kind].Add(KiBPerRobot(server.use().rss_bytes - before));
       }
     }
     for (std::size_t i = 1; i < kinds.size(); ++i) {
@@ -245,7 +245,7 @@ class RelayBench final {
     }
   }
 
-  static double KiBARobot(std::uint64_t bytes) {
+  static double KiBPerRobot(std::uint64_t bytes) {
     return static_cast<double>(bytes) / kBytesAKiB / static_cast<double>(kMemoryRobots);
   }
 

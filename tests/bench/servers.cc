@@ -173,7 +173,7 @@ Load::Where Server::where() const {
                                             http2 ? link::Alpn::kHttp2 : link::Alpn::kNone);
   where.link.address = *link::Resolve("127.0.0.1:" + std::to_string(port_));
   // What a flood says is one message a record, also where HTTP/2's window made some wait.
-  where.link.record_a_message = true;
+  where.link.record_per_message = true;
   where.identities = &world_.identities;
   return where;
 }

@@ -77,7 +77,7 @@ GrpcConnection::GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& ev
     : loop_(loop),
       events_(&events),
       authority_(options.address.text),
-      record_a_message_(options.record_a_message),
+      record_per_message_(options.record_per_message),
       http2_(*this, options.window_bytes),
       link_(std::make_shared<TlsLink>(loop, std::move(options), static_cast<LinkEvents&>(*this))) {}
 
@@ -216,7 +216,7 @@ void GrpcConnection::OnClosed(std::uint32_t error) {
 
 std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& end) {
   std::size_t taken = std::min(max, out_.size() - out_taken_);
-  if (record_a_message_ && taken > 0) {
+  if (record_per_message_ && taken > 0) {
     if (message_left_ == 0) {
       message_left_ = kPrefixBytes + LengthOf(std::string_view(out_).substr(out_taken_));
     }
@@ -240,7 +240,7 @@ void GrpcConnection::Flush() {
   if (busy_ || !up_) return;
   busy_ = true;
   loop_.out.clear();
-  while (record_a_message_ && http2_.ProduceFrame(loop_.out)) {
+  while (record_per_message_ && http2_.ProduceFrame(loop_.out)) {
     link_->Write(loop_.out);
     loop_.out.clear();
   }

@@ -28,17 +28,17 @@ inline constexpr int kCodeInternal = 13;
 inline constexpr int kCodeUnavailable = 14;
 inline constexpr int kCodeUnauthenticated = 16;
 
-/// What a connection says to its owner; on the loop's thread, never from within a call of the
-/// owner's. Only within OnEnded may the owner drop the connection.
+/// What a connection tells its owner: on the loop's thread, never from within a call that the owner
+/// makes. Only within OnEnded may the owner drop the connection.
 class StreamEvents {
  public:
   virtual ~StreamEvents() = default;
   /// The connection is up: OpenStream may be called.
   virtual void OnConnected() = 0;
   virtual void OnMessage(std::string_view message) = 0;
-  /// What had waited was taken by the kernel.
+  /// The kernel has taken all that waited.
   virtual void OnSent() = 0;
-  /// The stream, or the connection before one was opened, is over. Said once per stream.
+  /// The stream, or the connection before a stream was opened, is over. Called once per stream.
   virtual void OnEnded(const StreamEnd& end) = 0;
 };
 
@@ -46,27 +46,27 @@ class StreamEvents {
 inline constexpr std::size_t kMessageBytesMax = 4 * 1024 * 1024;
 
 /// A connection of its own with one bidirectional gRPC stream at a time, for programs that open
-/// thousands. What gRPC's own library would do of itself (retries, names, balancing) it leaves out.
+/// thousands. It has no retries, name resolution or load balancing, as gRPC's own library does.
 ///
 /// Thread: confined to the loop's thread.
 /// Source: "gRPC over HTTP2", the protocol's own description.
 class GrpcConnection final : private LinkEvents, private Http2Events {
  public:
   GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& events);
-  /// Closes in order.
+  /// Closes the connection in an orderly way.
   ~GrpcConnection() override;
   GrpcConnection(const GrpcConnection&) = delete;
   GrpcConnection& operator=(const GrpcConnection&) = delete;
 
   void Connect() { link_->Connect(); }
-  /// From now on another owner.
+  /// From now on another owner gets the events.
   void SetEvents(StreamEvents& events) { events_ = &events; }
   /// Opens a stream of this method (`/package.Service/Method`). False if one is open or the
   /// connection takes none.
   bool OpenStream(const std::string& path);
-  /// One message; before the end of the stream only.
+  /// Sends one message. Only while a stream is open and not half-closed.
   void Send(std::string_view message);
-  /// Nothing more is sent; the server ends the stream.
+  /// Nothing more is sent after this; the server then ends the stream.
   void HalfClose();
   /// RST_STREAM; OnEnded says CANCELLED.
   void CancelStream();
@@ -99,7 +99,7 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
   Loop& loop_;
   StreamEvents* events_;
   std::string authority_;
-  const bool record_a_message_;
+  const bool record_per_message_;
   Http2Session http2_;
   std::shared_ptr<TlsLink> link_;
   bool up_ = false;
@@ -117,7 +117,7 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
   std::string grpc_message_;
   std::string http_status_;
   std::optional<StreamEnd> ended_;
-  /// Held by nobody else: what was posted sees by it that the connection is gone.
+  /// Nobody else owns it: by it a posted job sees that the connection is gone.
   std::shared_ptr<GrpcConnection*> self_ = std::make_shared<GrpcConnection*>(this);
 };
 

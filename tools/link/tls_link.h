@@ -17,16 +17,17 @@
 
 namespace uplink::link {
 
-/// What a link says to its owner; on the loop's thread, never from within a call of the owner's.
+/// What a link tells its owner: on the loop's thread, never from within a call that the owner
+/// makes.
 class LinkEvents {
  public:
   virtual ~LinkEvents() = default;
   /// The handshake is done.
   virtual void OnUp() = 0;
   virtual void OnBytes(std::string_view bytes) = 0;
-  /// Bytes that had waited were all taken by the kernel.
+  /// The kernel has taken all bytes that waited.
   virtual void OnSent() = 0;
-  /// Said once; nothing comes after it.
+  /// The link is down. The last event.
   virtual void OnDown(const absl::Status& why) = 0;
 };
 
@@ -42,7 +43,7 @@ struct LinkOptions {
   /// What the server may send ahead of its reader, by HTTP/2's windows.
   std::uint32_t window_bytes = kWindowBytes;
   /// Each message leaves in a DATA frame and a TLS record of its own, however many wait.
-  bool record_a_message = false;
+  bool record_per_message = false;
   /// A line in clear text comes before the handshake (NATS), and is skipped.
   bool greeted_in_clear = false;
 };
@@ -62,20 +63,21 @@ class TlsLink final : public std::enable_shared_from_this<TlsLink> {
   TlsLink& operator=(const TlsLink&) = delete;
 
   void Connect();
-  /// Takes the bytes; what the kernel does not take now waits in memory.
+  /// Sends the bytes; what the kernel does not take now waits in memory.
   void Write(std::string_view bytes);
   /// Bytes that wait.
   [[nodiscard]] std::size_t unsent() const { return pending_.size(); }
 
-  /// From now on.
+  /// Delays the writes that follow.
   void SetDelay(milliseconds delay) { options_.delay = delay; }
   /// A slow reader: nothing is read until it is called with false.
   void PauseReading(bool pause);
   /// Half-open: nothing leaves, nothing is read, and the peer is told nothing.
   void Freeze();
-  /// Ends with a TCP reset, as a device in the middle that forgets the connection. Says nothing.
+  /// Ends it with a TCP reset, like a device in between that forgets the connection. No event
+  /// comes.
   void Cut();
-  /// Ends it in order. Says nothing.
+  /// Ends it in an orderly way. No event comes.
   void Close();
 
  private:

@@ -100,9 +100,9 @@ void Load::SendEach(std::size_t messages) {
   }
 }
 
-void Load::Pace(double frames_a_second, std::size_t frame_messages, milliseconds duration) {
+void Load::Pace(double frames_per_second, std::size_t frame_messages, milliseconds duration) {
   const SteadyTime start = clock_.Steady();
-  const std::chrono::duration<double> gap(1 / frames_a_second);
+  const std::chrono::duration<double> gap(1 / frames_per_second);
   std::uint64_t frames = 0;
   bool over = false;
   const auto due = [&] {

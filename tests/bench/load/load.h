@@ -39,7 +39,7 @@ class Load final {
   /// all.
   void SendEach(std::size_t messages);
   /// Evenly spread: so many frames per second over all robots, in turn.
-  void Pace(double frames_a_second, std::size_t frame_messages, milliseconds duration);
+  void Pace(double frames_per_second, std::size_t frame_messages, milliseconds duration);
   /// Each robot keeps `ahead` messages unacked.
   void Flood(std::size_t ahead, std::size_t frame_messages, milliseconds duration);
   /// Connects all robots again, each until it is welcomed, with `at_once` at a time: the server was
