@@ -31,8 +31,9 @@ NOISE = re.compile(r"^\d+ (warnings?|errors?).* generated\.\n", re.MULTILINE)
 def context(root):
     """What the findings of every unit depend on."""
     digest = hashlib.sha256((root / ".clang-tidy").read_bytes())
-    for path in sorted((root / HERE).glob("*.*")):
-        digest.update(path.read_bytes())
+    for path in sorted((root / HERE).iterdir()):
+        if path.suffix in (".py", ".cc", ".txt"):
+            digest.update(path.read_bytes())
     versions = subprocess.run(
         ["dpkg-query", "-W", "-f", "${Package}:${Architecture} ${Version}\n", "*-dev", "clang*", "libclang*"],
         capture_output=True,
@@ -59,8 +60,7 @@ def run_clang_tidy(root, build, precompiled, unit):
 
 def found_in(root, output):
     """(file, line, check) of each finding."""
-    found = {(os.path.relpath(path, root), int(line), check) for path, line, check in FINDING.findall(output)}
-    return found
+    return {(os.path.relpath(path, root), int(line), check) for path, line, check in FINDING.findall(output)}
 
 
 def planted_in(root):
