@@ -61,57 +61,14 @@ bool IsSignOfLife(model::Variant variant) {
 }
 
 /// The union member's struct, read and judged; a null pointer in its place is a fault.
-model::Body DecodeMember(wire::UplinkMsg::Reader in, const JudgeLimits& limits, Faults& faults) {
-  using wire::UplinkMsg;
-  switch (in.which()) {
-    case UplinkMsg::MISSION_RUN_STATUS:
-      if (!in.hasMissionRunStatus()) break;
-      return DecodeMission(in.getMissionRunStatus(), faults);
-    case UplinkMsg::MOTION_TELEMETRY:
-      if (!in.hasMotionTelemetry()) break;
-      return DecodeMotion(in.getMotionTelemetry(), faults);
-    case UplinkMsg::STATUS_TELEMETRY:
-      if (!in.hasStatusTelemetry()) break;
-      return DecodeStatus(in.getStatusTelemetry(), faults);
-    case UplinkMsg::TELEMETRY_EXTRAS:
-      if (!in.hasTelemetryExtras()) break;
-      return DecodeExtras(in.getTelemetryExtras(), faults, limits.extras_items_max);
-    case UplinkMsg::EVENT_TELEMETRY:
-      if (!in.hasEventTelemetry()) break;
-      return DecodeEvent(in.getEventTelemetry(), faults);
-    case UplinkMsg::UI_CAPABILITIES:
-      if (!in.hasUiCapabilities()) break;
-      return DecodeCapabilities(in.getUiCapabilities(), faults);
-    case UplinkMsg::FAULT:
-      if (!in.hasFault()) break;
-      return DecodeFault(in.getFault(), faults);
-    case UplinkMsg::SHAPE:
-      if (!in.hasShape()) break;
-      return DecodeShape(in.getShape(), faults);
-    case UplinkMsg::OBJECT:
-      if (!in.hasObject()) break;
-      return DecodeObject(in.getObject(), faults);
-    case UplinkMsg::SYSTEM_HEALTH:
-      if (!in.hasSystemHealth()) break;
-      return DecodeHealth(in.getSystemHealth(), faults);
-    case UplinkMsg::USAGE_TELEMETRY:
-      if (!in.hasUsageTelemetry()) break;
-      return DecodeUsage(in.getUsageTelemetry(), faults);
-    case UplinkMsg::CONSUMABLE_STATUS:
-      if (!in.hasConsumableStatus()) break;
-      return DecodeConsumable(in.getConsumableStatus(), faults);
-    case UplinkMsg::CURRENT_SETTINGS:
-      if (!in.hasCurrentSettings()) break;
-      return DecodeSettings(in.getCurrentSettings(), faults);
-    case UplinkMsg::MESSAGE:
-      if (!in.hasMessage()) break;
-      return DecodeMessage(in.getMessage(), faults);
-    case UplinkMsg::AGENT_INFO:
-      if (!in.hasAgentInfo()) break;
-      return DecodeAgentInfo(in.getAgentInfo(), faults);
-    case UplinkMsg::SPATIAL_DIRECTIVE_STATUS:
-      if (!in.hasSpatialDirectiveStatus()) break;
-      return DecodeDirective(in.getSpatialDirectiveStatus(), faults);
+model::Body DecodeMember(wire::UplinkMsg::Reader in, model::Variant variant, Faults& faults) {
+  switch (variant) {
+#define UPLINK_VARIANT(Member, name, Body, settling) \
+  case model::Variant::k##Member:                    \
+    if (!in.has##Member()) break;                    \
+    return Decode##Member(in.get##Member(), faults);
+    UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
   }
   faults.Reject(MissingField(Path(), "holds a null pointer"));
   return {};
@@ -183,13 +140,13 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     if (member >= model::kVariants) return Rejected(UnknownVariant(Path(), member));
     if (reader.getEnd() != words.end()) return Rejected(Malformed("bytes follow the message"));
     variant = static_cast<model::Variant>(member);
-    Faults faults(model::IsDurable(*variant), &scratch_->texts);
+    Faults faults(model::IsDurable(*variant), &scratch_->texts, limits_.extras_items_max);
     const std::size_t bytes_max =
         MayBeLarge(*variant) ? limits_.payload_bytes_max : limits_.message_bytes_max;
     const bool too_large = payload.size() > bytes_max;
     if (too_large) faults.Reject(PayloadTooLarge(payload.size(), bytes_max));
     // A body is moved as little as can be: it is large.
-    model::Body body = too_large ? model::Body() : DecodeMember(message, limits_, faults);
+    model::Body body = too_large ? model::Body() : DecodeMember(message, *variant, faults);
     return {.verdict =
                 faults.rejected()
                     ? Verdict(faults.TakeRejection())

@@ -114,7 +114,7 @@ bool CountIsGood(Faults& faults, const Path& path, std::size_t count, std::size_
 
 }  // namespace
 
-model::UiCapabilities DecodeCapabilities(wire::UiCapabilities::Reader in, Faults& faults) {
+model::UiCapabilities DecodeUiCapabilities(wire::UiCapabilities::Reader in, Faults& faults) {
   const Path root;
   const Path services_path = root.Field("services");
   const Path sensors_path = root.Field("sensors");
@@ -144,7 +144,8 @@ model::UiCapabilities DecodeCapabilities(wire::UiCapabilities::Reader in, Faults
   return out;
 }
 
-model::CurrentSettings DecodeSettings(capnp::List<wire::SettingUpdate>::Reader in, Faults& faults) {
+model::CurrentSettings DecodeCurrentSettings(capnp::List<wire::SettingUpdate>::Reader in,
+                                             Faults& faults) {
   const Path root;
   model::CurrentSettings out;
   if (!CountIsGood(faults, root, in.size(), kSettingsMax, "settings")) return out;

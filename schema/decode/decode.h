@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstddef>
+#include <utility>
 
 #include "schema/model/record.h"
 #include "schema/rules/faults.h"
@@ -12,38 +12,11 @@
 /// schema/judge.cc catches it.
 namespace uplink::schema {
 
-// decode/motion.cc, decode/status.cc, decode/extras.cc
-[[nodiscard]] model::MotionTelemetry DecodeMotion(wire::MotionTelemetry::Reader in, Faults& faults);
-[[nodiscard]] model::StatusTelemetry DecodeStatus(wire::StatusTelemetry::Reader in, Faults& faults);
-[[nodiscard]] model::TelemetryExtras DecodeExtras(wire::TelemetryExtras::Reader in, Faults& faults,
-                                                  std::size_t items_max);
-
-// decode/mission.cc
-[[nodiscard]] model::MissionRunStatus DecodeMission(wire::MissionRunStatus::Reader in,
-                                                    Faults& faults);
-
-// decode/reports.cc
-[[nodiscard]] model::Fault DecodeFault(wire::Fault::Reader in, Faults& faults);
-[[nodiscard]] model::EventTelemetry DecodeEvent(wire::EventTelemetry::Reader in, Faults& faults);
-[[nodiscard]] model::Message DecodeMessage(wire::Message::Reader in, Faults& faults);
-
-// decode/spatial.cc
-[[nodiscard]] model::ShapeOp DecodeShape(wire::ReportedShapeOp::Reader in, Faults& faults);
-[[nodiscard]] model::ObjectOp DecodeObject(wire::ObjectOp::Reader in, Faults& faults);
-
-// decode/health.cc
-[[nodiscard]] model::SystemHealth DecodeHealth(wire::SystemHealth::Reader in, Faults& faults);
-[[nodiscard]] model::UsageTelemetry DecodeUsage(wire::UsageTelemetry::Reader in, Faults& faults);
-[[nodiscard]] model::ConsumableStatus DecodeConsumable(wire::ConsumableStatus::Reader in,
-                                                       Faults& faults);
-[[nodiscard]] model::SpatialDirectiveStatus DecodeDirective(wire::SpatialDirectiveStatus::Reader in,
-                                                            Faults& faults);
-[[nodiscard]] model::AgentInfo DecodeAgentInfo(wire::AgentInfo::Reader in, Faults& faults);
-
-// decode/capabilities.cc
-[[nodiscard]] model::UiCapabilities DecodeCapabilities(wire::UiCapabilities::Reader in,
-                                                       Faults& faults);
-[[nodiscard]] model::CurrentSettings DecodeSettings(capnp::List<wire::SettingUpdate>::Reader in,
-                                                    Faults& faults);
+// DecodeMotionTelemetry and so on, one per row of model/variants.h.
+#define UPLINK_VARIANT(Member, name, Body, settling) \
+  [[nodiscard]] model::Body Decode##Member(          \
+      decltype(std::declval<wire::UplinkMsg::Reader>().get##Member()) in, Faults& faults);
+UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
 
 }  // namespace uplink::schema

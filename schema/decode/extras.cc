@@ -75,15 +75,14 @@ class Readings {
 
 }  // namespace
 
-model::TelemetryExtras DecodeExtras(wire::TelemetryExtras::Reader in, Faults& faults,
-                                    std::size_t items_max) {
+model::TelemetryExtras DecodeTelemetryExtras(wire::TelemetryExtras::Reader in, Faults& faults) {
   const Path root;
   const Path kv_path = root.Field("kv");
   model::TelemetryExtras out;
   out.unix_time_ms = Time(faults, in.getUnixTimeMs());
   const auto kv = in.getKv();
-  if (kv.size() > items_max) {
-    faults.Reject(TooManyItems(kv_path, kv.size(), items_max, "readings"));
+  if (kv.size() > faults.extras_items_max()) {
+    faults.Reject(TooManyItems(kv_path, kv.size(), faults.extras_items_max(), "readings"));
     return out;
   }
   Readings readings(kv.size());

@@ -7,7 +7,7 @@
 /// Host health, usage, consumables, directives and the agent itself.
 namespace uplink::schema {
 
-model::SystemHealth DecodeHealth(wire::SystemHealth::Reader in, Faults& faults) {
+model::SystemHealth DecodeSystemHealth(wire::SystemHealth::Reader in, Faults& faults) {
   const Path root;
   const auto percent = [&](std::string_view name, float value) {
     return UnlessNan(value, [&](float v) { return Percent(faults, root.Field(name), v); });
@@ -31,7 +31,7 @@ model::SystemHealth DecodeHealth(wire::SystemHealth::Reader in, Faults& faults) 
   return out;
 }
 
-model::UsageTelemetry DecodeUsage(wire::UsageTelemetry::Reader in, Faults& faults) {
+model::UsageTelemetry DecodeUsageTelemetry(wire::UsageTelemetry::Reader in, Faults& faults) {
   const Path root;
   const auto total = [&](std::string_view name, double value) {
     return NotNegative(faults, root.Field(name), value);
@@ -52,7 +52,7 @@ model::UsageTelemetry DecodeUsage(wire::UsageTelemetry::Reader in, Faults& fault
   return out;
 }
 
-model::ConsumableStatus DecodeConsumable(wire::ConsumableStatus::Reader in, Faults& faults) {
+model::ConsumableStatus DecodeConsumableStatus(wire::ConsumableStatus::Reader in, Faults& faults) {
   const Path root;
   model::ConsumableStatus out;
   out.unix_time_ms = Time(faults, in.getUnixTimeMs());
@@ -67,8 +67,8 @@ model::ConsumableStatus DecodeConsumable(wire::ConsumableStatus::Reader in, Faul
   return out;
 }
 
-model::SpatialDirectiveStatus DecodeDirective(wire::SpatialDirectiveStatus::Reader in,
-                                              Faults& faults) {
+model::SpatialDirectiveStatus DecodeSpatialDirectiveStatus(wire::SpatialDirectiveStatus::Reader in,
+                                                           Faults& faults) {
   const Path root;
   model::SpatialDirectiveStatus out;
   out.directive_id = RequiredLiveKey(faults, root.Field("directiveId"), View(in.getDirectiveId()));

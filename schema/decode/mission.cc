@@ -44,7 +44,7 @@ void DecodeRunDetails(wire::MissionRunStatus::Reader in, Faults& faults,
 
 }  // namespace
 
-model::MissionRunStatus DecodeMission(wire::MissionRunStatus::Reader in, Faults& faults) {
+model::MissionRunStatus DecodeMissionRunStatus(wire::MissionRunStatus::Reader in, Faults& faults) {
   const Path root;
   model::MissionRunStatus out;
   out.unix_time_ms = Time(faults, in.getUnixTimeMs());

@@ -35,7 +35,7 @@ std::optional<model::Pose> DecodePose(wire::MotionTelemetry::Reader in, Faults& 
 
 }  // namespace
 
-model::MotionTelemetry DecodeMotion(wire::MotionTelemetry::Reader in, Faults& faults) {
+model::MotionTelemetry DecodeMotionTelemetry(wire::MotionTelemetry::Reader in, Faults& faults) {
   model::MotionTelemetry out;
   out.unix_time_ms = Time(faults, in.getUnixTimeMs());
   if (in.getHasPose()) out.pose = DecodePose(in, faults);

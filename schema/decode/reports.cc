@@ -79,7 +79,7 @@ model::Fault DecodeFault(wire::Fault::Reader in, Faults& faults) {
   return out;
 }
 
-model::EventTelemetry DecodeEvent(wire::EventTelemetry::Reader in, Faults& faults) {
+model::EventTelemetry DecodeEventTelemetry(wire::EventTelemetry::Reader in, Faults& faults) {
   const Path root;
   model::EventTelemetry out;
   out.unix_time_ms = Time(faults, in.getUnixTimeMs());

@@ -82,7 +82,7 @@ model::EStop DecodeEStop(wire::EStop::Reader in, const Path& path, Faults& fault
 
 }  // namespace
 
-model::StatusTelemetry DecodeStatus(wire::StatusTelemetry::Reader in, Faults& faults) {
+model::StatusTelemetry DecodeStatusTelemetry(wire::StatusTelemetry::Reader in, Faults& faults) {
   const Path root;
   model::StatusTelemetry out;
   out.unix_time_ms = Time(faults, in.getUnixTimeMs());

@@ -15,22 +15,11 @@ namespace uplink::schema {
 void EncodePose(const model::Pose& in, wire::Pose::Builder out);
 void EncodeValue(const model::Value& in, wire::Value::Builder out);
 
-void EncodeMember(const model::MissionRunStatus& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::MotionTelemetry& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::StatusTelemetry& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::TelemetryExtras& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::EventTelemetry& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::UiCapabilities& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::Fault& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::ShapeOp& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::ObjectOp& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::SystemHealth& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::UsageTelemetry& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::ConsumableStatus& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::CurrentSettings& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::Message& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::AgentInfo& in, wire::UplinkMsg::Builder message);
-void EncodeMember(const model::SpatialDirectiveStatus& in, wire::UplinkMsg::Builder message);
+// One per row of model/variants.h.
+#define UPLINK_VARIANT(Member, name, Body, settling) \
+  void EncodeMember(const model::Body& in, wire::UplinkMsg::Builder message);
+UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
 
 /// How a number that was not measured, and has no hasX flag, is written.
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

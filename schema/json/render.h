@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string_view>
+#include <type_traits>
 
 #include <boost/json.hpp>
 
@@ -13,23 +14,17 @@
 /// finite. Pure; any thread.
 namespace uplink::json {
 
-[[nodiscard]] boost::json::object Render(const model::MissionRunStatus& body);
-[[nodiscard]] boost::json::object Render(const model::MotionTelemetry& body);
-[[nodiscard]] boost::json::object Render(const model::StatusTelemetry& body);
-[[nodiscard]] boost::json::object Render(const model::TelemetryExtras& body);
-[[nodiscard]] boost::json::object Render(const model::EventTelemetry& body);
-[[nodiscard]] boost::json::object Render(const model::UiCapabilities& body);
-[[nodiscard]] boost::json::object Render(const model::Fault& body);
-[[nodiscard]] boost::json::object Render(const model::ShapeOp& body);
-[[nodiscard]] boost::json::object Render(const model::ObjectOp& body);
-[[nodiscard]] boost::json::object Render(const model::SystemHealth& body);
-[[nodiscard]] boost::json::object Render(const model::UsageTelemetry& body);
-[[nodiscard]] boost::json::object Render(const model::ConsumableStatus& body);
-/// The bare list of the specification; RenderByKey is what operators see.
-[[nodiscard]] boost::json::array Render(const model::CurrentSettings& body);
-[[nodiscard]] boost::json::object Render(const model::Message& body);
-[[nodiscard]] boost::json::object Render(const model::AgentInfo& body);
-[[nodiscard]] boost::json::object Render(const model::SpatialDirectiveStatus& body);
+/// An object; of the settings the bare list of the specification (RenderByKey is what operators
+/// see).
+template <typename Body>
+using Rendered = std::conditional_t<std::is_same_v<Body, model::CurrentSettings>,
+                                    boost::json::array, boost::json::object>;
+
+// One per row of model/variants.h, in the file of its family.
+#define UPLINK_VARIANT(Member, name, Body, settling) \
+  [[nodiscard]] Rendered<model::Body> Render(const model::Body& body);
+UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
 
 /// A Robot State as RCAN spells it; JudgeRcanState reads it again. The server's own count is not in
 /// it.

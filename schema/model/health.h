@@ -25,6 +25,8 @@ struct SystemHealth {
   friend bool operator==(const SystemHealth&, const SystemHealth&) = default;
 };
 
+[[nodiscard]] inline std::string KeyOf(const SystemHealth& health) { return health.device_id; }
+
 /// Counts since the robot was made; a number is absent only if judgement dropped it. Live. A value.
 struct UsageTelemetry {
   std::int64_t unix_time_ms = 0;
@@ -59,6 +61,11 @@ struct ConsumableStatus {
   friend bool operator==(const ConsumableStatus&, const ConsumableStatus&) = default;
 };
 
+/// `kind/tankId`.
+[[nodiscard]] inline std::string KeyOf(const ConsumableStatus& status) {
+  return status.kind + "/" + status.tank_id;
+}
+
 /// Whether the robot applies a rule of an area; directive_id is its key. Live. A value.
 struct SpatialDirectiveStatus {
   std::string directive_id;
@@ -70,6 +77,10 @@ struct SpatialDirectiveStatus {
 
   friend bool operator==(const SpatialDirectiveStatus&, const SpatialDirectiveStatus&) = default;
 };
+
+[[nodiscard]] inline std::string KeyOf(const SpatialDirectiveStatus& status) {
+  return status.directive_id;
+}
 
 /// What the agent is and runs on. Durable. A value.
 struct AgentInfo {

@@ -17,6 +17,7 @@
 #include "schema/model/reports.h"
 #include "schema/model/spatial.h"
 #include "schema/model/status.h"
+#include "schema/model/variants.h"
 
 namespace uplink::schema {
 class Judge;
@@ -24,34 +25,23 @@ class Judge;
 
 namespace uplink::model {
 
-/// The sixteen members of UplinkMsg; the numbers are the union's ordinals, and the order that of
-/// Body's alternatives.
+/// The members of UplinkMsg (variants.h); the numbers are the union's ordinals, and the order that
+/// of Body's alternatives.
 enum class Variant : std::uint8_t {
-  kMissionRunStatus = 0,
-  kMotionTelemetry = 1,
-  kStatusTelemetry = 2,
-  kTelemetryExtras = 3,
-  kEventTelemetry = 4,
-  kUiCapabilities = 5,
-  kFault = 6,
-  kShape = 7,
-  kObject = 8,
-  kSystemHealth = 9,
-  kUsageTelemetry = 10,
-  kConsumableStatus = 11,
-  kCurrentSettings = 12,
-  kMessage = 13,
-  kAgentInfo = 14,
-  kSpatialDirectiveStatus = 15,
+#define UPLINK_VARIANT(Member, name, Body, settling) k##Member,
+  UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
 };
 
-inline constexpr std::size_t kVariants = 16;
+/// The variant of all but the first: rows bring a comma each in front.
+template <typename /*none*/, typename... Bodies>
+using OneOf = std::variant<Bodies...>;
 
-using Body = std::variant<MissionRunStatus, MotionTelemetry, StatusTelemetry, TelemetryExtras,
-                          EventTelemetry, UiCapabilities, Fault, ShapeOp, ObjectOp, SystemHealth,
-                          UsageTelemetry, ConsumableStatus, CurrentSettings, Message, AgentInfo,
-                          SpatialDirectiveStatus>;
-static_assert(std::variant_size_v<Body> == kVariants);
+#define UPLINK_VARIANT(Member, name, Body, settling) , Body
+using Body = OneOf<void UPLINK_VARIANTS(UPLINK_VARIANT)>;
+#undef UPLINK_VARIANT
+
+inline constexpr std::size_t kVariants = std::variant_size_v<Body>;
 
 /// The union member's name: `motionTelemetry`.
 [[nodiscard]] std::string_view ToText(Variant variant);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -36,7 +37,12 @@ class SpareTexts final {
 /// the counts. Confined to one judgement.
 class Faults final {
  public:
-  explicit Faults(bool durable, SpareTexts* spare = nullptr) : durable_(durable), spare_(spare) {}
+  explicit Faults(bool durable, SpareTexts* spare = nullptr,
+                  std::size_t extras_items_max = SIZE_MAX)
+      : durable_(durable), spare_(spare), extras_items_max_(extras_items_max) {}
+
+  /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
+  [[nodiscard]] std::size_t extras_items_max() const { return extras_items_max_; }
 
   /// A fault that rejects whatever the kind: of structure, or of a live message's own key. The
   /// first one stays.
@@ -78,6 +84,7 @@ class Faults final {
  private:
   bool durable_;
   SpareTexts* spare_;
+  std::size_t extras_items_max_;
   std::uint32_t times_unknown_ = 0;
   std::uint32_t enumerants_unrecognized_ = 0;
   std::optional<model::Rejection> rejection_;
