@@ -7,6 +7,7 @@
 #include <string>
 
 #include "schema/base/clock.h"
+#include "storage/live_parts.h"
 
 namespace uplink::storage {
 
@@ -16,26 +17,13 @@ inline constexpr std::size_t kCheckpointBytesMax = std::size_t{4} * 1024 * 1024;
 /// Rows of one answer of Reader::Live.
 inline constexpr std::uint32_t kLiveRowsMax = 500;
 
-/// The parts of a robot's live state, each written by itself. The order is that of the columns.
-enum class LivePart : std::uint8_t {
-  kMotion = 0,
-  kStatus = 1,
-  kExtras = 2,
-  kHealth = 3,
-  kUsage = 4,
-  kConsumables = 5,
-  kDirectives = 6,
-  kRcan = 7,
-};
-inline constexpr std::size_t kLivePartKinds = 8;
-
 /// What a checkpoint keeps of a robot's live state. Whatever a write leaves unset stays as the
 /// store has it. A value.
 struct LiveRow {
   std::string ruri;
   std::optional<SystemTime> last_sign_of_life;
   std::optional<std::int64_t> clock_skew_ms;
-  /// By LivePart; the bytes are the fleet's own, and mean nothing to a store.
+  /// By LivePart; the bytes are the server's own, and mean nothing to a store.
   std::array<std::optional<std::string>, kLivePartKinds> parts;
 
   friend bool operator==(const LiveRow&, const LiveRow&) = default;

@@ -55,23 +55,13 @@ std::string Joined(std::vector<std::string> latest_first) {
   return bytes;
 }
 
+/// The message of which `value` is held.
 template <typename Value>
-std::string OneBytes(const std::optional<Value>& value) {
-  if (!value) return {};
-  return Joined({schema::Encode(*value)});
+model::Body BodyOf(const std::string& /*key*/, const Value& value) {
+  return value;
 }
 
-template <typename Items, typename ToBody>
-std::string KeyedBytes(const Items& items, ToBody to_body) {
-  std::vector<std::string> messages;
-  messages.reserve(items.size());
-  for (auto item = items.rbegin(); item != items.rend(); ++item) {
-    messages.push_back(schema::Encode(to_body(item->first, item->second)));
-  }
-  return Joined(std::move(messages));
-}
-
-model::Body ExtraBody(const std::string& key, const Extra& extra) {
+model::Body BodyOf(const std::string& key, const Extra& extra) {
   model::SensorReading reading;
   reading.key = key;
   reading.value = extra.value;
@@ -81,30 +71,26 @@ model::Body ExtraBody(const std::string& key, const Extra& extra) {
   return body;
 }
 
-std::string PartBytes(LivePart part, const LiveParts& parts, std::string_view ruri) {
-  const auto as_body = [](const std::string& /*key*/, const auto& value) {
-    return model::Body(value);
-  };
-  switch (part) {
-    case LivePart::kMotion:
-      return OneBytes(parts.motion);
-    case LivePart::kStatus:
-      return OneBytes(parts.status);
-    case LivePart::kExtras:
-      return KeyedBytes(parts.extras.items(), ExtraBody);
-    case LivePart::kHealth:
-      return KeyedBytes(parts.health.items(), as_body);
-    case LivePart::kUsage:
-      return OneBytes(parts.usage);
-    case LivePart::kConsumables:
-      return KeyedBytes(parts.consumables.items(), as_body);
-    case LivePart::kDirectives:
-      return KeyedBytes(parts.directives.items(), as_body);
-    case LivePart::kRcan:
-      if (!parts.rcan) return {};
-      return Joined({json::Text(*parts.rcan, ruri)});
+// One overload for each way in which a part is held.
+template <typename Message>
+std::string PartBytes(const std::optional<Message>& part, std::string_view /*ruri*/) {
+  if (!part) return {};
+  return Joined({schema::Encode(*part)});
+}
+
+std::string PartBytes(const std::optional<model::RcanState>& part, std::string_view ruri) {
+  if (!part) return {};
+  return Joined({json::Text(*part, ruri)});
+}
+
+template <typename Value, std::size_t kMax>
+std::string PartBytes(const LatestByKey<Value, kMax>& part, std::string_view /*ruri*/) {
+  std::vector<std::string> messages;
+  messages.reserve(part.items().size());
+  for (auto item = part.items().rbegin(); item != part.items().rend(); ++item) {
+    messages.push_back(schema::Encode(BodyOf(item->first, item->second)));
   }
-  return {};
+  return Joined(std::move(messages));
 }
 
 /// Judges one message of a part and puts it into `read`; false if the rules do not pass it.
@@ -145,10 +131,11 @@ storage::LiveRow ToRow(std::string ruri, const LiveChanges& changes) {
   row.ruri = std::move(ruri);
   row.last_sign_of_life = changes.last_sign_of_life;
   row.clock_skew_ms = changes.clock_skew_ms;
-  for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
-    if (!changes.changed.test(kind)) continue;
-    row.parts[kind] = PartBytes(static_cast<LivePart>(kind), changes.parts, row.ruri);
-  }
+  ForEachPart(
+      [&]<typename Tag>(Tag /*row*/, const auto& part) {
+        if (changes.changed.test(Tag::kIndex)) row.parts[Tag::kIndex] = PartBytes(part, row.ruri);
+      },
+      changes.parts);
   return row;
 }
 

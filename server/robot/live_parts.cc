@@ -1,5 +1,8 @@
 #include "server/robot/live_parts.h"
 
+#include <array>
+#include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -8,62 +11,77 @@
 namespace uplink::robot {
 namespace {
 
-/// The key under which a consumable is held and shown: `kind/tankId`.
-std::string ConsumableKey(const model::ConsumableStatus& status) {
-  return status.kind + "/" + status.tank_id;
+/// The part that such a message changes; nothing for durable kinds.
+template <typename Message>
+constexpr std::optional<storage::LivePart> PartOfMessage() {
+#define UPLINK_PART(Part, column, view, Brings, keys_max) \
+  if (std::is_same_v<Message, model::Brings>) return storage::LivePart::k##Part;
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+  return std::nullopt;
 }
 
-struct Put {
-  LiveParts& parts;
+template <std::size_t... kVariant>
+constexpr auto PartsByVariant(std::index_sequence<kVariant...> /*variants*/) {
+  return std::array{PartOfMessage<std::variant_alternative_t<kVariant, model::Body>>()...};
+}
+
+constexpr auto kPartOfVariant = PartsByVariant(std::make_index_sequence<model::kVariants>());
+
+/// One overload for each way in which a message gets into its part.
+struct Into {
   SteadyTime arrived;
 
-  std::size_t operator()(model::MotionTelemetry&& body) const {
-    parts.motion = std::move(body);
+  template <typename Message>
+  std::size_t operator()(std::optional<Message>& part, Message&& message) const {
+    part = std::forward<Message>(message);
     return 0;
   }
-  std::size_t operator()(model::StatusTelemetry&& body) const {
+  std::size_t operator()(std::optional<model::StatusTelemetry>& part,
+                         model::StatusTelemetry&& message) const {
     // Copied: the text goes into the memory of the one before, and the message keeps its own, which
     // is used again (schema::Judge::Reuse).
-    parts.status = std::as_const(body);
+    part = std::as_const(message);
     return 0;
   }
-  std::size_t operator()(model::TelemetryExtras&& body) const {
+  template <typename Message, std::size_t kMax>
+  std::size_t operator()(LatestByKey<Message, kMax>& part, Message&& message) const {
+    std::string key = KeyOf(message);
+    return part.Put(std::move(key), std::forward<Message>(message));
+  }
+  template <std::size_t kMax>
+  std::size_t operator()(LatestByKey<Extra, kMax>& part, model::TelemetryExtras&& message) const {
     std::size_t evicted = 0;
-    for (model::SensorReading& reading : body.kv) {
-      const std::int64_t sampled = reading.unix_time_ms.value_or(body.unix_time_ms);
-      evicted += parts.extras.Put(
+    for (model::SensorReading& reading : message.kv) {
+      const std::int64_t sampled = reading.unix_time_ms.value_or(message.unix_time_ms);
+      evicted += part.Put(
           std::move(reading.key),
           {.value = std::move(reading.value), .sampled_at_ms = sampled, .arrived = arrived});
     }
     return evicted;
   }
-  std::size_t operator()(model::SystemHealth&& body) const {
-    std::string key = body.device_id;
-    return parts.health.Put(std::move(key), std::move(body));
-  }
-  std::size_t operator()(model::UsageTelemetry&& body) const {
-    parts.usage = std::move(body);
-    return 0;
-  }
-  std::size_t operator()(model::ConsumableStatus&& body) const {
-    std::string key = ConsumableKey(body);
-    return parts.consumables.Put(std::move(key), std::move(body));
-  }
-  std::size_t operator()(model::SpatialDirectiveStatus&& body) const {
-    std::string key = body.directive_id;
-    return parts.directives.Put(std::move(key), std::move(body));
-  }
-  template <typename Durable>
-  std::size_t operator()(Durable&& /*body*/) const {
-    UPLINK_CHECK(false, "only live kinds are applied");
-    return 0;
-  }
 };
 
 }  // namespace
 
+std::optional<storage::LivePart> PartOfVariant(model::Variant variant) {
+  return kPartOfVariant[static_cast<std::size_t>(variant)];
+}
+
 std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived) {
-  return std::visit(Put{parts, arrived}, std::move(body));
+  return std::visit(
+      [&parts, arrived]<typename Message>(Message&& message) -> std::size_t {
+#define UPLINK_PART(Part, column, view, Brings, keys_max)               \
+  if constexpr (std::is_same_v<std::decay_t<Message>, model::Brings>) { \
+    return Into{arrived}(parts.column, std::forward<Message>(message)); \
+  }
+        UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+        UPLINK_CHECK(PartOfMessage<std::decay_t<Message>>().has_value(),
+                     "only live kinds are applied");
+        return 0;
+      },
+      std::move(body));
 }
 
 }  // namespace uplink::robot

@@ -7,20 +7,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 
 #include "schema/base/clock.h"
 #include "schema/model/rcan.h"
 #include "schema/model/record.h"
+#include "storage/live_parts.h"
 
 namespace uplink::robot {
-
-/// Keys that a robot's live state keeps (validation rules: what is kept per robot).
-inline constexpr std::size_t kExtrasMax = 1024;
-inline constexpr std::size_t kHealthDevicesMax = 32;
-inline constexpr std::size_t kConsumablesMax = 64;
-inline constexpr std::size_t kDirectivesMax = 1024;
 
 /// The latest value of each key, at most `kMax` of them: the least recently updated goes first.
 template <typename Value, std::size_t kMax>
@@ -98,18 +94,53 @@ struct Extra {
   SteadyTime arrived{};
 };
 
-/// The latest of each live kind, in stream order; no robot clock decides anything. A value.
-struct LiveParts {
-  std::optional<model::MotionTelemetry> motion;
-  std::optional<model::StatusTelemetry> status;
-  LatestByKey<Extra, kExtrasMax> extras;
-  LatestByKey<model::SystemHealth, kHealthDevicesMax> health;
-  std::optional<model::UsageTelemetry> usage;
-  LatestByKey<model::ConsumableStatus, kConsumablesMax> consumables;
-  LatestByKey<model::SpatialDirectiveStatus, kDirectivesMax> directives;
-  /// RCAN's Robot State.
-  std::optional<model::RcanState> rcan;
+/// What is held of one message: itself, but of extras their readings.
+template <typename Message>
+struct HeldOf {
+  using Type = Message;
 };
+template <>
+struct HeldOf<model::TelemetryExtras> {
+  using Type = Extra;
+};
+
+/// A part as it is held: the latest message, or the latest of each key.
+template <typename Message, std::size_t kKeysMax>
+using PartOf = std::conditional_t<kKeysMax == 1, std::optional<Message>,
+                                  LatestByKey<typename HeldOf<Message>::Type, kKeysMax>>;
+
+/// The latest of each live kind (storage/live_parts.h), in stream order; no robot clock decides
+/// anything. A value.
+struct LiveParts {
+#define UPLINK_PART(Part, column, view, Message, keys_max) PartOf<model::Message, keys_max> column;
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+};
+
+/// A row of the table as a type.
+template <storage::LivePart kPart, typename Body>
+struct PartTag {
+  static constexpr storage::LivePart kLivePart = kPart;
+  static constexpr std::size_t kIndex = static_cast<std::size_t>(kPart);
+  using Message = Body;
+  /// Small enough to be copied wherever a robot is looked at: a message without a key. RCAN's state
+  /// holds many joints.
+  static constexpr bool kSmall =
+      storage::RowOf(kPart).keys_max == 1 && !std::is_same_v<Body, model::RcanState>;
+};
+
+/// Calls `visit(tag, part...)` for each row of the table, in order: the tag is the row's PartTag,
+/// then the part of each of `states`.
+template <typename Visit, typename... States>
+void ForEachPart(Visit visit, States&... states) {
+#define UPLINK_PART(Part, column, view, Message, keys_max) \
+  visit(PartTag<storage::LivePart::k##Part, model::Message>(), states.column...);
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+}
+
+/// The part that a live message changes; nothing for durable kinds.
+[[nodiscard]] std::optional<storage::LivePart> PartOfVariant(model::Variant variant);
 
 /// Puts one live body into the parts; returns the number of keys that had to go. A body of a
 /// durable kind is a mistake of ours.

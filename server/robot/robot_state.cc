@@ -7,33 +7,19 @@
 namespace uplink::robot {
 namespace {
 
-/// The part that a live message changes.
-storage::LivePart PartOf(model::Variant variant) {
-  using enum model::Variant;
-  switch (variant) {
-    case kMotionTelemetry:
-      return storage::LivePart::kMotion;
-    case kStatusTelemetry:
-      return storage::LivePart::kStatus;
-    case kTelemetryExtras:
-      return storage::LivePart::kExtras;
-    case kSystemHealth:
-      return storage::LivePart::kHealth;
-    case kUsageTelemetry:
-      return storage::LivePart::kUsage;
-    case kConsumableStatus:
-      return storage::LivePart::kConsumables;
-    case kSpatialDirectiveStatus:
-      return storage::LivePart::kDirectives;
-    default:
-      UPLINK_CHECK(false, "only live kinds are applied");
-  }
+/// Takes over the part of an earlier life as far as it is not known better by now. True if the
+/// store then has neither side whole.
+template <typename Message>
+bool Merge(std::optional<Message>& part, std::optional<Message>&& before) {
+  if (!part) part = std::move(before);
+  return false;
 }
 
-/// Copies one part if it changed.
-template <typename Part>
-void CopyIf(const LivePartSet& changed, storage::LivePart kind, const Part& from, Part& to) {
-  if (changed.test(static_cast<std::size_t>(kind))) to = from;
+template <typename Value, std::size_t kMax>
+bool Merge(LatestByKey<Value, kMax>& part, LatestByKey<Value, kMax>&& before) {
+  const bool both = !part.items().empty() && !before.items().empty();
+  part.PutOnTopOf(std::move(before));
+  return both;
 }
 
 }  // namespace
@@ -42,7 +28,9 @@ void RobotState::Apply(std::vector<model::Record>& records, SteadyTime arrived) 
   const std::lock_guard lock(mutex_);
   for (model::Record& record : records) {
     if (record.variant() == model::Variant::kStatusTelemetry) status_arrived_ = arrived;
-    parts_changed_.set(static_cast<std::size_t>(PartOf(record.variant())));
+    const std::optional<storage::LivePart> part = PartOfVariant(record.variant());
+    UPLINK_CHECK(part.has_value(), "only live kinds are applied");
+    parts_changed_.set(static_cast<std::size_t>(*part));
     keys_evicted_ += PutInto(parts_, std::move(record).TakeBody(), arrived);
   }
 }
@@ -145,7 +133,6 @@ void RobotState::CountDropped(std::size_t fields) {
 }
 
 std::optional<LiveChanges> RobotState::TakeChanges() {
-  using enum storage::LivePart;
   const std::lock_guard lock(mutex_);
   if (parts_changed_.none() && !signs_changed_) return std::nullopt;
   LiveChanges changes;
@@ -153,14 +140,11 @@ std::optional<LiveChanges> RobotState::TakeChanges() {
   signs_changed_ = false;
   changes.last_sign_of_life = last_sign_system_;
   changes.clock_skew_ms = clock_skew_ms_;
-  CopyIf(changes.changed, kMotion, parts_.motion, changes.parts.motion);
-  CopyIf(changes.changed, kStatus, parts_.status, changes.parts.status);
-  CopyIf(changes.changed, kExtras, parts_.extras, changes.parts.extras);
-  CopyIf(changes.changed, kHealth, parts_.health, changes.parts.health);
-  CopyIf(changes.changed, kUsage, parts_.usage, changes.parts.usage);
-  CopyIf(changes.changed, kConsumables, parts_.consumables, changes.parts.consumables);
-  CopyIf(changes.changed, kDirectives, parts_.directives, changes.parts.directives);
-  CopyIf(changes.changed, kRcan, parts_.rcan, changes.parts.rcan);
+  ForEachPart(
+      [&changes]<typename Tag>(Tag /*row*/, const auto& from, auto& to) {
+        if (changes.changed.test(Tag::kIndex)) to = from;
+      },
+      parts_, changes.parts);
   return changes;
 }
 
@@ -170,25 +154,13 @@ void RobotState::PutBackChanges(const LivePartSet& changed) {
   signs_changed_ = true;
 }
 
-template <typename Part>
-void RobotState::Merge(storage::LivePart kind, Part& part, Part before) {
-  // The store has neither side whole then.
-  if (!part.items().empty() && !before.items().empty()) {
-    parts_changed_.set(static_cast<std::size_t>(kind));
-  }
-  part.PutOnTopOf(std::move(before));
-}
-
 void RobotState::Restore(LiveBefore before) {
   const std::lock_guard lock(mutex_);
-  if (!parts_.motion) parts_.motion = std::move(before.parts.motion);
-  if (!parts_.status) parts_.status = std::move(before.parts.status);
-  if (!parts_.usage) parts_.usage = std::move(before.parts.usage);
-  if (!parts_.rcan) parts_.rcan = std::move(before.parts.rcan);
-  Merge(storage::LivePart::kExtras, parts_.extras, std::move(before.parts.extras));
-  Merge(storage::LivePart::kHealth, parts_.health, std::move(before.parts.health));
-  Merge(storage::LivePart::kConsumables, parts_.consumables, std::move(before.parts.consumables));
-  Merge(storage::LivePart::kDirectives, parts_.directives, std::move(before.parts.directives));
+  ForEachPart(
+      [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
+        if (Merge(part, std::move(earlier))) parts_changed_.set(Tag::kIndex);
+      },
+      parts_, before.parts);
   if (!last_sign_system_) last_sign_system_ = before.last_sign_of_life;
   if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
 }
@@ -222,10 +194,12 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
   switch (parts) {
     case Parts::kNone:
       break;
-    case Parts::kUnkeyed:
-      snapshot.parts.motion = parts_.motion;
-      snapshot.parts.status = parts_.status;
-      snapshot.parts.usage = parts_.usage;
+    case Parts::kSmall:
+      ForEachPart(
+          []<typename Tag>(Tag /*row*/, const auto& from, auto& to) {
+            if constexpr (Tag::kSmall) to = from;
+          },
+          parts_, snapshot.parts);
       break;
     case Parts::kAll:
       snapshot.parts = parts_;

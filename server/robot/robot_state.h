@@ -138,8 +138,8 @@ class RobotState final {
   [[nodiscard]] Presence presence() const;
   [[nodiscard]] bool held_back() const;
 
-  /// Which live parts a snapshot copies: none; those without a key (motion, status, usage); all.
-  enum class Parts : std::uint8_t { kNone, kUnkeyed, kAll };
+  /// Which live parts a snapshot copies: none; the small ones (PartTag::kSmall); all.
+  enum class Parts : std::uint8_t { kNone, kSmall, kAll };
   [[nodiscard]] StateSnapshot Snapshot(Parts parts) const;
   /// Calls `look` with the state as it stands, under the lock: it must be short.
   template <typename Look>
@@ -157,8 +157,6 @@ class RobotState final {
   }
 
  private:
-  template <typename Part>
-  void Merge(storage::LivePart kind, Part& part, Part before);
   void Reach(SteadyTime steady, SystemTime system);
   void UpdatePresence(const PresenceLimits& limits);
   [[nodiscard]] PresenceFacts Facts(SteadyTime now) const;

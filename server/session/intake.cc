@@ -12,8 +12,8 @@ namespace {
 
 /// A later live message of the same frame replaces these kinds whole.
 bool ReplacedWhole(model::Variant variant) {
-  return variant == model::Variant::kMotionTelemetry ||
-         variant == model::Variant::kStatusTelemetry || variant == model::Variant::kUsageTelemetry;
+  const std::optional<storage::LivePart> part = robot::PartOfVariant(variant);
+  return part && storage::RowOf(*part).keys_max == 1;
 }
 
 /// An upsert whose expiry has passed on arrival is neither stored nor forwarded.

@@ -6,23 +6,29 @@
 #include <optional>
 #include <string_view>
 
+#include "storage/live_parts.h"
+#include "storage/reader.h"
+
 namespace uplink::view {
 
-/// The live parts that a Robot can carry, in the order of the contract.
+/// The parts that a Robot can carry: those of which the store keeps the latest, then the live ones.
 enum class Part : std::uint8_t {
-  kMotion,
-  kStatus,
-  kExtras,
-  kHealth,
-  kUsage,
-  kConsumables,
-  kDirectives,
   kAgentInfo,
   kSettings,
   kUiCapabilities,
-  kRcanState,
+#define UPLINK_PART(Part, column, view, Message, keys_max) k##Part,
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
 };
-inline constexpr std::size_t kParts = 11;
+inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePartKinds;
+
+[[nodiscard]] constexpr Part ToPart(storage::LatestKind kind) { return static_cast<Part>(kind); }
+[[nodiscard]] constexpr Part ToPart(storage::LivePart part) {
+  return static_cast<Part>(storage::kLatestKinds + static_cast<std::size_t>(part));
+}
+static_assert(ToPart(storage::LatestKind::kAgentInfo) == Part::kAgentInfo &&
+              ToPart(storage::LatestKind::kUiCapabilities) == Part::kUiCapabilities &&
+              ToPart(storage::LivePart::kMotion) == Part::kMotion);
 
 /// Which parts a reader wants. A value.
 class PartSet {
@@ -46,25 +52,13 @@ class PartSet {
   [[nodiscard]] bool Has(Part part) const { return bits_.test(static_cast<std::size_t>(part)); }
 
   /// Whether one of them lies in the robot's live state.
-  [[nodiscard]] bool AnyLive() const { return (bits_ & ~StoredBits()).any(); }
-  /// A part that holds many items, by key.
-  [[nodiscard]] bool AnyKeyed() const {
-    return Has(Part::kExtras) || Has(Part::kHealth) || Has(Part::kConsumables) ||
-           Has(Part::kDirectives) || Has(Part::kRcanState);
-  }
+  [[nodiscard]] bool AnyLive() const;
+  /// Whether one of them is live and large: many items, by key or joint.
+  [[nodiscard]] bool AnyLarge() const;
 
   friend bool operator==(const PartSet&, const PartSet&) = default;
 
  private:
-  /// The parts of which the store keeps a robot's latest.
-  [[nodiscard]] static std::bitset<kParts> StoredBits() {
-    PartSet stored;
-    stored.Add(Part::kAgentInfo);
-    stored.Add(Part::kSettings);
-    stored.Add(Part::kUiCapabilities);
-    return stored.bits_;
-  }
-
   std::bitset<kParts> bits_;
 };
 

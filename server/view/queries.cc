@@ -19,19 +19,39 @@ RobotView Look(const robot::Robot& robot, robot::RobotState::Parts parts) {
 
 robot::RobotState::Parts Wanted(const PartSet& parts) {
   using enum robot::RobotState::Parts;
-  if (parts.AnyKeyed()) return kAll;
-  return parts.AnyLive() ? kUnkeyed : kNone;
+  if (parts.AnyLarge()) return kAll;
+  return parts.AnyLive() ? kSmall : kNone;
+}
+
+/// About how many bytes an item holds beside its texts.
+constexpr std::size_t kItemBytes = 256;
+
+template <typename Value>
+std::size_t BytesOf(const Value& /*item*/) {
+  return kItemBytes;
+}
+
+std::size_t BytesOf(const robot::Extra& extra) {
+  const auto* text = std::get_if<std::string>(&extra.value);
+  return kItemBytes + (text == nullptr ? 0 : text->size());
+}
+
+template <typename Message>
+std::size_t PartBytes(const std::optional<Message>& /*part*/) {
+  return 0;
+}
+
+template <typename Value, std::size_t kMax>
+std::size_t PartBytes(const robot::LatestByKey<Value, kMax>& part) {
+  std::size_t bytes = 0;
+  for (const auto& [key, value] : part.items()) bytes += BytesOf(value);
+  return bytes;
 }
 
 /// About how many bytes a copy of the keyed parts holds.
-std::size_t BytesOf(const robot::LiveParts& parts) {
-  constexpr std::size_t kItemBytes = 256;
-  std::size_t bytes = kItemBytes * (parts.health.items().size() + parts.consumables.items().size() +
-                                    parts.directives.items().size());
-  for (const auto& [key, extra] : parts.extras.items()) {
-    const auto* text = std::get_if<std::string>(&extra.value);
-    bytes += kItemBytes + (text == nullptr ? 0 : text->size());
-  }
+std::size_t KeyedBytes(const robot::LiveParts& parts) {
+  std::size_t bytes = 0;
+  robot::ForEachPart([&](auto /*row*/, const auto& part) { bytes += PartBytes(part); }, parts);
   return bytes;
 }
 
@@ -95,7 +115,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
     if (robot->ruri() <= after) continue;
     if (page.robots.size() < query.page_size && bytes < storage::kPageBytesMax) {
       page.robots.push_back(Look(*robot, Wanted(query.parts)));
-      bytes += BytesOf(page.robots.back().state.parts);
+      bytes += KeyedBytes(page.robots.back().state.parts);
     } else if (page.next_token.empty()) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "storage/postgres/sql_text.h"
 #include "storage/postgres/transaction.h"
 #include "storage/reader.h"
 
@@ -13,35 +14,54 @@ namespace {
 
 constexpr std::string_view kDoing = "write a checkpoint";
 
+// The first parameters are the columns before the parts, then come the parts and the process.
+constexpr std::size_t kFirstPartParameter = 4;
+
+/// The columns of `live`, in order.
+constexpr SqlText Columns() {
+  SqlText sql = {"ruri, last_sign_at, clock_skew_ms"};
+  for (const LivePartRow& part : kLiveParts) sql.Add({", ", part.column});
+  return sql;
+}
+
 // What did not change keeps its bytes: those that the database stores apart are not even read. In
 // order of the keys, so that two processes do not lock each other out.
-constexpr std::string_view kUpsert =
-    "INSERT INTO uplinkd.live AS l (ruri, last_sign_at, clock_skew_ms, motion, status, extras,"
-    " health, usage, consumables, directives, rcan)"
-    " SELECT u.* FROM unnest($1::text[], $2::timestamptz[], $3::bigint[], $4::bytea[],"
-    " $5::bytea[], $6::bytea[], $7::bytea[], $8::bytea[], $9::bytea[], $10::bytea[], $11::bytea[])"
-    " AS u (ruri, last_sign_at, clock_skew_ms, motion, status, extras, health, usage, consumables,"
-    " directives, rcan) JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = $12::uuid"
-    " ORDER BY u.ruri"
-    " ON CONFLICT (ruri) DO UPDATE SET"
-    " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
-    " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms),"
-    " motion = coalesce(excluded.motion, l.motion), status = coalesce(excluded.status, l.status),"
-    " extras = coalesce(excluded.extras, l.extras), health = coalesce(excluded.health, l.health),"
-    " usage = coalesce(excluded.usage, l.usage),"
-    " consumables = coalesce(excluded.consumables, l.consumables),"
-    " directives = coalesce(excluded.directives, l.directives),"
-    " rcan = coalesce(excluded.rcan, l.rcan) RETURNING ruri";
+constexpr SqlText UpsertSql() {
+  SqlText sql = {"INSERT INTO uplinkd.live AS l (", Columns().view(),
+                 ") SELECT u.* FROM unnest($1::text[], $2::timestamptz[], $3::bigint[]"};
+  for (std::size_t i = 0; i < kLivePartKinds; ++i) {
+    sql.Add(", ");
+    sql.AddParameter(kFirstPartParameter + i, "bytea[]");
+  }
+  sql.Add({") AS u (", Columns().view(),
+           ") JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = "});
+  sql.AddParameter(kFirstPartParameter + kLivePartKinds, "uuid");
+  sql.Add(
+      " ORDER BY u.ruri ON CONFLICT (ruri) DO UPDATE SET"
+      " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
+      " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms)");
+  for (const LivePartRow& part : kLiveParts) {
+    sql.Add({", ", part.column, " = coalesce(excluded.", part.column, ", l.", part.column, ")"});
+  }
+  sql.Add(" RETURNING ruri");
+  return sql;
+}
+constexpr SqlText kUpsert = UpsertSql();
+
 // The lengths are known without reading the bytes.
-constexpr std::string_view kRead =
-    "SELECT ruri, last_sign_at, clock_skew_ms, motion, status, extras, health, usage, consumables,"
-    " directives, rcan FROM (SELECT *, sum(bytes) OVER (ORDER BY ruri) - bytes AS before FROM ("
-    "SELECT *, coalesce(octet_length(motion), 0) + coalesce(octet_length(status), 0)"
-    " + coalesce(octet_length(extras), 0) + coalesce(octet_length(health), 0)"
-    " + coalesce(octet_length(usage), 0) + coalesce(octet_length(consumables), 0)"
-    " + coalesce(octet_length(directives), 0) + coalesce(octet_length(rcan), 0) AS bytes"
-    " FROM uplinkd.live WHERE ruri > $1::text ORDER BY ruri LIMIT $2::bigint) AS p) AS q"
-    " WHERE before < $3::bigint ORDER BY ruri";
+constexpr SqlText ReadSql() {
+  SqlText sql = {"SELECT ", Columns().view(),
+                 " FROM (SELECT *, sum(bytes) OVER (ORDER BY ruri) - bytes AS before FROM ("
+                 "SELECT *, 0"};
+  for (const LivePartRow& part : kLiveParts) {
+    sql.Add({" + coalesce(octet_length(", part.column, "), 0)"});
+  }
+  sql.Add(
+      " AS bytes FROM uplinkd.live WHERE ruri > $1::text ORDER BY ruri LIMIT $2::bigint) AS p)"
+      " AS q WHERE before < $3::bigint ORDER BY ruri");
+  return sql;
+}
+constexpr SqlText kRead = ReadSql();
 
 constexpr int kFirstPart = 3;
 
@@ -74,7 +94,7 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
   }
   std::vector<Call> calls;
   calls.push_back({kBegin, {}});
-  calls.push_back(CallOf(kUpsert, {&ruri, &last_sign, &skew}));
+  calls.push_back(CallOf(kUpsert.view(), {&ruri, &last_sign, &skew}));
   for (Array& part : parts) calls.back().parameters.Add(std::move(part));
   calls.back().parameters.Uuid(model::SessionId(process));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
@@ -91,7 +111,7 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
 
 absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection, std::string_view after) {
   std::vector<Call> calls;
-  calls.push_back({kRead, {}});
+  calls.push_back({kRead.view(), {}});
   calls.back().parameters.Text(after);
   calls.back().parameters.Int8(std::int64_t{kLiveRowsMax});
   calls.back().parameters.Int8(static_cast<std::int64_t>(kPageBytesMax));

@@ -9,24 +9,34 @@
 namespace uplink::storage::sqlite {
 namespace {
 
+/// The columns of the parts, each behind a comma.
+std::string PartColumns() {
+  std::string columns;
+  for (const LivePartRow& part : kLiveParts) columns.append(", ").append(part.column);
+  return columns;
+}
+
 // Only the holder's row of robots lets anything through.
-constexpr std::string_view kUpsert =
-    "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms, motion, status, extras, health, usage,"
-    " consumables, directives, rcan)"
-    " SELECT ?1, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12"
-    " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2)"
-    " ON CONFLICT (ruri) DO UPDATE SET"
-    " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
-    " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms),"
-    " motion = coalesce(excluded.motion, motion), status = coalesce(excluded.status, status),"
-    " extras = coalesce(excluded.extras, extras), health = coalesce(excluded.health, health),"
-    " usage = coalesce(excluded.usage, usage),"
-    " consumables = coalesce(excluded.consumables, consumables),"
-    " directives = coalesce(excluded.directives, directives),"
-    " rcan = coalesce(excluded.rcan, rcan) RETURNING 1";
-constexpr std::string_view kRead =
-    "SELECT ruri, last_sign_ms, clock_skew_ms, motion, status, extras, health, usage, consumables,"
-    " directives, rcan FROM live WHERE ruri > ? ORDER BY ruri LIMIT ?";
+std::string UpsertSql() {
+  std::string sql =
+      "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms" + PartColumns() + ") SELECT ?1, ?3, ?4";
+  for (std::size_t i = 0; i < kLivePartKinds; ++i) sql += ", ?";
+  sql +=
+      " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2)"
+      " ON CONFLICT (ruri) DO UPDATE SET"
+      " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
+      " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms)";
+  for (const LivePartRow& part : kLiveParts) {
+    const std::string column(part.column);
+    sql += ", " + column + " = coalesce(excluded." + column + ", " + column + ")";
+  }
+  return sql + " RETURNING 1";
+}
+
+std::string ReadSql() {
+  return "SELECT ruri, last_sign_ms, clock_skew_ms" + PartColumns() +
+         " FROM live WHERE ruri > ? ORDER BY ruri LIMIT ?";
+}
 
 constexpr int kFirstPartBound = 5;
 constexpr int kFirstPartRead = 3;
@@ -43,7 +53,7 @@ void BindNumber(Statement& statement, int index, const std::optional<std::int64_
 
 absl::Status LiveTable::Prepare(Database& database) {
   Preparer prepare(database);
-  prepare.Into(upsert_, kUpsert);
+  prepare.Into(upsert_, UpsertSql());
   return prepare.status();
 }
 
@@ -65,7 +75,7 @@ absl::StatusOr<bool> LiveTable::Upsert(const LiveRow& row, const ProcessId& proc
 }
 
 absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database, std::string_view after) {
-  auto statement = database.Prepare(kRead);
+  auto statement = database.Prepare(ReadSql());
   if (!statement.ok()) return statement.status();
   Rows rows = (*statement)->Select(after, std::int64_t{kLiveRowsMax});
   std::vector<LiveRow> live;

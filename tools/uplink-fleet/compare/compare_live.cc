@@ -1,6 +1,9 @@
 // The live and latest parts, and presence.
 #include <fmt/core.h>
+#include <google/protobuf/descriptor.h>
 
+#include "schema/base/check.h"
+#include "storage/live_parts.h"
 #include "tools/uplink-fleet/compare/compare.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
@@ -36,10 +39,26 @@ void CompareLast(Thing thing, const RobotOutcome& robot, const std::optional<Bod
   if (sent) ComparePart(thing, robot, PartOf(*sent), found, findings);
 }
 
+void CompareLast(Thing thing, const RobotOutcome& robot,
+                 const std::optional<model::RcanState>& sent, Struct found, Findings& findings) {
+  if (!sent) return;
+  // The server's own count: numbers that gave way unsent are missing in it.
+  found.mutable_fields()->erase("seq_missing");
+  ComparePart(thing, robot, PartOf(*sent, robot.ruri), found, findings);
+}
+
 template <typename Body>
-void CompareKeyed(Thing thing, const RobotOutcome& robot, const std::map<std::string, Body>& sent,
-                  const Struct& found, Findings& findings) {
+void CompareLast(Thing thing, const RobotOutcome& robot, const std::map<std::string, Body>& sent,
+                 const Struct& found, Findings& findings) {
   if (!sent.empty()) ComparePart(thing, robot, PartOf(sent), found, findings);
+}
+
+/// The field of that JSON name; all live parts are Structs.
+const Struct& FieldOf(const v1::Robot& robot, std::string_view name) {
+  const auto* field = v1::Robot::descriptor()->FindFieldByCamelcaseName(std::string(name));
+  UPLINK_CHECK(field != nullptr && field->message_type() == Struct::descriptor(),
+               "every live part has its field in v1::Robot");
+  return static_cast<const Struct&>(v1::Robot::GetReflection()->GetMessage(robot, field));
 }
 
 }  // namespace
@@ -62,19 +81,10 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
                     fmt::format("{}", live->uplinks_missing()));
   }
   const LastLive& sent = robot.ledger.live();
-  CompareLast(Thing::kMotion, robot, sent.motion, live->motion(), findings);
-  CompareLast(Thing::kStatus, robot, sent.status, live->status(), findings);
-  CompareLast(Thing::kUsage, robot, sent.usage, live->usage(), findings);
-  CompareKeyed(Thing::kExtras, robot, sent.extras, live->extras(), findings);
-  CompareKeyed(Thing::kHealth, robot, sent.health, live->health(), findings);
-  CompareKeyed(Thing::kConsumables, robot, sent.consumables, live->consumables(), findings);
-  CompareKeyed(Thing::kDirectives, robot, sent.directives, live->directives(), findings);
-  if (sent.rcan) {
-    Struct found = live->rcan_state();
-    // The server's own count: numbers that gave way unsent are missing in it.
-    found.mutable_fields()->erase("seq_missing");
-    ComparePart(Thing::kRcanState, robot, PartOf(*sent.rcan, robot.ruri), found, findings);
-  }
+#define UPLINK_PART(Part, column, view, Message, keys_max) \
+  CompareLast(Thing::k##Part, robot, sent.column, FieldOf(*live, view), findings);
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
   CompareLast(Thing::kAgentInfo, robot, robot.ledger.agent_info(), live->agent_info(), findings);
   CompareLast(Thing::kSettings, robot, robot.ledger.settings(), live->settings(), findings);
   CompareLast(Thing::kUiCapabilities, robot, robot.ledger.ui_capabilities(),

@@ -3,6 +3,14 @@
 #include <utility>
 
 namespace uplink::synthetic {
+namespace {
+
+/// How the last of a live part is named.
+std::string_view LastOf(Thing thing, std::string_view name) {
+  return thing == Thing::kRcan ? "last RCAN states" : name;
+}
+
+}  // namespace
 
 ThingText TextOf(Thing thing) {
   switch (thing) {
@@ -10,22 +18,11 @@ ThingText TextOf(Thing thing) {
       return {"robots online", false};
     case Thing::kPresenceHistory:
       return {"presence histories", true};
-    case Thing::kMotion:
-      return {"last motion", false};
-    case Thing::kStatus:
-      return {"last status", false};
-    case Thing::kExtras:
-      return {"last extras", false};
-    case Thing::kHealth:
-      return {"last health", false};
-    case Thing::kUsage:
-      return {"last usage", false};
-    case Thing::kConsumables:
-      return {"last consumables", false};
-    case Thing::kDirectives:
-      return {"last directives", false};
-    case Thing::kRcanState:
-      return {"last RCAN states", false};
+#define UPLINK_PART(Part, column, view, Message, keys_max) \
+  case Thing::k##Part:                                     \
+    return {LastOf(Thing::k##Part, "last " #column), false};
+      UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
     case Thing::kAgentInfo:
       return {"latest agent info", true};
     case Thing::kSettings:

@@ -7,20 +7,19 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/live_parts.h"
+
 namespace uplink::synthetic {
 
 /// What is compared robot by robot; the order is that of the table.
 enum class Thing : std::uint8_t {
   kOnline,
   kPresenceHistory,
-  kMotion,
-  kStatus,
-  kExtras,
-  kHealth,
-  kUsage,
-  kConsumables,
-  kDirectives,
-  kRcanState,
+// clang-format off
+#define UPLINK_PART(Part, column, view, Message, keys_max) k##Part,
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+  // clang-format on
   kAgentInfo,
   kSettings,
   kUiCapabilities,
@@ -38,7 +37,7 @@ enum class Thing : std::uint8_t {
   kGaps,
   kGoodRejected,
 };
-inline constexpr std::size_t kThings = 26;
+inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kGoodRejected) + 1;
 
 /// Differences that are kept in words.
 inline constexpr std::size_t kDifferencesMax = 200;

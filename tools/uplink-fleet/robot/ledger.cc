@@ -14,6 +14,25 @@ struct Overloaded : Ts... {
 template <class... Ts>
 Overloaded(Ts...) -> Overloaded<Ts...>;
 
+// One overload for each way in which a live message is remembered.
+template <typename Message>
+void Remember(const Message& message, std::optional<Message>& last) {
+  last = message;
+}
+
+template <typename Message>
+void Remember(const Message& message, std::map<std::string, Message>& last) {
+  last[KeyOf(message)] = message;
+}
+
+void Remember(const model::TelemetryExtras& extras,
+              std::map<std::string, model::SensorReading>& last) {
+  for (model::SensorReading reading : extras.kv) {
+    if (!reading.unix_time_ms) reading.unix_time_ms = extras.unix_time_ms;
+    last[reading.key] = reading;
+  }
+}
+
 }  // namespace
 
 std::uint64_t Ledger::Enter(const model::Body& body) {
@@ -84,24 +103,12 @@ std::uint64_t Ledger::Expect(const model::Body& body) {
 
 void Ledger::EnterLive(const model::Body& body) {
   std::visit(
-      Overloaded{
-          [&](const model::MotionTelemetry& motion) { live_.motion = motion; },
-          [&](const model::StatusTelemetry& status) { live_.status = status; },
-          [&](const model::UsageTelemetry& usage) { live_.usage = usage; },
-          [&](const model::TelemetryExtras& extras) {
-            for (model::SensorReading reading : extras.kv) {
-              if (!reading.unix_time_ms) reading.unix_time_ms = extras.unix_time_ms;
-              live_.extras[reading.key] = reading;
-            }
-          },
-          [&](const model::SystemHealth& health) { live_.health[health.device_id] = health; },
-          [&](const model::ConsumableStatus& consumable) {
-            live_.consumables[consumable.kind + "/" + consumable.tank_id] = consumable;
-          },
-          [&](const model::SpatialDirectiveStatus& directive) {
-            live_.directives[directive.directive_id] = directive;
-          },
-          [](const auto& /*durable*/) {}},
+      [this]<typename Message>(const Message& message) {
+#define UPLINK_PART(Part, column, view, Brings, keys_max) \
+  if constexpr (std::is_same_v<Message, model::Brings>) Remember(message, live_.column);
+        UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+      },
       body);
 }
 

@@ -5,12 +5,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "schema/model/rcan.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "storage/live_parts.h"
 #include "tools/uplink-fleet/robot/agent_model.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -46,17 +48,28 @@ struct RunExpectation {
   model::MissionRunStatus latest;
 };
 
+/// What is remembered of one message: itself, but of extras their readings, with the time that the
+/// message or the reading bore.
+template <typename Message>
+struct SentOf {
+  using Type = Message;
+};
+template <>
+struct SentOf<model::TelemetryExtras> {
+  using Type = model::SensorReading;
+};
+
+/// The last of a live message, or of each of its keys.
+template <typename Message, std::size_t kKeysMax>
+using LastSent = std::conditional_t<kKeysMax == 1, std::optional<Message>,
+                                    std::map<std::string, typename SentOf<Message>::Type>>;
+
 /// The last of each live message, by its key where it has one.
 struct LastLive {
-  std::optional<model::MotionTelemetry> motion;
-  std::optional<model::StatusTelemetry> status;
-  std::optional<model::UsageTelemetry> usage;
-  /// With the time that the message or the reading bore.
-  std::map<std::string, model::SensorReading> extras;
-  std::map<std::string, model::SystemHealth> health;
-  std::map<std::string, model::ConsumableStatus> consumables;
-  std::map<std::string, model::SpatialDirectiveStatus> directives;
-  std::optional<model::RcanState> rcan;
+#define UPLINK_PART(Part, column, view, Message, keys_max) \
+  LastSent<model::Message, keys_max> column;
+  UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
 };
 
 /// Everything that one robot sent and learned: what the server and its store are held against.

@@ -1,6 +1,8 @@
 #include "tools/uplink-fleet/robot/rows.h"
 
 #include <functional>
+#include <type_traits>
+#include <variant>
 
 #include <boost/json.hpp>
 #include <google/protobuf/io/coded_stream.h>
@@ -106,19 +108,17 @@ v1::RobotMessage Bare(v1::RobotMessage row) { return WithoutArrival(std::move(ro
 v1::Shape Bare(v1::Shape row) { return WithoutArrival(std::move(row)); }
 v1::TrackedObject Bare(v1::TrackedObject row) { return WithoutArrival(std::move(row)); }
 
-template <typename Body>
-Struct PartOf(const Body& body) {
-  return StructOf(json::Render(body));
+Struct PartOfBody(const model::Body& body) {
+  return std::visit(
+      []<typename Body>(const Body& member) {
+        if constexpr (std::is_same_v<Body, model::CurrentSettings>) {
+          return PartOf(member);
+        } else {
+          return StructOf(json::Render(member));
+        }
+      },
+      body);
 }
-template Struct PartOf(const model::MissionRunStatus& body);
-template Struct PartOf(const model::MotionTelemetry& body);
-template Struct PartOf(const model::StatusTelemetry& body);
-template Struct PartOf(const model::UsageTelemetry& body);
-template Struct PartOf(const model::SystemHealth& body);
-template Struct PartOf(const model::ConsumableStatus& body);
-template Struct PartOf(const model::SpatialDirectiveStatus& body);
-template Struct PartOf(const model::AgentInfo& body);
-template Struct PartOf(const model::UiCapabilities& body);
 
 Struct PartOf(const model::RcanState& state, const std::string& ruri) {
   return StructOf(json::Render(state, ruri));

@@ -30,9 +30,12 @@ namespace uplink::synthetic {
 [[nodiscard]] v1::Shape Bare(v1::Shape row);
 [[nodiscard]] v1::TrackedObject Bare(v1::TrackedObject row);
 
-/// A live part, or what is kept of a mission's report, as a Struct.
-template <typename Body>
-[[nodiscard]] google::protobuf::Struct PartOf(const Body& body);
+/// A live part, or what is kept of a report, as a Struct.
+[[nodiscard]] google::protobuf::Struct PartOfBody(const model::Body& body);
+template <typename Message>
+[[nodiscard]] google::protobuf::Struct PartOf(const Message& message) {
+  return PartOfBody(message);
+}
 [[nodiscard]] google::protobuf::Struct PartOf(const model::RcanState& state,
                                               const std::string& ruri);
 /// Key to setting.

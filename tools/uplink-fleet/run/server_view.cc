@@ -5,13 +5,18 @@
 #include <fmt/core.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "storage/live_parts.h"
+
 namespace uplink::synthetic {
 namespace {
 
 constexpr int kPageSize = 1000;
+/// Every part: the live ones, then those of which the store keeps the latest.
 constexpr const char* kParts =
-    "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities,"
-    "rcanState";
+#define UPLINK_PART(Part, column, view, Message, keys_max) view ","
+    UPLINK_LIVE_PARTS(UPLINK_PART)
+#undef UPLINK_PART
+        "agentInfo,settings,uiCapabilities";
 
 template <typename Message>
 absl::StatusOr<Message> Parse(const std::string& target, const std::string& json) {

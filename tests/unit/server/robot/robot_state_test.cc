@@ -9,9 +9,12 @@
 namespace uplink::robot {
 namespace {
 
+using storage::LivePart;
 using ::testing::ElementsAre;
 
 constexpr std::int64_t kNow = 1'763'683'200'000;
+
+std::size_t KeysMax(LivePart part) { return storage::RowOf(part).keys_max; }
 
 class RobotStateTest : public ::testing::Test {
  protected:
@@ -105,15 +108,15 @@ TEST_F(RobotStateTest, HealthConsumablesAndDirectivesAreKeptByKey) {
 }
 
 TEST_F(RobotStateTest, AtTheBoundNoKeyGoes) {
-  for (std::size_t i = 0; i < kHealthDevicesMax; ++i) {
+  for (std::size_t i = 0; i < KeysMax(LivePart::kHealth); ++i) {
     Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = std::to_string(i)}});
   }
   EXPECT_EQ(All().keys_evicted, 0U);
-  EXPECT_EQ(All().parts.health.items().size(), kHealthDevicesMax);
+  EXPECT_EQ(All().parts.health.items().size(), KeysMax(LivePart::kHealth));
 }
 
 TEST_F(RobotStateTest, PastTheBoundTheLeastRecentlyUpdatedKeyGoes) {
-  for (std::size_t i = 0; i < kHealthDevicesMax; ++i) {
+  for (std::size_t i = 0; i < KeysMax(LivePart::kHealth); ++i) {
     Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = std::to_string(i)}});
   }
   Apply({model::SystemHealth{.unix_time_ms = kNow, .device_id = "0"},
@@ -121,7 +124,7 @@ TEST_F(RobotStateTest, PastTheBoundTheLeastRecentlyUpdatedKeyGoes) {
   const StateSnapshot snapshot = All();
   EXPECT_EQ(snapshot.keys_evicted, 1U);
   const std::vector<std::string> keys = KeysOf(snapshot.parts.health.items());
-  EXPECT_EQ(keys.size(), kHealthDevicesMax);
+  EXPECT_EQ(keys.size(), KeysMax(LivePart::kHealth));
   EXPECT_THAT(keys, ::testing::Not(::testing::Contains("1")));
   EXPECT_THAT(keys, ::testing::Contains("0"));
 }
@@ -133,7 +136,7 @@ TEST_F(RobotStateTest, EveryKeyedKindHasItsBound) {
   EXPECT_EQ(latest.Put("a", 3), 0U);
   EXPECT_EQ(latest.Put("c", 4), 1U);
   EXPECT_THAT(KeysOf(latest.items()), ElementsAre("a", "c"));
-  for (std::size_t i = 0; i <= kConsumablesMax; ++i) {
+  for (std::size_t i = 0; i <= KeysMax(LivePart::kConsumables); ++i) {
     Apply({model::ConsumableStatus{.unix_time_ms = kNow,
                                    .kind = std::to_string(i),
                                    .tank_id = "t",
@@ -141,13 +144,13 @@ TEST_F(RobotStateTest, EveryKeyedKindHasItsBound) {
                                    .amount_remaining = 1,
                                    .unit = "l"}});
   }
-  EXPECT_EQ(All().parts.consumables.items().size(), kConsumablesMax);
-  for (std::size_t i = 0; i <= kDirectivesMax; ++i) {
+  EXPECT_EQ(All().parts.consumables.items().size(), KeysMax(LivePart::kConsumables));
+  for (std::size_t i = 0; i <= KeysMax(LivePart::kDirectives); ++i) {
     Apply({model::SpatialDirectiveStatus{.directive_id = std::to_string(i)}});
     Apply({Extras({{.key = std::to_string(i), .value = 1.0, .unix_time_ms = {}}})});
   }
-  EXPECT_EQ(All().parts.directives.items().size(), kDirectivesMax);
-  EXPECT_EQ(All().parts.extras.items().size(), kExtrasMax);
+  EXPECT_EQ(All().parts.directives.items().size(), KeysMax(LivePart::kDirectives));
+  EXPECT_EQ(All().parts.extras.items().size(), KeysMax(LivePart::kExtras));
   EXPECT_EQ(All().keys_evicted, 3U);
 }
 

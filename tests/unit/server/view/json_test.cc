@@ -133,8 +133,8 @@ TEST(Json, OnlyTheWantedPartsAreShown) {
 
 TEST(Json, EveryPartOfTheContractHasItsName) {
   std::size_t known = 0;
-  for (const char* name : {"motion", "status", "extras", "health", "usage", "consumables",
-                           "directives", "agentInfo", "settings", "uiCapabilities", "rcanState"}) {
+  for (const char* name : {"agentInfo", "settings", "uiCapabilities", "motion", "status", "extras",
+                           "health", "usage", "consumables", "directives", "rcanState"}) {
     const std::optional<Part> part = PartFromText(name);
     ASSERT_TRUE(part) << name;
     EXPECT_EQ(static_cast<std::size_t>(*part), known++);
