@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <chrono>
+#include <concepts>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
@@ -30,8 +32,18 @@ class Exposition final {
 
   /// A sample of a counter or gauge; `labels` are the values in the order of the entry's names.
   void Add(MetricId id, double value, std::initializer_list<std::string_view> labels = {});
-  void Add(MetricId id, const Cell& cell) { Add(id, static_cast<double>(cell.value())); }
-  void Add(MetricId id, const CoreCell& cell) { Add(id, static_cast<double>(cell.value())); }
+  template <std::integral Number>
+  void Add(MetricId id, Number value, std::initializer_list<std::string_view> labels = {}) {
+    Add(id, static_cast<double>(value), labels);
+  }
+  /// In seconds.
+  void Add(MetricId id, std::chrono::milliseconds duration) {
+    Add(id, static_cast<double>(duration.count()) / 1e3);
+  }
+  void Add(MetricId id, const Cell& cell, std::initializer_list<std::string_view> labels = {}) {
+    Add(id, cell.value(), labels);
+  }
+  void Add(MetricId id, const CoreCell& cell) { Add(id, cell.value()); }
 
   template <std::size_t kBuckets>
   void Add(MetricId id, const Distribution<kBuckets>& distribution) {

@@ -2,31 +2,38 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <signal.h>
 
 #include "metrics/ledger.h"
-#include "server/app_samples.h"
+#include "metrics/page.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/samples.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
 #include "server/health/process.h"
+#include "server/health/samples.h"
 #include "server/http/read_thread.h"
-#include "server/http/scrape.h"
+#include "server/http/samples.h"
 #include "server/http/server.h"
 #include "server/http/site.h"
-#include "server/journal/journal.h"
+#include "server/journal/samples.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
 #include "server/lifecycle/reload.h"
 #include "server/lifecycle/stop_signal.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
+#include "server/rcan/samples.h"
 #include "server/rcan/scrape.h"
+#include "server/relay/samples.h"
 #include "server/relay/server.h"
+#include "server/session/samples.h"
 #include "server/store/open.h"
+#include "server/store/samples.h"
 #include "server/store/seed_rounds.h"
 #include "server/store/watch.h"
 #include "server/store/writers.h"
@@ -63,36 +70,19 @@ class App::Impl {
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
                       .store = [this] { return journals_.last_error(); }},
                      options_.logger),
-        queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_, session_probe_,
-                  options_.version}),
+        queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_,
+                  session_probe_.streams, options_.version}),
         monitor_({options_.clock, fleet_, journals_, journal_probe_, session_probe_,
                   journal_limits_, certificate_expiry, stores_.facts}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle}),
-        scrape_({.clock = options_.clock,
-                 .fleet = fleet_,
-                 .journals = journals_,
-                 .journal_probe = journal_probe_,
-                 .sessions = session_probe_,
-                 .ledgers = ledgers_,
-                 .monitor = monitor_,
-                 .http = http_probe_,
-                 .journal_limits = journal_limits_,
-                 .http_connections_max = options_.config.http.connections_max,
-                 .rcan = rcan_probe_,
-                 .sweep_seconds = sweep_seconds_,
-                 .rcan_series_max = options_.config.rcan.series_max,
-                 .version = options_.version,
-                 .store_facts = stores_.facts,
-                 .add_relay =
-                     [this](auto& page) {
-                       AddRelaySamples(relay_probe_, session_probe_, options_.handshakes_failed,
-                                       page);
-                     }}),
+        page_sources_(PageSources()),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
                         options_.logger}),
-        site_(queries_, monitor_, scrape_, robots_scrape_),
+        site_({queries_, monitor_,
+               [this](auto format) { return metrics::PageText(page_sources_, format); },
+               robots_scrape_}),
         loop_(options_.logger),
         stop_signal_(options_.logger),
         reload_(options_.config, options_.read_config, options_.logger) {}
@@ -162,6 +152,36 @@ class App::Impl {
             .timeout = options_.config.drain.timeout};
   }
 
+  /// Every metric of the catalogue. The ledgers are summed once, so that received = settled + in
+  /// flight holds in each text.
+  std::vector<metrics::PageSource> PageSources() {
+    const config::Config& config = options_.config;
+    return {
+        [this](auto& page) { page.AddLedger(ledgers_.Sum()); },
+        [this](auto& page) { session::AddSamples(session_probe_, page); },
+        [this](auto& page) { fleet::AddSamples(fleet_, page); },
+        [this](auto& page) { health::AddSweepSamples(sweep_seconds_, page); },
+        [this](auto& page) {
+          journal::AddSamples(journals_, journal_limits_, options_.clock.Steady(), page);
+        },
+        [this](auto& page) { journal::AddSamples(journal_probe_, page); },
+        [this](auto& page) { store::AddSamples(stores_.facts(), page); },
+        [this, max = config.http.connections_max](auto& page) {
+          http::AddSamples(http_probe_, max, page);
+        },
+        [this, max = config.rcan.series_max](auto& page) {
+          rcan::AddSamples(rcan_probe_, max, page);
+        },
+        [this](auto& page) { health::AddSamples(monitor_, page); },
+        [start = health::ProcessStart{options_.version, options_.clock.System()}](auto& page) {
+          health::AddProcessSamples(start, page);
+        },
+        [this](auto& page) {
+          relay::AddSamples(relay_probe_, session_probe_, options_.handshakes_failed, page);
+        },
+    };
+  }
+
   void StartLoop() {
     loop_.Every(kSweepEvery, [this] {
       if (!monitor_.draining()) watch_.Sweep();  // whom it sends away is not heard, and not offline
@@ -223,7 +243,7 @@ class App::Impl {
   health::Monitor monitor_;
   health::CertificateWatch certificate_watch_;
   health::PresenceWatch watch_;
-  http::Scrape scrape_;
+  const std::vector<metrics::PageSource> page_sources_;
   rcan::FaultCounts fault_counts_{options_.clock};
   rcan::RobotScrape robots_scrape_;
   http::Site site_;

@@ -8,7 +8,7 @@
 
 #include "server/http/answers.h"
 #include "server/http/errors.h"
-#include "server/http/site.h"
+#include "server/http/handlers.h"
 #include "server/view/json.h"
 #include "server/view/parts.h"
 
@@ -41,12 +41,12 @@ view::PartSet ReadParts(Parameters& parameters) {
 
 }  // namespace
 
-Response Site::Status(const Call& call) const {
+Response GetStatus(const Sources& sources, const Call& call) {
   if (const auto problem = Parameters(call.query).Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(queries_.Status(), monitor_.readiness().all()));
+  return JsonResponse(view::ToJson(sources.queries.Status(), sources.monitor.readiness().all()));
 }
 
-Response Site::Robots(const Call& call) const {
+Response GetRobots(const Sources& sources, const Call& call) {
   Parameters parameters(call.query);
   view::RobotsQuery query;
   query.fleet = parameters.Text("fleet");
@@ -55,13 +55,13 @@ Response Site::Robots(const Call& call) const {
   query.page_size = ReadPageSize(parameters);
   query.page_token = parameters.Text("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  const absl::StatusOr<view::RobotsPage> page = queries_.Robots(query);
+  const absl::StatusOr<view::RobotsPage> page = sources.queries.Robots(query);
   return page.ok() ? JsonResponse(view::ToJson(*page, query.parts)) : ErrorResponse(page.status());
 }
 
-Response Site::Robot(const Call& call) const {
+Response GetRobot(const Sources& sources, const Call& call) {
   if (const auto problem = Parameters(call.query).Problem()) return ErrorResponse(*problem);
-  const absl::StatusOr<view::RobotView> robot = queries_.Robot(call.segment);
+  const absl::StatusOr<view::RobotView> robot = sources.queries.Robot(call.segment);
   return robot.ok() ? JsonResponse(view::ToJson(*robot, view::PartSet::All()))
                     : ErrorResponse(robot.status());
 }

@@ -96,7 +96,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 
   void OnReadFailed(const beast::error_code& error) {
     started_ = context_->parts.clock.Steady();
-    route_ = RouteId::kOther;
+    route_ = OtherRoute();
     method_ = Method::kGet;
     keep_alive_ = false;
     if (error == bhttp::error::header_limit) {
@@ -192,7 +192,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   std::variant<std::monostate, Whole, HeadOnly, Shared> answer_;
   std::shared_ptr<const std::string> shared_body_;
   Method method_ = Method::kGet;
-  RouteId route_ = RouteId::kOther;
+  RouteId route_ = OtherRoute();
   unsigned version_ = 11;
   bool keep_alive_ = false;
   SteadyTime started_;

@@ -3,7 +3,7 @@
 
 #include "server/http/answers.h"
 #include "server/http/errors.h"
-#include "server/http/site.h"
+#include "server/http/handlers.h"
 #include "server/view/json.h"
 
 namespace uplink::http {
@@ -62,37 +62,38 @@ Response PresentOnes(const std::string& query_text, view::Queries& queries,
 
 }  // namespace
 
-Response Site::Events(const Call& call) const {
-  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Events);
+Response GetEvents(const Sources& sources, const Call& call) {
+  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Events);
 }
 
-Response Site::Messages(const Call& call) const {
-  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Messages);
+Response GetMessages(const Sources& sources, const Call& call) {
+  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Messages);
 }
 
-Response Site::Presence(const Call& call) const {
-  return HistoryOf(call.segment, call.query, queries_, &view::Queries::PresenceChanges);
+Response GetPresence(const Sources& sources, const Call& call) {
+  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::PresenceChanges);
 }
 
-Response Site::Quarantine(const Call& call) const {
-  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Quarantine);
+Response GetQuarantine(const Sources& sources, const Call& call) {
+  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Quarantine);
 }
 
-Response Site::Gaps(const Call& call) const {
-  return HistoryOf(call.segment, call.query, queries_, &view::Queries::Gaps);
+Response GetGaps(const Sources& sources, const Call& call) {
+  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Gaps);
 }
 
-Response Site::Faults(const Call& call) const {
+Response GetFaults(const Sources& sources, const Call& call) {
   Parameters parameters(call.query);
   HistoryQuery query = ReadPage(parameters);
   ReadTimes(parameters, query);
   ReadRobots(parameters, query);
   const bool active = parameters.Flag("active");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(active ? queries_.FaultsActive(query) : queries_.FaultHistory(query));
+  return RowsResponse(active ? sources.queries.FaultsActive(query)
+                             : sources.queries.FaultHistory(query));
 }
 
-Response Site::Missions(const Call& call) const {
+Response GetMissions(const Sources& sources, const Call& call) {
   Parameters parameters(call.query);
   storage::MissionsQuery query;
   query.rows = ReadPage(parameters);
@@ -101,15 +102,15 @@ Response Site::Missions(const Call& call) const {
   query.run_id = parameters.Text("runId");
   query.open = parameters.Flag("open");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(queries_.MissionRuns(query));
+  return RowsResponse(sources.queries.MissionRuns(query));
 }
 
-Response Site::Shapes(const Call& call) const {
-  return PresentOnes(call.query, queries_, &view::Queries::Shapes);
+Response GetShapes(const Sources& sources, const Call& call) {
+  return PresentOnes(call.query, sources.queries, &view::Queries::Shapes);
 }
 
-Response Site::Objects(const Call& call) const {
-  return PresentOnes(call.query, queries_, &view::Queries::Objects);
+Response GetObjects(const Sources& sources, const Call& call) {
+  return PresentOnes(call.query, sources.queries, &view::Queries::Objects);
 }
 
 }  // namespace uplink::http

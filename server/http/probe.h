@@ -2,43 +2,22 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "metrics/cells.h"
+#include "server/http/routes.h"
 
 namespace uplink::http {
 
-/// What a path is, for counting: one for each route, and one for everything else. Closed.
-enum class RouteId : std::uint8_t {
-  kLivez,
-  kReadyz,
-  kMetrics,
-  kMetricsRobots,
-  kStatus,
-  kRobots,
-  kRobot,
-  kEvents,
-  kMessages,
-  kPresence,
-  kQuarantine,
-  kGaps,
-  kFaults,
-  kMissions,
-  kShapes,
-  kObjects,
-  kOther,
-};
-inline constexpr std::array<std::string_view, 17> kRouteNames = {
-    "livez",  "readyz",   "metrics",  "metrics_robots", "status",     "robots",
-    "robot",  "events",   "messages", "presence",       "quarantine", "gaps",
-    "faults", "missions", "shapes",   "objects",        "other"};
 /// Answers are counted by their class: 2xx, 4xx, 5xx.
 inline constexpr std::array<std::string_view, 3> kCodeClasses = {"2xx", "4xx", "5xx"};
 
 /// What the HTTP server counts. Thread-safe.
 struct HttpProbe {
-  std::array<std::array<metrics::Cell, kCodeClasses.size()>, kRouteNames.size()> requests;
+  /// By RouteId and code class.
+  std::vector<std::array<metrics::Cell, kCodeClasses.size()>> requests =
+      std::vector<std::array<metrics::Cell, kCodeClasses.size()>>(RouteIds());
   metrics::LatencyDistribution request_seconds{metrics::kLatencyBoundsSeconds};
   metrics::Cell connections;
   metrics::Cell connections_refused;
@@ -49,7 +28,7 @@ struct HttpProbe {
 
   void CountRequest(RouteId route, int status) {
     const std::size_t code_class = status < 400 ? 0 : status < 500 ? 1 : 2;
-    requests[static_cast<std::size_t>(route)][code_class].Add();
+    requests[route.index][code_class].Add();
   }
 };
 

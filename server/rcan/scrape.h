@@ -9,7 +9,6 @@
 #include <unordered_set>
 #include <vector>
 
-#include "metrics/cells.h"
 #include "metrics/format.h"
 #include "metrics/rcan/page.h"
 #include "schema/base/clock.h"
@@ -17,6 +16,7 @@
 #include "server/fleet/fleet.h"
 #include "server/log/rate_limited.h"
 #include "server/rcan/fault_counts.h"
+#include "server/rcan/probe.h"
 #include "server/rcan/text_pool.h"
 
 namespace uplink::rcan {
@@ -28,17 +28,6 @@ inline constexpr std::size_t kTextsMax = 4;
 inline constexpr std::chrono::seconds kTextShared{1};
 /// A fleet that was not scraped for so long is not asked for its faults any more.
 inline constexpr std::chrono::minutes kScrapedWithin{5};
-
-/// What the robots' scrapes count. Thread-safe.
-struct RcanProbe {
-  /// Of the last scrape.
-  metrics::Cell series;
-  metrics::Cell robots_left_out;
-  metrics::Cell bytes;
-  metrics::LatencyDistribution scrape_seconds{metrics::kLatencyBoundsSeconds};
-  /// Scrapes that got nothing because kTextsMax were still being read.
-  metrics::Cell refused_total;
-};
 
 /// What /metrics/robots answers. It never waits for the store, and holds a robot's lock only while
 /// that robot is written.

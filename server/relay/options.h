@@ -5,7 +5,6 @@
 #include <string>
 #include <variant>
 
-#include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/judge.h"
@@ -13,6 +12,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
+#include "server/relay/probe.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 
@@ -50,18 +50,6 @@ struct RelayOptions {
   /// Memory that gRPC may use before it resets connections, a backstop against frames that are
   /// assembled before their size is known (measured); 0: no bound.
   std::size_t memory_bytes_max = 0;
-};
-
-/// What the transport counts beside its sessions. Thread-safe; one for all queues.
-struct RelayProbe {
-  /// Calls that ended before they became a session.
-  metrics::Cell refused_full_total;
-  metrics::Cell refused_draining_total;
-  metrics::Cell refused_identity_total;
-  /// Calls that were cancelled because the peer did not take their end.
-  metrics::Cell finish_timeouts_total;
-  /// Wakes that a queue's thread answered; one may stand for many.
-  metrics::Cell wakes_total;
 };
 
 /// What the relay works with. All of it outlives the server.

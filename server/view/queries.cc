@@ -211,7 +211,7 @@ StatusView Queries::Status() const {
         break;
     }
   }
-  status.streams = sources_.sessions.streams.value();
+  status.streams = sources_.streams.value();
   status.uplinks = sources_.ledgers.Sum().uplinks;
   status.journal_records = sources_.journals.records();
   status.journal_bytes = sources_.journals.bytes();

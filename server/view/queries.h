@@ -10,6 +10,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
@@ -17,7 +18,6 @@
 #include "server/journal/shards.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
-#include "server/session/probe.h"
 #include "server/view/parts.h"
 #include "storage/reader.h"
 
@@ -90,7 +90,8 @@ class Queries final {
     storage::Reader& reader;
     const journal::Shards& journals;
     const metrics::LedgerBook& ledgers;
-    const session::SessionProbe& sessions;
+    /// Streams that are open now.
+    const metrics::Cell& streams;
     std::string version;
   };
   explicit Queries(Sources sources);

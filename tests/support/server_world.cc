@@ -2,49 +2,51 @@
 
 #include <utility>
 
-#include "metrics/exposition.h"
 #include "schema/base/check.h"
+#include "server/fleet/samples.h"
+#include "server/health/samples.h"
+#include "server/http/samples.h"
+#include "server/journal/samples.h"
+#include "server/rcan/samples.h"
+#include "server/relay/samples.h"
+#include "server/session/samples.h"
+#include "server/store/samples.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/records.h"
 
 namespace uplink::testing {
-namespace {
-
-void AddRelaySamples(metrics::Exposition& page) {
-  for (const std::string_view cause : {"full", "draining", "identity"}) {
-    page.Add(metrics::MetricId::kStreamsRefused, 0, {cause});
-  }
-  page.Add(metrics::MetricId::kHandshakesFailed, 0);
-  page.Add(metrics::MetricId::kFinishTimeouts, 0);
-  page.Add(metrics::MetricId::kWakes, 0);
-}
-
-}  // namespace
-
 ServerWorld::ServerWorld()
     : logger(std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError),
       journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
               storage::ProcessId{1}),
-      queries({clock, fleet, reader, shards, ledgers, sessions, "9.9.9"}),
+      queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9"}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
-      scrape({.clock = clock,
-              .fleet = fleet,
-              .journals = shards,
-              .journal_probe = journal_probe,
-              .sessions = sessions,
-              .ledgers = ledgers,
-              .monitor = monitor,
-              .http = http_probe,
-              .journal_limits = journal_limits,
-              .http_connections_max = 4,
-              .rcan = rcan_probe,
-              .sweep_seconds = sweep_seconds,
-              .rcan_series_max = rcan_config.series_max,
-              .version = "9.9.9",
-              .add_relay = AddRelaySamples}),
+      page_sources(PageSources()),
       robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
-      site(queries, monitor, scrape, robots_scrape) {}
+      site({queries, monitor,
+            [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
+            robots_scrape}) {}
+
+std::vector<metrics::PageSource> ServerWorld::PageSources() {
+  constexpr std::size_t kConnectionsMax = 4;
+  return {
+      [this](auto& page) { page.AddLedger(ledgers.Sum()); },
+      [this](auto& page) { session::AddSamples(sessions, page); },
+      [this](auto& page) { fleet::AddSamples(fleet, page); },
+      [this](auto& page) { health::AddSweepSamples(sweep_seconds, page); },
+      [this](auto& page) { journal::AddSamples(shards, journal_limits, clock.Steady(), page); },
+      [this](auto& page) { journal::AddSamples(journal_probe, page); },
+      [](auto& page) { store::AddSamples(storage::StoreFacts(), page); },
+      [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
+      [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
+      [this](auto& page) { health::AddSamples(monitor, page); },
+      [start = health::ProcessStart{"9.9.9", clock.System()}](auto& page) {
+        health::AddProcessSamples(start, page);
+      },
+      [this](auto& page) { relay::AddSamples(relay_probe, sessions, handshakes_failed, page); },
+  };
+}
 
 robot::Robot& ServerWorld::AddRobot(const std::string& ruri, const std::string& fleet_name) {
   const absl::StatusOr<robot::Robot*> robot = fleet.FindOrAdmit({ruri, fleet_name});

@@ -4,14 +4,15 @@
 #include <vector>
 
 #include "metrics/ledger.h"
+#include "metrics/page.h"
 #include "server/fleet/fleet.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
-#include "server/http/scrape.h"
 #include "server/http/site.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
+#include "server/relay/probe.h"
 #include "server/session/probe.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
@@ -46,6 +47,11 @@ class ServerWorld {
   }
   [[nodiscard]] http::Response Get(const http::Request& request) const;
 
+  /// What /metrics answers.
+  [[nodiscard]] std::string ScrapeText() const {
+    return metrics::PageText(page_sources, metrics::Format::kText);
+  }
+
   ManualClock clock;
   FakeDatabase database;
   FakeStore store{database, storage::ProcessId{1}};
@@ -56,6 +62,8 @@ class ServerWorld {
   session::SessionProbe sessions;
   http::HttpProbe http_probe;
   rcan::RcanProbe rcan_probe;
+  relay::RelayProbe relay_probe;
+  metrics::Cell handshakes_failed;
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
   config::RcanConfig rcan_config;
   log::Logger logger;
@@ -64,7 +72,7 @@ class ServerWorld {
   journal::Shards shards{{&journal}};
   view::Queries queries;
   health::Monitor monitor;
-  http::Scrape scrape;
+  std::vector<metrics::PageSource> page_sources;
   rcan::FaultCounts fault_counts{clock};
   rcan::RobotScrape robots_scrape;
   http::Site site;
@@ -72,6 +80,7 @@ class ServerWorld {
   static model::SessionId session();
 
  private:
+  [[nodiscard]] std::vector<metrics::PageSource> PageSources();
   storage::CommitRecord Next(const std::string& ruri);
 
   model::Seq last_seq_ = 0;

@@ -30,7 +30,7 @@ TEST(Promtool, HasNothingToSayAboutAScrape) {
   counts.rejected = 1;
   world.ledgers.NewPage().Publish(counts);
   world.sessions.ack_seconds.Observe(0.003);
-  const auto [code, words] = Promtool(world.scrape.Text());
+  const auto [code, words] = Promtool(world.ScrapeText());
   EXPECT_EQ(code, 0) << words;
   EXPECT_EQ(words, "");
 }

@@ -1,5 +1,3 @@
-#include "server/http/scrape.h"
-
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -28,13 +26,13 @@ TEST(Scrape, HoldsTheGoldenListOfMetrics) {
   std::ifstream file(kGoldenFile);
   std::stringstream golden;
   golden << file.rdbuf();
-  EXPECT_EQ(Types(world.scrape.Text()), golden.str())
+  EXPECT_EQ(Types(world.ScrapeText()), golden.str())
       << "names are what dashboards depend on; if the change is meant, change " << kGoldenFile;
 }
 
 TEST(Scrape, HoldsEveryMetricOfTheCatalogue) {
   const testing::ServerWorld world;
-  const std::string text = world.scrape.Text();
+  const std::string text = world.ScrapeText();
   for (const metrics::MetricSpec& spec : metrics::Catalogue()) {
     EXPECT_NE(text.find("# TYPE " + std::string(spec.name) + " "), std::string::npos) << spec.name;
   }
@@ -42,7 +40,7 @@ TEST(Scrape, HoldsEveryMetricOfTheCatalogue) {
 
 TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
   testing::ServerWorld world;
-  const std::string text = world.scrape.Text();
+  const std::string text = world.ScrapeText();
   EXPECT_NE(text.find("uplinkd_robots_limit 5\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_journal_bytes_limit 268435456\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_http_connections_limit 4\n"), std::string::npos);
@@ -53,7 +51,7 @@ TEST(Scrape, CountsWhatTheJournalStoredAndSwept) {
   testing::ServerWorld world;
   world.journal_probe.presence_changes[static_cast<std::size_t>(model::Presence::kOffline)].Add(3);
   world.journal_probe.expired_deleted.Add(4);
-  const std::string text = world.scrape.Text();
+  const std::string text = world.ScrapeText();
   EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"online\"} 0\n"),
             std::string::npos);
   EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"offline\"} 3\n"),
@@ -67,7 +65,7 @@ TEST(Scrape, NeverNamesARobot) {
   testing::ServerWorld world;
   world.AddRobot("rcan://secret");
   world.fleet.Sweep(std::chrono::hours(1));
-  const std::string text = world.scrape.Text();
+  const std::string text = world.ScrapeText();
   EXPECT_NE(text.find("uplinkd_robots{presence=\"unknown\"} 1\n"), std::string::npos);
   EXPECT_EQ(text.find("rcan://"), std::string::npos);
 }

@@ -1,0 +1,74 @@
+// The handlers of probes and scrapes.
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "metrics/gzip.h"
+#include "server/http/errors.h"
+#include "server/http/handlers.h"
+#include "server/http/parameters.h"
+#include "server/view/json.h"
+
+namespace uplink::http {
+namespace {
+
+/// Probes take no parameters.
+std::optional<BadParameter> NoParameters(const std::string& query) {
+  return Parameters(query).Problem();
+}
+
+/// The head of a scrape.
+Response ScrapeResponse(metrics::Format format, metrics::Coding coding) {
+  Response response;
+  response.content_type = metrics::MediaType(format);
+  if (coding == metrics::Coding::kGzip) response.coding = "gzip";
+  response.varies = true;
+  return response;
+}
+
+}  // namespace
+
+Response GetLivez(const Sources& sources, const Call& call) {
+  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+  const auto age =
+      std::chrono::duration_cast<std::chrono::seconds>(sources.monitor.liveness().age());
+  Response response;
+  response.status = sources.monitor.liveness().alive() ? 200 : 503;
+  response.body = fmt::format(R"({{"relayLastHandshakeSeconds":{}}})", age.count());
+  return response;
+}
+
+Response GetReadyz(const Sources& sources, const Call& call) {
+  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+  const health::Readiness readiness = sources.monitor.readiness();
+  Response response;
+  response.status = readiness.ready() ? 200 : 503;
+  response.body = readiness.ready() ? view::WordsJson("degraded", readiness.degraded)
+                                    : view::WordsJson("refuses", readiness.refuses);
+  return response;
+}
+
+Response GetMetrics(const Sources& sources, const Call& call) {
+  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+  Response response = ScrapeResponse(call.format, call.coding);
+  std::string text = sources.metrics(call.format);
+  if (call.coding == metrics::Coding::kGzip) {
+    metrics::Gzip(text, response.body);
+  } else {
+    response.body = std::move(text);
+  }
+  return response;
+}
+
+Response GetRobotMetrics(const Sources& sources, const Call& call) {
+  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+  Response response = ScrapeResponse(call.format, call.coding);
+  response.shared_body = sources.robots.Text(call.format, call.coding);
+  if (response.shared_body == nullptr) return TooBusy();
+  return response;
+}
+
+}  // namespace uplink::http
