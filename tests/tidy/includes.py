@@ -33,6 +33,7 @@ FOREIGN = (
         re.compile(r"^google/protobuf/|\.pb\.h$"),
         ("server/session/", "server/view/", "server/relay/", "server/http/", "tools/", "tests/"),
     ),
+    Foreign("nghttp2", re.compile(r"^nghttp2/"), ("tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
     Foreign("libpq", re.compile(r"^(postgresql/)?libpq"), ("storage/postgres/", "tests/")),
     Foreign(
@@ -52,9 +53,23 @@ FOREIGN = (
     Foreign("prometheus-cpp", re.compile(r"^prometheus/"), ("metrics/", "server/http/", "tests/")),
 )
 
-# Adapters: only the composition root and tests know them, and never one another.
-TRANSPORTS = ("server/relay/", "server/http/")
-KNOWS_TRANSPORTS = ("server/lifecycle/", "server/app", "server/process_setup", "server/main.cc", "tests/")
+# The rooms of server/, in the order in which they may include each other: a room sees itself and the
+# steps before its own, never another room of its step. The files of server/ itself (app, main and
+# what sets up the process) come last and see all. A room that is not here, and one that is here
+# and has no folder, is a finding.
+ROOMS = (
+    ("log", "identity"),  # lines; what a certificate says: both know nothing of the server
+    ("config",),  # it reads the certificates that it names, by identity
+    ("robot",),  # what is held of one robot
+    ("fleet",),  # the map of robots
+    ("journal",),  # what stands before the store
+    ("session", "view"),  # one stream's protocol; the queries
+    ("health", "rcan"),  # health counts streams by the sessions' probe; the robots' series
+    ("relay", "http"),  # the adapters: they translate and enqueue
+    ("store", "loop", "lifecycle"),  # what runs it all
+)
+# Tools do not see these.
+ADAPTERS = ("relay", "http")
 
 GENERATED = re.compile(r"\.(grpc\.pb|pb|capnp)\.h$")
 
@@ -80,16 +95,40 @@ def foreign(tree):
                     yield Finding(path, include.line, "foreign-header", text)
 
 
-def transports(tree):
-    """A transport is included by itself, by the composition root and by tests."""
+def rooms(tree, order=ROOMS):
+    """The rooms of server/ include each other in one direction, and are those of the list."""
+    step_of = {room: step for step, here in enumerate(order) for room in here}
+    found = {}
+    for path in tree.files:
+        parts = path.split("/")
+        if parts[0] == "server" and len(parts) > 2:
+            found.setdefault(parts[1], path)
+    for room in sorted(found.keys() - step_of.keys()):
+        yield Finding(found[room], 1, "room", f"the list of rooms lacks server/{room}/ (includes.py)")
+    if found:
+        for room in sorted(step_of.keys() - found.keys()):
+            yield Finding("tests/tidy/includes.py", 1, "room", f"there is no server/{room}/")
     for path in tree.cxx:
+        room = _room_of(path)
+        if room is None and path.startswith(("server/", "tests/")):
+            continue  # the root and tests see every room
         for include in tree.includes(path):
-            for transport in TRANSPORTS:
-                if include.name.startswith(transport) and not path.startswith(
-                    (transport, *KNOWS_TRANSPORTS)
-                ):
-                    text = f"only the composition root includes {transport}: {include.name}"
-                    yield Finding(path, include.line, "transport", text)
+            target = _room_of(include.name) if include.quoted else None
+            if target is None or target == room or target not in step_of:
+                continue
+            if room is None:
+                if target in ADAPTERS:
+                    text = f"only server/ itself includes its adapters: {include.name}"
+                    yield Finding(path, include.line, "room-order", text)
+            elif step_of.get(room, len(order)) <= step_of[target]:
+                text = f"server/{room}/ does not include server/{target}/: {include.name}"
+                yield Finding(path, include.line, "room-order", text)
+
+
+def _room_of(name):
+    """`robot` of server/robot/x.h; None outside the rooms of server/."""
+    parts = name.split("/")
+    return parts[1] if parts[0] == "server" and len(parts) > 2 else None
 
 
 def _source_of(name):

@@ -49,6 +49,7 @@ class ForeignTest(RuleTest):
         ('"uplink/v1/relay.grpc.pb.h"', "server/relay/a.h", "server/view/a.h"),
         ('"uplink/v1/relay.pb.h"', "server/session/a.h", "server/fleet/a.h"),
         ("<google/protobuf/message.h>", "server/view/a.cc", "storage/a.cc"),
+        ("<nghttp2/nghttp2.h>", "tools/link/a.cc", "server/session/a.cc"),
         ("<sqlite3.h>", "storage/sqlite/a.cc", "storage/a.cc"),
         ("<libpq-fe.h>", "storage/postgres/a.cc", "server/journal/a.cc"),
         ("<capnp/message.h>", "schema/decode.cc", "server/session/a.cc"),
@@ -80,17 +81,54 @@ class ForeignTest(RuleTest):
             self.assertTrue(any(library.pattern.search(each) for each in headers), library.name)
 
 
-class TransportTest(RuleTest):
-    def test_takes_the_composition_root_and_itself(self):
-        for path in ("server/app.cc", "server/main.cc", "server/relay/b.cc", "tests/e2e/a.cc"):
-            self.assert_clean(includes.transports, {path: '#include "server/relay/a.h"\n'})
+class RoomsTest(RuleTest):
+    ORDER = (("log",), ("robot",), ("session", "view"), ("relay", "http"), ("store",))
+    ROOMS = [room for here in ORDER for room in here]
+    ALL = {f"server/{room}/x.h": "" for room in ROOMS}
 
-    def test_refuses_everything_else(self):
-        for path in ("server/http/b.cc", "server/session/a.cc", "tools/a.cc"):
-            found = self.find(includes.transports, {path: '#include "server/relay/a.h"\n'})
-            self.assertEqual(found, [(path, 1, "transport")])
-        found = self.find(includes.transports, {"server/relay/a.cc": '#include "server/http/a.h"\n'})
-        self.assertEqual(found, [("server/relay/a.cc", 1, "transport")])
+    def find_include(self, path, target):
+        files = {**self.ALL, path: f'\n#include "server/{target}/x.h"\n'}
+        return self.find(includes.rooms, files, self.ORDER)
+
+    def test_takes_includes_of_the_steps_before(self):
+        for step, here in enumerate(self.ORDER):
+            for room in here:
+                for target in [room, *(each for before in self.ORDER[:step] for each in before)]:
+                    self.assertEqual(self.find_include(f"server/{room}/a.cc", target), [])
+
+    def test_refuses_those_of_the_same_step_and_after(self):
+        for step, here in enumerate(self.ORDER):
+            for room in here:
+                for target in (each for after in self.ORDER[step:] for each in after):
+                    if target != room:
+                        found = self.find_include(f"server/{room}/a.cc", target)
+                        self.assertEqual(found, [(f"server/{room}/a.cc", 2, "room-order")])
+
+    def test_the_root_and_tests_see_every_room(self):
+        for path in ("server/app.cc", "server/main.cc", "tests/e2e/a.cc"):
+            for target in self.ROOMS:
+                self.assertEqual(self.find_include(path, target), [])
+
+    def test_refuses_an_adapter_outside_the_server(self):
+        for target in includes.ADAPTERS:
+            found = self.find_include("tools/a.cc", target)
+            self.assertEqual(found, [("tools/a.cc", 2, "room-order")])
+        self.assertEqual(self.find_include("tools/a.cc", "log"), [])
+
+    def test_refuses_a_room_that_the_list_lacks(self):
+        files = {**self.ALL, "server/attic/a.h": ""}
+        found = self.find(includes.rooms, files, self.ORDER)
+        self.assertEqual(found, [("server/attic/a.h", 1, "room")])
+
+    def test_refuses_a_room_that_the_tree_lacks(self):
+        files = {path: "" for path in self.ALL if path != "server/view/x.h"}
+        found = self.find(includes.rooms, files, self.ORDER)
+        self.assertEqual(found, [("tests/tidy/includes.py", 1, "room")])
+
+    def test_a_room_stands_in_the_list_once(self):
+        rooms = [room for here in includes.ROOMS for room in here]
+        self.assertEqual(len(rooms), len(set(rooms)))
+        self.assertLessEqual(set(includes.ADAPTERS), set(rooms))
 
 
 class FormTest(RuleTest):
@@ -265,6 +303,21 @@ class BuiltTest(RuleTest):
     def test_refuses_a_list_that_nothing_enters(self):
         found = self.find(whole.built, {**self.GOOD, "server/sub/CMakeLists.txt": ""})
         self.assertEqual(found, [("server/sub/CMakeLists.txt", 1, "not-built")])
+
+
+class TargetsTest(RuleTest):
+    def test_takes_what_is_named_after_its_room(self):
+        files = {
+            "server/http/CMakeLists.txt": "uplink_library(\n  uplink_http\n)\nuplink_library(uplink_http_site)\n",
+            "server/CMakeLists.txt": "uplink_library(uplink_app)\n",
+            "schema/json/CMakeLists.txt": "uplink_library(uplink_text)\n",
+        }
+        self.assert_clean(whole.targets, files)
+
+    def test_refuses_the_name_of_another_room(self):
+        files = {"server/session/CMakeLists.txt": "uplink_library(\n  uplink_robot_sessions\n)\n"}
+        found = self.find(whole.targets, files)
+        self.assertEqual(found, [("server/session/CMakeLists.txt", 1, "target")])
 
 
 class SettingsTest(RuleTest):

@@ -14,6 +14,7 @@ KEY_LINE = re.compile(r"^(?:#\s*)?([a-z_]+)\s*=\s")
 README_FOLDERS = ("proto", "schema", "metrics", "storage", "server", "tools", "deploy", "tests")
 CMAKE_COMMENT = re.compile(r"#.*")
 CMAKE_SOURCE = re.compile(r"[\w./+-]+\.(?:cc|h)\b")
+TARGET = re.compile(r"\buplink_(?:library|interface)\(\s*(\w+)")
 SUBDIRECTORY = re.compile(r"\badd_subdirectory\(\s*([\w./-]+)")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s#]+)(?:#[^)]*)?\)")
 
@@ -48,6 +49,18 @@ def built(tree):
     for path in _cmake_files(tree):
         if path != "CMakeLists.txt" and path not in entered:
             yield Finding(path, 1, "not-built", "no add_subdirectory enters it")
+
+
+def targets(tree):
+    """What the list of a room of server/ builds is named after that room."""
+    for path in _cmake_files(tree):
+        parts = path.split("/")
+        if parts[0] != "server" or len(parts) < 3:
+            continue
+        for name in TARGET.findall(_cmake(tree, path)):
+            if name != f"uplink_{parts[1]}" and not name.startswith(f"uplink_{parts[1]}_"):
+                text = f"{name} is not named after its room: uplink_{parts[1]}"
+                yield Finding(path, 1, "target", text)
 
 
 def settings(tree):
