@@ -5,6 +5,7 @@
 
 #include "schema/model/ids.h"
 #include "server/config/units.h"
+#include "tools/uplink-fleet/run/exit_code.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -128,8 +129,8 @@ class ScenarioFlags {
 
 }  // namespace
 
-std::optional<Flags> ReadFlags(int argc, char** argv, int& code) {
-  Flags flags;
+std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
+  RunOptions flags;
   SwarmOptions& swarm = flags.swarm;
   swarm.ruri_prefix = "rcan://local.rcan/uplink/synthetic/1.0";
   swarm.pki_directory = "./pki";

@@ -1,32 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <string>
 
-#include "schema/base/clock.h"
-#include "tools/uplink-fleet/robot/swarm.h"
+#include "tools/uplink-fleet/run/run_options.h"
 
 namespace uplink::synthetic {
 
-/// Exit codes of the program (surface page).
-inline constexpr int kExitDone = 0;
-inline constexpr int kExitFailed = 1;
-inline constexpr int kExitWrongUse = 2;
-inline constexpr int kExitMismatch = 3;
-
-struct Flags {
-  SwarmOptions swarm;
-  std::uint64_t seed = 1;
-  std::string http = "127.0.0.1:7480";
-  milliseconds run_for{30'000};
-  /// How long the fleet waits for the server to settle everything, and for each stream to end,
-  /// before it calls it a mismatch.
-  milliseconds settle_for{60'000};
-  bool json = false;
-};
-
 /// Reads the command line; prints what is wrong with it, or the help. Nothing: exit with `code`.
-[[nodiscard]] std::optional<Flags> ReadFlags(int argc, char** argv, int& code);
+[[nodiscard]] std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code);
 
 }  // namespace uplink::synthetic

@@ -1,10 +1,14 @@
-// The live and latest parts, and presence.
+#include "tools/uplink-fleet/compare/compare_live.h"
+
+#include <map>
+#include <optional>
+#include <string>
+
 #include <fmt/core.h>
 #include <google/protobuf/descriptor.h>
 
 #include "schema/base/check.h"
 #include "storage/live_parts.h"
-#include "tools/uplink-fleet/compare/compare.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
 namespace uplink::synthetic {
@@ -19,7 +23,7 @@ void ComparePart(Thing thing, const RobotOutcome& robot, const Struct& expected,
     findings.Find(thing);
     return;
   }
-  // The field at fault rather than the whole part, where there is one.
+  // The field that differs rather than the whole part, where there is one.
   for (const auto& [name, value] : expected.fields()) {
     const auto other = found.fields().find(name);
     if (other == found.fields().end()) {
@@ -89,30 +93,6 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
   CompareLast(Thing::kSettings, robot, robot.ledger.settings(), live->settings(), findings);
   CompareLast(Thing::kUiCapabilities, robot, robot.ledger.ui_capabilities(),
               live->ui_capabilities(), findings);
-}
-
-void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
-                     Findings& findings) {
-  findings.Expect(Thing::kPresenceHistory);
-  const v1::PresenceChange* latest = nullptr;
-  std::uint64_t offline = 0;
-  for (const v1::PresenceChange& change : stored.presence) {
-    if (change.at_ms() > run.to_ms) continue;
-    if (latest == nullptr) latest = &change;  // the newest comes first
-    const bool within = change.at_ms() >= run.from_ms;
-    if (within && change.presence() == v1::PRESENCE_OFFLINE) ++offline;
-  }
-  if (latest == nullptr || latest->presence() != v1::PRESENCE_ONLINE) {
-    return findings.Differ(
-        Thing::kPresenceHistory, robot.ruri, "online at last",
-        latest == nullptr ? "no change at all" : v1::Presence_Name(latest->presence()));
-  }
-  if (offline > robot.silences) {
-    return findings.Differ(Thing::kPresenceHistory, robot.ruri,
-                           fmt::format("offline {} times at most", robot.silences),
-                           fmt::format("{} times", offline));
-  }
-  findings.Find(Thing::kPresenceHistory);
 }
 
 }  // namespace uplink::synthetic

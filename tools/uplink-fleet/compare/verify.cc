@@ -115,6 +115,10 @@ void FleetTotals::Add(const RobotOutcome& robot) {
   ended_ok += robot.ended_ok ? 1 : 0;
 }
 
+bool AllOk(const std::vector<CheckRow>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const CheckRow& row) { return row.ok; });
+}
+
 bool Restarted(const Evidence& evidence) {
   return evidence.before.started_at_ms() != evidence.after.started_at_ms();
 }

@@ -59,6 +59,9 @@ struct Evidence {
 /// Source: protocol page, Conservation: after a restart of the server only rows and acks count.
 [[nodiscard]] std::vector<CheckRow> Verify(const Evidence& evidence);
 
+/// True if each line of the table agrees.
+[[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
+
 /// True if the counters began anew between the two.
 [[nodiscard]] bool Restarted(const Evidence& evidence);
 

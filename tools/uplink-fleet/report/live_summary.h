@@ -24,7 +24,7 @@ using Buckets = std::map<double, double>;
 [[nodiscard]] std::optional<double> Quantile(const Buckets& before, const Buckets& after,
                                              double quantile);
 
-/// What an operator would watch while a run goes on, a line at a time: the server's own counters
+/// What an operator would watch while a run goes on, line by line: the server's own counters
 /// since the line before, and the time from arrival to ack by the server's histogram.
 ///
 /// Thread: confined to one thread.

@@ -9,7 +9,7 @@
 
 namespace uplink::synthetic {
 
-/// How a run goes, on standard error: a line a second that is overwritten on a terminal, plain
+/// How a run goes, on standard error: one line per second that is overwritten on a terminal, plain
 /// lines less often elsewhere.
 ///
 /// Thread: confined to one thread.

@@ -1,5 +1,3 @@
-#include "tools/uplink-fleet/compare/compare.h"
-
 #include <functional>
 #include <memory>
 
@@ -7,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/tools/fleet/compare/mirror.h"
+#include "tools/uplink-fleet/compare/compare_live.h"
+#include "tools/uplink-fleet/compare/compare_presence.h"
+#include "tools/uplink-fleet/compare/compare_rows.h"
 
 /// A right server agrees; one row that is missing, doubled or changed, of any kind, is found.
 namespace uplink::synthetic {

@@ -3,7 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/uplink-fleet/report/report.h"
+#include "tools/uplink-fleet/report/json_report.h"
+#include "tools/uplink-fleet/report/text_report.h"
 
 namespace uplink::synthetic {
 namespace {

@@ -1,8 +1,8 @@
-#include "tools/uplink-fleet/report/report.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tools/uplink-fleet/report/json_report.h"
+#include "tools/uplink-fleet/report/text_report.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::synthetic {

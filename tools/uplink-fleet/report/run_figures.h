@@ -4,9 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "tools/uplink-fleet/compare/verify.h"
 #include "tools/uplink-fleet/report/process_use.h"
 #include "tools/uplink-fleet/robot/histogram.h"
 #include "tools/uplink-fleet/robot/shared.h"
@@ -53,19 +51,5 @@ struct RunFigures {
 /// The Rejects that robots were told, by reason as JSON spells it; `unknown` for reasons that this
 /// program does not know.
 [[nodiscard]] std::map<std::string, std::uint64_t> RejectsByReason(const Shared& shared);
-
-[[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
-
-/// Differences that the text shows; the JSON shows all that are kept.
-inline constexpr std::size_t kDifferencesShown = 20;
-
-/// The table for people, with what differs robot by robot, ending with one line that says whether
-/// all agree.
-[[nodiscard]] std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
-                                     const Findings& findings);
-
-/// The same as one JSON object: `{"ok":...,"run":{...},"checks":[...],"differences":[...]}`.
-[[nodiscard]] std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
-                                     const Findings& findings);
 
 }  // namespace uplink::synthetic

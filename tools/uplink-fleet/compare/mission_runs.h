@@ -1,0 +1,12 @@
+#pragma once
+
+#include "tools/uplink-fleet/compare/findings.h"
+#include "tools/uplink-fleet/compare/stored_robot.h"
+#include "tools/uplink-fleet/robot/ledger.h"
+
+namespace uplink::synthetic {
+
+/// The mission runs of this robot against what its reports must have become. Pure; any thread.
+void CompareMissionRuns(const RobotOutcome& robot, const StoredRobot& stored, Findings& findings);
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,105 @@
+#include "tools/uplink-fleet/report/text_report.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/core.h>
+
+#include "tools/uplink-fleet/report/quantiles.h"
+
+namespace uplink::synthetic {
+namespace {
+
+constexpr double kMicrosPerSecond = 1e6;
+constexpr double kBytesPerMiB = 1024.0 * 1024.0;
+
+std::string LatencyLine(const char* what, const Histogram& histogram) {
+  if (histogram.count() == 0) return {};
+  std::string text = fmt::format("{}:", what);
+  for (const auto& [label, share] : kQuantiles) {
+    text += fmt::format(" {} {:.2f} ms,", label, MillisOf(histogram.Quantile(share)));
+  }
+  return text + fmt::format(" max {:.2f} ms ({} messages)\n", MillisOf(histogram.max()),
+                            histogram.count());
+}
+
+std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& figures) {
+  const double sent = static_cast<double>(std::max<std::uint64_t>(figures.sent_while_measured, 1));
+  return fmt::format(
+      "{}: {:.2f} s of CPU, {:.0f} % of a core, {:.1f} us per message; {:.0f} MiB\n", name,
+      use.cpu_seconds, 100 * use.cpu_seconds / std::max(figures.seconds, 0.001),
+      use.cpu_seconds * kMicrosPerSecond / sent, static_cast<double>(use.rss_bytes) / kBytesPerMiB);
+}
+
+/// How it went, above the table.
+std::string FiguresText(const RunFigures& figures) {
+  std::string text = fmt::format(
+      "\n{} robots, {:.0f} s, seed {}, run {}: {} messages sent ({} again), {} judged, "
+      "{} live acked, {} durable acked, {} rejects, {} connections, {} welcomes, {} breaks, {} "
+      "takeovers, {} drains{}\n",
+      figures.robots, figures.seconds, figures.seed, figures.run, figures.sent, figures.resent,
+      figures.judged, figures.latencies.live.count(), figures.acked_durable, figures.rejects,
+      figures.connects, figures.welcomes, figures.breaks, figures.takeovers, figures.drains,
+      figures.restarted ? ", server restarted: its counters are left out" : "");
+  text += LatencyLine("durable, due to acked", figures.latencies.durable);
+  text += LatencyLine("live, due to acked", figures.latencies.live);
+  text += LatencyLine("live that gave way unacked, due to given up", figures.latencies.gave_way);
+  if (figures.server) text += UseLine("server", *figures.server, figures);
+  text += UseLine("fleet", figures.own, figures);
+  if (figures.skipped_ticks > 0) {
+    text += fmt::format("the fleet itself was too slow: {} ticks were left out\n",
+                        figures.skipped_ticks);
+  }
+  if (figures.only_moving > 0) {
+    text += fmt::format("{} robots had as much to remember as they may, and only moved then\n",
+                        figures.only_moving);
+  }
+  for (const auto& [reason, count] : figures.rejects_by_reason) {
+    text += fmt::format("rejected {}: {}\n", reason, count);
+  }
+  for (const auto& [name, count] : figures.ends) {
+    text += fmt::format("streams ended {}: {}\n", name, count);
+  }
+  return text;
+}
+
+/// What differs, robot by robot.
+std::string Differences(const Findings& findings) {
+  if (findings.differences().empty()) return {};
+  std::string text = "\nrobot | thing | expected | found\n";
+  for (std::size_t i = 0; i < findings.differences().size() && i < kDifferencesShown; ++i) {
+    const Difference& difference = findings.differences()[i];
+    text += fmt::format("{} | {} | {} | {}\n", difference.ruri, TextOf(difference.thing).name,
+                        difference.expected, difference.found);
+  }
+  const std::uint64_t all = findings.differences_in_all();
+  if (all > kDifferencesShown) text += fmt::format("and {} more\n", all - kDifferencesShown);
+  return text;
+}
+
+}  // namespace
+
+std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
+  std::string text = FiguresText(figures);
+  std::size_t widest = 0;
+  for (const CheckRow& row : rows) {
+    widest = std::max(widest, row.what.size());
+  }
+  text += fmt::format("\n{:<{}} | {:>10} | {:>21} | {:>10} |\n", "what", widest, "fleet", "server",
+                      "store");
+  text += fmt::format("{:-<{}}-+-{:-<10}-+-{:-<21}-+-{:-<10}-+---------\n", "", widest, "", "", "");
+  for (const CheckRow& row : rows) {
+    text += fmt::format("{:<{}} | {:>10} | {:>21} | {:>10} | {}\n", row.what, widest, row.fleet,
+                        row.server, row.store, row.ok ? "ok" : "MISMATCH");
+    if (!row.ok && !row.note.empty()) text += fmt::format("    {}\n", row.note);
+  }
+  text += Differences(findings);
+  text += AllOk(rows) ? "\nverification: all agree\n" : "\nverification: MISMATCH\n";
+  if (!AllOk(rows) && !figures.first_error.empty()) {
+    text += fmt::format("first trouble: {}\n", figures.first_error);
+  }
+  return text;
+}
+
+}  // namespace uplink::synthetic

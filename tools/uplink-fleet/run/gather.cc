@@ -1,0 +1,66 @@
+#include "tools/uplink-fleet/run/gather.h"
+
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "tools/uplink-fleet/compare/compare_live.h"
+#include "tools/uplink-fleet/compare/compare_presence.h"
+#include "tools/uplink-fleet/compare/compare_rows.h"
+#include "tools/uplink-fleet/run/ask_again.h"
+
+namespace uplink::synthetic {
+namespace {
+
+/// The counters of the queue threads are published a moment after the acks.
+constexpr milliseconds kCountersDeadline{3000};
+
+/// Reads the server's counters once nothing is in flight any more.
+absl::Status GatherCounters(const RunContext& run, Evidence& evidence) {
+  const SteadyTime start = run.clock.Steady();
+  while (true) {
+    absl::StatusOr<v1::ServerStatus> after = AskAgain(run, [&run] { return run.view.Status(); });
+    if (!after.ok()) return after.status();
+    evidence.after = std::move(*after);
+    const auto in_flight = evidence.after.uplinks().find("inFlight");
+    if (in_flight == evidence.after.uplinks().end() || in_flight->second == 0 ||
+        run.clock.Steady() - start > kCountersDeadline || run.signals.Wait(kLook)) {
+      return absl::OkStatus();
+    }
+  }
+}
+
+absl::Status GatherRobot(const RunContext& run, const RunOutcome& outcome,
+                         const RobotOutcome& robot, Evidence& evidence) {
+  evidence.fleet.Add(robot);
+  const auto live = outcome.look.live.find(robot.ruri);
+  CompareLive(robot, live == outcome.look.live.end() ? nullptr : &live->second, evidence.findings);
+  const auto stored =
+      AskAgain(run, [&] { return run.view.Stored(robot.ruri, evidence.before.now_ms()); });
+  if (!stored.ok()) return stored.status();
+  ++evidence.robots_read;
+  CompareRows(robot, *stored, outcome.id, evidence.findings);
+  ComparePresence(robot, *stored, {evidence.before.now_ms(), outcome.look.at_ms},
+                  evidence.findings);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Gather(const RunContext& run, const RunOutcome& outcome, Evidence& evidence) {
+  if (absl::Status status = GatherCounters(run, evidence); !status.ok()) return status;
+  for (const RobotOutcome& robot : outcome.robots) {
+    // Thousands of robots take minutes to compare.
+    if (run.signals.Wait(milliseconds(0))) {
+      return absl::CancelledError(fmt::format("told to stop after {} of {} robots were compared",
+                                              evidence.robots_read, outcome.robots.size()));
+    }
+    run.progress.Tell(
+        fmt::format("compared {} of {} robots", evidence.robots_read, outcome.robots.size()));
+    absl::Status status = GatherRobot(run, outcome, robot, evidence);
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/report/live_summary.h"
+#include "tools/uplink-fleet/report/progress_line.h"
+#include "tools/uplink-fleet/robot/shared.h"
+#include "tools/uplink-fleet/run/server_view.h"
+
+namespace uplink::synthetic {
+
+/// Tells people how a run goes, as often as the line on standard error takes it.
+///
+/// Thread: confined to main's thread.
+class Progress final {
+ public:
+  /// All must outlive this.
+  Progress(ServerView& view, const Clock& clock, const Shared& shared)
+      : view_(view), clock_(clock), shared_(shared) {}
+
+  /// Asks the server and shows what it and the robots do, if a line is due.
+  void TellHowItGoes();
+  /// Shows `text`, if a line is due.
+  void Tell(const std::string& text);
+  void Clear() const { line_.Clear(); }
+
+ private:
+  ServerView& view_;
+  const Clock& clock_;
+  const Shared& shared_;
+  LiveSummary summary_;
+  ProgressLine line_;
+};
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/robot/swarm.h"
+
+namespace uplink::synthetic {
+
+/// What one run is told. A value.
+struct RunOptions {
+  SwarmOptions swarm;
+  std::uint64_t seed = 1;
+  std::string http = "127.0.0.1:7480";
+  milliseconds run_for{30'000};
+  /// How long the fleet waits for the server to settle everything, and for each stream to end,
+  /// before it calls it a mismatch.
+  milliseconds settle_for{60'000};
+  bool json = false;
+};
+
+}  // namespace uplink::synthetic

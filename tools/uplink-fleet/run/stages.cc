@@ -1,0 +1,75 @@
+#include "tools/uplink-fleet/run/stages.h"
+
+#include <atomic>
+#include <cstddef>
+#include <utility>
+
+#include "tools/uplink-fleet/run/ask_again.h"
+
+namespace uplink::synthetic {
+namespace {
+
+/// Without any Welcome for that long at the start, nothing can be run.
+constexpr milliseconds kFirstWelcomeDeadline{15'000};
+
+/// Waits until as many robots as there are have been counted, `times` over.
+bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& robots,
+                std::size_t times = 1) {
+  const SteadyTime start = run.clock.Steady();
+  while (robots.load() < run.options.swarm.scenario.robots * times) {
+    if (run.clock.Steady() - start > run.options.settle_for) return false;
+    run.progress.TellHowItGoes();
+    // A second signal while settling gives up the rest.
+    if (run.signals.Wait(kLook)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Readiness AwaitRobots(const RunContext& run) {
+  const std::size_t threads = run.options.swarm.threads;
+  bool told = false;
+  while (run.shared.threads_ready.load() < threads && !told) told = run.signals.Wait(kLook);
+  if (run.shared.threads_ready.load() < threads) run.shared.abandon.store(true);
+  return told ? Readiness::kToldToStop : Readiness::kReady;
+}
+
+bool Send(const RunContext& run) {
+  const SteadyTime start = run.clock.Steady();
+  while (run.clock.Steady() - start < run.options.run_for) {
+    run.progress.TellHowItGoes();
+    if (run.signals.Wait(kLook)) break;
+    if (run.shared.welcomes.load() == 0 && run.clock.Steady() - start > kFirstWelcomeDeadline) {
+      return false;
+    }
+  }
+  return run.shared.welcomes.load() > 0;
+}
+
+LastLook Settle(const RunContext& run) {
+  LastLook look;
+  run.shared.stage.store(Stage::kSettle);
+  if (!WaitForAll(run, run.shared.settled_robots)) return look;
+  run.shared.stage.store(Stage::kLast);
+  const SteadyTime start = run.clock.Steady();
+  for (std::size_t round = 1; run.clock.Steady() - start < run.options.settle_for; ++round) {
+    const auto began = AskAgain(run, [&run] { return run.view.Status(); });
+    run.shared.last_round.store(round);
+    if (!WaitForAll(run, run.shared.last_robots, round)) return look;
+    auto live = AskAgain(run, [&run] { return run.view.Robots(run.options.swarm.fleet); });
+    const auto ended = AskAgain(run, [&run] { return run.view.Status(); });
+    if (!began.ok() || !live.ok() || !ended.ok()) continue;
+    look = {.live = std::move(*live), .at_ms = ended->now_ms()};
+    // A server that was started anew in between has forgotten what it acked as judged.
+    if (began->started_at_ms() == ended->started_at_ms()) return look;
+  }
+  return look;
+}
+
+void Close(const RunContext& run, bool reached) {
+  run.shared.stage.store(Stage::kClose);
+  if (!reached || !WaitForAll(run, run.shared.closed_robots)) run.shared.abandon.store(true);
+}
+
+}  // namespace uplink::synthetic

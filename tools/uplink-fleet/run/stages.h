@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "tools/uplink-fleet/run/run_context.h"
+#include "uplink/v1/fleet.pb.h"
+
+/// What main does in each stage of a run (robot/shared.h), one after the other. A first signal ends
+/// the sending, a second one the settling.
+///
+/// Thread: main's.
+namespace uplink::synthetic {
+
+/// Whether to send at all.
+enum class Readiness : std::uint8_t { kReady, kToldToStop };
+
+/// The robots as the server showed them while they still moved.
+struct LastLook {
+  std::map<std::string, v1::Robot> live;
+  /// The server's clock then.
+  std::int64_t at_ms = 0;
+};
+
+/// Waits until every thread has made its robots: those that were offline first live through that
+/// time before any of them connects. Told to stop, it has the robots give up.
+[[nodiscard]] Readiness AwaitRobots(const RunContext& run);
+/// Lets the robots live for as long as the options say; false if the server never welcomed one.
+[[nodiscard]] bool Send(const RunContext& run);
+/// Settles everything, and looks at the live state while the robots are still there.
+[[nodiscard]] LastLook Settle(const RunContext& run);
+/// Waits for every stream to end; if that takes too long, or no robot was `reached`, they give up.
+void Close(const RunContext& run, bool reached);
+
+}  // namespace uplink::synthetic
