@@ -12,8 +12,8 @@ constexpr std::chrono::seconds kBatchAgeMax{1};
 constexpr std::chrono::seconds kIdleMotion{1};
 /// Longer than that without a frame, a robot counts as silent; below any useful presence.timeout.
 constexpr std::chrono::seconds kSilence{3};
-/// More durable messages than a tick of a script makes: 1,000 fault reports a second, each with its
-/// event, and a tick of ten seconds.
+/// More durable messages than a tick of a script makes: 1,000 fault reports per second, each with
+/// its event, and a tick of ten seconds.
 constexpr std::size_t kDurableATickMax = 25'000;
 constexpr const char* kAgentVersion = "uplink-fleet " UPLINK_VERSION;
 

@@ -19,25 +19,6 @@ absl::Status Broken(const std::string& rule) {
 
 }  // namespace
 
-bool AgentModel::Offer(Outgoing message) {
-  if (message.keeping == Keeping::kDurable) {
-    if (durable_waiting_.size() >= kDurableWaitingMax) return false;
-    durable_waiting_.push_back({next_ticket_++, std::move(message)});
-    return true;
-  }
-  if (live_waiting_.size() >= kLiveWaitingMax) {
-    gave_way_due_.push_back(live_waiting_.front().message.due);
-    live_waiting_.pop_front();
-  }
-  live_waiting_.push_back({next_ticket_++, std::move(message)});
-  return true;
-}
-
-void AgentModel::DueAt(SteadyTime due) {
-  for (Waiting& waiting : live_waiting_) waiting.message.due = due;
-  for (Waiting& waiting : durable_waiting_) waiting.message.due = due;
-}
-
 v1::Hello AgentModel::BeginStream(const std::string& agent_version) {
   phase_ = Phase::kGreeting;
   stream_ack_.Clear();
@@ -136,10 +117,10 @@ absl::Status AgentModel::OnReject(const v1::Reject& reject, SteadyTime now) {
   kept_.erase(at);
   if (message.keeping == Keeping::kDurable) {
     --durable_kept_;
-    later_.emplace(now + milliseconds(std::max<std::int64_t>(reject.retry_after_ms(), 0)),
-                   std::move(message));
+    send_queue_.OfferLater(std::move(message),
+                           now + milliseconds(std::max<std::int64_t>(reject.retry_after_ms(), 0)));
   } else {
-    gave_way_due_.push_back(message.due);
+    rate_limited_due_.push_back(message.due);
   }
   return absl::OkStatus();
 }
@@ -161,20 +142,6 @@ void AgentModel::Forget() {
     }
     it = kept_.erase(it);
   }
-}
-
-void AgentModel::OfferLater(SteadyTime now) {
-  while (!later_.empty() && later_.begin()->first <= now) {
-    durable_waiting_.push_back({next_ticket_++, std::move(later_.begin()->second)});
-    later_.erase(later_.begin());
-  }
-}
-
-std::deque<AgentModel::Waiting>* AgentModel::Longest() {
-  if (live_waiting_.empty()) return durable_waiting_.empty() ? nullptr : &durable_waiting_;
-  if (durable_waiting_.empty()) return &live_waiting_;
-  return live_waiting_.front().ticket < durable_waiting_.front().ticket ? &live_waiting_
-                                                                        : &durable_waiting_;
 }
 
 void AgentModel::Append(v1::UplinkBatch& batch, model::Seq seq, const Outgoing& message) {
@@ -205,7 +172,7 @@ bool AgentModel::Fits(const v1::UplinkBatch& batch, std::size_t bytes, const Out
 
 std::optional<v1::UplinkBatch> AgentModel::NextBatch(SteadyTime now, std::size_t uplinks_max) {
   if (phase_ != Phase::kOpen) return std::nullopt;
-  OfferLater(now);
+  send_queue_.AdmitLater(now);
   v1::UplinkBatch batch;
   std::size_t bytes = 0;
   const auto grow = [&](model::Seq seq, const Outgoing& message) {
@@ -218,13 +185,12 @@ std::optional<v1::UplinkBatch> AgentModel::NextBatch(SteadyTime now, std::size_t
     ++resent_;
     resend_from_ = it->first + 1;
   }
-  for (auto* queue = Longest(); queue != nullptr && kept_.size() < kKeptMax &&
-                                Fits(batch, bytes, queue->front().message, uplinks_max);
-       queue = Longest()) {
+  for (const Outgoing* next = send_queue_.Next();
+       next != nullptr && kept_.size() < kKeptMax && Fits(batch, bytes, *next, uplinks_max);
+       next = send_queue_.Next()) {
     const model::Seq seq = next_seq_++;
     Kept& kept = kept_[seq];
-    kept.message = std::move(queue->front().message);
-    queue->pop_front();
+    kept.message = send_queue_.TakeNext();
     if (kept.message.keeping == Keeping::kDurable) ++durable_kept_;
     grow(seq, kept.message);
     resend_from_ = seq + 1;
@@ -238,9 +204,16 @@ bool AgentModel::resending() const {
 }
 
 bool AgentModel::durable_settled() const {
-  return durable_kept_ == 0 && durable_waiting_.empty() && later_.empty();
+  return durable_kept_ == 0 && !send_queue_.holds_durable();
 }
 
-bool AgentModel::all_settled() const { return kept_.empty() && waiting() == 0 && later_.empty(); }
+bool AgentModel::all_settled() const { return kept_.empty() && send_queue_.empty(); }
+
+std::vector<SteadyTime> AgentModel::TakeGaveWay() {
+  std::vector<SteadyTime> due = send_queue_.TakeGaveWay();
+  due.insert(due.end(), rate_limited_due_.begin(), rate_limited_due_.end());
+  rate_limited_due_.clear();
+  return due;
+}
 
 }  // namespace uplink::synthetic

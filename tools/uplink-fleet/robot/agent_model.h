@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,31 +13,14 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
+#include "tools/uplink-fleet/robot/outgoing.h"
+#include "tools/uplink-fleet/robot/send_queue.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::synthetic {
 
-/// Live messages that wait for a number; past it the oldest gives way (it was never numbered).
-inline constexpr std::size_t kLiveWaitingMax = 256;
-/// Durable messages that wait for a number; past it Offer refuses.
-inline constexpr std::size_t kDurableWaitingMax = 100'000;
 /// Numbered messages that no Ack has covered; at it nothing new is numbered.
 inline constexpr std::size_t kKeptMax = 8192;
-
-/// How a message is settled (protocol: Kinds), as its agent knows it.
-enum class Keeping : std::uint8_t { kLive, kDurable };
-enum class Content : std::uint8_t { kRoverNexus, kRcanRobotState, kNone };
-
-/// A message that the agent wants delivered. A value.
-struct Outgoing {
-  Keeping keeping = Keeping::kLive;
-  Content content = Content::kRoverNexus;
-  std::string payload;
-  /// The caller's own mark; comes back when the message is settled.
-  std::uint64_t tag = 0;
-  /// When it was to be sent.
-  SteadyTime due{};
-};
 
 /// A durable message that an Ack let the agent forget.
 struct Settled {
@@ -63,13 +43,11 @@ class AgentModel final {
   explicit AgentModel(const model::SessionId& session) : session_(session) {}
 
   /// Takes a message for sending; false if too many durable ones wait.
-  bool Offer(Outgoing message);
+  bool Offer(Outgoing message) { return send_queue_.Offer(std::move(message)); }
   /// What waits is due at `due`, whenever it was offered.
-  void DueAt(SteadyTime due);
+  void DueAt(SteadyTime due) { send_queue_.DueAt(due); }
   /// How many durable messages more Offer takes now.
-  [[nodiscard]] std::size_t durable_room() const {
-    return kDurableWaitingMax - std::min(durable_waiting_.size(), kDurableWaitingMax);
-  }
+  [[nodiscard]] std::size_t durable_room() const { return send_queue_.durable_room(); }
 
   /// A new stream: the Hello that opens it. Nothing may be sent before the Welcome.
   [[nodiscard]] v1::Hello BeginStream(const std::string& agent_version);
@@ -86,7 +64,7 @@ class AgentModel final {
   /// When the live messages that Acks covered since the last call were due.
   [[nodiscard]] std::vector<SteadyTime> TakeJudged() { return std::exchange(judged_due_, {}); }
   /// When the live messages were due that gave way, unsent or rate-limited, since the last call.
-  [[nodiscard]] std::vector<SteadyTime> TakeGaveWay() { return std::exchange(gave_way_due_, {}); }
+  [[nodiscard]] std::vector<SteadyTime> TakeGaveWay();
 
   /// Welcome came and neither Drain nor the stream's end since.
   [[nodiscard]] bool may_send() const { return phase_ == Phase::kOpen; }
@@ -95,9 +73,7 @@ class AgentModel final {
   }
   /// Something is to be sent again on this stream.
   [[nodiscard]] bool resending() const;
-  [[nodiscard]] std::size_t waiting() const {
-    return live_waiting_.size() + durable_waiting_.size();
-  }
+  [[nodiscard]] std::size_t waiting() const { return send_queue_.waiting(); }
   /// Messages that have a number and no Ack.
   [[nodiscard]] std::size_t unacked() const { return kept_.size(); }
   /// No durable message waits for a number or for an Ack.
@@ -118,10 +94,6 @@ class AgentModel final {
 
  private:
   enum class Phase : std::uint8_t { kClosed, kGreeting, kOpen, kDraining };
-  struct Waiting {
-    std::uint64_t ticket = 0;
-    Outgoing message;
-  };
   struct Kept {
     Outgoing message;
     std::optional<model::Rejection> rejection;
@@ -131,9 +103,6 @@ class AgentModel final {
   absl::Status OnAck(const v1::Ack& ack);
   absl::Status OnReject(const v1::Reject& reject, SteadyTime now);
   void Forget();
-  void OfferLater(SteadyTime now);
-  /// The queue whose front waits longest; null if nothing waits.
-  [[nodiscard]] std::deque<Waiting>* Longest();
   void Append(v1::UplinkBatch& batch, model::Seq seq, const Outgoing& message);
   [[nodiscard]] bool Fits(const v1::UplinkBatch& batch, std::size_t bytes, const Outgoing& message,
                           std::size_t uplinks_max) const;
@@ -153,17 +122,13 @@ class AgentModel final {
   /// The last Ack of this stream, to see that both numbers only grow.
   v1::Ack stream_ack_;
 
-  /// In the order of their tickets, across both.
-  std::deque<Waiting> live_waiting_;
-  std::deque<Waiting> durable_waiting_;
-  std::uint64_t next_ticket_ = 0;
+  SendQueue send_queue_;
   std::map<model::Seq, Kept> kept_;
   std::size_t durable_kept_ = 0;
-  /// Rate-limited durable messages, by the time at which they may be sent anew.
-  std::multimap<SteadyTime, Outgoing> later_;
   std::vector<Settled> settled_;
   std::vector<SteadyTime> judged_due_;
-  std::vector<SteadyTime> gave_way_due_;
+  /// Of live messages that the server called too frequent.
+  std::vector<SteadyTime> rate_limited_due_;
 
   std::uint64_t sent_ = 0;
   std::uint64_t resent_ = 0;

@@ -10,8 +10,6 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr const char* kMethod = "/uplink.v1.UplinkRelay/Relay";
-constexpr milliseconds kBackoffFirst{100};
-constexpr milliseconds kBackoffMax{2000};
 /// A stream that got no Welcome within this is broken off.
 constexpr std::chrono::seconds kWelcomeDeadline{10};
 /// A robot that this program could not drive for longer leaves the ticks before out.
@@ -23,7 +21,7 @@ constexpr std::size_t kUnsentMax = 64 * 1024;
 /// Tells the network's chance from that of a robot's waits, with the same seed.
 constexpr std::uint64_t kBackoffSeed = 0x9E37'79B9'7F4A'7C15;
 
-/// Ends that the protocol page makes the agent's own fault, or the operator's.
+/// Ends for which the protocol page blames the agent, or the operator.
 bool IsFault(int code) {
   return code == link::kCodeInvalidArgument || code == link::kCodeUnauthenticated ||
          code == link::kCodePermissionDenied || code == link::kCodeResourceExhausted ||
@@ -41,8 +39,8 @@ Robot::Robot(RobotOptions options, Agent agent, const Scenario& scenario, Steady
       loop_(loop),
       clock_(clock),
       shared_(shared),
-      random_(options_.seed),
-      backoff_random_(options_.seed ^ kBackoffSeed),
+      network_(options_.seed, start),
+      backoff_(options_.seed ^ kBackoffSeed),
       timer_(loop.io),
       phase_(&scenario.phases.front()) {}
 
@@ -65,18 +63,17 @@ void Robot::OnTick() {
   const bool abandon = shared_.abandon.load(std::memory_order_acquire);
   if (abandon || (state_ == State::kIdle && agent_.ended_ok())) return Done();
   LiveUpTo(now);
-  std::erase_if(leftovers_, [now](const auto& each) { return each->over(now); });
+  leftovers_.DropOver(now);
   if (state_ == State::kIdle && now >= next_open_) {
     Connect();
   } else if (state_ != State::kIdle && !agent_.welcomed() && now - opened_ > kWelcomeDeadline) {
     shared_.KeepFirstError(fmt::format("{}: no Welcome within 10 s", options_.ruri));
     connection_->Cut();
     connection_.reset();
-    ++failures_;
+    backoff_.Failed();
     StreamIsOver();
   }
-  const Mishap drawn = std::exchange(mishap_, Mishap::kNone);
-  const Mishap mishap = Storms(now) ? Mishap::kCut : drawn;
+  const Mishap mishap = network_.Take(*phase_, now);
   if (state_ == State::kStreaming && agent_.welcomed() &&
       shared_.stage.load(std::memory_order_relaxed) == Stage::kRun) {
     Suffer(mishap, now);
@@ -90,14 +87,14 @@ void Robot::LiveUpTo(SteadyTime now) {
   if (now - next_tick_ > kCatchUpMax) {
     const auto skipped = (now - next_tick_) / phase_->tick();
     shared_.skipped_ticks.fetch_add(static_cast<std::uint64_t>(skipped));
-    for (auto i = skipped; i > 0; --i) static_cast<void>(DrawMishap(*phase_, random_));
+    for (auto i = skipped; i > 0; --i) network_.Skip(*phase_);
     next_tick_ = now;
   }
   // A late tick was due at its own time: what waited for this program counts as waiting.
   do {
     Enter(scenario_.At(std::chrono::duration_cast<milliseconds>(next_tick_ - start_)));
     agent_.Tick(next_tick_, clock_.System());
-    if (const Mishap drawn = DrawMishap(*phase_, random_); drawn != Mishap::kNone) mishap_ = drawn;
+    network_.Draw(*phase_);
     next_tick_ += phase_->tick();
   } while (next_tick_ <= now);
 }
@@ -105,16 +102,9 @@ void Robot::LiveUpTo(SteadyTime now) {
 void Robot::Enter(const Phase& phase) {
   if (&phase == phase_) return;
   phase_ = &phase;
-  static_cast<void>(Storms(next_tick_));
+  network_.Enter(phase, next_tick_);
   agent_.Adopt(phase);
   if (connection_ != nullptr) connection_->SetDelay(phase.trouble.delay);
-}
-
-bool Robot::Storms(SteadyTime now) {
-  const milliseconds every = phase_->trouble.storm_every;
-  if (every.count() == 0) return false;
-  const auto storms = (now - start_) / every;
-  return std::exchange(storms_, storms) < storms;
 }
 
 void Robot::Suffer(Mishap mishap, SteadyTime now) {
@@ -170,10 +160,7 @@ void Robot::Cut() {
 }
 
 void Robot::LeaveBehind(bool frozen, SteadyTime now) {
-  if (leftovers_.size() >= kLeftoversMax) {
-    leftovers_.front()->Cut();
-    leftovers_.pop_front();
-  }
+  leftovers_.MakeRoom();
   auto leftover =
       std::make_unique<Leftover>(std::exchange(connection_, nullptr), now + kFrozenFor, shared_);
   const std::string frame = LastFrame();
@@ -182,7 +169,7 @@ void Robot::LeaveBehind(bool frozen, SteadyTime now) {
   } else if (!frame.empty()) {
     leftover->Send(frame);
   }
-  leftovers_.push_back(std::move(leftover));
+  leftovers_.Add(std::move(leftover));
   broken_by_us_ = true;
   StreamIsOver();
 }
@@ -251,7 +238,11 @@ void Robot::OnEnded(const link::StreamEnd& end) {
 
 void Robot::Note(const link::StreamEnd& end) {
   if (!broken_by_us_) shared_.CountEnd(end.code);
-  failures_ = agent_.welcomed() ? 0 : failures_ + 1;
+  if (agent_.welcomed()) {
+    backoff_.Succeeded();
+  } else {
+    backoff_.Failed();
+  }
   if (end.code == link::kCodeOk && half_closed_) {
     agent_.OnEndedOk();
   } else if (IsFault(end.code)) {
@@ -271,7 +262,7 @@ void Robot::StreamIsOver() {
     // While commits of the broken stream still wait: the hardest moment to resume at.
     Connect();
   } else {
-    next_open_ = clock_.Steady() + NextBackoff();
+    next_open_ = clock_.Steady() + backoff_.Next();
   }
 }
 
@@ -279,16 +270,8 @@ void Robot::Done() {
   if (state_ == State::kStreaming) shared_.streams.fetch_sub(1, std::memory_order_relaxed);
   state_ = State::kIdle;
   connection_.reset();
-  leftovers_.clear();
+  leftovers_.Clear();
   shared_.closed_robots.fetch_add(1);
-}
-
-milliseconds Robot::NextBackoff() {
-  const int doublings = std::min(failures_, 5);
-  const auto most = std::min(kBackoffFirst * (1 << doublings), kBackoffMax);
-  const std::int64_t half = most.count() / 2;
-  return milliseconds(half) +
-         milliseconds(backoff_random_() % static_cast<std::uint64_t>(half + 1));
 }
 
 }  // namespace uplink::synthetic

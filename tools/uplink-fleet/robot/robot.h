@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
-#include <random>
 #include <string>
 
 #include <boost/asio/steady_timer.hpp>
@@ -11,8 +9,10 @@
 #include "schema/base/clock.h"
 #include "tools/link/grpc_connection.h"
 #include "tools/uplink-fleet/robot/agent.h"
-#include "tools/uplink-fleet/robot/leftover.h"
+#include "tools/uplink-fleet/robot/backoff.h"
+#include "tools/uplink-fleet/robot/leftovers.h"
 #include "tools/uplink-fleet/robot/mishap.h"
+#include "tools/uplink-fleet/robot/network_chance.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
 
 namespace uplink::synthetic {
@@ -24,11 +24,8 @@ struct RobotOptions {
   std::uint64_t seed = 1;
 };
 
-/// Connections that one robot has left behind; at it the oldest is cut.
-inline constexpr std::size_t kLeftoversMax = 8;
-
 /// One robot's connection: a TLS connection and a stream of its own, opened again after each end,
-/// driven by a timer each tick; and what the scenario does to it.
+/// driven by a timer at each tick; and what the scenario does to it.
 ///
 /// Thread: Start from the thread that makes it, before the loop runs; everything else on the
 /// loop's thread.
@@ -58,7 +55,6 @@ class Robot final : private link::StreamEvents {
   void LiveUpTo(SteadyTime now);
   void Enter(const Phase& phase);
   void Suffer(Mishap mishap, SteadyTime now);
-  [[nodiscard]] bool Storms(SteadyTime now);
   void ReadSlowly(SteadyTime now);
   /// The frame that a network loses with the connection: the agent cannot tell, and must send it
   /// again.
@@ -72,7 +68,6 @@ class Robot final : private link::StreamEvents {
   void Note(const link::StreamEnd& end);
   void StreamIsOver();
   void Done();
-  [[nodiscard]] milliseconds NextBackoff();
 
   RobotOptions options_;
   Agent agent_;
@@ -81,23 +76,18 @@ class Robot final : private link::StreamEvents {
   link::Loop& loop_;
   const Clock& clock_;
   Shared& shared_;
-  /// Of the network: drawn once a tick.
-  std::mt19937_64 random_;
-  std::mt19937_64 backoff_random_;
+  NetworkChance network_;
+  Backoff backoff_;
   boost::asio::steady_timer timer_;
 
   const Phase* phase_;
   std::unique_ptr<link::GrpcConnection> connection_;
-  std::deque<std::unique_ptr<Leftover>> leftovers_;
+  Leftovers leftovers_;
   State state_ = State::kIdle;
   SteadyTime next_open_{};
   SteadyTime opened_{};
   SteadyTime next_tick_{};
-  std::int64_t storms_ = 0;
-  /// Of the ticks that are due.
-  Mishap mishap_ = Mishap::kNone;
   std::uint64_t breaks_ = 0;
-  int failures_ = 0;
   bool half_closed_ = false;
   /// The stream that ends next was ended by the scenario.
   bool broken_by_us_ = false;

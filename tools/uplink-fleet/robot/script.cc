@@ -89,7 +89,7 @@ std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
   battery_.Advance(lived, facts_, out);
   controls_.Advance(lived, facts_, out);
   missions_.Advance(lived, facts_, route_, out);
-  // Reports a second are the flag's own.
+  // Reports per second are the flag's own.
   faults_.Advance(clock, facts_, out);
   coverage_.Advance(lived, facts_, missions_, route_, out);
   objects_.Advance(lived, facts_, out);

@@ -19,13 +19,13 @@ struct ScenarioOptions {
   std::uint64_t seed = 1;
   /// Unique to the run: part of ids and sources, so that rows of other runs are known as such.
   std::string run;
-  /// Motion messages a second; a tick each.
+  /// Motion messages per second; one per tick.
   double rate_hz = 10;
-  /// Status messages a second.
+  /// Status messages per second.
   double status_hz = 1;
   /// Share of ticks in which something wrong is sent beside the rest.
   double malformed_share = 0;
-  /// Fault reports a second, on average.
+  /// Fault reports per second, on average.
   double faults_hz = 0.1;
   /// How much faster than the clock a robot lives, but for motion and status: missions, shapes,
   /// objects and the like come as many times as often.
@@ -87,7 +87,7 @@ struct Scenario {
   /// For people.
   std::string about;
   std::size_t robots = 10;
-  /// Robots that connect a second at the start, at most.
+  /// Robots that connect per second at the start, at most.
   double connects_per_second = 500;
   /// How long each robot lived and kept its messages before it first connects.
   milliseconds offline_before{0};

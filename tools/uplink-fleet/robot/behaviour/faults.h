@@ -14,7 +14,7 @@ namespace uplink::synthetic {
 /// event. `mark` and `source` part the reports of this run from those of others.
 class Faults final {
  public:
-  /// `rate_hz`: reports a second, on average.
+  /// `rate_hz`: reports per second, on average.
   Faults(Seeded random, std::string mark, std::string source, double rate_hz);
 
   void SetRate(double rate_hz) { rate_hz_ = rate_hz; }

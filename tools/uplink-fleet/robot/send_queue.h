@@ -1,0 +1,70 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "tools/uplink-fleet/robot/outgoing.h"
+
+namespace uplink::synthetic {
+
+/// Live messages that wait for a number; past it the oldest gives way (it was never numbered).
+inline constexpr std::size_t kLiveWaitingMax = 256;
+/// Durable messages that wait for a number; past it Offer refuses.
+inline constexpr std::size_t kDurableWaitingMax = 100'000;
+
+/// The messages of an agent that have no number yet, the one that waits longest first; and those
+/// that may be offered anew only later.
+///
+/// Thread: confined to one thread.
+class SendQueue final {
+ public:
+  /// Takes a message; false if too many durable ones wait.
+  bool Offer(Outgoing message);
+  /// Takes a durable message that joins the others at `when` (AdmitLater).
+  void OfferLater(Outgoing message, SteadyTime when) { later_.emplace(when, std::move(message)); }
+  /// Those whose time has come join the others.
+  void AdmitLater(SteadyTime now);
+  /// What waits is due at `due`, whenever it was offered.
+  void DueAt(SteadyTime due);
+
+  /// The message that waits longest; null if none waits.
+  [[nodiscard]] const Outgoing* Next();
+  /// Takes that message out; one must wait.
+  [[nodiscard]] Outgoing TakeNext();
+
+  /// How many durable messages more Offer takes now.
+  [[nodiscard]] std::size_t durable_room() const {
+    return kDurableWaitingMax - std::min(durable_.size(), kDurableWaitingMax);
+  }
+  /// Messages that may be sent now.
+  [[nodiscard]] std::size_t waiting() const { return live_.size() + durable_.size(); }
+  [[nodiscard]] bool holds_durable() const { return !durable_.empty() || !later_.empty(); }
+  [[nodiscard]] bool empty() const { return waiting() == 0 && later_.empty(); }
+  /// When the live messages that gave way to newer ones since the last call were due.
+  [[nodiscard]] std::vector<SteadyTime> TakeGaveWay() { return std::exchange(gave_way_due_, {}); }
+
+ private:
+  struct Waiting {
+    std::uint64_t ticket = 0;
+    Outgoing message;
+  };
+
+  /// The queue whose front waits longest; null if nothing waits.
+  [[nodiscard]] std::deque<Waiting>* Longest();
+
+  /// In the order of their tickets, across both.
+  std::deque<Waiting> live_;
+  std::deque<Waiting> durable_;
+  std::uint64_t next_ticket_ = 0;
+  /// By the time at which they may be sent anew.
+  std::multimap<SteadyTime, Outgoing> later_;
+  std::vector<SteadyTime> gave_way_due_;
+};
+
+}  // namespace uplink::synthetic
