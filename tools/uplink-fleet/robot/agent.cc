@@ -8,7 +8,7 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr std::chrono::seconds kBatchAgeMax{1};
-/// While the robots settle, each still says once a second that it is alive.
+/// While the robots settle, each still says once per second that it is alive.
 constexpr std::chrono::seconds kIdleMotion{1};
 /// Longer than that without a frame, a robot counts as silent; below any useful presence.timeout.
 constexpr std::chrono::seconds kSilence{3};

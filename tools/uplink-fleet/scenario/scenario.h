@@ -30,7 +30,7 @@ struct ScenarioOptions {
   /// How much faster than the clock a robot lives, but for motion and status: missions, shapes,
   /// objects and the like come as many times as often.
   double pace = 1;
-  /// Share of the robots that have an arm, and send RCAN's Robot State once a second.
+  /// Share of the robots that have an arm, and send RCAN's Robot State once per second.
   double rcan_share = 0.25;
 };
 

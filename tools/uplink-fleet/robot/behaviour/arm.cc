@@ -13,7 +13,7 @@ constexpr std::size_t kPrismatic = kArmJoints - 1;
 constexpr double kVoltsEmpty = 12.0;
 constexpr double kVoltsAPercent = 0.028;
 constexpr std::int64_t kMicrosAMilli = 1000;
-constexpr double kMillisASecond = 1000;
+constexpr double kMillisPerSecond = 1000;
 
 /// To a thousandth: what a sensor says, and a text that is the same again when it is read; so no
 /// zero with a sign, which JSON readers lose.
@@ -61,7 +61,7 @@ model::RcanState Arm::State(const Moment& moment, const Facts& facts) {
   last_us_ = std::max(moment.now_ms * kMicrosAMilli, last_us_ + 1);
   model::RcanState state;
   state.seq = ++seq_;
-  state.uptime_ms = static_cast<std::int64_t>(up_s_ * kMillisASecond);
+  state.uptime_ms = static_cast<std::int64_t>(up_s_ * kMillisPerSecond);
   state.battery_pct = static_cast<std::int64_t>(std::clamp(facts.soc_pct, 0.0, 100.0));
   state.battery_v = Rounded(kVoltsEmpty + kVoltsAPercent * facts.soc_pct);
   state.position = model::RcanPosition{.x_m = Rounded(0.1 * std::sin(moved_s_)),
