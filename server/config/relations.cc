@@ -9,7 +9,7 @@
 #include "metrics/rcan/series.h"
 #include "schema/base/utf8.h"
 #include "server/config/units.h"
-#include "storage/postgres/url.h"
+#include "storage/postgres/link/url.h"
 
 namespace uplink::config {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "storage/postgres/link.h"
+#include "storage/postgres/link/link.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/schema.h"
 

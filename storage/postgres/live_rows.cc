@@ -5,8 +5,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "storage/postgres/sql_text.h"
-#include "storage/postgres/transaction.h"
+#include "storage/postgres/tables/sql_text.h"
+#include "storage/postgres/write/transaction.h"
 #include "storage/reader.h"
 
 namespace uplink::storage::postgres {

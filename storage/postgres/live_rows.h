@@ -10,7 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/live_row.h"
-#include "storage/postgres/connection.h"
+#include "storage/postgres/link/connection.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {

@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "storage/numbers.h"
-#include "storage/postgres/lists.h"
 #include "storage/postgres/live_rows.h"
-#include "storage/postgres/pages.h"
-#include "storage/postgres/reader_pool.h"
+#include "storage/postgres/read/lists.h"
+#include "storage/postgres/read/pages.h"
+#include "storage/postgres/read/reader_pool.h"
 #include "storage/postgres/tables/faults.h"
 #include "storage/postgres/tables/latest.h"
 #include "storage/postgres/tables/mission_runs.h"

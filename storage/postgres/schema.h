@@ -9,7 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/migration.h"
-#include "storage/postgres/connection.h"
+#include "storage/postgres/link/connection.h"
 
 // The schema `uplinkd` of a database: its version, its migrations, who may use it.
 //

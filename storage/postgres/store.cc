@@ -4,13 +4,13 @@
 #include <string>
 #include <utility>
 
-#include "storage/postgres/batch_commit.h"
-#include "storage/postgres/link.h"
+#include "storage/postgres/link/link.h"
 #include "storage/postgres/live_rows.h"
-#include "storage/postgres/open_streams.h"
-#include "storage/postgres/retain.h"
 #include "storage/postgres/tables/present_sql.h"
-#include "storage/postgres/transaction.h"
+#include "storage/postgres/write/batch_commit.h"
+#include "storage/postgres/write/open_streams.h"
+#include "storage/postgres/write/retain.h"
+#include "storage/postgres/write/transaction.h"
 
 namespace uplink::storage::postgres {
 namespace {

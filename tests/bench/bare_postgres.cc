@@ -4,7 +4,7 @@
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
-#include "storage/postgres/parameters.h"
+#include "storage/postgres/link/parameters.h"
 
 namespace uplink::bench {
 namespace {

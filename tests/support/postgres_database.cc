@@ -8,7 +8,7 @@
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
-#include "storage/postgres/connection.h"
+#include "storage/postgres/link/connection.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/schema.h"
 

@@ -9,7 +9,7 @@
 #include "schema/base/clock.h"
 #include "server/config/load.h"
 #include "storage/postgres/admin.h"
-#include "storage/postgres/url.h"
+#include "storage/postgres/link/url.h"
 #include "tools/uplinkctl/command.h"
 
 namespace uplink::ctl {

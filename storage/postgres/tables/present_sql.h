@@ -1,6 +1,6 @@
 #pragma once
 
-#include "storage/postgres/sql_text.h"
+#include "storage/postgres/tables/sql_text.h"
 #include "storage/present.h"
 
 namespace uplink::storage::postgres {

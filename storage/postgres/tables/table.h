@@ -11,10 +11,10 @@
 
 #include "schema/base/clock.h"
 #include "storage/page_token.h"
-#include "storage/postgres/connection.h"
-#include "storage/postgres/parameters.h"
-#include "storage/postgres/result.h"
-#include "storage/postgres/sql_text.h"
+#include "storage/postgres/link/connection.h"
+#include "storage/postgres/link/parameters.h"
+#include "storage/postgres/link/result.h"
+#include "storage/postgres/tables/sql_text.h"
 
 // A table as one description: each column is named once, with its type, how a batch fills it and
 // how a list reads it. The statements are made from that.

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/postgres/errors.h"
-#include "storage/postgres/parameters.h"
-#include "storage/postgres/url.h"
+#include "storage/postgres/link/errors.h"
+#include "storage/postgres/link/parameters.h"
+#include "storage/postgres/link/url.h"
 
 namespace uplink::storage::postgres {
 namespace {

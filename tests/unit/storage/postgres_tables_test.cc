@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/postgres/lists.h"
+#include "storage/postgres/read/lists.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/tables/set_aside.h"
 #include "storage/postgres/tables/table.h"

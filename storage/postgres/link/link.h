@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/postgres/link/connection.h"
+
+namespace uplink::storage::postgres {
+
+/// The oldest server that is supported: PostgreSQL 13.
+inline constexpr std::int64_t kServerVersionMin = 130'000;
+
+/// What a server said of itself when it was connected to.
+struct ServerFacts {
+  /// `15.4` is 150004.
+  std::int64_t version = 0;
+  /// A loss of power may lose what was committed.
+  bool unsafe = false;
+  bool read_only = false;
+  bool standby = false;
+  /// Texts of any language can be stored.
+  bool utf8 = true;
+  /// The server's clock less ours.
+  milliseconds clock_offset{0};
+};
+
+[[nodiscard]] absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock);
+
+enum class Purpose : std::uint8_t { kWrite, kRead };
+
+/// A connection that is made when it is needed, and made anew after it broke. Each new one is
+/// checked before its first use: version, schema, fsync, whether it takes writes.
+///
+/// Thread: confined to one thread at a time.
+class Link final {
+ public:
+  struct Options {
+    ConnectionOptions connection;
+    Purpose purpose = Purpose::kWrite;
+    /// Accept a server with fsync = off.
+    bool accept_unsafe = false;
+    /// Apply missing migrations before the first connection, whenever that comes.
+    bool migrate = false;
+  };
+
+  /// `clock` must outlive this.
+  Link(Options options, const Clock& clock)
+      : options_(std::move(options)), clock_(clock), to_migrate_(options_.migrate) {}
+
+  /// A connection that is good as far as anybody knows.
+  ///
+  /// Errors: of Connection::Open; kFailedPrecondition for a server that must not be used.
+  [[nodiscard]] absl::StatusOr<Connection*> Get();
+  /// What the last server that was connected to said.
+  [[nodiscard]] const ServerFacts& facts() const { return facts_; }
+
+ private:
+  absl::Status Check(Connection& connection);
+  absl::Status MigrateFirst();
+
+  const Options options_;
+  const Clock& clock_;
+  ServerFacts facts_;
+  bool to_migrate_;
+  std::unique_ptr<Connection> connection_;
+};
+
+/// The statements that a session begins with. `statement_timeout`: what one statement may take.
+[[nodiscard]] std::string SessionSettings(Purpose purpose, milliseconds statement_timeout);
+
+}  // namespace uplink::storage::postgres

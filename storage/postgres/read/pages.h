@@ -1,0 +1,99 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "storage/page_token.h"
+#include "storage/postgres/link/connection.h"
+#include "storage/reader.h"
+
+namespace uplink::storage::postgres {
+
+/// Rows that a page asks for first; what follows is sized by their bytes, so that a page of large
+/// payloads is not read whole to be thrown away.
+inline constexpr std::int64_t kFirstChunkRows = 128;
+
+/// One list as it lies in the database.
+struct ListShape {
+  PageKind kind;
+  std::string_view table;
+  /// The columns of a row, after its time, entry, ruri and fleet.
+  std::string_view columns;
+  /// What the list is ordered by, newest first; entry breaks ties.
+  std::string_view time_column;
+};
+
+/// What a query restricts beyond HistoryQuery: a condition with `?` for its value.
+struct ListFilter {
+  struct Condition {
+    std::string_view sql;
+    std::variant<std::monostate, std::int64_t, std::string_view> value;
+  };
+  std::vector<Condition> conditions;
+};
+
+/// Columns that every row of a list begins with; those of ListShape follow.
+inline constexpr int kTimeColumn = 0;
+inline constexpr int kEntryColumn = 1;
+inline constexpr int kRuriColumn = 2;
+inline constexpr int kFleetColumn = 3;
+inline constexpr int kFirstOwnColumn = 4;
+
+/// A statement with its parameters. The text is the owner's, unlike a Call's.
+struct OwnedCall {
+  std::string sql;
+  Parameters parameters;
+};
+
+/// The statement for at most `rows_max` rows of a list, from `start` on.
+[[nodiscard]] OwnedCall PageCall(const ListShape& shape, const HistoryQuery& query,
+                                 const ListFilter& filter, const std::optional<PagePosition>& start,
+                                 std::int64_t rows_max);
+
+/// Runs one statement.
+[[nodiscard]] absl::StatusOr<Result> RunOne(Connection& connection, OwnedCall call);
+
+/// Reads one page; `read` makes a Row of a row of the result. The page ends early once its texts
+/// have passed kPageBytesMax.
+template <typename Row, typename Read>
+absl::StatusOr<Page<Row>> ReadPage(Connection& connection, const ListShape& shape,
+                                   const HistoryQuery& query, const Read& read,
+                                   const ListFilter& filter = {}) {
+  absl::StatusOr<std::optional<PagePosition>> start = PageStart(shape.kind, query);
+  if (!start.ok()) return start.status();
+  Page<Row> page;
+  std::optional<PagePosition> last = *start;
+  std::size_t bytes = 0;
+  std::int64_t chunk = kFirstChunkRows;
+  while (true) {
+    // One row more than asked for tells whether another page follows.
+    const auto wanted =
+        std::int64_t{query.page_size} + 1 - static_cast<std::int64_t>(page.rows.size());
+    const std::int64_t asked = std::min(wanted, chunk);
+    const auto rows = RunOne(connection, PageCall(shape, query, filter, last, asked));
+    if (!rows.ok()) return rows.status();
+    for (int row = 0; row < rows->rows(); ++row) {
+      if (page.rows.size() == query.page_size || bytes >= kPageBytesMax) {
+        page.next_token = EncodePageToken(shape.kind, *last);
+        return page;
+      }
+      bytes += rows->RowBytes(row);
+      page.rows.push_back(read(*rows, row));
+      last = PagePosition{rows->Time(row, kTimeColumn),
+                          static_cast<std::uint64_t>(rows->Int(row, kEntryColumn))};
+    }
+    if (rows->rows() < asked) return page;
+    const std::size_t each = bytes / page.rows.size() + 1;
+    const std::size_t left = bytes < kPageBytesMax ? kPageBytesMax - bytes : 0;
+    chunk = static_cast<std::int64_t>(left / each) + 1;
+  }
+}
+
+}  // namespace uplink::storage::postgres

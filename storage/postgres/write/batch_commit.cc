@@ -1,0 +1,229 @@
+#include "storage/postgres/write/batch_commit.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "schema/base/check.h"
+#include "storage/postgres/write/transaction.h"
+#include "storage/refusal.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kDoing = "commit a batch";
+constexpr std::string_view kSavepoint = "SAVEPOINT part";
+constexpr std::string_view kRelease = "RELEASE SAVEPOINT part";
+constexpr std::string_view kRollBackTo = "ROLLBACK TO SAVEPOINT part";
+
+constexpr std::string_view kBeginBatch =
+    "SELECT uplinkd.begin_batch($1::text[], $2::bigint[], $3::text[], $4::uuid[], $5::bigint[],"
+    " $6::text[], $7::int[], $8::int[], $9::int[], $10::bigint, $11::bigint, $12::bigint,"
+    " $13::uuid, $14::bigint)";
+
+/// What begin_batch checks, gathered from a batch.
+struct Premises {
+  /// Upserts, by PresentKind.
+  using Counts = std::array<std::int32_t, kPresentKinds>;
+  std::map<std::string_view, Epoch> holds;
+  std::map<std::pair<std::string_view, model::SessionId>, model::Seq> first_numbers;
+  std::map<std::string_view, Counts> bounded;
+
+  void AddHold(std::string_view ruri, Epoch held_since) {
+    const auto [hold, is_new] = holds.try_emplace(ruri, held_since);
+    hold->second = std::min(hold->second, held_since);
+  }
+  void AddBounded(const PresentChange& change) {
+    if (change.is_upsert) ++bounded[change.key.ruri][static_cast<std::size_t>(change.key.kind)];
+  }
+};
+
+Call BeginBatchCall(const Premises& premises, const Batch& batch) {
+  Array robots{Type::kText}, holds{Type::kInt8};
+  for (const auto& [ruri, held] : premises.holds) {
+    robots.Text(ruri);
+    holds.Int8(held);
+  }
+  Array session_robots{Type::kText}, session_ids{Type::kUuid}, firsts{Type::kInt8};
+  for (const auto& [key, first] : premises.first_numbers) {
+    session_robots.Text(key.first);
+    session_ids.Uuid(key.second);
+    firsts.Int8(first);
+  }
+  Array bounded{Type::kText};
+  std::array<Array, kPresentKinds> upserts = {Array(Type::kInt4), Array(Type::kInt4),
+                                              Array(Type::kInt4)};
+  for (const auto& [ruri, counts] : premises.bounded) {
+    bounded.Text(ruri);
+    for (std::size_t kind = 0; kind < kPresentKinds; ++kind) upserts[kind].Int4(counts[kind]);
+  }
+  Call call =
+      CallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts, &bounded});
+  for (Array& column : upserts) call.parameters.Add(std::move(column));
+  for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
+    call.parameters.Int8(static_cast<std::int64_t>(BoundOf(kind).entries_max));
+  }
+  if (batch.presence.empty()) {
+    call.parameters.Null();
+    call.parameters.Null();
+  } else {
+    call.parameters.Uuid(batch.presence_session);
+    call.parameters.Int8(static_cast<std::int64_t>(batch.presence.front().number));
+  }
+  return call;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<Outcome>> BatchCommit::Run() {
+  UPLINK_CHECK(batch_.records.size() + batch_.gaps.size() + batch_.presence.size() <= kPlacesMax,
+               "a batch has more rows than a transaction has places");
+  absl::StatusOr<Outcomes> outcomes = absl::OutOfRangeError("a number goes back in the batch");
+  if (MayWriteAtOnce()) outcomes = WriteAtOnce();
+  if (absl::IsOutOfRange(outcomes.status())) outcomes = WriteAfterLook();
+  if (absl::IsInvalidArgument(outcomes.status())) outcomes = WriteInHalves();
+  return outcomes;
+}
+
+bool BatchCommit::MayWriteAtOnce() const {
+  std::map<std::pair<std::string_view, model::SessionId>, model::Seq> last;
+  for (const CommitRecord& record : batch_.records) {
+    model::Seq& seq = last[{record.robot->ruri, record.session}];
+    if (record.seq <= seq) return false;
+    seq = record.seq;
+  }
+  model::Seq number = 0;
+  for (const PresenceItem& item : batch_.presence) {
+    if (item.number <= number) return false;
+    number = item.number;
+  }
+  return true;
+}
+
+absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
+  Premises premises;
+  BatchRows rows(rules_);
+  std::int32_t place = 0;
+  for (const CommitRecord& record : batch_.records) {
+    UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
+    const std::string_view ruri = record.robot->ruri;
+    premises.AddHold(ruri, record.held_since);
+    premises.first_numbers.try_emplace({ruri, record.session}, record.seq);
+    if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
+      rows.Reject(record, item->rejection, QuarantineDetail::kAll, place++);
+    } else {
+      if (const auto change = PresentChangeOf(record, rules_)) premises.AddBounded(*change);
+      rows.Write(record, place++);
+    }
+  }
+  for (const GapItem& gap : batch_.gaps) {
+    premises.AddHold(gap.robot->ruri, gap.held_since);
+    rows.AddGap(gap, place++);
+  }
+  for (const PresenceItem& item : batch_.presence) {
+    rows.AddPresence(item, batch_.presence_session, place++);
+  }
+  std::vector<Call> calls;
+  calls.push_back({kBegin, {}});
+  calls.push_back(BeginBatchCall(premises, batch_));
+  std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
+  absl::Status committed = RunAndCommit(connection_, std::move(calls), kDoing, before_commit_);
+  if (!committed.ok()) return committed;
+  return Outcomes(batch_.records.size());
+}
+
+absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
+  absl::Status begun = Begin(connection_, kDoing);
+  if (!begun.ok()) return begun;
+  absl::StatusOr<Known> known = ReadKnown(connection_, Whole(), process_, rules_);
+  if (!known.ok()) return Decisive(known.status());
+  BatchRows rows(rules_);
+  Outcomes outcomes = DecidePart(Whole(), *known, rules_, std::nullopt, rows);
+  absl::Status committed =
+      RunAndCommit(connection_, std::move(rows).TakeCalls(), kDoing, before_commit_);
+  if (!committed.ok()) return committed;
+  return outcomes;
+}
+
+absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
+  absl::Status begun = Begin(connection_, kDoing);
+  if (!begun.ok()) return begun;
+  Outcomes outcomes;
+  outcomes.reserve(batch_.records.size());
+  absl::Status written = Halve({&batch_, 0, batch_.records.size(), false}, outcomes);
+  if (written.ok()) {
+    // Gaps and changes of presence: what the database refuses of them, no robot can mend.
+    const std::size_t end = batch_.records.size();
+    const auto rest = WritePart({&batch_, end, end, true}, std::nullopt);
+    written = Decisive(rest.status());
+  }
+  if (!written.ok()) return AbandonAfter(written);
+  written = RunAndCommit(connection_, {}, kDoing, before_commit_);
+  if (!written.ok()) return written;
+  return outcomes;
+}
+
+absl::Status BatchCommit::Halve(const Part& part, Outcomes& outcomes) {
+  if (part.first == part.last) return absl::OkStatus();
+  absl::StatusOr<Outcomes> written = WritePart(part, std::nullopt);
+  if (written.ok()) {
+    std::ranges::move(*written, std::back_inserter(outcomes));
+    return absl::OkStatus();
+  }
+  if (!absl::IsInvalidArgument(written.status())) return written.status();
+  if (part.last - part.first == 1) return Isolate(part, written.status(), outcomes);
+  const std::size_t middle = part.first + (part.last - part.first) / 2;
+  absl::Status status = Halve({part.batch, part.first, middle, false}, outcomes);
+  if (status.ok()) status = Halve({part.batch, middle, part.last, false}, outcomes);
+  return status;
+}
+
+absl::Status BatchCommit::Isolate(const Part& part, const absl::Status& cause, Outcomes& outcomes) {
+  const absl::string_view text = cause.message();
+  DatabaseRefusal refusal{StoreRefused({text.data(), text.size()}), QuarantineDetail::kAll};
+  absl::Status last;
+  for (const QuarantineDetail detail :
+       {QuarantineDetail::kAll, QuarantineDetail::kWithoutPayload, QuarantineDetail::kBare}) {
+    refusal.detail = detail;
+    absl::StatusOr<Outcomes> written = WritePart(part, refusal);
+    if (written.ok()) {
+      std::ranges::move(*written, std::back_inserter(outcomes));
+      return absl::OkStatus();
+    }
+    if (!absl::IsInvalidArgument(written.status())) return written.status();
+    last = written.status();
+  }
+  return absl::InternalError("quarantine takes not even a bare row: " +
+                             std::string(last.message()));
+}
+
+absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WritePart(
+    const Part& part, const std::optional<DatabaseRefusal>& refusal) {
+  absl::StatusOr<Known> known = ReadKnown(connection_, part, process_, rules_);
+  if (!known.ok()) return Decisive(known.status());
+  BatchRows rows(rules_);
+  Outcomes outcomes = DecidePart(part, *known, rules_, refusal, rows);
+  std::vector<Call> calls;
+  calls.push_back({kSavepoint, {}});
+  std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
+  calls.push_back({kRelease, {}});
+  const absl::Status written = connection_.Run(calls, kDoing, OnError::kLeave).status();
+  if (written.ok()) return outcomes;
+  if (!absl::IsInvalidArgument(written)) return written;
+  calls.clear();
+  calls.push_back({kRollBackTo, {}});
+  absl::Status rolled_back = connection_.Run(calls, kDoing).status();
+  if (!rolled_back.ok()) return rolled_back;
+  return written;
+}
+
+absl::Status BatchCommit::AbandonAfter(const absl::Status& error) {
+  if (connection_.broken()) return error;
+  absl::Status rolled_back = connection_.RollBack();
+  return rolled_back.ok() ? error : rolled_back;
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "storage/postgres/link/connection.h"
+#include "storage/postgres/write/decide_part.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// Writes one batch in one transaction, by the first of three ways that can:
+///
+/// 1. At once, in one round trip. The batch is written as if nothing stood against it, and
+///    begin_batch, which goes first, raises if anything does.
+/// 2. After a look: what the batch touches is locked and read, each record decided, the rest
+/// written.
+/// 3. In halves, where the database itself refuses a row: each half behind a savepoint, down to the
+///    one record that it refuses, whose quarantine row takes its place.
+///
+/// Made for one batch; the batch must outlive it. Thread: confined to that of its connection.
+class BatchCommit final {
+ public:
+  /// `before_commit`, if set, is asked before each COMMIT is sent; what is not OK rolls back and is
+  /// the answer. For tests.
+  BatchCommit(Connection& connection, const Batch& batch, const ProcessId& process,
+              const StoreRules& rules, const std::function<absl::Status()>& before_commit)
+      : connection_(connection),
+        batch_(batch),
+        process_(process),
+        rules_(rules),
+        before_commit_(before_commit) {}
+
+  /// Errors: as Store::Commit. kAborted where transactions stood in each other's way.
+  [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Run();
+
+ private:
+  using Outcomes = std::vector<Outcome>;
+
+  [[nodiscard]] Part Whole() const { return {&batch_, 0, batch_.records.size(), true}; }
+  /// False if the batch alone shows that it cannot be written at once.
+  [[nodiscard]] bool MayWriteAtOnce() const;
+  absl::StatusOr<Outcomes> WriteAtOnce();
+  absl::StatusOr<Outcomes> WriteAfterLook();
+  absl::StatusOr<Outcomes> WriteInHalves();
+  /// Decides and writes a part behind a savepoint; kInvalidArgument if the database refuses a row
+  /// of it, and nothing of the part is written then.
+  absl::StatusOr<Outcomes> WritePart(const Part& part,
+                                     const std::optional<DatabaseRefusal>& refusal);
+  absl::Status Halve(const Part& part, Outcomes& outcomes);
+  absl::Status Isolate(const Part& part, const absl::Status& cause, Outcomes& outcomes);
+  absl::Status AbandonAfter(const absl::Status& error);
+
+  Connection& connection_;
+  const Batch& batch_;
+  const ProcessId& process_;
+  const StoreRules& rules_;
+  const std::function<absl::Status()>& before_commit_;
+};
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,170 @@
+#include "storage/postgres/write/batch_rows.h"
+
+#include <algorithm>
+#include <optional>
+#include <variant>
+
+#include "schema/base/check.h"
+#include "schema/json/text.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kRaiseCursors =
+    "UPDATE uplinkd.sessions AS s SET cursor_seq = greatest(s.cursor_seq, u.cursor_seq),"
+    " last_used = greatest(s.last_used, u.last_used)"
+    " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::timestamptz[])"
+    " AS u (ruri, session, cursor_seq, last_used)"
+    " WHERE s.ruri = u.ruri AND s.session = u.session";
+
+// The oldest payloads of each robot over its bound go; their rows stay.
+constexpr std::string_view kThinPayloads =
+    "UPDATE uplinkd.quarantine AS q SET payload = NULL"
+    " FROM unnest($1::text[]) AS u (ruri) CROSS JOIN LATERAL"
+    " (SELECT p.session, p.seq, p.entry, p.received_at FROM uplinkd.quarantine AS p"
+    " WHERE p.ruri = u.ruri AND p.payload IS NOT NULL ORDER BY p.entry DESC OFFSET $2::bigint)"
+    " AS old"
+    " WHERE q.ruri = u.ruri AND q.session = old.session AND q.seq = old.seq"
+    " AND q.entry = old.entry AND q.received_at = old.received_at";
+
+constexpr std::string_view kTrimGaps =
+    "DELETE FROM uplinkd.gaps AS g USING unnest($1::text[]) AS u (ruri) CROSS JOIN LATERAL"
+    " (SELECT p.session, p.first FROM uplinkd.gaps AS p WHERE p.ruri = u.ruri"
+    " ORDER BY p.seen_at DESC, p.entry DESC OFFSET $2::bigint) AS old"
+    " WHERE g.ruri = u.ruri AND g.session = old.session AND g.first = old.first";
+
+Call BoundCall(std::string_view sql, const std::set<std::string_view>& robots,
+               std::size_t rows_max) {
+  Array ruri{Type::kText};
+  for (const std::string_view robot : robots) ruri.Text(robot);
+  Call call{sql, {}};
+  call.parameters.Add(std::move(ruri));
+  call.parameters.Int8(static_cast<std::int64_t>(rows_max));
+  return call;
+}
+
+}  // namespace
+
+/// One overload an alternative of the body.
+struct BatchRows::KindWriter {
+  BatchRows& rows;
+  const CommitRecord& record;
+  const std::int32_t place;
+
+  void operator()(const model::Fault& fault) const {
+    rows.fault_history_.push_back({&record, &fault, place});
+    Present(rows.faults_, fault.active ? &fault : nullptr);
+  }
+  void operator()(const model::EventTelemetry& event) const {
+    rows.events_.push_back({&record, &event, place});
+  }
+  void operator()(const model::Message& message) const {
+    rows.messages_.push_back({&record, &message, place});
+  }
+  void operator()(const model::MissionRunStatus& report) const {
+    const std::string& text = rows.report_texts_.emplace_back(json::Text(report));
+    rows.reports_.push_back({&record, &report, text, place});
+    rows.runs_.Add(rows.reports_.back());
+  }
+  void operator()(const model::AgentInfo& /*body*/) const { AddLatest(LatestKind::kAgentInfo); }
+  void operator()(const model::CurrentSettings& /*body*/) const {
+    AddLatest(LatestKind::kSettings);
+  }
+  void operator()(const model::UiCapabilities& /*body*/) const {
+    AddLatest(LatestKind::kUiCapabilities);
+  }
+  void operator()(const model::ShapeOp& op) const { Present(rows.shapes_, op.upsert()); }
+  void operator()(const model::ObjectOp& op) const { Present(rows.objects_, op.upsert()); }
+  template <typename Live>
+  void operator()(const Live& /*body*/) const {
+    CheckFailed(__FILE__, __LINE__, "durable", "a live record reached the store");
+  }
+
+ private:
+  void AddLatest(LatestKind kind) const { rows.latest_.Add(record, kind); }
+  /// A removal if there is no upsert.
+  template <typename Body>
+  void Present(PresentRows<Body>& present, const Body* upsert) const {
+    const std::optional<PresentChange> change = PresentChangeOf(record, rows.rules_);
+    if (upsert == nullptr) return present.Delete(change->key);
+    present.Upsert(record, *upsert, *change, place);
+  }
+};
+
+void BatchRows::Write(const CommitRecord& record, std::int32_t place) {
+  std::visit(KindWriter{*this, record, place}, std::get<model::Record>(record.content).body());
+  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+}
+
+void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejection,
+                       QuarantineDetail detail, std::int32_t place) {
+  quarantine_.push_back({&record, rejection, detail, place});
+  if (!record.payload.empty()) robots_with_payloads_.insert(record.robot->ruri);
+  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+}
+
+void BatchRows::Drop(const PresentKey& key) {
+  UPLINK_CHECK(BoundOf(key.kind).expires, "a kind that expires");
+  if (key.kind == PresentKind::kShape) {
+    shapes_.Delete(key);
+  } else {
+    objects_.Delete(key);
+  }
+}
+
+void BatchRows::AddGap(const GapItem& gap, std::int32_t place) {
+  gaps_.Add(gap, place);
+  robots_with_gaps_.insert(gap.robot->ruri);
+}
+
+void BatchRows::AddPresence(const PresenceItem& item, const model::SessionId& session,
+                            std::int32_t place) {
+  presence_.Add(item, place);
+  Raise(kServerRuri, session, item.number, item.at);
+}
+
+void BatchRows::Raise(std::string_view ruri, const model::SessionId& session, model::Seq seq,
+                      SystemTime used) {
+  Cursor& cursor = cursors_[{ruri, session}];
+  cursor.seq = std::max(cursor.seq, seq);
+  cursor.last_used = std::max(cursor.last_used, used);
+}
+
+void BatchRows::MoveCursors(std::vector<Call>& calls) const {
+  if (cursors_.empty()) return;
+  Array ruri{Type::kText}, session{Type::kUuid}, seq{Type::kInt8}, last_used{Type::kTime};
+  for (const auto& [key, cursor] : cursors_) {
+    ruri.Text(key.first);
+    session.Uuid(key.second);
+    seq.Int8(cursor.seq);
+    last_used.Time(cursor.last_used);
+  }
+  calls.push_back(CallOf(kRaiseCursors, {&ruri, &session, &seq, &last_used}));
+}
+
+std::vector<Call> BatchRows::TakeCalls() && {
+  std::vector<Call> calls;
+  AddInsert<kFaultHistoryTable>(fault_history_, calls);
+  AddInsert<kEventTable>(events_, calls);
+  AddInsert<kMessageTable>(messages_, calls);
+  AddInsert<kMissionReportTable>(reports_, calls);
+  AddInsert<kQuarantineTable>(quarantine_, calls);
+  faults_.MoveInto<kActiveFaultTable>(calls);
+  shapes_.MoveInto<kShapeTable>(calls);
+  objects_.MoveInto<kObjectTable>(calls);
+  runs_.MoveInto(calls);
+  latest_.MoveInto(calls);
+  presence_.MoveInto(calls);
+  gaps_.MoveInto(calls);
+  MoveCursors(calls);
+  if (!robots_with_payloads_.empty()) {
+    calls.push_back(
+        BoundCall(kThinPayloads, robots_with_payloads_, kQuarantinePayloadsPerRobotMax));
+  }
+  if (!robots_with_gaps_.empty()) {
+    calls.push_back(BoundCall(kTrimGaps, robots_with_gaps_, kGapsPerRobotMax));
+  }
+  return calls;
+}
+
+}  // namespace uplink::storage::postgres

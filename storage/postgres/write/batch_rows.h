@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "storage/postgres/link/connection.h"
+#include "storage/postgres/tables/faults.h"
+#include "storage/postgres/tables/reports.h"
+#include "storage/postgres/tables/set_aside.h"
+#include "storage/postgres/tables/spatial.h"
+#include "storage/postgres/write/latest_rows.h"
+#include "storage/postgres/write/present_rows.h"
+#include "storage/present.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// Places that one transaction has: an entry is its number times this, plus the place.
+inline constexpr std::size_t kPlacesMax = std::size_t{1} << 20;
+
+/// Everything that one batch writes, gathered a table: what was decided goes in, record by record
+/// in order, and statements come out, each table touched once. The batch must outlive it.
+class BatchRows final {
+ public:
+  explicit BatchRows(const StoreRules& rules) : rules_(rules) {}
+
+  /// A good record, and its number.
+  void Write(const CommitRecord& record, std::int32_t place);
+  /// Its row of quarantine in its stead, and its number.
+  void Reject(const CommitRecord& record, const model::Rejection& rejection,
+              QuarantineDetail detail, std::int32_t place);
+  void AddGap(const GapItem& gap, std::int32_t place);
+  /// A change of presence, and its number in `session`.
+  void AddPresence(const PresenceItem& item, const model::SessionId& session, std::int32_t place);
+  /// An expired shape or object that makes room for another. The views must outlive this.
+  void Drop(const PresentKey& key);
+
+  /// The statements, in an order in which they may run. The rows must not be used afterwards.
+  [[nodiscard]] std::vector<Call> TakeCalls() &&;
+
+ private:
+  struct KindWriter;
+  struct Cursor {
+    model::Seq seq = 0;
+    SystemTime last_used;
+  };
+  void Raise(std::string_view ruri, const model::SessionId& session, model::Seq seq,
+             SystemTime used);
+  void MoveCursors(std::vector<Call>& calls) const;
+
+  const StoreRules& rules_;
+  std::vector<FaultReport> fault_history_;
+  std::vector<EventReport> events_;
+  std::vector<MessageReport> messages_;
+  std::vector<MissionReport> reports_;
+  /// The texts of the reports.
+  std::deque<std::string> report_texts_;
+  std::vector<Quarantined> quarantine_;
+  PresentRows<model::Fault> faults_{PresentKind::kFault};
+  PresentRows<model::ReportedShape> shapes_{PresentKind::kShape};
+  PresentRows<model::Object> objects_{PresentKind::kObject};
+  MissionRunRows runs_;
+  LatestRows latest_;
+  PresenceRows presence_;
+  GapRows gaps_;
+  std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
+  /// Robots of which a bound is to be kept after the writes.
+  std::set<std::string_view> robots_with_payloads_;
+  std::set<std::string_view> robots_with_gaps_;
+};
+
+}  // namespace uplink::storage::postgres

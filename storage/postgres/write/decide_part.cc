@@ -1,0 +1,172 @@
+#include "storage/postgres/write/decide_part.h"
+
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+
+#include "schema/base/check.h"
+#include "storage/expiry.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+using EntryView = std::tuple<std::string_view, std::string_view, std::string_view>;
+
+EntryView ViewOf(const PresentKey& key) { return {key.ruri, key.id, key.source}; }
+
+Known::Entry EntryOf(const PresentKey& key) {
+  return {std::string(key.ruri), std::string(key.id), std::string(key.source)};
+}
+
+/// What is known, as decisions ask for it. Nothing of it fails: all was read before.
+class KnownHeld final : public Held {
+ public:
+  KnownHeld(Known& known, BatchRows& rows) : known_(known), rows_(rows) {}
+
+  absl::StatusOr<HeldRobot*> Robot(const Hold& hold) override {
+    return &known_.robots[hold.robot.ruri];
+  }
+  absl::StatusOr<HeldSession*> Session(const CommitRecord& record) override {
+    return &known_.sessions[{record.robot->ruri, record.session}];
+  }
+  absl::StatusOr<std::optional<model::Rejection>> Quarantined(const CommitRecord& record) override {
+    const auto why = known_.quarantined.find({record.robot->ruri, record.session, record.seq});
+    if (why == known_.quarantined.end()) return std::optional<model::Rejection>();
+    return std::optional(why->second);
+  }
+  absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(const PresentKey& key) override {
+    const Known::Entries& entries = known_.entries(key.kind);
+    const auto entry = entries.find(ViewOf(key));
+    if (entry == entries.end()) return std::optional<std::int64_t>();
+    return std::optional(entry->second);
+  }
+  absl::StatusOr<std::size_t> Count(PresentKind kind, std::string_view ruri) override {
+    const auto robot = known_.robots.find(ruri);
+    if (robot == known_.robots.end()) return 0;
+    return robot->second.counts[static_cast<std::size_t>(kind)].value_or(0);
+  }
+  absl::Status Delete(const PresentKey& key) override {
+    // The upsert that follows sees to it that the row goes (present_rows.h).
+    Known::Entries& entries = known_.entries(key.kind);
+    entries.erase(entries.find(ViewOf(key)));
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::size_t> DeleteExpired(PresentKind kind, std::string_view ruri,
+                                            std::int64_t now_ms) override {
+    Known::Entries& entries = known_.entries(kind);
+    std::size_t deleted = 0;
+    auto entry = entries.lower_bound(EntryView{ruri, {}, {}});
+    while (entry != entries.end() && std::get<0>(entry->first) == ruri) {
+      if (!IsExpired(entry->second, now_ms)) {
+        ++entry;
+        continue;
+      }
+      // The views must outlive the batch's rows; no record names this id.
+      const PresentKey key = {
+          kind, known_.Keep(std::get<0>(entry->first)), known_.Keep(std::get<1>(entry->first)), {}};
+      rows_.Drop(key);
+      entry = entries.erase(entry);
+      ++deleted;
+    }
+    return deleted;
+  }
+
+ private:
+  Known& known_;
+  BatchRows& rows_;
+};
+
+/// The answer of a Held that never fails.
+template <typename T>
+T Sure(absl::StatusOr<T> answer) {
+  UPLINK_CHECK(answer.ok(), "what was read before is known");
+  return *std::move(answer);
+}
+
+class PartDecision final {
+ public:
+  PartDecision(Known& known, const StoreRules& rules, const std::optional<DatabaseRefusal>& refusal,
+               BatchRows& rows)
+      : known_(known), refusal_(refusal), rows_(rows), held_(known, rows), decider_(held_, rules) {}
+
+  Outcome Decide(const CommitRecord& record, std::int32_t place) {
+    std::optional<Outcome> earlier = Sure(decider_.Look(record));
+    if (earlier) return *std::move(earlier);
+    if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
+      Reject(record, item->rejection, place);
+      return {};
+    }
+    Ruling ruling;
+    if (refusal_) {
+      ruling.refusal = refusal_->rejection;
+    } else {
+      ruling = Sure(decider_.Judge(record));
+    }
+    if (ruling.refusal) {
+      Reject(record, *ruling.refusal, place);
+      return {OutcomeKind::kRefused, std::move(ruling.refusal)};
+    }
+    rows_.Write(record, place);
+    if (ruling.change) Follow(*ruling.change);
+    return {};
+  }
+
+  void DecideRest(const Batch& batch) {
+    std::size_t place = batch.records.size();
+    for (const GapItem& gap : batch.gaps) {
+      if (Sure(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
+      ++place;
+    }
+    if (batch.presence.empty()) return;
+    HeldSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];
+    for (const PresenceItem& item : batch.presence) {
+      if (RaiseCursor(session, item.number, item.at)) {
+        rows_.AddPresence(item, batch.presence_session, static_cast<std::int32_t>(place));
+      }
+      ++place;
+    }
+  }
+
+ private:
+  void Reject(const CommitRecord& record, const model::Rejection& rejection, std::int32_t place) {
+    const QuarantineDetail detail = refusal_ ? refusal_->detail : QuarantineDetail::kAll;
+    rows_.Reject(record, rejection, detail, place);
+    known_.quarantined[{record.robot->ruri, record.session, record.seq}] = rejection;
+  }
+  void Follow(const PresentChange& change) {
+    Known::Entries& entries = known_.entries(change.key.kind);
+    const auto entry = entries.find(ViewOf(change.key));
+    if (!change.is_upsert) {
+      if (entry != entries.end()) entries.erase(entry);
+    } else if (entry != entries.end()) {
+      entry->second = change.expires_ms;
+    } else {
+      entries.emplace(EntryOf(change.key), change.expires_ms);
+    }
+  }
+
+  Known& known_;
+  const std::optional<DatabaseRefusal>& refusal_;
+  BatchRows& rows_;
+  KnownHeld held_;
+  Decider decider_;
+};
+
+}  // namespace
+
+std::vector<Outcome> DecidePart(const Part& part, Known& known, const StoreRules& rules,
+                                const std::optional<DatabaseRefusal>& refusal, BatchRows& rows) {
+  UPLINK_CHECK(!refusal || part.last - part.first == 1, "a refusal is of one record");
+  PartDecision decision(known, rules, refusal, rows);
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(part.last - part.first);
+  for (std::size_t place = part.first; place < part.last; ++place) {
+    outcomes.push_back(
+        decision.Decide(part.batch->records[place], static_cast<std::int32_t>(place)));
+  }
+  if (part.with_rest) decision.DecideRest(*part.batch);
+  return outcomes;
+}
+
+}  // namespace uplink::storage::postgres

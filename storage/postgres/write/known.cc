@@ -1,0 +1,235 @@
+#include "storage/postgres/write/known.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "storage/postgres/tables/present_sql.h"
+#include "storage/postgres/write/rejection_row.h"
+#include "storage/postgres/write/transaction.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kInsertRobots =
+    "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
+    " SELECT ruri, fleet, held, held, $5::uuid, seen_at, seen_at"
+    " FROM unnest($1::text[], $2::text[], $3::bigint[], $4::timestamptz[])"
+    " AS u (ruri, fleet, held, seen_at) ON CONFLICT (ruri) DO NOTHING";
+constexpr std::string_view kLockRobots =
+    "SELECT ruri, held_since FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
+    " ORDER BY ruri FOR NO KEY UPDATE";
+// The server's own sessions have no robot.
+constexpr std::string_view kInsertSessions =
+    "INSERT INTO uplinkd.sessions (ruri, session, cursor_seq, last_used, first_entry)"
+    " SELECT u.ruri, u.session, 0, u.used, (SELECT currval('uplinkd.batches') << 20)"
+    " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::timestamptz[])"
+    " AS u (ruri, session, held, used) LEFT JOIN uplinkd.robots AS r ON r.ruri = u.ruri"
+    " WHERE r.ruri IS NULL OR u.held >= r.held_since ON CONFLICT (ruri, session) DO NOTHING";
+constexpr std::string_view kReadSessions =
+    "SELECT s.ruri, s.session, s.cursor_seq"
+    " FROM unnest($1::text[], $2::uuid[]) AS u (ruri, session)"
+    " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
+    " ORDER BY s.ruri, s.session FOR NO KEY UPDATE OF s";
+// All but $1 and the $2 that were used last go.
+constexpr std::string_view kTrimProcesses =
+    "DELETE FROM uplinkd.sessions AS s USING (SELECT session FROM uplinkd.sessions"
+    " WHERE ruri = 'server' AND session <> $1::uuid"
+    " ORDER BY last_used DESC, session DESC OFFSET $2::bigint) AS old"
+    " WHERE s.ruri = 'server' AND s.session = old.session";
+constexpr std::string_view kReadQuarantined =
+    "SELECT u.place, q.reason, q.field, q.detail"
+    " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::int[]) AS u (ruri, session, seq, place)"
+    " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
+    " JOIN uplinkd.quarantine AS q ON q.ruri = u.ruri AND q.session = u.session AND q.seq = u.seq"
+    " AND q.entry >= s.first_entry WHERE u.seq <= s.cursor_seq";
+std::string Text(const Result& result, int row, int column) {
+  return std::string(result.Bytes(row, column));
+}
+
+/// One call of a pipeline and what becomes of its answer.
+class Reads final {
+ public:
+  using Take = std::function<void(const Result&)>;
+  void Add(
+      Call call, Take take = [](const Result&) {}) {
+    calls_.push_back(std::move(call));
+    takes_.push_back(std::move(take));
+  }
+  absl::Status Run(Connection& connection) {
+    const absl::StatusOr<std::vector<Result>> results =
+        connection.Run(calls_, "read what a batch touches");
+    if (!results.ok()) return results.status();
+    for (std::size_t i = 0; i < takes_.size(); ++i) takes_[i]((*results)[i]);
+    return absl::OkStatus();
+  }
+
+ private:
+  std::vector<Call> calls_;
+  std::vector<Take> takes_;
+};
+
+void ReadRobots(const Part& part, const ProcessId& process, Known& known, Reads& reads) {
+  struct First {
+    const RobotRef* robot;
+    Epoch held_since;
+    SystemTime at;
+  };
+  std::map<std::string_view, First> robots;
+  for (const CommitRecord& record : part.records()) {
+    robots.try_emplace(record.robot->ruri,
+                       First{&record.robot, record.held_since, record.received_at});
+  }
+  if (part.with_rest) {
+    for (const GapItem& gap : part.batch->gaps) {
+      robots.try_emplace(gap.robot->ruri, First{&gap.robot, gap.held_since, gap.seen_at});
+    }
+  }
+  Array ruri{Type::kText}, fleet{Type::kText}, held{Type::kInt8}, at{Type::kTime};
+  Array locked{Type::kText};
+  for (const auto& [name, first] : robots) {
+    ruri.Text(name);
+    fleet.Text((*first.robot)->fleet);
+    held.Int8(first.held_since);
+    at.Time(first.at);
+    locked.Text(name);
+  }
+  Call insert = CallOf(kInsertRobots, {&ruri, &fleet, &held, &at});
+  insert.parameters.Uuid(model::SessionId(process));
+  reads.Add(std::move(insert));
+  reads.Add(CallOf(kLockRobots, {&locked}), [&known](const Result& rows) {
+    for (int row = 0; row < rows.rows(); ++row) {
+      known.robots[Text(rows, row, 0)].held_since = static_cast<Epoch>(rows.Int(row, 1));
+    }
+  });
+  reads.Add({kNextBatch, {}});
+}
+
+void ReadSessions(const Part& part, Known& known, Reads& reads) {
+  struct Use {
+    Epoch held_since = 0;
+    SystemTime used;
+  };
+  std::map<std::pair<std::string_view, model::SessionId>, Use> sessions;
+  for (const CommitRecord& record : part.records()) {
+    if (record.seq == 0) continue;
+    Use& use = sessions[{record.robot->ruri, record.session}];
+    use.held_since = std::max(use.held_since, record.held_since);
+    use.used = std::max(use.used, record.received_at);
+  }
+  const Batch& batch = *part.batch;
+  const bool presence = part.with_rest && !batch.presence.empty();
+  if (presence) sessions[{kServerRuri, batch.presence_session}].used = batch.presence.back().at;
+
+  Array ruri{Type::kText}, session{Type::kUuid}, held{Type::kInt8}, used{Type::kTime};
+  Array read_ruri{Type::kText}, read_session{Type::kUuid};
+  for (const auto& [key, use] : sessions) {
+    ruri.Text(key.first);
+    session.Uuid(key.second);
+    held.Int8(use.held_since);
+    used.Time(use.used);
+    read_ruri.Text(key.first);
+    read_session.Uuid(key.second);
+  }
+  reads.Add(CallOf(kInsertSessions, {&ruri, &session, &held, &used}));
+  reads.Add(CallOf(kReadSessions, {&read_ruri, &read_session}), [&known](const Result& rows) {
+    for (int row = 0; row < rows.rows(); ++row) {
+      known.sessions[{Text(rows, row, 0), rows.Uuid(row, 1)}].cursor =
+          static_cast<model::Seq>(rows.Int(row, 2));
+    }
+  });
+  if (!presence) return;
+  Call trim{kTrimProcesses, {}};
+  trim.parameters.Uuid(batch.presence_session);
+  trim.parameters.Int8(static_cast<std::int64_t>(kServerSessionsMax) - 1);
+  reads.Add(std::move(trim));
+}
+
+void ReadQuarantined(const Part& part, Known& known, Reads& reads) {
+  Array ruri{Type::kText}, session{Type::kUuid}, seq{Type::kInt8}, place{Type::kInt4};
+  for (std::size_t i = part.first; i < part.last; ++i) {
+    const CommitRecord& record = part.batch->records[i];
+    ruri.Text(record.robot->ruri);
+    session.Uuid(record.session);
+    seq.Int8(record.seq);
+    place.Int4(static_cast<std::int32_t>(i));
+  }
+  reads.Add(CallOf(kReadQuarantined, {&ruri, &session, &seq, &place}),
+            [&known, &batch = *part.batch](const Result& rows) {
+              for (int row = 0; row < rows.rows(); ++row) {
+                const CommitRecord& record =
+                    batch.records[static_cast<std::size_t>(rows.Int(row, 0))];
+                known.quarantined[{record.robot->ruri, record.session, record.seq}] =
+                    ReadRejection(rows, row, 1);
+              }
+            });
+}
+
+/// The entries of one kind that a part names.
+struct Named {
+  Array ruri{Type::kText}, id{Type::kText}, source{Type::kText};
+  /// Of each robot that has any.
+  std::map<std::string_view, std::int32_t> upserts;
+};
+
+void ReadPresent(PresentKind kind, Named& named, Known& known, Reads& reads) {
+  if (named.upserts.empty()) return;
+  Array counted{Type::kText}, near{Type::kText}, near_upserts{Type::kInt4};
+  for (const auto& [robot, count] : named.upserts) {
+    counted.Text(robot);
+    near.Text(robot);
+    near_upserts.Int4(count);
+  }
+  const auto index = static_cast<std::size_t>(kind);
+  const PresentSql& sql = PresentSqlOf(kind);
+  const auto take_entries = [&entries = known.present[index]](const Result& rows) {
+    for (int row = 0; row < rows.rows(); ++row) {
+      entries[{Text(rows, row, 0), Text(rows, row, 1), Text(rows, row, 2)}] = rows.Int(row, 3);
+    }
+  };
+  Call read = CallOf(sql.read.view(), {&named.ruri, &named.id});
+  if (sql.has_source) read.parameters.Add(std::move(named.source));
+  reads.Add(std::move(read), take_entries);
+  reads.Add(CallOf(sql.count.view(), {&counted}), [&known, index](const Result& rows) {
+    for (int row = 0; row < rows.rows(); ++row) {
+      known.robots[Text(rows, row, 0)].counts[index] = static_cast<std::size_t>(rows.Int(row, 1));
+    }
+  });
+  const PresentBound& bound = BoundOf(kind);
+  if (!bound.expires) return;
+  Call expiring = CallOf(sql.expiring.view(), {&near, &near_upserts});
+  expiring.parameters.Int8(static_cast<std::int64_t>(bound.entries_max));
+  reads.Add(std::move(expiring), take_entries);
+}
+
+void ReadAllPresent(const Part& part, const StoreRules& rules, Known& known, Reads& reads) {
+  std::array<Named, kPresentKinds> kinds;
+  for (const CommitRecord& record : part.records()) {
+    const std::optional<PresentChange> change = PresentChangeOf(record, rules);
+    if (!change) continue;
+    Named& named = kinds[static_cast<std::size_t>(change->key.kind)];
+    named.ruri.Text(change->key.ruri);
+    named.id.Text(change->key.id);
+    named.source.Text(change->key.source);
+    named.upserts[change->key.ruri] += change->is_upsert ? 1 : 0;
+  }
+  for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
+    ReadPresent(kind, kinds[static_cast<std::size_t>(kind)], known, reads);
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part, const ProcessId& process,
+                                const StoreRules& rules) {
+  Known known;
+  Reads reads;
+  ReadRobots(part, process, known, reads);
+  ReadSessions(part, known, reads);
+  ReadQuarantined(part, known, reads);
+  ReadAllPresent(part, rules, known, reads);
+  absl::Status read = reads.Run(connection);
+  if (!read.ok()) return read;
+  return known;
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <absl/status/statusor.h>
+
+#include "storage/decide.h"
+#include "storage/postgres/link/connection.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// Part of a batch: records [first, last), and, with the last part, its gaps and changes of
+/// presence.
+struct Part {
+  const Batch* batch = nullptr;
+  std::size_t first = 0;
+  std::size_t last = 0;
+  bool with_rest = false;
+
+  [[nodiscard]] std::span<const CommitRecord> records() const {
+    return std::span(batch->records).subspan(first, last - first);
+  }
+};
+
+/// What the store holds of everything that a part of a batch touches, read with its rows locked.
+/// What is decided and written then goes in too.
+struct Known {
+  /// RURI, id and source of an entry that is present.
+  using Entry = std::tuple<std::string, std::string, std::string>;
+  /// When each entry expires; 0: never.
+  using Entries = std::map<Entry, std::int64_t, std::less<>>;
+  using Number = std::tuple<std::string, model::SessionId, model::Seq>;
+
+  /// Each with the counts of the kinds that the part names of it.
+  std::map<std::string, HeldRobot, std::less<>> robots;
+  std::map<std::pair<std::string, model::SessionId>, HeldSession, std::less<>> sessions;
+  /// Why a number lies in quarantine: of those that the part names.
+  std::map<Number, model::Rejection> quarantined;
+  /// By PresentKind: the entries that the part names, as far as they are there; of robots that are
+  /// near their bound also all that expire at all.
+  std::array<Entries, kPresentKinds> present;
+
+  [[nodiscard]] Entries& entries(PresentKind kind) {
+    return present[static_cast<std::size_t>(kind)];
+  }
+  /// A copy of the text that lives as long as this.
+  [[nodiscard]] std::string_view Keep(const std::string& text) { return kept.emplace_back(text); }
+
+  std::deque<std::string> kept;
+};
+
+/// Locks the rows of the part's robots and sessions, making those that are missing, and reads what
+/// it touches. Within an open transaction; also draws the transaction's number.
+[[nodiscard]] absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part,
+                                              const ProcessId& process, const StoreRules& rules);
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,155 @@
+#include "storage/postgres/write/open_streams.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "storage/postgres/write/rejection_row.h"
+#include "storage/postgres/write/transaction.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kDoing = "open streams";
+
+// The right sides of an update see the row as it was.
+constexpr std::string_view kOpenRobots =
+    "INSERT INTO uplinkd.robots AS r (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
+    " SELECT ruri, fleet, 1, 1, $4::uuid, seen_at, seen_at"
+    " FROM unnest($1::text[], $2::text[], $3::timestamptz[]) AS u (ruri, fleet, seen_at)"
+    " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = r.epoch + 1,"
+    " held_since = CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE r.epoch + 1 END,"
+    " owner = excluded.owner, last_seen = greatest(r.last_seen, excluded.last_seen)"
+    " RETURNING ruri, epoch, held_since";
+constexpr std::string_view kOpenSessions =
+    "INSERT INTO uplinkd.sessions AS s (ruri, session, cursor_seq, last_used, first_entry)"
+    " SELECT ruri, session, 0, used, (SELECT currval('uplinkd.batches') << 20)"
+    " FROM unnest($1::text[], $2::uuid[], $3::timestamptz[]) AS u (ruri, session, used)"
+    " ON CONFLICT (ruri, session) DO UPDATE"
+    " SET last_used = greatest(s.last_used, excluded.last_used)"
+    " RETURNING ruri, cursor_seq";
+constexpr std::string_view kReadRejects =
+    "SELECT u.ruri, q.seq, q.reason, q.field, q.detail"
+    " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, settled)"
+    " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
+    " CROSS JOIN LATERAL (SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
+    " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
+    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint) AS q"
+    " ORDER BY u.ruri, q.seq";
+// Of each robot, the least recently used sessions over the bound that nobody holds.
+constexpr std::string_view kEvictSessions =
+    "DELETE FROM uplinkd.sessions AS s USING ("
+    "SELECT a.ruri, a.session, a.kept, row_number() OVER (PARTITION BY a.ruri"
+    " ORDER BY a.last_used, a.session) AS place FROM (SELECT p.ruri, p.session, p.last_used,"
+    " count(*) OVER (PARTITION BY p.ruri) AS kept FROM uplinkd.sessions AS p"
+    " WHERE p.ruri = ANY ($1::text[])) AS a WHERE a.kept > $4::bigint AND NOT EXISTS (SELECT 1"
+    " FROM unnest($2::text[], $3::uuid[]) AS held (ruri, session)"
+    " WHERE held.ruri = a.ruri AND held.session = a.session)) AS old"
+    " WHERE s.ruri = old.ruri AND s.session = old.session AND old.place <= old.kept - $4::bigint";
+
+/// Requests of different robots, by RURI.
+using Wave = std::map<std::string_view, std::size_t>;
+
+/// Puts each request into the first wave that does not name its robot yet.
+std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
+  std::vector<Wave> waves;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const std::string_view ruri = requests[i].robot->ruri;
+    auto wave = std::ranges::find_if(waves, [&](const Wave& one) { return !one.contains(ruri); });
+    if (wave == waves.end()) wave = waves.emplace(waves.end());
+    wave->emplace(ruri, i);
+  }
+  return waves;
+}
+
+std::vector<Call> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,
+                          const ProcessId& process) {
+  Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime};
+  Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime};
+  Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
+  Array evict_ruri{Type::kText}, held_ruri{Type::kText}, held_session{Type::kUuid};
+  for (const auto& [name, index] : wave) {
+    const OpenRequest& request = requests[index];
+    ruri.Text(name);
+    fleet.Text(request.robot->fleet);
+    at.Time(request.at);
+    session_ruri.Text(name);
+    session.Uuid(request.session);
+    used.Time(request.at);
+    settled_ruri.Text(name);
+    settled_session.Uuid(request.session);
+    settled.Int8(request.settled_seq);
+    evict_ruri.Text(name);
+    held_ruri.Text(name);
+    held_session.Uuid(request.session);
+    for (const model::SessionId& held : request.sessions_held) {
+      held_ruri.Text(name);
+      held_session.Uuid(held);
+    }
+  }
+  std::vector<Call> calls;
+  calls.push_back(CallOf(kOpenRobots, {&ruri, &fleet, &at}));
+  calls.back().parameters.Uuid(model::SessionId(process));
+  calls.push_back({kNextBatch, {}});
+  calls.push_back(CallOf(kOpenSessions, {&session_ruri, &session, &used}));
+  calls.push_back(CallOf(kReadRejects, {&settled_ruri, &settled_session, &settled}));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(kOpenRejectsMax) + 1);
+  calls.push_back(CallOf(kEvictSessions, {&evict_ruri, &held_ruri, &held_session}));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(kSessionsPerRobotMax));
+  return calls;
+}
+
+/// `answers` are those of CallsOf, from the first on.
+void Take(const Wave& wave, std::span<const Result> answers, std::vector<OpenResult>& results) {
+  const auto result_of = [&](const Result& rows, int row) -> OpenResult& {
+    const auto found = wave.find(rows.Bytes(row, 0));
+    UPLINK_CHECK(found != wave.end(), "an answer of a robot that was not asked for");
+    return results[found->second];
+  };
+  const Result& robots = answers[0];
+  for (int row = 0; row < robots.rows(); ++row) {
+    OpenResult& result = result_of(robots, row);
+    result.epoch = static_cast<Epoch>(robots.Int(row, 1));
+    result.held_since = static_cast<Epoch>(robots.Int(row, 2));
+  }
+  const Result& sessions = answers[2];
+  for (int row = 0; row < sessions.rows(); ++row) {
+    result_of(sessions, row).cursor = static_cast<model::Seq>(sessions.Int(row, 1));
+  }
+  const Result& rejects = answers[3];
+  for (int row = 0; row < rejects.rows(); ++row) {
+    OpenResult& result = result_of(rejects, row);
+    if (result.rejects.size() == kOpenRejectsMax) {
+      result.rejects_complete = false;
+      continue;
+    }
+    result.rejects.push_back(
+        {static_cast<model::Seq>(rejects.Int(row, 1)), ReadRejection(rejects, row, 2)});
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<OpenResult>> OpenAll(
+    Connection& connection, std::span<const OpenRequest> requests, const ProcessId& process,
+    const std::function<absl::Status()>& before_commit) {
+  std::vector<OpenResult> results(requests.size());
+  const std::vector<Wave> waves = WavesOf(requests);
+  std::vector<Call> calls;
+  calls.push_back({kBegin, {}});
+  std::vector<std::size_t> firsts;
+  for (const Wave& wave : waves) {
+    firsts.push_back(calls.size());
+    std::ranges::move(CallsOf(wave, requests, process), std::back_inserter(calls));
+  }
+  const auto answers = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
+  if (!answers.ok()) return Decisive(answers.status());
+  for (std::size_t i = 0; i < waves.size(); ++i) {
+    Take(waves[i], std::span(*answers).subspan(firsts[i]), results);
+  }
+  return results;
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "storage/postgres/link/connection.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// Store::OpenStreams in one transaction; one round trip unless a robot is named more than once.
+[[nodiscard]] absl::StatusOr<std::vector<OpenResult>> OpenAll(
+    Connection& connection, std::span<const OpenRequest> requests, const ProcessId& process,
+    const std::function<absl::Status()>& before_commit);
+
+}  // namespace uplink::storage::postgres

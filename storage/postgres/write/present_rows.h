@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "storage/expiry.h"
+#include "storage/postgres/link/connection.h"
+#include "storage/postgres/tables/present_sql.h"
+#include "storage/postgres/tables/table.h"
+#include "storage/postgres/tables/upserted.h"
+#include "storage/present.h"
+
+namespace uplink::storage::postgres {
+
+/// What a batch does to the entries of one kind that is present: each key is written once, whatever
+/// the batch reported of it, in order of the keys. The views and pointers lead into the batch.
+template <typename Body>
+class PresentRows final {
+ public:
+  explicit PresentRows(PresentKind kind) : kind_(kind) {}
+
+  void Upsert(const CommitRecord& record, const Body& body, const PresentChange& change,
+              std::int32_t place) {
+    State& state = states_[{change.key.ruri, change.key.id, change.key.source}];
+    Upserted<Body>& upserted = state.upserted;
+    const std::int64_t now_ms = UnixMs(record.received_at);
+    if (upserted.record != nullptr && IsExpired(upserted.expires_ms, now_ms)) {
+      state.goes_if_expired_ms = kAlways;
+      upserted.record = nullptr;
+    }
+    if (upserted.record == nullptr) {
+      state.goes_if_expired_ms = std::max(state.goes_if_expired_ms, now_ms);
+      upserted.first_at = record.received_at;
+      upserted.place = place;
+    }
+    upserted.record = &record;
+    upserted.body = &body;
+    upserted.expires_ms = change.expires_ms;
+  }
+
+  /// The views must live as long as the batch.
+  void Delete(const PresentKey& key) {
+    State& state = states_[{key.ruri, key.id, key.source}];
+    state.goes_if_expired_ms = kAlways;
+    state.upserted.record = nullptr;
+  }
+
+  /// `kTable` is the one of the kind.
+  template <const auto& kTable>
+  void MoveInto(std::vector<Call>& calls) const {
+    MoveRemovals(calls);
+    std::vector<Upserted<Body>> rows;
+    for (const auto& [key, state] : states_) {
+      if (state.upserted.record != nullptr) rows.push_back(state.upserted);
+    }
+    AddInsert<kTable>(rows, calls);
+  }
+
+ private:
+  /// The row that is there goes whenever it would expire; the statement's own number for it.
+  static constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::max();
+
+  struct State {
+    /// The row that is there goes if it expires by this time; kAlways: whenever.
+    std::int64_t goes_if_expired_ms = 0;
+    /// Without a record: the entry is not there at the end of the batch.
+    Upserted<Body> upserted;
+  };
+
+  void MoveRemovals(std::vector<Call>& calls) const {
+    const bool expires = BoundOf(kind_).expires;
+    const PresentSql& sql = PresentSqlOf(kind_);
+    Array ruri{Type::kText}, id{Type::kText};
+    Array source{Type::kText}, by_ms{Type::kInt8};
+    for (const auto& [key, state] : states_) {
+      if (!expires && state.goes_if_expired_ms != kAlways) continue;
+      ruri.Text(std::get<0>(key));
+      id.Text(std::get<1>(key));
+      source.Text(std::get<2>(key));
+      by_ms.Int8(state.goes_if_expired_ms);
+    }
+    if (ruri.size() == 0) return;
+    Call& call = calls.emplace_back(CallOf(sql.remove.view(), {&ruri, &id}));
+    if (sql.has_source) call.parameters.Add(std::move(source));
+    if (expires) call.parameters.Add(std::move(by_ms));
+  }
+
+  const PresentKind kind_;
+  std::map<std::tuple<std::string_view, std::string_view, std::string_view>, State> states_;
+};
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,186 @@
+#include "storage/postgres/write/retain.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "storage/postgres/write/transaction.h"
+#include "storage/retention.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kDoing = "keep the histories";
+constexpr std::string_view kNow = "SELECT clock_timestamp()";
+constexpr std::string_view kMakePartitions =
+    "SELECT uplinkd.make_partitions(($1::timestamptz AT TIME ZONE 'UTC')::date, $2::int)";
+/// Partitions that one call of drop_partitions drops at most: each is locked until its end.
+constexpr std::size_t kPartitionsPerCallMax = 10;
+constexpr std::string_view kDropPartitions =
+    "SELECT uplinkd.drop_partitions($1::text, ($2::timestamptz AT TIME ZONE 'UTC')::date)";
+
+/// A history and the column of its arrival.
+struct History {
+  std::string_view name;
+  std::string_view time;
+};
+
+constexpr auto kHistories = std::to_array<History>({
+    {"faults_history", "received_at"},
+    {"events", "received_at"},
+    {"messages", "received_at"},
+    {"mission_reports", "received_at"},
+    {"presence_changes", "changed_at"},
+});
+constexpr History kQuarantine = {"quarantine", "received_at"};
+
+// By the first report, for which there is an index.
+constexpr std::string_view kEraseRuns =
+    "DELETE FROM uplinkd.mission_runs WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd.mission_runs"
+    " WHERE first_at < $1::timestamptz AND last_at < $1::timestamptz AND NOT is_open"
+    " ORDER BY first_at, entry LIMIT $2::bigint))"
+    // Once more: a report that another shard commits meanwhile makes a run young again.
+    " AND last_at < $1::timestamptz AND NOT is_open";
+
+std::string EraseSql(const std::string& table, std::string_view time) {
+  const std::string column(time);
+  return "DELETE FROM uplinkd." + table + " WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd." +
+         table + " WHERE " + column + " < $1::timestamptz ORDER BY " + column +
+         ", entry LIMIT $2::bigint))";
+}
+
+/// One transaction of one statement.
+absl::StatusOr<std::size_t> RunAlone(Connection& connection, Call call, bool counts_rows) {
+  std::vector<Call> calls;
+  calls.push_back({kBegin, {}});
+  calls.push_back(std::move(call));
+  const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, nullptr);
+  if (!results.ok()) return Decisive(results.status());
+  const Result& result = (*results)[1];
+  return counts_rows ? result.written() : static_cast<std::size_t>(result.Int(0, 0));
+}
+
+class Eraser final {
+ public:
+  Eraser(Connection& connection, SystemTime until) : connection_(connection), until_(until) {}
+
+  absl::Status Drop(const History& history) {
+    std::size_t dropped = kPartitionsPerCallMax;
+    while (dropped == kPartitionsPerCallMax) {
+      Call call{kDropPartitions, {}};
+      call.parameters.Text(history.name);
+      call.parameters.Time(until_);
+      const auto some = RunAlone(connection_, std::move(call), false);
+      if (!some.ok()) return some.status();
+      dropped = *some;
+      erased_ += dropped;
+    }
+    // What came outside the partitions of days.
+    return Erase(EraseSql(std::string(history.name) + "_default", history.time));
+  }
+  absl::Status Erase(std::string_view sql) {
+    Call call{sql, {}};
+    call.parameters.Time(until_);
+    call.parameters.Int8(static_cast<std::int64_t>(kRetainRowsMax));
+    return Count(RunAlone(connection_, std::move(call), true));
+  }
+  [[nodiscard]] std::size_t erased() const { return erased_; }
+
+ private:
+  absl::Status Count(const absl::StatusOr<std::size_t>& rows) {
+    if (rows.ok()) erased_ += *rows;
+    return rows.status();
+  }
+
+  Connection& connection_;
+  const SystemTime until_;
+  std::size_t erased_ = 0;
+};
+
+absl::StatusOr<std::size_t> EraseHistory(Connection& connection, SystemTime until) {
+  Eraser eraser(connection, until);
+  for (const History& history : kHistories) {
+    absl::Status status = eraser.Drop(history);
+    if (!status.ok()) return status;
+  }
+  absl::Status status = eraser.Erase(kEraseRuns);
+  if (!status.ok()) return status;
+  return eraser.erased();
+}
+
+absl::StatusOr<std::size_t> EraseSetAside(Connection& connection, SystemTime until) {
+  Eraser eraser(connection, until);
+  absl::Status status = eraser.Drop(kQuarantine);
+  if (status.ok()) status = eraser.Erase(EraseSql("gaps", "seen_at"));
+  if (!status.ok()) return status;
+  return eraser.erased();
+}
+
+/// A day a transaction, so that none holds its locks for long; today first.
+absl::Status MakePartitions(Connection& connection, SystemTime now) {
+  std::vector<int> days = {0};
+  for (int day = 1; day <= kPartitionDaysAfter; ++day) days.push_back(day);
+  for (int day = 1; day <= kPartitionDaysBefore; ++day) days.push_back(-day);
+  for (const int day : days) {
+    Call call{kMakePartitions, {}};
+    call.parameters.Time(now + std::chrono::days(day));
+    call.parameters.Int4(1);
+    const auto made = RunAlone(connection, std::move(call), false);
+    if (!made.ok()) return made.status();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckClock(Connection& connection, SystemTime now, milliseconds offset_max) {
+  std::vector<Call> calls;
+  calls.push_back({kNow, {}});
+  const auto answer = connection.Run(calls, kDoing);
+  if (!answer.ok()) return answer.status();
+  const milliseconds offset = answer->front().Time(0, 0) - now;
+  if (offset <= offset_max && -offset <= offset_max) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      "postgresql " + connection.where() + ": its clock and ours differ by " +
+      std::to_string(std::chrono::duration_cast<std::chrono::seconds>(offset).count()) +
+      " s: nothing is dropped for its age until they agree");
+}
+
+absl::StatusOr<std::size_t> EraseAll(Connection& connection, SystemTime now,
+                                     const StoreRules& rules, milliseconds clock_offset_max) {
+  absl::Status agreed = CheckClock(connection, now, clock_offset_max);
+  if (!agreed.ok()) return agreed;
+  std::size_t erased = 0;
+  if (const auto kept = FirstDayKept(now, rules.retain_history)) {
+    const auto history = EraseHistory(connection, *kept);
+    if (!history.ok()) return history.status();
+    erased += *history;
+  }
+  if (const auto kept = FirstDayKept(now, rules.retain_quarantine)) {
+    const auto set_aside = EraseSetAside(connection, *kept);
+    if (!set_aside.ok()) return set_aside.status();
+    erased += *set_aside;
+  }
+  return erased;
+}
+
+/// A lock that was not free in time is retention's own trouble: the server is there.
+absl::Status Told(const Connection& connection, const absl::Status& status) {
+  if (!absl::IsUnavailable(status) || connection.broken()) return status;
+  return absl::AbortedError(status.message());
+}
+
+}  // namespace
+
+absl::StatusOr<std::size_t> RetainRows(Connection& connection, SystemTime now,
+                                       const StoreRules& rules, milliseconds clock_offset_max) {
+  const absl::Status made = MakePartitions(connection, now);
+  if (connection.broken()) return made;
+  // What cannot be made keeps nothing from being dropped.
+  auto erased = EraseAll(connection, now, rules, clock_offset_max);
+  if (!erased.ok()) return Told(connection, erased.status());
+  if (!made.ok()) return Told(connection, made);
+  return erased;
+}
+
+}  // namespace uplink::storage::postgres
