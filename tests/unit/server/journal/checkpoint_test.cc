@@ -1,11 +1,10 @@
-#include <deque>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/server/journal/journal_bench.h"
+#include "tests/unit/server/journal/listed_rows.h"
 
-/// Live states are written by turns with what waits.
+/// Live states are written alternately with what waits.
 namespace uplink::journal {
 namespace {
 
@@ -15,38 +14,6 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::chrono::seconds kEvery{5};
-
-/// Gives the rows that a test names, a call each; a round ends where none is left.
-class ListedRows final : public fleet::LiveSource {
- public:
-  void BeginRound() override {
-    ++rounds;
-    left_ = std::exchange(rows, {});
-  }
-  std::vector<storage::LiveRow> TakeChanged(std::size_t rows_max) override {
-    rows_max_asked.push_back(rows_max);
-    if (left_.empty()) return {};
-    std::vector<storage::LiveRow> first = {left_.front()};
-    left_.pop_front();
-    return first;
-  }
-  void PutBack(std::span<const storage::LiveRow> given) override {
-    put_back += given.size();
-    rows.insert(rows.end(), given.begin(), given.end());
-  }
-  void PassedOver(const storage::LiveRow& row) override { passed_over.push_back(row.ruri); }
-  void Add(const std::string& ruri) { rows.emplace_back().ruri = ruri; }
-
-  /// Of the next round.
-  std::deque<storage::LiveRow> rows;
-  std::size_t put_back = 0;
-  std::vector<std::string> passed_over;
-  std::vector<std::size_t> rows_max_asked;
-  int rounds = 0;
-
- private:
-  std::deque<storage::LiveRow> left_;
-};
 
 class JournalCheckpoint : public ::testing::Test, protected JournalBench {
  protected:

@@ -1,0 +1,78 @@
+#include "server/journal/presence_log.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::journal {
+namespace {
+
+using model::Presence;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+storage::RobotRef RobotOf(const std::string& ruri) {
+  return std::make_shared<const model::RobotId>(model::RobotId{ruri, "bench"});
+}
+
+std::vector<std::string> Lines(const std::vector<storage::PresenceItem>& items) {
+  std::vector<std::string> lines;
+  lines.reserve(items.size());
+  for (const storage::PresenceItem& item : items) {
+    lines.push_back(std::to_string(item.number) + " " + item.robot->ruri + " " +
+                    std::string(ToText(item.presence)));
+  }
+  return lines;
+}
+
+class PresenceLogTest : public ::testing::Test {
+ protected:
+  void Note(const char* ruri, Presence presence) { log_.Note(RobotOf(ruri), presence, {}); }
+
+  PresenceLog log_;
+};
+
+TEST_F(PresenceLogTest, NumbersWhatItHandsOver) {
+  Note("b", Presence::kOnline);
+  Note("a", Presence::kOffline);
+  EXPECT_EQ(log_.size(), 2U);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a offline", "2 b online"));
+  EXPECT_TRUE(log_.empty());
+  Note("b", Presence::kOffline);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("3 b offline"));
+}
+
+TEST_F(PresenceLogTest, HandsOverNoMoreThanItIsAskedFor) {
+  for (const char* ruri : {"a", "b", "c"}) Note(ruri, Presence::kOnline);
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("1 a online", "2 b online"));
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("3 c online"));
+  EXPECT_THAT(log_.Take(2), IsEmpty());
+}
+
+TEST_F(PresenceLogTest, TheLatestOfARobotIsEnough) {
+  Note("a", Presence::kOnline);
+  Note("a", Presence::kOffline);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a offline"));
+}
+
+TEST_F(PresenceLogTest, AWayBackIsNoChange) {
+  Note("a", Presence::kOnline);
+  static_cast<void>(log_.Take(10));
+  Note("a", Presence::kUnknown);
+  Note("a", Presence::kOnline);
+  EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(PresenceLogTest, WhatTheStoreHoldsIsNoChange) {
+  log_.SetStored("a", Presence::kUnknown);
+  Note("a", Presence::kUnknown);
+  EXPECT_TRUE(log_.empty());
+  Note("a", Presence::kOnline);
+  EXPECT_EQ(log_.size(), 1U);
+}
+
+}  // namespace
+}  // namespace uplink::journal

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/robot/commit_client.h"
+#include "server/robot/wake.h"
+#include "tests/support/records.h"
+
+namespace uplink::journal {
+
+/// Counts wakes by stream. Thread-safe.
+class CountingInbox final : public robot::WakeInbox {
+ public:
+  void Wake(std::uint64_t stream) override {
+    const std::lock_guard lock(mutex_);
+    ++wakes_[stream];
+  }
+  [[nodiscard]] int wakes(std::uint64_t stream) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = wakes_.find(stream);
+    return found == wakes_.end() ? 0 : found->second;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, int> wakes_;
+};
+
+/// A robot that writes down what the journal tells it. Thread-safe.
+class RecordingClient final : public robot::CommitClient {
+ public:
+  explicit RecordingClient(std::string ruri, robot::StreamRef stream = {})
+      : robot_(std::make_shared<const model::RobotId>(model::RobotId{std::move(ruri), "bench"})),
+        stream_(stream) {}
+
+  robot::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
+    return Note("opened " + std::to_string(open_id));
+  }
+  robot::StreamRef OnSettled(std::span<const robot::Settled> settled,
+                             metrics::Ledger& /*ledger*/) override {
+    std::string line = "settled";
+    for (const robot::Settled& one : settled) {
+      line += " " + std::to_string(one.seq);
+      if (one.outcome.kind == storage::OutcomeKind::kDuplicate) line += " again";
+      if (one.outcome.kind == storage::OutcomeKind::kRefused) line += " refused";
+      if (one.rejected_for) line += " rejected";
+    }
+    return Note(std::move(line));
+  }
+  robot::StreamRef OnGapsWritten(std::size_t count) override {
+    return Note("gaps " + std::to_string(count));
+  }
+  robot::StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
+    generation_.fetch_add(1);
+    return Note("fenced");
+  }
+  [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
+
+  /// What was told since the last call, a line each.
+  [[nodiscard]] std::vector<std::string> Told() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(told_, {});
+  }
+  [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
+
+ private:
+  robot::StreamRef Note(std::string line) {
+    const std::lock_guard lock(mutex_);
+    told_.push_back(std::move(line));
+    return stream_;
+  }
+
+  const storage::RobotRef robot_;
+  const robot::StreamRef stream_;
+  std::atomic<std::uint64_t> generation_{1};
+  mutable std::mutex mutex_;
+  std::vector<std::string> told_;
+};
+
+/// A good durable record.
+[[nodiscard]] inline model::Record FaultRecord(std::string id = "BATTERY_LOW") {
+  model::Fault fault;
+  fault.unix_time_ms = 1'763'683'200'000;
+  fault.fault_id = std::move(id);
+  fault.source = "bench";
+  fault.active = true;
+  return test::RecordOf(fault);
+}
+
+}  // namespace uplink::journal
