@@ -9,8 +9,8 @@ namespace uplink::journal {
 inline constexpr std::size_t kOpensPerCallMax = 256;
 
 /// After so many failures of the same call it is tried with half of what it held: a store that
-/// cannot do the whole in its time may do that. So many successes double it again: not each, or a
-/// store that bears the one and not the other would spend its time on failures.
+/// cannot do the whole in its time may do that. So many successes double it again: more than one,
+/// or a store that bears the one and not the other would spend its time on failures.
 inline constexpr int kFailuresToHalve = 3;
 inline constexpr int kSuccessesToDouble = 16;
 
@@ -19,7 +19,7 @@ struct JournalLimits {
   std::size_t bytes_max = 256U * 1024 * 1024;
   /// Records above which streams are held back (journal.records_max).
   std::size_t records_max = 1'000'000;
-  /// Records of one commit: where PostgreSQL's and SQLite's rows a second level off (measured).
+  /// Records of one commit: where PostgreSQL's and SQLite's rows per second level off (measured).
   std::size_t batch_records_max = 1000;
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server

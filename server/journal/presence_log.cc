@@ -1,21 +1,38 @@
 #include "server/journal/presence_log.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace uplink::journal {
 
+bool PresenceLog::Begin(const storage::RobotRef& robot, model::Presence stored, SystemTime now) {
+  if (handed_.contains(robot->ruri) || waiting_.contains(robot->ruri)) return false;
+  SetStored(robot->ruri, stored);
+  Note(robot, model::Presence::kUnknown, now);
+  return true;
+}
+
 void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
   const auto handed = handed_.find(robot->ruri);
   if (handed != handed_.end() && handed->second == presence) {
-    waiting_.erase(robot->ruri);
+    uncommitted_.fetch_sub(waiting_.erase(robot->ruri));
     return;
   }
-  waiting_.insert_or_assign(robot->ruri, storage::PresenceItem{robot, presence, at, 0});
+  const auto [item, first] =
+      waiting_.insert_or_assign(robot->ruri, storage::PresenceItem{robot, presence, at, 0});
+  if (first) uncommitted_.fetch_add(1);
 }
 
 std::vector<storage::PresenceItem> PresenceLog::Take(std::size_t items_max) {
   std::vector<storage::PresenceItem> items;
+  if (!put_back_.empty()) {
+    const auto end =
+        put_back_.begin() + static_cast<std::ptrdiff_t>(std::min(put_back_.size(), items_max));
+    items.assign(put_back_.begin(), end);
+    put_back_.erase(put_back_.begin(), end);
+    return items;
+  }
   items.reserve(std::min(items_max, waiting_.size()));
   while (!waiting_.empty() && items.size() < items_max) {
     auto first = waiting_.extract(waiting_.begin());
@@ -24,6 +41,11 @@ std::vector<storage::PresenceItem> PresenceLog::Take(std::size_t items_max) {
     items.push_back(std::move(first.mapped()));
   }
   return items;
+}
+
+void PresenceLog::PutBack(std::vector<storage::PresenceItem> items) {
+  put_back_.insert(put_back_.begin(), std::make_move_iterator(items.begin()),
+                   std::make_move_iterator(items.end()));
 }
 
 }  // namespace uplink::journal

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -11,32 +12,44 @@
 
 namespace uplink::journal {
 
-/// The changes of presence that wait for a commit: at most one a robot, the latest. One that leads
-/// back to what was last handed over is no change any more and waits no longer.
+/// The changes of presence that are not committed. At most one per robot waits, the latest; one
+/// that leads back to what was last handed over is no change any more and waits no longer.
 ///
-/// Limits: as many entries as there are robots (limits.robots_max), which the fleet keeps.
-/// Thread: confined to its owner's lock.
+/// Limits: as many entries as there are robots (limits.robots_max), which the fleet keeps; and what
+///         halved batches left.
+/// Thread: confined to its owner's lock; uncommitted() and NoteCommitted: any thread.
 class PresenceLog final {
  public:
   /// What the store holds of the robot already.
   void SetStored(const std::string& ruri, model::Presence presence) { handed_[ruri] = presence; }
-  /// A change of the robot was noted, or what the store holds was told.
-  [[nodiscard]] bool Knows(const std::string& ruri) const {
-    return handed_.contains(ruri) || waiting_.contains(ruri);
-  }
+  /// The store holds `stored` of the robot, and it is unknown from now on. False, and nothing is
+  /// noted, if a change of the robot was noted by now: that is newer.
+  [[nodiscard]] bool Begin(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
   void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
-  /// Hands over at most `items_max` changes, numbered; whoever takes them commits them in order
-  /// before it takes more.
-  [[nodiscard]] std::vector<storage::PresenceItem> Take(std::size_t items_max);
 
+  /// Hands over at most `items_max` changes, numbered; what was put back goes alone. Whoever takes
+  /// them commits them in order, or puts them back, before it takes more.
+  [[nodiscard]] std::vector<storage::PresenceItem> Take(std::size_t items_max);
+  /// Taken ones, whose numbers follow each other, go ahead of those that were put back earlier.
+  void PutBack(std::vector<storage::PresenceItem> items);
+  /// So many of those that were taken are committed.
+  void NoteCommitted(std::size_t count) { uncommitted_.fetch_sub(count); }
+
+  /// No change waits to be handed over for the first time.
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
+  /// How many changes wait to be handed over for the first time.
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
+  /// Those that wait, and those that were handed over and are not committed yet.
+  [[nodiscard]] std::size_t uncommitted() const { return uncommitted_.load(); }
 
  private:
   /// By RURI, so that a run repeats exactly.
   std::map<std::string, storage::PresenceItem> waiting_;
+  /// Put back, in order.
+  std::vector<storage::PresenceItem> put_back_;
   std::unordered_map<std::string, model::Presence> handed_;
   model::Seq last_number_ = 0;
+  std::atomic<std::size_t> uncommitted_{0};
 };
 
 }  // namespace uplink::journal

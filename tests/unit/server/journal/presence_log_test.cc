@@ -13,6 +13,7 @@ namespace {
 using model::Presence;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 storage::RobotRef RobotOf(const std::string& ruri) {
   return std::make_shared<const model::RobotId>(model::RobotId{ruri, "bench"});
@@ -72,6 +73,48 @@ TEST_F(PresenceLogTest, WhatTheStoreHoldsIsNoChange) {
   EXPECT_TRUE(log_.empty());
   Note("a", Presence::kOnline);
   EXPECT_EQ(log_.size(), 1U);
+}
+
+TEST_F(PresenceLogTest, ARobotOfAnEarlierLifeIsUnknownFromNowOn) {
+  EXPECT_TRUE(log_.Begin(RobotOf("a"), Presence::kOnline, {}));
+  EXPECT_TRUE(log_.Begin(RobotOf("b"), Presence::kUnknown, {}));
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a unknown")) << "b was so already";
+}
+
+TEST_F(PresenceLogTest, ARobotThatWasHeardByNowDoesNotBeginAnew) {
+  Note("a", Presence::kOnline);
+  EXPECT_FALSE(log_.Begin(RobotOf("a"), Presence::kOffline, {}));
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a online"));
+  EXPECT_FALSE(log_.Begin(RobotOf("a"), Presence::kOffline, {})) << "nor when it was handed over";
+  EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(PresenceLogTest, AChangeIsUncommittedUntilItIsCommittedOrLeadsBack) {
+  Note("a", Presence::kOnline);
+  Note("a", Presence::kOffline);
+  Note("b", Presence::kOnline);
+  EXPECT_EQ(log_.uncommitted(), 2U);
+  EXPECT_THAT(log_.Take(10), SizeIs(2));
+  EXPECT_EQ(log_.uncommitted(), 2U) << "it was handed over, no more";
+  log_.NoteCommitted(2);
+  EXPECT_EQ(log_.uncommitted(), 0U);
+  Note("a", Presence::kOnline);
+  EXPECT_EQ(log_.uncommitted(), 1U);
+  Note("a", Presence::kOffline);
+  EXPECT_EQ(log_.uncommitted(), 0U);
+}
+
+TEST_F(PresenceLogTest, WhatIsPutBackGoesAloneAndFirst) {
+  for (const char* ruri : {"a", "b", "c", "d"}) Note(ruri, Presence::kOnline);
+  std::vector<storage::PresenceItem> items = log_.Take(4);
+  Note("a", Presence::kOffline);
+  log_.PutBack({items.begin() + 2, items.end()});
+  log_.PutBack({items.begin() + 1, items.begin() + 2});
+  EXPECT_EQ(log_.size(), 1U) << "of what was never handed over";
+  EXPECT_EQ(log_.uncommitted(), 5U);
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("2 b online", "3 c online"));
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("4 d online"));
+  EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("5 a offline"));
 }
 
 }  // namespace

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "schema/base/clock.h"
+#include "server/fleet/live_source.h"
+#include "server/journal/call_size.h"
+#include "server/journal/duty.h"
+#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
+
+namespace uplink::journal {
+
+/// Writes what changed of the live states to the store, in rounds of many calls. A round begins
+/// when it is due or was asked for, and ends when the source has no more rows.
+///
+/// Errors:  kInternal is the checkpoint's own error, perhaps of one row: the rows go back to their
+///          source, and the round goes on. Any other is the store's: the round ends, and one that
+///          was asked for is begun again.
+/// Thread:  confined to the writer, but HasSource() and duty().error().
+class CheckpointRounds final {
+ public:
+  explicit CheckpointRounds(const WriterContext& context);
+
+  /// Before the first Advance: the live states that are written each `every`. `live` outlives this;
+  /// without it no round is due.
+  void SetSource(fleet::LiveSource& live, milliseconds every);
+  /// Does not change after the first Advance, so any thread may ask.
+  [[nodiscard]] bool HasSource() const { return live_ != nullptr; }
+
+  [[nodiscard]] const Duty& duty() const { return duty_; }
+  /// Writes the next rows of the round. Nothing if no round is under way and none is due.
+  [[nodiscard]] std::optional<Step> Advance();
+
+ private:
+  Step WriteRows();
+  Step AfterFailure(const absl::Status& status);
+  void EndRound();
+
+  const WriterContext context_;
+  Duty duty_;
+  CallSize rows_;
+  fleet::LiveSource* live_ = nullptr;
+  milliseconds every_{0};
+  SteadyTime began_;
+  bool under_way_ = false;
+  /// The round that is under way was asked for.
+  bool answers_ = false;
+};
+
+}  // namespace uplink::journal

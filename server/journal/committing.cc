@@ -1,0 +1,83 @@
+#include "server/journal/committing.h"
+
+#include <chrono>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "server/journal/outcomes.h"
+
+namespace uplink::journal {
+namespace {
+
+double Seconds(SteadyTime::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+Committing::Committing(const WriterContext& context, HeldRobots& held, const Limits& limits,
+                       const model::SessionId& presence_session)
+    : context_(context),
+      held_(held),
+      batch_bytes_max_(limits.bytes_max),
+      size_({.most = limits.records_max}),
+      batch_(presence_session) {}
+
+bool Committing::Gather() {
+  if (batch_.empty()) {
+    batch_ = context_.inbox.Fill(
+        std::move(batch_), {.records_max = size_.now(), .bytes_max = batch_bytes_max_}, held_);
+  }
+  return HasBatch();
+}
+
+Step Committing::Commit() {
+  DropVoid();
+  // Nothing comes into a batch before its robot is held, and a hold that was lost made it void.
+  batch_.SetHolds(held_);
+  const SteadyTime began = context_.clock.Steady();
+  auto outcomes = context_.store.Commit(batch_.batch());
+  context_.errors.NoteCall(outcomes.status());
+  if (!outcomes.ok()) {
+    batch_.MarkTried();
+    if (size_.Failed(batch_.longest())) context_.inbox.PutBack(batch_.TakeRest(size_.now()));
+    return Step::kFailed;
+  }
+  size_.Succeeded();
+  const std::size_t records = batch_.batch().records.size();
+  UPLINK_CHECK(outcomes->size() == records, "the store answers every record");
+  context_.probe.commit_seconds.Observe(Seconds(context_.clock.Steady() - began));
+  context_.probe.commit_records.Observe(static_cast<double>(records));
+  FinishPresence();
+  outcomes_ = *std::move(outcomes);
+  return Step::kWorked;
+}
+
+void Committing::DropVoid() {
+  const GatheredBatch::Dropped dropped = batch_.DropVoid();
+  // Their robots' next streams may be held back for them.
+  for (robot::CommitClient* client : dropped.gap_clients) client->OnGapsWritten(1).Wake();
+  if (dropped.entries == 0) return;
+  context_.inbox.Release(
+      {.records = dropped.entries, .bytes = dropped.bytes, .batch_ended = batch_.entries() == 0});
+}
+
+void Committing::FinishPresence() {
+  const std::vector<storage::PresenceItem>& items = batch_.batch().presence;
+  for (const storage::PresenceItem& item : items) {
+    context_.probe.presence_changes[static_cast<std::size_t>(item.presence)].Add();
+  }
+  context_.inbox.NotePresenceCommitted(items.size());
+  batch_.ClearPresence();
+}
+
+void Committing::Tell() {
+  const std::vector<robot::StreamRef> wake =
+      TellOutcomes(batch_, *std::exchange(outcomes_, std::nullopt), held_, context_.ledger);
+  const Inbox::Done done{.records = batch_.entries(), .bytes = batch_.bytes(), .batch_ended = true};
+  batch_.ClearEntries();
+  context_.inbox.Release(done);
+  for (const robot::StreamRef stream : wake) stream.Wake();
+}
+
+}  // namespace uplink::journal

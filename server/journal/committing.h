@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "server/journal/call_size.h"
+#include "server/journal/gathered_batch.h"
+#include "server/journal/held_robots.h"
+#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
+
+namespace uplink::journal {
+
+/// The steps of a batch: gather it from the inbox, commit it, tell its outcomes.
+///
+/// Errors:  a commit that failed is tried again as it was, since it may have been carried out: the
+///          cursor decides. After kFailuresToHalve failures its later half goes back to the inbox.
+/// Thread:  confined to the writer.
+class Committing final {
+ public:
+  struct Limits {
+    std::size_t records_max = 0;
+    std::size_t bytes_max = 0;
+  };
+  /// All of `context`, and `held`, outlive it. `presence_session` numbers the changes of presence.
+  Committing(const WriterContext& context, HeldRobots& held, const Limits& limits,
+             const model::SessionId& presence_session);
+
+  /// A batch was gathered, and is not committed or not told yet.
+  [[nodiscard]] bool HasBatch() const { return !batch_.empty(); }
+  /// A batch was committed, and its outcomes are not told yet.
+  [[nodiscard]] bool HasOutcomes() const { return outcomes_.has_value(); }
+
+  /// Gathers a batch from what waits, unless there is one. True if there is one now.
+  [[nodiscard]] bool Gather();
+  /// Commits the batch, without what became void.
+  [[nodiscard]] Step Commit();
+  /// Tells the outcomes, makes room in the inbox, and wakes the robots' streams.
+  void Tell();
+
+ private:
+  void DropVoid();
+  void FinishPresence();
+
+  const WriterContext context_;
+  HeldRobots& held_;
+  const std::size_t batch_bytes_max_;
+  CallSize size_;
+  GatheredBatch batch_;
+  std::optional<std::vector<storage::Outcome>> outcomes_;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "schema/base/clock.h"
+#include "server/robot/commit_client.h"
+#include "storage/types.h"
+
+namespace uplink::journal {
+
+/// From which robot and when a record or gap came, and what it costs while it waits.
+struct Origin {
+  robot::CommitClient* client = nullptr;
+  /// The client's when the record's stream began.
+  std::uint64_t generation = 0;
+  SteadyTime arrived;
+  std::size_t bytes = 0;
+  /// It was part of a commit without an answer, which may have been carried out.
+  bool tried = false;
+
+  /// A fence overtook it: it must not be written.
+  [[nodiscard]] bool IsVoid() const { return generation != client->generation(); }
+};
+
+/// A record or gap that waits for its commit.
+struct Entry {
+  Origin origin;
+  std::variant<storage::CommitRecord, storage::GapItem> item;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "server/journal/duty.h"
+#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
+
+namespace uplink::journal {
+
+/// The duty that deletes expired shapes and objects from the store: each kSweepInterval, and again
+/// after kSweepAgain where more is left.
+///
+/// Errors:  whatever the store tells is the store's error; the next one is due as usual.
+/// Thread:  confined to the writer.
+class ExpirySweep final {
+ public:
+  /// Due first at `due`.
+  ExpirySweep(const WriterContext& context, SteadyTime due) : context_(context), duty_(due) {}
+
+  [[nodiscard]] const Duty& duty() const { return duty_; }
+  [[nodiscard]] Step Do();
+
+ private:
+  const WriterContext context_;
+  Duty duty_;
+};
+
+}  // namespace uplink::journal

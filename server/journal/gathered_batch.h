@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "server/journal/entry.h"
+#include "server/journal/held_robots.h"
+#include "storage/types.h"
+
+namespace uplink::journal {
+
+/// A batch on its way to the store, with the origin of each of its records and gaps.
+///
+/// Limits: as many entries as the journal's CallSize of a batch lets in.
+/// Thread: confined to the writer.
+class GatheredBatch final {
+ public:
+  /// `presence_session` numbers the changes of presence.
+  explicit GatheredBatch(const model::SessionId& presence_session) {
+    batch_.presence_session = presence_session;
+  }
+
+  void Add(Entry entry);
+  void SetPresence(std::vector<storage::PresenceItem> items) { batch_.presence = std::move(items); }
+
+  [[nodiscard]] bool empty() const {
+    return origins_.empty() && gap_origins_.empty() && batch_.presence.empty();
+  }
+  /// Records and gaps.
+  [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
+  /// What records and gaps cost.
+  [[nodiscard]] std::size_t bytes() const;
+  /// The number of records, of gaps or of changes of presence, whichever is most.
+  [[nodiscard]] std::size_t longest() const;
+  [[nodiscard]] const storage::Batch& batch() const { return batch_; }
+  /// Of the records and of the gaps of batch(), in their order.
+  [[nodiscard]] const std::vector<Origin>& origins() const { return origins_; }
+  [[nodiscard]] const std::vector<Origin>& gap_origins() const { return gap_origins_; }
+
+  struct Dropped {
+    std::size_t entries = 0;
+    std::size_t bytes = 0;
+    /// Whose gaps were dropped, once per gap.
+    std::vector<robot::CommitClient*> gap_clients;
+  };
+  /// Drops the records and gaps that became void.
+  [[nodiscard]] Dropped DropVoid();
+  /// Writes into each record and gap since when its robot is held. Nothing may be void.
+  void SetHolds(const HeldRobots& held);
+  /// A commit of this batch had no answer: its records may be stored.
+  void MarkTried();
+
+  struct Rest {
+    /// Records, then gaps.
+    std::vector<Entry> entries;
+    std::vector<storage::PresenceItem> presence;
+  };
+  /// Takes out what lies behind the first `keep` records, gaps and changes of presence.
+  [[nodiscard]] Rest TakeRest(std::size_t keep);
+  void ClearPresence() { batch_.presence.clear(); }
+  void ClearEntries();
+
+ private:
+  storage::Batch batch_;
+  std::vector<Origin> origins_;
+  std::vector<Origin> gap_origins_;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,155 @@
+#include "server/journal/inbox.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace uplink::journal {
+namespace {
+
+/// What a waiting record costs besides its payload and its body: the record, the queue's node.
+constexpr std::size_t kRecordOverheadBytes = 512;
+/// It holds the payload, for quarantine, and the decoded body, which is about as large.
+constexpr std::size_t kPayloadCopies = 2;
+
+}  // namespace
+
+void Inbox::Open(OpenEntry entry) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!opens_.Push(std::move(entry))) return;
+  }
+  work_.notify_one();
+}
+
+void Inbox::Append(robot::CommitClient& client, std::uint64_t generation,
+                   storage::CommitRecord record, SteadyTime arrived) {
+  const std::size_t bytes = kPayloadCopies * record.payload.size() + kRecordOverheadBytes;
+  Push({.origin = {.client = &client, .generation = generation, .arrived = arrived, .bytes = bytes},
+        .item = std::move(record)});
+}
+
+void Inbox::AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap) {
+  Push({.origin = {.client = &client,
+                   .generation = generation,
+                   .arrived = clock_.Steady(),
+                   .bytes = kRecordOverheadBytes},
+        .item = std::move(gap)});
+}
+
+void Inbox::Push(Entry entry) {
+  {
+    const std::lock_guard lock(mutex_);
+    records_.fetch_add(1);
+    bytes_.fetch_add(entry.origin.bytes);
+    queue_.push_back(std::move(entry));
+  }
+  work_.notify_one();
+}
+
+void Inbox::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
+  {
+    const std::lock_guard lock(mutex_);
+    presence_.Note(robot, presence, at);
+  }
+  work_.notify_one();
+}
+
+void Inbox::BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!presence_.Begin(robot, stored, now)) return;
+  }
+  work_.notify_one();
+}
+
+void Inbox::RequestCheckpoint() {
+  {
+    const std::lock_guard lock(mutex_);
+    checkpoint_open_.store(true);
+    checkpoint_asked_.store(true);
+  }
+  work_.notify_one();
+}
+
+void Inbox::EndCheckpoint() {
+  const std::lock_guard lock(mutex_);
+  checkpoint_open_.store(checkpoint_asked_.load());
+}
+
+void Inbox::WhenRoom(robot::StreamRef stream) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!HasRoom()) {
+      if (std::ranges::find(waiting_for_room_, stream) == waiting_for_room_.end()) {
+        waiting_for_room_.push_back(stream);
+      }
+      return;
+    }
+  }
+  stream.Wake();
+}
+
+milliseconds Inbox::oldest(SteadyTime now) const {
+  const std::lock_guard lock(mutex_);
+  std::optional<SteadyTime> oldest = batch_oldest_;
+  if (!oldest && !queue_.empty()) oldest = queue_.front().origin.arrived;
+  return oldest ? std::chrono::duration_cast<milliseconds>(now - *oldest) : milliseconds(0);
+}
+
+Inbox::TakenOpens Inbox::TakeOpens(std::vector<OpenEntry> taken, std::size_t most) {
+  const std::lock_guard lock(mutex_);
+  return {.opens = opens_.MoveTo(std::move(taken), most),
+          .records_wait = !queue_.empty() || !presence_.empty()};
+}
+
+void Inbox::PutBackOpens(std::vector<OpenEntry> taken) {
+  const std::lock_guard lock(mutex_);
+  opens_.PutBack(std::move(taken));
+}
+
+GatheredBatch Inbox::Fill(GatheredBatch batch, const BatchBounds& bounds, const HeldRobots& held) {
+  const std::lock_guard lock(mutex_);
+  batch.SetPresence(presence_.Take(bounds.records_max));
+  std::size_t bytes = 0;
+  while (!queue_.empty() && batch.entries() < bounds.records_max && bytes < bounds.bytes_max &&
+         held.MayCommit(queue_.front().origin)) {
+    const Origin& origin = queue_.front().origin;
+    bytes += origin.bytes;
+    if (!batch_oldest_) batch_oldest_ = origin.arrived;
+    batch.Add(std::move(queue_.front()));
+    queue_.pop_front();
+  }
+  return batch;
+}
+
+void Inbox::PutBack(GatheredBatch::Rest rest) {
+  const std::lock_guard lock(mutex_);
+  while (!rest.entries.empty()) {
+    queue_.push_front(std::move(rest.entries.back()));
+    rest.entries.pop_back();
+  }
+  presence_.PutBack(std::move(rest.presence));
+}
+
+void Inbox::Release(const Done& done) {
+  std::vector<robot::StreamRef> wake;
+  {
+    const std::lock_guard lock(mutex_);
+    records_.fetch_sub(done.records);
+    bytes_.fetch_sub(done.bytes);
+    if (done.batch_ended) batch_oldest_.reset();
+    if (HasRoom()) wake.swap(waiting_for_room_);
+  }
+  for (const robot::StreamRef stream : wake) stream.Wake();
+}
+
+void Inbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const auto work = [this] {
+    return !queue_.empty() || !opens_.empty() || !presence_.empty() || checkpoint_asked_.load();
+  };
+  const SteadyTime::duration left = due - clock_.Steady();
+  work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,52 @@
+#include "server/journal/opening.h"
+
+#include <iterator>
+#include <utility>
+
+#include "schema/base/check.h"
+
+namespace uplink::journal {
+
+Opening::Opening(const WriterContext& context, HeldRobots& held)
+    : context_(context), held_(held), size_({.most = kOpensPerCallMax, .halved_from = 2}) {}
+
+Opening::Gathered Opening::Gather() {
+  Inbox::TakenOpens taken = context_.inbox.TakeOpens(std::move(opening_), size_.now());
+  opening_ = std::move(taken.opens);
+  return {.opens = !opening_.empty(), .records_wait = taken.records_wait};
+}
+
+Step Opening::Open() {
+  std::vector<storage::OpenRequest> requests;
+  requests.reserve(opening_.size());
+  for (const OpenEntry& entry : opening_) requests.push_back(entry.request);
+  const auto results = context_.store.OpenStreams(requests);
+  context_.errors.NoteCall(results.status());
+  if (!results.ok()) {
+    if (size_.Failed(opening_.size())) LeaveRest();
+    return Step::kFailed;
+  }
+  size_.Succeeded();
+  UPLINK_CHECK(results->size() == opening_.size(), "the store answers every OpenStream");
+  const std::vector<OpenEntry> opened = std::exchange(opening_, {});
+  for (std::size_t i = 0; i < opened.size(); ++i) Tell(opened[i], (*results)[i]);
+  context_.inbox.NoteOpened(opened.size());
+  return Step::kWorked;
+}
+
+void Opening::LeaveRest() {
+  const auto rest = opening_.begin() + static_cast<std::ptrdiff_t>(size_.now());
+  std::vector<OpenEntry> left(std::make_move_iterator(rest),
+                              std::make_move_iterator(opening_.end()));
+  opening_.erase(rest, opening_.end());
+  context_.inbox.PutBackOpens(std::move(left));
+}
+
+void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
+  const bool held = held_.Hold(*open.client, result.held_since);
+  const robot::StreamRef stream =
+      held ? open.client->OnOpened(open.open_id, result) : open.client->OnFenced(context_.ledger);
+  stream.Wake();
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "server/journal/call_size.h"
+#include "server/journal/held_robots.h"
+#include "server/journal/open_queue.h"
+#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
+
+namespace uplink::journal {
+
+/// The step that opens streams: OpenStreams for those that wait, and the telling of its answers.
+///
+/// Errors:  a store call that failed is tried again with what it held; after kFailuresToHalve
+/// failures
+///          its later half goes back to the inbox.
+/// Thread:  confined to the writer.
+class Opening final {
+ public:
+  /// All outlive it.
+  Opening(const WriterContext& context, HeldRobots& held);
+
+  struct Gathered {
+    /// There is something to open.
+    bool opens = false;
+    /// Records, gaps or changes of presence wait in the inbox.
+    bool records_wait = false;
+  };
+  /// Adds what waits to the next store call.
+  [[nodiscard]] Gathered Gather();
+  /// Calls the store, and tells its answers.
+  [[nodiscard]] Step Open();
+
+ private:
+  void LeaveRest();
+  void Tell(const OpenEntry& open, const storage::OpenResult& result);
+
+  const WriterContext context_;
+  HeldRobots& held_;
+  CallSize size_;
+  std::vector<OpenEntry> opening_;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,79 @@
+#include "server/journal/outcomes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+namespace uplink::journal {
+namespace {
+
+storage::Outcome OutcomeOf(const Origin& origin, storage::Outcome told) {
+  // Numbers are taken once, so what the store has already is what an earlier try of ours wrote: it
+  // was stored, once, and is counted so.
+  if (origin.tried && told.kind == storage::OutcomeKind::kDuplicate) {
+    told.kind = storage::OutcomeKind::kStored;
+  }
+  return told;
+}
+
+robot::Settled SettledOf(const storage::CommitRecord& record, const Origin& origin,
+                         storage::Outcome outcome) {
+  const auto* quarantined = std::get_if<storage::QuarantineItem>(&record.content);
+  return {.session = record.session,
+          .seq = record.seq,
+          .outcome = std::move(outcome),
+          .rejected_for =
+              quarantined != nullptr ? std::optional(quarantined->rejection.reason) : std::nullopt,
+          .arrived = origin.arrived};
+}
+
+/// The outcomes of one commit by robot, in order of first appearance, so that a run repeats
+/// exactly.
+struct ByClient {
+  std::vector<std::pair<robot::CommitClient*, std::vector<robot::Settled>>> settled;
+  std::vector<robot::CommitClient*> fenced;
+};
+
+ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes) {
+  ByClient sorted;
+  std::unordered_map<robot::CommitClient*, std::size_t> index;
+  for (std::size_t i = 0; i < batch.origins().size(); ++i) {
+    const Origin& origin = batch.origins()[i];
+    if (origin.IsVoid()) continue;
+    storage::Outcome outcome = OutcomeOf(origin, std::move(outcomes[i]));
+    if (outcome.kind == storage::OutcomeKind::kFenced) {
+      if (std::ranges::find(sorted.fenced, origin.client) == sorted.fenced.end()) {
+        sorted.fenced.push_back(origin.client);
+      }
+      continue;
+    }
+    const auto [at, first] = index.try_emplace(origin.client, sorted.settled.size());
+    if (first) sorted.settled.emplace_back(origin.client, std::vector<robot::Settled>{});
+    sorted.settled[at->second].second.push_back(
+        SettledOf(batch.batch().records[i], origin, std::move(outcome)));
+  }
+  return sorted;
+}
+
+}  // namespace
+
+std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
+                                           std::vector<storage::Outcome> outcomes, HeldRobots& held,
+                                           metrics::Ledger& ledger) {
+  const ByClient sorted = Sort(batch, std::move(outcomes));
+  std::vector<robot::StreamRef> wake;
+  wake.reserve(sorted.settled.size() + sorted.fenced.size());
+  for (const auto& [client, settled] : sorted.settled) {
+    wake.push_back(client->OnSettled(settled, ledger));
+  }
+  for (robot::CommitClient* client : sorted.fenced) {
+    held.Lose(*client);
+    wake.push_back(client->OnFenced(ledger));
+  }
+  for (const Origin& origin : batch.gap_origins()) wake.push_back(origin.client->OnGapsWritten(1));
+  return wake;
+}
+
+}  // namespace uplink::journal

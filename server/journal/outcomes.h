@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "server/journal/gathered_batch.h"
+#include "server/journal/held_robots.h"
+#include "server/robot/wake.h"
+#include "storage/types.h"
+
+namespace uplink::journal {
+
+/// Tells each robot what became of its records and gaps in `batch`, and fences those that another
+/// process owns. `outcomes` are the store's, one per record. What became void meanwhile is not
+/// told. Counts go to `ledger`.
+///
+/// Returns the streams to wake: whoever calls does so once it has let go of the batch.
+/// Thread: the writer alone, with no lock held.
+[[nodiscard]] std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
+                                                         std::vector<storage::Outcome> outcomes,
+                                                         HeldRobots& held, metrics::Ledger& ledger);
+
+}  // namespace uplink::journal

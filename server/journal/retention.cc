@@ -1,0 +1,31 @@
+#include "server/journal/retention.h"
+
+#include "server/journal/limits.h"
+
+namespace uplink::journal {
+
+Step Retention::Do() {
+  const auto deleted = context_.store.Retain(context_.clock.System());
+  const SteadyTime now = context_.clock.Steady();
+  if (absl::IsUnavailable(deleted.status())) {
+    context_.errors.NoteDuty(deleted.status());
+    duty_.DueAt(now + kRetainAgain);
+    return Step::kFailed;
+  }
+  duty_.NoteError(deleted.status());
+  if (!deleted.ok()) {
+    // Commits go on as if nothing was: it is no trouble of theirs.
+    duty_.DueAt(now + kRetainLater);
+    return Step::kWorked;
+  }
+  context_.errors.NoteDuty(absl::OkStatus());
+  context_.probe.history_deleted.Add(static_cast<std::int64_t>(*deleted));
+  if (*deleted >= storage::kRetainRowsMax) {
+    duty_.DueAt(now + kSweepAgain);
+  } else {
+    duty_.DueAt(now + kRetainInterval);
+  }
+  return Step::kWorked;
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "server/journal/duty.h"
+#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
+
+namespace uplink::journal {
+
+/// The duty that keeps histories to their age: each kRetainInterval, and again after kSweepAgain
+/// where more is left.
+///
+/// Errors:  kUnavailable is the store's error: tried again after kRetainAgain. Any other is the
+///          duty's own: commits go on, and it is tried again after kRetainLater.
+/// Thread:  confined to the writer, but duty().error().
+class Retention final {
+ public:
+  /// Due first at `due`.
+  Retention(const WriterContext& context, SteadyTime due)
+      : context_(context), duty_(due, &context.probe.retention_failing) {}
+
+  [[nodiscard]] const Duty& duty() const { return duty_; }
+  [[nodiscard]] Step Do();
+
+ private:
+  const WriterContext context_;
+  Duty duty_;
+};
+
+}  // namespace uplink::journal

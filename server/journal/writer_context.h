@@ -1,0 +1,22 @@
+#pragma once
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/journal/inbox.h"
+#include "server/journal/probe.h"
+#include "server/journal/store_errors.h"
+#include "storage/store.h"
+
+namespace uplink::journal {
+
+/// What the steps and duties of one journal share. All of it outlives them.
+struct WriterContext {
+  storage::Store& store;
+  const Clock& clock;
+  metrics::Ledger& ledger;
+  JournalProbe& probe;
+  Inbox& inbox;
+  StoreErrors& errors;
+};
+
+}  // namespace uplink::journal

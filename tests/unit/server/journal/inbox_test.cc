@@ -1,0 +1,262 @@
+#include "server/journal/inbox.h"
+
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/server/journal/step_bench.h"
+
+namespace uplink::journal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class InboxTest : public ::testing::Test, protected StepBench {
+ protected:
+  InboxTest() : StepBench({.bytes_max = 4000, .records_max = 3}) {
+    static_cast<void>(held.Hold(robot_, 1));
+  }
+
+  [[nodiscard]] GatheredBatch Fill(std::size_t records_max, std::size_t bytes_max = 1'000'000) {
+    return inbox.Fill(GatheredBatch(model::SessionId()),
+                      {.records_max = records_max, .bytes_max = bytes_max}, held);
+  }
+  /// All that waits is taken, and done.
+  void Drain() {
+    const GatheredBatch batch = Fill(100);
+    inbox.Release({.records = batch.entries(), .bytes = batch.bytes(), .batch_ended = true});
+    inbox.NotePresenceCommitted(batch.batch().presence.size());
+  }
+  void NotePresence(const RecordingClient& client, model::Presence presence) {
+    inbox.NotePresence(client.robot(), presence, clock.System());
+  }
+
+  CountingInbox wakes_;
+  RecordingClient robot_{"rcan://a"};
+  RecordingClient other_{"rcan://b"};
+};
+
+TEST_F(InboxTest, IsIdleUntilSomethingComesAndOnceItIsDone) {
+  EXPECT_TRUE(inbox.idle());
+  Append(robot_, 1);
+  EXPECT_FALSE(inbox.idle());
+  Drain();
+  EXPECT_TRUE(inbox.idle());
+  NotePresence(robot_, model::Presence::kOnline);
+  EXPECT_FALSE(inbox.idle());
+  Drain();
+  EXPECT_TRUE(inbox.idle());
+  Open(robot_);
+  EXPECT_FALSE(inbox.idle());
+  EXPECT_THAT(inbox.TakeOpens({}, 9).opens, SizeIs(1));
+  EXPECT_FALSE(inbox.idle()) << "it was taken, and is not open";
+  inbox.NoteOpened(1);
+  EXPECT_TRUE(inbox.idle());
+}
+
+TEST_F(InboxTest, WhatWasTakenStillCounts) {
+  Append(robot_, 1, std::string(100, 'x'));
+  const std::size_t bytes = inbox.bytes();
+  EXPECT_GT(bytes, 200U);
+  const GatheredBatch batch = Fill(9);
+  EXPECT_EQ(inbox.records(), 1U);
+  EXPECT_EQ(inbox.bytes(), bytes);
+  EXPECT_EQ(batch.bytes(), bytes);
+  inbox.Release({.records = 1, .bytes = bytes, .batch_ended = true});
+  EXPECT_EQ(inbox.records(), 0U);
+  EXPECT_EQ(inbox.bytes(), 0U);
+}
+
+TEST_F(InboxTest, HasRoomBelowItsRecordsAndItsBytes) {
+  Append(robot_, 1);
+  AppendGap(robot_, 2);
+  EXPECT_TRUE(inbox.HasRoom());
+  Append(robot_, 4);
+  EXPECT_FALSE(inbox.HasRoom()) << "as many records as it may hold";
+  Drain();
+  EXPECT_TRUE(inbox.HasRoom());
+  Append(robot_, 5, std::string(1743, 'x'));
+  EXPECT_TRUE(inbox.HasRoom()) << "two bytes are left";
+  Append(robot_, 6);
+  EXPECT_FALSE(inbox.HasRoom());
+}
+
+TEST_F(InboxTest, WakesOncePerRequestWhenThereIsRoom) {
+  const robot::StreamRef stream{.inbox = &wakes_, .stream = 9};
+  inbox.WhenRoom(stream);
+  EXPECT_EQ(wakes_.wakes(9), 1) << "there is room now";
+  for (model::Seq seq = 1; seq <= 4; ++seq) Append(robot_, seq);
+  inbox.WhenRoom(stream);
+  inbox.WhenRoom(stream);
+  inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
+  EXPECT_EQ(wakes_.wakes(9), 1) << "it is still full";
+  inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
+  EXPECT_EQ(wakes_.wakes(9), 2);
+  inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
+  EXPECT_EQ(wakes_.wakes(9), 2);
+}
+
+TEST_F(InboxTest, ABatchEndsAtItsRecordsGapsIncluded) {
+  Append(robot_, 1);
+  AppendGap(robot_, 2);
+  Append(robot_, 3);
+  EXPECT_THAT(SeqsOf(Fill(2).batch()), ElementsAre(1, 2));
+  EXPECT_THAT(SeqsOf(Fill(2).batch()), ElementsAre(3));
+  EXPECT_TRUE(Fill(2).empty());
+}
+
+TEST_F(InboxTest, ABatchEndsWithTheRecordThatReachesItsBytes) {
+  for (model::Seq seq = 1; seq <= 3; ++seq) Append(robot_, seq);
+  const std::size_t each = inbox.bytes() / 3;
+  EXPECT_THAT(SeqsOf(Fill(9, each + 1).batch()), ElementsAre(1, 2));
+  EXPECT_THAT(SeqsOf(Fill(9, 1).batch()), ElementsAre(3));
+}
+
+TEST_F(InboxTest, ABatchEndsBeforeARobotThatIsNotHeld) {
+  Append(robot_, 1);
+  Append(other_, 2);
+  Append(robot_, 3);
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(1));
+  static_cast<void>(held.Hold(other_, 1));
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 3));
+}
+
+TEST_F(InboxTest, WhatIsPutBackGoesFirst) {
+  for (model::Seq seq = 1; seq <= 3; ++seq) Append(robot_, seq);
+  AppendGap(robot_, 10);
+  AppendGap(robot_, 11);
+  GatheredBatch batch = Fill(9);
+  Append(robot_, 12);
+  inbox.PutBack(batch.TakeRest(1));
+  EXPECT_THAT(SeqsOf(batch.batch()), ElementsAre(1, 10));
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 3, 12, 11));
+}
+
+TEST_F(InboxTest, ChangesOfPresenceThatWerePutBackGoAheadOfNewOnes) {
+  NotePresence(robot_, model::Presence::kOnline);
+  NotePresence(other_, model::Presence::kOnline);
+  GatheredBatch batch = Fill(9);
+  NotePresence(robot_, model::Presence::kOffline);
+  inbox.PutBack(batch.TakeRest(1));
+  const GatheredBatch next = Fill(9);
+  ASSERT_THAT(next.batch().presence, SizeIs(1));
+  EXPECT_EQ(next.batch().presence[0].robot, other_.robot());
+  EXPECT_EQ(next.batch().presence[0].number, 2U);
+  ASSERT_THAT(Fill(9).batch().presence, SizeIs(1));
+}
+
+TEST_F(InboxTest, TheOldestIsOfTheBatchThatWasTakenElseOfTheQueue) {
+  EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(0));
+  Append(robot_, 1);
+  clock.Advance(milliseconds(5));
+  Append(robot_, 2);
+  EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(5));
+  EXPECT_THAT(SeqsOf(Fill(1).batch()), ElementsAre(1));
+  EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(5)) << "it is not done";
+  inbox.Release({.records = 1, .bytes = 0, .batch_ended = true});
+  clock.Advance(milliseconds(2));
+  EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(2));
+}
+
+TEST_F(InboxTest, SaysWhetherRecordsWaitBesideTheStreams) {
+  Open(robot_);
+  EXPECT_FALSE(inbox.TakeOpens({}, 9).records_wait);
+  Append(robot_, 1);
+  EXPECT_TRUE(inbox.TakeOpens({}, 9).records_wait);
+  Drain();
+  NotePresence(robot_, model::Presence::kOnline);
+  EXPECT_TRUE(inbox.TakeOpens({}, 9).records_wait);
+}
+
+TEST_F(InboxTest, StreamsThatArePutBackWaitAgain) {
+  Open(robot_);
+  Inbox::TakenOpens taken = inbox.TakeOpens({}, 9);
+  EXPECT_THAT(inbox.TakeOpens({}, 9).opens, IsEmpty());
+  inbox.PutBackOpens(std::move(taken.opens));
+  EXPECT_THAT(inbox.TakeOpens({}, 9).opens, SizeIs(1));
+}
+
+TEST_F(InboxTest, ACheckpointThatWasAskedForIsOpenUntilItsRoundHasEnded) {
+  EXPECT_FALSE(inbox.BeginCheckpoint()) << "one that is due answers nobody";
+  inbox.RequestCheckpoint();
+  EXPECT_TRUE(inbox.checkpoint_asked());
+  EXPECT_TRUE(inbox.BeginCheckpoint());
+  EXPECT_FALSE(inbox.checkpoint_asked());
+  EXPECT_FALSE(inbox.idle());
+  inbox.EndCheckpoint();
+  EXPECT_TRUE(inbox.idle());
+}
+
+TEST_F(InboxTest, ACheckpointThatWasAskedForDuringARoundIsOpenAfterIt) {
+  EXPECT_FALSE(inbox.BeginCheckpoint());
+  inbox.RequestCheckpoint();
+  inbox.EndCheckpoint();
+  EXPECT_TRUE(inbox.checkpoint_asked());
+  EXPECT_FALSE(inbox.idle());
+}
+
+TEST_F(InboxTest, ACheckpointThatIsRenewedStaysOpen) {
+  inbox.RequestCheckpoint();
+  EXPECT_TRUE(inbox.BeginCheckpoint());
+  inbox.RenewCheckpoint();
+  inbox.EndCheckpoint();
+  EXPECT_TRUE(inbox.checkpoint_asked());
+  EXPECT_FALSE(inbox.idle());
+}
+
+/// Waits in a thread of its own, for hours; join it to see that the wait has ended.
+class InboxWait : public InboxTest {
+ protected:
+  [[nodiscard]] std::jthread Wait() {
+    return std::jthread([this](const std::stop_token& stop) {
+      inbox.WaitUntil(clock.Steady() + std::chrono::hours(9), stop);
+    });
+  }
+};
+
+TEST_F(InboxWait, EndsWhenARecordComes) {
+  std::jthread waits = Wait();
+  Append(robot_, 1);
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsWhenAStreamIsAskedFor) {
+  std::jthread waits = Wait();
+  Open(robot_);
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsWhenAPresenceChanges) {
+  std::jthread waits = Wait();
+  NotePresence(robot_, model::Presence::kOnline);
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsWhenARobotOfAnEarlierLifeIsUnknown) {
+  std::jthread waits = Wait();
+  inbox.BeginPresence(robot_.robot(), model::Presence::kOnline, clock.System());
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsWhenACheckpointIsAskedFor) {
+  std::jthread waits = Wait();
+  inbox.RequestCheckpoint();
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsWhenItIsStopped) {
+  std::jthread waits = Wait();
+  waits.request_stop();
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsAtOnceWhatIsDueAlready) {
+  inbox.WaitUntil(clock.Steady() - milliseconds(1), {});
+  EXPECT_TRUE(inbox.idle());
+}
+
+}  // namespace
+}  // namespace uplink::journal

@@ -1,0 +1,107 @@
+#include "server/journal/opening.h"
+
+#include <deque>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/server/journal/step_bench.h"
+
+namespace uplink::journal {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::FailAt;
+using ::testing::IsEmpty;
+
+class OpeningTest : public ::testing::Test, protected StepBench {
+ protected:
+  CountingInbox wakes_;
+  RecordingClient robot_{"rcan://a", {.inbox = &wakes_, .stream = 1}};
+  RecordingClient other_{"rcan://b"};
+  Opening opening_{context(), held};
+};
+
+TEST_F(OpeningTest, HasNothingToOpen) {
+  EXPECT_FALSE(opening_.Gather().opens);
+  EXPECT_EQ(store.opens(), 0U);
+}
+
+TEST_F(OpeningTest, HoldsTellsAndWakesInOneCall) {
+  Open(robot_, 4);
+  Open(other_, 5);
+  EXPECT_TRUE(opening_.Gather().opens);
+  EXPECT_THAT(robot_.Told(), IsEmpty());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_EQ(store.opens(), 1U);
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 4"));
+  EXPECT_THAT(other_.Told(), ElementsAre("opened 5"));
+  EXPECT_EQ(wakes_.wakes(1), 1);
+  EXPECT_EQ(held.Since(robot_), 1U);
+  EXPECT_TRUE(inbox.idle());
+  EXPECT_FALSE(opening_.Gather().opens);
+}
+
+TEST_F(OpeningTest, SaysWhetherRecordsWait) {
+  Open(robot_);
+  EXPECT_FALSE(opening_.Gather().records_wait);
+  Append(robot_, 1);
+  EXPECT_TRUE(opening_.Gather().records_wait);
+}
+
+TEST_F(OpeningTest, AFailedCallIsTriedAgainWithWhatCameMeanwhile) {
+  Open(robot_, 1);
+  store.FailNextOpens(1, FailAt::kBefore);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kFailed);
+  EXPECT_FALSE(errors.last().ok());
+  EXPECT_FALSE(inbox.idle());
+  Open(robot_, 2);
+  Open(other_, 3);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 2"));
+  EXPECT_THAT(other_.Told(), ElementsAre("opened 3"));
+  EXPECT_TRUE(errors.last().ok());
+  EXPECT_TRUE(inbox.idle());
+}
+
+TEST_F(OpeningTest, ARobotThatAnotherProcessHeldBetweenIsFenced) {
+  Hold(robot_);
+  testing::FakeStore elsewhere(database, storage::ProcessId{2});
+  ASSERT_TRUE(elsewhere.OpenStreams(std::vector{OpenOf(robot_, 1).request}).ok());
+  Open(robot_, 2);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
+  EXPECT_EQ(held.Since(robot_), 3U) << "it is ours again since this stream";
+}
+
+TEST_F(OpeningTest, AfterFailuresTheLaterHalfGoesBackAndComesNext) {
+  std::deque<RecordingClient> clients;
+  for (int i = 0; i < 5; ++i) Open(clients.emplace_back("rcan://" + std::to_string(i)));
+  static_cast<void>(opening_.Gather());
+  store.FailNextOpens(kFailuresToHalve, FailAt::kBefore);
+  for (int i = 0; i < kFailuresToHalve; ++i) EXPECT_EQ(opening_.Open(), Step::kFailed);
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(clients[1].Told(), ElementsAre("opened 1"));
+  EXPECT_THAT(clients[2].Told(), IsEmpty());
+  EXPECT_TRUE(opening_.Gather().opens);
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(clients[3].Told(), ElementsAre("opened 1"));
+  EXPECT_THAT(clients[4].Told(), IsEmpty()) << "a call is still half as large";
+}
+
+TEST_F(OpeningTest, ASingleStreamIsNotHalved) {
+  Open(robot_);
+  static_cast<void>(opening_.Gather());
+  store.FailNextOpens(kFailuresToHalve + 1, FailAt::kBefore);
+  for (int i = 0; i <= kFailuresToHalve; ++i) EXPECT_EQ(opening_.Open(), Step::kFailed);
+  Open(other_);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(other_.Told(), ElementsAre("opened 1")) << "in the same call";
+}
+
+}  // namespace
+}  // namespace uplink::journal
