@@ -1,11 +1,8 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -15,18 +12,16 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
-#include "server/robot/ack_window.h"
 #include "server/robot/commit_client.h"
-#include "server/robot/limits.h"
+#include "server/robot/numbering.h"
+#include "server/robot/opening.h"
+#include "server/robot/pacing.h"
+#include "server/robot/rejected_seq.h"
+#include "server/robot/session_table.h"
+#include "server/robot/takeover.h"
 #include "server/robot/wake.h"
 
 namespace uplink::robot {
-
-/// A number that was rejected, as the agent is told.
-struct RejectedSeq {
-  model::Seq seq = 0;
-  model::Rejection rejection;
-};
 
 /// How far a session is, for an Ack, with the Rejects that must be written before it.
 struct Progress {
@@ -37,31 +32,12 @@ struct Progress {
   std::vector<SteadyTime> released;
 };
 
-/// Where a stream stands among the robot's streams.
-enum class StreamPlace : std::uint8_t {
-  /// It is the robot's stream.
-  kCurrent,
-  /// It waits until the older stream has confirmed its end.
-  kWaiting,
-  /// A newer stream took over, or another process holds the robot: it must stop and Detach.
-  kSuperseded,
-};
-
 /// What a stream learns when it starts on a session.
 struct Resume {
   /// Welcome.committed_seq.
   model::Seq committed = 0;
   /// Rejects above Hello.settled_seq, ascending, to be told once more.
   std::vector<RejectedSeq> rejects;
-};
-
-/// What the judgement of a message means for its session.
-enum class Place : std::uint8_t {
-  kNew,
-  /// At or below the highest number seen.
-  kDuplicate,
-  /// The session was forgotten: another process holds the robot. The stream must stop.
-  kVoid,
 };
 
 /// For views: the session of the robot's stream.
@@ -75,8 +51,9 @@ struct SessionView {
   bool contested = false;
 };
 
-/// The sessions of one robot in memory: their numbers, ack windows and remembered Rejects, and
-/// which stream is the robot's. Outlives streams; as a CommitClient it learns of commits.
+/// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of
+/// each session), the Takeover (which stream is the robot's), the store's Opening and the Pacing.
+/// Outlives streams; as a CommitClient it learns of commits.
 ///
 /// Thread: thread-safe by one mutex, never held across a call out. What only the robot's stream
 /// may call says so.
@@ -86,15 +63,7 @@ class RobotSessions final : public CommitClient {
 
   // --- Streams (any stream of the robot) ---
 
-  struct Attached {
-    StreamPlace place = StreamPlace::kCurrent;
-    /// Streams that must be woken: they were superseded.
-    std::vector<StreamRef> to_wake;
-    /// This attach took over from another stream.
-    bool took_over = false;
-    /// The robot changes hands more than kTakeoversPerMinuteMax times a minute.
-    bool contested = false;
-  };
+  using Attached = Takeover::Attached;
   /// A new stream wants the robot. An older one is superseded and must confirm by Detach first.
   [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
   [[nodiscard]] StreamPlace PlaceOf(StreamRef stream) const;
@@ -121,15 +90,7 @@ class RobotSessions final : public CommitClient {
   [[nodiscard]] Resume ResumeFrom(const model::SessionId& session, std::uint64_t open_id,
                                   model::Seq settled_seq, model::Seq judged_seq);
 
-  /// Sees one number: a duplicate, or new. `missing` becomes the range skipped just before it.
-  struct Seen {
-    Place place = Place::kNew;
-    /// First and last number skipped; none if first is 0.
-    model::Seq missing_first = 0;
-    model::Seq missing_last = 0;
-    /// Of a duplicate: its first copy waits for a commit, whose Ack answers it too.
-    bool waits = false;
-  };
+  /// Sees one number: a duplicate, new, or of a session that was forgotten.
   [[nodiscard]] Seen See(const model::SessionId& session, model::Seq seq);
   /// The number just seen is settled at once.
   void AddSettled(const model::SessionId& session, model::Seq seq);
@@ -139,9 +100,9 @@ class RobotSessions final : public CommitClient {
   /// A rejection made at judgement, remembered for the next Welcome.
   void Remember(const model::SessionId& session, model::Seq seq, const model::Rejection& rejection);
   void AddGap();
-  /// Whether the payload of a rejection for this reason is kept now: one a second.
+  /// Whether the payload of a rejection for this reason is kept now (Pacing).
   [[nodiscard]] bool KeepPayload(model::RejectReason reason, SteadyTime now);
-  /// Whether a Notice of this field may be sent now: one a second a field, list indexes apart.
+  /// Whether a Notice of this field may be sent now (Pacing).
   [[nodiscard]] bool MayNotice(const std::string& field, SteadyTime now);
 
   /// Takes the state for an Ack, and the store's Rejects that were not told yet, in one look.
@@ -166,47 +127,13 @@ class RobotSessions final : public CommitClient {
   [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
 
  private:
-  struct Numbering {
-    AckWindow window;
-    /// Numbers up to this count as seen for counting missing alone.
-    model::Seq missing_floor = 0;
-    model::Seq hello_judged = 0;
-    std::uint64_t missing = 0;
-    std::deque<RejectedSeq> remembered;
-    /// Rejects by the store, and arrivals of what commits released, that the stream has not taken
-    /// yet: at most in_flight_uplinks_max of each.
-    std::vector<RejectedSeq> untold;
-    std::vector<SteadyTime> released;
-    /// True once this process has judged a number of it or resumed it.
-    bool known = false;
-    SteadyTime last_used;
-  };
-
-  Numbering* Find(const model::SessionId& session);
-  const Numbering* Find(const model::SessionId& session) const;
-  bool MakeRoom();
-  bool NoteTakeover(SteadyTime now);
-  static void RememberIn(Numbering& numbering, RejectedSeq rejected);
-  static void Count(const Settled& settled, Numbering& numbering, metrics::UplinkCounts& counts);
-
   mutable std::mutex mutex_;
-  std::map<model::SessionId, Numbering> sessions_;
-  StreamRef current_;
-  /// Waits for the current one to confirm its end.
-  StreamRef next_;
-  /// The current stream must stop: superseded by next_, or fenced.
-  bool current_superseded_ = false;
-  bool contested_ = false;
+  SessionTable sessions_;
+  Takeover takeover_;
+  Opening opening_;
+  Pacing pacing_;
+  /// The session of the robot's stream, or of its last one.
   std::optional<model::SessionId> current_session_;
-  SystemTime connected_since_;
-  SystemTime next_since_;
-  std::uint64_t open_id_ = 0;
-  std::optional<storage::OpenResult> opened_;
-  /// Welcome still waits for it.
-  bool open_wanted_ = false;
-  std::deque<SteadyTime> takeovers_;
-  std::array<std::optional<SteadyTime>, model::kRejectReasons + 1> payload_kept_;
-  std::map<std::string, SteadyTime> noticed_;
   std::atomic<std::size_t> in_flight_{0};
   std::atomic<std::size_t> gaps_in_flight_{0};
   std::atomic<std::uint64_t> generation_{1};

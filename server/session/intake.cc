@@ -107,7 +107,7 @@ Intake::Taken Intake::Take(std::size_t outgoing) {
   return taken;
 }
 
-robot::RobotSessions::Seen Intake::See(model::Seq seq) {
+robot::Seen Intake::See(model::Seq seq) {
   // Numbers of a batch increase, so what follows a new one is new, and where it follows at once
   // nothing is missing: no look is needed.
   if (new_before_ > 0 && seq == new_before_ + 1) return {};
@@ -120,7 +120,7 @@ void Intake::SettleRun() {
   robot_.sessions.AddSettled(session_, std::exchange(unsettled_, 0));
 }
 
-void Intake::TakeDuplicate(const robot::RobotSessions::Seen& seen, Taken& taken) {
+void Intake::TakeDuplicate(const robot::Seen& seen, Taken& taken) {
   ++counts_.received;
   ++counts_.duplicate;
   if (robot::Planted(robot::Mutation::kDuplicateNotAcked)) return;
@@ -129,7 +129,7 @@ void Intake::TakeDuplicate(const robot::RobotSessions::Seen& seen, Taken& taken)
 }
 
 void Intake::TakeOne(const UplinkView& uplink, Taken& taken) {
-  const robot::RobotSessions::Seen seen = See(uplink.seq);
+  const robot::Seen seen = See(uplink.seq);
   new_before_ = 0;
   if (seen.place == robot::Place::kVoid) {
     taken.is_void = true;
@@ -164,7 +164,7 @@ void Intake::TakeRoverNexus(const UplinkView& uplink, Taken& taken) {
   }
 }
 
-void Intake::NoteMissing(const robot::RobotSessions::Seen& seen) {
+void Intake::NoteMissing(const robot::Seen& seen) {
   counts_.missing += seen.missing_last - seen.missing_first + 1;
   robot_.sessions.AddGap();
   journal_.AppendGap(robot_.sessions, generation_,

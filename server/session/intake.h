@@ -106,17 +106,17 @@ class Intake final {
     std::vector<UplinkView> uplinks;
   };
 
-  [[nodiscard]] robot::RobotSessions::Seen See(model::Seq seq);
+  [[nodiscard]] robot::Seen See(model::Seq seq);
   void TakeOne(const UplinkView& uplink, Taken& taken);
   void TakeRoverNexus(const UplinkView& uplink, Taken& taken);
-  void TakeDuplicate(const robot::RobotSessions::Seen& seen, Taken& taken);
+  void TakeDuplicate(const robot::Seen& seen, Taken& taken);
   void TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, Taken& taken);
   void TakeLive(model::Record record);
   void TakeRcan(const UplinkView& uplink, Taken& taken);
   void TakeRejected(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
                     Taken& taken);
   void SettleRun();
-  void NoteMissing(const robot::RobotSessions::Seen& seen);
+  void NoteMissing(const robot::Seen& seen);
   void NoteDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Taken& taken);
   void NoteMalformed();

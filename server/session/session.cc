@@ -91,7 +91,7 @@ void Session::TakeHello(const v1::Hello& hello) {
     return Finish(robot.status());
   }
   robot_ = *robot;
-  const robot::RobotSessions::Attached attached =
+  const robot::Takeover::Attached attached =
       robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
   if (attached.took_over) context_.probe.takeovers_total.Add();
   if (attached.contested) context_.probe.contested_total.Add();

@@ -82,7 +82,7 @@ TEST_F(RobotSessionsTest, MemoryAndQuarantineAreJoinedInOrderWithoutDoubles) {
 TEST_F(RobotSessionsTest, WhatIsSkippedIsCountedAboveTheFloorAlone) {
   static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 2, 6));
   EXPECT_EQ(sessions_.See(Id(1), 5).missing_first, 0U);
-  const RobotSessions::Seen seen = sessions_.See(Id(1), 9);
+  const Seen seen = sessions_.See(Id(1), 9);
   EXPECT_EQ(seen.place, Place::kNew);
   EXPECT_EQ(seen.missing_first, 7U);
   EXPECT_EQ(seen.missing_last, 8U);

@@ -1,13 +1,13 @@
-// Which stream is the robot's: attaching, taking over, detaching.
+#include "server/robot/takeover.h"
+
+#include <chrono>
 #include <utility>
 
-#include "server/robot/robot_sessions.h"
+#include "server/robot/limits.h"
 
 namespace uplink::robot {
 
-RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
-                                              SystemTime system_now) {
-  const std::lock_guard lock(mutex_);
+Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime system_now) {
   Attached attached;
   if (!current_) {
     current_ = stream;
@@ -17,7 +17,7 @@ RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
   }
   attached.place = StreamPlace::kWaiting;
   attached.took_over = true;
-  attached.contested = NoteTakeover(now);
+  attached.contested = AddTakeover(now);
   attached.to_wake.push_back(current_);
   if (next_) attached.to_wake.push_back(next_);
   current_superseded_ = true;
@@ -26,7 +26,7 @@ RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
   return attached;
 }
 
-bool RobotSessions::NoteTakeover(SteadyTime now) {
+bool Takeover::AddTakeover(SteadyTime now) {
   takeovers_.push_back(now);
   // Only whether there were more than the limit counts, so no more need be kept.
   while (takeovers_.size() > kTakeoversPerMinuteMax + 1 ||
@@ -38,31 +38,34 @@ bool RobotSessions::NoteTakeover(SteadyTime now) {
   return contested_ && !was;
 }
 
-StreamPlace RobotSessions::PlaceOf(StreamRef stream) const {
-  const std::lock_guard lock(mutex_);
+StreamPlace Takeover::PlaceOf(StreamRef stream) const {
   if (stream == current_) {
     return current_superseded_ ? StreamPlace::kSuperseded : StreamPlace::kCurrent;
   }
   return stream == next_ ? StreamPlace::kWaiting : StreamPlace::kSuperseded;
 }
 
-StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
-  const std::lock_guard lock(mutex_);
+StreamRef Takeover::Detach(StreamRef stream) {
   if (stream == next_) {
     next_ = {};
     return {};
   }
   if (stream != current_) return {};
-  if (current_session_) {
-    if (Numbering* numbering = Find(*current_session_)) {
-      numbering->last_used = now;
-      numbering->released.clear();
-    }
-  }
   current_ = std::exchange(next_, {});
   current_superseded_ = false;
   if (current_) connected_since_ = next_since_;
   return current_;
+}
+
+void Takeover::Supersede() {
+  if (current_) current_superseded_ = true;
+}
+
+void Takeover::Sweep(SteadyTime now) {
+  while (!takeovers_.empty() && now - takeovers_.front() > std::chrono::minutes(1)) {
+    takeovers_.pop_front();
+  }
+  contested_ = takeovers_.size() > kTakeoversPerMinuteMax;
 }
 
 }  // namespace uplink::robot

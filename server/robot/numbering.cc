@@ -1,0 +1,43 @@
+#include "server/robot/numbering.h"
+
+#include <algorithm>
+
+namespace uplink::robot {
+
+Seen Numbering::See(model::Seq seq) {
+  if (seq <= window_.seen()) return {.place = Place::kDuplicate, .waits = window_.Waits(seq)};
+  Seen seen;
+  const model::Seq floor = std::max(window_.seen(), missing_floor_);
+  if (seq > floor + 1) {
+    seen.missing_first = floor + 1;
+    seen.missing_last = seq - 1;
+    missing_ += seq - 1 - floor;
+  }
+  return seen;
+}
+
+std::size_t Numbering::AddWaiting(model::Seq seq) {
+  const std::size_t before = window_.waiting();
+  window_.AddWaiting(seq);
+  return window_.waiting() - before;
+}
+
+std::size_t Numbering::Settle(model::Seq seq) {
+  const std::size_t before = window_.waiting();
+  if (!window_.Settle(seq)) return 0;
+  return before - window_.waiting();
+}
+
+model::Seq Numbering::Resume(model::Seq settled_seq, model::Seq judged_seq, model::Seq stored_seq) {
+  model::Seq committed = std::max(settled_seq, stored_seq);
+  if (known_) committed = std::max(committed, window_.through());
+  known_ = true;
+  window_.Raise(committed);
+  missing_floor_ = std::max({missing_floor_, committed, judged_seq});
+  hello_judged_ = std::max(hello_judged_, judged_seq);
+  return committed;
+}
+
+model::Seq Numbering::judged() const { return std::max(window_.seen(), hello_judged_); }
+
+}  // namespace uplink::robot

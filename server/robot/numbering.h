@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "schema/model/ids.h"
+#include "server/robot/ack_window.h"
+
+namespace uplink::robot {
+
+/// What a number means for its session.
+enum class Place : std::uint8_t {
+  kNew,
+  /// At or below the highest number seen.
+  kDuplicate,
+  /// The session was forgotten: another process holds the robot. The stream must stop.
+  kVoid,
+};
+
+/// What is seen of one number. A value.
+struct Seen {
+  Place place = Place::kNew;
+  /// First and last number skipped just before it; none if first is 0.
+  model::Seq missing_first = 0;
+  model::Seq missing_last = 0;
+  /// Of a duplicate: its first copy waits for a commit, whose Ack answers it too.
+  bool waits = false;
+};
+
+/// The numbers of one session: which were seen, which wait for a commit, and how many never came.
+/// Confined to its owner's lock.
+class Numbering final {
+ public:
+  /// Looks at a number. A new one must be added next, by AddSettled or AddWaiting; the gap before
+  /// it is counted here.
+  [[nodiscard]] Seen See(model::Seq seq);
+  /// A new number that was settled at once.
+  void AddSettled(model::Seq seq) { window_.AddSettled(seq); }
+  /// A new number that waits for its commit. Returns by how much waiting() grew.
+  [[nodiscard]] std::size_t AddWaiting(model::Seq seq);
+  /// The commit of `seq` is done. Returns by how much waiting() shrank: 0 if it did not wait.
+  [[nodiscard]] std::size_t Settle(model::Seq seq);
+  /// A stream goes on with the session: the agent has seen all up to `settled_seq` settled and all
+  /// up to `judged_seq` judged, the store up to `stored_seq`. Returns Welcome.committed_seq.
+  [[nodiscard]] model::Seq Resume(model::Seq settled_seq, model::Seq judged_seq,
+                                  model::Seq stored_seq);
+
+  /// Highest number seen.
+  [[nodiscard]] model::Seq seen() const { return window_.seen(); }
+  /// Highest number such that nothing at or below it waits: what an Ack may cover.
+  [[nodiscard]] model::Seq through() const { return window_.through(); }
+  /// Highest number judged, by this process or, as the agent told, by another.
+  [[nodiscard]] model::Seq judged() const;
+  /// How many numbers wait for their commit.
+  [[nodiscard]] std::size_t waiting() const { return window_.waiting(); }
+  /// How many numbers never came.
+  [[nodiscard]] std::uint64_t missing() const { return missing_; }
+
+ private:
+  AckWindow window_;
+  /// Numbers up to this count as seen for counting missing alone.
+  model::Seq missing_floor_ = 0;
+  model::Seq hello_judged_ = 0;
+  std::uint64_t missing_ = 0;
+  /// True once a stream of this process has gone on with it.
+  bool known_ = false;
+};
+
+}  // namespace uplink::robot

@@ -1,0 +1,43 @@
+#include "server/robot/outcome.h"
+
+#include <cstddef>
+
+#include "schema/base/check.h"
+
+namespace uplink::robot {
+namespace {
+
+void CountRejected(model::RejectReason reason, metrics::UplinkCounts& counts) {
+  ++counts.rejected;
+  ++counts.rejects[static_cast<std::size_t>(reason)];
+}
+
+}  // namespace
+
+void ApplyOutcome(const Settled& settled, RejectMemory& rejects, metrics::UplinkCounts& counts) {
+  switch (settled.outcome.kind) {
+    case storage::OutcomeKind::kStored:
+      if (settled.rejected_for) {
+        CountRejected(*settled.rejected_for, counts);
+      } else {
+        ++counts.stored;
+      }
+      return;
+    case storage::OutcomeKind::kDuplicate:
+      ++counts.duplicate;
+      return;
+    case storage::OutcomeKind::kRefused:
+      UPLINK_CHECK(settled.outcome.rejection.has_value(), "a refused record has its reason");
+      CountRejected(settled.rejected_for.value_or(settled.outcome.rejection->reason), counts);
+      // A rejection made at judgement was told and is remembered already.
+      if (!settled.rejected_for) {
+        rejects.AddUntold({.seq = settled.seq, .rejection = *settled.outcome.rejection});
+      }
+      return;
+    case storage::OutcomeKind::kFenced:
+      break;
+  }
+  UPLINK_CHECK(false, "fenced records are told by OnFenced");
+}
+
+}  // namespace uplink::robot

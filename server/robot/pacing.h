@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "schema/base/clock.h"
+#include "schema/model/rejection.h"
+
+namespace uplink::robot {
+
+/// How often a robot's mistakes are answered and kept in full: each kind of mistake once per
+/// second. Confined to its owner's lock.
+///
+/// Bounds: one time per reason, and one per field of at most kNoticeFieldsMax fields.
+class Pacing final {
+ public:
+  /// Whether the payload of a rejection for this reason is kept now: one per second.
+  [[nodiscard]] bool KeepPayload(model::RejectReason reason, SteadyTime now);
+  /// Whether a Notice of this field may be sent now: one per second and field, whichever index of a
+  /// list it has.
+  [[nodiscard]] bool MayNotice(const std::string& field, SteadyTime now);
+
+ private:
+  std::array<std::optional<SteadyTime>, model::kRejectReasons + 1> payload_kept_;
+  std::map<std::string, SteadyTime> noticed_;
+};
+
+}  // namespace uplink::robot

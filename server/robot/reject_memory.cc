@@ -1,0 +1,42 @@
+#include "server/robot/reject_memory.h"
+
+#include <algorithm>
+#include <map>
+
+#include "server/robot/limits.h"
+
+namespace uplink::robot {
+
+void RejectMemory::Remember(RejectedSeq rejected) {
+  const auto at = std::ranges::lower_bound(remembered_, rejected.seq, {}, &RejectedSeq::seq);
+  if (at != remembered_.end() && at->seq == rejected.seq) return;
+  remembered_.insert(at, std::move(rejected));
+  if (remembered_.size() > kRejectsRememberedMax) remembered_.pop_front();
+}
+
+void RejectMemory::AddUntold(RejectedSeq rejected) {
+  Remember(rejected);
+  untold_.push_back(std::move(rejected));
+}
+
+std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
+                                                 std::vector<RejectedSeq> stored) {
+  std::map<model::Seq, model::Rejection> known;
+  const auto add = [&](const RejectedSeq& rejected) {
+    if (rejected.seq > settled_seq) known.try_emplace(rejected.seq, rejected.rejection);
+  };
+  for (const RejectedSeq& rejected : remembered_) add(rejected);
+  for (const RejectedSeq& rejected : TakeUntold()) add(rejected);
+  for (RejectedSeq& rejected : stored) {
+    add(rejected);
+    Remember(std::move(rejected));
+  }
+  std::vector<RejectedSeq> again;
+  again.reserve(known.size());
+  for (auto& [seq, rejection] : known) {
+    again.push_back({.seq = seq, .rejection = std::move(rejection)});
+  }
+  return again;
+}
+
+}  // namespace uplink::robot

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "schema/model/ids.h"
+#include "server/robot/rejected_seq.h"
+
+namespace uplink::robot {
+
+/// The Rejects of one session: those that the next Welcome repeats, and the store's that the stream
+/// was not told yet. It decides none. Confined to its owner's lock.
+///
+/// Bounds: kRejectsRememberedMax are remembered, the lowest numbers go first; untold are at most as
+///         many as messages of the robot wait for commits (in_flight_uplinks_max).
+class RejectMemory final {
+ public:
+  /// For the next Welcome. A number that is remembered already stays as it is.
+  void Remember(RejectedSeq rejected);
+  /// The store refused it: the stream is to be told, and the next Welcome too.
+  void AddUntold(RejectedSeq rejected);
+  /// What the stream was not told yet, in order of the commits.
+  [[nodiscard]] std::vector<RejectedSeq> TakeUntold() { return std::exchange(untold_, {}); }
+  /// What a Welcome repeats: all that is known above `settled_seq`, ascending, each number once.
+  /// `stored` is what the store knows besides; it is remembered. Nothing is untold afterwards.
+  [[nodiscard]] std::vector<RejectedSeq> TellAgain(model::Seq settled_seq,
+                                                   std::vector<RejectedSeq> stored);
+
+ private:
+  /// Ascending.
+  std::deque<RejectedSeq> remembered_;
+  std::vector<RejectedSeq> untold_;
+};
+
+}  // namespace uplink::robot

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/robot/wake.h"
+
+namespace uplink::robot {
+
+/// Where a stream stands among the robot's streams.
+enum class StreamPlace : std::uint8_t {
+  /// It is the robot's stream.
+  kCurrent,
+  /// It waits until the older stream has confirmed its end.
+  kWaiting,
+  /// A newer stream took over, or another process holds the robot: it must stop and Detach.
+  kSuperseded,
+};
+
+/// Which stream is the robot's: a newer one replaces the older, which must confirm its end first.
+/// Confined to its owner's lock.
+///
+/// Bounds: one current and one waiting stream; the times of kTakeoversPerMinuteMax + 1 takeovers.
+class Takeover final {
+ public:
+  struct Attached {
+    StreamPlace place = StreamPlace::kCurrent;
+    /// Streams that must be woken: they were superseded.
+    std::vector<StreamRef> to_wake;
+    /// This attach took over from another stream.
+    bool took_over = false;
+    /// The robot changes hands more than kTakeoversPerMinuteMax times a minute, from now on.
+    bool contested = false;
+  };
+  /// A new stream wants the robot.
+  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
+  [[nodiscard]] StreamPlace PlaceOf(StreamRef stream) const;
+  /// The stream takes no more frames: the one that waits, if any, becomes the robot's. Returns the
+  /// robot's stream, or none if the one that left was not it.
+  StreamRef Detach(StreamRef stream);
+  /// Another process holds the robot: the current stream must stop.
+  void Supersede();
+  /// Lets old takeovers go, so that a robot that calmed down is contested no more.
+  void Sweep(SteadyTime now);
+
+  /// The robot's stream; none if it has none.
+  [[nodiscard]] StreamRef current() const { return current_; }
+  /// When the robot's stream, or the last one, came.
+  [[nodiscard]] SystemTime connected_since() const { return connected_since_; }
+  /// More than kTakeoversPerMinuteMax takeovers in the last minute.
+  [[nodiscard]] bool contested() const { return contested_; }
+
+ private:
+  /// Returns true if the robot became contested by it.
+  bool AddTakeover(SteadyTime now);
+
+  StreamRef current_;
+  /// Waits for the current one to confirm its end.
+  StreamRef next_;
+  /// The current stream must stop: superseded by next_, or by another process.
+  bool current_superseded_ = false;
+  bool contested_ = false;
+  SystemTime connected_since_;
+  SystemTime next_since_;
+  std::deque<SteadyTime> takeovers_;
+};
+
+}  // namespace uplink::robot
