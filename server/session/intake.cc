@@ -1,34 +1,14 @@
 #include "server/session/intake.h"
 
-#include <algorithm>
-#include <span>
 #include <utility>
 
+#include "schema/rcan/judge.h"
 #include "server/robot/mutation.h"
+#include "server/session/expiry.h"
 #include "server/session/frames.h"
 
 namespace uplink::session {
 namespace {
-
-/// A later live message of the same frame replaces these kinds whole.
-bool ReplacedWhole(model::Variant variant) {
-  const std::optional<storage::LivePart> part = robot::PartOfVariant(variant);
-  return part && storage::RowOf(*part).keys_max == 1;
-}
-
-/// An upsert whose expiry has passed on arrival is neither stored nor forwarded.
-bool ExpiredOnArrival(const model::Body& body, SystemTime now) {
-  const auto passed = [now](std::int64_t expiry_ms) {
-    return expiry_ms != 0 && expiry_ms <= UnixMs(now);
-  };
-  if (const auto* shape = std::get_if<model::ShapeOp>(&body)) {
-    return shape->upsert() != nullptr && passed(shape->upsert()->expire_time_ms);
-  }
-  if (const auto* object = std::get_if<model::ObjectOp>(&body)) {
-    return object->upsert() != nullptr && passed(object->upsert()->expires_unix_time_ms);
-  }
-  return false;
-}
 
 model::Rejection NoContent() {
   return {.reason = model::RejectReason::kUnsupportedContent,
@@ -38,64 +18,37 @@ model::Rejection NoContent() {
 
 }  // namespace
 
-Intake::Intake(const SessionContext& context, robot::Robot& robot, storage::RobotRef id,
-               const model::SessionId& session, std::uint64_t generation)
+Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::SessionId& session,
+               std::uint64_t generation)
     : context_(context),
-      journal_(context.journals.Of(id->ruri)),
       robot_(robot),
-      id_(std::move(id)),
+      id_(robot.id()),
+      journal_(context.journals.Of(id_->ruri)),
       session_(session),
       generation_(generation) {}
 
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
-  uplinks_ = uplinks;
+  batch_.Begin(uplinks);
   arrived_ = arrived;
   received_at_ = received_at;
 }
 
-void Intake::Keep() {
-  if (!pending() || kept_ != nullptr) return;
-  auto kept = std::make_unique<Kept>();
-  kept->uplinks.assign(uplinks_.begin(), uplinks_.end());
-  std::size_t bytes = 0;
-  for (const UplinkView& uplink : uplinks_) bytes += uplink.payload.size();
-  kept->bytes.reserve(bytes);
-  // There is room for all, so appending moves no byte.
-  for (UplinkView& uplink : kept->uplinks) {
-    kept->bytes.append(uplink.payload);
-    uplink.payload =
-        std::string_view(kept->bytes).substr(kept->bytes.size() - uplink.payload.size());
-  }
-  uplinks_ = kept->uplinks;
-  kept_ = std::move(kept);
-}
-
-void Intake::Drop() {
-  uplinks_ = {};
-  kept_.reset();
-}
-
 Hold Intake::Holding(std::size_t outgoing) const {
-  if (robot_.sessions.in_flight() >= context_.limits.in_flight_uplinks_max) return Hold::kInFlight;
-  if (!journal_.HasRoom()) return Hold::kJournal;
-  if (outgoing >= kOutgoingFramesMax) return Hold::kOutgoing;
-  const std::optional<SteadyTime> throttled = throttle_end();
-  if (throttled && context_.clock.Steady() < *throttled) return Hold::kThrottled;
-  return Hold::kNone;
-}
-
-std::optional<SteadyTime> Intake::throttle_end() const {
-  if (malformed_ <= kMalformedPerSecondMax) return std::nullopt;
-  return malformed_since_ + std::chrono::seconds(1);
+  return HoldNow({.sessions = robot_.sessions,
+                  .journal = journal_,
+                  .throttle = throttle_,
+                  .limits = context_.limits,
+                  .clock = context_.clock},
+                 outgoing);
 }
 
 Intake::Taken Intake::Take(std::size_t outgoing) {
   Taken taken;
   new_before_ = 0;
   while (pending() && !taken.is_void && Holding(outgoing + taken.frames.size()) == Hold::kNone) {
-    TakeOne(uplinks_.front(), taken);
-    uplinks_ = uplinks_.subspan(1);
+    TakeUplink(batch_.front(), taken);
+    batch_.PopFront();
   }
   SettleRun();
   if (std::exchange(sign_of_life_, false)) {
@@ -120,7 +73,28 @@ void Intake::SettleRun() {
   robot_.sessions.AddSettled(session_, std::exchange(unsettled_, 0));
 }
 
-void Intake::TakeDuplicate(const robot::Seen& seen, Taken& taken) {
+void Intake::TakeUplink(const UplinkView& uplink, Taken& taken) {
+  const robot::Seen seen = See(uplink.seq);
+  new_before_ = 0;
+  if (seen.place == robot::Place::kVoid) {
+    taken.is_void = true;
+    return;
+  }
+  if (seen.place == robot::Place::kDuplicate) return CountDuplicate(seen, taken);
+  new_before_ = uplink.seq;
+  ++taken.messages;
+  if (seen.missing_first > 0) AppendGap(seen);
+  switch (uplink.content) {
+    case UplinkView::Content::kRoverNexus:
+      return JudgeRoverNexus(uplink, taken);
+    case UplinkView::Content::kRcanRobotState:
+      return JudgeRcan(uplink, taken);
+    case UplinkView::Content::kNone:
+      return Reject(uplink, NoContent(), metrics::kUnknownKind, taken);
+  }
+}
+
+void Intake::CountDuplicate(const robot::Seen& seen, Taken& taken) {
   ++counts_.received;
   ++counts_.duplicate;
   if (robot::Planted(robot::Mutation::kDuplicateNotAcked)) return;
@@ -128,43 +102,7 @@ void Intake::TakeDuplicate(const robot::Seen& seen, Taken& taken) {
   if (!seen.waits) taken.ack_owed = true;
 }
 
-void Intake::TakeOne(const UplinkView& uplink, Taken& taken) {
-  const robot::Seen seen = See(uplink.seq);
-  new_before_ = 0;
-  if (seen.place == robot::Place::kVoid) {
-    taken.is_void = true;
-    return;
-  }
-  if (seen.place == robot::Place::kDuplicate) return TakeDuplicate(seen, taken);
-  new_before_ = uplink.seq;
-  ++taken.messages;
-  if (seen.missing_first > 0) NoteMissing(seen);
-  switch (uplink.content) {
-    case UplinkView::Content::kRoverNexus:
-      return TakeRoverNexus(uplink, taken);
-    case UplinkView::Content::kRcanRobotState:
-      return TakeRcan(uplink, taken);
-    case UplinkView::Content::kNone:
-      return TakeRejected(uplink, NoContent(), metrics::kUnknownKind, taken);
-  }
-}
-
-void Intake::TakeRoverNexus(const UplinkView& uplink, Taken& taken) {
-  schema::Judgement judgement = context_.judge.Payload(std::as_bytes(std::span(uplink.payload)));
-  sign_of_life_ = sign_of_life_ || judgement.sign_of_life;
-  if (judgement.times_unknown > 0 || judgement.enumerants_unrecognized > 0) {
-    context_.ledger.CountOdd(judgement.times_unknown, judgement.enumerants_unrecognized);
-  }
-  if (const model::Rejection* rejection = judgement.rejection()) {
-    const std::size_t kind =
-        judgement.variant ? static_cast<std::size_t>(*judgement.variant) : metrics::kUnknownKind;
-    TakeRejected(uplink, *rejection, kind, taken);
-  } else {
-    TakeRecord(uplink, judgement, taken);
-  }
-}
-
-void Intake::NoteMissing(const robot::Seen& seen) {
+void Intake::AppendGap(const robot::Seen& seen) {
   counts_.missing += seen.missing_last - seen.missing_first + 1;
   robot_.sessions.AddGap();
   journal_.AppendGap(robot_.sessions, generation_,
@@ -175,39 +113,74 @@ void Intake::NoteMissing(const robot::Seen& seen) {
                       .seen_at = received_at_});
 }
 
-void Intake::TakeRecord(const UplinkView& uplink, schema::Judgement& judgement, Taken& taken) {
-  auto& record = std::get<model::Record>(judgement.verdict);
+void Intake::JudgeRoverNexus(const UplinkView& uplink, Taken& taken) {
+  schema::Judgement judgement = context_.judge.Payload(std::as_bytes(std::span(uplink.payload)));
+  sign_of_life_ = sign_of_life_ || judgement.sign_of_life;
+  if (judgement.times_unknown > 0 || judgement.enumerants_unrecognized > 0) {
+    context_.ledger.CountOdd(judgement.times_unknown, judgement.enumerants_unrecognized);
+  }
+  if (const model::Rejection* rejection = judgement.rejection()) {
+    const std::size_t kind =
+        judgement.variant ? static_cast<std::size_t>(*judgement.variant) : metrics::kUnknownKind;
+    return Reject(uplink, *rejection, kind, taken);
+  }
+  Accept(uplink, std::get<model::Record>(judgement.verdict), taken);
+}
+
+void Intake::JudgeRcan(const UplinkView& uplink, Taken& taken) {
+  schema::RcanJudgement judgement =
+      schema::JudgeRcanState(uplink.payload, id_->ruri, context_.limits.message_bytes_max);
+  sign_of_life_ = sign_of_life_ || (judgement.sign_of_life && context_.limits.rcan_counts_as_life);
+  if (const model::Rejection* rejection = judgement.rejection()) {
+    return Reject(uplink, *rejection, metrics::kRcanKind, taken);
+  }
+  if (rcan_order_ == nullptr) rcan_order_ = std::make_unique<RcanOrder>();
+  auto& state = std::get<model::RcanState>(judgement.verdict);
+  counts_.rcan_missing += rcan_order_->See(state);
+  const RcanOrder::Place place = rcan_order_->PlaceOf(state);
+  if (place == RcanOrder::Place::kOlder) {
+    return Reject(
+        uplink,
+        schema::NotMonotonic("timestamp_us", state.timestamp_us, rcan_order_->last_timestamp_us()),
+        metrics::kRcanKind, taken);
+  }
+  ++counts_.rcan_states;
+  TellDropped(uplink.seq, judgement.dropped, metrics::kRcanKind, taken);
+  unsettled_ = uplink.seq;
+  if (place == RcanOrder::Place::kSame) return CountSuperseded();
+  rcan_order_->Take(state);
+  const FrameLive::Before before = context_.scratch.live.Add(std::move(state));
+  if (before == FrameLive::Before::kReplaced) CountSuperseded();
+}
+
+void Intake::Accept(const UplinkView& uplink, model::Record& record, Taken& taken) {
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
-    NoteDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()), taken);
+    TellDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()), taken);
     unsettled_ = uplink.seq;
-    return TakeLive(std::move(record));
+    return AddLive(std::move(record));
   }
   if (ExpiredOnArrival(record.body(), received_at_)) {
     unsettled_ = uplink.seq;
-    ++counts_.received;
-    ++counts_.superseded;
-    return;
+    return CountSuperseded();
   }
   robot_.state.Note(record.body(), received_at_);
   Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
 }
 
-void Intake::TakeLive(model::Record record) {
-  std::vector<model::Record>& live = context_.scratch.live;
-  if (ReplacedWhole(record.variant())) {
-    const auto before = std::ranges::find(live, record.variant(), &model::Record::variant);
-    if (before != live.end()) {
-      ++counts_.received;
-      ++counts_.superseded;
-      std::swap(*before, record);
-      return context_.judge.Reuse(std::move(record));
-    }
+void Intake::AddLive(model::Record record) {
+  if (std::optional<model::Record> replaced = context_.scratch.live.Add(std::move(record))) {
+    CountSuperseded();
+    context_.judge.Reuse(*std::move(replaced));
   }
-  live.push_back(std::move(record));
 }
 
-void Intake::NoteDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
+void Intake::CountSuperseded() {
+  ++counts_.received;
+  ++counts_.superseded;
+}
+
+void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
                          std::size_t kind, Taken& taken) {
   if (dropped.empty()) return;
   robot_.state.CountDropped(dropped.size());
@@ -220,9 +193,10 @@ void Intake::NoteDropped(model::Seq seq, std::span<const model::DroppedField> dr
   }
 }
 
-void Intake::TakeRejected(const UplinkView& uplink, const model::Rejection& rejection,
-                          std::size_t kind, Taken& taken) {
-  NoteMalformed();
+void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
+                    Taken& taken) {
+  // Now, not the frame's arrival: a large frame may be taken over several seconds.
+  throttle_.AddMalformed(context_.clock.Steady());
   context_.ledger.CountRejected(kind, rejection.reason);
   taken.frames.push_back(RejectFrame(uplink.seq, rejection));
   robot_.sessions.Remember(session_, uplink.seq, rejection);
@@ -232,16 +206,6 @@ void Intake::TakeRejected(const UplinkView& uplink, const model::Rejection& reje
   }
   Append(uplink.seq, storage::QuarantineItem{.rejection = rejection}, std::move(kept),
          uplink.payload.size());
-}
-
-void Intake::NoteMalformed() {
-  // Now, not the frame's arrival: a large frame may be taken over several seconds.
-  const SteadyTime now = context_.clock.Steady();
-  if (now - malformed_since_ >= std::chrono::seconds(1)) {
-    malformed_since_ = now;
-    malformed_ = 0;
-  }
-  ++malformed_;
 }
 
 void Intake::Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
@@ -270,18 +234,9 @@ void Intake::Append(model::Seq seq, std::variant<model::Record, storage::Quarant
 }
 
 void Intake::ApplyLive() {
-  std::vector<model::Record>& live = context_.scratch.live;
-  if (auto rcan = std::exchange(context_.scratch.rcan, std::nullopt)) {
-    ++counts_.received;
-    ++counts_.applied;
-    robot_.state.Apply(*std::move(rcan), arrived_);
-  }
-  if (live.empty()) return;
-  counts_.received += live.size();
-  counts_.applied += live.size();
-  robot_.state.Apply(live, arrived_);
-  for (model::Record& record : live) context_.judge.Reuse(std::move(record));
-  live.clear();
+  const std::size_t applied = context_.scratch.live.Apply(robot_.state, arrived_, context_.judge);
+  counts_.received += applied;
+  counts_.applied += applied;
 }
 
 void Intake::Publish() {

@@ -1,5 +1,6 @@
 #include "server/session/session.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,7 +18,12 @@ constexpr std::string_view kNoRequest =
 
 Session::Session(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self,
                  FrameSource& source, FrameSink& sink)
-    : context_(context), peer_(std::move(peer)), self_(self), source_(source), sink_(sink) {
+    : context_(context),
+      peer_(std::move(peer)),
+      sink_(sink),
+      robot_(context_, self),
+      reading_({.context = context_, .robot = robot_, .source = source, .timers = timers_}),
+      outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}) {
   context_.probe.streams.Add();
   context_.probe.streams_total.Add();
 }
@@ -28,12 +34,14 @@ Session::~Session() {
 }
 
 void Session::Start() {
-  hello_until_ = context_.clock.Steady() + kHelloWait;
-  Read();
+  timers_.Set(Timer::kHello, context_.clock.Steady() + kHelloWait);
+  reading_.Request();
 }
 
+// --- Frames ---
+
 void Session::OnFrame(std::string_view bytes) {
-  read_under_way_ = false;
+  reading_.OnAnswer();
   if (state_ != State::kHello && state_ != State::kStreaming) return;
   ++frames_;
   context_.probe.frames_total.Add();
@@ -51,6 +59,16 @@ void Session::OnFrame(std::string_view bytes) {
   }
 }
 
+void Session::OnFrameTooLarge(std::uint64_t bytes) {
+  reading_.OnAnswer();
+  if (state_ != State::kHello && state_ != State::kStreaming) return;
+  ++frames_;
+  context_.probe.protocol_errors_total.Add();
+  Finish(absl::ResourceExhaustedError(
+      fmt::format("frame {}: {} bytes, the limit is {} (limits.frame_bytes_max)", frames_, bytes,
+                  context_.limits.frame_bytes_max)));
+}
+
 void Session::TakeHelloFrame(std::string_view bytes) {
   v1::RelayRequest frame;
   if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
@@ -60,23 +78,8 @@ void Session::TakeHelloFrame(std::string_view bytes) {
   TakeHello(frame.hello());
 }
 
-void Session::OnFrameTooLarge(std::uint64_t bytes) {
-  read_under_way_ = false;
-  if (state_ != State::kHello && state_ != State::kStreaming) return;
-  ++frames_;
-  context_.probe.protocol_errors_total.Add();
-  Finish(absl::ResourceExhaustedError(
-      fmt::format("frame {}: {} bytes, the limit is {} (limits.frame_bytes_max)", frames_, bytes,
-                  context_.limits.frame_bytes_max)));
-}
-
-void Session::ProtocolError(std::string_view rule) {
-  context_.probe.protocol_errors_total.Add();
-  Finish(absl::InvalidArgumentError(fmt::format("frame {}: {}", frames_, rule)));
-}
-
 void Session::TakeHello(const v1::Hello& hello) {
-  hello_until_.reset();
+  timers_.Clear(Timer::kHello);
   auto terms = CheckHello(hello, peer_);
   if (!terms.ok()) {
     const bool identity =
@@ -84,58 +87,30 @@ void Session::TakeHello(const v1::Hello& hello) {
     (identity ? context_.probe.refused_identity_total : context_.probe.protocol_errors_total).Add();
     return Finish(terms.status());
   }
-  hello_ = *std::move(terms);
-  const auto robot = context_.fleet.FindOrAdmit(hello_.robot);
-  if (!robot.ok()) {
-    context_.probe.refused_full_total.Add();
-    return Finish(robot.status());
-  }
-  robot_ = *robot;
-  const robot::Takeover::Attached attached =
-      robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
-  if (attached.took_over) context_.probe.takeovers_total.Add();
-  if (attached.contested) context_.probe.contested_total.Add();
-  for (const robot::StreamRef stream : attached.to_wake) stream.Wake();
-  if (attached.place == robot::StreamPlace::kCurrent) return BeginOpening();
+  const absl::StatusOr<robot::StreamPlace> place = robot_.Attach(*std::move(terms));
+  if (!place.ok()) return Finish(place.status());
+  if (*place == robot::StreamPlace::kCurrent) return BeginOpening();
   state_ = State::kAttaching;
 }
 
 void Session::BeginOpening() {
   const SteadyTime now = context_.clock.Steady();
-  const auto begun = robot_->sessions.Begin(hello_.session, now);
-  if (!begun) {
-    return Finish(absl::ResourceExhaustedError(
-        fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax)));
-  }
-  open_id_ = begun->open_id;
+  const absl::StatusOr<std::uint64_t> generation = robot_.Open(now);
+  if (!generation.ok()) return Finish(generation.status());
   state_ = State::kOpening;
-  welcome_at_ = now + kWelcomeWait;
-  intake_ =
-      std::make_unique<Intake>(context_, *robot_, robot_->id(), hello_.session, begun->generation);
-  context_.journals.Of(robot_->ruri())
-      .Open(robot_->sessions, open_id_,
-            {.robot = robot_->id(),
-             .session = hello_.session,
-             .settled_seq = hello_.settled_seq,
-             .at = context_.clock.System(),
-             .sessions_held = robot_->sessions.Held()});
+  timers_.Set(Timer::kWelcome, now + kWelcomeWait);
+  intake_ = std::make_unique<Intake>(context_, robot_.robot(), robot_.session(), *generation);
 }
 
 void Session::SendWelcome() {
-  welcome_at_.reset();
+  timers_.Clear(Timer::kWelcome);
   state_ = State::kStreaming;
-  robot_->state.StreamBegan();
-  const robot::Resume resume =
-      robot_->sessions.ResumeFrom(hello_.session, open_id_, hello_.settled_seq, hello_.judged_seq);
-  if (resume.committed > 0) context_.probe.resumes_total.Add();
-  outgoing_.push_back(
-      WelcomeFrame(robot_->ruri(), resume.committed, context_.limits, context_.clock.System()));
-  for (const robot::RejectedSeq& rejected : resume.rejects) {
-    outgoing_.push_back(RejectFrame(rejected.seq, rejected.rejection));
-  }
-  ack_due_ = true;
-  Flush();
-  Read();
+  const robot::Resume resume = robot_.Resume();
+  outgoing_.Push(WelcomeFrame(robot_.robot().ruri(), resume.committed, context_.limits,
+                              context_.clock.System()));
+  outgoing_.PushRejects(resume.rejects);
+  outgoing_.MakeAckDue();
+  Advance(News::kNone);
 }
 
 void Session::TakeBatch() {
@@ -147,32 +122,44 @@ void Session::TakeBatch() {
   }
   const SystemTime now = context_.clock.System();
   if (batch.sent_unix_ms > 0) {
-    robot_->state.NoteClockSkew(batch.sent_unix_ms - UnixMs(now));
+    robot_.robot().state.NoteClockSkew(batch.sent_unix_ms - UnixMs(now));
   }
   if (!batch.uplinks.empty()) {
     last_seq_ = batch.uplinks.back().seq;
     intake_->Begin(batch.uplinks, context_.clock.Steady(), now);
-    TakePending();
-    // The frame's bytes are the transport's, until this returns.
-    intake_->Keep();
   }
-  Flush();
-  Read();
+  Advance(News::kNone);
+  // The frame's bytes are the transport's, until this returns.
+  intake_->Keep();
 }
 
-void Session::TakePending() {
-  Intake::Taken taken = intake_->Take(outgoing_.size());
-  for (v1::RelayResponse& frame : taken.frames) outgoing_.push_back(std::move(frame));
-  unacked_messages_ += taken.messages;
-  if (taken.ack_owed || unacked_messages_ >= kAckMessages) ack_due_ = true;
-  if (unacked_messages_ > 0 && !ack_at_) {
-    ack_at_ = context_.clock.Steady() + context_.limits.ack_interval;
+void Session::TakePending() { outgoing_.AddTaken(intake_->Take(outgoing_.size())); }
+
+// --- What every call ends with ---
+
+void Session::Advance(News news) {
+  if (intake_ != nullptr && intake_->pending()) TakePending();
+  if (news == News::kCommits) outgoing_.AddProgress();
+  outgoing_.Flush();
+  EndWhenSettled();
+  if (news != News::kLastFrame) Read();
+}
+
+void Session::EndWhenSettled() {
+  if (state_ != State::kSettling || intake_->pending()) return;
+  if (robot_.waiting() > 0) return;
+  // Another process took the robot, and what waited with it: the wake that is on its way ends this.
+  if (robot_.place() == robot::StreamPlace::kSuperseded) return;
+  if (!last_ack_queued_) {
+    last_ack_queued_ = true;
+    outgoing_.MakeAckDue();
+    outgoing_.Flush();
   }
+  if (outgoing_.idle()) Finish(end_status_);
 }
 
 void Session::Read() {
-  if (read_under_way_) return NoteStall();
-  if (state_ == State::kHello) return RequestRead();
+  if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
   // One look decides: what keeps the stream back is what it then waits for.
   Hold hold = intake_->Holding(outgoing_.size());
@@ -180,60 +167,23 @@ void Session::Read() {
     TakePending();
     hold = intake_->Holding(outgoing_.size());
   }
-  Flush();
-  NoteStall();
-  SetHeldBack(hold != Hold::kNone);
-  read_again_at_.reset();
-  switch (hold) {
-    case Hold::kNone:
-      return RequestRead();
-    case Hold::kInFlight:  // a commit of the robot wakes the stream
-    case Hold::kOutgoing:  // a write that is done calls
-      return;
-    case Hold::kJournal:
-      return context_.journals.Of(robot_->ruri()).WhenRoom(self_);
-    case Hold::kThrottled:
-      read_again_at_ = intake_->throttle_end();
-      return;
-  }
+  outgoing_.Flush();
+  reading_.WatchPeer(outgoing_.size());
+  reading_.RequestUnless(hold, intake_->throttle_end());
 }
 
-void Session::RequestRead() {
-  read_under_way_ = true;
-  source_.RequestRead();
-}
-
-void Session::NoteStall() {
-  if (outgoing_.size() < kOutgoingFramesMax) {
-    stalled_at_.reset();
-  } else if (!stalled_at_) {
-    stalled_at_ = context_.clock.Steady() + kPeerStallMax;
-  }
-}
-
-void Session::SetHeldBack(bool held_back) {
-  if (held_back_ == held_back) return;
-  held_back_ = held_back;
-  context_.probe.held_back.Add(held_back ? 1 : -1);
-  if (held_back) context_.probe.held_back_total.Add();
-  robot_->state.SetReading(
-      held_back ? robot::RobotState::Reading::kHeldBack : robot::RobotState::Reading::kFlowing,
-      context_.clock.Steady());
-}
+// --- Writes, wakes, timers ---
 
 void Session::OnWritten() {
-  write_under_way_ = false;
+  outgoing_.OnWritten();
   if (state_ == State::kDone) return;
-  stalled_at_.reset();
-  if (intake_ != nullptr && intake_->pending()) TakePending();
-  Flush();
-  EndWhenSettled();
-  Read();
+  timers_.Clear(Timer::kStall);
+  Advance(News::kNone);
 }
 
 void Session::OnWake() {
-  if (state_ == State::kDone || robot_ == nullptr) return;
-  switch (robot_->sessions.PlaceOf(self_)) {
+  if (state_ == State::kDone || !robot_.attached()) return;
+  switch (robot_.place()) {
     case robot::StreamPlace::kSuperseded:
       context_.probe.superseded_total.Add();
       return Finish(absl::AbortedError("superseded"));
@@ -244,15 +194,102 @@ void Session::OnWake() {
   }
   if (state_ == State::kAttaching) BeginOpening();
   if (state_ == State::kOpening) {
-    if (robot_->sessions.Opened(open_id_)) SendWelcome();
+    if (robot_.opened()) SendWelcome();
     return;
   }
   if (state_ == State::kDone) return;
-  if (intake_->pending()) TakePending();
-  TakeProgress();
-  Flush();
-  EndWhenSettled();
-  Read();
+  Advance(News::kCommits);
+}
+
+void Session::OnTimer() {
+  if (state_ == State::kDone) return;
+  const SteadyTime now = context_.clock.Steady();
+  if (timers_.Due(Timer::kHello, now)) {
+    frames_ = 1;
+    return ProtocolError(fmt::format("no hello within {} s", kHelloWait.count()));
+  }
+  if (state_ == State::kOpening && timers_.Due(Timer::kWelcome, now)) return SendWelcome();
+  if (timers_.Due(Timer::kSettle, now)) {
+    return Finish(absl::UnavailableError("not all was settled within drain.timeout"));
+  }
+  if (timers_.Due(Timer::kStall, now)) {
+    context_.probe.peer_stalls_total.Add();
+    Finish(absl::ResourceExhaustedError(
+        fmt::format("the agent read nothing for {} s while {} frames waited for it",
+                    kPeerStallMax.count(), outgoing_.size())));
+    return sink_.Cancel();
+  }
+  if (timers_.Due(Timer::kAck, now)) {
+    timers_.Clear(Timer::kAck);
+    outgoing_.MakeAckDue();
+  }
+  Advance(News::kNone);
+}
+
+std::optional<SteadyTime> Session::deadline() const {
+  if (state_ == State::kDone) return std::nullopt;
+  return timers_.Next();
+}
+
+// --- How a stream ends: half-closed, drained, broken, invalid ---
+
+void Session::OnHalfClose() {
+  reading_.OnAnswer();
+  if (state_ == State::kHello) {
+    ++frames_;
+    return ProtocolError("the stream was half-closed before a hello");
+  }
+  if (state_ != State::kStreaming) return;
+  state_ = State::kSettling;
+  end_status_ = absl::OkStatus();
+  timers_.Set(Timer::kSettle, context_.clock.Steady() + context_.limits.drain_timeout);
+  reading_.SetHeld(ReadGate::Held::kNo);
+  Advance(News::kLastFrame);
+}
+
+void Session::OnDrain(milliseconds grace) {
+  const absl::Status drained = absl::UnavailableError("the server drains");
+  if (state_ == State::kDone) return;
+  if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(drained);
+  outgoing_.Push(DrainFrame(grace));
+  if (state_ == State::kStreaming) {
+    // What was not judged yet was not taken: the agent sends it again.
+    intake_->Drop();
+    state_ = State::kSettling;
+    end_status_ = drained;
+    // It is we who do not listen any more, so the robot must not become offline.
+    reading_.SetHeld(ReadGate::Held::kYes);
+  }
+  const SteadyTime until = context_.clock.Steady() + grace;
+  timers_.Set(Timer::kSettle, std::min(until, timers_.at(Timer::kSettle).value_or(until)));
+  Advance(News::kLastFrame);
+}
+
+void Session::OnBroken() {
+  if (state_ == State::kDone) return;
+  context_.probe.ended_total[kStreamBroken].Add();
+  Leave();
+}
+
+void Session::ProtocolError(std::string_view rule) {
+  context_.probe.protocol_errors_total.Add();
+  Finish(absl::InvalidArgumentError(fmt::format("frame {}: {}", frames_, rule)));
+}
+
+void Session::Finish(const absl::Status& status) {
+  if (state_ == State::kDone) return;
+  const auto code = static_cast<std::size_t>(status.code());
+  context_.probe.ended_total[std::min(code, kStreamBroken - 1)].Add();
+  Leave();
+  sink_.Finish(status);
+}
+
+void Session::Leave() {
+  if (state_ == State::kDone) return;
+  state_ = State::kDone;
+  if (!robot_.attached()) return;
+  reading_.SetHeld(ReadGate::Held::kNo);
+  robot_.Detach();
 }
 
 }  // namespace uplink::session

@@ -1,18 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include <absl/status/status.h>
 
 #include "server/identity/peer_identity.h"
+#include "server/session/attachment.h"
+#include "server/session/context.h"
 #include "server/session/frame_sink.h"
-#include "server/session/hello.h"
 #include "server/session/intake.h"
+#include "server/session/outgoing.h"
+#include "server/session/read_gate.h"
+#include "server/session/stream_timers.h"
 
 namespace uplink::session {
 
@@ -67,62 +69,49 @@ class Session final {
     kSettling,
     kDone,
   };
+  /// What a call brings besides its own work, for Advance.
+  enum class News : std::uint8_t {
+    kNone,
+    /// Commits may have settled messages.
+    kCommits,
+    /// The stream is read no more.
+    kLastFrame,
+  };
 
+  void TakeHelloFrame(std::string_view bytes);
   void TakeHello(const v1::Hello& hello);
   void BeginOpening();
   void SendWelcome();
-  void TakeHelloFrame(std::string_view bytes);
   void TakeBatch();
   void TakePending();
-  void TakeProgress();
-  void NoteReleased(const std::vector<SteadyTime>& released);
-  void Read();
-  void RequestRead();
-  void NoteStall();
-  void SetHeldBack(bool held_back);
-  void Flush();
-  bool WriteNext();
-  [[nodiscard]] std::optional<v1::RelayResponse> NextAck();
+
+  /// What every call ends with, in this order: take what is pending, collect what commits brought,
+  /// write, end the stream once all is settled, and ask for the next frame.
+  void Advance(News news);
   void EndWhenSettled();
+  void Read();
+
+  void ProtocolError(std::string_view rule);
   void Finish(const absl::Status& status);
   void Leave();
-  void ProtocolError(std::string_view rule);
 
   const SessionContext context_;
   const identity::PeerIdentity peer_;
-  const robot::StreamRef self_;
-  FrameSource& source_;
   FrameSink& sink_;
 
   State state_ = State::kHello;
   std::uint64_t frames_ = 0;
-  bool read_under_way_ = false;
-  bool write_under_way_ = false;
-  bool held_back_ = false;
-
-  HelloTerms hello_;
-  robot::Robot* robot_ = nullptr;
-  std::uint64_t open_id_ = 0;
-  std::unique_ptr<Intake> intake_;
   model::Seq last_seq_ = 0;
-
-  std::deque<v1::RelayResponse> outgoing_;
-  /// The highest numbers that an Ack of this stream has said.
-  model::Seq acked_through_ = 0;
-  model::Seq acked_judged_ = 0;
-  bool ack_due_ = false;
-  std::size_t unacked_messages_ = 0;
-  std::vector<SteadyTime> released_;
   /// With what kSettling ends; set once nothing waits and the last Ack is due.
   absl::Status end_status_;
   bool last_ack_queued_ = false;
 
-  std::optional<SteadyTime> hello_until_;
-  std::optional<SteadyTime> read_again_at_;
-  std::optional<SteadyTime> ack_at_;
-  std::optional<SteadyTime> welcome_at_;
-  std::optional<SteadyTime> stalled_at_;
-  std::optional<SteadyTime> settle_until_;
+  StreamTimers timers_;
+  Attachment robot_;
+  ReadGate reading_;
+  /// From kOpening on.
+  std::unique_ptr<Intake> intake_;
+  Outgoing outgoing_;
 };
 
 }  // namespace uplink::session

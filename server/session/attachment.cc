@@ -1,0 +1,51 @@
+#include "server/session/attachment.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace uplink::session {
+
+absl::StatusOr<robot::StreamPlace> Attachment::Attach(HelloTerms terms) {
+  terms_ = std::move(terms);
+  const auto robot = context_.fleet.FindOrAdmit(terms_.robot);
+  if (!robot.ok()) {
+    context_.probe.refused_full_total.Add();
+    return robot.status();
+  }
+  robot_ = *robot;
+  const robot::Takeover::Attached attached =
+      robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
+  if (attached.took_over) context_.probe.takeovers_total.Add();
+  if (attached.contested) context_.probe.contested_total.Add();
+  for (const robot::StreamRef stream : attached.to_wake) stream.Wake();
+  return attached.place;
+}
+
+absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
+  const auto begun = robot_->sessions.Begin(terms_.session, now);
+  if (!begun) {
+    return absl::ResourceExhaustedError(
+        fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax));
+  }
+  open_id_ = begun->open_id;
+  journal().Open(robot_->sessions, open_id_,
+                 {.robot = robot_->id(),
+                  .session = terms_.session,
+                  .settled_seq = terms_.settled_seq,
+                  .at = context_.clock.System(),
+                  .sessions_held = robot_->sessions.Held()});
+  return begun->generation;
+}
+
+robot::Resume Attachment::Resume() {
+  robot_->state.StreamBegan();
+  robot::Resume resume =
+      robot_->sessions.ResumeFrom(terms_.session, open_id_, terms_.settled_seq, terms_.judged_seq);
+  if (resume.committed > 0) context_.probe.resumes_total.Add();
+  return resume;
+}
+
+void Attachment::Detach() { robot_->sessions.Detach(self_, context_.clock.Steady()).Wake(); }
+
+}  // namespace uplink::session

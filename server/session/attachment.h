@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/robot/robot.h"
+#include "server/session/context.h"
+#include "server/session/hello.h"
+
+namespace uplink::session {
+
+/// The robot as one stream holds it, from its Hello to its end: its place among the robot's
+/// streams, and the session that it opened. Confined to the stream's thread.
+class Attachment final {
+ public:
+  Attachment(const SessionContext& context, robot::StreamRef self)
+      : context_(context), self_(self) {}
+
+  /// Admits the robot and asks for the place of its stream; streams that it replaces are woken.
+  ///
+  /// Errors: kResourceExhausted if the server admits no more robots.
+  [[nodiscard]] absl::StatusOr<robot::StreamPlace> Attach(HelloTerms terms);
+  /// Begins the session and asks the store for its cursor. Returns the generation under which the
+  /// stream's records are written (RobotSessions::Begin).
+  ///
+  /// Errors: kResourceExhausted if all sessions of the robot wait for the store.
+  [[nodiscard]] absl::StatusOr<std::uint64_t> Open(SteadyTime now);
+  /// What Welcome says.
+  [[nodiscard]] robot::Resume Resume();
+  /// The stream takes no more frames: the one that waits for the robot is woken.
+  void Detach();
+
+  /// Attach has found the robot. All below only then.
+  [[nodiscard]] bool attached() const { return robot_ != nullptr; }
+  [[nodiscard]] robot::Robot& robot() { return *robot_; }
+  [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
+  [[nodiscard]] robot::StreamRef self() const { return self_; }
+  [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
+  [[nodiscard]] robot::StreamPlace place() const { return robot_->sessions.PlaceOf(self_); }
+  /// The store has answered Open.
+  [[nodiscard]] bool opened() const { return robot_->sessions.Opened(open_id_); }
+  /// Messages of the session that wait for their commit.
+  [[nodiscard]] std::size_t waiting() const { return robot_->sessions.waiting(terms_.session); }
+  /// How far the session is, with the store's Rejects that were not told yet.
+  [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
+
+ private:
+  const SessionContext& context_;
+  const robot::StreamRef self_;
+  HelloTerms terms_;
+  robot::Robot* robot_ = nullptr;
+  std::uint64_t open_id_ = 0;
+};
+
+}  // namespace uplink::session

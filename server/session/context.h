@@ -1,0 +1,35 @@
+#pragma once
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/judge.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/shards.h"
+#include "server/session/frame_live.h"
+#include "server/session/frame_view.h"
+#include "server/session/limits.h"
+#include "server/session/probe.h"
+
+namespace uplink::session {
+
+/// What the sessions of one thread use one after the other, so that none needs memory of its own
+/// for a frame.
+struct IntakeScratch {
+  BatchView batch;
+  FrameLive live;
+};
+
+/// What a whole server shares with its sessions, and what a queue's sessions share: the judge, the
+/// ledger page and the scratch belong to the queue's thread.
+struct SessionContext {
+  const Clock& clock;
+  fleet::Fleet& fleet;
+  const journal::Shards& journals;
+  SessionProbe& probe;
+  metrics::Ledger& ledger;
+  schema::Judge& judge;
+  const SessionLimits& limits;
+  IntakeScratch& scratch;
+};
+
+}  // namespace uplink::session

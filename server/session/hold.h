@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "schema/base/clock.h"
+#include "server/journal/journal.h"
+#include "server/robot/robot_sessions.h"
+#include "server/session/limits.h"
+#include "server/session/throttle.h"
+
+namespace uplink::session {
+
+/// Why no message of a stream may be taken (protocol: Holding back).
+enum class Hold : std::uint8_t {
+  kNone,
+  /// in_flight_uplinks_max of the robot's messages wait for commits.
+  kInFlight,
+  /// The journal is full.
+  kJournal,
+  /// The peer does not read.
+  kOutgoing,
+  /// Too many malformed messages in this second.
+  kThrottled,
+};
+
+/// What decides whether a stream is held back. All of it outlives the look.
+struct HoldSources {
+  const robot::RobotSessions& sessions;
+  const journal::Journal& journal;
+  const Throttle& throttle;
+  const SessionLimits& limits;
+  const Clock& clock;
+};
+
+/// Whether a message may be taken now, and what keeps it if not: the first that applies, in the
+/// order of the enumeration. `outgoing` is the number of frames that wait for the peer. What it
+/// says can change at once: other threads commit and fill the journal.
+[[nodiscard]] Hold HoldNow(const HoldSources& sources, std::size_t outgoing);
+
+}  // namespace uplink::session

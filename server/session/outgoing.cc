@@ -1,0 +1,50 @@
+#include "server/session/outgoing.h"
+
+#include "server/session/frames.h"
+
+namespace uplink::session {
+
+void Outgoing::PushRejects(std::span<const robot::RejectedSeq> rejects) {
+  for (const robot::RejectedSeq& rejected : rejects) {
+    Push(RejectFrame(rejected.seq, rejected.rejection));
+  }
+}
+
+void Outgoing::AddTaken(Intake::Taken taken) {
+  for (v1::RelayResponse& frame : taken.frames) Push(std::move(frame));
+  ack_.AddTaken(taken);
+}
+
+void Outgoing::AddProgress() {
+  const robot::Progress progress = robot_.TakeProgress();
+  PushRejects(progress.rejects);
+  ack_.AddProgress(progress);
+}
+
+std::optional<v1::RelayResponse> Outgoing::NextAck() {
+  const robot::Progress progress = robot_.TakeProgress();
+  ack_.AddReleased(progress.released);
+  if (!progress.rejects.empty()) {
+    PushRejects(progress.rejects);
+    return std::nullopt;
+  }
+  return ack_.Release(progress);
+}
+
+void Outgoing::Flush() {
+  if (write_under_way_) return;
+  // Nothing waits in front of it, so every Reject that it may cover has been written.
+  if (frames_.empty() && ack_.due()) {
+    if (const std::optional<v1::RelayResponse> ack = NextAck()) {
+      write_under_way_ = true;
+      return sink_.Write(*ack);
+    }
+  }
+  if (frames_.empty()) return;
+  const v1::RelayResponse frame = std::move(frames_.front());
+  frames_.pop_front();
+  write_under_way_ = true;
+  sink_.Write(frame);
+}
+
+}  // namespace uplink::session

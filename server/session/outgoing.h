@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "server/session/ack_release.h"
+#include "server/session/attachment.h"
+#include "server/session/context.h"
+#include "server/session/frame_sink.h"
+#include "server/session/intake.h"
+#include "server/session/stream_timers.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::session {
+
+/// What one stream sends: frames in order, one write at a time, and an Ack only when no frame waits
+/// before it. So every Reject that an Ack may cover has been written before the Ack. Confined to
+/// the stream's thread.
+///
+/// Bound: a stream is held back at kOutgoingFramesMax; what commits and one batch add comes on top.
+class Outgoing final {
+ public:
+  /// All of them outlive it. `robot` is attached before anything is sent.
+  struct Parts {
+    const SessionContext& context;
+    Attachment& robot;
+    FrameSink& sink;
+    StreamTimers& timers;
+  };
+  explicit Outgoing(const Parts& parts)
+      : robot_(parts.robot), sink_(parts.sink), ack_(parts.context, parts.timers) {}
+
+  void Push(v1::RelayResponse frame) { frames_.push_back(std::move(frame)); }
+  void PushRejects(std::span<const robot::RejectedSeq> rejects);
+  /// Messages were taken: their Rejects and Notices go out, and count towards the next Ack.
+  void AddTaken(Intake::Taken taken);
+  /// Commits may have settled messages: the store's Rejects go out, and an Ack that they move.
+  void AddProgress();
+  /// An Ack goes out behind the frames that wait.
+  void MakeAckDue() { ack_.MakeDue(); }
+  /// Writes the next frame, unless a write is under way.
+  void Flush();
+  /// The write under way is done.
+  void OnWritten() { write_under_way_ = false; }
+
+  /// Frames that wait.
+  [[nodiscard]] std::size_t size() const { return frames_.size(); }
+  /// Nothing waits, is under way or is due.
+  [[nodiscard]] bool idle() const { return !write_under_way_ && frames_.empty() && !ack_.due(); }
+
+ private:
+  [[nodiscard]] std::optional<v1::RelayResponse> NextAck();
+
+  Attachment& robot_;
+  FrameSink& sink_;
+  AckRelease ack_;
+  std::deque<v1::RelayResponse> frames_;
+  bool write_under_way_ = false;
+};
+
+}  // namespace uplink::session

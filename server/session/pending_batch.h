@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/session/frame_view.h"
+
+namespace uplink::session {
+
+/// The messages of one batch that were not taken yet. They lie in the frame's own bytes until Keep
+/// copies what is left. Confined to the stream's thread.
+///
+/// Bound: one frame (limits.frame_bytes_max).
+class PendingBatch final {
+ public:
+  [[nodiscard]] bool empty() const { return uplinks_.empty(); }
+  /// Must not be called while messages are pending. The views must hold until Keep.
+  void Begin(std::span<const UplinkView> uplinks) { uplinks_ = uplinks; }
+  [[nodiscard]] const UplinkView& front() const { return uplinks_.front(); }
+  void PopFront() { uplinks_ = uplinks_.subspan(1); }
+  /// Copies what is still pending: the frame's bytes are about to go.
+  void Keep();
+  /// Drops what is pending, untaken.
+  void Drop();
+
+ private:
+  /// What stayed of a frame that could not be taken at once.
+  struct Kept {
+    std::string bytes;
+    std::vector<UplinkView> uplinks;
+  };
+
+  std::span<const UplinkView> uplinks_;
+  std::unique_ptr<Kept> kept_;
+};
+
+}  // namespace uplink::session

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "schema/base/clock.h"
+#include "server/session/attachment.h"
+#include "server/session/context.h"
+#include "server/session/frame_sink.h"
+#include "server/session/hold.h"
+#include "server/session/stream_timers.h"
+
+namespace uplink::session {
+
+/// Whether a stream's next frame is asked for, and if not, what will call it again; tells the
+/// robot's presence that its silence is ours while it is held back. Confined to the stream's
+/// thread.
+class ReadGate final {
+ public:
+  /// All of them outlive it.
+  struct Parts {
+    const SessionContext& context;
+    Attachment& robot;
+    FrameSource& source;
+    StreamTimers& timers;
+  };
+  explicit ReadGate(const Parts& parts) : parts_(parts) {}
+
+  /// Asks for the next frame.
+  void Request();
+  /// The transport has answered the request.
+  void OnAnswer() { under_way_ = false; }
+  [[nodiscard]] bool under_way() const { return under_way_; }
+  /// Asks for the next frame, or waits for the end of `hold`. `throttle_end` is set if it is
+  /// kThrottled.
+  void RequestUnless(Hold hold, std::optional<SteadyTime> throttle_end);
+
+  /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
+  void WatchPeer(std::size_t outgoing);
+  /// Whether the robot's stream is not read now; counted once per change.
+  enum class Held : std::uint8_t { kNo, kYes };
+  void SetHeld(Held held);
+
+ private:
+  const Parts parts_;
+  bool under_way_ = false;
+  Held held_ = Held::kNo;
+};
+
+}  // namespace uplink::session

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "schema/base/clock.h"
+
+namespace uplink::session {
+
+/// What a stream waits for, at most until a time.
+enum class Timer : std::uint8_t {
+  /// The first frame (kHelloWait).
+  kHello,
+  /// The store's answer, before Welcome goes out without it (kWelcomeWait).
+  kWelcome,
+  /// The end of a stream that settles (drain.timeout).
+  kSettle,
+  /// The peer, which reads nothing while its outgoing queue is full (kPeerStallMax).
+  kStall,
+  /// The next Ack of messages that were not acked (limits.ack_interval).
+  kAck,
+  /// The end of a throttle, when the stream is read again.
+  kReadAgain,
+};
+inline constexpr std::size_t kTimers = 6;
+
+/// The deadlines of one stream, at most one for each Timer. Confined to the stream's thread.
+class StreamTimers final {
+ public:
+  void Set(Timer timer, SteadyTime at) { At(timer) = at; }
+  void Clear(Timer timer) { At(timer).reset(); }
+  [[nodiscard]] bool is_set(Timer timer) const { return at(timer).has_value(); }
+  /// Nothing if it is not set.
+  [[nodiscard]] const std::optional<SteadyTime>& at(Timer timer) const {
+    return at_[static_cast<std::size_t>(timer)];
+  }
+  /// It is set and has come.
+  [[nodiscard]] bool Due(Timer timer, SteadyTime now) const {
+    return is_set(timer) && now >= *at(timer);
+  }
+  /// The earliest of all; nothing if none is set.
+  [[nodiscard]] std::optional<SteadyTime> Next() const;
+
+ private:
+  [[nodiscard]] std::optional<SteadyTime>& At(Timer timer) {
+    return at_[static_cast<std::size_t>(timer)];
+  }
+
+  std::array<std::optional<SteadyTime>, kTimers> at_;
+};
+
+}  // namespace uplink::session

@@ -1,0 +1,38 @@
+#include "server/session/expiry.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::session {
+namespace {
+
+model::Body ShapeUntil(std::int64_t at_ms) {
+  model::ReportedShape shape;
+  shape.expire_time_ms = at_ms;
+  return model::ShapeOp{shape};
+}
+
+model::Body ObjectUntil(std::int64_t at_ms) {
+  model::Object object;
+  object.expires_unix_time_ms = at_ms;
+  return model::ObjectOp{object};
+}
+
+TEST(ExpiryTest, AnUpsertHasExpiredOnceItsTimeHasCome) {
+  const SystemTime now = testing::ManualClock().System();
+  EXPECT_TRUE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now));
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now) + 1), now));
+  EXPECT_TRUE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now) + 1), now));
+}
+
+TEST(ExpiryTest, WithoutAnExpiryNothingExpires) {
+  const SystemTime now = testing::ManualClock().System();
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(0), now));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(0), now));
+  EXPECT_FALSE(ExpiredOnArrival(model::Fault(), now));
+}
+
+}  // namespace
+}  // namespace uplink::session
