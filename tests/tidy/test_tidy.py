@@ -355,10 +355,34 @@ class DocumentsTest(RuleTest):
         found = self.find(whole.links, files)
         self.assertEqual(found, [("docs/a.md", 2, "link"), ("docs/a.md", 3, "link")])
 
+    def test_takes_names_of_what_is_there(self):
+        page = "`server/a.cc` `server/` `AckTest.Holds` `test_x.py` (`test_it`) `Ack::Next` `ack`\n"
+        files = {
+            whole.ARCHITECTURE: page,
+            "server/a.cc": "",
+            "tests/a_test.cc": "TEST_F(AckTest, Holds) {}\n",
+            "tests/e2e/test_x.py": "class X:\n    def test_it(self):\n",
+        }
+        self.assert_clean(whole.named, files)
+
+    def test_refuses_names_of_what_is_gone(self):
+        page = "`server/b.cc`\n`server/c/`\n`AckTest.Gone`\n`test_y.py`\n`test_gone`\n"
+        files = {whole.ARCHITECTURE: page, "server/a.cc": "", "tests/a_test.cc": "TEST(A, B) {}\n"}
+        found = self.find(whole.named, files)
+        self.assertEqual(found, [(whole.ARCHITECTURE, line, "named") for line in range(1, 6)])
+
     def test_asks_each_top_folder_for_its_readme(self):
         self.assert_clean(whole.readmes, {"server/a.cc": "", "server/README.md": ""})
         found = self.find(whole.readmes, {"server/a.cc": ""})
         self.assertEqual(found, [("server/README.md", 1, "readme")])
+
+    def test_asks_each_room_of_server_and_storage_for_its_readme(self):
+        readmes = {f"{folder}/README.md": "" for folder in ("server", "tools", "server/http")}
+        self.assert_clean(whole.readmes, {"server/http/a.cc": "", "tools/pki/a.cc": "", **readmes})
+        files = {"server/http/a.cc": "", "server/README.md": ""}
+        self.assertEqual(
+            self.find(whole.readmes, files), [("server/http/README.md", 1, "readme")]
+        )
 
 
 class WholeTest(unittest.TestCase):

@@ -25,6 +25,7 @@ RULES = (
     whole.targets,
     whole.settings,
     whole.links,
+    whole.named,
     whole.readmes,
 )
 

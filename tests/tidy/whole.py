@@ -12,10 +12,18 @@ SECTION_LINE = re.compile(r"^\[([a-z_]+)\]")
 KEY_LINE = re.compile(r"^(?:#\s*)?([a-z_]+)\s*=\s")
 
 README_FOLDERS = ("proto", "schema", "metrics", "storage", "server", "tools", "deploy", "tests")
+ROOM_FOLDERS = ("server/", "storage/")
 CMAKE_COMMENT = re.compile(r"#.*")
 CMAKE_SOURCE = re.compile(r"[\w./+-]+\.(?:cc|h)\b")
 TARGET = re.compile(r"\buplink_(?:library|interface)\(\s*(\w+)")
 SUBDIRECTORY = re.compile(r"\badd_subdirectory\(\s*([\w./-]+)")
+ARCHITECTURE = "docs/design/architecture.md"
+QUOTED = re.compile(r"`([^`]+)`")
+NAMED_PATH = re.compile(r"(?:%s)/[\w./-]*" % "|".join((*README_FOLDERS, "docs")))
+NAMED_TEST = re.compile(r"[A-Z]\w+\.[A-Z]\w+")
+NAMED_PYTHON = re.compile(r"test_\w+(?:\.py)?")
+TEST = re.compile(r"\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\)")
+PYTHON_TEST = re.compile(r"\bdef (test_\w+)\(")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s#]+)(?:#[^)]*)?\)")
 
 
@@ -106,8 +114,49 @@ def links(tree):
 
 
 def readmes(tree):
-    """Each top folder says what it is for."""
-    for folder in README_FOLDERS:
-        inside = any(path.startswith(folder + "/") for path in tree.files)
-        if inside and not tree.has(f"{folder}/README.md"):
+    """Each top folder says what it is for, and so does each room of the server and the storage."""
+    folders = {
+        folder
+        for folder in README_FOLDERS
+        if any(path.startswith(folder + "/") for path in tree.files)
+    }
+    rooms = {posixpath.dirname(path) for path in tree.cxx}
+    folders.update(room for room in rooms if room.startswith(ROOM_FOLDERS))
+    for folder in sorted(folders):
+        if not tree.has(f"{folder}/README.md"):
             yield Finding(f"{folder}/README.md", 1, "readme", "the folder has no README.md")
+
+
+def _tests(tree):
+    """Names of tests: suite and test in C++; file and function in Python."""
+    names = set()
+    for path in tree.files:
+        if not path.startswith("tests/"):
+            continue
+        if path.endswith(".cc"):
+            names.update(".".join(each) for each in TEST.findall(tree.text(path)))
+        elif path.endswith(".py"):
+            names.add(posixpath.basename(path))
+            names.update(PYTHON_TEST.findall(tree.text(path)))
+    return names
+
+
+def named(tree):
+    """The files and tests that the page of the architecture names are there."""
+    if not tree.has(ARCHITECTURE):
+        return
+    folders = {posixpath.dirname(path) for path in tree.files}
+    tests = _tests(tree)
+    for number, line in enumerate(tree.lines(ARCHITECTURE), 1):
+        for name in QUOTED.findall(line):
+            path = name.rstrip("/")
+            if NAMED_PATH.fullmatch(name):
+                there = tree.has(path) or any(
+                    each == path or each.startswith(path + "/") for each in folders
+                )
+            elif NAMED_TEST.fullmatch(name) or NAMED_PYTHON.fullmatch(name):
+                there = name in tests
+            else:
+                continue
+            if not there:
+                yield Finding(ARCHITECTURE, number, "named", f"{name} is not there")
