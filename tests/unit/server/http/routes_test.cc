@@ -1,0 +1,47 @@
+#include "server/http/routes.h"
+
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/http/probe.h"
+
+namespace uplink::http {
+namespace {
+
+using ::testing::ElementsAre;
+
+// Dashboards depend on these.
+TEST(Routes, HaveTheLabelsOfTheMetrics) {
+  std::vector<std::string_view> names;
+  for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
+  EXPECT_THAT(names, ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "robots",
+                                 "robot", "events", "messages", "presence", "quarantine", "gaps",
+                                 "faults", "missions", "shapes", "objects", "other"));
+}
+
+TEST(Routes, EachPathAndLabelStandsThereOnce) {
+  std::set<std::string_view> patterns;
+  std::set<std::string_view> names{RouteName(OtherRoute())};
+  for (const Route& route : Routes()) {
+    EXPECT_TRUE(patterns.insert(route.pattern).second) << route.pattern;
+    EXPECT_TRUE(names.insert(route.name).second) << route.name;
+  }
+}
+
+TEST(Routes, AProbeCountsEachAndAllOthers) {
+  HttpProbe probe;
+  ASSERT_EQ(probe.requests.size(), RouteIds());
+  probe.CountRequest({0}, 200);
+  probe.CountRequest(OtherRoute(), 404);
+  probe.CountRequest(OtherRoute(), 503);
+  EXPECT_EQ(probe.requests.front()[0].value(), 1);
+  EXPECT_EQ(probe.requests.back()[1].value(), 1);
+  EXPECT_EQ(probe.requests.back()[2].value(), 1);
+}
+
+}  // namespace
+}  // namespace uplink::http
