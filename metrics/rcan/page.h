@@ -21,7 +21,7 @@ class SeriesPage final {
  public:
   struct Options {
     /// The second word of the joints' series.
-    std::string subsystem = "acb";
+    std::string subsystem{kSubsystemDefault};
     /// Short names of the series that are written; empty: all.
     std::vector<std::string> fields;
     std::size_t series_max = 0;

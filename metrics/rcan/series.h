@@ -8,6 +8,9 @@
 
 namespace uplink::metrics::rcan {
 
+/// The second word of the names of joints' series, unless it is set.
+inline constexpr std::string_view kSubsystemDefault = "acb";
+
 /// The robots' series by RCAN's label convention (section 20), in the order of the text; all are
 /// gauges. A series exists by its entry here and in the table of series.cc.
 enum class SeriesId : std::uint8_t {

@@ -6,7 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "metrics/rcan/series.h"
+#include "schema/judge.h"
 #include "server/config/address.h"
+#include "storage/postgres/defaults.h"
+#include "storage/types.h"
 
 namespace uplink::config {
 
@@ -23,8 +27,9 @@ enum class LogFormat : std::uint8_t { kText, kJson };
 /// The least severe line that is written.
 enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
-// The member initialisers below are the defaults: they stand nowhere else in code. settings.cc
-// binds each member to its key, bounds and text.
+// The member initialisers below are the defaults, and nothing else in code states them again. What
+// the schema and the storage bound themselves is taken from there; the rooms of the server take
+// theirs from here. settings.cc binds each member to its key, bounds and text.
 
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
@@ -59,30 +64,31 @@ struct StoreConfig {
   /// PostgreSQL: connections that write; a robot is always on the same.
   std::size_t shards = 2;
   /// PostgreSQL: connections that read.
-  std::size_t readers = 2;
+  std::size_t readers = storage::postgres::kReadersDefault;
   /// PostgreSQL: how long a call may take, and a connect.
-  milliseconds timeout = std::chrono::seconds(10);
+  milliseconds timeout = storage::postgres::kCallTimeoutDefault;
   /// PostgreSQL: accept a server with fsync = off.
   bool accept_unsafe = false;
   /// How often the live states that changed are written; zero: never.
   milliseconds checkpoint = std::chrono::seconds(5);
   /// How long histories are kept, and quarantine; zero: for ever.
-  milliseconds retain_history = std::chrono::days(90);
-  milliseconds retain_quarantine = std::chrono::days(14);
+  milliseconds retain_history = storage::StoreRules().retain_history;
+  milliseconds retain_quarantine = storage::StoreRules().retain_quarantine;
 };
 
 struct JournalConfig {
   /// Payload bytes that wait for a commit; past either bound streams are held back.
   std::size_t bytes_max = 256 * kMiB;
   std::size_t records_max = 1'000'000;
-  /// Records of one transaction.
+  /// Records of one transaction: where the rows per second of PostgreSQL and SQLite level off
+  /// (measured).
   std::size_t batch_records_max = 1000;
 };
 
 struct LimitsConfig {
-  std::size_t payload_bytes_max = 256 * kKiB;
-  std::size_t message_bytes_max = 64 * kKiB;
-  std::size_t extras_items_max = 256;
+  std::size_t payload_bytes_max = schema::JudgeLimits().payload_bytes_max;
+  std::size_t message_bytes_max = schema::JudgeLimits().message_bytes_max;
+  std::size_t extras_items_max = schema::JudgeLimits().extras_items_max;
   std::size_t batch_uplinks_max = 256;
   std::size_t in_flight_uplinks_max = 4096;
   std::size_t frame_bytes_max = 1 * kMiB;
@@ -102,11 +108,11 @@ struct PresenceConfig {
 
 struct ForwardConfig {
   /// Life of an object that names no expiry, from its arrival; zero: for ever.
-  milliseconds object_ttl = std::chrono::hours(24);
+  milliseconds object_ttl = storage::StoreRules().object_ttl;
 };
 
 struct RcanConfig {
-  std::string subsystem = "acb";
+  std::string subsystem{metrics::rcan::kSubsystemDefault};
   std::size_t series_max = 600'000;
   milliseconds series_ttl = std::chrono::minutes(10);
   /// Names of series without `rcan_`; empty: all.

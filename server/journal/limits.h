@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstddef>
 
+#include "server/config/config.h"
+
 namespace uplink::journal {
 
 /// Streams that one call of the store opens: it reads the quarantine of each.
@@ -16,11 +18,11 @@ inline constexpr int kSuccessesToDouble = 16;
 
 struct JournalLimits {
   /// Bytes above which streams are held back (journal.bytes_max).
-  std::size_t bytes_max = 256U * 1024 * 1024;
+  std::size_t bytes_max = config::JournalConfig().bytes_max;
   /// Records above which streams are held back (journal.records_max).
-  std::size_t records_max = 1'000'000;
-  /// Records of one commit: where PostgreSQL's and SQLite's rows per second level off (measured).
-  std::size_t batch_records_max = 1000;
+  std::size_t records_max = config::JournalConfig().records_max;
+  /// Records of one commit (journal.batch_records_max).
+  std::size_t batch_records_max = config::JournalConfig().batch_records_max;
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
   /// does.

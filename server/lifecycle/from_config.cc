@@ -46,7 +46,7 @@ relay::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t mem
                                          .key = config.tls.key_file,
                                          .client_ca = config.tls.client_ca_file};
   options.queues = config.listen.relay_threads;
-  options.streams_max = 2 * config.limits.robots_max;
+  options.streams_max = relay::kStreamsPerRobot * config.limits.robots_max;
   options.connection_age_max = config.limits.connection_age_max;
   options.memory_bytes_max = memory_max / 2;
   return options;

@@ -9,6 +9,7 @@
 #include "schema/base/clock.h"
 #include "schema/judge.h"
 #include "server/config/address.h"
+#include "server/config/config.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
@@ -37,16 +38,18 @@ using KeyMaterial = std::variant<PemFiles, PemTexts>;
 /// How often the files are looked at.
 inline constexpr std::chrono::seconds kFilesRefresh{5};
 
+/// Streams that are admitted per robot: every robot can reconnect before its old stream has ended.
+inline constexpr std::size_t kStreamsPerRobot = 2;
+
 struct RelayOptions {
   config::ListenAddress address;
   KeyMaterial key_material;
   /// Completion queues, each with a thread; 0: one a core.
-  std::size_t queues = 0;
-  /// Streams held at once. Twice limits.robots_max lets every robot reconnect before its old stream
-  /// has ended.
-  std::size_t streams_max = 40'000;
+  std::size_t queues = config::ListenConfig().relay_threads;
+  /// Streams held at once.
+  std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
   /// limits.connection_age_max; zero: never.
-  milliseconds connection_age_max{0};
+  milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
   /// Memory that gRPC may use before it resets connections, a backstop against frames that are
   /// assembled before their size is known (measured); 0: no bound.
   std::size_t memory_bytes_max = 0;

@@ -4,6 +4,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/presence.h"
+#include "server/config/config.h"
 
 namespace uplink::robot {
 
@@ -12,9 +13,9 @@ using model::Presence;
 /// The configured limits of presence. Immutable.
 struct PresenceLimits {
   /// A sign of life at most this old means online (presence.timeout).
-  milliseconds timeout{std::chrono::seconds(10)};
+  milliseconds timeout = config::PresenceConfig().timeout;
   /// After a start a robot that was not heard is unknown for so long (presence.startup_grace).
-  milliseconds startup_grace{std::chrono::minutes(2)};
+  milliseconds startup_grace = config::PresenceConfig().startup_grace;
 };
 
 /// All that presence depends on, on the server's monotonic clock.

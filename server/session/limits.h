@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "server/config/config.h"
 #include "server/robot/limits.h"
 
 namespace uplink::session {
@@ -34,19 +35,26 @@ static_assert(robot::kRejectsRememberedMax <= kOutgoingFramesMax,
               "the Rejects that memory repeats after a Welcome must fit the outgoing queue; those "
               "that quarantine adds (storage::kOpenRejectsMax) come on top, once a stream");
 
-/// The configurable limits of a session; Welcome tells the agent the same numbers. Immutable.
+/// The configurable limits of a session, each far below 2^32; Welcome tells the agent the same
+/// numbers. Immutable.
 struct SessionLimits {
-  std::uint32_t payload_bytes_max = 256 * 1024;
-  std::uint32_t message_bytes_max = 64 * 1024;
-  std::uint32_t batch_uplinks_max = 256;
-  std::uint32_t extras_items_max = 256;
-  std::uint32_t in_flight_uplinks_max = 4096;
-  std::uint32_t frame_bytes_max = 1024 * 1024;
+  std::uint32_t payload_bytes_max =
+      static_cast<std::uint32_t>(config::LimitsConfig().payload_bytes_max);
+  std::uint32_t message_bytes_max =
+      static_cast<std::uint32_t>(config::LimitsConfig().message_bytes_max);
+  std::uint32_t batch_uplinks_max =
+      static_cast<std::uint32_t>(config::LimitsConfig().batch_uplinks_max);
+  std::uint32_t extras_items_max =
+      static_cast<std::uint32_t>(config::LimitsConfig().extras_items_max);
+  std::uint32_t in_flight_uplinks_max =
+      static_cast<std::uint32_t>(config::LimitsConfig().in_flight_uplinks_max);
+  std::uint32_t frame_bytes_max =
+      static_cast<std::uint32_t>(config::LimitsConfig().frame_bytes_max);
   /// Whether an RCAN Robot State is a sign of life (rcan.counts_as_life).
-  bool rcan_counts_as_life = true;
-  std::chrono::milliseconds ack_interval{1000};
-  std::chrono::milliseconds session_idle{std::chrono::hours(1)};
-  std::chrono::milliseconds drain_timeout{std::chrono::seconds(20)};
+  bool rcan_counts_as_life = config::RcanConfig().counts_as_life;
+  std::chrono::milliseconds ack_interval = config::LimitsConfig().ack_interval;
+  std::chrono::milliseconds session_idle = config::LimitsConfig().session_idle;
+  std::chrono::milliseconds drain_timeout = config::DrainConfig().timeout;
   std::string server_version;
 };
 

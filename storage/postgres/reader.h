@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/postgres/defaults.h"
 #include "storage/reader.h"
 
 namespace uplink::storage::postgres {
@@ -19,7 +20,7 @@ struct ReaderOptions {
   std::string url;
   std::string password_file;
   /// Reads that run at once; more wait for their turn.
-  std::size_t connections = 2;
+  std::size_t connections = kReadersDefault;
   /// How long a read waits for its turn.
   milliseconds wait_max{2'000};
   milliseconds connect_timeout{2'000};

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/postgres/defaults.h"
 #include "storage/store.h"
 
 namespace uplink::storage::postgres {
@@ -30,7 +31,7 @@ struct StoreOptions {
   bool accept_unsafe = false;
   milliseconds connect_timeout{5'000};
   /// How long one call of the store may take at most.
-  milliseconds call_timeout{10'000};
+  milliseconds call_timeout = kCallTimeoutDefault;
   /// Nothing is dropped for its age while the server's clock and the time that Retain is told
   /// differ by more than this: one of them is wrong, and what is dropped is gone.
   milliseconds clock_offset_max{std::chrono::days(1)};
