@@ -112,6 +112,7 @@ using PartOf = std::conditional_t<kKeysMax == 1, std::optional<Message>,
 /// The latest of each live kind (storage/live_parts.h), in stream order; no robot clock decides
 /// anything. A value.
 struct LiveParts {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): "column" is the name that is declared
 #define UPLINK_PART(Part, column, view, Message, keys_max) PartOf<model::Message, keys_max> column;
   UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
