@@ -261,4 +261,8 @@ class Reader {
   [[nodiscard]] virtual absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) = 0;
 };
 
+/// A list of Reader that takes a HistoryQuery: `&Reader::Events`.
+template <typename Row>
+using HistoryList = absl::StatusOr<Page<Row>> (Reader::*)(const HistoryQuery& query);
+
 }  // namespace uplink::storage

@@ -44,12 +44,7 @@ struct Call {
 [[nodiscard]] Response GetRobots(const Sources& sources, const Call& call);
 [[nodiscard]] Response GetRobot(const Sources& sources, const Call& call);
 
-// lists.cc: rows of the store.
-[[nodiscard]] Response GetEvents(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetMessages(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetPresence(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetQuarantine(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetGaps(const Sources& sources, const Call& call);
+// lists.cc: rows of the store. The histories of one robot are made by GetHistory (rows.h).
 [[nodiscard]] Response GetFaults(const Sources& sources, const Call& call);
 [[nodiscard]] Response GetMissions(const Sources& sources, const Call& call);
 [[nodiscard]] Response GetShapes(const Sources& sources, const Call& call);

@@ -4,7 +4,7 @@
 #include "server/http/answers.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
-#include "server/view/json.h"
+#include "server/http/rows.h"
 
 namespace uplink::http {
 namespace {
@@ -12,39 +12,9 @@ namespace {
 using storage::HistoryQuery;
 using storage::Page;
 
-template <typename Row>
-Response RowsResponse(const absl::StatusOr<Page<Row>>& page) {
-  return page.ok() ? JsonResponse(view::ToJson(*page)) : ErrorResponse(page.status());
-}
-
-/// Which part of a list.
-HistoryQuery ReadPage(Parameters& parameters) {
-  HistoryQuery query;
-  query.page_size = ReadPageSize(parameters);
-  query.page_token = parameters.Text("pageToken");
-  return query;
-}
-
-void ReadTimes(Parameters& parameters, HistoryQuery& query) {
-  query.from = parameters.Time("fromMs");
-  query.to = parameters.Time("toMs");
-}
-
 void ReadRobots(Parameters& parameters, HistoryQuery& query) {
   query.ruri = parameters.Text("ruri");
   query.fleet = parameters.Text("fleet");
-}
-
-/// A history of the one robot that the path names.
-template <typename Row>
-Response HistoryOf(const std::string& ruri, const std::string& query_text, view::Queries& queries,
-                   absl::StatusOr<Page<Row>> (view::Queries::*ask)(const HistoryQuery&)) {
-  Parameters parameters(query_text);
-  HistoryQuery query = ReadPage(parameters);
-  ReadTimes(parameters, query);
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  query.ruri = ruri;
-  return RowsResponse((queries.*ask)(query));
 }
 
 /// Shapes or objects.
@@ -61,26 +31,6 @@ Response PresentOnes(const std::string& query_text, view::Queries& queries,
 }
 
 }  // namespace
-
-Response GetEvents(const Sources& sources, const Call& call) {
-  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Events);
-}
-
-Response GetMessages(const Sources& sources, const Call& call) {
-  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Messages);
-}
-
-Response GetPresence(const Sources& sources, const Call& call) {
-  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::PresenceChanges);
-}
-
-Response GetQuarantine(const Sources& sources, const Call& call) {
-  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Quarantine);
-}
-
-Response GetGaps(const Sources& sources, const Call& call) {
-  return HistoryOf(call.segment, call.query, sources.queries, &view::Queries::Gaps);
-}
 
 Response GetFaults(const Sources& sources, const Call& call) {
   Parameters parameters(call.query);

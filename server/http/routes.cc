@@ -3,9 +3,12 @@
 #include <array>
 
 #include "server/http/handlers.h"
+#include "server/http/rows.h"
 
 namespace uplink::http {
 namespace {
+
+using storage::Reader;
 
 constexpr auto kRoutes = std::to_array<Route>({
     {"/livez", "livez", Lane::kIo, GetLivez},
@@ -15,11 +18,11 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/status", "status", Lane::kRead, GetStatus},
     {"/api/v1/robots", "robots", Lane::kRead, GetRobots},
     {"/api/v1/robots/{}", "robot", Lane::kRead, GetRobot},
-    {"/api/v1/robots/{}/events", "events", Lane::kRead, GetEvents},
-    {"/api/v1/robots/{}/messages", "messages", Lane::kRead, GetMessages},
-    {"/api/v1/robots/{}/presence", "presence", Lane::kRead, GetPresence},
-    {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetQuarantine},
-    {"/api/v1/robots/{}/gaps", "gaps", Lane::kRead, GetGaps},
+    {"/api/v1/robots/{}/events", "events", Lane::kRead, GetHistory<&Reader::Events>},
+    {"/api/v1/robots/{}/messages", "messages", Lane::kRead, GetHistory<&Reader::Messages>},
+    {"/api/v1/robots/{}/presence", "presence", Lane::kRead, GetHistory<&Reader::PresenceChanges>},
+    {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetHistory<&Reader::Quarantine>},
+    {"/api/v1/robots/{}/gaps", "gaps", Lane::kRead, GetHistory<&Reader::Gaps>},
     {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
     {"/api/v1/missions", "missions", Lane::kRead, GetMissions},
     {"/api/v1/shapes", "shapes", Lane::kRead, GetShapes},

@@ -32,7 +32,19 @@ std::string Ordered(const google::protobuf::Message& message) {
   return bytes;
 }
 
-absl::StatusOr<std::string> Print(const google::protobuf::Message& message) {
+/// A text as JSON string. PrintableUtf8 leaves no control character in it.
+std::string Quoted(std::string_view text) {
+  std::string json = "\"";
+  for (const char c : PrintableUtf8(text, kErrorTextBytesMax)) {
+    if (c == '"' || c == '\\') json += '\\';
+    json += c;
+  }
+  return json + '"';
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> PrintJson(const google::protobuf::Message& message) {
   constexpr const char* kPrefix = "type.googleapis.com";
   const std::unique_ptr<google::protobuf::util::TypeResolver> types(
       google::protobuf::util::NewTypeResolverForDescriptorPool(
@@ -50,65 +62,17 @@ absl::StatusOr<std::string> Print(const google::protobuf::Message& message) {
   return json;
 }
 
-/// A text as JSON string. PrintableUtf8 leaves no control character in it.
-std::string Quoted(std::string_view text) {
-  std::string json = "\"";
-  for (const char c : PrintableUtf8(text, kErrorTextBytesMax)) {
-    if (c == '"' || c == '\\') json += '\\';
-    json += c;
-  }
-  return json + '"';
-}
-
-}  // namespace
-
 absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts) {
-  return Print(ToMessage(robot, parts));
+  return PrintJson(ToMessage(robot, parts));
 }
 
 absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts) {
-  return Print(ToMessage(page, parts));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::FaultRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::EventRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::MessageRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::PresenceRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::QuarantineRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::GapRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::MissionRunRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::ShapeRow>& page) {
-  return Print(ToMessage(page));
-}
-
-absl::StatusOr<std::string> ToJson(const storage::Page<storage::ObjectRow>& page) {
-  return Print(ToMessage(page));
+  return PrintJson(ToMessage(page, parts));
 }
 
 absl::StatusOr<std::string> ToJson(const StatusView& status,
                                    const std::vector<std::string>& degraded) {
-  return Print(ToMessage(status, degraded));
+  return PrintJson(ToMessage(status, degraded));
 }
 
 std::string WordsJson(std::string_view key, const std::vector<std::string>& words) {

@@ -8,7 +8,10 @@
 
 #include "server/view/parts.h"
 #include "server/view/queries.h"
-#include "storage/reader.h"
+
+namespace google::protobuf {
+class Message;
+}
 
 namespace uplink::view {
 
@@ -18,17 +21,10 @@ namespace uplink::view {
 // Errors:  kInternal if the mapping refuses a message.
 // Thread:  pure; any thread.
 
+/// Lists of rows are made of it (rows_json.h).
+[[nodiscard]] absl::StatusOr<std::string> PrintJson(const google::protobuf::Message& message);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::FaultRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::EventRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::MessageRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::PresenceRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::QuarantineRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::GapRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::MissionRunRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::ShapeRow>& page);
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<storage::ObjectRow>& page);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
                                                  const std::vector<std::string>& degraded);
 

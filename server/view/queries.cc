@@ -149,35 +149,6 @@ absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultHistory(
   return sources_.reader.FaultHistory(query);
 }
 
-absl::StatusOr<storage::Page<storage::EventRow>> Queries::Events(
-    const storage::HistoryQuery& query) {
-  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
-  return sources_.reader.Events(query);
-}
-
-absl::StatusOr<storage::Page<storage::MessageRow>> Queries::Messages(
-    const storage::HistoryQuery& query) {
-  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
-  return sources_.reader.Messages(query);
-}
-
-absl::StatusOr<storage::Page<storage::PresenceRow>> Queries::PresenceChanges(
-    const storage::HistoryQuery& query) {
-  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
-  return sources_.reader.PresenceChanges(query);
-}
-
-absl::StatusOr<storage::Page<storage::QuarantineRow>> Queries::Quarantine(
-    const storage::HistoryQuery& query) {
-  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
-  return sources_.reader.Quarantine(query);
-}
-
-absl::StatusOr<storage::Page<storage::GapRow>> Queries::Gaps(const storage::HistoryQuery& query) {
-  if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
-  return sources_.reader.Gaps(query);
-}
-
 absl::StatusOr<storage::Page<storage::MissionRunRow>> Queries::MissionRuns(
     const storage::MissionsQuery& query) {
   return sources_.reader.MissionRuns(query);

@@ -103,17 +103,14 @@ class Queries final {
       const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
       const storage::HistoryQuery& query);
-  // Of one robot, which query.ruri names: kNotFound if it was never seen.
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::EventRow>> Events(
-      const storage::HistoryQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::MessageRow>> Messages(
-      const storage::HistoryQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::PresenceRow>> PresenceChanges(
-      const storage::HistoryQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
-      const storage::HistoryQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::GapRow>> Gaps(
-      const storage::HistoryQuery& query);
+  /// A list of storage::Reader of one robot, which query.ruri names: kNotFound if it was never
+  /// seen.
+  template <typename Row>
+  [[nodiscard]] absl::StatusOr<storage::Page<Row>> History(storage::HistoryList<Row> list,
+                                                           const storage::HistoryQuery& query) {
+    if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
+    return (sources_.reader.*list)(query);
+  }
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
       const storage::MissionsQuery& query);
   // What is there now, by our clock; query.now is not looked at.

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "server/fleet/fleet.h"
+#include "server/view/rows_json.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 

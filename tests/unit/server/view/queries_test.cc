@@ -108,11 +108,16 @@ TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
   query.ruri = "rcan://a";
   EXPECT_EQ(world_.queries.FaultsActive(query).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.FaultHistory(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.Gaps(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.Events(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.Messages(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.PresenceChanges(query).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Quarantine, query).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Events, query).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Messages, query).status().code(),
+            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::PresenceChanges, query).status().code(),
+            absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.MissionRuns({}).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.Shapes({}).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.Objects({}).status().code(), absl::StatusCode::kUnavailable);
@@ -122,11 +127,16 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
   EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kNotFound);
   storage::HistoryQuery query;
   query.ruri = "rcan://x";
-  EXPECT_EQ(world_.queries.Gaps(query).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.Events(query).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.Messages(query).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.PresenceChanges(query).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Quarantine, query).status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Events, query).status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Messages, query).status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.History(&storage::Reader::PresenceChanges, query).status().code(),
+            absl::StatusCode::kNotFound);
   EXPECT_EQ(world_.reader.calls(), 0);
 }
 

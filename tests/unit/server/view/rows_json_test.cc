@@ -1,3 +1,5 @@
+#include "server/view/rows_json.h"
+
 #include <cmath>
 #include <string>
 

@@ -142,14 +142,14 @@ TEST_F(StoredQueriesTest, HistoriesAreOfOneRobot) {
   }
   storage::HistoryQuery query;
   query.ruri = "rcan://b";
-  const auto events = world_.queries.Events(query);
+  const auto events = world_.queries.History(&storage::Reader::Events, query);
   ASSERT_EQ(events->rows.size(), 1U);
   EXPECT_EQ(events->rows.front().robot.ruri, "rcan://b");
   EXPECT_EQ(events->rows.front().kind, "estopEngaged");
-  const auto messages = world_.queries.Messages(query);
+  const auto messages = world_.queries.History(&storage::Reader::Messages, query);
   ASSERT_EQ(messages->rows.size(), 1U);
   EXPECT_EQ(messages->rows.front().message.message, "rcan://b");
-  const auto changes = world_.queries.PresenceChanges(query);
+  const auto changes = world_.queries.History(&storage::Reader::PresenceChanges, query);
   ASSERT_EQ(changes->rows.size(), 1U);
   EXPECT_EQ(changes->rows.front().presence, model::Presence::kOnline);
 }
