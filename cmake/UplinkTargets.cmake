@@ -65,6 +65,12 @@ endfunction()
 # Where a private PostgreSQL cluster of the test run says what it is; tests/CMakeLists.txt starts it.
 set(UPLINK_TEST_POSTGRES "${CMAKE_BINARY_DIR}/postgres.state")
 
+# What every test's own files are compiled with: little optimisation, which costs more there than it
+# saves (the product that they run has its own flags), and one precompiled header, which g++ takes
+# only where -pthread is the same.
+add_library(uplink_test_flags INTERFACE)
+target_compile_options(uplink_test_flags INTERFACE -pthread $<$<CONFIG:RelWithDebInfo>:-O1>)
+
 # uplink_test(name RING unit|component|e2e SOURCES a.cc ... LINK lib ... [NEEDS postgres]
 #             [TIMEOUT seconds])
 # Every test of the binary becomes a CTest test of that ring. NEEDS names what CTest starts before.
@@ -79,7 +85,9 @@ function(uplink_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main uplink_warnings)
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main
+                                        uplink_test_flags uplink_warnings)
+  target_precompile_headers(${name} REUSE_FROM uplink_test_header)
   include(GoogleTest)
   gtest_discover_tests(
     ${name}

@@ -1,0 +1,1 @@
+// A target needs a source; the precompiled header of all tests is made for this one.
