@@ -53,7 +53,7 @@ constexpr PresentSql SqlOf(const TableShape& shape) {
   }
   sql.remove = {"DELETE FROM uplinkd.",
                 shape.name,
-                " AS t USING unnest($1::text[], $2::text[], $3::bigint[]) AS u (ruri, id, by_ms)"
+                " AS t USING unnest($1::text[], $2::text[], $3::bigint[]) AS u (ruri, id, by_ms)",
                 " WHERE ",
                 match.view(),
                 " AND (u.by_ms = ",
@@ -62,7 +62,7 @@ constexpr PresentSql SqlOf(const TableShape& shape) {
   sql.expiring = {entry.view(),
                   " FROM unnest($1::text[], $2::int[]) AS u (ruri, upserts) JOIN uplinkd.",
                   shape.name,
-                  " AS t ON t.ruri = u.ruri AND t.expires_ms <> 0"
+                  " AS t ON t.ruri = u.ruri AND t.expires_ms <> 0",
                   " WHERE u.upserts + (SELECT count(*) FROM uplinkd.",
                   shape.name,
                   " AS c WHERE c.ruri = u.ruri) > $3::bigint"};
@@ -70,7 +70,7 @@ constexpr PresentSql SqlOf(const TableShape& shape) {
                shape.name,
                " AS t USING (SELECT ruri, id FROM uplinkd.",
                shape.name,
-               " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms"
+               " WHERE expires_ms <> 0 AND expires_ms <= $1::bigint ORDER BY expires_ms",
                " LIMIT $2::bigint) AS u WHERE ",
                match.view(),
                " AND t.expires_ms <> 0 AND t.expires_ms <= $1::bigint"};
