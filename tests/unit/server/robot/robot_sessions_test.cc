@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/robot/limits.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::robot {
