@@ -28,7 +28,8 @@ std::string UpsertSql() {
       " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms)";
   for (const LivePartRow& part : kLiveParts) {
     const std::string column(part.column);
-    sql += ", " + column + " = coalesce(excluded." + column + ", " + column + ")";
+    sql.append(", ").append(column).append(" = coalesce(excluded.").append(column);
+    sql.append(", ").append(column).append(")");
   }
   return sql + " RETURNING 1";
 }

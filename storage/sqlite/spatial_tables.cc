@@ -52,9 +52,9 @@ std::string UpsertSql(const std::string& table, std::span<const OwnColumn> own) 
   for (const OwnColumn& column : own) {
     const std::string name(column.name);
     const std::string parameter = "?" + std::to_string(++number);
-    names += ", " + name;
-    values += ", " + (column.empty_is_null ? "nullif(" + parameter + ", '')" : parameter);
-    updates += ", " + name + " = excluded." + name;
+    names.append(", ").append(name);
+    values.append(", ").append(column.empty_is_null ? "nullif(" + parameter + ", '')" : parameter);
+    updates.append(", ").append(name).append(" = excluded.").append(name);
   }
   return "INSERT INTO " + table + " (" + names + ") VALUES (" + values +
          ") ON CONFLICT (ruri, id) DO UPDATE SET " + updates;

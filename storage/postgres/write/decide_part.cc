@@ -11,7 +11,7 @@
 namespace uplink::storage::postgres {
 namespace {
 
-using EntryView = std::tuple<std::string_view, std::string_view, std::string_view>;
+using EntryView = Known::EntryView;
 
 EntryView ViewOf(const PresentKey& key) { return {key.ruri, key.id, key.source}; }
 

@@ -39,8 +39,13 @@ struct Part {
 struct Known {
   /// RURI, id and source of an entry that is present.
   using Entry = std::tuple<std::string, std::string, std::string>;
+  using EntryView = std::tuple<std::string_view, std::string_view, std::string_view>;
+  struct EntryOrder {
+    using is_transparent = void;
+    bool operator()(const EntryView& left, const EntryView& right) const { return left < right; }
+  };
   /// When each entry expires; 0: never.
-  using Entries = std::map<Entry, std::int64_t, std::less<>>;
+  using Entries = std::map<Entry, std::int64_t, EntryOrder>;
   using Number = std::tuple<std::string, model::SessionId, model::Seq>;
 
   /// Each with the counts of the kinds that the part names of it.
