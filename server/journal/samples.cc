@@ -27,7 +27,7 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
   }
   page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kHistoryDeleted, probe.history_deleted);
-  page.Add(kRetentionFailing, probe.retention_failing);
+  page.Add(kRetentionFailing, probe.retention_failing.value() > 0 ? 1 : 0);
   page.Add(kCheckpointSeconds, probe.checkpoint_seconds);
   page.Add(kCheckpointRobots, probe.checkpoint_robots);
   page.Add(kCheckpointFailing, probe.checkpoint_failing.value() > 0 ? 1 : 0);

@@ -129,11 +129,14 @@ void Session::TakeBatch() {
     intake_->Begin(batch.uplinks, context_.clock.Steady(), now);
   }
   Advance(News::kNone);
-  // The frame's bytes are the transport's, until this returns.
-  intake_->Keep();
 }
 
-void Session::TakePending() { outgoing_.AddTaken(intake_->Take(outgoing_.size())); }
+void Session::TakePending() {
+  outgoing_.AddTaken(intake_->Take(outgoing_.size()));
+  // What is left must not point into the frame's bytes, which are the transport's, nor into the
+  // scratch that all streams of the thread share.
+  intake_->Keep();
+}
 
 // --- What every call ends with ---
 

@@ -58,6 +58,19 @@ TEST_F(HoldBackTest, LiveMessagesBehindTheLimitWaitInOrder) {
   EXPECT_EQ(server().counts().applied, 1U);
 }
 
+TEST_F(HoldBackTest, WhatWaitsOutlivesTheScratchThatStreamsShare) {
+  limits_.session.in_flight_uplinks_max = 1;
+  BenchStream& stream = Welcomed();
+  BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
+  stream.AtNextWrite([&other] { other.Send(BatchFrame(Messages(7, 8, Motion()))); });
+  stream.Send(BatchFrame({{1, BadFault()}, {2, Fault()}}));
+  EXPECT_EQ(server().counts().applied + server().counts().superseded, 2U);
+  EXPECT_FALSE(stream.reading());
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 1U);
+  EXPECT_THAT(Stored(1), ::testing::Contains(2U));
+}
+
 TEST_F(HoldBackTest, AFullJournalHoldsBackEveryStream) {
   limits_.journal.bytes_max = 600;
   BenchStream& stream = Welcomed();

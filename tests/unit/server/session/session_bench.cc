@@ -112,6 +112,7 @@ void BenchStream::Write(const v1::RelayResponse& frame) {
   UPLINK_CHECK(!writing_, "one write at a time");
   writing_ = true;
   frames_.push_back(frame);
+  if (const auto job = std::exchange(at_next_write_, nullptr)) job();
 }
 
 void BenchStream::SendBytes(std::string_view bytes) {

@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -70,6 +72,8 @@ class BenchStream final : public FrameSource, public FrameSink {
   void ReadAgain();
   /// Takes the one write that is under way, however the agent reads.
   void ReadOne();
+  /// Runs `job` within the next Write.
+  void AtNextWrite(std::function<void()> job) { at_next_write_ = std::move(job); }
 
   // What came of it.
   /// The lines of all frames since the last call.
@@ -96,6 +100,7 @@ class BenchStream final : public FrameSource, public FrameSink {
   bool agent_reads_ = true;
   bool cancelled_ = false;
   std::optional<absl::Status> status_;
+  std::function<void()> at_next_write_;
   Session session_;
 };
 
