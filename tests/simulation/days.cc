@@ -81,7 +81,8 @@ Days::Days(const DaysOptions& options)
   recorder_.SetStore(store_.get());
   ServerLimits limits;
   limits.journal.retains = true;
-  server_ = std::make_unique<SimServer>(clock_, recorder_, limits, storage::ProcessId{1});
+  const Ground ground{.clock = clock_, .recorder = recorder_, .store = recorder_};
+  server_ = std::make_unique<SimServer>(ground, limits, storage::ProcessId{1});
 }
 
 void Days::Settle() {
