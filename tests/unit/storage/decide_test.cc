@@ -106,7 +106,7 @@ class Decide : public ::testing::Test {
   }
 
   const RobotRef robot_ = std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
-  const StoreRules rules_;
+  const StoreRules rules_{};
   PlainHeld held_;
   Decider decider_{held_, rules_};
 };
