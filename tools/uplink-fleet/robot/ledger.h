@@ -66,7 +66,8 @@ using LastSent = std::conditional_t<kKeysMax == 1, std::optional<Message>,
 
 /// The last of each live message, by its key where it has one.
 struct LastLive {
-#define UPLINK_PART(Part, column, view, Message, keys_max) \
+#define UPLINK_PART(Part, column, view, Message, keys_max)                                \
+  /* NOLINTNEXTLINE(bugprone-macro-parentheses): "column" is the name that is declared */ \
   LastSent<model::Message, keys_max> column;
   UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
