@@ -43,77 +43,31 @@ void RobotState::Apply(model::RcanState&& state, SteadyTime arrived) {
 }
 
 void RobotState::Note(const model::Body& report, SystemTime received_at) {
-  if (const auto* info = std::get_if<model::AgentInfo>(&report)) {
-    if (!info->uptime_s || *info->uptime_s > kUptimeSMax) return;
-    const std::lock_guard lock(mutex_);
-    reported_.booted_at =
-        received_at - std::chrono::seconds(static_cast<std::int64_t>(*info->uptime_s));
-  } else if (const auto* run = std::get_if<model::MissionRunStatus>(&report)) {
-    std::string key = RunKey(run->mission_id, run->run_id);
-    const std::lock_guard lock(mutex_);
-    if (model::IsTerminal(run->status)) {
-      reported_.open_runs.Erase(key);
-      ended_runs_.Put(std::move(key), true);
-      return;
-    }
-    ended_runs_.Erase(key);
-    std::optional<double> progress;
-    if (run->progress_x100) progress = *run->progress_x100 / kProgressAPercent;
-    reported_.open_runs.Put(std::move(key), progress);
-  }
+  if (!Reports::Follows(report)) return;
+  const std::lock_guard lock(mutex_);
+  reports_.Add(report, received_at);
 }
 
 void RobotState::Restore(Reported before) {
   const std::lock_guard lock(mutex_);
-  if (!reported_.booted_at) reported_.booted_at = before.booted_at;
-  for (const auto& [key, ended] : ended_runs_.items()) before.open_runs.Erase(key);
-  reported_.open_runs.PutOnTopOf(std::move(before.open_runs));
-}
-
-void RobotState::Reach(SteadyTime steady, SystemTime system) {
-  if (reached_ && steady <= *reached_) return;
-  reached_ = steady;
-  reached_system_ = system;
-}
-
-void RobotState::UpdatePresence(const PresenceLimits& limits) {
-  const Presence presence = PresenceOf(Facts(reached_.value_or(server_started_)), limits);
-  if (presence == presence_) return;
-  presence_ = presence;
-  presence_since_ = reached_system_;
-  if (changed_) changed_(presence, presence_since_);
-}
-
-PresenceFacts RobotState::Facts(SteadyTime now) const {
-  return {.now = now,
-          .server_started = server_started_,
-          .known_since = known_since_,
-          .last_sign_of_life = last_sign_,
-          .held_back = held_back_,
-          .held_back_until = held_back_until_};
+  reports_.Restore(std::move(before));
 }
 
 void RobotState::SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
-  if (!last_sign_ || steady >= *last_sign_) {
-    last_sign_ = steady;
-    last_sign_system_ = system;
+  if (presence_.AddSign(steady, system, limits) == PresenceTrack::Sign::kLatest) {
     signs_changed_ = true;
   }
-  Reach(steady, system);
-  UpdatePresence(limits);
 }
 
 void RobotState::SetReading(Reading reading, SteadyTime now) {
   const std::lock_guard lock(mutex_);
-  const bool held_back = reading == Reading::kHeldBack;
-  if (held_back_ && !held_back) held_back_until_ = stream_held_back_until_ = now;
-  held_back_ = held_back;
+  presence_.SetReading(reading, now);
 }
 
 void RobotState::NoteStall(SteadyTime now) {
   const std::lock_guard lock(mutex_);
-  if (presence_ != Presence::kOffline) held_back_until_ = now;
+  presence_.AddStall(now);
 }
 
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {
@@ -138,7 +92,7 @@ std::optional<LiveChanges> RobotState::TakeChanges() {
   LiveChanges changes;
   changes.changed = std::exchange(parts_changed_, {});
   signs_changed_ = false;
-  changes.last_sign_of_life = last_sign_system_;
+  changes.last_sign_of_life = presence_.last_sign();
   changes.clock_skew_ms = clock_skew_ms_;
   ForEachPart(
       [&changes]<typename Tag>(Tag /*row*/, const auto& from, auto& to) {
@@ -161,33 +115,31 @@ void RobotState::Restore(LiveBefore before) {
         if (Merge(part, std::move(earlier))) parts_changed_.set(Tag::kIndex);
       },
       parts_, before.parts);
-  if (!last_sign_system_) last_sign_system_ = before.last_sign_of_life;
+  presence_.Restore(before.last_sign_of_life);
   if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
 }
 
 Presence RobotState::Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
-  Reach(steady, system);
-  UpdatePresence(limits);
-  return presence_;
+  return presence_.Sweep(steady, system, limits);
 }
 
 Presence RobotState::presence() const {
   const std::lock_guard lock(mutex_);
-  return presence_;
+  return presence_.presence();
 }
 
 bool RobotState::held_back() const {
   const std::lock_guard lock(mutex_);
-  return held_back_;
+  return presence_.held_back();
 }
 
 StateSnapshot RobotState::Snapshot(Parts parts) const {
   const std::lock_guard lock(mutex_);
   StateSnapshot snapshot{.parts = {},
-                         .presence = presence_,
-                         .presence_since = presence_since_,
-                         .last_sign_of_life = last_sign_system_,
+                         .presence = presence_.presence(),
+                         .presence_since = presence_.since(),
+                         .last_sign_of_life = presence_.last_sign(),
                          .clock_skew_ms = clock_skew_ms_,
                          .fields_dropped = fields_dropped_,
                          .keys_evicted = keys_evicted_};

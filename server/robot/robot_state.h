@@ -3,7 +3,6 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -13,6 +12,8 @@
 #include "schema/model/record.h"
 #include "server/robot/live_parts.h"
 #include "server/robot/presence.h"
+#include "server/robot/presence_track.h"
+#include "server/robot/reports.h"
 #include "storage/live_row.h"
 
 namespace uplink::robot {
@@ -27,31 +28,6 @@ struct StateSnapshot {
   std::int64_t fields_dropped = 0;
   std::uint64_t keys_evicted = 0;
 };
-
-/// Open mission runs of which the progress is kept; the least recently reported goes first.
-inline constexpr std::size_t kOpenRunsMax = 16;
-
-/// progress_x100 of one percent.
-inline constexpr double kProgressAPercent = 100;
-/// A computer that was up for longer than a century has no clock.
-inline constexpr std::uint64_t kUptimeSMax = std::uint64_t{100} * 366 * 24 * 3600;
-
-/// How a run is named among a robot's open runs.
-[[nodiscard]] inline std::string RunKey(std::string_view mission_id, std::string_view run_id) {
-  return std::string(mission_id).append("/").append(run_id);
-}
-
-/// What a robot's durable reports say of it now, for its series. A value.
-struct Reported {
-  /// Progress in percent of open runs, by mission and run; the last one reported last. Nothing
-  /// where a report named none.
-  LatestByKey<std::optional<double>, kOpenRunsMax> open_runs;
-  /// By the server's clock.
-  std::optional<SystemTime> booted_at;
-};
-
-/// Runs that ended before it was read from the store what was open, and are remembered until then.
-inline constexpr std::size_t kEndedRunsMax = 64;
 
 /// A robot's state as it stands, for one look under its lock.
 struct StateView {
@@ -91,17 +67,12 @@ struct LiveBefore {
 /// thread at a time writes live parts (takeover hands the robot over).
 class RobotState final {
  public:
-  /// Told of each change of presence, in order, under the state's lock: it must be short and take
-  /// no lock that is held while this state is asked.
-  using PresenceChanged = std::function<void(Presence presence, SystemTime at)>;
+  using PresenceChanged = PresenceTrack::Changed;
 
   /// `known_since` and `system_now` are the same moment.
   RobotState(SteadyTime server_started, SteadyTime known_since, SystemTime system_now,
              PresenceChanged changed = {})
-      : server_started_(server_started),
-        known_since_(known_since),
-        changed_(std::move(changed)),
-        presence_since_(system_now) {}
+      : presence_(server_started, known_since, system_now, std::move(changed)) {}
 
   /// Applies live records in order. All must be live kinds. `arrived` is kept of a status, to tell
   /// which of two sources of a value is fresher.
@@ -112,8 +83,8 @@ class RobotState final {
   /// A motion or status message that arrived at this time. It may have waited since: presence is
   /// judged at the latest time that any call named.
   void SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
-  /// The server stopped (true) or began again to read the robot's stream.
-  enum class Reading : std::uint8_t { kHeldBack, kFlowing };
+  using Reading = PresenceTrack::Reading;
+  /// The server stopped or began again to read the robot's stream.
   void SetReading(Reading reading, SteadyTime now);
   /// The server itself stood still, or was behind with reading, until now: what it did not hear
   /// meanwhile proves nothing. Who was offline before stays so.
@@ -146,45 +117,27 @@ class RobotState final {
   void LookAt(Look look) const {
     const std::lock_guard lock(mutex_);
     look(StateView{.parts = parts_,
-                   .reported = reported_,
-                   .presence = presence_,
-                   .presence_since = presence_since_,
-                   .last_sign_of_life = last_sign_system_,
-                   .held_back = held_back_,
-                   .stream_held_back_until = stream_held_back_until_,
+                   .reported = reports_.reported(),
+                   .presence = presence_.presence(),
+                   .presence_since = presence_.since(),
+                   .last_sign_of_life = presence_.last_sign(),
+                   .held_back = presence_.held_back(),
+                   .stream_held_back_until = presence_.stream_held_back_until(),
                    .status_arrived = status_arrived_,
                    .rcan_arrived = rcan_arrived_});
   }
 
  private:
-  void Reach(SteadyTime steady, SystemTime system);
-  void UpdatePresence(const PresenceLimits& limits);
-  [[nodiscard]] PresenceFacts Facts(SteadyTime now) const;
-
-  const SteadyTime server_started_;
-  const SteadyTime known_since_;
-  const PresenceChanged changed_;
   mutable std::mutex mutex_;
   LiveParts parts_;
   LivePartSet parts_changed_;
-  Reported reported_;
-  LatestByKey<bool, kEndedRunsMax> ended_runs_;
+  Reports reports_;
   /// When the parts arrived in this life of the server; the epoch if they did not.
   SteadyTime status_arrived_;
   SteadyTime rcan_arrived_;
   /// The last sign of life or the clock's skew.
   bool signs_changed_ = false;
-  Presence presence_ = Presence::kUnknown;
-  SystemTime presence_since_;
-  /// The latest time that a call named.
-  std::optional<SteadyTime> reached_;
-  SystemTime reached_system_;
-  std::optional<SteadyTime> last_sign_;
-  std::optional<SystemTime> last_sign_system_;
-  bool held_back_ = false;
-  /// Also until when the server itself stood still or was behind.
-  std::optional<SteadyTime> held_back_until_;
-  std::optional<SteadyTime> stream_held_back_until_;
+  PresenceTrack presence_;
   std::optional<std::int64_t> clock_skew_ms_;
   std::int64_t fields_dropped_ = 0;
   std::uint64_t keys_evicted_ = 0;

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "schema/base/clock.h"
+#include "server/robot/presence.h"
+
+namespace uplink::robot {
+
+/// The facts on which a robot's presence depends, and what PresenceOf said of them last. Confined
+/// to its owner's lock.
+class PresenceTrack final {
+ public:
+  /// Told of each change, in order, under the owner's lock: it must be short and take no lock that
+  /// is held while the owner is asked.
+  using Changed = std::function<void(Presence presence, SystemTime at)>;
+
+  /// `known_since` and `system_now` are the same moment.
+  PresenceTrack(SteadyTime server_started, SteadyTime known_since, SystemTime system_now,
+                Changed changed)
+      : server_started_(server_started),
+        known_since_(known_since),
+        changed_(std::move(changed)),
+        since_(system_now) {}
+
+  /// What a sign of life was beside those before it.
+  enum class Sign : std::uint8_t { kLatest, kOlder };
+  /// A sign of life that arrived at this time. It may have waited since: presence is judged at the
+  /// latest time that any call named.
+  Sign AddSign(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
+  /// The server stopped (true) or began again to read the robot's stream.
+  enum class Reading : std::uint8_t { kHeldBack, kFlowing };
+  void SetReading(Reading reading, SteadyTime now);
+  /// The server itself stood still, or was behind with reading, until now: what it did not hear
+  /// meanwhile proves nothing. Who was offline before stays so.
+  void AddStall(SteadyTime now);
+  /// Brings presence up to date and returns it.
+  Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
+  /// What an earlier life of the server heard; it changes no presence.
+  void Restore(std::optional<SystemTime> last_sign);
+
+  [[nodiscard]] Presence presence() const { return presence_; }
+  [[nodiscard]] SystemTime since() const { return since_; }
+  [[nodiscard]] std::optional<SystemTime> last_sign() const { return last_sign_system_; }
+  /// The robot's own stream is not read now; or when that ended.
+  [[nodiscard]] bool held_back() const { return held_back_; }
+  [[nodiscard]] std::optional<SteadyTime> stream_held_back_until() const {
+    return stream_held_back_until_;
+  }
+
+ private:
+  void Reach(SteadyTime steady, SystemTime system);
+  void Update(const PresenceLimits& limits);
+
+  const SteadyTime server_started_;
+  const SteadyTime known_since_;
+  const Changed changed_;
+  Presence presence_ = Presence::kUnknown;
+  SystemTime since_;
+  /// The latest time that a call named.
+  std::optional<SteadyTime> reached_;
+  SystemTime reached_system_;
+  std::optional<SteadyTime> last_sign_;
+  std::optional<SystemTime> last_sign_system_;
+  bool held_back_ = false;
+  /// Also until when the server itself stood still or was behind.
+  std::optional<SteadyTime> held_back_until_;
+  std::optional<SteadyTime> stream_held_back_until_;
+};
+
+}  // namespace uplink::robot
