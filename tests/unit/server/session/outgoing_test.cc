@@ -34,7 +34,7 @@ class OutgoingTest : public ::testing::Test {
     EXPECT_TRUE(robot_.Open(clock_.Steady()).ok());
   }
   robot::RobotSessions& sessions() { return robot_.robot().sessions; }
-  void Settle(model::Seq seq, storage::Outcome outcome = {}) {
+  void Settle(model::Seq seq, const storage::Outcome& outcome = {}) {
     const robot::Settled settled{.session = SessionOf(1), .seq = seq, .outcome = outcome};
     sessions().OnSettled({&settled, 1}, ledger_);
   }
