@@ -19,6 +19,7 @@ RejectedSeq Rejected(model::Seq seq, std::string detail = "") {
 
 std::vector<model::Seq> Seqs(const std::vector<RejectedSeq>& rejects) {
   std::vector<model::Seq> seqs;
+  seqs.reserve(rejects.size());
   for (const RejectedSeq& rejected : rejects) seqs.push_back(rejected.seq);
   return seqs;
 }
