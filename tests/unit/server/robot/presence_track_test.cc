@@ -20,7 +20,7 @@ class PresenceTrackTest : public ::testing::Test {
   Presence Sweep() { return track_.Sweep(clock_.Steady(), clock_.System(), limits_); }
 
   testing::ManualClock clock_;
-  const PresenceLimits limits_;
+  const PresenceLimits limits_{};
   std::vector<std::pair<Presence, SystemTime>> changes_;
   PresenceTrack track_{
       clock_.Steady(), clock_.Steady(), clock_.System(),
