@@ -62,7 +62,7 @@ TEST_F(HoldBackTest, WhatWaitsOutlivesTheScratchThatStreamsShare) {
   limits_.session.in_flight_uplinks_max = 1;
   BenchStream& stream = Welcomed();
   BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
-  stream.AtNextWrite([&other] { other.Send(BatchFrame(Messages(7, 8, Motion()))); });
+  stream.AtNextWrite([&other] { other.Send(BatchFrame(Messages(1, 2, Motion()))); });
   stream.Send(BatchFrame({{1, BadFault()}, {2, Fault()}}));
   EXPECT_EQ(server().counts().applied + server().counts().superseded, 2U);
   EXPECT_FALSE(stream.reading());
