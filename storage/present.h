@@ -15,7 +15,7 @@ namespace uplink::storage {
 enum class PresentKind : std::uint8_t { kFault, kShape, kObject };
 inline constexpr std::size_t kPresentKinds = 3;
 
-/// By what an entry is found. The views lead into a record, or into texts of the caller.
+/// What identifies an entry. The views lead into a record, or into texts of the caller.
 struct PresentKey {
   PresentKind kind = PresentKind::kFault;
   std::string_view ruri;

@@ -223,7 +223,7 @@ class Reader {
 
   /// Robots that ever opened a stream, by RURI, at most `robots_max`.
   [[nodiscard]] virtual absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) = 0;
-  /// Faults that are active now, one row a fault.
+  /// Faults that are active now, one row per fault.
   [[nodiscard]] virtual absl::StatusOr<Page<FaultRow>> FaultsActive(const HistoryQuery& query) = 0;
   /// Every report of a fault.
   [[nodiscard]] virtual absl::StatusOr<Page<FaultRow>> FaultHistory(const HistoryQuery& query) = 0;

@@ -30,13 +30,13 @@ class Store {
  public:
   virtual ~Store() = default;
 
-  /// Opens streams, one answer a request, in one transaction. Creates the robots' rows; touches the
-  /// sessions' rows; evicts the least recently used sessions of each robot over
+  /// Opens streams, one answer per request, in one transaction. Creates the robots' rows; touches
+  /// the sessions' rows; evicts the least recently used sessions of each robot over
   /// kSessionsPerRobotMax, the requested one included, but none in `sessions_held`.
   [[nodiscard]] virtual absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) = 0;
 
-  /// Commits a batch in one transaction: one outcome a record, in order.
+  /// Commits a batch in one transaction: one outcome per record, in order.
   ///
   /// For each record: a hold older than the robot's is kFenced. At or below the session's cursor as
   /// it then stands: kRefused with the quarantined reason if the number lies in quarantine, else

@@ -140,7 +140,8 @@ struct PresenceItem {
   model::Seq number = 0;
 };
 
-/// What one transaction writes. The records of a robot stand in number order a session.
+/// What one transaction writes. The records of a robot stand in the order of their numbers, per
+/// session.
 struct Batch {
   std::vector<CommitRecord> records;
   std::vector<GapItem> gaps;

@@ -33,7 +33,7 @@ enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
-  /// Completion queues, each with a thread; 0: one a core.
+  /// Completion queues, each with a thread; 0: one per core.
   std::size_t relay_threads = 0;
   ListenAddress fleet{"127.0.0.1", 7444};
   ListenAddress http{"127.0.0.1", 7480};

@@ -17,7 +17,7 @@ inline constexpr std::chrono::seconds kHandshakeWait{20};
 /// A handshake goes the way of the robots' messages: one that takes longer than this shows that
 /// they lie unread.
 inline constexpr std::chrono::seconds kBehindAfter{3};
-/// One that takes no longer than this shows that they do not any more.
+/// A handshake that takes at most this long shows that messages are read in time again.
 inline constexpr std::chrono::seconds kCaughtUpWithin{1};
 static_assert(kCaughtUpWithin < kBehindAfter, "whoever has caught up is not behind");
 /// Without any sign of the listener for so long the process counts as dead.

@@ -35,7 +35,7 @@ struct RouteId {
   std::size_t index = 0;
 };
 [[nodiscard]] RouteId OtherRoute();
-/// As many as there are routes, and one for every other path.
+/// The number of ids: one per route, and one for all other paths together.
 [[nodiscard]] std::size_t RouteIds();
 /// The label of a route's requests in the metrics.
 [[nodiscard]] std::string_view RouteName(RouteId route);

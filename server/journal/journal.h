@@ -32,7 +32,7 @@ class Journal final {
  public:
   using Step = journal::Step;
 
-  /// `process` numbers the changes of presence: other than in any life before.
+  /// `process` numbers the changes of presence: it must differ in every life of the process.
   Journal(storage::Store& store, const JournalLimits& limits, const Clock& clock,
           metrics::Ledger& ledger, JournalProbe& probe, const storage::ProcessId& process);
   ~Journal();

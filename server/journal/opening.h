@@ -12,9 +12,8 @@ namespace uplink::journal {
 
 /// The step that opens streams: OpenStreams for those that wait, and the telling of its answers.
 ///
-/// Errors:  a store call that failed is tried again with what it held; after kFailuresToHalve
-/// failures
-///          its later half goes back to the inbox.
+/// Errors:  a store call that failed is tried again with what it held; after kFailuresToHalve of
+///          them its later half goes back to the inbox.
 /// Thread:  confined to the writer.
 class Opening final {
  public:

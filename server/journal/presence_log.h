@@ -13,7 +13,7 @@
 namespace uplink::journal {
 
 /// The changes of presence that are not committed. At most one per robot waits, the latest; one
-/// that leads back to what was last handed over is no change any more and waits no longer.
+/// that leads back to what was last handed over is no longer a change and does not wait.
 ///
 /// Limits: as many entries as there are robots (limits.robots_max), which the fleet keeps; and what
 ///         halved batches left.

@@ -21,7 +21,7 @@ struct JournalProbe {
   metrics::Cell history_deleted;
   /// 1 while histories cannot be kept to their age.
   metrics::Cell retention_failing;
-  /// Robots whose live state was checkpointed, once a checkpoint.
+  /// Robots whose live state was checkpointed, once per checkpoint.
   metrics::Cell checkpoint_robots;
   /// A round of checkpoints, from its first row to its last.
   metrics::LatencyDistribution checkpoint_seconds{metrics::kLatencyBoundsSeconds};

@@ -8,7 +8,7 @@
 
 namespace uplink::journal {
 
-/// The journals of a server, one a connection that writes: a robot is always in the same, so its
+/// The journals of a server, one per connection that writes: a robot is always in the same, so its
 /// order is kept. Each has its share of the bounds.
 ///
 /// Thread: thread-safe. The journals must outlive it.
@@ -52,7 +52,7 @@ class Shards final {
 /// The limits of each of `shards` journals: together they keep `all`.
 [[nodiscard]] JournalLimits ShareOf(const JournalLimits& all, std::size_t shards);
 
-/// The numbering of a shard's changes of presence: one a process and shard.
+/// The numbering of a shard's changes of presence: one per process and shard.
 [[nodiscard]] storage::ProcessId PresenceSessionOf(const storage::ProcessId& process,
                                                    std::size_t shard);
 

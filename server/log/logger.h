@@ -13,7 +13,7 @@
 
 namespace uplink::log {
 
-/// Error: a person should look. Warn: degraded, handled. Info: lifecycle. Never a line a message.
+/// Error: a person should look. Warn: degraded, handled. Info: lifecycle. Never a line per message.
 enum class Level : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
 enum class Format : std::uint8_t {
@@ -69,7 +69,7 @@ class LineSink {
 /// Standard error by spdlog; a line is written whole.
 [[nodiscard]] std::unique_ptr<LineSink> StandardError();
 
-/// Writes one line an event. Made once by the composition root and passed by reference. No
+/// Writes one line per event. Made once by the composition root and passed by reference. No
 /// payloads, tokens or keys are ever logged.
 ///
 /// Thread: thread-safe; a line costs a lock and a write, so events that an outsider can trigger go

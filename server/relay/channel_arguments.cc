@@ -10,7 +10,7 @@
 namespace uplink::relay {
 namespace {
 
-/// Streams of one connection: a robot needs one, and two at takeover; a gateway one a robot.
+/// Streams of one connection: a robot needs one, and two at takeover; a gateway one per robot.
 constexpr int kStreamsPerConnectionMax = 64;
 /// Bytes of all headers of a call.
 constexpr int kHeaderBytesMax = 8 * 1024;

@@ -44,7 +44,7 @@ inline constexpr std::size_t kStreamsPerRobot = 2;
 struct RelayOptions {
   config::ListenAddress address;
   KeyMaterial key_material;
-  /// Completion queues, each with a thread; 0: one a core.
+  /// Completion queues, each with a thread; 0: one per core.
   std::size_t queues = config::ListenConfig().relay_threads;
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;

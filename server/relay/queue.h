@@ -38,8 +38,8 @@ inline constexpr int kDrainPart = 4;
 /// through which other threads wake them.
 ///
 /// Order:  the gRPC server starts after the queues are made; Start after that; Close once the
-/// server
-///         was shut down. Outlives nobody's calls: Wake does nothing once the queue has closed.
+///         server was shut down. Outlives nobody's calls: Wake does nothing once the queue has
+///         closed.
 /// Thread: Wake, Drain: any; Start, Close: main; the rest: its own.
 class Queue final : public robot::WakeInbox {
  public:

@@ -11,7 +11,7 @@ namespace uplink::robot {
 /// owner's lock.
 class Opening final {
  public:
-  /// A stream asks anew; an older answer counts no more. Returns the id of the question.
+  /// A stream asks anew, and answers to older questions are ignored. Returns the question's id.
   [[nodiscard]] std::uint64_t Ask();
   /// The store has answered. Kept only if Welcome still waits for this one.
   void Answer(std::uint64_t open_id, const storage::OpenResult& result);

@@ -31,7 +31,7 @@ class Takeover final {
     std::vector<StreamRef> to_wake;
     /// This attach took over from another stream.
     bool took_over = false;
-    /// The robot changes hands more than kTakeoversPerMinuteMax times a minute, from now on.
+    /// The robot changes hands more than kTakeoversPerMinuteMax times per minute, from now on.
     bool contested = false;
   };
   /// A new stream wants the robot.

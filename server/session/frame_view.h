@@ -28,7 +28,7 @@ enum class FrameContent : std::uint8_t {
   /// Not a RelayRequest.
   kMalformed,
   kNothing,
-  /// Parse it whole: it comes once a stream.
+  /// Parse it whole: it comes once per stream.
   kHello,
   kBatch,
 };

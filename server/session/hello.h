@@ -19,8 +19,7 @@ struct HelloTerms {
 /// Checks the first frame of a stream against the protocol and the peer's certificate.
 ///
 /// Errors:  kInvalidArgument names the field and the rule; kPermissionDenied when the certificate
-/// may
-///          not speak for robot_ruri; kUnauthenticated when it is no robot's.
+///          may not speak for robot_ruri; kUnauthenticated when it is no robot's.
 /// Thread:  pure; any thread.
 [[nodiscard]] absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello,
                                                     const identity::PeerIdentity& peer);

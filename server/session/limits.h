@@ -24,7 +24,7 @@ inline constexpr std::chrono::seconds kWelcomeWait{1};
 inline constexpr std::chrono::seconds kPeerStallMax{30};
 /// A superseded or refused call whose peer does not read is cancelled after this.
 inline constexpr std::chrono::seconds kFinishWait{1};
-/// Malformed messages a second after which a stream is held back to the next second.
+/// Malformed messages per second after which a stream is held back to the next second.
 inline constexpr std::uint32_t kMalformedPerSecondMax = 1000;
 /// Largest jump of numbers, but at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
@@ -33,7 +33,7 @@ inline constexpr std::size_t kReleasedMax = 4096;
 
 static_assert(robot::kRejectsRememberedMax <= kOutgoingFramesMax,
               "the Rejects that memory repeats after a Welcome must fit the outgoing queue; those "
-              "that quarantine adds (storage::kOpenRejectsMax) come on top, once a stream");
+              "that quarantine adds (storage::kOpenRejectsMax) come on top, once per stream");
 
 /// The configurable limits of a session, each far below 2^32; Welcome tells the agent the same
 /// numbers. Immutable.

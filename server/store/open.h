@@ -16,7 +16,7 @@
 
 namespace uplink::store {
 
-/// The store that the configuration names: a writer a shard, and the query side.
+/// The store that the configuration names: a writer per shard, and the query side.
 struct Stores {
   std::vector<std::unique_ptr<storage::Store>> writers;
   std::unique_ptr<storage::Reader> reader;

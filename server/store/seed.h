@@ -14,7 +14,7 @@ namespace uplink::store {
 
 /// Takes the robots that the store knows into the fleet, each with the live state of its last
 /// checkpoint: at the start, or as soon as the store can be reached. A robot that has come by
-/// itself in the meantime stays as it is, but for what it has not told yet.
+/// itself in the meantime stays as it is; only what it has not told yet is filled in.
 ///
 /// Thread: Run by one thread at a time.
 class Seed final {

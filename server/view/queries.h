@@ -80,7 +80,7 @@ struct StatusView {
 ///          was never seen; what the Reader says, where rows are asked for. Robots are answered
 ///          while the store is away too: their active faults are then the last that were read, and
 ///          one robot comes without its stored parts. A list that names such a part fails.
-/// Limits:  remembers one number a robot of the fleet.
+/// Limits:  remembers one number per robot of the fleet.
 /// Thread:  thread-safe; waits for the store, so never on the thread that serves probes.
 class Queries final {
  public:

@@ -35,8 +35,7 @@ struct ReaderOptions {
 /// nothing that a commit wants.
 ///
 /// Errors:  as in Reader; kDeadlineExceeded past statement_timeout, kUnavailable while the server
-/// is
-///          away or if no connection came free in time.
+///          is away or if no connection came free in time.
 /// Thread:  thread-safe.
 class PostgresReader final : public Reader {
  public:

@@ -20,7 +20,7 @@ struct StoreOptions {
   std::string url;
   /// A file whose first line is the password; empty: as libpq finds one (~/.pgpass, PGPASSFILE).
   std::string password_file;
-  /// This process; other than in any life before.
+  /// This process; it must differ in every life of the process.
   ProcessId process{};
   StoreRules rules;
   /// Apply missing migrations at the first connection, as a role that may.

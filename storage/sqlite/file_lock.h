@@ -12,8 +12,7 @@ namespace uplink::storage::sqlite {
 class FileLock final {
  public:
   /// Errors: kFailedPrecondition, naming the lock file, if it cannot be opened or if another
-  /// process
-  ///         holds it.
+  ///         process holds it.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Take(const std::string& path);
 
   FileLock(const FileLock&) = delete;

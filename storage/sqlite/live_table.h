@@ -14,7 +14,7 @@
 
 namespace uplink::storage::sqlite {
 
-/// The checkpointed live states, a row a robot.
+/// The checkpointed live states, one row per robot.
 ///
 /// Errors: those of errors.h. Thread: confined to the thread of its database.
 class LiveTable final {

@@ -58,8 +58,7 @@ enum class OnError : std::uint8_t { kRollBack, kLeave };
 
 /// One session with a PostgreSQL server. Nothing blocks for longer than its limits.
 ///
-/// Errors:  those of errors.h; kUnavailable where the connection broke or no answer came in time,
-/// and
+/// Errors:  those of errors.h; kUnavailable where the connection broke or no answer came in time;
 ///          then the outcome of the call is unknown and broken() is true: make a new connection.
 /// Thread:  confined to one thread at a time.
 class Connection final {

@@ -24,8 +24,7 @@ struct Url {
 };
 
 /// Errors: kInvalidArgument, beginning with `store.url`: no URL of PostgreSQL, a parameter that
-/// libpq
-///         does not know, a password (those belong into a file).
+///         libpq does not know, a password (those belong into a file).
 [[nodiscard]] absl::StatusOr<Url> ParseUrl(std::string_view url);
 
 }  // namespace uplink::storage::postgres

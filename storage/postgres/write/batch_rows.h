@@ -24,7 +24,7 @@ namespace uplink::storage::postgres {
 /// Places that one transaction has: an entry is its number times this, plus the place.
 inline constexpr std::size_t kPlacesMax = std::size_t{1} << 20;
 
-/// Everything that one batch writes, gathered a table: what was decided goes in, record by record
+/// Everything that one batch writes, gathered per table: what was decided goes in, record by record
 /// in order, and statements come out, each table touched once. The batch must outlive it.
 class BatchRows final {
  public:
