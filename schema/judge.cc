@@ -12,7 +12,7 @@
 #include "schema/decode/decode.h"
 #include "schema/limits.h"
 #include "schema/rules/describe.h"
-#include "schema/rules/faults.h"
+#include "schema/rules/violations.h"
 
 namespace uplink::schema {
 namespace {
@@ -33,7 +33,7 @@ std::uint32_t LittleEndian32(std::span<const std::byte> bytes, std::size_t at) {
 
 /// Why the segment table does not describe exactly these bytes; empty if it does. Only then is the
 /// payload worth a copy, and Cap'n Proto has nothing left to misread before the root pointer.
-std::string_view FramingFault(std::span<const std::byte> payload) {
+std::string_view FramingError(std::span<const std::byte> payload) {
   if (payload.empty()) return "it is empty";
   if (payload.size() % kWordBytes != 0) return "its size is no multiple of 8 bytes";
   const std::size_t segments = std::size_t{LittleEndian32(payload, 0)} + 1;
@@ -60,17 +60,18 @@ bool IsSignOfLife(model::Variant variant) {
   return variant == model::Variant::kMotionTelemetry || variant == model::Variant::kStatusTelemetry;
 }
 
-/// The union member's struct, read and judged; a null pointer in its place is a fault.
-model::Body DecodeMember(wire::UplinkMsg::Reader in, model::Variant variant, Faults& faults) {
+/// The union member's struct, read and judged; a null pointer in its place is a violation.
+model::Body DecodeMember(wire::UplinkMsg::Reader in, model::Variant variant,
+                         Violations& violations) {
   switch (variant) {
 #define UPLINK_VARIANT(Member, name, Body, settling) \
   case model::Variant::k##Member:                    \
     if (!in.has##Member()) break;                    \
-    return Decode##Member(in.get##Member(), faults);
+    return Decode##Member(in.get##Member(), violations);
     UPLINK_VARIANTS(UPLINK_VARIANT)
 #undef UPLINK_VARIANT
   }
-  faults.Reject(MissingField(Path(), "holds a null pointer"));
+  violations.Reject(MissingField(Path(), "holds a null pointer"));
   return {};
 }
 
@@ -117,8 +118,8 @@ Judge::~Judge() = default;
 Judgement Judge::Payload(std::span<const std::byte> payload) {
   const std::size_t bytes_max = std::max(limits_.payload_bytes_max, limits_.message_bytes_max);
   if (payload.size() > bytes_max) return Rejected(PayloadTooLarge(payload.size(), bytes_max));
-  const std::string_view framing_fault = FramingFault(payload);
-  if (!framing_fault.empty()) return Rejected(Malformed(framing_fault));
+  const std::string_view framing_error = FramingError(payload);
+  if (!framing_error.empty()) return Rejected(Malformed(framing_error));
   Judgement judgement = Message(payload);
   scratch_->Shrink();
   return judgement;
@@ -140,21 +141,21 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     if (member >= model::kVariants) return Rejected(UnknownVariant(Path(), member));
     if (reader.getEnd() != words.end()) return Rejected(Malformed("bytes follow the message"));
     variant = static_cast<model::Variant>(member);
-    Faults faults(model::IsDurable(*variant), &scratch_->texts, limits_.extras_items_max);
+    Violations violations(model::IsDurable(*variant), &scratch_->texts, limits_.extras_items_max);
     const std::size_t bytes_max =
         MayBeLarge(*variant) ? limits_.payload_bytes_max : limits_.message_bytes_max;
     const bool too_large = payload.size() > bytes_max;
-    if (too_large) faults.Reject(PayloadTooLarge(payload.size(), bytes_max));
+    if (too_large) violations.Reject(PayloadTooLarge(payload.size(), bytes_max));
     // A body is moved as little as can be: it is large.
-    model::Body body = too_large ? model::Body() : DecodeMember(message, *variant, faults);
-    return {.verdict =
-                faults.rejected()
-                    ? Verdict(faults.TakeRejection())
-                    : Verdict(model::Record(std::move(body), faults.TakeDropped(), payload.size())),
+    model::Body body = too_large ? model::Body() : DecodeMember(message, *variant, violations);
+    return {.verdict = violations.rejected()
+                           ? Verdict(violations.TakeRejection())
+                           : Verdict(model::Record(std::move(body), violations.TakeDropped(),
+                                                   payload.size())),
             .variant = variant,
             .sign_of_life = IsSignOfLife(*variant),
-            .times_unknown = faults.times_unknown(),
-            .enumerants_unrecognized = faults.enumerants_unrecognized()};
+            .times_unknown = violations.times_unknown(),
+            .enumerants_unrecognized = violations.enumerants_unrecognized()};
   } catch (const kj::Exception& exception) {
     const kj::StringPtr why = exception.getDescription();
     return Rejected(Malformed({why.begin(), why.size()}), variant);

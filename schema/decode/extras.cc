@@ -15,24 +15,24 @@ namespace {
 constexpr std::size_t kScanMax = 16;
 
 std::optional<model::SensorReading> DecodeReading(wire::SensorReading::Reader in, const Path& path,
-                                                  Faults& faults) {
+                                                  Violations& violations) {
   const std::string_view key = View(in.getKey());
   if (key.empty()) {
-    faults.Content(MissingField(path.Field("key"), "is empty"));
+    violations.Content(MissingField(path.Field("key"), "is empty"));
     return std::nullopt;
   }
-  auto kept_key = Text(faults, path.Field("key"), key, kIdBytesMax);
+  auto kept_key = Text(violations, path.Field("key"), key, kIdBytesMax);
   if (!kept_key) return std::nullopt;
   const Path value_path = path.Field("value");
   if (!in.hasValue()) {
-    faults.Content(MissingField(value_path, "is a null pointer"));
+    violations.Content(MissingField(value_path, "is a null pointer"));
     return std::nullopt;
   }
-  auto value = JudgeValue(faults, value_path, in.getValue());
+  auto value = JudgeValue(violations, value_path, in.getValue());
   if (!value) return std::nullopt;
   model::SensorReading out{
       .key = *std::move(kept_key), .value = *std::move(value), .unix_time_ms = {}};
-  if (in.getHasUnixTimeMs()) out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  if (in.getHasUnixTimeMs()) out.unix_time_ms = Time(violations, in.getUnixTimeMs());
   return out;
 }
 
@@ -75,24 +75,25 @@ class Readings {
 
 }  // namespace
 
-model::TelemetryExtras DecodeTelemetryExtras(wire::TelemetryExtras::Reader in, Faults& faults) {
+model::TelemetryExtras DecodeTelemetryExtras(wire::TelemetryExtras::Reader in,
+                                             Violations& violations) {
   const Path root;
   const Path kv_path = root.Field("kv");
   model::TelemetryExtras out;
-  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  out.unix_time_ms = Time(violations, in.getUnixTimeMs());
   const auto kv = in.getKv();
-  if (kv.size() > faults.extras_items_max()) {
-    faults.Reject(TooManyItems(kv_path, kv.size(), faults.extras_items_max(), "readings"));
+  if (kv.size() > violations.extras_items_max()) {
+    violations.Reject(TooManyItems(kv_path, kv.size(), violations.extras_items_max(), "readings"));
     return out;
   }
   Readings readings(kv.size());
   for (unsigned i = 0; i < kv.size(); ++i) {
-    if (auto reading = DecodeReading(kv[i], kv_path.Item(i), faults)) {
+    if (auto reading = DecodeReading(kv[i], kv_path.Item(i), violations)) {
       readings.Put(*std::move(reading));
     }
   }
   out.kv = readings.Take();
-  if (out.kv.empty()) faults.RejectIfAnyDropped();
+  if (out.kv.empty()) violations.RejectIfAnyDropped();
   return out;
 }
 

@@ -6,9 +6,9 @@
 
 #include "schema/model/enum_text.h"
 #include "schema/model/value.h"
-#include "schema/rules/faults.h"
 #include "schema/rules/motion.h"
 #include "schema/rules/path.h"
+#include "schema/rules/violations.h"
 #include "schema/uplink.capnp.h"
 
 /// What the decoders share: Cap'n Proto's field types as ours.
@@ -20,9 +20,9 @@ namespace uplink::schema {
 
 /// The member as ours; its number is kept, and counted, if we do not know it.
 template <model::WireEnum Ours, typename Wire>
-[[nodiscard]] Ours Enum(Faults& faults, Wire value) {
+[[nodiscard]] Ours Enum(Violations& violations, Wire value) {
   const auto ours = static_cast<Ours>(static_cast<std::uint16_t>(value));
-  if (!model::IsRecognized(ours)) faults.CountUnrecognized();
+  if (!model::IsRecognized(ours)) violations.CountUnrecognized();
   return ours;
 }
 
@@ -33,8 +33,9 @@ template <model::WireEnum Ours, typename Wire>
           .heading_deg = in.getHeadingDeg()};
 }
 
-/// A Value with its rules; nothing after reporting a fault of content at `path` (decode/value.cc).
-[[nodiscard]] std::optional<model::Value> JudgeValue(Faults& faults, const Path& path,
+/// A Value with its rules; nothing after reporting a violation of content at `path`
+/// (decode/value.cc).
+[[nodiscard]] std::optional<model::Value> JudgeValue(Violations& violations, const Path& path,
                                                      wire::Value::Reader in);
 
 }  // namespace uplink::schema

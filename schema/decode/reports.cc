@@ -4,19 +4,19 @@
 #include "schema/rules/numbers.h"
 #include "schema/rules/texts.h"
 
-/// Faults, events and messages: durable, so every fault rejects.
+/// Faults, events and messages: durable, so every violation rejects.
 namespace uplink::schema {
 namespace {
 
-model::EventKind DecodeKind(wire::EventKind::Reader in, Faults& faults) {
+model::EventKind DecodeKind(wire::EventKind::Reader in, Violations& violations) {
   const Path root;
   const Path kind = root.Field("kind");
   const auto member = [&](bool there, const Path& path) {
-    if (!there) faults.Content(MissingField(path, "is a null pointer"));
+    if (!there) violations.Content(MissingField(path, "is a null pointer"));
     return there;
   };
   const auto id = [&](const Path& path, std::string_view name, capnp::Text::Reader text) {
-    return RequiredText(faults, path.Field(name), View(text), kIdBytesMax);
+    return RequiredText(violations, path.Field(name), View(text), kIdBytesMax);
   };
   switch (in.which()) {
     case wire::EventKind::ESTOP_ENGAGED:
@@ -26,8 +26,8 @@ model::EventKind DecodeKind(wire::EventKind::Reader in, Faults& faults) {
     case wire::EventKind::MODE_CHANGED: {
       if (!member(in.hasModeChanged(), kind.Field("modeChanged"))) return {};
       const auto event = in.getModeChanged();
-      return model::ModeChangedEvent{.from = Enum<model::RobotMode>(faults, event.getFrom()),
-                                     .to = Enum<model::RobotMode>(faults, event.getTo())};
+      return model::ModeChangedEvent{.from = Enum<model::RobotMode>(violations, event.getFrom()),
+                                     .to = Enum<model::RobotMode>(violations, event.getTo())};
     }
     case wire::EventKind::MISSION_STARTED: {
       const Path path = kind.Field("missionStarted");
@@ -47,7 +47,7 @@ model::EventKind DecodeKind(wire::EventKind::Reader in, Faults& faults) {
       const auto event = in.getFaultRaised();
       return model::FaultRaisedEvent{
           .fault_code = id(path, "faultCode", event.getFaultCode()),
-          .description = DurableText(faults, path.Field("description"),
+          .description = DurableText(violations, path.Field("description"),
                                      View(event.getDescription()), kDescriptionBytesMax)};
     }
     case wire::EventKind::FAULT_CLEARED: {
@@ -56,22 +56,23 @@ model::EventKind DecodeKind(wire::EventKind::Reader in, Faults& faults) {
       return model::FaultClearedEvent{id(path, "faultCode", in.getFaultCleared().getFaultCode())};
     }
   }
-  faults.Content(UnknownVariant(kind, static_cast<unsigned>(in.which())));
+  violations.Content(UnknownVariant(kind, static_cast<unsigned>(in.which())));
   return {};
 }
 
 }  // namespace
 
-model::Fault DecodeFault(wire::Fault::Reader in, Faults& faults) {
+model::Fault DecodeFault(wire::Fault::Reader in, Violations& violations) {
   const Path root;
   const auto text = [&](std::string_view name, capnp::Text::Reader value, std::size_t bytes_max) {
-    return DurableText(faults, root.Field(name), View(value), bytes_max);
+    return DurableText(violations, root.Field(name), View(value), bytes_max);
   };
   model::Fault out;
-  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
-  out.fault_id = RequiredText(faults, root.Field("faultId"), View(in.getFaultId()), kIdBytesMax);
+  out.unix_time_ms = Time(violations, in.getUnixTimeMs());
+  out.fault_id =
+      RequiredText(violations, root.Field("faultId"), View(in.getFaultId()), kIdBytesMax);
   out.source = text("source", in.getSource(), kNameBytesMax);
-  out.severity = Enum<model::FaultSeverity>(faults, in.getSeverity());
+  out.severity = Enum<model::FaultSeverity>(violations, in.getSeverity());
   out.active = in.getActive();
   out.category = text("category", in.getCategory(), kNameBytesMax);
   out.description = text("description", in.getDescription(), kDescriptionBytesMax);
@@ -79,26 +80,27 @@ model::Fault DecodeFault(wire::Fault::Reader in, Faults& faults) {
   return out;
 }
 
-model::EventTelemetry DecodeEventTelemetry(wire::EventTelemetry::Reader in, Faults& faults) {
+model::EventTelemetry DecodeEventTelemetry(wire::EventTelemetry::Reader in,
+                                           Violations& violations) {
   const Path root;
   model::EventTelemetry out;
-  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
+  out.unix_time_ms = Time(violations, in.getUnixTimeMs());
   if (!in.hasKind()) {
     // Read as it stands, a null pointer would say that an e-stop was engaged.
-    faults.Content(MissingField(root.Field("kind"), "is a null pointer"));
+    violations.Content(MissingField(root.Field("kind"), "is a null pointer"));
     return out;
   }
-  out.kind = DecodeKind(in.getKind(), faults);
+  out.kind = DecodeKind(in.getKind(), violations);
   return out;
 }
 
-model::Message DecodeMessage(wire::Message::Reader in, Faults& faults) {
+model::Message DecodeMessage(wire::Message::Reader in, Violations& violations) {
   const Path root;
   model::Message out;
-  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
-  out.level = Enum<model::MessageLevel>(faults, in.getLevel());
+  out.unix_time_ms = Time(violations, in.getUnixTimeMs());
+  out.level = Enum<model::MessageLevel>(violations, in.getLevel());
   out.message =
-      RequiredText(faults, root.Field("message"), View(in.getMessage()), kMessageTextBytesMax);
+      RequiredText(violations, root.Field("message"), View(in.getMessage()), kMessageTextBytesMax);
   return out;
 }
 

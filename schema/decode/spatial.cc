@@ -8,7 +8,8 @@
 #include "schema/rules/numbers.h"
 #include "schema/rules/texts.h"
 
-/// Shapes and objects: durable, so every fault rejects. Positions are counted before any is read.
+/// Shapes and objects: durable, so every violation rejects. Positions are counted before any is
+/// read.
 namespace uplink::schema {
 namespace {
 
@@ -18,18 +19,18 @@ using WireLines = capnp::List<capnp::List<wire::GeoPoint2>>::Reader;
 /// Counts lines, rings and positions of one shape; stops the walk at the first bound passed.
 class ShapeSize {
  public:
-  ShapeSize(Faults& faults, const Path& path) : faults_(faults), path_(path) {}
+  ShapeSize(Violations& violations, const Path& path) : violations_(violations), path_(path) {}
 
   [[nodiscard]] bool AddParts(std::size_t parts) {
     parts_ += parts;
     if (parts_ <= kShapePartsMax) return true;
-    faults_.Reject(TooManyItems(path_, parts_, kShapePartsMax, "lines or rings"));
+    violations_.Reject(TooManyItems(path_, parts_, kShapePartsMax, "lines or rings"));
     return false;
   }
   [[nodiscard]] bool AddPositions(std::size_t positions) {
     positions_ += positions;
     if (positions_ <= kShapePositionsMax) return true;
-    faults_.Reject(TooManyItems(path_, positions_, kShapePositionsMax, "positions"));
+    violations_.Reject(TooManyItems(path_, positions_, kShapePositionsMax, "positions"));
     return false;
   }
   [[nodiscard]] bool AddLines(const WireLines& lines) {
@@ -45,14 +46,14 @@ class ShapeSize {
   }
 
  private:
-  Faults& faults_;
+  Violations& violations_;
   const Path& path_;
   std::size_t parts_ = 0;
   std::size_t positions_ = 0;
 };
 
-bool SizeIsGood(wire::ShapeData::Reader in, const Path& path, Faults& faults) {
-  ShapeSize size(faults, path);
+bool SizeIsGood(wire::ShapeData::Reader in, const Path& path, Violations& violations) {
+  ShapeSize size(violations, path);
   switch (in.which()) {
     case wire::ShapeData::POINT:
       return true;
@@ -73,72 +74,74 @@ bool SizeIsGood(wire::ShapeData::Reader in, const Path& path, Faults& faults) {
       return true;
     }
   }
-  faults.Reject(UnknownVariant(path, static_cast<unsigned>(in.which())));
+  violations.Reject(UnknownVariant(path, static_cast<unsigned>(in.which())));
   return false;
 }
 
-bool LongEnough(Faults& faults, const Path& path, std::size_t count, std::size_t min,
+bool LongEnough(Violations& violations, const Path& path, std::size_t count, std::size_t min,
                 std::string_view what) {
   if (count >= min) return true;
-  faults.Content(TooFewItems(path, count, min, what));
+  violations.Content(TooFewItems(path, count, min, what));
   return false;
 }
 
 model::Positions DecodePositions(const WirePositions& in, const Path& path, std::size_t min,
-                                 Faults& faults) {
+                                 Violations& violations) {
   model::Positions out;
-  if (!LongEnough(faults, path, in.size(), min, "positions")) return out;
+  if (!LongEnough(violations, path, in.size(), min, "positions")) return out;
   out.reserve(in.size());
-  for (unsigned i = 0; i < in.size() && !faults.rejected(); ++i) {
+  for (unsigned i = 0; i < in.size() && !violations.rejected(); ++i) {
     out.push_back(
-        JudgePosition(faults, path.Item(i), {.lon = in[i].getLon(), .lat = in[i].getLat()}));
+        JudgePosition(violations, path.Item(i), {.lon = in[i].getLon(), .lat = in[i].getLat()}));
   }
   return out;
 }
 
 std::vector<model::Positions> DecodeLines(const WireLines& in, const Path& path, std::size_t min,
-                                          Faults& faults) {
+                                          Violations& violations) {
   std::vector<model::Positions> out;
   out.reserve(in.size());
-  for (unsigned i = 0; i < in.size() && !faults.rejected(); ++i) {
-    out.push_back(DecodePositions(in[i], path.Item(i), min, faults));
+  for (unsigned i = 0; i < in.size() && !violations.rejected(); ++i) {
+    out.push_back(DecodePositions(in[i], path.Item(i), min, violations));
   }
   return out;
 }
 
-model::PolygonData DecodePolygon(wire::PolygonData::Reader in, const Path& path, Faults& faults) {
-  return {.exterior =
-              DecodePositions(in.getExterior(), path.Field("exterior"), kRingPositionsMin, faults),
-          .holes = DecodeLines(in.getHoles(), path.Field("holes"), kRingPositionsMin, faults)};
+model::PolygonData DecodePolygon(wire::PolygonData::Reader in, const Path& path,
+                                 Violations& violations) {
+  return {.exterior = DecodePositions(in.getExterior(), path.Field("exterior"), kRingPositionsMin,
+                                      violations),
+          .holes = DecodeLines(in.getHoles(), path.Field("holes"), kRingPositionsMin, violations)};
 }
 
 /// The member of a shape whose size was found good.
-model::ShapeData DecodeMember(wire::ShapeData::Reader in, const Path& data, Faults& faults) {
+model::ShapeData DecodeMember(wire::ShapeData::Reader in, const Path& data,
+                              Violations& violations) {
   switch (in.which()) {
     case wire::ShapeData::POINT:
-      return JudgePosition(faults, data.Field("point"),
+      return JudgePosition(violations, data.Field("point"),
                            {.lon = in.getPoint().getLon(), .lat = in.getPoint().getLat()});
     case wire::ShapeData::MULTI_POINT:
       return model::MultiPoint{
-          DecodePositions(in.getMultiPoint(), data.Field("multiPoint"), 1, faults)};
+          DecodePositions(in.getMultiPoint(), data.Field("multiPoint"), 1, violations)};
     case wire::ShapeData::LINE_STRING:
-      return model::LineString{
-          DecodePositions(in.getLineString(), data.Field("lineString"), kLinePositionsMin, faults)};
+      return model::LineString{DecodePositions(in.getLineString(), data.Field("lineString"),
+                                               kLinePositionsMin, violations)};
     case wire::ShapeData::MULTI_LINE_STRING: {
       const auto lines = in.getMultiLineString();
       const Path path = data.Field("multiLineString");
-      if (!LongEnough(faults, path, lines.size(), 1, "lines")) return {};
-      return model::MultiLineString{DecodeLines(lines, path, kLinePositionsMin, faults)};
+      if (!LongEnough(violations, path, lines.size(), 1, "lines")) return {};
+      return model::MultiLineString{DecodeLines(lines, path, kLinePositionsMin, violations)};
     }
     case wire::ShapeData::POLYGON:
-      return DecodePolygon(in.getPolygon(), data.Field("polygon"), faults);
+      return DecodePolygon(in.getPolygon(), data.Field("polygon"), violations);
     case wire::ShapeData::MULTI_POLYGON: {
       const auto polygons = in.getMultiPolygon();
       const Path path = data.Field("multiPolygon");
-      if (!LongEnough(faults, path, polygons.size(), 1, "polygons")) return {};
+      if (!LongEnough(violations, path, polygons.size(), 1, "polygons")) return {};
       model::MultiPolygon out;
-      for (unsigned i = 0; i < polygons.size() && !faults.rejected(); ++i) {
-        out.polygons.push_back(DecodePolygon(polygons[i], path.Item(i), faults));
+      for (unsigned i = 0; i < polygons.size() && !violations.rejected(); ++i) {
+        out.polygons.push_back(DecodePolygon(polygons[i], path.Item(i), violations));
       }
       return out;
     }
@@ -165,56 +168,56 @@ std::string_view NullMember(wire::ShapeData::Reader in) {
   return "";
 }
 
-model::ShapeData DecodeData(wire::ShapeData::Reader in, const Path& path, Faults& faults) {
+model::ShapeData DecodeData(wire::ShapeData::Reader in, const Path& path, Violations& violations) {
   const std::string_view null_member = NullMember(in);
   if (!null_member.empty()) {
-    faults.Content(MissingField(path.Field(null_member), "is a null pointer"));
+    violations.Content(MissingField(path.Field(null_member), "is a null pointer"));
     return {};
   }
-  if (!SizeIsGood(in, path, faults)) return {};
-  return DecodeMember(in, path, faults);
+  if (!SizeIsGood(in, path, violations)) return {};
+  return DecodeMember(in, path, violations);
 }
 
 model::AssetIdentity DecodeIdentity(wire::AssetIdentity::Reader in, const Path& path,
-                                    Faults& faults) {
-  return {.id = RequiredText(faults, path.Field("id"), View(in.getId()), kIdBytesMax),
-          .name = DurableText(faults, path.Field("name"), View(in.getName()), kNameBytesMax),
+                                    Violations& violations) {
+  return {.id = RequiredText(violations, path.Field("id"), View(in.getId()), kIdBytesMax),
+          .name = DurableText(violations, path.Field("name"), View(in.getName()), kNameBytesMax),
           .rev = in.getRev(),
-          .hash = DurableText(faults, path.Field("hash"), View(in.getHash()), kIdBytesMax)};
+          .hash = DurableText(violations, path.Field("hash"), View(in.getHash()), kIdBytesMax)};
 }
 
 model::ReportedShape DecodeUpsert(wire::ReportedShape::Reader in, const Path& path,
-                                  Faults& faults) {
+                                  Violations& violations) {
   model::ReportedShape out;
   if (in.hasData()) {
-    out.data = DecodeData(in.getData(), path.Field("data"), faults);
+    out.data = DecodeData(in.getData(), path.Field("data"), violations);
   } else {
-    faults.Content(MissingField(path.Field("data"), "is a null pointer"));
+    violations.Content(MissingField(path.Field("data"), "is a null pointer"));
   }
   if (in.hasIdentity()) {
-    out.identity = DecodeIdentity(in.getIdentity(), path.Field("identity"), faults);
+    out.identity = DecodeIdentity(in.getIdentity(), path.Field("identity"), violations);
   } else {
-    faults.Content(MissingField(path.Field("identity"), "is a null pointer"));
+    violations.Content(MissingField(path.Field("identity"), "is a null pointer"));
   }
-  out.area_type = Enum<model::ReportedLayerRole>(faults, in.getAreaType());
-  out.scope = Enum<model::ScopeType>(faults, in.getScope());
-  out.expire_time_ms = Time(faults, in.getExpireTimeMs());
-  out.min_z_m = Finite(faults, path.Field("minZM"), in.getMinZM()).value_or(0);
-  out.max_z_m = Finite(faults, path.Field("maxZM"), in.getMaxZM()).value_or(0);
+  out.area_type = Enum<model::ReportedLayerRole>(violations, in.getAreaType());
+  out.scope = Enum<model::ScopeType>(violations, in.getScope());
+  out.expire_time_ms = Time(violations, in.getExpireTimeMs());
+  out.min_z_m = Finite(violations, path.Field("minZM"), in.getMinZM()).value_or(0);
+  out.max_z_m = Finite(violations, path.Field("maxZM"), in.getMaxZM()).value_or(0);
   // Both 0, no bounds, passes as well.
   if (out.min_z_m > out.max_z_m) {
-    faults.Content(MinAboveMax(path.Field("minZM"), out.min_z_m, out.max_z_m));
+    violations.Content(MinAboveMax(path.Field("minZM"), out.min_z_m, out.max_z_m));
   }
   out.level_id = in.getLevelId();
   return out;
 }
 
 std::optional<model::Trajectory> DecodeTrajectory(wire::Object::Reader in, const Path& path,
-                                                  Faults& faults) {
+                                                  Violations& violations) {
   if (!in.hasTrajectory()) return std::nullopt;
   const auto trajectory = in.getTrajectory();
   const auto finite = [&](std::string_view name, double value) {
-    return Finite(faults, path.Field(name), value).value_or(0);
+    return Finite(violations, path.Field(name), value).value_or(0);
   };
   return model::Trajectory{
       .speed_mps = finite("speedMps", trajectory.getSpeedMps()),
@@ -222,54 +225,54 @@ std::optional<model::Trajectory> DecodeTrajectory(wire::Object::Reader in, const
       .vertical_rate_mps = finite("verticalRateMps", trajectory.getVerticalRateMps())};
 }
 
-model::Object DecodeUpsert(wire::Object::Reader in, const Path& path, Faults& faults) {
+model::Object DecodeUpsert(wire::Object::Reader in, const Path& path, Violations& violations) {
   model::Object out;
-  out.id = RequiredText(faults, path.Field("id"), View(in.getId()), kIdBytesMax);
-  out.name = DurableText(faults, path.Field("name"), View(in.getName()), kNameBytesMax);
-  out.unix_time_ms = Time(faults, in.getUnixTimeMs());
-  out.expires_unix_time_ms = Time(faults, in.getExpiresUnixTimeMs());
-  out.scope = Enum<model::ScopeType>(faults, in.getScope());
-  out.object_type = Enum<model::ObjectType>(faults, in.getObjectType());
+  out.id = RequiredText(violations, path.Field("id"), View(in.getId()), kIdBytesMax);
+  out.name = DurableText(violations, path.Field("name"), View(in.getName()), kNameBytesMax);
+  out.unix_time_ms = Time(violations, in.getUnixTimeMs());
+  out.expires_unix_time_ms = Time(violations, in.getExpiresUnixTimeMs());
+  out.scope = Enum<model::ScopeType>(violations, in.getScope());
+  out.object_type = Enum<model::ObjectType>(violations, in.getObjectType());
   const Path location = path.Field("location");
   if (in.hasLocation()) {
-    out.location = JudgePose(faults, location, Raw(in.getLocation())).value_or(model::Pose());
+    out.location = JudgePose(violations, location, Raw(in.getLocation())).value_or(model::Pose());
   } else {
-    faults.Content(MissingField(location, "is a null pointer"));
+    violations.Content(MissingField(location, "is a null pointer"));
   }
-  out.trajectory = DecodeTrajectory(in, path.Field("trajectory"), faults);
-  out.radius_m = NotNegative(faults, path.Field("radiusM"), in.getRadiusM()).value_or(0);
+  out.trajectory = DecodeTrajectory(in, path.Field("trajectory"), violations);
+  out.radius_m = NotNegative(violations, path.Field("radiusM"), in.getRadiusM()).value_or(0);
   return out;
 }
 
 /// Both operations look alike: an upsert whose struct must be there, or an id to delete.
 template <typename Out, typename In>
-Out DecodeOp(In in, Faults& faults) {
+Out DecodeOp(In in, Violations& violations) {
   const Path root;
   switch (in.which()) {
     case In::Reads::UPSERT: {
       const Path path = root.Field("upsert");
       if (!in.hasUpsert()) {
-        faults.Content(MissingField(path, "is a null pointer"));
+        violations.Content(MissingField(path, "is a null pointer"));
         return {};
       }
-      return Out{DecodeUpsert(in.getUpsert(), path, faults)};
+      return Out{DecodeUpsert(in.getUpsert(), path, violations)};
     }
     case In::Reads::DELETE:
       return Out{model::Deletion{
-          RequiredText(faults, root.Field("delete"), View(in.getDelete()), kIdBytesMax)}};
+          RequiredText(violations, root.Field("delete"), View(in.getDelete()), kIdBytesMax)}};
   }
-  faults.Content(UnknownVariant(root, static_cast<unsigned>(in.which())));
+  violations.Content(UnknownVariant(root, static_cast<unsigned>(in.which())));
   return {};
 }
 
 }  // namespace
 
-model::ShapeOp DecodeShape(wire::ReportedShapeOp::Reader in, Faults& faults) {
-  return DecodeOp<model::ShapeOp>(in, faults);
+model::ShapeOp DecodeShape(wire::ReportedShapeOp::Reader in, Violations& violations) {
+  return DecodeOp<model::ShapeOp>(in, violations);
 }
 
-model::ObjectOp DecodeObject(wire::ObjectOp::Reader in, Faults& faults) {
-  return DecodeOp<model::ObjectOp>(in, faults);
+model::ObjectOp DecodeObject(wire::ObjectOp::Reader in, Violations& violations) {
+  return DecodeOp<model::ObjectOp>(in, violations);
 }
 
 }  // namespace uplink::schema

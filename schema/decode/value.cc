@@ -7,29 +7,30 @@
 
 namespace uplink::schema {
 
-std::optional<model::Value> JudgeValue(Faults& faults, const Path& path, wire::Value::Reader in) {
+std::optional<model::Value> JudgeValue(Violations& violations, const Path& path,
+                                       wire::Value::Reader in) {
   switch (in.which()) {
     case wire::Value::STRING: {
-      auto text = Text(faults, path, View(in.getString()), kDescriptionBytesMax);
+      auto text = Text(violations, path, View(in.getString()), kDescriptionBytesMax);
       if (!text) return std::nullopt;
       return model::Value(*std::move(text));
     }
     case wire::Value::INT:
       return model::Value(in.getInt());
     case wire::Value::NUMBER: {
-      const auto number = Finite(faults, path, in.getNumber());
+      const auto number = Finite(violations, path, in.getNumber());
       if (!number) return std::nullopt;
       return model::Value(*number);
     }
     case wire::Value::BOOL:
       return model::Value(in.getBool());
     case wire::Value::ENUM: {
-      auto name = Text(faults, path, View(in.getEnum()), kDescriptionBytesMax);
+      auto name = Text(violations, path, View(in.getEnum()), kDescriptionBytesMax);
       if (!name) return std::nullopt;
       return model::Value(model::EnumName{*std::move(name)});
     }
   }
-  faults.Content(UnknownVariant(path, static_cast<unsigned>(in.which())));
+  violations.Content(UnknownVariant(path, static_cast<unsigned>(in.which())));
   return std::nullopt;
 }
 

@@ -53,7 +53,7 @@ inline constexpr std::size_t kVariants = std::variant_size_v<Body>;
   return static_cast<Variant>(body.index());
 }
 
-/// A field of a live message that was at fault and was dropped (a status text: cut), while the rest
+/// An invalid field of a live message, which was dropped (a status text: cut), while the rest
 /// was applied. `field` is spelled as in Rejection.
 using DroppedField = Rejection;
 

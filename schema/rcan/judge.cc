@@ -32,7 +32,8 @@ RcanJudgement Rejected(model::Rejection rejection) {
   return {.verdict = std::move(rejection), .dropped = {}};
 }
 
-std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root, Faults& faults) {
+std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root,
+                                              Violations& violations) {
   const js::value* value = state.Find("position", Need::kMay);
   if (value == nullptr) return std::nullopt;
   const js::object* object = value->if_object();
@@ -41,7 +42,7 @@ std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root, 
     return std::nullopt;
   }
   const Path path = root.Field("position");
-  Members members(*object, path, faults);
+  Members members(*object, path, violations);
   // Both are required, of a member that is not: without one the position is dropped.
   for (const std::string_view name : {"x", "y"}) {
     if (members.Find(name, Need::kMay) != nullptr) continue;
@@ -56,13 +57,13 @@ std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root, 
   return model::RcanPosition{.x_m = *x, .y_m = *y, .heading_rad = heading};
 }
 
-model::RcanJoint JointOf(const js::object& object, const Path& path, Faults& faults) {
-  Members members(object, path, faults);
+model::RcanJoint JointOf(const js::object& object, const Path& path, Violations& violations) {
+  Members members(object, path, violations);
   model::RcanJoint joint;
   joint.joint = members.Text("joint", Need::kMust, kIdBytesMax).value_or("");
   if (joint.joint.empty()) {
     const Path name = path.Field("joint");
-    faults.Reject(MissingField(name, "is empty"));
+    violations.Reject(MissingField(name, "is empty"));
   }
   joint.position_rad = members.Number("position_rad", Need::kMay);
   joint.velocity_rad_s = members.Number("velocity_rad_s", Need::kMay);
@@ -75,32 +76,32 @@ model::RcanJoint JointOf(const js::object& object, const Path& path, Faults& fau
   return joint;
 }
 
-/// The joint, or nothing after reporting it: a joint at fault is dropped, and nothing else with it.
+/// The joint, or nothing after reporting it: an invalid joint is dropped, and nothing else with it.
 /// `name` is what it is called, empty if that cannot be told.
-std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& item, Faults& faults,
-                                          std::string& name) {
+std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& item,
+                                          Violations& violations, std::string& name) {
   const js::object* object = value.if_object();
   if (object == nullptr) {
-    faults.Content(TypeMismatch(item, KindOf(value), "object"));
+    violations.Content(TypeMismatch(item, KindOf(value), "object"));
     return std::nullopt;
   }
-  Faults own(/*durable=*/false);
+  Violations own(/*durable=*/false);
   model::RcanJoint joint = JointOf(*object, item, own);
   name = joint.joint;
   if (!own.rejected()) {
-    for (model::Rejection& dropped : own.TakeDropped()) faults.Content(std::move(dropped));
+    for (model::Rejection& dropped : own.TakeDropped()) violations.Content(std::move(dropped));
     return joint;
   }
-  model::Rejection fault = own.TakeRejection();
-  if (fault.reason == model::RejectReason::kNotFinite) {
-    faults.Reject(std::move(fault));
+  model::Rejection violation = own.TakeRejection();
+  if (violation.reason == model::RejectReason::kNotFinite) {
+    violations.Reject(std::move(violation));
   } else {
-    faults.Content(std::move(fault));
+    violations.Content(std::move(violation));
   }
   return std::nullopt;
 }
 
-std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Faults& faults) {
+std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Violations& violations) {
   std::vector<model::RcanJoint> joints;
   const js::value* value = state.Find("joints", Need::kMay);
   if (value == nullptr) return joints;
@@ -111,19 +112,19 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Faults&
   }
   const Path list = root.Field("joints");
   if (items->size() > kRcanJointsMax) {
-    faults.Reject(TooManyItems(list, items->size(), kRcanJointsMax, "joints"));
+    violations.Reject(TooManyItems(list, items->size(), kRcanJointsMax, "joints"));
     return joints;
   }
   joints.reserve(items->size());
   std::unordered_set<std::string> names;
-  for (std::size_t i = 0; i < items->size() && !faults.rejected(); ++i) {
+  for (std::size_t i = 0; i < items->size() && !violations.rejected(); ++i) {
     const Path item = list.Item(i);
     std::string name;
-    std::optional<model::RcanJoint> joint = TakeJoint((*items)[i], item, faults, name);
-    // Also of a joint that is dropped for another fault.
+    std::optional<model::RcanJoint> joint = TakeJoint((*items)[i], item, violations, name);
+    // Also of a joint that is dropped for another violation.
     if (!name.empty() && !names.insert(name).second) {
       const Path field = item.Field("joint");
-      faults.Reject(DuplicateKey(field, name));
+      violations.Reject(DuplicateKey(field, name));
     }
     if (joint) joints.push_back(*std::move(joint));
   }
@@ -131,19 +132,19 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Faults&
 }
 
 /// Whether the state is of this robot, as far as it says so; reports if it is not.
-bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Faults& faults) {
+bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Violations& violations) {
   // The whole text has its limit already.
   constexpr std::size_t text_bytes = std::numeric_limits<std::size_t>::max();
   // Its length is that of the RURI without the signature, which may be longer than the rest.
   const std::optional<std::string> said = state.Text("ruri", Need::kMust, text_bytes);
   if (!said) return false;
   const Path field = root.Field("ruri");
-  if (auto fault = TextFault(field, WithoutSignature(*said), model::kRuriBytesMax)) {
-    faults.Reject(*std::move(fault));
+  if (auto violation = TextViolation(field, WithoutSignature(*said), model::kRuriBytesMax)) {
+    violations.Reject(*std::move(violation));
     return false;
   }
   if (NormalRuri(*said) == NormalRuri(ruri)) return true;
-  faults.Reject(
+  violations.Reject(
       {.reason = model::RejectReason::kIdentityMismatch,
        .field = field.Text(),
        .detail = PrintableUtf8(fmt::format("\"{}\" is not the stream's robot \"{}\"", *said, ruri),
@@ -153,22 +154,22 @@ bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Faults& 
 
 RcanJudgement JudgeObject(const js::object& object, std::string_view ruri) {
   const Path root;
-  Faults faults(/*durable=*/false);
-  Members members(object, root, faults);
-  const bool own = CheckRuri(members, root, ruri, faults);
+  Violations violations(/*durable=*/false);
+  Members members(object, root, violations);
+  const bool own = CheckRuri(members, root, ruri, violations);
   model::RcanState state;
   state.timestamp_us = members.Whole("timestamp_us", Need::kMust, {}).value_or(0);
   state.seq = members.Whole("seq", Need::kMay, {.min = 1});
   state.uptime_ms = members.Whole("uptime_ms", Need::kMay, {});
   state.battery_v = members.NumberFrom("battery_v", 0);
   state.battery_pct = members.Whole("battery_pct", Need::kMay, {.max = kPercentWhole});
-  state.position = PositionOf(members, root, faults);
-  state.joints = JointsOf(members, root, faults);
+  state.position = PositionOf(members, root, violations);
+  state.joints = JointsOf(members, root, violations);
   state.clock_source = members.Text("clock_source", Need::kMay, kNameBytesMax);
-  if (faults.rejected()) {
-    return {.verdict = faults.TakeRejection(), .dropped = {}, .sign_of_life = own};
+  if (violations.rejected()) {
+    return {.verdict = violations.TakeRejection(), .dropped = {}, .sign_of_life = own};
   }
-  return {.verdict = std::move(state), .dropped = faults.TakeDropped(), .sign_of_life = own};
+  return {.verdict = std::move(state), .dropped = violations.TakeDropped(), .sign_of_life = own};
 }
 
 RcanJudgement JudgeText(std::string_view text, std::string_view ruri) {

@@ -19,7 +19,7 @@ inline constexpr std::size_t kRcanDepthMax = 32;
 /// What judging one Robot State found. A value.
 struct RcanJudgement {
   std::variant<model::RcanState, model::Rejection> verdict;
-  /// Optional fields at fault, which the state goes without.
+  /// Invalid optional fields, which the state goes without.
   std::vector<model::Rejection> dropped;
   /// It is an object of this robot, whatever the rules said of it.
   bool sign_of_life = false;
@@ -33,8 +33,9 @@ struct RcanJudgement {
 /// before it (times, `seq`) is not judged here.
 ///
 /// Units:   as model::RcanState.
-/// Errors:  bad content is a Rejection; no input makes it throw or abort. Faults of structure and
-///          of required fields reject, an optional field at fault is dropped. Unknown fields are
+/// Errors:  bad content is a Rejection; no input makes it throw or abort. Violations of structure
+/// and
+///          of required fields reject, an invalid optional field is dropped. Unknown fields are
 ///          ignored, of a key that stands twice the last one counts.
 /// Limits:  `bytes_max` bytes, kRcanJointsMax, kRcanDepthMax, and those of texts.
 /// Thread:  pure; any thread.

@@ -66,11 +66,11 @@ std::string_view KindOf(const js::value& value) {
   return "";
 }
 
-void Members::Report(Need need, model::Rejection fault) {
+void Members::Report(Need need, model::Rejection violation) {
   if (need == Need::kMust) {
-    faults_.Reject(std::move(fault));
+    violations_.Reject(std::move(violation));
   } else {
-    faults_.Content(std::move(fault));
+    violations_.Content(std::move(violation));
   }
 }
 
@@ -84,7 +84,7 @@ const js::value* Members::Find(std::string_view name, Need need) {
   const js::value* value = object_.if_contains(js::string_view(name.data(), name.size()));
   if (value == nullptr && need == Need::kMust) {
     const Path field = path_.Field(name);
-    faults_.Reject(MissingField(field, "is missing"));
+    violations_.Reject(MissingField(field, "is missing"));
   }
   return value;
 }
@@ -99,7 +99,7 @@ std::optional<double> Members::Number(std::string_view name, Need need) {
   const double number = AsDouble(*value);
   if (std::isfinite(number)) return number;
   const Path field = path_.Field(name);
-  faults_.Reject(NotFinite(field, number));
+  violations_.Reject(NotFinite(field, number));
   return std::nullopt;
 }
 
@@ -152,8 +152,8 @@ std::optional<std::string> Members::Text(std::string_view name, Need need, std::
   }
   const std::string_view content(text->data(), text->size());
   const Path field = path_.Field(name);
-  if (auto fault = TextFault(field, content, bytes_max)) {
-    Report(need, *std::move(fault));
+  if (auto violation = TextViolation(field, content, bytes_max)) {
+    Report(need, *std::move(violation));
     return std::nullopt;
   }
   return std::string(content);

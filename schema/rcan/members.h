@@ -8,12 +8,12 @@
 
 #include <boost/json.hpp>
 
-#include "schema/rules/faults.h"
 #include "schema/rules/path.h"
+#include "schema/rules/violations.h"
 
 namespace uplink::schema {
 
-/// What a fault in a member does.
+/// What a violation in a member does.
 enum class Need : std::uint8_t {
   /// The member must be there and good: the message is rejected.
   kMust,
@@ -27,11 +27,11 @@ struct WholeBounds {
 };
 
 /// The members of one JSON object by name; each read returns the value fit to keep, or reports the
-/// fault. Confined to one judgement; object, path and faults outlive it.
+/// violation. Confined to one judgement; object, path and violations outlive it.
 class Members final {
  public:
-  Members(const boost::json::object& object, const Path& path, Faults& faults)
-      : object_(object), path_(path), faults_(faults) {}
+  Members(const boost::json::object& object, const Path& path, Violations& violations)
+      : object_(object), path_(path), violations_(violations) {}
 
   /// A finite number. One that is beyond a double rejects the message in any case.
   [[nodiscard]] std::optional<double> Number(std::string_view name, Need need);
@@ -46,14 +46,14 @@ class Members final {
 
   /// Null if it is not there, and reported if it must be.
   [[nodiscard]] const boost::json::value* Find(std::string_view name, Need need);
-  void Report(Need need, model::Rejection fault);
+  void Report(Need need, model::Rejection violation);
   void ReportType(Need need, std::string_view name, const boost::json::value& value,
                   std::string_view expected);
 
  private:
   const boost::json::object& object_;
   const Path& path_;
-  Faults& faults_;
+  Violations& violations_;
 };
 
 /// `string`, `null`: what a value is, for sentences.

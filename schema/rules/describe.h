@@ -9,7 +9,7 @@
 namespace uplink::schema {
 
 /// One function a reason: the Rejection with its path and a sentence that names value and limit.
-/// Only called once a fault is certain; they allocate.
+/// Only called once a violation is certain; they allocate.
 
 [[nodiscard]] model::Rejection Malformed(std::string_view why);
 [[nodiscard]] model::Rejection UnknownVariant(const Path& path, unsigned member);

@@ -23,17 +23,17 @@ double NormalizedHeading(double heading_deg) {
   return heading >= kTurnDeg ? 0.0 : heading + 0.0;
 }
 
-std::optional<model::Pose> JudgePose(Faults& faults, const Path& path, const RawPose& raw) {
-  const auto lat = InRange(faults, path.Field("latDeg"), raw.lat_deg, kLatitude);
+std::optional<model::Pose> JudgePose(Violations& violations, const Path& path, const RawPose& raw) {
+  const auto lat = InRange(violations, path.Field("latDeg"), raw.lat_deg, kLatitude);
   if (!lat) return std::nullopt;
-  const auto lon = InRange(faults, path.Field("lonDeg"), raw.lon_deg, kLongitude);
+  const auto lon = InRange(violations, path.Field("lonDeg"), raw.lon_deg, kLongitude);
   if (!lon) return std::nullopt;
   model::Pose pose{.lat_deg = *lat, .lon_deg = *lon, .altitude_m = {}, .heading_deg = {}};
   pose.altitude_m = UnlessNan(raw.altitude_m, [&](double altitude) {
-    return InRange(faults, path.Field("altitudeM"), altitude, kAltitude);
+    return InRange(violations, path.Field("altitudeM"), altitude, kAltitude);
   });
   pose.heading_deg = UnlessNan(raw.heading_deg, [&](double heading) {
-    return Finite(faults, path.Field("headingDeg"), heading);
+    return Finite(violations, path.Field("headingDeg"), heading);
   });
   if (pose.heading_deg) pose.heading_deg = NormalizedHeading(*pose.heading_deg);
   return pose;

@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "schema/model/motion.h"
-#include "schema/rules/faults.h"
 #include "schema/rules/path.h"
+#include "schema/rules/violations.h"
 
 namespace uplink::schema {
 
@@ -19,9 +19,9 @@ struct RawPose {
 /// A heading in degrees, any finite number, as the same direction in [0, 360).
 [[nodiscard]] double NormalizedHeading(double heading_deg);
 
-/// The pose fit to keep. A latitude or longitude at fault takes the whole pose with it; altitude
+/// The pose fit to keep. An invalid latitude or longitude takes the whole pose with it; altitude
 /// and heading fall alone.
-[[nodiscard]] std::optional<model::Pose> JudgePose(Faults& faults, const Path& path,
+[[nodiscard]] std::optional<model::Pose> JudgePose(Violations& violations, const Path& path,
                                                    const RawPose& raw);
 
 }  // namespace uplink::schema

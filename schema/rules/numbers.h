@@ -6,11 +6,11 @@
 
 #include "schema/limits.h"
 #include "schema/rules/describe.h"
-#include "schema/rules/faults.h"
 #include "schema/rules/path.h"
+#include "schema/rules/violations.h"
 
-/// Rules of single numbers: each returns the value fit to keep, or reports the fault and returns
-/// nothing.
+/// Rules of single numbers: each returns the value fit to keep, or reports the violation and
+/// returns nothing.
 namespace uplink::schema {
 
 struct Bounds {
@@ -19,42 +19,44 @@ struct Bounds {
 };
 
 template <typename T>
-[[nodiscard]] std::optional<T> Finite(Faults& faults, const Path& path, T value) {
+[[nodiscard]] std::optional<T> Finite(Violations& violations, const Path& path, T value) {
   if (std::isfinite(value)) [[likely]]
     return value;
-  faults.Content(NotFinite(path, static_cast<double>(value)));
+  violations.Content(NotFinite(path, static_cast<double>(value)));
   return std::nullopt;
 }
 
 template <typename T>
-[[nodiscard]] std::optional<T> InRange(Faults& faults, const Path& path, T value, Bounds bounds) {
+[[nodiscard]] std::optional<T> InRange(Violations& violations, const Path& path, T value,
+                                       Bounds bounds) {
   const auto number = static_cast<double>(value);
   if (number >= bounds.min && number <= bounds.max) [[likely]]
     return value;
-  faults.Content(std::isfinite(value) ? OutOfRange(path, number, bounds.min, bounds.max)
-                                      : NotFinite(path, number));
+  violations.Content(std::isfinite(value) ? OutOfRange(path, number, bounds.min, bounds.max)
+                                          : NotFinite(path, number));
   return std::nullopt;
 }
 
 template <typename T>
-[[nodiscard]] std::optional<T> NotNegative(Faults& faults, const Path& path, T value) {
+[[nodiscard]] std::optional<T> NotNegative(Violations& violations, const Path& path, T value) {
   if (value >= 0 && std::isfinite(value)) [[likely]]
     return value;
   const auto number = static_cast<double>(value);
-  faults.Content(std::isfinite(value) ? BelowZero(path, number) : NotFinite(path, number));
+  violations.Content(std::isfinite(value) ? BelowZero(path, number) : NotFinite(path, number));
   return std::nullopt;
 }
 
 /// A percentage; noise just beyond 0 and 100 is clamped.
-[[nodiscard]] inline std::optional<float> Percent(Faults& faults, const Path& path, float value) {
+[[nodiscard]] inline std::optional<float> Percent(Violations& violations, const Path& path,
+                                                  float value) {
   const std::optional<float> kept =
-      InRange(faults, path, value, {-kPercentSlack, kPercentMax + kPercentSlack});
+      InRange(violations, path, value, {-kPercentSlack, kPercentMax + kPercentSlack});
   if (!kept) return std::nullopt;
   if (*kept <= 0) return 0.0F;  // also -0
   return *kept > static_cast<float>(kPercentMax) ? static_cast<float>(kPercentMax) : *kept;
 }
 
-/// For the fields in which robots write NaN for "not measured": nothing then, without a fault;
+/// For the fields in which robots write NaN for "not measured": nothing then, without a violation;
 /// otherwise what `rule(value)` says.
 template <typename T, typename Rule>
 [[nodiscard]] std::optional<T> UnlessNan(T value, Rule rule) {
@@ -63,10 +65,10 @@ template <typename T, typename Rule>
 }
 
 /// A time of the robot's clock; 0 (unknown) if it is negative or from 2100 on, which is counted.
-[[nodiscard]] inline std::int64_t Time(Faults& faults, std::int64_t unix_ms) {
+[[nodiscard]] inline std::int64_t Time(Violations& violations, std::int64_t unix_ms) {
   if (unix_ms >= 0 && unix_ms < kTimeMsEnd) [[likely]]
     return unix_ms;
-  faults.CountUnknownTime();
+  violations.CountUnknownTime();
   return 0;
 }
 

@@ -7,8 +7,8 @@
 
 namespace uplink::schema {
 
-/// Where in a message we are: links on the stack, turned into text only when a fault is found. A
-/// link must not outlive the one above it.
+/// Where in a message we are: links on the stack, turned into text only when a violation is found.
+/// A link must not outlive the one above it.
 class Path {
  public:
   /// The variant's own struct: an empty path.

@@ -11,9 +11,10 @@ constexpr Bounds kLongitude = {-kLongitudeDegMax, kLongitudeDegMax};
 
 }  // namespace
 
-model::GeoPoint2 JudgePosition(Faults& faults, const Path& path, const model::GeoPoint2& raw) {
-  return {.lon = InRange(faults, path.Field("lon"), raw.lon, kLongitude).value_or(0),
-          .lat = InRange(faults, path.Field("lat"), raw.lat, kLatitude).value_or(0)};
+model::GeoPoint2 JudgePosition(Violations& violations, const Path& path,
+                               const model::GeoPoint2& raw) {
+  return {.lon = InRange(violations, path.Field("lon"), raw.lon, kLongitude).value_or(0),
+          .lat = InRange(violations, path.Field("lat"), raw.lat, kLatitude).value_or(0)};
 }
 
 }  // namespace uplink::schema

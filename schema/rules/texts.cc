@@ -27,55 +27,55 @@ std::string_view SkipAscii(std::string_view text) {
 
 }  // namespace
 
-std::optional<model::Rejection> TextFault(const Path& path, std::string_view text,
-                                          std::size_t bytes_max) {
+std::optional<model::Rejection> TextViolation(const Path& path, std::string_view text,
+                                              std::size_t bytes_max) {
   if (text.size() > bytes_max) return TextTooLong(path, text.size(), bytes_max);
   if (!IsCleanUtf8(SkipAscii(text))) return TextNotUtf8(path, text);
   return std::nullopt;
 }
 
-std::optional<std::string> Text(Faults& faults, const Path& path, std::string_view text,
+std::optional<std::string> Text(Violations& violations, const Path& path, std::string_view text,
                                 std::size_t bytes_max) {
-  if (auto fault = TextFault(path, text, bytes_max)) {
-    faults.Content(*std::move(fault));
+  if (auto violation = TextViolation(path, text, bytes_max)) {
+    violations.Content(*std::move(violation));
     return std::nullopt;
   }
   return std::string(text);
 }
 
-std::string DurableText(Faults& faults, const Path& path, std::string_view text,
+std::string DurableText(Violations& violations, const Path& path, std::string_view text,
                         std::size_t bytes_max) {
-  return Text(faults, path, text, bytes_max).value_or(std::string());
+  return Text(violations, path, text, bytes_max).value_or(std::string());
 }
 
-std::string RequiredText(Faults& faults, const Path& path, std::string_view text,
+std::string RequiredText(Violations& violations, const Path& path, std::string_view text,
                          std::size_t bytes_max) {
-  if (text.empty()) faults.Content(MissingField(path, "is empty"));
-  return DurableText(faults, path, text, bytes_max);
+  if (text.empty()) violations.Content(MissingField(path, "is empty"));
+  return DurableText(violations, path, text, bytes_max);
 }
 
-std::string LiveKey(Faults& faults, const Path& path, std::string_view text) {
-  if (auto fault = TextFault(path, text, kIdBytesMax)) {
-    faults.Reject(*std::move(fault));
+std::string LiveKey(Violations& violations, const Path& path, std::string_view text) {
+  if (auto violation = TextViolation(path, text, kIdBytesMax)) {
+    violations.Reject(*std::move(violation));
     return {};
   }
   return std::string(text);
 }
 
-std::string RequiredLiveKey(Faults& faults, const Path& path, std::string_view text) {
-  if (text.empty()) faults.Reject(MissingField(path, "is empty"));
-  return LiveKey(faults, path, text);
+std::string RequiredLiveKey(Violations& violations, const Path& path, std::string_view text) {
+  if (text.empty()) violations.Reject(MissingField(path, "is empty"));
+  return LiveKey(violations, path, text);
 }
 
-std::optional<std::string> CutText(Faults& faults, const Path& path, std::string_view text,
+std::optional<std::string> CutText(Violations& violations, const Path& path, std::string_view text,
                                    std::size_t bytes_max) {
-  if (auto fault = TextFault(path, text, text.size())) {
-    faults.Content(*std::move(fault));
+  if (auto violation = TextViolation(path, text, text.size())) {
+    violations.Content(*std::move(violation));
     return std::nullopt;
   }
-  if (text.size() <= bytes_max) return faults.NewText(text);
-  faults.Content(TextTooLong(path, text.size(), bytes_max));
-  return faults.NewText(Utf8Prefix(text, bytes_max));
+  if (text.size() <= bytes_max) return violations.NewText(text);
+  violations.Content(TextTooLong(path, text.size(), bytes_max));
+  return violations.NewText(Utf8Prefix(text, bytes_max));
 }
 
 }  // namespace uplink::schema

@@ -6,11 +6,11 @@
 #include "schema/base/check.h"
 #include "schema/encode.h"
 #include "schema/judge.h"
-#include "tests/fuzz/check_fault.h"
+#include "tests/fuzz/check_violation.h"
 
 namespace {
 
-using uplink::fuzz::CheckFault;
+using uplink::fuzz::CheckViolation;
 using uplink::model::Rejection;
 using uplink::schema::Judge;
 using uplink::schema::JudgeLimits;
@@ -36,12 +36,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Judge judge{JudgeLimits()};
   const Judgement judgement = judge.Payload(std::as_bytes(std::span(data, size)));
   if (judgement.rejection() != nullptr) {
-    CheckFault(*judgement.rejection());
+    CheckViolation(*judgement.rejection());
     return 0;
   }
   UPLINK_CHECK(!judgement.record()->durable() || judgement.record()->dropped().empty(),
                "nothing is dropped from a durable message");
-  for (const Rejection& field : judgement.record()->dropped()) CheckFault(field);
+  for (const Rejection& field : judgement.record()->dropped()) CheckViolation(field);
   CheckAgain(judge, judgement);
   return 0;
 }

@@ -7,11 +7,11 @@
 #include "schema/base/check.h"
 #include "schema/json/render.h"
 #include "schema/rcan/judge.h"
-#include "tests/fuzz/check_fault.h"
+#include "tests/fuzz/check_violation.h"
 
 namespace {
 
-using uplink::fuzz::CheckFault;
+using uplink::fuzz::CheckViolation;
 using uplink::model::RcanState;
 using uplink::model::Rejection;
 using uplink::schema::JudgeRcanState;
@@ -28,11 +28,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const RcanJudgement first = JudgeRcanState(text, kRuri, kBytesMax);
   if (const Rejection* rejection = first.rejection()) {
-    CheckFault(*rejection);
+    CheckViolation(*rejection);
     return 0;
   }
   UPLINK_CHECK(first.sign_of_life, "a good state is a sign of life");
-  for (const Rejection& field : first.dropped) CheckFault(field);
+  for (const Rejection& field : first.dropped) CheckViolation(field);
   // What was judged good is good when it is written again, and comes back as it was.
   const auto& state = std::get<RcanState>(first.verdict);
   const std::string again = boost::json::serialize(uplink::json::Render(state, kRuri));

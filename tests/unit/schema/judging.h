@@ -26,12 +26,12 @@ namespace uplink::test {
   return JudgeBytes(schema::Encode(body), limits);
 }
 
-/// What every fault owes to the person who reads it.
-inline void ExpectReadable(const model::Rejection& fault) {
-  EXPECT_FALSE(fault.detail.empty());
-  EXPECT_LE(fault.detail.size(), model::kDetailBytesMax);
-  EXPECT_TRUE(IsCleanUtf8(fault.detail)) << fault.detail;
-  EXPECT_TRUE(IsCleanUtf8(fault.field)) << fault.field;
+/// What every violation owes to the person who reads it.
+inline void ExpectReadable(const model::Rejection& violation) {
+  EXPECT_FALSE(violation.detail.empty());
+  EXPECT_LE(violation.detail.size(), model::kDetailBytesMax);
+  EXPECT_TRUE(IsCleanUtf8(violation.detail)) << violation.detail;
+  EXPECT_TRUE(IsCleanUtf8(violation.field)) << violation.field;
 }
 
 inline void ExpectGood(const schema::Judgement& judgement) {

@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
         Rule{"ruri by its shorthand", R"({"ruri":"acme.arm.1","timestamp_us":1})",
              R"({"ruri":"acme.arm.1.2","timestamp_us":1})", RejectReason::kIdentityMismatch,
              "ruri"},
-        Rule{"a joint once, also if it is at fault",
+        Rule{"a joint once, also if it is invalid",
              State(R"("joints":[{"joint":"a","timestamp_us":1},{"joint":"b","timestamp_us":1}])"),
              State(R"("joints":[{"joint":"a"},{"joint":"a","timestamp_us":1}])"),
              RejectReason::kDuplicateKey, "joints[1].joint"},

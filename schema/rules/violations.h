@@ -35,33 +35,33 @@ class SpareTexts final {
 
 /// What was found while one message was judged: the rejection if there is one, the fields dropped,
 /// the counts. Confined to one judgement.
-class Faults final {
+class Violations final {
  public:
-  explicit Faults(bool durable, SpareTexts* spare = nullptr,
-                  std::size_t extras_items_max = SIZE_MAX)
+  explicit Violations(bool durable, SpareTexts* spare = nullptr,
+                      std::size_t extras_items_max = SIZE_MAX)
       : durable_(durable), spare_(spare), extras_items_max_(extras_items_max) {}
 
   /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
   [[nodiscard]] std::size_t extras_items_max() const { return extras_items_max_; }
 
-  /// A fault that rejects whatever the kind: of structure, or of a live message's own key. The
+  /// A violation that rejects whatever the kind: of structure, or of a live message's own key. The
   /// first one stays.
-  void Reject(model::Rejection fault) {
-    if (!rejection_) rejection_ = std::move(fault);
+  void Reject(model::Rejection violation) {
+    if (!rejection_) rejection_ = std::move(violation);
   }
 
-  /// A fault of content: rejects a durable message, drops the field of a live one. The list of
+  /// A violation of content: rejects a durable message, drops the field of a live one. The list of
   /// dropped fields is bounded by the item limits, which are checked before items are read.
-  void Content(model::Rejection fault) {
+  void Content(model::Rejection violation) {
     if (durable_) {
-      Reject(std::move(fault));
+      Reject(std::move(violation));
     } else if (!rejection_) {
-      dropped_.push_back(std::move(fault));
+      dropped_.push_back(std::move(violation));
     }
   }
 
-  /// For a live message of which nothing is left: rejects it for the first fault, if faults are the
-  /// cause (a message that came empty is good).
+  /// For a live message of which nothing is left: rejects it for the first violation, if violations
+  /// are the cause (a message that came empty is good).
   void RejectIfAnyDropped() {
     if (!dropped_.empty()) Reject(dropped_.front());
   }
