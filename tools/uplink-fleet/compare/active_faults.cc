@@ -26,7 +26,7 @@ std::int64_t RaisedAt(const std::vector<v1::Fault>& newest_first, const v1::Faul
 
 void CompareActiveFaults(const RobotOutcome& robot, const StoredRobot& stored,
                          const std::string& run, Findings& findings) {
-  auto expected = robot.ledger.active();
+  auto expected = robot.account.active();
   findings.Expect(Thing::kActiveFaults, expected.size());
   for (const v1::Fault& row : stored.active_faults) {
     if (row.source() != SourceOf(run)) continue;

@@ -84,14 +84,14 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
     findings.Differ(Thing::kNumbersMissing, robot.ruri, "0",
                     fmt::format("{}", live->uplinks_missing()));
   }
-  const LastLive& sent = robot.ledger.live();
+  const LastLive& sent = robot.account.live();
 #define UPLINK_PART(Part, column, view, Message, keys_max) \
   CompareLast(Thing::k##Part, robot, sent.column, FieldOf(*live, view), findings);
   UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
-  CompareLast(Thing::kAgentInfo, robot, robot.ledger.agent_info(), live->agent_info(), findings);
-  CompareLast(Thing::kSettings, robot, robot.ledger.settings(), live->settings(), findings);
-  CompareLast(Thing::kUiCapabilities, robot, robot.ledger.ui_capabilities(),
+  CompareLast(Thing::kAgentInfo, robot, robot.account.agent_info(), live->agent_info(), findings);
+  CompareLast(Thing::kSettings, robot, robot.account.settings(), live->settings(), findings);
+  CompareLast(Thing::kUiCapabilities, robot, robot.account.ui_capabilities(),
               live->ui_capabilities(), findings);
 }
 

@@ -4,7 +4,7 @@
 
 #include "tools/uplink-fleet/compare/findings.h"
 #include "tools/uplink-fleet/compare/stored_robot.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 
 namespace uplink::synthetic {
 

@@ -26,8 +26,8 @@ void CompareRows(const RobotOutcome& robot, const StoredRobot& stored, const std
                                    stored.messages, findings);
   CompareActiveFaults(robot, stored, run, findings);
   CompareMissionRuns(robot, stored, findings);
-  ComparePresent(Thing::kShapes, robot, robot.ledger.shapes(), stored.shapes, stored, findings);
-  ComparePresent(Thing::kObjects, robot, robot.ledger.objects(), stored.objects, stored, findings);
+  ComparePresent(Thing::kShapes, robot, robot.account.shapes(), stored.shapes, stored, findings);
+  ComparePresent(Thing::kObjects, robot, robot.account.objects(), stored.objects, stored, findings);
   CompareQuarantine(robot, stored, findings);
   for (const v1::Gap& gap : stored.gaps) {
     if (gap.session_id() != robot.session_hex) continue;
@@ -35,9 +35,9 @@ void CompareRows(const RobotOutcome& robot, const StoredRobot& stored, const std
     findings.Differ(Thing::kGaps, robot.ruri, "none",
                     fmt::format("{} to {}", gap.first_seq(), gap.last_seq()));
   }
-  if (robot.ledger.good_rejected() != 0) {
-    findings.Find(Thing::kGoodRejected, robot.ledger.good_rejected());
-    findings.Differ(Thing::kGoodRejected, robot.ruri, "0", robot.ledger.first_good_rejection());
+  if (robot.account.good_rejected() != 0) {
+    findings.Find(Thing::kGoodRejected, robot.account.good_rejected());
+    findings.Differ(Thing::kGoodRejected, robot.ruri, "0", robot.account.first_good_rejection());
   }
 }
 

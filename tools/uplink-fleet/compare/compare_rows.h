@@ -4,11 +4,11 @@
 
 #include "tools/uplink-fleet/compare/findings.h"
 #include "tools/uplink-fleet/compare/stored_robot.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 
 namespace uplink::synthetic {
 
-/// One robot's ledger against the rows of the store: nothing acked is missing, nothing is double,
+/// One robot's account against the rows of the store: nothing acked is missing, nothing is double,
 /// the contents are equal; and what is present, active, in quarantine. Pure; any thread.
 void CompareRows(const RobotOutcome& robot, const StoredRobot& stored, const std::string& run,
                  Findings& findings);

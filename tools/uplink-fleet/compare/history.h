@@ -7,7 +7,7 @@
 
 #include "schema/model/record.h"
 #include "tools/uplink-fleet/compare/findings.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
 namespace uplink::synthetic {
@@ -18,7 +18,7 @@ class History {
  public:
   History(Thing thing, model::Variant variant, const RobotOutcome& robot, Findings& findings)
       : thing_(thing), robot_(robot), findings_(findings) {
-    for (const SentMessage& message : robot.ledger.sent()) {
+    for (const SentMessage& message : robot.account.sent()) {
       if (message.variant != variant || message.row_hash == 0) continue;
       Expected& expected = expected_[message.row_hash];
       ++expected.sent;
@@ -28,7 +28,7 @@ class History {
     }
   }
 
-  void Take(const Row& row) {
+  void Check(const Row& row) {
     findings_.Find(thing_);
     if (row.ruri() != robot_.ruri) {
       findings_.Differ(thing_, robot_.ruri, "rows of this robot", Shown(row));
@@ -73,7 +73,7 @@ template <typename Row, typename Rows>
 void CompareHistory(Thing thing, model::Variant variant, const RobotOutcome& robot,
                     const Rows& rows, Findings& findings) {
   History<Row> history(thing, variant, robot, findings);
-  for (const Row& row : rows) history.Take(row);
+  for (const Row& row : rows) history.Check(row);
   history.Finish();
 }
 

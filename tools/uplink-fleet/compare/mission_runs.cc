@@ -28,7 +28,7 @@ std::string WhatDiffers(const RunExpectation& expected, const v1::MissionRun& ro
 }  // namespace
 
 void CompareMissionRuns(const RobotOutcome& robot, const StoredRobot& stored, Findings& findings) {
-  auto expected = robot.ledger.runs();
+  auto expected = robot.account.runs();
   findings.Expect(Thing::kMissionRuns, expected.size());
   for (const auto& [key, run] : expected) findings.Expect(Thing::kMissionUpdates, run.updates);
   for (const v1::MissionRun& row : stored.runs) {

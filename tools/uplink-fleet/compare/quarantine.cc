@@ -16,7 +16,7 @@ void CompareQuarantine(const RobotOutcome& robot, const StoredRobot& stored, Fin
       findings.Differ(Thing::kQuarantine, robot.ruri, fmt::format("{} once", row.seq()), "twice");
     }
   }
-  for (const auto& [tag, wrong] : robot.ledger.wrongs()) {
+  for (const auto& [tag, wrong] : robot.account.wrongs()) {
     if (!wrong.acked) continue;
     findings.Expect(Thing::kQuarantine);
     findings.Expect(Thing::kToldBeforeAck);

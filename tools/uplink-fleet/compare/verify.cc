@@ -104,11 +104,11 @@ void FleetTotals::Add(const RobotOutcome& robot) {
   ++robots;
   numbers += robot.last_seq;
   sent += robot.sent;
-  durable += robot.ledger.good();
-  acked += robot.ledger.good_acked();
-  expiring += robot.ledger.expiring();
-  wrongs += robot.ledger.wrongs().size();
-  for (const auto& [tag, wrong] : robot.ledger.wrongs()) {
+  durable += robot.account.good();
+  acked += robot.account.good_acked();
+  expiring += robot.account.expiring();
+  wrongs += robot.account.wrongs().size();
+  for (const auto& [tag, wrong] : robot.account.wrongs()) {
     ++wrongs_by_reason[std::string(model::ToText(wrong.reason))];
   }
   settled_robots += robot.all_settled ? 1 : 0;

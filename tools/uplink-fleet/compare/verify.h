@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/uplink-fleet/compare/findings.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::synthetic {

@@ -37,7 +37,7 @@ void Agent::Adopt(const Phase& phase) {
 
 void Agent::Offer(Outgoing message, SteadyTime due) {
   message.due = due;
-  // LifeAt leaves room; were there none, the ledger would call it never acked.
+  // LifeAt leaves room; were there none, the account would call it never acked.
   if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
 }
 
@@ -52,12 +52,12 @@ void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime 
 
 std::vector<Outgoing> Agent::LifeAt(std::int64_t now_ms) {
   // A robot whose memory is full of unsent messages goes on moving, and reports nothing new.
-  if (model_.durable_room() >= kDurableATickMax && !ledger_.full()) {
-    return script_.Tick(now_ms, ledger_);
+  if (model_.durable_room() >= kDurableATickMax && !account_.full()) {
+    return script_.Tick(now_ms, account_);
   }
   if (!std::exchange(only_moves_, true)) shared_.only_moving.fetch_add(1);
   std::vector<Outgoing> messages;
-  messages.push_back(script_.OnlyMove(now_ms, ledger_));
+  messages.push_back(script_.OnlyMove(now_ms, account_));
   return messages;
 }
 
@@ -67,7 +67,7 @@ void Agent::Fill(SteadyTime now, SystemTime system_now) {
     return;
   }
   while (model_.unacked() + model_.waiting() < kFloodAhead && model_.waiting() < batch_) {
-    Offer(script_.Again(UnixMs(system_now), ledger_), now);
+    Offer(script_.Again(UnixMs(system_now), account_), now);
   }
 }
 
@@ -81,7 +81,7 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
     case Stage::kSettle:
       if (now >= next_idle_motion_) {
         next_idle_motion_ = now + kIdleMotion;
-        Offer(script_.Motion(now_ms, ledger_), now);
+        Offer(script_.Motion(now_ms, account_), now);
       }
       if (model_.durable_settled() && !std::exchange(reported_settled_, true)) {
         shared_.settled_robots.fetch_add(1);
@@ -90,7 +90,7 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
     case Stage::kLast:
       if (last_offered_ < shared_.last_round.load()) {
         ++last_offered_;
-        std::vector<Outgoing> last = script_.Last(now_ms, ledger_);
+        std::vector<Outgoing> last = script_.Last(now_ms, account_);
         last_motion_ = last.front();
         next_idle_motion_ = now + kIdleMotion;
         for (Outgoing& message : last) Offer(std::move(message), now);
@@ -148,7 +148,7 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
   for (Settled& settled : model_.TakeSettled()) {
     shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
     if (frame.has_ack()) latencies_.durable.Record(now - settled.due);
-    ledger_.Settle(std::move(settled));
+    account_.Settle(std::move(settled));
   }
   for (const SteadyTime due : model_.TakeJudged()) latencies_.live.Record(now - due);
   NoteGaveWay(now);
@@ -177,7 +177,7 @@ RobotOutcome Agent::TakeOutcome(const std::string& ruri) {
   outcome.session_hex = model_.session().ToHex();
   outcome.mark = mark_;
   outcome.silences = silences_;
-  outcome.ledger = std::move(ledger_);
+  outcome.account = std::move(account_);
   outcome.last_seq = model_.last_seq();
   outcome.sent = model_.sent();
   outcome.resent = model_.resent();

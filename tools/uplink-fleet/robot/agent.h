@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/agent_model.h"
 #include "tools/uplink-fleet/robot/histogram.h"
-#include "tools/uplink-fleet/robot/ledger.h"
 #include "tools/uplink-fleet/robot/script.h"
 #include "tools/uplink-fleet/robot/shared.h"
 
@@ -20,7 +20,7 @@ namespace uplink::synthetic {
 inline constexpr std::size_t kFloodAhead = 1024;
 
 /// One robot without its connection: its script feeds its model, and what the model learns goes
-/// into the ledger. The connection (robot.h) moves the frames.
+/// into the account. The connection (robot.h) moves the frames.
 ///
 /// Thread: confined to the robot's thread; `shared` is the whole run's.
 class Agent final {
@@ -64,7 +64,7 @@ class Agent final {
 
   RobotScript script_;
   AgentModel model_;
-  Ledger ledger_;
+  Account account_;
   Shared& shared_;
   Latencies& latencies_;
   std::size_t batch_;

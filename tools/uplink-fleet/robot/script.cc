@@ -25,18 +25,18 @@ Seeded SourceFor(const ScenarioOptions& options, std::size_t index, std::uint64_
   return Seeded(seed.Next() + behaviour);
 }
 
-Outgoing Enter(const model::Body& body, Ledger& ledger) {
+Outgoing Enter(const model::Body& body, Account& account) {
   if (model::IsDurable(model::VariantOf(body))) {
-    return {Keeping::kDurable, Content::kRoverNexus, schema::Encode(body), ledger.Enter(body), {}};
+    return {Keeping::kDurable, Content::kRoverNexus, schema::Encode(body), account.Enter(body), {}};
   }
-  ledger.EnterLive(body);
+  account.EnterLive(body);
   return {Keeping::kLive, Content::kRoverNexus, schema::Encode(body), 0, {}};
 }
 
-std::vector<Outgoing> EnterAll(const Outbox& out, Ledger& ledger) {
+std::vector<Outgoing> EnterAll(const Outbox& out, Account& account) {
   std::vector<Outgoing> messages;
   messages.reserve(out.size());
-  for (const model::Body& body : out) messages.push_back(Enter(body, ledger));
+  for (const model::Body& body : out) messages.push_back(Enter(body, account));
   return messages;
 }
 
@@ -80,7 +80,7 @@ void RobotScript::Adopt(const ScenarioOptions& options) {
   status_.SetPeriod(1 / options.status_hz);
 }
 
-std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
+std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Account& account) {
   const Moment clock{now_ms, tick_s_};
   const Moment lived{now_ms, tick_s_ * options_.pace};
   Outbox out;
@@ -96,37 +96,37 @@ std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Ledger& ledger) {
   settings_.Advance(lived, out);
   equipment_.Advance(lived, facts_, route_, out);
   if (status_.Passed(tick_s_)) out.emplace_back(Status(clock));
-  std::vector<Outgoing> messages = EnterAll(out, ledger);
+  std::vector<Outgoing> messages = EnterAll(out, account);
   arm_.Advance(clock, facts_);
-  if (HasArm() && arm_state_.Passed(tick_s_)) messages.push_back(ArmState(clock, ledger));
-  if (random_.Chance(options_.malformed_share)) messages.push_back(wrong_.Next(now_ms, ledger));
+  if (HasArm() && arm_state_.Passed(tick_s_)) messages.push_back(ArmState(clock, account));
+  if (random_.Chance(options_.malformed_share)) messages.push_back(wrong_.Next(now_ms, account));
   return messages;
 }
 
-Outgoing RobotScript::OnlyMove(std::int64_t now_ms, Ledger& ledger) {
+Outgoing RobotScript::OnlyMove(std::int64_t now_ms, Account& account) {
   const Moment clock{now_ms, tick_s_};
   route_.Advance(clock, facts_);
-  return Enter(route_.Motion(clock, facts_), ledger);
+  return Enter(route_.Motion(clock, facts_), account);
 }
 
-Outgoing RobotScript::Motion(std::int64_t now_ms, Ledger& ledger) {
+Outgoing RobotScript::Motion(std::int64_t now_ms, Account& account) {
   facts_.speed_mps = 0;
   facts_.turn_rps = 0;
-  return Enter(route_.Motion({now_ms, tick_s_}, facts_), ledger);
+  return Enter(route_.Motion({now_ms, tick_s_}, facts_), account);
 }
 
-Outgoing RobotScript::Again(std::int64_t now_ms, Ledger& ledger) {
-  return Enter(route_.Motion({now_ms, 0}, facts_), ledger);
+Outgoing RobotScript::Again(std::int64_t now_ms, Account& account) {
+  return Enter(route_.Motion({now_ms, 0}, facts_), account);
 }
 
-std::vector<Outgoing> RobotScript::Last(std::int64_t now_ms, Ledger& ledger) {
+std::vector<Outgoing> RobotScript::Last(std::int64_t now_ms, Account& account) {
   const Moment moment{now_ms, tick_s_};
   Outbox out;
   out.emplace_back(route_.Motion(moment, facts_));
   out.emplace_back(Status(moment));
   equipment_.All(moment, facts_, route_, out);
-  std::vector<Outgoing> messages = EnterAll(out, ledger);
-  if (HasArm()) messages.push_back(ArmState(moment, ledger));
+  std::vector<Outgoing> messages = EnterAll(out, account);
+  if (HasArm()) messages.push_back(ArmState(moment, account));
   return messages;
 }
 
@@ -137,10 +137,10 @@ bool RobotScript::HasArm() const {
   return std::floor(before + options_.rcan_share) > std::floor(before);
 }
 
-Outgoing RobotScript::ArmState(const Moment& moment, Ledger& ledger) {
+Outgoing RobotScript::ArmState(const Moment& moment, Account& account) {
   model::RcanState state = arm_.State(moment, facts_);
   std::string text = boost::json::serialize(json::Render(state, ruri_));
-  ledger.EnterRcan(std::move(state));
+  account.EnterRcan(std::move(state));
   return {Keeping::kLive, Content::kRcanRobotState, std::move(text), 0, {}};
 }
 

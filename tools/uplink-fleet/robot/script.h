@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/agent_model.h"
 #include "tools/uplink-fleet/robot/behaviour/arm.h"
 #include "tools/uplink-fleet/robot/behaviour/battery.h"
@@ -16,13 +17,12 @@
 #include "tools/uplink-fleet/robot/behaviour/objects.h"
 #include "tools/uplink-fleet/robot/behaviour/route.h"
 #include "tools/uplink-fleet/robot/behaviour/settings.h"
-#include "tools/uplink-fleet/robot/ledger.h"
 #include "tools/uplink-fleet/robot/wrong.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
 
 namespace uplink::synthetic {
 
-/// One robot's seeded life: its behaviours, step by step. Each message is entered into the ledger
+/// One robot's seeded life: its behaviours, step by step. Each message is entered into the account
 /// as it is made. The same seed and index give the same messages but for times and marks.
 ///
 /// Thread: confined to the robot's thread.
@@ -35,21 +35,21 @@ class RobotScript final {
   /// Goes on with other rates, shares and pace; who the robot is stays.
   void Adopt(const ScenarioOptions& options);
   /// The messages of one tick, at `now_ms` (Unix).
-  [[nodiscard]] std::vector<Outgoing> Tick(std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] std::vector<Outgoing> Tick(std::int64_t now_ms, Account& account);
   /// The same of a robot that moves and reports nothing else.
-  [[nodiscard]] Outgoing OnlyMove(std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] Outgoing OnlyMove(std::int64_t now_ms, Account& account);
   /// A motion message of a robot that stands still.
-  [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Account& account);
   /// A motion message between two ticks.
-  [[nodiscard]] Outgoing Again(std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] Outgoing Again(std::int64_t now_ms, Account& account);
   /// One of each live message, with every key.
-  [[nodiscard]] std::vector<Outgoing> Last(std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] std::vector<Outgoing> Last(std::int64_t now_ms, Account& account);
 
  private:
   RobotScript(const ScenarioOptions& options, std::size_t index, const std::string& mark);
   [[nodiscard]] model::StatusTelemetry Status(const Moment& moment) const;
   [[nodiscard]] bool HasArm() const;
-  [[nodiscard]] Outgoing ArmState(const Moment& moment, Ledger& ledger);
+  [[nodiscard]] Outgoing ArmState(const Moment& moment, Account& account);
 
   ScenarioOptions options_;
   std::size_t index_;

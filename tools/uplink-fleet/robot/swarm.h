@@ -9,8 +9,8 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/histogram.h"
-#include "tools/uplink-fleet/robot/ledger.h"
 #include "tools/uplink-fleet/robot/shared.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
 

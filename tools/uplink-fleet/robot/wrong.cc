@@ -107,15 +107,15 @@ Made MakeOther(std::size_t way, std::int64_t now_ms, const model::Fault& fault) 
 
 }  // namespace
 
-Outgoing Wrong::Next(std::int64_t now_ms, Ledger& ledger) {
-  return Make(random_.Below(kWaysToBeWrong), now_ms, ledger);
+Outgoing Wrong::Next(std::int64_t now_ms, Account& account) {
+  return Make(random_.Below(kWaysToBeWrong), now_ms, account);
 }
 
-Outgoing Wrong::Make(std::size_t way, std::int64_t now_ms, Ledger& ledger) {
+Outgoing Wrong::Make(std::size_t way, std::int64_t now_ms, Account& account) {
   constexpr std::size_t kDurableWays = 8;
   const model::Fault fault = faults_.Sample({now_ms, 0});
   Made made = way < kDurableWays ? MakeDurable(way, now_ms, fault) : MakeOther(way, now_ms, fault);
-  const std::uint64_t tag = ledger.EnterWrong(made.reason, std::move(made.field));
+  const std::uint64_t tag = account.EnterWrong(made.reason, std::move(made.field));
   return {Keeping::kDurable, made.content, std::move(made.payload), tag};
 }
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <string>
 
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/agent_model.h"
 #include "tools/uplink-fleet/robot/behaviour/faults.h"
 #include "tools/uplink-fleet/robot/behaviour/seeded.h"
-#include "tools/uplink-fleet/robot/ledger.h"
 
 namespace uplink::synthetic {
 
@@ -21,11 +21,11 @@ class Wrong final {
   Wrong(Seeded random, const std::string& mark)
       : random_(random), faults_(random, mark, "uplink-fleet/wrong", 0) {}
 
-  /// The next one, entered into the ledger. The agent keeps it until an Ack covers it, as if it
+  /// The next one, entered into the account. The agent keeps it until an Ack covers it, as if it
   /// were durable, so that what it was told is known.
-  [[nodiscard]] Outgoing Next(std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] Outgoing Next(std::int64_t now_ms, Account& account);
   /// The `way`th way to be wrong.
-  [[nodiscard]] Outgoing Make(std::size_t way, std::int64_t now_ms, Ledger& ledger);
+  [[nodiscard]] Outgoing Make(std::size_t way, std::int64_t now_ms, Account& account);
 
  private:
   Seeded random_;

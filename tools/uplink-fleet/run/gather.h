@@ -6,7 +6,7 @@
 #include <absl/status/status.h>
 
 #include "tools/uplink-fleet/compare/verify.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/run/run_context.h"
 #include "tools/uplink-fleet/run/stages.h"
 

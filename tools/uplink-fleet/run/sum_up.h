@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "tools/uplink-fleet/report/run_figures.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/shared.h"
 
 namespace uplink::synthetic {

@@ -44,7 +44,7 @@ void Route::Advance(const Moment& moment, Facts& facts) {
   const double wanted_mps = facts.may_drive() ? cruise_mps_ : 0;
   const double change = kAccelerationMps2 * moment.dt_s;
   facts.speed_mps += std::clamp(wanted_mps - facts.speed_mps, -2 * change, change);
-  const Place& goal = waypoints_[next_];
+  const Point& goal = waypoints_[next_];
   const double bearing = std::atan2(goal.east_m - at_.east_m, goal.north_m - at_.north_m);
   double turn = 0;
   if (facts.speed_mps > 0) {
@@ -83,8 +83,8 @@ model::MotionTelemetry Route::Motion(const Moment& moment, const Facts& facts) c
 model::Positions Route::Ahead() const {
   model::Positions points;
   for (std::size_t i = 0; i < kWaypoints; ++i) {
-    const Place& place = waypoints_[(next_ + i) % kWaypoints];
-    points.push_back(Offset(origin_, place.east_m, place.north_m));
+    const Point& point = waypoints_[(next_ + i) % kWaypoints];
+    points.push_back(Offset(origin_, point.east_m, point.north_m));
   }
   return points;
 }

@@ -30,15 +30,15 @@ class Route final {
   [[nodiscard]] const model::GeoPoint2& origin() const { return origin_; }
 
  private:
-  struct Place {
+  struct Point {
     double east_m = 0;
     double north_m = 0;
   };
 
   model::GeoPoint2 origin_;
-  std::vector<Place> waypoints_;
+  std::vector<Point> waypoints_;
   std::size_t next_ = 0;
-  Place at_;
+  Point at_;
   double heading_rad_ = 0;
   double cruise_mps_ = 1;
   double altitude_m_ = 0;

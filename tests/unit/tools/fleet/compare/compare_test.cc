@@ -181,8 +181,8 @@ TEST(Compare, RowsOfOtherRunsAndSessionsAreLeftOut) {
 TEST(Compare, AnUnackedMessageMayBeStoredOnceAndNotTwice) {
   RobotOutcome robot = TheMirror().robot;
   const std::uint64_t tag =
-      robot.ledger.Enter(model::Message{kStartMs, model::MessageLevel::kInfo, "late"});
-  ASSERT_FALSE(robot.ledger.sent()[tag - 1].acked);
+      robot.account.Enter(model::Message{kStartMs, model::MessageLevel::kInfo, "late"});
+  ASSERT_FALSE(robot.account.sent()[tag - 1].acked);
   StoredRobot stored = TheMirror().stored;
   EXPECT_THAT(Differing(robot, stored, &TheMirror().live), IsEmpty());
   v1::RobotMessage row;
@@ -250,12 +250,12 @@ TEST(Compare, WhatHasExpiredMustBeGoneAndNotSooner) {
 
 TEST(Compare, AWrongMessageThatWasToldNothingOrAnother) {
   RobotOutcome robot = TheMirror().robot;
-  const std::uint64_t tag = robot.ledger.wrongs().begin()->first;
-  const model::Seq seq = robot.ledger.wrongs().begin()->second.seq;
-  robot.ledger.Settle({.seq = seq, .tag = tag, .rejection = std::nullopt});
+  const std::uint64_t tag = robot.account.wrongs().begin()->first;
+  const model::Seq seq = robot.account.wrongs().begin()->second.seq;
+  robot.account.Settle({.seq = seq, .tag = tag, .rejection = std::nullopt});
   EXPECT_THAT(Differing(robot, TheMirror().stored, &TheMirror().live),
               ElementsAre(Thing::kToldBeforeAck));
-  robot.ledger.Settle(
+  robot.account.Settle(
       {.seq = seq, .tag = tag, .rejection = model::Rejection{model::RejectReason::kStoreRefused}});
   EXPECT_THAT(Differing(robot, TheMirror().stored, &TheMirror().live),
               ElementsAre(Thing::kToldBeforeAck));
@@ -268,8 +268,8 @@ TEST(Compare, AGoodMessageInQuarantineOrRejected) {
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live),
               ElementsAre(Thing::kQuarantine));
   RobotOutcome robot = TheMirror().robot;
-  const std::uint64_t tag = robot.ledger.Enter(model::AgentInfo{});
-  robot.ledger.Settle({.seq = 9, .tag = tag, .rejection = model::Rejection{}});
+  const std::uint64_t tag = robot.account.Enter(model::AgentInfo{});
+  robot.account.Settle({.seq = 9, .tag = tag, .rejection = model::Rejection{}});
   v1::Robot live = TheMirror().live;
   EXPECT_THAT(Differing(robot, TheMirror().stored, &live),
               ElementsAre(Thing::kAgentInfo, Thing::kGoodRejected));

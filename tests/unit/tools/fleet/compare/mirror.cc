@@ -30,9 +30,9 @@ Mirror::Mirror(double malformed_share, int ticks) {
   RobotScript script(options, 0);
   for (int i = 0; i < ticks; ++i) {
     now_ms += 100;
-    for (const Outgoing& message : script.Tick(now_ms, robot.ledger)) Take(message);
+    for (const Outgoing& message : script.Tick(now_ms, robot.account)) Take(message);
   }
-  for (const Outgoing& message : script.Last(now_ms, robot.ledger)) Take(message);
+  for (const Outgoing& message : script.Last(now_ms, robot.account)) Take(message);
   Expire();
   robot.ruri = kRuri;
   robot.session_hex = kSession;
@@ -69,7 +69,7 @@ void Mirror::Take(const Outgoing& message) {
     row.set_reason(std::string(model::ToText(settled.rejection->reason)));
     row.set_field(settled.rejection->field);
   }
-  if (message.keeping == Keeping::kDurable) robot.ledger.Settle(std::move(settled));
+  if (message.keeping == Keeping::kDurable) robot.account.Settle(std::move(settled));
 }
 
 void Mirror::Show(const model::Body& body) {

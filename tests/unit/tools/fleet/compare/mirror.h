@@ -7,7 +7,7 @@
 
 #include "schema/judge.h"
 #include "tools/uplink-fleet/compare/stored_robot.h"
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/script.h"
 
 namespace uplink::synthetic {

@@ -179,14 +179,14 @@ TEST_F(AgentTest, TheLedgerKnowsWhatWasAckedAndWhatWasTold) {
   const RobotOutcome outcome = agent.TakeOutcome("rcan://test");
   EXPECT_EQ(outcome.last_seq, highest_);
   EXPECT_TRUE(outcome.all_settled);
-  ASSERT_FALSE(outcome.ledger.wrongs().empty());
-  for (const auto& [tag, wrong] : outcome.ledger.wrongs()) {
+  ASSERT_FALSE(outcome.account.wrongs().empty());
+  for (const auto& [tag, wrong] : outcome.account.wrongs()) {
     EXPECT_TRUE(wrong.acked);
     ASSERT_TRUE(wrong.told.has_value());
     EXPECT_EQ(wrong.told->reason, model::RejectReason::kMalformed);
   }
-  ASSERT_GT(outcome.ledger.good(), 10U);
-  EXPECT_EQ(outcome.ledger.good_rejected(), outcome.ledger.good());
+  ASSERT_GT(outcome.account.good(), 10U);
+  EXPECT_EQ(outcome.account.good_rejected(), outcome.account.good());
   EXPECT_EQ(outcome.mark, "test-1");
 }
 
@@ -220,9 +220,9 @@ TEST_F(AgentTest, ARobotThatWasOfflineComesWithWhatItKept) {
   Welcome(agent);
   while (Take(agent) > 0) Ack(agent);
   const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
-  EXPECT_GT(outcome.ledger.good(), 36'000U) << "an hour of ten ticks a second";
+  EXPECT_GT(outcome.account.good(), 36'000U) << "an hour of ten ticks a second";
   EXPECT_EQ(latencies_.gave_way.count(), 0U) << "nobody was there to take them";
-  EXPECT_EQ(outcome.sent, outcome.ledger.good() + kLiveWaitingMax);
+  EXPECT_EQ(outcome.sent, outcome.account.good() + kLiveWaitingMax);
 }
 
 TEST_F(AgentTest, ARobotThatKeepsAllItMayOnlyMoves) {
@@ -236,8 +236,8 @@ TEST_F(AgentTest, ARobotThatKeepsAllItMayOnlyMoves) {
   Welcome(agent);
   while (Take(agent) > 0) Ack(agent);
   const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
-  EXPECT_LT(outcome.ledger.good(), kDurableWaitingMax);
-  EXPECT_EQ(outcome.ledger.good_acked(), outcome.ledger.good()) << "nothing was refused";
+  EXPECT_LT(outcome.account.good(), kDurableWaitingMax);
+  EXPECT_EQ(outcome.account.good_acked(), outcome.account.good()) << "nothing was refused";
   EXPECT_EQ(latencies_.durable.max(), Histogram::Micros(0)) << "due when the run begins";
   EXPECT_EQ(outcome.judged, outcome.sent);
 }

@@ -36,10 +36,10 @@ class ScriptTest : public ::testing::TestWithParam<std::size_t> {};
 TEST_P(ScriptTest, EverythingMeantWellPassesJudgementWhole) {
   schema::Judge judge{schema::JudgeLimits()};
   RobotScript script(Options(0), GetParam());
-  Ledger ledger;
+  Account account;
   std::map<model::Variant, int> counts;
   for (int i = 0; i < kTicks; ++i) {
-    for (const Outgoing& message : script.Tick(kNowMs + 100 * i, ledger)) {
+    for (const Outgoing& message : script.Tick(kNowMs + 100 * i, account)) {
       const schema::Judgement judgement = JudgeOf(judge, message);
       ASSERT_NE(judgement.record(), nullptr) << judgement.rejection()->field;
       EXPECT_TRUE(judgement.record()->dropped().empty());
@@ -51,24 +51,24 @@ TEST_P(ScriptTest, EverythingMeantWellPassesJudgementWhole) {
   EXPECT_EQ(counts[model::Variant::kMotionTelemetry], kTicks);
   EXPECT_NEAR(counts[model::Variant::kStatusTelemetry], 0.1 * kTicks, 2);
   EXPECT_GT(counts[model::Variant::kMissionRunStatus], 20);
-  EXPECT_TRUE(ledger.wrongs().empty());
-  EXPECT_EQ(ledger.good(), ledger.sent().size());
+  EXPECT_TRUE(account.wrongs().empty());
+  EXPECT_EQ(account.good(), account.sent().size());
 }
 
 TEST_P(ScriptTest, TheLastMessagesAreOneOfEachLiveKindAndKey) {
   schema::Judge judge{schema::JudgeLimits()};
   RobotScript script(Options(0), GetParam());
-  Ledger ledger;
-  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, ledger));
+  Account account;
+  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, account));
   std::map<model::Variant, std::size_t> counts;
-  for (const Outgoing& message : script.Last(kNowMs + 1'000'000, ledger)) {
+  for (const Outgoing& message : script.Last(kNowMs + 1'000'000, account)) {
     const schema::Judgement judgement = JudgeOf(judge, message);
     ASSERT_NE(judgement.record(), nullptr);
     EXPECT_FALSE(judgement.record()->durable());
     ++counts[judgement.record()->variant()];
   }
   EXPECT_EQ(counts.size(), 7U);
-  const LastLive& live = ledger.live();
+  const LastLive& live = account.live();
   EXPECT_EQ(counts[model::Variant::kSystemHealth], live.health.size());
   EXPECT_EQ(counts[model::Variant::kConsumableStatus], live.consumables.size());
   EXPECT_EQ(counts[model::Variant::kSpatialDirectiveStatus], live.directives.size());
@@ -81,11 +81,11 @@ INSTANTIATE_TEST_SUITE_P(Robots, ScriptTest, ::testing::Values(0, 1, 2, 3, 4, 5,
 TEST(Wrong, EachWayIsRejectedAsTheLedgerSays) {
   schema::Judge judge{schema::JudgeLimits()};
   Wrong wrong(Seeded(1), "mark");
-  Ledger ledger;
+  Account account;
   std::set<model::RejectReason> reasons;
   for (std::size_t way = 0; way < kWaysToBeWrong; ++way) {
-    const Outgoing message = wrong.Make(way, kNowMs, ledger);
-    const WrongReport& report = ledger.wrongs().at(message.tag);
+    const Outgoing message = wrong.Make(way, kNowMs, account);
+    const WrongReport& report = account.wrongs().at(message.tag);
     reasons.insert(report.reason);
     EXPECT_EQ(message.keeping, Keeping::kDurable);
     if (message.content == Content::kNone) continue;  // the session's to reject
@@ -95,7 +95,7 @@ TEST(Wrong, EachWayIsRejectedAsTheLedgerSays) {
     EXPECT_EQ(judgement.rejection()->field, report.field) << way;
   }
   EXPECT_EQ(reasons.size(), 8U);
-  EXPECT_EQ(ledger.good(), 0U);
+  EXPECT_EQ(account.good(), 0U);
 }
 
 /// What the states of one robot showed.
@@ -128,12 +128,12 @@ TEST(RobotScript, ArmsSendRobotStatesThatPassWholeAndMove) {
   for (std::size_t index = 0; index < 4; ++index) {
     RobotScript script(options, index);
     script.Name("rcan://test/arm");
-    Ledger ledger;
+    Account account;
     Arm arm;
     for (int i = 0; i < kTicks; ++i) {
-      for (const Outgoing& message : script.Tick(kNowMs + 100 * i, ledger)) {
+      for (const Outgoing& message : script.Tick(kNowMs + 100 * i, account)) {
         if (message.content != Content::kRcanRobotState) continue;
-        ASSERT_NO_FATAL_FAILURE(ExpectWholeState(message.payload, ledger.live().rcan, arm));
+        ASSERT_NO_FATAL_FAILURE(ExpectWholeState(message.payload, account.live().rcan, arm));
       }
     }
     if (arm.states > 0) ++arms;
@@ -144,15 +144,15 @@ TEST(RobotScript, ArmsSendRobotStatesThatPassWholeAndMove) {
 
 TEST(RobotScript, SendsAsMuchThatIsWrongAsAskedFor) {
   RobotScript script(Options(0.25), 0);
-  Ledger ledger;
-  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, ledger));
-  EXPECT_NEAR(static_cast<double>(ledger.wrongs().size()), 0.25 * kTicks, 80);
+  Account account;
+  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, account));
+  EXPECT_NEAR(static_cast<double>(account.wrongs().size()), 0.25 * kTicks, 80);
 }
 
 TEST(RobotScript, TheSameSeedGivesTheSameMessages) {
-  Ledger first_ledger;
-  Ledger second_ledger;
-  Ledger other_ledger;
+  Account first_ledger;
+  Account second_ledger;
+  Account other_ledger;
   RobotScript first(Options(0.1), 3);
   RobotScript second(Options(0.1), 3);
   RobotScript other(Options(0.1), 4);
@@ -175,22 +175,22 @@ TEST(RobotScript, PaceMakesTheSlowThingsComeMoreOften) {
     options.faults_hz = 0;
     options.pace = pace;
     RobotScript script(options, 0);
-    Ledger ledger;
-    for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, ledger));
-    durable[pace] = ledger.good();
+    Account account;
+    for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, account));
+    durable[pace] = account.good();
   }
   EXPECT_GT(durable[5], 3 * durable[1]);
 }
 
 TEST(RobotScript, IdsBearTheMarkOfTheRobotAndTheRun) {
   RobotScript script(Options(0), 6);
-  Ledger ledger;
-  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, ledger));
+  Account account;
+  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, account));
   EXPECT_EQ(MarkOf("test", 6), "test-7");
-  for (const auto& [key, run] : ledger.runs()) EXPECT_TRUE(key.second.starts_with("test-7-"));
-  for (const auto& [id, shape] : ledger.shapes()) EXPECT_TRUE(id.starts_with("test-7-"));
-  for (const auto& [id, object] : ledger.objects()) EXPECT_TRUE(id.starts_with("test-7-"));
-  for (const auto& [key, fault] : ledger.active()) EXPECT_EQ(key.second, SourceOf("test"));
+  for (const auto& [key, run] : account.runs()) EXPECT_TRUE(key.second.starts_with("test-7-"));
+  for (const auto& [id, shape] : account.shapes()) EXPECT_TRUE(id.starts_with("test-7-"));
+  for (const auto& [id, object] : account.objects()) EXPECT_TRUE(id.starts_with("test-7-"));
+  for (const auto& [key, fault] : account.active()) EXPECT_EQ(key.second, SourceOf("test"));
 }
 
 }  // namespace

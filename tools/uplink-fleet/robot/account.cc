@@ -1,4 +1,4 @@
-#include "tools/uplink-fleet/robot/ledger.h"
+#include "tools/uplink-fleet/robot/account.h"
 
 #include <algorithm>
 
@@ -35,18 +35,18 @@ void Remember(const model::TelemetryExtras& extras,
 
 }  // namespace
 
-std::uint64_t Ledger::Enter(const model::Body& body) {
+std::uint64_t Account::Enter(const model::Body& body) {
   sent_.push_back({.row_hash = Expect(body), .seq = 0, .variant = model::VariantOf(body)});
   return sent_.size();
 }
 
-std::uint64_t Ledger::EnterWrong(model::RejectReason reason, std::string field) {
+std::uint64_t Account::EnterWrong(model::RejectReason reason, std::string field) {
   sent_.push_back({});
   wrongs_[sent_.size()] = {.reason = reason, .field = std::move(field)};
   return sent_.size();
 }
 
-std::uint64_t Ledger::Expect(const model::Body& body) {
+std::uint64_t Account::Expect(const model::Body& body) {
   return std::visit(
       Overloaded{[&](const model::Fault& fault) {
                    const v1::Fault row = RowOf(fault);
@@ -101,7 +101,7 @@ std::uint64_t Ledger::Expect(const model::Body& body) {
       body);
 }
 
-void Ledger::EnterLive(const model::Body& body) {
+void Account::EnterLive(const model::Body& body) {
   std::visit(
       [this]<typename Message>(const Message& message) {
 #define UPLINK_PART(Part, column, view, Brings, keys_max) \
@@ -112,11 +112,11 @@ void Ledger::EnterLive(const model::Body& body) {
       body);
 }
 
-std::uint64_t Ledger::good_acked() const {
+std::uint64_t Account::good_acked() const {
   return static_cast<std::uint64_t>(std::ranges::count_if(sent_, &SentMessage::acked));
 }
 
-void Ledger::Settle(Settled settled) {
+void Account::Settle(Settled settled) {
   if (const auto wrong = wrongs_.find(settled.tag); wrong != wrongs_.end()) {
     wrong->second.seq = settled.seq;
     wrong->second.acked = true;

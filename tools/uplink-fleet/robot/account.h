@@ -76,7 +76,7 @@ struct LastLive {
 /// Everything that one robot sent and learned: what the server and its store are held against.
 ///
 /// Thread: written by the robot's thread, read when that has ended.
-class Ledger final {
+class Account final {
  public:
   /// A good durable message; gives its tag.
   std::uint64_t Enter(const model::Body& body);
@@ -143,7 +143,7 @@ struct RobotOutcome {
   std::string session_hex;
   /// What its ids of this run begin with.
   std::string mark;
-  Ledger ledger;
+  Account account;
   std::uint64_t last_seq = 0;
   std::uint64_t sent = 0;
   std::uint64_t resent = 0;
