@@ -23,29 +23,29 @@ class Cell final {
   std::atomic<std::int64_t> value_{0};
 };
 
-/// A counter of the hottest path: each core adds to a place of its own, and a reader sums them, so
+/// A counter of the hottest path: each core adds to a slot of its own, and a reader sums them, so
 /// that threads do not take a cache line from each other. Thread-safe.
 class CoreCell final {
  public:
   void Add(std::int64_t by = 1) {
     // Which core hardly matters: it is only to be another one for another thread.
     const auto core = static_cast<std::size_t>(std::max(sched_getcpu(), 0));
-    places_[core % kPlaces].value.fetch_add(by, std::memory_order_relaxed);
+    slots_[core % kSlots].value.fetch_add(by, std::memory_order_relaxed);
   }
   [[nodiscard]] std::int64_t value() const {
     std::int64_t sum = 0;
-    for (const Place& place : places_) sum += place.value.load(std::memory_order_relaxed);
+    for (const Slot& slot : slots_) sum += slot.value.load(std::memory_order_relaxed);
     return sum;
   }
 
  private:
-  static constexpr std::size_t kPlaces = 16;
+  static constexpr std::size_t kSlots = 16;
   static constexpr std::size_t kCacheLineBytes = 64;
-  struct alignas(kCacheLineBytes) Place {
+  struct alignas(kCacheLineBytes) Slot {
     std::atomic<std::int64_t> value{0};
   };
 
-  std::array<Place, kPlaces> places_{};
+  std::array<Slot, kSlots> slots_{};
 };
 
 /// A histogram with fixed upper bounds, in the unit of its metric. Thread-safe.

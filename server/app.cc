@@ -62,7 +62,7 @@ class App::Impl {
         fleet_(options_.clock, options_.config.limits.robots_max,
                lifecycle::PresenceLimitsOf(options_.config.presence)),
         stores_(std::move(stores)),
-        writers_(stores_.writers, PartsOfWriters()),
+        writers_(stores_.writers, ContextOfWriters()),
         seed_rounds_({fleet_, journals_, *stores_.reader, options_.clock, options_.logger,
                       options_.config.limits.robots_max}),
         store_watch_({.facts = stores_.facts,
@@ -120,11 +120,11 @@ class App::Impl {
 
   void Run() {
     stop_signal_.Wait();
-    lifecycle::Drain(PartsOfDrain()).Run();
+    lifecycle::Drain(ContextOfDrain()).Run();
   }
 
  private:
-  store::Writers::Parts PartsOfWriters() {
+  store::Writers::Context ContextOfWriters() {
     return {.clock = options_.clock,
             .ledgers = ledgers_,
             .probe = journal_probe_,
@@ -136,7 +136,7 @@ class App::Impl {
             .restored = [this] { return seed_rounds_.done(); }};
   }
 
-  lifecycle::Drain::Parts PartsOfDrain() {
+  lifecycle::Drain::Context ContextOfDrain() {
     return {.clock = options_.clock,
             .logger = options_.logger,
             .ledgers = ledgers_,

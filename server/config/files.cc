@@ -125,7 +125,7 @@ LoadResult WithFiles(LoadResult result) {
   std::set<std::string> at_fault;
   for (const Problem& problem : result.problems) at_fault.insert(problem.key);
   for (Problem& problem : ValidateFiles(*result.readable)) {
-    // A key at fault holds its default: what that names says nothing about the file.
+    // An invalid key holds its default: what that names says nothing about the file.
     if (!at_fault.contains(problem.key)) result.problems.push_back(std::move(problem));
   }
   if (!result.problems.empty()) result.config.reset();

@@ -41,13 +41,13 @@ view::PartSet ReadParts(Parameters& parameters) {
 
 }  // namespace
 
-Response GetStatus(const Sources& sources, const Call& call) {
-  if (const auto problem = Parameters(call.query).Problem()) return ErrorResponse(*problem);
+Response GetStatus(const Sources& sources, const RoutedRequest& request) {
+  if (const auto problem = Parameters(request.query).Problem()) return ErrorResponse(*problem);
   return JsonResponse(view::ToJson(sources.queries.Status(), sources.monitor.readiness().all()));
 }
 
-Response GetRobots(const Sources& sources, const Call& call) {
-  Parameters parameters(call.query);
+Response GetRobots(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
   view::RobotsQuery query;
   query.fleet = parameters.Text("fleet");
   query.presence = ReadPresence(parameters);
@@ -59,9 +59,9 @@ Response GetRobots(const Sources& sources, const Call& call) {
   return page.ok() ? JsonResponse(view::ToJson(*page, query.parts)) : ErrorResponse(page.status());
 }
 
-Response GetRobot(const Sources& sources, const Call& call) {
-  if (const auto problem = Parameters(call.query).Problem()) return ErrorResponse(*problem);
-  const absl::StatusOr<view::RobotView> robot = sources.queries.Robot(call.segment);
+Response GetRobot(const Sources& sources, const RoutedRequest& request) {
+  if (const auto problem = Parameters(request.query).Problem()) return ErrorResponse(*problem);
+  const absl::StatusOr<view::RobotView> robot = sources.queries.Robot(request.segment);
   return robot.ok() ? JsonResponse(view::ToJson(*robot, view::PartSet::All()))
                     : ErrorResponse(robot.status());
 }

@@ -42,11 +42,11 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket)
       : context_(std::move(context)), stream_(std::move(socket)) {
     context_->connections.fetch_add(1);
-    context_->parts.probe.connections.Add(1);
+    context_->server.probe.connections.Add(1);
   }
   ~Connection() {
     context_->connections.fetch_sub(1);
-    context_->parts.probe.connections.Add(-1);
+    context_->server.probe.connections.Add(-1);
   }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -68,18 +68,18 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 
  private:
   void OnRequest() {
-    started_ = context_->parts.clock.Steady();
+    started_ = context_->server.clock.Steady();
     const auto& message = parser_->get();
     method_ = MethodOf(message.method());
     version_ = message.version();
     keep_alive_ = message.keep_alive();
-    Resolved resolved = context_->parts.site.Resolve(
+    Resolved resolved = context_->server.site.Resolve(
         {method_, std::string(message.target()), std::string(message[bhttp::field::accept]),
          std::string(message[bhttp::field::accept_encoding])});
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
     ReadThread& thread =
-        resolved.lane == Lane::kScrape ? context_->parts.scrapes : context_->parts.reads;
+        resolved.lane == Lane::kScrape ? context_->server.scrapes : context_->server.reads;
 
     stream_.expires_never();  // the answer's time is the store's
     const bool taken =
@@ -95,7 +95,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   void OnReadFailed(const beast::error_code& error) {
-    started_ = context_->parts.clock.Steady();
+    started_ = context_->server.clock.Steady();
     route_ = OtherRoute();
     method_ = Method::kGet;
     keep_alive_ = false;
@@ -135,9 +135,9 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   void Answer(Response answer) {
-    const auto took = context_->parts.clock.Steady() - started_;
-    context_->parts.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
-    context_->parts.probe.CountRequest(route_, answer.status);
+    const auto took = context_->server.clock.Steady() - started_;
+    context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
+    context_->server.probe.CountRequest(route_, answer.status);
     if (method_ == Method::kHead) {
       Send(answer_.emplace<HeadOnly>(Head<bhttp::empty_body>(answer)));
     } else if (answer.shared_body != nullptr) {

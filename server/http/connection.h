@@ -12,10 +12,10 @@ namespace uplink::http {
 
 /// What all connections of a listener share. The count is the bound's; the cell is what is shown.
 struct ConnectionContext {
-  ConnectionContext(const HttpServer::Parts& all, milliseconds wait)
-      : parts(all), request_wait(wait) {}
+  ConnectionContext(const HttpServer::Context& all, milliseconds wait)
+      : server(all), request_wait(wait) {}
 
-  const HttpServer::Parts parts;
+  const HttpServer::Context server;
   const milliseconds request_wait;
   std::atomic<std::size_t> connections{0};
 };

@@ -23,7 +23,7 @@ struct Sources {
 };
 
 /// A request whose path was found. A value.
-struct Call {
+struct RoutedRequest {
   /// The `{}` of the route's path, decoded.
   std::string segment;
   std::string query;
@@ -34,20 +34,20 @@ struct Call {
 // The handlers of Routes(). Errors are answers too.
 
 // probes.cc: how the server fares.
-[[nodiscard]] Response GetLivez(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetReadyz(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetMetrics(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetRobotMetrics(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetLivez(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetReadyz(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetMetrics(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request);
 
 // api.cc: what is held in memory.
-[[nodiscard]] Response GetStatus(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetRobots(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetRobot(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetStatus(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetRobot(const Sources& sources, const RoutedRequest& request);
 
 // lists.cc: rows of the store. The histories of one robot are made by GetHistory (rows.h).
-[[nodiscard]] Response GetFaults(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetMissions(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetShapes(const Sources& sources, const Call& call);
-[[nodiscard]] Response GetObjects(const Sources& sources, const Call& call);
+[[nodiscard]] Response GetFaults(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetMissions(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetShapes(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetObjects(const Sources& sources, const RoutedRequest& request);
 
 }  // namespace uplink::http

@@ -32,8 +32,8 @@ Response PresentOnes(const std::string& query_text, view::Queries& queries,
 
 }  // namespace
 
-Response GetFaults(const Sources& sources, const Call& call) {
-  Parameters parameters(call.query);
+Response GetFaults(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
   HistoryQuery query = ReadPage(parameters);
   ReadTimes(parameters, query);
   ReadRobots(parameters, query);
@@ -43,8 +43,8 @@ Response GetFaults(const Sources& sources, const Call& call) {
                              : sources.queries.FaultHistory(query));
 }
 
-Response GetMissions(const Sources& sources, const Call& call) {
-  Parameters parameters(call.query);
+Response GetMissions(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
   storage::MissionsQuery query;
   query.rows = ReadPage(parameters);
   ReadRobots(parameters, query.rows);
@@ -55,12 +55,12 @@ Response GetMissions(const Sources& sources, const Call& call) {
   return RowsResponse(sources.queries.MissionRuns(query));
 }
 
-Response GetShapes(const Sources& sources, const Call& call) {
-  return PresentOnes(call.query, sources.queries, &view::Queries::Shapes);
+Response GetShapes(const Sources& sources, const RoutedRequest& request) {
+  return PresentOnes(request.query, sources.queries, &view::Queries::Shapes);
 }
 
-Response GetObjects(const Sources& sources, const Call& call) {
-  return PresentOnes(call.query, sources.queries, &view::Queries::Objects);
+Response GetObjects(const Sources& sources, const RoutedRequest& request) {
+  return PresentOnes(request.query, sources.queries, &view::Queries::Objects);
 }
 
 }  // namespace uplink::http

@@ -31,8 +31,8 @@ Response ScrapeResponse(metrics::Format format, metrics::Coding coding) {
 
 }  // namespace
 
-Response GetLivez(const Sources& sources, const Call& call) {
-  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+Response GetLivez(const Sources& sources, const RoutedRequest& request) {
+  if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
   const auto age =
       std::chrono::duration_cast<std::chrono::seconds>(sources.monitor.liveness().age());
   Response response;
@@ -41,8 +41,8 @@ Response GetLivez(const Sources& sources, const Call& call) {
   return response;
 }
 
-Response GetReadyz(const Sources& sources, const Call& call) {
-  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
+Response GetReadyz(const Sources& sources, const RoutedRequest& request) {
+  if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
   const health::Readiness readiness = sources.monitor.readiness();
   Response response;
   response.status = readiness.ready() ? 200 : 503;
@@ -51,11 +51,11 @@ Response GetReadyz(const Sources& sources, const Call& call) {
   return response;
 }
 
-Response GetMetrics(const Sources& sources, const Call& call) {
-  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
-  Response response = ScrapeResponse(call.format, call.coding);
-  std::string text = sources.metrics(call.format);
-  if (call.coding == metrics::Coding::kGzip) {
+Response GetMetrics(const Sources& sources, const RoutedRequest& request) {
+  if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
+  Response response = ScrapeResponse(request.format, request.coding);
+  std::string text = sources.metrics(request.format);
+  if (request.coding == metrics::Coding::kGzip) {
     metrics::Gzip(text, response.body);
   } else {
     response.body = std::move(text);
@@ -63,10 +63,10 @@ Response GetMetrics(const Sources& sources, const Call& call) {
   return response;
 }
 
-Response GetRobotMetrics(const Sources& sources, const Call& call) {
-  if (const auto problem = NoParameters(call.query)) return ErrorResponse(*problem);
-  Response response = ScrapeResponse(call.format, call.coding);
-  response.shared_body = sources.robots.Text(call.format, call.coding);
+Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request) {
+  if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
+  Response response = ScrapeResponse(request.format, request.coding);
+  response.shared_body = sources.robots.Text(request.format, request.coding);
   if (response.shared_body == nullptr) return TooBusy();
   return response;
 }

@@ -9,7 +9,7 @@
 
 namespace uplink::http {
 
-struct Call;
+struct RoutedRequest;
 struct Sources;
 
 /// Which thread answers: probes and our own scrape at once, on the io thread; what may wait for the
@@ -23,7 +23,7 @@ struct Route {
   /// The label of its requests in the metrics.
   std::string_view name;
   Lane lane;
-  Response (*handler)(const Sources&, const Call&);
+  Response (*handler)(const Sources&, const RoutedRequest&);
 };
 
 /// All paths: the only list of them.

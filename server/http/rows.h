@@ -33,12 +33,12 @@ inline void ReadTimes(Parameters& parameters, storage::HistoryQuery& query) {
 /// The handler of a history of the one robot that the path names; `kList` is a list of
 /// storage::Reader, such as `&storage::Reader::Events`.
 template <auto kList>
-[[nodiscard]] Response GetHistory(const Sources& sources, const Call& call) {
-  Parameters parameters(call.query);
+[[nodiscard]] Response GetHistory(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
   storage::HistoryQuery query = ReadPage(parameters);
   ReadTimes(parameters, query);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  query.ruri = call.segment;
+  query.ruri = request.segment;
   return RowsResponse(sources.queries.History(kList, query));
 }
 

@@ -24,11 +24,11 @@ using boost::system::error_code;
 /// Accepts for ever; one accept is outstanding.
 class HttpServer::Listener final : public std::enable_shared_from_this<HttpServer::Listener> {
  public:
-  Listener(const Parts& parts, const Options& options)
-      : context_(std::make_shared<ConnectionContext>(parts, options.request_wait)),
+  Listener(const Context& context, const Options& options)
+      : context_(std::make_shared<ConnectionContext>(context, options.request_wait)),
         connections_max_(options.connections_max),
-        acceptor_(parts.io),
-        pause_(parts.io) {}
+        acceptor_(context.io),
+        pause_(context.io) {}
 
   error_code Open(const tcp::endpoint& endpoint) {
     error_code error;
@@ -49,7 +49,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
       if (error == asio::error::operation_aborted) return;
       if (error) return self->Rest();
       if (self->context_->connections.load() >= self->connections_max_) {
-        self->context_->parts.probe.connections_refused.Add();
+        self->context_->server.probe.connections_refused.Add();
         error_code ignored;
         socket.close(ignored);
       } else {
@@ -73,11 +73,11 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   asio::steady_timer pause_;
 };
 
-absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Parts& parts,
+absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Context& context,
                                                                const Options& options) {
   error_code error;
   const asio::ip::address address = asio::ip::make_address(options.address.host, error);
-  auto listener = std::make_shared<Listener>(parts, options);
+  auto listener = std::make_shared<Listener>(context, options);
   if (!error) error = listener->Open(tcp::endpoint(address, options.address.port));
   if (error) {
     return absl::UnavailableError(fmt::format("listen.http: {} cannot be bound: {}",

@@ -38,7 +38,7 @@ class HttpServer final {
     std::size_t connections_max = 0;
     milliseconds request_wait = kRequestWait;
   };
-  struct Parts {
+  struct Context {
     /// One thread runs it: the loop.
     boost::asio::io_context& io;
     const Site& site;
@@ -49,10 +49,10 @@ class HttpServer final {
     const Clock& clock;
   };
 
-  /// Binds and listens; answers once the loop runs. The parts must outlive the loop.
+  /// Binds and listens; answers once the loop runs. What the context names must outlive the loop.
   ///
   /// Errors: kUnavailable naming the address, if it cannot be bound.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<HttpServer>> Listen(const Parts& parts,
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<HttpServer>> Listen(const Context& context,
                                                                           const Options& options);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;

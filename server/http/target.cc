@@ -32,7 +32,7 @@ std::optional<std::string> PercentDecode(std::string_view text) {
   return out;
 }
 
-TargetParts SplitTarget(std::string_view target) {
+Target SplitTarget(std::string_view target) {
   const std::size_t mark = target.find('?');
   if (mark == std::string_view::npos) return {target, {}};
   return {target.substr(0, mark), target.substr(mark + 1)};

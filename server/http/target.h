@@ -10,13 +10,13 @@ namespace uplink::http {
 [[nodiscard]] std::optional<std::string> PercentDecode(std::string_view text);
 
 /// The two halves of a request's target, still encoded. Views of the target.
-struct TargetParts {
+struct Target {
   std::string_view path;
   std::string_view query;
 };
 
 /// Cuts at the first question mark.
-[[nodiscard]] TargetParts SplitTarget(std::string_view target);
+[[nodiscard]] Target SplitTarget(std::string_view target);
 
 /// What a route's pattern found in a path: the decoded `{}` segment, if the pattern has one.
 struct PathMatch {

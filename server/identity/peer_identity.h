@@ -42,7 +42,7 @@ class PeerReader final {
   PeerReader& operator=(const PeerReader&) = delete;
 
   /// Errors: kUnauthenticated with a sentence of its own for each way to be wrong; it repeats no
-  ///         more of the certificate than the part at fault, printable and cut.
+  ///         more of the certificate than the invalid part, printable and cut.
   [[nodiscard]] absl::StatusOr<PeerIdentity> IdentityOf(std::string_view certificate_pem) const;
 
  private:

@@ -28,7 +28,7 @@ inline constexpr std::size_t kPemBytesMax = std::size_t{4} * 1024 * 1024;
 /// Whether a TLS server can serve with the two: the certificate is one that a server may show, and
 /// the key is its own.
 ///
-/// Errors: kFailedPrecondition with a sentence that names the one at fault.
+/// Errors: kFailedPrecondition with a sentence that names the one that is invalid.
 [[nodiscard]] absl::Status CheckServerPair(const NamedPem& certificate, const NamedPem& key);
 
 /// When the first certificate of the text expires.

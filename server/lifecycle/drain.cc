@@ -17,45 +17,47 @@ constexpr std::chrono::seconds kLastWrites{2};
 
 }  // namespace
 
-Drain::Drain(Parts parts) : parts_(std::move(parts)) {}
+Drain::Drain(Context context) : context_(std::move(context)) {}
 
 void Drain::Run() {
-  const SteadyTime deadline = parts_.clock.Steady() + parts_.timeout;
-  parts_.logger.Info("draining", {{"streams", parts_.transport.streams()},
-                                  {"timeout_ms", parts_.timeout.count()}});
-  parts_.monitor.BeginDrain();
-  parts_.journals.RequestCheckpoint();
-  const Deadline last(parts_.timeout + kStopWait, [this] { EndUnfinished(); });
-  parts_.transport.drain(parts_.timeout);
-  if (!parts_.transport.wait_for_streams(parts_.timeout)) {
-    parts_.logger.Warn("streams_left", {{"streams", parts_.transport.streams()}});
+  const SteadyTime deadline = context_.clock.Steady() + context_.timeout;
+  context_.logger.Info("draining", {{"streams", context_.transport.streams()},
+                                    {"timeout_ms", context_.timeout.count()}});
+  context_.monitor.BeginDrain();
+  context_.journals.RequestCheckpoint();
+  const Deadline last(context_.timeout + kStopWait, [this] { EndUnfinished(); });
+  context_.transport.drain(context_.timeout);
+  if (!context_.transport.wait_for_streams(context_.timeout)) {
+    context_.logger.Warn("streams_left", {{"streams", context_.transport.streams()}});
   }
   EndPresence();
-  parts_.journals.RequestCheckpoint();
+  context_.journals.RequestCheckpoint();
   WaitForJournals(deadline);
-  parts_.stop();
-  const std::int64_t unsettled = parts_.ledgers.Sum().uplinks.in_flight;
+  context_.stop();
+  const std::int64_t unsettled = context_.ledgers.Sum().uplinks.in_flight;
   if (unsettled == 0) {
-    parts_.logger.Info("stopped");
+    context_.logger.Info("stopped");
   } else {
-    parts_.logger.Warn("stopped_unsettled", {{"uplinks", unsettled}});
+    context_.logger.Warn("stopped_unsettled", {{"uplinks", unsettled}});
   }
 }
 
 void Drain::EndPresence() {
-  for (const robot::Robot* robot : parts_.fleet.Sorted()) {
+  for (const robot::Robot* robot : context_.fleet.Sorted()) {
     if (robot->state.presence() == model::Presence::kUnknown) continue;
-    parts_.journals.NotePresence(robot->id(), model::Presence::kUnknown, parts_.clock.System());
+    context_.journals.NotePresence(robot->id(), model::Presence::kUnknown, context_.clock.System());
   }
 }
 
 void Drain::WaitForJournals(SteadyTime deadline) {
-  const SteadyTime end = std::max(deadline, parts_.clock.Steady() + kLastWrites);
-  while (!parts_.journals.idle() && parts_.clock.Steady() < end) parts_.signal.Pause(kIdleLook);
+  const SteadyTime end = std::max(deadline, context_.clock.Steady() + kLastWrites);
+  while (!context_.journals.idle() && context_.clock.Steady() < end)
+    context_.signal.Pause(kIdleLook);
 }
 
 void Drain::EndUnfinished() {
-  parts_.logger.Warn("stopped_unsettled", {{"uplinks", parts_.ledgers.Sum().uplinks.in_flight}});
+  context_.logger.Warn("stopped_unsettled",
+                       {{"uplinks", context_.ledgers.Sum().uplinks.in_flight}});
   std::_Exit(0);
 }
 

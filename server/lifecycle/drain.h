@@ -34,7 +34,7 @@ class Drain final {
     std::function<bool(milliseconds)> wait_for_streams;
   };
   /// The references outlive it.
-  struct Parts {
+  struct Context {
     const Clock& clock;
     log::Logger& logger;
     const metrics::LedgerBook& ledgers;
@@ -47,7 +47,7 @@ class Drain final {
     std::function<void()> stop;
     milliseconds timeout{0};
   };
-  explicit Drain(Parts parts);
+  explicit Drain(Context context);
 
   /// Once, after the signal.
   void Run();
@@ -59,7 +59,7 @@ class Drain final {
   /// The rest did not end in time: the process does, with what it has.
   void EndUnfinished();
 
-  const Parts parts_;
+  const Context context_;
 };
 
 }  // namespace uplink::lifecycle

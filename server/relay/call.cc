@@ -56,7 +56,7 @@ void Call::OnStarted(bool ok) {
 }
 
 absl::Status Call::Admit() {
-  RelayProbe& probe = queue_.parts().probe;
+  RelayProbe& probe = queue_.relay().probe;
   if (absl::Status status = queue_.gate().Enter(); !status.ok()) {
     (absl::IsUnavailable(status) ? probe.refused_draining_total : probe.refused_full_total).Add();
     return status;
@@ -95,7 +95,7 @@ void Call::OnRead(bool ok) {
 void Call::HandleFrame() {
   // The length first: a frame over the limit is never copied.
   const std::size_t bytes = received_.Length();
-  if (bytes > queue_.parts().limits.frame_bytes_max) return session_->OnFrameTooLarge(bytes);
+  if (bytes > queue_.relay().limits.frame_bytes_max) return session_->OnFrameTooLarge(bytes);
   const FrameBytes frame(received_);
   if (!frame.ok()) {
     context_.TryCancel();
@@ -128,7 +128,7 @@ void Call::Finish(const absl::Status& status) {
 }
 
 void Call::LogRefusal(const absl::Status& status) {
-  log::RateLimited* const lines = queue_.parts().refusals;
+  log::RateLimited* const lines = queue_.relay().refusals;
   if (lines == nullptr) return;
   const bool protocol = absl::IsInvalidArgument(status);
   if (!protocol && !absl::IsUnauthenticated(status) && !absl::IsPermissionDenied(status) &&
@@ -176,7 +176,7 @@ void Call::OnTimer() {
   const SteadyTime now = queue_.now();
   if (finish_by_ && now >= *finish_by_) {
     finish_by_.reset();
-    queue_.parts().probe.finish_timeouts_total.Add();
+    queue_.relay().probe.finish_timeouts_total.Add();
     context_.TryCancel();
     return;
   }

@@ -56,7 +56,7 @@ struct RelayOptions {
 };
 
 /// What the relay works with. All of it outlives the server.
-struct RelayParts {
+struct RelayContext {
   const Clock& clock;
   fleet::Fleet& fleet;
   const journal::Shards& journals;

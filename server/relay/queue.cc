@@ -14,16 +14,16 @@
 namespace uplink::relay {
 
 Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
-             RelayService& service, Gate& gate, const RelayParts& parts)
+             RelayService& service, Gate& gate, const RelayContext& relay)
     : index_(index),
       completions_(std::move(completions)),
       service_(service),
       gate_(gate),
-      parts_(parts),
-      clock_(parts.clock),
-      judge_(parts.judge_limits),
-      context_{clock_, parts.fleet,  parts.journals, parts.session_probe, parts.ledgers.NewPage(),
-               judge_, parts.limits, scratch_} {}
+      relay_(relay),
+      clock_(relay.clock),
+      judge_(relay.judge_limits),
+      context_{clock_, relay.fleet,  relay.journals, relay.session_probe, relay.ledgers.NewPage(),
+               judge_, relay.limits, scratch_} {}
 
 Queue::~Queue() {
   UPLINK_CHECK(!thread_.joinable(), "a queue that was started must be closed");
@@ -113,7 +113,7 @@ void Queue::EmptyInbox() {
     std::swap(inbox, inbox_);
     alarm_pending_ = false;
   }
-  parts_.probe.wakes_total.Add();
+  relay_.probe.wakes_total.Add();
   for (const std::uint64_t id : inbox.wakes) {
     if (const auto found = calls_.find(id); found != calls_.end()) found->second->OnWake();
   }

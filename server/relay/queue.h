@@ -44,7 +44,7 @@ inline constexpr int kDrainPart = 4;
 class Queue final : public robot::WakeInbox {
  public:
   Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
-        RelayService& service, Gate& gate, const RelayParts& parts);
+        RelayService& service, Gate& gate, const RelayContext& relay);
   ~Queue() override;
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
@@ -69,7 +69,7 @@ class Queue final : public robot::WakeInbox {
   [[nodiscard]] grpc::ServerCompletionQueue& completions() { return *completions_; }
   [[nodiscard]] RelayService& service() { return service_; }
   [[nodiscard]] Gate& gate() { return gate_; }
-  [[nodiscard]] const RelayParts& parts() const { return parts_; }
+  [[nodiscard]] const RelayContext& relay() const { return relay_; }
   [[nodiscard]] const session::SessionContext& session_context() const { return context_; }
   [[nodiscard]] const identity::PeerReader& peer_reader() const { return peer_reader_; }
   /// The time at the event that is being handled.
@@ -107,7 +107,7 @@ class Queue final : public robot::WakeInbox {
   const std::unique_ptr<grpc::ServerCompletionQueue> completions_;
   RelayService& service_;
   Gate& gate_;
-  const RelayParts& parts_;
+  const RelayContext& relay_;
   EventClock clock_;
   const identity::PeerReader peer_reader_;
   schema::Judge judge_;

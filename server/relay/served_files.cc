@@ -63,13 +63,13 @@ absl::Status ServedFiles::Refresh() {
   if (absl::Status good = identity::CheckCertificate(*client_ca); !good.ok()) return good;
   const auto expiry = identity::ExpiryOf(*certificate);
   if (!expiry.ok()) return expiry.status();
-  if (absl::Status taken = Take(texts); !taken.ok()) return taken;
+  if (absl::Status replaced = Replace(texts); !replaced.ok()) return replaced;
   expiry_ = *expiry;
   texts_ = texts;
   return absl::OkStatus();
 }
 
-absl::Status ServedFiles::Take(const std::array<std::string, kFiles>& texts) {
+absl::Status ServedFiles::Replace(const std::array<std::string, kFiles>& texts) {
   for (std::size_t i = 0; i < kFiles; ++i) {
     if (texts[i] == texts_[i]) continue;
     const auto fresh = MemoryFile(texts[i]);

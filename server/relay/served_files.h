@@ -40,7 +40,7 @@ class ServedFiles final {
   static constexpr std::size_t kFiles = 3;
 
   explicit ServedFiles(PemFiles files) : files_(std::move(files)) {}
-  [[nodiscard]] absl::Status Take(const std::array<std::string, kFiles>& texts);
+  [[nodiscard]] absl::Status Replace(const std::array<std::string, kFiles>& texts);
 
   const PemFiles files_;
   PemFiles paths_;

@@ -38,10 +38,10 @@ std::size_t UsableCores() {
 
 /// Members are destroyed from the last: the server before its queues and service.
 struct RelayServer::Impl {
-  Impl(const RelayOptions& options, const RelayParts& given)
-      : parts(given), gate(options.streams_max) {}
+  Impl(const RelayOptions& options, const RelayContext& given)
+      : context(given), gate(options.streams_max) {}
 
-  const RelayParts parts;
+  const RelayContext context;
   /// None with texts in place of files.
   std::unique_ptr<ServedFiles> files;
   Gate gate;
@@ -52,8 +52,8 @@ struct RelayServer::Impl {
 };
 
 absl::StatusOr<std::unique_ptr<RelayServer>> RelayServer::Start(const RelayOptions& options,
-                                                                const RelayParts& parts) {
-  auto impl = std::make_unique<Impl>(options, parts);
+                                                                const RelayContext& context) {
+  auto impl = std::make_unique<Impl>(options, context);
   KeyMaterial material = options.key_material;
   if (const auto* files = std::get_if<PemFiles>(&material)) {
     auto served = ServedFiles::Make(*files);
@@ -66,13 +66,13 @@ absl::StatusOr<std::unique_ptr<RelayServer>> RelayServer::Start(const RelayOptio
   if (absl::Status status = CheckListenable(options.address); !status.ok()) return status;
 
   grpc::ServerBuilder builder;
-  SetChannelArguments(options, parts.limits, builder);
+  SetChannelArguments(options, context.limits, builder);
   builder.AddListeningPort(config::ToText(options.address), *credentials, &impl->port);
   builder.RegisterService(&impl->service);
   const std::size_t queues = options.queues > 0 ? options.queues : UsableCores();
   for (std::size_t i = 0; i < queues; ++i) {
     impl->queues.push_back(std::make_unique<Queue>(i, builder.AddCompletionQueue(), impl->service,
-                                                   impl->gate, impl->parts));
+                                                   impl->gate, impl->context));
   }
   impl->server = builder.BuildAndStart();
   if (impl->server == nullptr || impl->port == 0) {

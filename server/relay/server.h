@@ -31,7 +31,7 @@ class RelayServer final {
   /// Errors: kUnavailable names the address and why nobody can listen there; kFailedPrecondition
   ///         names what is wrong with certificate, key or authority.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<RelayServer>> Start(
-      const RelayOptions& options, const RelayParts& parts);
+      const RelayOptions& options, const RelayContext& context);
 
   /// Shuts down at once if Shutdown was not called.
   ~RelayServer();

@@ -4,7 +4,7 @@
 
 namespace uplink::robot {
 
-/// Faults that the simulation plants one at a time, to show that it would find them.
+/// Mutations that the simulation plants one at a time, to show that it would find them.
 enum class Mutation : std::uint8_t {
   kNone,
   /// An Ack goes out before the commit.

@@ -5,7 +5,7 @@
 namespace uplink::robot {
 
 Seen Numbering::See(model::Seq seq) {
-  if (seq <= window_.seen()) return {.place = Place::kDuplicate, .waits = window_.Waits(seq)};
+  if (seq <= window_.seen()) return {.as = SeenAs::kDuplicate, .waits = window_.Waits(seq)};
   Seen seen;
   const model::Seq floor = std::max(window_.seen(), missing_floor_);
   if (seq > floor + 1) {

@@ -9,7 +9,7 @@
 namespace uplink::robot {
 
 /// What a number means for its session.
-enum class Place : std::uint8_t {
+enum class SeenAs : std::uint8_t {
   kNew,
   /// At or below the highest number seen.
   kDuplicate,
@@ -19,7 +19,7 @@ enum class Place : std::uint8_t {
 
 /// What is seen of one number. A value.
 struct Seen {
-  Place place = Place::kNew;
+  SeenAs as = SeenAs::kNew;
   /// First and last number skipped just before it; none if first is 0.
   model::Seq missing_first = 0;
   model::Seq missing_last = 0;

@@ -14,9 +14,9 @@ RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
   return takeover_.Attach(stream, now, system_now);
 }
 
-StreamPlace RobotSessions::PlaceOf(StreamRef stream) const {
+Standing RobotSessions::StandingOf(StreamRef stream) const {
   const std::lock_guard lock(mutex_);
-  return takeover_.PlaceOf(stream);
+  return takeover_.StandingOf(stream);
 }
 
 StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
@@ -73,7 +73,7 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
 Seen RobotSessions::See(const model::SessionId& session, model::Seq seq) {
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
-  if (memory == nullptr) return {.place = Place::kVoid};
+  if (memory == nullptr) return {.as = SeenAs::kVoid};
   return memory->numbers.See(seq);
 }
 

@@ -66,7 +66,7 @@ class RobotSessions final : public CommitClient {
   using Attached = Takeover::Attached;
   /// A new stream wants the robot. An older one is superseded and must confirm by Detach first.
   [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
-  [[nodiscard]] StreamPlace PlaceOf(StreamRef stream) const;
+  [[nodiscard]] Standing StandingOf(StreamRef stream) const;
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
 

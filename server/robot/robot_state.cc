@@ -42,7 +42,7 @@ void RobotState::Apply(model::RcanState&& state, SteadyTime arrived) {
   rcan_arrived_ = arrived;
 }
 
-void RobotState::Note(const model::Body& report, SystemTime received_at) {
+void RobotState::KeepReport(const model::Body& report, SystemTime received_at) {
   if (!Reports::Follows(report)) return;
   const std::lock_guard lock(mutex_);
   reports_.Add(report, received_at);

@@ -79,7 +79,7 @@ class RobotState final {
   void Apply(std::vector<model::Record>& records, SteadyTime arrived);
   void Apply(model::RcanState&& state, SteadyTime arrived);
   /// A durable report that its robot's series look at; others change nothing.
-  void Note(const model::Body& report, SystemTime received_at);
+  void KeepReport(const model::Body& report, SystemTime received_at);
   /// A motion or status message that arrived at this time. It may have waited since: presence is
   /// judged at the latest time that any call named.
   void SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits);

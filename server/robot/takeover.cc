@@ -15,7 +15,7 @@ Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime
     connected_since_ = system_now;
     return attached;
   }
-  attached.place = StreamPlace::kWaiting;
+  attached.standing = Standing::kWaiting;
   attached.took_over = true;
   attached.contested = AddTakeover(now);
   attached.to_wake.push_back(current_);
@@ -38,11 +38,11 @@ bool Takeover::AddTakeover(SteadyTime now) {
   return contested_ && !was;
 }
 
-StreamPlace Takeover::PlaceOf(StreamRef stream) const {
+Standing Takeover::StandingOf(StreamRef stream) const {
   if (stream == current_) {
-    return current_superseded_ ? StreamPlace::kSuperseded : StreamPlace::kCurrent;
+    return current_superseded_ ? Standing::kSuperseded : Standing::kCurrent;
   }
-  return stream == next_ ? StreamPlace::kWaiting : StreamPlace::kSuperseded;
+  return stream == next_ ? Standing::kWaiting : Standing::kSuperseded;
 }
 
 StreamRef Takeover::Detach(StreamRef stream) {

@@ -10,7 +10,7 @@
 namespace uplink::robot {
 
 /// Where a stream stands among the robot's streams.
-enum class StreamPlace : std::uint8_t {
+enum class Standing : std::uint8_t {
   /// It is the robot's stream.
   kCurrent,
   /// It waits until the older stream has confirmed its end.
@@ -26,7 +26,7 @@ enum class StreamPlace : std::uint8_t {
 class Takeover final {
  public:
   struct Attached {
-    StreamPlace place = StreamPlace::kCurrent;
+    Standing standing = Standing::kCurrent;
     /// Streams that must be woken: they were superseded.
     std::vector<StreamRef> to_wake;
     /// This attach took over from another stream.
@@ -36,7 +36,7 @@ class Takeover final {
   };
   /// A new stream wants the robot.
   [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
-  [[nodiscard]] StreamPlace PlaceOf(StreamRef stream) const;
+  [[nodiscard]] Standing StandingOf(StreamRef stream) const;
   /// The stream takes no more frames: the one that waits, if any, becomes the robot's. Returns the
   /// robot's stream, or none if the one that left was not it.
   StreamRef Detach(StreamRef stream);

@@ -7,9 +7,9 @@
 
 namespace uplink::session {
 
-void AckRelease::AddTaken(const Intake::Taken& taken) {
-  unacked_messages_ += taken.messages;
-  if (taken.ack_owed || unacked_messages_ >= kAckMessages) due_ = true;
+void AckRelease::AddProcessed(const Intake::Processed& processed) {
+  unacked_messages_ += processed.messages;
+  if (processed.ack_owed || unacked_messages_ >= kAckMessages) due_ = true;
   if (unacked_messages_ > 0 && !timers_.is_set(Timer::kAck)) {
     timers_.Set(Timer::kAck, context_.clock.Steady() + context_.limits.ack_interval);
   }

@@ -21,8 +21,8 @@ class AckRelease final {
   AckRelease(const SessionContext& context, StreamTimers& timers)
       : context_(context), timers_(timers) {}
 
-  /// Messages were taken.
-  void AddTaken(const Intake::Taken& taken);
+  /// Messages were processed.
+  void AddProcessed(const Intake::Processed& processed);
   /// Commits have settled messages of the session.
   void AddProgress(const robot::Progress& progress);
   /// Arrivals of messages that an Ack may cover now, for the ack latency.

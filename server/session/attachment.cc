@@ -6,7 +6,7 @@
 
 namespace uplink::session {
 
-absl::StatusOr<robot::StreamPlace> Attachment::Attach(HelloTerms terms) {
+absl::StatusOr<robot::Standing> Attachment::Attach(HelloTerms terms) {
   terms_ = std::move(terms);
   const auto robot = context_.fleet.FindOrAdmit(terms_.robot);
   if (!robot.ok()) {
@@ -19,7 +19,7 @@ absl::StatusOr<robot::StreamPlace> Attachment::Attach(HelloTerms terms) {
   if (attached.took_over) context_.probe.takeovers_total.Add();
   if (attached.contested) context_.probe.contested_total.Add();
   for (const robot::StreamRef stream : attached.to_wake) stream.Wake();
-  return attached.place;
+  return attached.standing;
 }
 
 absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {

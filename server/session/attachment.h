@@ -22,7 +22,7 @@ class Attachment final {
   /// Admits the robot and asks for the place of its stream; streams that it replaces are woken.
   ///
   /// Errors: kResourceExhausted if the server admits no more robots.
-  [[nodiscard]] absl::StatusOr<robot::StreamPlace> Attach(HelloTerms terms);
+  [[nodiscard]] absl::StatusOr<robot::Standing> Attach(HelloTerms terms);
   /// Begins the session and asks the store for its cursor. Returns the generation under which the
   /// stream's records are written (RobotSessions::Begin).
   ///
@@ -39,7 +39,7 @@ class Attachment final {
   [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
   [[nodiscard]] robot::StreamRef self() const { return self_; }
   [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
-  [[nodiscard]] robot::StreamPlace place() const { return robot_->sessions.PlaceOf(self_); }
+  [[nodiscard]] robot::Standing standing() const { return robot_->sessions.StandingOf(self_); }
   /// The store has answered Open.
   [[nodiscard]] bool opened() const { return robot_->sessions.Opened(open_id_); }
   /// Messages of the session that wait for their commit.

@@ -34,20 +34,21 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
   received_at_ = received_at;
 }
 
-Hold Intake::Holding(std::size_t outgoing) const {
-  return HoldNow({.sessions = robot_.sessions,
-                  .journal = journal_,
-                  .throttle = throttle_,
-                  .limits = context_.limits,
-                  .clock = context_.clock},
-                 outgoing);
+HeldBack Intake::HeldBackBy(std::size_t outgoing) const {
+  return session::HeldBackBy({.sessions = robot_.sessions,
+                              .journal = journal_,
+                              .throttle = throttle_,
+                              .limits = context_.limits,
+                              .clock = context_.clock},
+                             outgoing);
 }
 
-Intake::Taken Intake::Take(std::size_t outgoing) {
-  Taken taken;
+Intake::Processed Intake::Process(std::size_t outgoing) {
+  Processed processed;
   new_before_ = 0;
-  while (pending() && !taken.is_void && Holding(outgoing + taken.frames.size()) == Hold::kNone) {
-    TakeUplink(batch_.front(), taken);
+  while (pending() && !processed.is_void &&
+         HeldBackBy(outgoing + processed.frames.size()) == HeldBack::kNone) {
+    ProcessUplink(batch_.front(), processed);
     batch_.PopFront();
   }
   SettleRun();
@@ -56,8 +57,8 @@ Intake::Taken Intake::Take(std::size_t outgoing) {
   }
   ApplyLive();
   Publish();
-  if (!pending() || taken.is_void) Drop();
-  return taken;
+  if (!pending() || processed.is_void) Drop();
+  return processed;
 }
 
 robot::Seen Intake::See(model::Seq seq) {
@@ -73,33 +74,33 @@ void Intake::SettleRun() {
   robot_.sessions.AddSettled(session_, std::exchange(unsettled_, 0));
 }
 
-void Intake::TakeUplink(const UplinkView& uplink, Taken& taken) {
+void Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
   const robot::Seen seen = See(uplink.seq);
   new_before_ = 0;
-  if (seen.place == robot::Place::kVoid) {
-    taken.is_void = true;
+  if (seen.as == robot::SeenAs::kVoid) {
+    processed.is_void = true;
     return;
   }
-  if (seen.place == robot::Place::kDuplicate) return CountDuplicate(seen, taken);
+  if (seen.as == robot::SeenAs::kDuplicate) return CountDuplicate(seen, processed);
   new_before_ = uplink.seq;
-  ++taken.messages;
+  ++processed.messages;
   if (seen.missing_first > 0) AppendGap(seen);
   switch (uplink.content) {
     case UplinkView::Content::kRoverNexus:
-      return JudgeRoverNexus(uplink, taken);
+      return JudgeRoverNexus(uplink, processed);
     case UplinkView::Content::kRcanRobotState:
-      return JudgeRcan(uplink, taken);
+      return JudgeRcan(uplink, processed);
     case UplinkView::Content::kNone:
-      return Reject(uplink, NoContent(), metrics::kUnknownKind, taken);
+      return Reject(uplink, NoContent(), metrics::kUnknownKind, processed);
   }
 }
 
-void Intake::CountDuplicate(const robot::Seen& seen, Taken& taken) {
+void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
   ++counts_.received;
   ++counts_.duplicate;
   if (robot::Planted(robot::Mutation::kDuplicateNotAcked)) return;
-  ++taken.messages;
-  if (!seen.waits) taken.ack_owed = true;
+  ++processed.messages;
+  if (!seen.waits) processed.ack_owed = true;
 }
 
 void Intake::AppendGap(const robot::Seen& seen) {
@@ -113,7 +114,7 @@ void Intake::AppendGap(const robot::Seen& seen) {
                       .seen_at = received_at_});
 }
 
-void Intake::JudgeRoverNexus(const UplinkView& uplink, Taken& taken) {
+void Intake::JudgeRoverNexus(const UplinkView& uplink, Processed& processed) {
   schema::Judgement judgement = context_.judge.Payload(std::as_bytes(std::span(uplink.payload)));
   sign_of_life_ = sign_of_life_ || judgement.sign_of_life;
   if (judgement.times_unknown > 0 || judgement.enumerants_unrecognized > 0) {
@@ -122,41 +123,42 @@ void Intake::JudgeRoverNexus(const UplinkView& uplink, Taken& taken) {
   if (const model::Rejection* rejection = judgement.rejection()) {
     const std::size_t kind =
         judgement.variant ? static_cast<std::size_t>(*judgement.variant) : metrics::kUnknownKind;
-    return Reject(uplink, *rejection, kind, taken);
+    return Reject(uplink, *rejection, kind, processed);
   }
-  Accept(uplink, std::get<model::Record>(judgement.verdict), taken);
+  Accept(uplink, std::get<model::Record>(judgement.verdict), processed);
 }
 
-void Intake::JudgeRcan(const UplinkView& uplink, Taken& taken) {
+void Intake::JudgeRcan(const UplinkView& uplink, Processed& processed) {
   schema::RcanJudgement judgement =
       schema::JudgeRcanState(uplink.payload, id_->ruri, context_.limits.message_bytes_max);
   sign_of_life_ = sign_of_life_ || (judgement.sign_of_life && context_.limits.rcan_counts_as_life);
   if (const model::Rejection* rejection = judgement.rejection()) {
-    return Reject(uplink, *rejection, metrics::kRcanKind, taken);
+    return Reject(uplink, *rejection, metrics::kRcanKind, processed);
   }
   if (rcan_order_ == nullptr) rcan_order_ = std::make_unique<RcanOrder>();
   auto& state = std::get<model::RcanState>(judgement.verdict);
   counts_.rcan_missing += rcan_order_->See(state);
-  const RcanOrder::Place place = rcan_order_->PlaceOf(state);
-  if (place == RcanOrder::Place::kOlder) {
+  const RcanOrder::Age age = rcan_order_->AgeOf(state);
+  if (age == RcanOrder::Age::kOlder) {
     return Reject(
         uplink,
         schema::NotMonotonic("timestamp_us", state.timestamp_us, rcan_order_->last_timestamp_us()),
-        metrics::kRcanKind, taken);
+        metrics::kRcanKind, processed);
   }
   ++counts_.rcan_states;
-  TellDropped(uplink.seq, judgement.dropped, metrics::kRcanKind, taken);
+  TellDropped(uplink.seq, judgement.dropped, metrics::kRcanKind, processed);
   unsettled_ = uplink.seq;
-  if (place == RcanOrder::Place::kSame) return CountSuperseded();
-  rcan_order_->Take(state);
+  if (age == RcanOrder::Age::kSame) return CountSuperseded();
+  rcan_order_->Apply(state);
   const FrameLive::Before before = context_.scratch.live.Add(std::move(state));
   if (before == FrameLive::Before::kReplaced) CountSuperseded();
 }
 
-void Intake::Accept(const UplinkView& uplink, model::Record& record, Taken& taken) {
+void Intake::Accept(const UplinkView& uplink, model::Record& record, Processed& processed) {
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
-    TellDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()), taken);
+    TellDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()),
+                processed);
     unsettled_ = uplink.seq;
     return AddLive(std::move(record));
   }
@@ -164,7 +166,7 @@ void Intake::Accept(const UplinkView& uplink, model::Record& record, Taken& take
     unsettled_ = uplink.seq;
     return CountSuperseded();
   }
-  robot_.state.Note(record.body(), received_at_);
+  robot_.state.KeepReport(record.body(), received_at_);
   Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
 }
 
@@ -181,24 +183,24 @@ void Intake::CountSuperseded() {
 }
 
 void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
-                         std::size_t kind, Taken& taken) {
+                         std::size_t kind, Processed& processed) {
   if (dropped.empty()) return;
   robot_.state.CountDropped(dropped.size());
   for (const model::DroppedField& field : dropped) {
     context_.ledger.CountDropped(kind, field.reason);
     if (robot_.sessions.MayNotice(field.field, arrived_)) {
       context_.probe.notices_total.Add();
-      taken.frames.push_back(NoticeFrame(seq, field));
+      processed.frames.push_back(NoticeFrame(seq, field));
     }
   }
 }
 
 void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
-                    Taken& taken) {
+                    Processed& processed) {
   // Now, not the frame's arrival: a large frame may be taken over several seconds.
   throttle_.AddMalformed(context_.clock.Steady());
   context_.ledger.CountRejected(kind, rejection.reason);
-  taken.frames.push_back(RejectFrame(uplink.seq, rejection));
+  processed.frames.push_back(RejectFrame(uplink.seq, rejection));
   robot_.sessions.Remember(session_, uplink.seq, rejection);
   std::string kept;
   if (robot_.sessions.KeepPayload(rejection.reason, arrived_)) {

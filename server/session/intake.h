@@ -14,7 +14,7 @@
 #include "server/robot/robot.h"
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
-#include "server/session/hold.h"
+#include "server/session/held_back.h"
 #include "server/session/pending_batch.h"
 #include "server/session/rcan_order.h"
 #include "server/session/throttle.h"
@@ -35,48 +35,48 @@ class Intake final {
   Intake(const SessionContext& context, robot::Robot& robot, const model::SessionId& session,
          std::uint64_t generation);
 
-  /// What taking messages asks of the stream.
-  struct Taken {
+  /// What processing messages asks of the stream.
+  struct Processed {
     /// Rejects and Notices, in order; they go out before any later Ack.
     std::vector<v1::RelayResponse> frames;
     /// Messages that were judged or found duplicates.
     std::size_t messages = 0;
     /// A settled message came again: it is answered by an Ack even if the Ack does not grow.
     bool ack_owed = false;
-    /// The robot is held by another process or stream: take nothing more.
+    /// The robot is held by another process or stream: process nothing more.
     bool is_void = false;
   };
 
   /// A checked batch becomes the pending one. Must not be called while one is pending. The views
   /// must hold until Keep.
   void Begin(std::span<const UplinkView> uplinks, SteadyTime arrived, SystemTime received_at);
-  /// Takes messages of the pending batch until it is done or the stream must be held back.
+  /// Processes messages of the pending batch until it is done or the stream must be held back.
   /// `outgoing` is the number of frames that wait for the peer already.
-  [[nodiscard]] Taken Take(std::size_t outgoing);
+  [[nodiscard]] Processed Process(std::size_t outgoing);
   [[nodiscard]] bool pending() const { return !batch_.empty(); }
   /// Copies what is still pending: the frame's bytes are about to go.
   void Keep() { batch_.Keep(); }
-  /// Drops what is pending, untaken.
+  /// Drops what is pending, unprocessed.
   void Drop() { batch_.Drop(); }
 
-  /// Whether a message may be taken now, and what keeps it if not (HoldNow).
-  [[nodiscard]] Hold Holding(std::size_t outgoing) const;
+  /// Whether a message may be processed now, and what keeps it if not (HeldBackBy).
+  [[nodiscard]] HeldBack HeldBackBy(std::size_t outgoing) const;
   /// When a throttled stream may go on (Throttle::end).
   [[nodiscard]] std::optional<SteadyTime> throttle_end() const { return throttle_.end(); }
 
  private:
   [[nodiscard]] robot::Seen See(model::Seq seq);
-  void TakeUplink(const UplinkView& uplink, Taken& taken);
-  void CountDuplicate(const robot::Seen& seen, Taken& taken);
+  void ProcessUplink(const UplinkView& uplink, Processed& processed);
+  void CountDuplicate(const robot::Seen& seen, Processed& processed);
   void AppendGap(const robot::Seen& seen);
-  void JudgeRoverNexus(const UplinkView& uplink, Taken& taken);
-  void JudgeRcan(const UplinkView& uplink, Taken& taken);
-  void Accept(const UplinkView& uplink, model::Record& record, Taken& taken);
+  void JudgeRoverNexus(const UplinkView& uplink, Processed& processed);
+  void JudgeRcan(const UplinkView& uplink, Processed& processed);
+  void Accept(const UplinkView& uplink, model::Record& record, Processed& processed);
   void AddLive(model::Record record);
   void Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
-              Taken& taken);
+              Processed& processed);
   void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
-                   Taken& taken);
+                   Processed& processed);
   void Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
               std::string payload, std::size_t payload_bytes);
   void CountSuperseded();
@@ -95,8 +95,8 @@ class Intake final {
   Throttle throttle_;
   SteadyTime arrived_;
   SystemTime received_at_;
-  /// Within one Take: the number before, if it was new, and the highest of the live ones that the
-  /// window has not been told of; both 0 otherwise.
+  /// Within one Process: the number before, if it was new, and the highest of the live ones that
+  /// the window has not been told of; both 0 otherwise.
   model::Seq new_before_ = 0;
   model::Seq unsettled_ = 0;
   bool sign_of_life_ = false;

@@ -10,9 +10,9 @@ void Outgoing::PushRejects(std::span<const robot::RejectedSeq> rejects) {
   }
 }
 
-void Outgoing::AddTaken(Intake::Taken taken) {
-  for (v1::RelayResponse& frame : taken.frames) Push(std::move(frame));
-  ack_.AddTaken(taken);
+void Outgoing::AddProcessed(Intake::Processed processed) {
+  for (v1::RelayResponse& frame : processed.frames) Push(std::move(frame));
+  ack_.AddProcessed(processed);
 }
 
 void Outgoing::AddProgress() {

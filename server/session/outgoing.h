@@ -24,19 +24,19 @@ namespace uplink::session {
 class Outgoing final {
  public:
   /// All of them outlive it. `robot` is attached before anything is sent.
-  struct Parts {
+  struct Sources {
     const SessionContext& context;
     Attachment& robot;
     FrameSink& sink;
     StreamTimers& timers;
   };
-  explicit Outgoing(const Parts& parts)
-      : robot_(parts.robot), sink_(parts.sink), ack_(parts.context, parts.timers) {}
+  explicit Outgoing(const Sources& sources)
+      : robot_(sources.robot), sink_(sources.sink), ack_(sources.context, sources.timers) {}
 
   void Push(v1::RelayResponse frame) { frames_.push_back(std::move(frame)); }
   void PushRejects(std::span<const robot::RejectedSeq> rejects);
-  /// Messages were taken: their Rejects and Notices go out, and count towards the next Ack.
-  void AddTaken(Intake::Taken taken);
+  /// Messages were processed: their Rejects and Notices go out, and count towards the next Ack.
+  void AddProcessed(Intake::Processed processed);
   /// Commits may have settled messages: the store's Rejects go out, and an Ack that they move.
   void AddProgress();
   /// An Ack goes out behind the frames that wait.

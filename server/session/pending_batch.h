@@ -22,7 +22,7 @@ class PendingBatch final {
   void PopFront() { uplinks_ = uplinks_.subspan(1); }
   /// Copies what is still pending: the frame's bytes are about to go.
   void Keep();
-  /// Drops what is pending, untaken.
+  /// Drops what is pending, unprocessed.
   void Drop();
 
  private:

@@ -2,16 +2,16 @@
 
 namespace uplink::session {
 
-RcanOrder::Place RcanOrder::PlaceOf(const model::RcanState& state) const {
-  if (!last_timestamp_us_ || state.timestamp_us > *last_timestamp_us_) return Place::kNewer;
-  return state.timestamp_us == *last_timestamp_us_ ? Place::kSame : Place::kOlder;
+RcanOrder::Age RcanOrder::AgeOf(const model::RcanState& state) const {
+  if (!last_timestamp_us_ || state.timestamp_us > *last_timestamp_us_) return Age::kNewer;
+  return state.timestamp_us == *last_timestamp_us_ ? Age::kSame : Age::kOlder;
 }
 
 std::uint64_t RcanOrder::See(const model::RcanState& state) {
   if (!state.seq) return 0;
   const std::optional<std::int64_t> before = last_seq_;
   // A state that comes too late does not begin the numbers anew.
-  if (before && *state.seq < *before && PlaceOf(state) == Place::kOlder) return 0;
+  if (before && *state.seq < *before && AgeOf(state) == Age::kOlder) return 0;
   last_seq_ = state.seq;
   // Going back is a robot that began anew, or a number that wrapped: nothing is known to miss.
   if (!before || *state.seq <= *before) return 0;
@@ -20,7 +20,7 @@ std::uint64_t RcanOrder::See(const model::RcanState& state) {
   return skipped;
 }
 
-void RcanOrder::Take(model::RcanState& state) {
+void RcanOrder::Apply(model::RcanState& state) {
   last_timestamp_us_ = state.timestamp_us;
   state.seq_missing = missing_;
   for (model::RcanJoint& joint : state.joints) {

@@ -17,22 +17,22 @@ inline constexpr std::size_t kJointsHeldMax = 256;
 class RcanOrder final {
  public:
   /// What a state's time says beside the one before.
-  enum class Place : std::uint8_t {
+  enum class Age : std::uint8_t {
     kNewer,
     /// The same sample again.
     kSame,
     kOlder,
   };
-  [[nodiscard]] Place PlaceOf(const model::RcanState& state) const;
-  /// The time of the state before; only where PlaceOf is not kNewer.
+  [[nodiscard]] Age AgeOf(const model::RcanState& state) const;
+  /// The time of the state before; only where AgeOf is not kNewer.
   [[nodiscard]] std::int64_t last_timestamp_us() const { return last_timestamp_us_.value_or(0); }
 
-  /// Sees the number of a state, whatever becomes of it, before Take. Returns how many were skipped
-  /// before it.
+  /// Sees the number of a state, whatever becomes of it, before Apply. Returns how many were
+  /// skipped before it.
   std::uint64_t See(const model::RcanState& state);
   /// The state becomes the last one. A joint in it that is not newer than its held sample gets that
   /// sample back; all the numbers that were skipped are counted into it.
-  void Take(model::RcanState& state);
+  void Apply(model::RcanState& state);
 
  private:
   std::optional<std::int64_t> last_timestamp_us_;

@@ -4,31 +4,31 @@ namespace uplink::session {
 
 void ReadGate::Request() {
   under_way_ = true;
-  parts_.source.RequestRead();
+  sources_.source.RequestRead();
 }
 
-void ReadGate::RequestUnless(Hold hold, std::optional<SteadyTime> throttle_end) {
-  SetHeld(hold == Hold::kNone ? Held::kNo : Held::kYes);
-  parts_.timers.Clear(Timer::kReadAgain);
-  switch (hold) {
-    case Hold::kNone:
+void ReadGate::RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end) {
+  SetHeld(by == HeldBack::kNone ? Held::kNo : Held::kYes);
+  sources_.timers.Clear(Timer::kReadAgain);
+  switch (by) {
+    case HeldBack::kNone:
       return Request();
-    case Hold::kInFlight:  // a commit of the robot wakes the stream
-    case Hold::kOutgoing:  // a write that is done calls
+    case HeldBack::kInFlight:  // a commit of the robot wakes the stream
+    case HeldBack::kOutgoing:  // a write that is done calls
       return;
-    case Hold::kJournal:
-      return parts_.robot.journal().WhenRoom(parts_.robot.self());
-    case Hold::kThrottled:
-      if (throttle_end) parts_.timers.Set(Timer::kReadAgain, *throttle_end);
+    case HeldBack::kJournal:
+      return sources_.robot.journal().WhenRoom(sources_.robot.self());
+    case HeldBack::kThrottled:
+      if (throttle_end) sources_.timers.Set(Timer::kReadAgain, *throttle_end);
       return;
   }
 }
 
 void ReadGate::WatchPeer(std::size_t outgoing) {
   if (outgoing < kOutgoingFramesMax) {
-    parts_.timers.Clear(Timer::kStall);
-  } else if (!parts_.timers.is_set(Timer::kStall)) {
-    parts_.timers.Set(Timer::kStall, parts_.context.clock.Steady() + kPeerStallMax);
+    sources_.timers.Clear(Timer::kStall);
+  } else if (!sources_.timers.is_set(Timer::kStall)) {
+    sources_.timers.Set(Timer::kStall, sources_.context.clock.Steady() + kPeerStallMax);
   }
 }
 
@@ -36,11 +36,11 @@ void ReadGate::SetHeld(Held held) {
   if (held_ == held) return;
   held_ = held;
   const bool held_back = held == Held::kYes;
-  parts_.context.probe.held_back.Add(held_back ? 1 : -1);
-  if (held_back) parts_.context.probe.held_back_total.Add();
-  parts_.robot.robot().state.SetReading(
+  sources_.context.probe.held_back.Add(held_back ? 1 : -1);
+  if (held_back) sources_.context.probe.held_back_total.Add();
+  sources_.robot.robot().state.SetReading(
       held_back ? robot::RobotState::Reading::kHeldBack : robot::RobotState::Reading::kFlowing,
-      parts_.context.clock.Steady());
+      sources_.context.clock.Steady());
 }
 
 }  // namespace uplink::session

@@ -8,7 +8,7 @@
 #include "server/session/attachment.h"
 #include "server/session/context.h"
 #include "server/session/frame_sink.h"
-#include "server/session/hold.h"
+#include "server/session/held_back.h"
 #include "server/session/stream_timers.h"
 
 namespace uplink::session {
@@ -19,22 +19,22 @@ namespace uplink::session {
 class ReadGate final {
  public:
   /// All of them outlive it.
-  struct Parts {
+  struct Sources {
     const SessionContext& context;
     Attachment& robot;
     FrameSource& source;
     StreamTimers& timers;
   };
-  explicit ReadGate(const Parts& parts) : parts_(parts) {}
+  explicit ReadGate(const Sources& sources) : sources_(sources) {}
 
   /// Asks for the next frame.
   void Request();
   /// The transport has answered the request.
   void OnAnswer() { under_way_ = false; }
   [[nodiscard]] bool under_way() const { return under_way_; }
-  /// Asks for the next frame, or waits for the end of `hold`. `throttle_end` is set if it is
-  /// kThrottled.
-  void RequestUnless(Hold hold, std::optional<SteadyTime> throttle_end);
+  /// Asks for the next frame, or waits for the end of what `by` names. `throttle_end` is set if it
+  /// is kThrottled.
+  void RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end);
 
   /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);
@@ -43,7 +43,7 @@ class ReadGate final {
   void SetHeld(Held held);
 
  private:
-  const Parts parts_;
+  const Sources sources_;
   bool under_way_ = false;
   Held held_ = Held::kNo;
 };

@@ -50,10 +50,10 @@ void Session::OnFrame(std::string_view bytes) {
     case FrameContent::kMalformed:
       return ProtocolError(kNoRequest);
     case FrameContent::kHello:
-      return TakeHelloFrame(bytes);
+      return HandleHelloFrame(bytes);
     case FrameContent::kBatch:
       if (state_ == State::kHello) return ProtocolError("the first frame must be a hello");
-      return TakeBatch();
+      return HandleBatch();
     case FrameContent::kNothing:
       return ProtocolError("it holds neither hello nor batch");
   }
@@ -69,16 +69,16 @@ void Session::OnFrameTooLarge(std::uint64_t bytes) {
                   context_.limits.frame_bytes_max)));
 }
 
-void Session::TakeHelloFrame(std::string_view bytes) {
+void Session::HandleHelloFrame(std::string_view bytes) {
   v1::RelayRequest frame;
   if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return ProtocolError(kNoRequest);
   }
   if (state_ != State::kHello) return ProtocolError("hello: only the first frame may be one");
-  TakeHello(frame.hello());
+  HandleHello(frame.hello());
 }
 
-void Session::TakeHello(const v1::Hello& hello) {
+void Session::HandleHello(const v1::Hello& hello) {
   timers_.Clear(Timer::kHello);
   auto terms = CheckHello(hello, peer_);
   if (!terms.ok()) {
@@ -87,9 +87,9 @@ void Session::TakeHello(const v1::Hello& hello) {
     (identity ? context_.probe.refused_identity_total : context_.probe.protocol_errors_total).Add();
     return Finish(terms.status());
   }
-  const absl::StatusOr<robot::StreamPlace> place = robot_.Attach(*std::move(terms));
-  if (!place.ok()) return Finish(place.status());
-  if (*place == robot::StreamPlace::kCurrent) return BeginOpening();
+  const absl::StatusOr<robot::Standing> standing = robot_.Attach(*std::move(terms));
+  if (!standing.ok()) return Finish(standing.status());
+  if (*standing == robot::Standing::kCurrent) return BeginOpening();
   state_ = State::kAttaching;
 }
 
@@ -113,7 +113,7 @@ void Session::SendWelcome() {
   Advance(News::kNone);
 }
 
-void Session::TakeBatch() {
+void Session::HandleBatch() {
   const BatchView& batch = context_.scratch.batch;
   const absl::Status status = CheckBatch(batch, last_seq_, context_.limits, frames_);
   if (!status.ok()) {
@@ -131,8 +131,8 @@ void Session::TakeBatch() {
   Advance(News::kNone);
 }
 
-void Session::TakePending() {
-  outgoing_.AddTaken(intake_->Take(outgoing_.size()));
+void Session::ProcessPending() {
+  outgoing_.AddProcessed(intake_->Process(outgoing_.size()));
   // What is left must not point into the frame's bytes, which are the transport's, nor into the
   // scratch that all streams of the thread share.
   intake_->Keep();
@@ -141,7 +141,7 @@ void Session::TakePending() {
 // --- What every call ends with ---
 
 void Session::Advance(News news) {
-  if (intake_ != nullptr && intake_->pending()) TakePending();
+  if (intake_ != nullptr && intake_->pending()) ProcessPending();
   if (news == News::kCommits) outgoing_.AddProgress();
   outgoing_.Flush();
   EndWhenSettled();
@@ -152,7 +152,7 @@ void Session::EndWhenSettled() {
   if (state_ != State::kSettling || intake_->pending()) return;
   if (robot_.waiting() > 0) return;
   // Another process took the robot, and what waited with it: the wake that is on its way ends this.
-  if (robot_.place() == robot::StreamPlace::kSuperseded) return;
+  if (robot_.standing() == robot::Standing::kSuperseded) return;
   if (!last_ack_queued_) {
     last_ack_queued_ = true;
     outgoing_.MakeAckDue();
@@ -165,14 +165,14 @@ void Session::Read() {
   if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
   // One look decides: what keeps the stream back is what it then waits for.
-  Hold hold = intake_->Holding(outgoing_.size());
-  while (intake_->pending() && hold == Hold::kNone) {
-    TakePending();
-    hold = intake_->Holding(outgoing_.size());
+  HeldBack by = intake_->HeldBackBy(outgoing_.size());
+  while (intake_->pending() && by == HeldBack::kNone) {
+    ProcessPending();
+    by = intake_->HeldBackBy(outgoing_.size());
   }
   outgoing_.Flush();
   reading_.WatchPeer(outgoing_.size());
-  reading_.RequestUnless(hold, intake_->throttle_end());
+  reading_.RequestUnless(by, intake_->throttle_end());
 }
 
 // --- Writes, wakes, timers ---
@@ -186,13 +186,13 @@ void Session::OnWritten() {
 
 void Session::OnWake() {
   if (state_ == State::kDone || !robot_.attached()) return;
-  switch (robot_.place()) {
-    case robot::StreamPlace::kSuperseded:
+  switch (robot_.standing()) {
+    case robot::Standing::kSuperseded:
       context_.probe.superseded_total.Add();
       return Finish(absl::AbortedError("superseded"));
-    case robot::StreamPlace::kWaiting:
+    case robot::Standing::kWaiting:
       return;
-    case robot::StreamPlace::kCurrent:
+    case robot::Standing::kCurrent:
       break;
   }
   if (state_ == State::kAttaching) BeginOpening();

@@ -65,7 +65,7 @@ class Session final {
     /// Waits for the store's cursor, kWelcomeWait at most.
     kOpening,
     kStreaming,
-    /// The agent half-closed, or the server drains: settle what was taken, then end.
+    /// The agent half-closed, or the server drains: settle what was processed, then end.
     kSettling,
     kDone,
   };
@@ -78,12 +78,12 @@ class Session final {
     kLastFrame,
   };
 
-  void TakeHelloFrame(std::string_view bytes);
-  void TakeHello(const v1::Hello& hello);
+  void HandleHelloFrame(std::string_view bytes);
+  void HandleHello(const v1::Hello& hello);
   void BeginOpening();
   void SendWelcome();
-  void TakeBatch();
-  void TakePending();
+  void HandleBatch();
+  void ProcessPending();
 
   /// What every call ends with, in this order: take what is pending, collect what commits brought,
   /// write, end the stream once all is settled, and ask for the next frame.

@@ -7,12 +7,12 @@ namespace uplink::store {
 
 absl::Status SeedRounds::Begin(absl::Status away) {
   if (away.ok()) {
-    absl::Status seeded = seed_.Run(parts_.robots_max);
+    absl::Status seeded = seed_.Run(context_.robots_max);
     LogLiveLeftOut();
     if (!absl::IsUnavailable(seeded) && !absl::IsDeadlineExceeded(seeded)) return seeded;
     away = std::move(seeded);
   }
-  parts_.logger.Warn("store_away", {{"why", std::string(away.message())}});
+  context_.logger.Warn("store_away", {{"why", std::string(away.message())}});
   return absl::OkStatus();
 }
 
@@ -27,19 +27,19 @@ void SeedRounds::ReadOn(const std::function<bool(std::function<void()>)>& post) 
 }
 
 void SeedRounds::Read() {
-  const absl::Status read = seed_.Run(parts_.robots_max);
+  const absl::Status read = seed_.Run(context_.robots_max);
   if (read.ok()) {
-    parts_.logger.Info("robots_read", {{"robots", parts_.fleet.size()}});
+    context_.logger.Info("robots_read", {{"robots", context_.fleet.size()}});
     LogLiveLeftOut();
   } else if (seed_.done()) {
-    parts_.logger.Error("robots_left_out", {{"why", std::string(read.message())}});
+    context_.logger.Error("robots_left_out", {{"why", std::string(read.message())}});
   }
 }
 
 void SeedRounds::LogLiveLeftOut() {
   if (seed_.live_left_out() == 0) return;
-  parts_.logger.Warn("live_state_left_out", {{"messages", seed_.live_left_out()},
-                                             {"why", "this version does not pass them"}});
+  context_.logger.Warn("live_state_left_out", {{"messages", seed_.live_left_out()},
+                                               {"why", "this version does not pass them"}});
 }
 
 }  // namespace uplink::store

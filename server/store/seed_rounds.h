@@ -21,7 +21,7 @@ namespace uplink::store {
 class SeedRounds final {
  public:
   /// The references outlive it.
-  struct Parts {
+  struct Context {
     fleet::Fleet& fleet;
     const journal::Shards& journals;
     storage::Reader& reader;
@@ -29,8 +29,8 @@ class SeedRounds final {
     log::Logger& logger;
     std::size_t robots_max = 0;
   };
-  explicit SeedRounds(const Parts& parts)
-      : parts_(parts), seed_(parts.fleet, parts.journals, parts.reader, parts.clock) {}
+  explicit SeedRounds(const Context& context)
+      : context_(context), seed_(context.fleet, context.journals, context.reader, context.clock) {}
   SeedRounds(const SeedRounds&) = delete;
   SeedRounds& operator=(const SeedRounds&) = delete;
 
@@ -46,7 +46,7 @@ class SeedRounds final {
   void Read();
   void LogLiveLeftOut();
 
-  const Parts parts_;
+  const Context context_;
   Seed seed_;
   std::atomic<bool> reading_{false};
 };

@@ -7,15 +7,15 @@ namespace uplink::store {
 namespace {
 
 std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
-    std::span<const std::unique_ptr<storage::Store>> stores, const Writers::Parts& parts) {
-  journal::JournalLimits limits = journal::ShareOf(parts.limits, stores.size());
+    std::span<const std::unique_ptr<storage::Store>> stores, const Writers::Context& context) {
+  journal::JournalLimits limits = journal::ShareOf(context.limits, stores.size());
   std::vector<std::unique_ptr<journal::Journal>> journals;
   for (std::size_t shard = 0; shard < stores.size(); ++shard) {
     limits.sweeps = shard == 0;
     limits.retains = shard == 0;
     journals.push_back(std::make_unique<journal::Journal>(
-        *stores[shard], limits, parts.clock, parts.ledgers.NewPage(), parts.probe,
-        journal::PresenceSessionOf(parts.process, shard)));
+        *stores[shard], limits, context.clock, context.ledgers.NewPage(), context.probe,
+        journal::PresenceSessionOf(context.process, shard)));
   }
   return journals;
 }
@@ -30,24 +30,24 @@ std::vector<journal::Journal*> PointersTo(
 
 }  // namespace
 
-Writers::Writers(std::span<const std::unique_ptr<storage::Store>> stores, Parts parts)
-    : parts_(std::move(parts)),
-      journals_(MakeJournals(stores, parts_)),
+Writers::Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context)
+    : context_(std::move(context)),
+      journals_(MakeJournals(stores, context_)),
       shards_(PointersTo(journals_)) {
-  if (parts_.checkpoint_every == milliseconds(0)) return;
+  if (context_.checkpoint_every == milliseconds(0)) return;
   for (const auto& journal : journals_) {
     checkpoints_.push_back(std::make_unique<fleet::Checkpoint>(fleet::Checkpoint::Sources{
-        .fleet = parts_.fleet,
+        .fleet = context_.fleet,
         .writes = [this, writer = journal.get()](
                       std::string_view ruri) { return &shards_.Of(ruri) == writer; },
-        .restored = parts_.restored}));
-    journal->CheckpointFrom(*checkpoints_.back(), parts_.checkpoint_every);
+        .restored = context_.restored}));
+    journal->CheckpointFrom(*checkpoints_.back(), context_.checkpoint_every);
   }
 }
 
 std::uint64_t Writers::Random() {
   const std::lock_guard lock(random_mutex_);
-  return parts_.random();
+  return context_.random();
 }
 
 void Writers::Start() {

@@ -26,7 +26,7 @@ namespace uplink::store {
 class Writers final {
  public:
   /// The references outlive it.
-  struct Parts {
+  struct Context {
     const Clock& clock;
     metrics::LedgerBook& ledgers;
     journal::JournalProbe& probe;
@@ -42,7 +42,7 @@ class Writers final {
     std::function<bool()> restored;
   };
   /// At least one store; they outlive it.
-  Writers(std::span<const std::unique_ptr<storage::Store>> stores, Parts parts);
+  Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context);
   Writers(const Writers&) = delete;
   Writers& operator=(const Writers&) = delete;
 
@@ -56,7 +56,7 @@ class Writers final {
  private:
   std::uint64_t Random();
 
-  const Parts parts_;
+  const Context context_;
   const std::vector<std::unique_ptr<journal::Journal>> journals_;
   const journal::Shards shards_;
   /// One per journal, if there are checkpoints.

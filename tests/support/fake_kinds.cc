@@ -37,54 +37,55 @@ std::optional<model::Rejection> FakeKinds::Refusal(const CommitRecord& record) c
 
 void FakeKinds::Write(const CommitRecord& record, std::uint64_t entry,
                       const storage::StoreRules& rules) {
-  const Place place{record, entry, rules};
+  const Target target{record, entry, rules};
   const model::Body& body = BodyOf(record);
   if (const auto* event = std::get_if<model::EventTelemetry>(&body)) {
-    WriteEvent(place, *event);
+    WriteEvent(target, *event);
   } else if (const auto* message = std::get_if<model::Message>(&body)) {
-    WriteMessage(place, *message);
+    WriteMessage(target, *message);
   } else if (const auto* report = std::get_if<model::MissionRunStatus>(&body)) {
-    WriteReport(place, *report);
+    WriteReport(target, *report);
   } else if (const auto* shape = std::get_if<model::ShapeOp>(&body)) {
-    WriteShape(place, *shape);
+    WriteShape(target, *shape);
   } else if (const auto* object = std::get_if<model::ObjectOp>(&body)) {
-    WriteObject(place, *object);
+    WriteObject(target, *object);
   } else if (const auto* agent = std::get_if<model::AgentInfo>(&body)) {
-    WriteLatest(place, LatestKind::kAgentInfo, json::Text(*agent));
+    WriteLatest(target, LatestKind::kAgentInfo, json::Text(*agent));
   } else if (const auto* settings = std::get_if<model::CurrentSettings>(&body)) {
-    WriteLatest(place, LatestKind::kSettings, json::Text(*settings));
+    WriteLatest(target, LatestKind::kSettings, json::Text(*settings));
   } else if (const auto* capabilities = std::get_if<model::UiCapabilities>(&body)) {
-    WriteLatest(place, LatestKind::kUiCapabilities, json::Text(*capabilities));
+    WriteLatest(target, LatestKind::kUiCapabilities, json::Text(*capabilities));
   }
 }
 
-void FakeKinds::WriteEvent(const Place& place, const model::EventTelemetry& event) {
+void FakeKinds::WriteEvent(const Target& target, const model::EventTelemetry& event) {
   storage::EventRow row;
-  row.robot = *place.record.robot;
+  row.robot = *target.record.robot;
   row.kind = model::EventKindText(event.kind);
   row.detail_json = json::DetailText(event.kind);
   row.sampled_at_ms = event.unix_time_ms;
-  row.received_at = place.record.received_at;
-  events_.push_back({row.received_at, place.entry, std::move(row)});
+  row.received_at = target.record.received_at;
+  events_.push_back({row.received_at, target.entry, std::move(row)});
 }
 
-void FakeKinds::WriteMessage(const Place& place, const model::Message& message) {
-  const SystemTime at = place.record.received_at;
-  messages_.push_back({at, place.entry, {*place.record.robot, message, at}});
+void FakeKinds::WriteMessage(const Target& target, const model::Message& message) {
+  const SystemTime at = target.record.received_at;
+  messages_.push_back({at, target.entry, {*target.record.robot, message, at}});
 }
 
-void FakeKinds::WriteReport(const Place& place, const model::MissionRunStatus& report) {
-  const model::RobotId& robot = *place.record.robot;
-  const SystemTime at = place.record.received_at;
+void FakeKinds::WriteReport(const Target& target, const model::MissionRunStatus& report) {
+  const model::RobotId& robot = *target.record.robot;
+  const SystemTime at = target.record.received_at;
   const std::string report_json = json::Text(report);
-  reports_.push_back(
-      {at, place.entry, {robot, report.mission_id, report.run_id, report.status, report_json, at}});
+  reports_.push_back({at,
+                      target.entry,
+                      {robot, report.mission_id, report.run_id, report.status, report_json, at}});
 
   const auto [it, begun] = runs_.try_emplace({robot.ruri, report.mission_id, report.run_id});
   FakeEntry<storage::MissionRunRow>& run = it->second;
   if (begun) {
     run.at = at;
-    run.entry = place.entry;
+    run.entry = target.entry;
     run.row.mission_id = report.mission_id;
     run.row.run_id = report.run_id;
     run.row.first_received_at = at;
@@ -97,8 +98,8 @@ void FakeKinds::WriteReport(const Place& place, const model::MissionRunStatus& r
   ++run.row.updates;
 }
 
-void FakeKinds::WriteShape(const Place& place, const model::ShapeOp& shape) {
-  const model::RobotId& robot = *place.record.robot;
+void FakeKinds::WriteShape(const Target& target, const model::ShapeOp& shape) {
+  const model::RobotId& robot = *target.record.robot;
   if (shape.upsert() == nullptr) {
     shapes_.Delete(robot.ruri, shape.id());
     return;
@@ -114,12 +115,12 @@ void FakeKinds::WriteShape(const Place& place, const model::ShapeOp& shape) {
   row.min_z_m = upsert.min_z_m;
   row.max_z_m = upsert.max_z_m;
   row.level_id = upsert.level_id;
-  row.received_at = place.record.received_at;
-  shapes_.Upsert(shape.id(), {row.received_at, place.entry, std::move(row)});
+  row.received_at = target.record.received_at;
+  shapes_.Upsert(shape.id(), {row.received_at, target.entry, std::move(row)});
 }
 
-void FakeKinds::WriteObject(const Place& place, const model::ObjectOp& object) {
-  const model::RobotId& robot = *place.record.robot;
+void FakeKinds::WriteObject(const Target& target, const model::ObjectOp& object) {
+  const model::RobotId& robot = *target.record.robot;
   if (object.upsert() == nullptr) {
     objects_.Delete(robot.ruri, object.id());
     return;
@@ -135,14 +136,14 @@ void FakeKinds::WriteObject(const Place& place, const model::ObjectOp& object) {
   if (upsert.trajectory) row.trajectory_json = json::Text(*upsert.trajectory);
   row.radius_m = upsert.radius_m;
   row.sampled_at_ms = upsert.unix_time_ms;
-  row.received_at = place.record.received_at;
-  row.expires_at_ms = storage::ExpiryOf(upsert, row.received_at, place.rules);
-  objects_.Upsert(object.id(), {row.received_at, place.entry, std::move(row)});
+  row.received_at = target.record.received_at;
+  row.expires_at_ms = storage::ExpiryOf(upsert, row.received_at, target.rules);
+  objects_.Upsert(object.id(), {row.received_at, target.entry, std::move(row)});
 }
 
-void FakeKinds::WriteLatest(const Place& place, LatestKind kind, std::string body_json) {
-  const std::string& ruri = place.record.robot->ruri;
-  latest_[{ruri, kind}] = {ruri, kind, std::move(body_json), place.record.received_at};
+void FakeKinds::WriteLatest(const Target& target, LatestKind kind, std::string body_json) {
+  const std::string& ruri = target.record.robot->ruri;
+  latest_[{ruri, kind}] = {ruri, kind, std::move(body_json), target.record.received_at};
 }
 
 std::size_t FakeKinds::Sweep(SystemTime now) {

@@ -47,18 +47,18 @@ class FakeKinds final {
   [[nodiscard]] const LatestRows& latest() const { return latest_; }
 
  private:
-  struct Place {
+  struct Target {
     const storage::CommitRecord& record;
     std::uint64_t entry;
     const storage::StoreRules& rules;
   };
 
-  void WriteEvent(const Place& place, const model::EventTelemetry& event);
-  void WriteMessage(const Place& place, const model::Message& message);
-  void WriteReport(const Place& place, const model::MissionRunStatus& report);
-  void WriteShape(const Place& place, const model::ShapeOp& shape);
-  void WriteObject(const Place& place, const model::ObjectOp& object);
-  void WriteLatest(const Place& place, storage::LatestKind kind, std::string body_json);
+  void WriteEvent(const Target& target, const model::EventTelemetry& event);
+  void WriteMessage(const Target& target, const model::Message& message);
+  void WriteReport(const Target& target, const model::MissionRunStatus& report);
+  void WriteShape(const Target& target, const model::ShapeOp& shape);
+  void WriteObject(const Target& target, const model::ObjectOp& object);
+  void WriteLatest(const Target& target, storage::LatestKind kind, std::string body_json);
 
   History<storage::EventRow> events_;
   History<storage::MessageRow> messages_;

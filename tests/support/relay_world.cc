@@ -22,7 +22,7 @@ RelayWorld::RelayWorld(const Options& given)
                                             .queues = options.queues,
                                             .streams_max = options.streams_max,
                                             .connection_age_max = options.connection_age_max},
-                                           Parts());
+                                           Context());
   UPLINK_CHECK(started.ok(), started.status().ToString());
   server_ = *std::move(started);
 }
@@ -33,7 +33,7 @@ RelayWorld::~RelayWorld() {
   writer_->Stop();
 }
 
-relay::RelayParts RelayWorld::Parts() {
+relay::RelayContext RelayWorld::Context() {
   return {.clock = clock,
           .fleet = fleet,
           .journals = shards,
@@ -51,7 +51,7 @@ void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }
 absl::StatusOr<std::unique_ptr<relay::RelayServer>> RelayWorld::StartAnother(
     const config::ListenAddress& address, const relay::KeyMaterial& material) {
   return relay::RelayServer::Start(
-      {.address = address, .key_material = material, .queues = 1, .streams_max = 10}, Parts());
+      {.address = address, .key_material = material, .queues = 1, .streams_max = 10}, Context());
 }
 
 ChannelSpec RelayWorld::SpecFor(const std::string& ruri) const {

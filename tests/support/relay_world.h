@@ -70,7 +70,7 @@ class RelayWorld final {
   journal::Shards shards{{&journal}};
 
  private:
-  [[nodiscard]] relay::RelayParts Parts();
+  [[nodiscard]] relay::RelayContext Context();
 
   KeyPair server_identity_;
   std::optional<journal::JournalWriter> writer_;

@@ -194,7 +194,7 @@ TEST(ProtocolErrors, WhatWasTakenBeforeStillCommits) {
   agent.Send(BatchFrame({{3, FaultPayload("c")}, {3, FaultPayload("d")}}));
   EXPECT_EQ(agent.End().error_code(), kInvalid);
   EXPECT_TRUE(world.Settles());
-  // Nothing of the frame at fault was taken.
+  // Nothing of the invalid frame was taken.
   EXPECT_EQ(world.database.Log(RuriOf(1), SessionOf(1)).stored, (std::vector<model::Seq>{1, 2}));
 }
 

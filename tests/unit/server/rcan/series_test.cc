@@ -254,14 +254,14 @@ TEST_F(SeriesTest, ReportsGiveBootProgressAndHealth) {
   Hear();
   model::AgentInfo info;
   info.uptime_s = 60;
-  state_.Note(info, FromUnixMs(1'763'683'200'000));
+  state_.KeepReport(info, FromUnixMs(1'763'683'200'000));
   const auto report = [this](const std::string& run, std::uint16_t progress,
                              model::MissionStatus status) {
     model::MissionRunStatus body;
     body.run_id = run;
     body.progress_x100 = progress;
     body.status = status;
-    state_.Note(body, clock_.System());
+    state_.KeepReport(body, clock_.System());
   };
   report("one", 1000, model::MissionStatus::kRunning);
   report("two", 2550, model::MissionStatus::kRunning);

@@ -8,9 +8,9 @@ namespace {
 TEST(NumberingTest, ANumberAtOrBelowTheHighestSeenIsADuplicate) {
   Numbering numbers;
   numbers.AddSettled(5);
-  EXPECT_EQ(numbers.See(5).place, Place::kDuplicate);
-  EXPECT_EQ(numbers.See(1).place, Place::kDuplicate);
-  EXPECT_EQ(numbers.See(6).place, Place::kNew);
+  EXPECT_EQ(numbers.See(5).as, SeenAs::kDuplicate);
+  EXPECT_EQ(numbers.See(1).as, SeenAs::kDuplicate);
+  EXPECT_EQ(numbers.See(6).as, SeenAs::kNew);
 }
 
 TEST(NumberingTest, ADuplicateSaysWhetherItsFirstCopyWaits) {

@@ -84,10 +84,10 @@ TEST_F(RobotSessionsTest, WhatIsSkippedIsCountedAboveTheFloorAlone) {
   static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 2, 6));
   EXPECT_EQ(sessions_.See(Id(1), 5).missing_first, 0U);
   const Seen seen = sessions_.See(Id(1), 9);
-  EXPECT_EQ(seen.place, Place::kNew);
+  EXPECT_EQ(seen.as, SeenAs::kNew);
   EXPECT_EQ(seen.missing_first, 7U);
   EXPECT_EQ(seen.missing_last, 8U);
-  EXPECT_EQ(sessions_.See(Id(1), 2).place, Place::kDuplicate);
+  EXPECT_EQ(sessions_.See(Id(1), 2).as, SeenAs::kDuplicate);
 }
 
 TEST_F(RobotSessionsTest, CommitsWakeTheStreamAndCountOnce) {
@@ -132,10 +132,10 @@ TEST_F(RobotSessionsTest, AFenceForgetsEverythingThatWaits) {
   EXPECT_EQ(sessions_.AddWaiting(Id(1), 2), 1);
   EXPECT_EQ(sessions_.OnFenced(ledger_), Stream(1));
   EXPECT_GT(sessions_.generation(), begun_.generation);
-  EXPECT_EQ(sessions_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
+  EXPECT_EQ(sessions_.StandingOf(Stream(1)), Standing::kSuperseded);
   EXPECT_EQ(ledger_.Read().uplinks.superseded, 2U);
   EXPECT_EQ(ledger_.Read().uplinks.in_flight, -2);
-  EXPECT_EQ(sessions_.See(Id(1), 3).place, Place::kVoid);
+  EXPECT_EQ(sessions_.See(Id(1), 3).as, SeenAs::kVoid);
   EXPECT_EQ(sessions_.AddWaiting(Id(1), 3), 0);
   EXPECT_EQ(sessions_.in_flight(), 0U);
 }
@@ -158,14 +158,14 @@ TEST_F(RobotSessionsTest, TheStreamsOwnSessionIsNotForgotten) {
 }
 
 TEST_F(RobotSessionsTest, DetachReturnsTheStreamThatIsNext) {
-  EXPECT_EQ(sessions_.Attach(Stream(2), clock_.Steady(), clock_.System()).place,
-            StreamPlace::kWaiting);
-  EXPECT_EQ(sessions_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
-  EXPECT_EQ(sessions_.PlaceOf(Stream(2)), StreamPlace::kWaiting);
+  EXPECT_EQ(sessions_.Attach(Stream(2), clock_.Steady(), clock_.System()).standing,
+            Standing::kWaiting);
+  EXPECT_EQ(sessions_.StandingOf(Stream(1)), Standing::kSuperseded);
+  EXPECT_EQ(sessions_.StandingOf(Stream(2)), Standing::kWaiting);
   EXPECT_EQ(sessions_.Detach(Stream(1), clock_.Steady()), Stream(2));
-  EXPECT_EQ(sessions_.PlaceOf(Stream(2)), StreamPlace::kCurrent);
+  EXPECT_EQ(sessions_.StandingOf(Stream(2)), Standing::kCurrent);
   EXPECT_FALSE(sessions_.Detach(Stream(1), clock_.Steady())) << "it is gone already";
-  EXPECT_EQ(sessions_.PlaceOf(Stream(2)), StreamPlace::kCurrent);
+  EXPECT_EQ(sessions_.StandingOf(Stream(2)), Standing::kCurrent);
 }
 
 TEST_F(RobotSessionsTest, NoticesPastTheBoundShareOneSlot) {

@@ -307,7 +307,7 @@ TEST_F(RobotStateTest, RunsThatEndedBeforeTheStoreWasReadStayEnded) {
     model::MissionRunStatus body;
     body.run_id = run;
     body.status = status;
-    state_.Note(body, SystemTime());
+    state_.KeepReport(body, SystemTime());
   };
   report("ended", model::MissionStatus::kComplete);
   report("again", model::MissionStatus::kError);

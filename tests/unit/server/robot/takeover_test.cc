@@ -31,7 +31,7 @@ class RobotTakeoverTest : public ::testing::Test {
 
 TEST_F(RobotTakeoverTest, TheFirstStreamIsTheRobots) {
   const Takeover::Attached attached = Attach(1);
-  EXPECT_EQ(attached.place, StreamPlace::kCurrent);
+  EXPECT_EQ(attached.standing, Standing::kCurrent);
   EXPECT_FALSE(attached.took_over);
   EXPECT_THAT(attached.to_wake, IsEmpty());
   EXPECT_EQ(takeover_.current(), Stream(1));
@@ -42,12 +42,12 @@ TEST_F(RobotTakeoverTest, ANewerStreamWakesTheOlderOnesAndWaits) {
   Attach(1);
   EXPECT_THAT(Attach(2).to_wake, ElementsAre(Stream(1)));
   const Takeover::Attached attached = Attach(3);
-  EXPECT_EQ(attached.place, StreamPlace::kWaiting);
+  EXPECT_EQ(attached.standing, Standing::kWaiting);
   EXPECT_TRUE(attached.took_over);
   EXPECT_THAT(attached.to_wake, ElementsAre(Stream(1), Stream(2)));
-  EXPECT_EQ(takeover_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
-  EXPECT_EQ(takeover_.PlaceOf(Stream(2)), StreamPlace::kSuperseded);
-  EXPECT_EQ(takeover_.PlaceOf(Stream(3)), StreamPlace::kWaiting);
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
+  EXPECT_EQ(takeover_.StandingOf(Stream(2)), Standing::kSuperseded);
+  EXPECT_EQ(takeover_.StandingOf(Stream(3)), Standing::kWaiting);
 }
 
 TEST_F(RobotTakeoverTest, TheOneThatWaitsIsTheRobotsFromWhenItCame) {
@@ -57,7 +57,7 @@ TEST_F(RobotTakeoverTest, TheOneThatWaitsIsTheRobotsFromWhenItCame) {
   const SystemTime came = clock_.System();
   clock_.Advance(std::chrono::seconds(5));
   EXPECT_EQ(takeover_.Detach(Stream(1)), Stream(2));
-  EXPECT_EQ(takeover_.PlaceOf(Stream(2)), StreamPlace::kCurrent);
+  EXPECT_EQ(takeover_.StandingOf(Stream(2)), Standing::kCurrent);
   EXPECT_EQ(takeover_.connected_since(), came);
 }
 
@@ -65,17 +65,17 @@ TEST_F(RobotTakeoverTest, OneThatGivesUpWaitingLeavesTheOlderSuperseded) {
   Attach(1);
   Attach(2);
   EXPECT_FALSE(takeover_.Detach(Stream(2)));
-  EXPECT_EQ(takeover_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
   EXPECT_FALSE(takeover_.Detach(Stream(1)));
   EXPECT_FALSE(takeover_.current());
 }
 
 TEST_F(RobotTakeoverTest, AnotherProcessSupersedesTheCurrentStream) {
   takeover_.Supersede();
-  EXPECT_EQ(Attach(1).place, StreamPlace::kCurrent) << "there was none to supersede";
-  EXPECT_EQ(takeover_.PlaceOf(Stream(1)), StreamPlace::kCurrent);
+  EXPECT_EQ(Attach(1).standing, Standing::kCurrent) << "there was none to supersede";
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kCurrent);
   takeover_.Supersede();
-  EXPECT_EQ(takeover_.PlaceOf(Stream(1)), StreamPlace::kSuperseded);
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
 }
 
 TEST_F(RobotTakeoverTest, MoreThanTheLimitInAMinuteIsContestedUntilASweepAfterIt) {

@@ -1,4 +1,4 @@
-// How streams end: half-closed, drained, broken, at fault.
+// How streams end: half-closed, drained, broken, invalid.
 #include "tests/unit/server/session/session_test.h"
 
 namespace uplink::session {

@@ -31,13 +31,13 @@ TEST_F(FencingTest, ARefusedCommitEndsTheStreamAsSuperseded) {
 }
 
 TEST_F(FencingTest, OnlyTheRobotThatWasTakenIsLetGo) {
-  BenchStream& taken = mine_.Connect(SessionOf(1));
+  BenchStream& processed = mine_.Connect(SessionOf(1));
   BenchStream& kept = mine_.Connect(SessionOf(2), 0, 0, "rcan://bench/2");
   other_.Connect(SessionOf(1));
-  taken.Send(BatchFrame({{1, Fault()}}));
+  processed.Send(BatchFrame({{1, Fault()}}));
   kept.Send(BatchFrame({{1, Fault()}}));
   mine_.Commit();
-  EXPECT_EQ(taken.end(), "ABORTED: superseded");
+  EXPECT_EQ(processed.end(), "ABORTED: superseded");
   EXPECT_EQ(kept.end(), "");
   EXPECT_EQ(kept.Said().back(), "ack 1 judged 1");
 }

@@ -1,4 +1,4 @@
-// Frames that break the protocol: the words, and that nothing of such a frame is taken.
+// Frames that break the protocol: the words, and that nothing of such a frame is processed.
 #include <string>
 
 #include "tests/unit/server/session/session_test.h"

@@ -114,18 +114,18 @@ TEST_F(OutgoingTest, ACommitThatMovesTheAckMakesItDue) {
 }
 
 TEST_F(OutgoingTest, AnAckIsDueAfterSoManyMessages) {
-  outgoing_.AddTaken({.messages = kAckMessages - 1});
+  outgoing_.AddProcessed({.messages = kAckMessages - 1});
   EXPECT_TRUE(outgoing_.idle());
-  outgoing_.AddTaken({.messages = 1});
+  outgoing_.AddProcessed({.messages = 1});
   EXPECT_FALSE(outgoing_.idle());
 }
 
 TEST_F(OutgoingTest, TheFirstMessageStartsTheTimeToAnAckAndTheAckEndsIt) {
-  outgoing_.AddTaken({.messages = 1});
+  outgoing_.AddProcessed({.messages = 1});
   const SteadyTime at = clock_.Steady() + limits_.session.ack_interval;
   EXPECT_EQ(timers_.at(Timer::kAck), at);
   clock_.Advance(milliseconds(1));
-  outgoing_.AddTaken({.messages = 1});
+  outgoing_.AddProcessed({.messages = 1});
   EXPECT_EQ(timers_.at(Timer::kAck), at);
   outgoing_.MakeAckDue();
   outgoing_.Flush();
@@ -133,7 +133,7 @@ TEST_F(OutgoingTest, TheFirstMessageStartsTheTimeToAnAckAndTheAckEndsIt) {
 }
 
 TEST_F(OutgoingTest, ASettledMessageThatCameAgainIsOwedAnAck) {
-  outgoing_.AddTaken({.messages = 1, .ack_owed = true});
+  outgoing_.AddProcessed({.messages = 1, .ack_owed = true});
   EXPECT_FALSE(outgoing_.idle());
 }
 

@@ -197,7 +197,7 @@ TEST_F(RejectTest, OnePayloadASecondAndReasonIsKept) {
   EXPECT_EQ(database_.Log(kRobot, SessionOf(1)).quarantined.size(), 5U) << "never the row";
 }
 
-/// A motion-free live message with one field at fault.
+/// A motion-free live message with one invalid field.
 std::string StatusWith(float soc_pct) {
   model::StatusTelemetry status;
   status.unix_time_ms = 1'763'683'200'000;

@@ -1,4 +1,4 @@
-// One robot has one stream: what happens to the older one, and to what it had taken.
+// One robot has one stream: what happens to the older one, and to what it had processed.
 #include "tests/unit/server/session/session_test.h"
 
 namespace uplink::session {

@@ -25,12 +25,12 @@ class WritersTest : public ::testing::Test {
 
   std::unique_ptr<Writers> Make() {
     return std::make_unique<Writers>(stores_,
-                                     Writers::Parts{.clock = clock_,
-                                                    .ledgers = ledgers_,
-                                                    .probe = probe_,
-                                                    .fleet = fleet_,
-                                                    .random = [] { return std::uint64_t{0}; },
-                                                    .restored = [] { return true; }});
+                                     Writers::Context{.clock = clock_,
+                                                      .ledgers = ledgers_,
+                                                      .probe = probe_,
+                                                      .fleet = fleet_,
+                                                      .random = [] { return std::uint64_t{0}; },
+                                                      .restored = [] { return true; }});
   }
 
   SystemClock clock_;

@@ -11,8 +11,8 @@
 
 namespace uplink::session {
 
-/// Why no message of a stream may be taken (protocol: Holding back).
-enum class Hold : std::uint8_t {
+/// Why no message of a stream may be processed (protocol: Holding back).
+enum class HeldBack : std::uint8_t {
   kNone,
   /// in_flight_uplinks_max of the robot's messages wait for commits.
   kInFlight,
@@ -25,7 +25,7 @@ enum class Hold : std::uint8_t {
 };
 
 /// What decides whether a stream is held back. All of it outlives the look.
-struct HoldSources {
+struct HeldBackSources {
   const robot::RobotSessions& sessions;
   const journal::Journal& journal;
   const Throttle& throttle;
@@ -33,9 +33,9 @@ struct HoldSources {
   const Clock& clock;
 };
 
-/// Whether a message may be taken now, and what keeps it if not: the first that applies, in the
+/// Whether a message may be processed now, and what keeps it if not: the first that applies, in the
 /// order of the enumeration. `outgoing` is the number of frames that wait for the peer. What it
 /// says can change at once: other threads commit and fill the journal.
-[[nodiscard]] Hold HoldNow(const HoldSources& sources, std::size_t outgoing);
+[[nodiscard]] HeldBack HeldBackBy(const HeldBackSources& sources, std::size_t outgoing);
 
 }  // namespace uplink::session

@@ -1,4 +1,4 @@
-#include "server/session/hold.h"
+#include "server/session/held_back.h"
 
 #include <gtest/gtest.h>
 
@@ -13,13 +13,13 @@ class HoldTest : public ::testing::Test {
     limits_.session.in_flight_uplinks_max = 2;
     static_cast<void>(sessions_.Begin(SessionOf(1), clock_.Steady()));
   }
-  Hold Now(std::size_t outgoing = 0) {
-    return HoldNow({.sessions = sessions_,
-                    .journal = server_.journal(),
-                    .throttle = throttle_,
-                    .limits = limits_.session,
-                    .clock = clock_},
-                   outgoing);
+  HeldBack Now(std::size_t outgoing = 0) {
+    return HeldBackBy({.sessions = sessions_,
+                       .journal = server_.journal(),
+                       .throttle = throttle_,
+                       .limits = limits_.session,
+                       .clock = clock_},
+                      outgoing);
   }
 
   testing::ManualClock clock_;
@@ -32,24 +32,24 @@ class HoldTest : public ::testing::Test {
 
 TEST_F(HoldTest, AStreamIsHeldBackOnlyAtTheBoundOfItsRobot) {
   EXPECT_EQ(sessions_.AddWaiting(SessionOf(1), 1), 1);
-  EXPECT_EQ(Now(), Hold::kNone);
+  EXPECT_EQ(Now(), HeldBack::kNone);
   EXPECT_EQ(sessions_.AddWaiting(SessionOf(1), 2), 1);
-  EXPECT_EQ(Now(), Hold::kInFlight);
+  EXPECT_EQ(Now(), HeldBack::kInFlight);
 }
 
 TEST_F(HoldTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
-  EXPECT_EQ(Now(kOutgoingFramesMax - 1), Hold::kNone);
-  EXPECT_EQ(Now(kOutgoingFramesMax), Hold::kOutgoing);
+  EXPECT_EQ(Now(kOutgoingFramesMax - 1), HeldBack::kNone);
+  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kOutgoing);
 }
 
 TEST_F(HoldTest, AThrottledStreamIsHeldBackUntilItsEnd) {
   for (std::uint32_t i = 0; i <= kMalformedPerSecondMax; ++i) {
     throttle_.AddMalformed(clock_.Steady());
   }
-  EXPECT_EQ(Now(), Hold::kThrottled);
-  EXPECT_EQ(Now(kOutgoingFramesMax), Hold::kOutgoing) << "the first that applies";
+  EXPECT_EQ(Now(), HeldBack::kThrottled);
+  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kOutgoing) << "the first that applies";
   clock_.Advance(std::chrono::seconds(1));
-  EXPECT_EQ(Now(), Hold::kNone);
+  EXPECT_EQ(Now(), HeldBack::kNone);
 }
 
 }  // namespace
