@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <capnp/message.h>
 #include <capnp/serialize.h>
 #include <fmt/core.h>
@@ -18,6 +17,7 @@
 #include "schema/judge.h"
 #include "schema/uplink.capnp.h"
 #include "tests/bench/figures.h"
+#include "tests/support/flags.h"
 #include "tests/support/vector_files.h"
 
 namespace uplink::bench {
@@ -111,13 +111,12 @@ class DecodeBench final {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Benchmark of decoding and judging", "uplink_bench_decode");
-  app.add_option("--json", arguments.json, "Where the figures go as JSON");
-  app.add_option("--commit", arguments.commit, "What is measured");
-  app.add_option("--rounds", arguments.rounds)->check(CLI::Range(1, 100));
-  app.add_option("--seconds", arguments.seconds, "For a figure, all rounds together")
-      ->check(CLI::Range(1, 600));
-  CLI11_PARSE(app, argc, argv);
+  testing::Flags flags("Benchmark of decoding and judging", "uplink_bench_decode");
+  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
+  flags.Add({"--commit", "What is measured"}, arguments.commit);
+  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
+  flags.Add({"--seconds", "For a figure, all rounds together"}, arguments.seconds, {1, 600});
+  if (const auto code = flags.Parse(argc, argv)) return *code;
   DecodeBench bench(arguments);
   std::vector<Row> rows;
   for (const std::string& name : test::VectorNames()) rows.push_back(bench.Good(name));

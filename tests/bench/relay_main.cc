@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <sys/resource.h>
 
 #include "schema/base/check.h"
 #include "tests/bench/figures.h"
 #include "tests/bench/servers.h"
+#include "tests/support/flags.h"
 
 namespace uplink::bench {
 namespace {
@@ -308,14 +308,14 @@ class RelayBench final {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Benchmarks of the relay", "uplink_bench_relay");
-  app.add_option("what", arguments.what)->check(CLI::IsMember({"relay", "connect", "memory"}));
-  app.add_option("--json", arguments.json, "Where the figures go as JSON");
-  app.add_option("--commit", arguments.commit, "What is measured");
-  app.add_option("--only", arguments.only, "Scenarios; all if none is named");
-  app.add_option("--rounds", arguments.rounds)->check(CLI::Range(1, 100));
-  app.add_option("--seconds", arguments.seconds)->check(CLI::Range(1, 600));
-  CLI11_PARSE(app, argc, argv);
+  testing::Flags flags("Benchmarks of the relay", "uplink_bench_relay");
+  flags.AddChoice({"what"}, arguments.what, {"relay", "connect", "memory"});
+  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
+  flags.Add({"--commit", "What is measured"}, arguments.commit);
+  flags.Add({"--only", "Scenarios; all if none is named"}, arguments.only);
+  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
+  flags.Add({"--seconds"}, arguments.seconds, {1, 600});
+  if (const auto code = flags.Parse(argc, argv)) return *code;
   const bool apart = PinTo(kLoadCore);
   const std::vector<Row> rows = RelayBench(arguments).Run();
   fmt::print(

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <prometheus/gauge.h>
 #include <prometheus/registry.h>
@@ -19,6 +18,7 @@
 #include "schema/base/check.h"
 #include "server/rcan/scrape.h"
 #include "tests/bench/figures.h"
+#include "tests/support/flags.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/records.h"
 #include "tools/uplink-fleet/report/process_use.h"
@@ -186,12 +186,12 @@ class ScrapeBench {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Benchmark of the robots' scrape", "uplink_bench_scrape");
-  app.add_option("--json", arguments.json, "Where the figures go as JSON");
-  app.add_option("--commit", arguments.commit, "What is measured");
-  app.add_option("--rounds", arguments.rounds)->check(CLI::Range(1, 1000));
-  app.add_option("--series", arguments.series)->check(CLI::Range(1000, 1'000'000));
-  CLI11_PARSE(app, argc, argv);
+  testing::Flags flags("Benchmark of the robots' scrape", "uplink_bench_scrape");
+  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
+  flags.Add({"--commit", "What is measured"}, arguments.commit);
+  flags.Add({"--rounds"}, arguments.rounds, {1, 1000});
+  flags.Add({"--series"}, arguments.series, {1000, 1'000'000});
+  if (const auto code = flags.Parse(argc, argv)) return *code;
   ScrapeBench bench(arguments.series);
   const std::vector<Row> rows = bench.Run(arguments.rounds);
   fmt::print("scrape: {} series of ours, {} of the library's, on one core; {} rounds\n{}",

@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
@@ -22,6 +21,7 @@
 #include "tests/bench/figures.h"
 #include "tests/bench/relay_bench.h"
 #include "tests/bench/store_load.h"
+#include "tests/support/flags.h"
 
 namespace uplink::bench {
 namespace {
@@ -188,15 +188,16 @@ void AddRelayRows(const Arguments& arguments, std::vector<Row>& rows) {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Benchmarks of the stores", "uplink_bench_store");
-  app.add_option("--url", arguments.url, "A migrated PostgreSQL database")->required();
-  app.add_option("--folder", arguments.folder, "An empty folder for SQLite files")->required();
-  app.add_option("--json", arguments.json, "Where the figures go as JSON");
-  app.add_option("--commit", arguments.commit, "What is measured");
-  app.add_option("--rounds", arguments.rounds)->check(CLI::Range(1, 100));
-  app.add_option("--seconds", arguments.seconds)->check(CLI::Range(1, 600));
-  app.add_option("--writers", arguments.writers)->check(CLI::Range(1, 16));
-  CLI11_PARSE(app, argc, argv);
+  constexpr auto kRequired = testing::Flag::Need::kRequired;
+  testing::Flags flags("Benchmarks of the stores", "uplink_bench_store");
+  flags.Add({"--url", "A migrated PostgreSQL database", kRequired}, arguments.url);
+  flags.Add({"--folder", "An empty folder for SQLite files", kRequired}, arguments.folder);
+  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
+  flags.Add({"--commit", "What is measured"}, arguments.commit);
+  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
+  flags.Add({"--seconds"}, arguments.seconds, {1, 600});
+  flags.Add({"--writers"}, arguments.writers, {1, 16});
+  if (const auto code = flags.Parse(argc, argv)) return *code;
   StoreBench bench(arguments);
   const LoadShape frames;
   LoadShape singles;

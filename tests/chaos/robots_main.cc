@@ -7,13 +7,13 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <grpc/support/log.h>
 
 #include "schema/base/clock.h"
 #include "tests/chaos/acked_file.h"
 #include "tests/chaos/script.h"
+#include "tests/support/flags.h"
 #include "tests/support/test_agent.h"
 #include "tools/pki/directory.h"
 
@@ -148,14 +148,15 @@ absl::Status Run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   uplink::chaos::Arguments arguments;
-  CLI::App app("Robots of the crash campaign; they run until they are killed");
-  app.add_option("--port", arguments.port, "The relay's port on loopback")->required();
-  app.add_option("--pki", arguments.pki, "Folder with the authority");
-  app.add_option("--acked", arguments.acked, "The file of acks");
-  app.add_option("--robots", arguments.robots, "How many");
-  app.add_option("--seed", arguments.seed, "Draws the sessions");
-  app.add_option("--pace-ms", arguments.pace_ms, "Between two frames of a robot");
-  CLI11_PARSE(app, argc, argv);
+  uplink::testing::Flags flags("Robots of the crash campaign; they run until they are killed");
+  flags.Add({"--port", "The relay's port on loopback", uplink::testing::Flag::Need::kRequired},
+            arguments.port);
+  flags.Add({"--pki", "Folder with the authority"}, arguments.pki);
+  flags.Add({"--acked", "The file of acks"}, arguments.acked);
+  flags.Add({"--robots", "How many"}, arguments.robots);
+  flags.Add({"--seed", "Draws the sessions"}, arguments.seed);
+  flags.Add({"--pace-ms", "Between two frames of a robot"}, arguments.pace_ms);
+  if (const auto code = flags.Parse(argc, argv)) return *code;
   const absl::Status status = uplink::chaos::Run(arguments);
   fmt::print(stderr, "{}\n", status.ToString());
   return 1;

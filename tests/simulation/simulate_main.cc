@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tests/simulation/backends.h"
 #include "tests/simulation/sqlite_backend.h"
+#include "tests/support/flags.h"
 
 namespace uplink::simulation {
 namespace {
@@ -69,16 +69,17 @@ int RunSeeds(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   uplink::simulation::Arguments arguments;
-  CLI::App app("The deterministic simulation of agents, streams, journal and store");
-  app.add_option("--seed", arguments.seed, "First seed");
-  app.add_option("--seeds", arguments.seeds, "How many seeds, each one more than the last");
-  app.add_option("--steps", arguments.steps, "Steps with faults, before everything must settle");
-  app.add_option("--store", arguments.store, "The store under test")
-      ->check(CLI::IsMember({"fake", "sqlite"}));
-  app.add_flag("--digest", arguments.digest,
-               "Print each seed with the digest of its trace: equal digests before and after a "
-               "change mean the same frames, calls of the store and rows, in the same order");
-  app.add_flag("--trace", arguments.trace, "Print the trace itself: what a digest stands for");
-  CLI11_PARSE(app, argc, argv);
+  uplink::testing::Flags flags(
+      "The deterministic simulation of agents, streams, journal and store");
+  flags.Add({"--seed", "First seed"}, arguments.seed);
+  flags.Add({"--seeds", "How many seeds, each one more than the last"}, arguments.seeds);
+  flags.Add({"--steps", "Steps with faults, before everything must settle"}, arguments.steps);
+  flags.AddChoice({"--store", "The store under test"}, arguments.store, {"fake", "sqlite"});
+  flags.AddSwitch({"--digest",
+                   "Print each seed with the digest of its trace: equal digests before and after a "
+                   "change mean the same frames, calls of the store and rows, in the same order"},
+                  arguments.digest);
+  flags.AddSwitch({"--trace", "Print the trace itself: what a digest stands for"}, arguments.trace);
+  if (const auto code = flags.Parse(argc, argv)) return *code;
   return uplink::simulation::RunSeeds(arguments);
 }
