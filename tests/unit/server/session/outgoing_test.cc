@@ -4,11 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/session/frames.h"
-#include "tests/unit/server/session/session_bench.h"
+#include "tests/unit/server/session/stream_part_test.h"
 
 namespace uplink::session {
 namespace {
@@ -27,10 +24,10 @@ class RecordingSink final : public FrameSink {
   std::vector<std::string> lines;
 };
 
-class OutgoingTest : public ::testing::Test {
+class OutgoingTest : public StreamPartTest {
  protected:
   OutgoingTest() {
-    EXPECT_TRUE(robot_.Attach({.robot = {.ruri = "rcan://bench/1"}, .session = SessionOf(1)}).ok());
+    EXPECT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
     EXPECT_TRUE(robot_.Open(clock_.Steady()).ok());
   }
   robot::RobotSessions& sessions() { return robot_.robot().sessions; }
@@ -43,26 +40,7 @@ class OutgoingTest : public ::testing::Test {
     outgoing_.Flush();
   }
 
-  testing::ManualClock clock_;
-  testing::FakeDatabase database_;
-  BenchLimits limits_;
-  BenchServer server_{clock_, database_, 1, limits_};
-  SessionProbe probe_;
-  metrics::Ledger ledger_;
-  schema::Judge judge_{schema::JudgeLimits{}};
-  IntakeScratch scratch_;
-  journal::Shards shards_{{&server_.journal()}};
-  SessionContext context_{.clock = clock_,
-                          .fleet = server_.fleet(),
-                          .journals = shards_,
-                          .probe = probe_,
-                          .ledger = ledger_,
-                          .judge = judge_,
-                          .limits = limits_.session,
-                          .scratch = scratch_};
-  StreamTimers timers_;
   RecordingSink sink_;
-  Attachment robot_{context_, {}};
   Outgoing outgoing_{{.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}};
 };
 
