@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/robot/limits.h"
 #include "server/robot/mutation.h"
 #include "server/robot/outcome.h"
+#include "storage/types.h"
 
 namespace uplink::robot {
+
+static_assert(kSessionsMax == storage::kSessionsPerRobotMax,
+              "memory and the store keep as many sessions of a robot");
 
 RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
                                               SystemTime system_now) {
