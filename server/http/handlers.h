@@ -33,7 +33,7 @@ struct RoutedRequest {
 
 // The handlers of Routes(). Errors are answers too.
 
-// probes.cc: how the server fares.
+// monitoring.cc: what supervisors and Prometheus ask.
 [[nodiscard]] Response GetLivez(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetReadyz(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetMetrics(const Sources& sources, const RoutedRequest& request);

@@ -1,4 +1,4 @@
-// The handlers of probes and scrapes.
+// The handlers of what supervisors and Prometheus ask: liveness, readiness, scrapes.
 #include <chrono>
 #include <optional>
 #include <string>
@@ -15,7 +15,7 @@
 namespace uplink::http {
 namespace {
 
-/// Probes take no parameters.
+/// None of them takes parameters.
 std::optional<BadParameter> NoParameters(const std::string& query) {
   return Parameters(query).Problem();
 }
