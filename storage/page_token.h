@@ -8,24 +8,10 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/lists.h"
 #include "storage/reader.h"
 
 namespace uplink::storage {
-
-/// The lists that are read in pages. The numbers are part of the token.
-enum class PageKind : std::uint8_t {
-  kFaultsActive = 1,
-  kFaultHistory = 2,
-  kQuarantine = 3,
-  kGaps = 4,
-  kEvents = 5,
-  kMessages = 6,
-  kMissionRuns = 7,
-  kMissionReports = 8,
-  kShapes = 9,
-  kObjects = 10,
-  kPresence = 11,
-};
 
 /// Where a page ended: the next one begins with the newest row below it. `entry` is the number that
 /// the store gave the row when it wrote it, so no two rows stand at one position.

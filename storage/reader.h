@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,12 +13,11 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
-#include "schema/model/mission.h"
 #include "schema/model/presence.h"
-#include "schema/model/rejection.h"
 #include "schema/model/reports.h"
-#include "schema/model/spatial.h"
+#include "storage/lists.h"
 #include "storage/live_row.h"
+#include "storage/rows.h"
 
 namespace uplink::storage {
 
@@ -44,7 +45,7 @@ struct MissionsQuery {
   HistoryQuery rows;
   std::string mission_id;
   std::string run_id;
-  /// Only runs whose latest status is not terminal.
+  /// Only runs whose latest status is not terminal; no meaning for their reports.
   bool open = false;
 };
 
@@ -56,6 +57,11 @@ struct PresentQuery {
   /// Also those that expired and are not yet swept.
   bool include_expired = false;
 };
+
+// Which rows, of any query.
+[[nodiscard]] inline const HistoryQuery& RowsOf(const HistoryQuery& query) { return query; }
+[[nodiscard]] inline const HistoryQuery& RowsOf(const MissionsQuery& query) { return query.rows; }
+[[nodiscard]] inline const HistoryQuery& RowsOf(const PresentQuery& query) { return query.rows; }
 
 /// Newest first by arrival. A token stays valid while rows are added: a walk sees every row that
 /// was there when it began exactly once.
@@ -72,118 +78,6 @@ struct RobotRow {
   SystemTime last_seen;
   /// The last presence change that the store has.
   std::optional<model::Presence> last_presence;
-};
-
-struct FaultRow {
-  model::RobotId robot;
-  model::Fault fault;
-  SystemTime received_at;
-  /// First raise since it was last clear; only in rows of the active set.
-  std::optional<SystemTime> raised_at;
-};
-
-struct QuarantineRow {
-  model::RobotId robot;
-  model::SessionId session;
-  model::Seq seq = 0;
-  model::Rejection rejection;
-  SystemTime received_at;
-  std::string payload;
-  std::uint64_t payload_bytes = 0;
-};
-
-struct GapRow {
-  model::RobotId robot;
-  model::SessionId session;
-  model::Seq first = 0;
-  model::Seq last = 0;
-  SystemTime seen_at;
-};
-
-struct EventRow {
-  model::RobotId robot;
-  /// The union member's name.
-  std::string kind;
-  /// What it holds: json::DetailText.
-  std::string detail_json;
-  /// The robot's clock, Unix milliseconds; 0 if unknown. So everywhere below.
-  std::int64_t sampled_at_ms = 0;
-  SystemTime received_at;
-};
-
-struct MessageRow {
-  model::RobotId robot;
-  model::Message message;
-  SystemTime received_at;
-};
-
-/// One run of a mission: (robot, mission_id, run_id). Stands in lists by its first arrival, so that
-/// a run that goes on keeps its place.
-struct MissionRunRow {
-  model::RobotId robot;
-  std::string mission_id;
-  std::string run_id;
-  /// The last name that a report gave.
-  std::string name;
-  model::MissionStatus status = model::MissionStatus::kUnknown;
-  /// The latest report: json::Text.
-  std::string latest_json;
-  SystemTime first_received_at;
-  SystemTime last_received_at;
-  /// Reports so far.
-  std::uint64_t updates = 0;
-};
-
-/// One report of a run.
-struct MissionReportRow {
-  model::RobotId robot;
-  std::string mission_id;
-  std::string run_id;
-  model::MissionStatus status = model::MissionStatus::kUnknown;
-  std::string report_json;
-  SystemTime received_at;
-};
-
-/// A shape that is there. Stands in lists by the arrival of the upsert that made its id present, so
-/// that one that changes keeps its place.
-struct ShapeRow {
-  model::RobotId robot;
-  model::AssetIdentity identity;
-  model::ReportedLayerRole area_type = model::ReportedLayerRole::kCoverage;
-  model::ScopeType scope = model::ScopeType::kRobot;
-  /// GeoJSON: json::GeometryText.
-  std::string geometry_json;
-  /// Unix milliseconds; 0: never.
-  std::int64_t expires_at_ms = 0;
-  double min_z_m = 0;
-  double max_z_m = 0;
-  std::int32_t level_id = 0;
-  /// Of the latest upsert.
-  SystemTime received_at;
-};
-
-/// An object that is there; in lists as ShapeRow.
-struct ObjectRow {
-  model::RobotId robot;
-  std::string id;
-  std::string name;
-  model::ObjectType object_type = model::ObjectType::kUnknown;
-  model::ScopeType scope = model::ScopeType::kRobot;
-  /// json::Text of the pose.
-  std::string location_json;
-  /// json::Text of the trajectory; empty if there is none.
-  std::string trajectory_json;
-  double radius_m = 0;
-  std::int64_t sampled_at_ms = 0;
-  /// With StoreRules.object_ttl applied; 0: never.
-  std::int64_t expires_at_ms = 0;
-  SystemTime received_at;
-};
-
-struct PresenceRow {
-  model::RobotId robot;
-  model::Presence presence = model::Presence::kUnknown;
-  SystemTime at;
 };
 
 /// The kinds of which the store keeps a robot's latest.
@@ -223,29 +117,17 @@ class Reader {
 
   /// Robots that ever opened a stream, by RURI, at most `robots_max`.
   [[nodiscard]] virtual absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) = 0;
-  /// Faults that are active now, one row per fault.
-  [[nodiscard]] virtual absl::StatusOr<Page<FaultRow>> FaultsActive(const HistoryQuery& query) = 0;
-  /// Every report of a fault.
-  [[nodiscard]] virtual absl::StatusOr<Page<FaultRow>> FaultHistory(const HistoryQuery& query) = 0;
+
+  // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained) \
+  [[nodiscard]] virtual absl::StatusOr<Page<Row>> Name(const Query& query) = 0;
+  UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+  // NOLINTEND(bugprone-macro-parentheses)
+
   /// The number of active faults of each of `ruris`; robots without any may be left out.
   [[nodiscard]] virtual absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) = 0;
-  [[nodiscard]] virtual absl::StatusOr<Page<QuarantineRow>> Quarantine(
-      const HistoryQuery& query) = 0;
-  [[nodiscard]] virtual absl::StatusOr<Page<GapRow>> Gaps(const HistoryQuery& query) = 0;
-
-  [[nodiscard]] virtual absl::StatusOr<Page<EventRow>> Events(const HistoryQuery& query) = 0;
-  [[nodiscard]] virtual absl::StatusOr<Page<MessageRow>> Messages(const HistoryQuery& query) = 0;
-  /// from and to are of the first arrival.
-  [[nodiscard]] virtual absl::StatusOr<Page<MissionRunRow>> MissionRuns(
-      const MissionsQuery& query) = 0;
-  /// Every report of the runs that match; `open` has no meaning here.
-  [[nodiscard]] virtual absl::StatusOr<Page<MissionReportRow>> MissionReports(
-      const MissionsQuery& query) = 0;
-  [[nodiscard]] virtual absl::StatusOr<Page<ShapeRow>> Shapes(const PresentQuery& query) = 0;
-  [[nodiscard]] virtual absl::StatusOr<Page<ObjectRow>> Objects(const PresentQuery& query) = 0;
-  [[nodiscard]] virtual absl::StatusOr<Page<PresenceRow>> PresenceChanges(
-      const HistoryQuery& query) = 0;
   /// What the store has of each of `ruris`, of the kinds whose bit (1 << LatestKind) is set in
   /// `kinds`. Stops after the robot with which the bodies passed kPageBytesMax; `ruris` that come
   /// after it are not looked at, and `complete` robots were.

@@ -43,6 +43,17 @@ using Body = OneOf<void UPLINK_VARIANTS(UPLINK_VARIANT)>;
 
 inline constexpr std::size_t kVariants = std::variant_size_v<Body>;
 
+/// How the kind of a body's alternative is settled: `kSettling`.
+template <typename Alternative>
+struct SettlingOf;
+#define UPLINK_VARIANT(Member, name, Body, settling)          \
+  template <>                                                 \
+  struct SettlingOf<Body> {                                   \
+    static constexpr Settling kSettling = Settling::settling; \
+  };
+UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
+
 /// The union member's name: `motionTelemetry`.
 [[nodiscard]] std::string_view ToText(Variant variant);
 

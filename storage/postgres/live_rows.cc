@@ -5,9 +5,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "storage/postgres/tables/sql_text.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/reader.h"
+#include "storage/sql_text.h"
 
 namespace uplink::storage::postgres {
 namespace {

@@ -8,12 +8,6 @@
 #include "storage/postgres/read/lists.h"
 #include "storage/postgres/read/pages.h"
 #include "storage/postgres/read/reader_pool.h"
-#include "storage/postgres/tables/faults.h"
-#include "storage/postgres/tables/latest.h"
-#include "storage/postgres/tables/mission_runs.h"
-#include "storage/postgres/tables/reports.h"
-#include "storage/postgres/tables/set_aside.h"
-#include "storage/postgres/tables/spatial.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -102,16 +96,6 @@ absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robot
   });
 }
 
-absl::StatusOr<Page<FaultRow>> PostgresReader::FaultsActive(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kActiveFaultTable>(connection, query); });
-}
-
-absl::StatusOr<Page<FaultRow>> PostgresReader::FaultHistory(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kFaultHistoryTable>(connection, query); });
-}
-
 absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<ActiveFaults>> {
@@ -131,54 +115,16 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
   });
 }
 
-absl::StatusOr<Page<QuarantineRow>> PostgresReader::Quarantine(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kQuarantineTable>(connection, query); });
-}
-
-absl::StatusOr<Page<GapRow>> PostgresReader::Gaps(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kGapTable>(connection, query); });
-}
-
-absl::StatusOr<Page<EventRow>> PostgresReader::Events(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kEventTable>(connection, query); });
-}
-
-absl::StatusOr<Page<MessageRow>> PostgresReader::Messages(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kMessageTable>(connection, query); });
-}
-
-absl::StatusOr<Page<MissionRunRow>> PostgresReader::MissionRuns(const MissionsQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadList<kMissionRunTable>(connection, query.rows, FilterOf(query, query.open));
-  });
-}
-
-absl::StatusOr<Page<MissionReportRow>> PostgresReader::MissionReports(const MissionsQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadList<kMissionReportTable>(connection, query.rows, FilterOf(query, false));
-  });
-}
-
-absl::StatusOr<Page<ShapeRow>> PostgresReader::Shapes(const PresentQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadList<kShapeTable>(connection, query.rows, FilterOf(query));
-  });
-}
-
-absl::StatusOr<Page<ObjectRow>> PostgresReader::Objects(const PresentQuery& query) {
-  return pool_->With([&](Connection& connection) {
-    return ReadList<kObjectTable>(connection, query.rows, FilterOf(query));
-  });
-}
-
-absl::StatusOr<Page<PresenceRow>> PostgresReader::PresenceChanges(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Connection& connection) { return ReadList<kPresenceTable>(connection, query); });
-}
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained)                \
+  absl::StatusOr<Page<Row>> PostgresReader::Name(const Query& query) { \
+    return pool_->With([&query](Connection& connection) {              \
+      return ReadList<PageKind::k##Name>(connection, query);           \
+    });                                                                \
+  }
+UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+// NOLINTEND(bugprone-macro-parentheses)
 
 absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::string> ruris,
                                                           std::uint32_t kinds) {

@@ -49,22 +49,14 @@ class PostgresReader final : public Reader {
   PostgresReader& operator=(const PostgresReader&) = delete;
 
   [[nodiscard]] absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) override;
-  [[nodiscard]] absl::StatusOr<Page<FaultRow>> FaultsActive(const HistoryQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<FaultRow>> FaultHistory(const HistoryQuery& query) override;
+  // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained) \
+  [[nodiscard]] absl::StatusOr<Page<Row>> Name(const Query& query) override;
+  UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+  // NOLINTEND(bugprone-macro-parentheses)
   [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
-  [[nodiscard]] absl::StatusOr<Page<QuarantineRow>> Quarantine(const HistoryQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<GapRow>> Gaps(const HistoryQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<EventRow>> Events(const HistoryQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<MessageRow>> Messages(const HistoryQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<MissionRunRow>> MissionRuns(
-      const MissionsQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<MissionReportRow>> MissionReports(
-      const MissionsQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<ShapeRow>> Shapes(const PresentQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<ObjectRow>> Objects(const PresentQuery& query) override;
-  [[nodiscard]] absl::StatusOr<Page<PresenceRow>> PresenceChanges(
-      const HistoryQuery& query) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
   [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;

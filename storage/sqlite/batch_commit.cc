@@ -6,6 +6,7 @@
 
 #include "storage/refusal.h"
 #include "storage/sqlite/presence_writer.h"
+#include "storage/sqlite/quarantine_writer.h"
 
 namespace uplink::storage::sqlite {
 
@@ -82,7 +83,7 @@ absl::StatusOr<BatchCommit::Refusal> BatchCommit::WriteAlone(const CommitRecord&
 absl::Status BatchCommit::WriteRejection(const CommitRecord& record,
                                          const model::Rejection& rejection) {
   if (!record.payload.empty()) held_.robot(record.robot->ruri).quarantined_payload = true;
-  absl::Status status = tables_.set_aside.Insert(record, rejection, next_entry_++);
+  absl::Status status = WriteQuarantineRow(tables_.rows, record, rejection, next_entry_++);
   if (!absl::IsInvalidArgument(status)) return status;
   return absl::InternalError("quarantine takes not even a bare row: " +
                              std::string(status.message()));
@@ -93,7 +94,7 @@ absl::Status BatchCommit::WriteGap(const GapItem& gap) {
   if (!takes.ok()) return takes.status();
   if (!*takes) return absl::OkStatus();
   held_.robot(gap.robot->ruri).gaps = true;
-  return tables_.set_aside.UpsertGap(gap, next_entry_++);
+  return tables_.rows.Write<kGapsTable>({&gap, next_entry_++});
 }
 
 absl::Status BatchCommit::Finish() {

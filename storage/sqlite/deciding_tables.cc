@@ -1,6 +1,7 @@
+#include "storage/sqlite/deciding_tables.h"
+
 #include "schema/base/check.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -125,23 +126,6 @@ absl::StatusOr<std::vector<model::SessionId>> DecidingTables::Sessions(std::stri
 
 absl::Status DecidingTables::DeleteSession(std::string_view ruri, const model::SessionId& session) {
   return delete_session_->Run(ruri, BlobOf(session));
-}
-
-absl::Status Tables::Prepare(Database& database) {
-  absl::Status status = deciding.Prepare(database);
-  if (status.ok()) status = faults.Prepare(database);
-  if (status.ok()) status = set_aside.Prepare(database);
-  if (status.ok()) status = history.Prepare(database);
-  if (status.ok()) status = missions.Prepare(database);
-  if (status.ok()) status = spatial.Prepare(database);
-  for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
-    if (status.ok()) status = present_rows(kind).Prepare(database, kind);
-  }
-  if (status.ok()) status = latest.Prepare(database);
-  if (status.ok()) status = presence.Prepare(database);
-  if (status.ok()) status = retention.Prepare(database);
-  if (status.ok()) status = live.Prepare(database);
-  return status;
 }
 
 }  // namespace uplink::storage::sqlite

@@ -1,13 +1,16 @@
 #include "storage/sqlite/kind_writer.h"
 
+#include <optional>
+#include <string>
 #include <variant>
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/sqlite/tables/lists.h"
 
 namespace uplink::storage::sqlite {
 
-/// One overload per alternative of the body.
+/// One overload per body that is more than a row of a history.
 struct KindWriter::Visitor {
   Tables& tables;
   EntryNumber& next_entry;
@@ -16,41 +19,54 @@ struct KindWriter::Visitor {
 
   absl::Status operator()(const model::Fault& fault) const {
     const EntryNumber entry = next_entry++;
-    absl::Status status = tables.faults.InsertHistory(record, fault, entry);
+    absl::Status status = tables.rows.Write<kFaultHistoryTable>({&record, &fault, entry});
     if (!status.ok()) return status;
-    return fault.active ? tables.faults.Raise(record, fault, entry) : Remove();
-  }
-  absl::Status operator()(const model::EventTelemetry& event) const {
-    return tables.history.Insert(record, event, next_entry++);
-  }
-  absl::Status operator()(const model::Message& message) const {
-    return tables.history.Insert(record, message, next_entry++);
+    if (!fault.active) return Remove();
+    return tables.rows.Write<kFaultsActiveTable>({&record, &fault, 0, entry});
   }
   absl::Status operator()(const model::MissionRunStatus& report) const {
-    return tables.missions.Insert(record, report, next_entry++);
+    const std::string text = json::Text(report);
+    const MissionReport row = {&record, &report, text, next_entry++};
+    absl::Status status = tables.rows.Write<kMissionReportsTable>(row);
+    if (!status.ok()) return status;
+    return tables.rows.Write<kMissionRunsTable>(row);
   }
   absl::Status operator()(const model::AgentInfo& info) const {
-    return tables.latest.Upsert(record, LatestKind::kAgentInfo, json::Text(info));
+    return Latest(LatestKind::kAgentInfo, json::Text(info));
   }
   absl::Status operator()(const model::CurrentSettings& settings) const {
-    return tables.latest.Upsert(record, LatestKind::kSettings, json::Text(settings));
+    return Latest(LatestKind::kSettings, json::Text(settings));
   }
   absl::Status operator()(const model::UiCapabilities& capabilities) const {
-    return tables.latest.Upsert(record, LatestKind::kUiCapabilities, json::Text(capabilities));
+    return Latest(LatestKind::kUiCapabilities, json::Text(capabilities));
   }
-  absl::Status operator()(const model::ShapeOp& op) const { return Spatial(op.upsert()); }
-  absl::Status operator()(const model::ObjectOp& op) const { return Spatial(op.upsert()); }
-  template <typename Live>
-  absl::Status operator()(const Live& /*body*/) const {
-    CheckFailed(__FILE__, __LINE__, "durable", "a live record reached the store");
+  absl::Status operator()(const model::ShapeOp& op) const {
+    return Spatial<kShapesTable>(op.upsert());
+  }
+  absl::Status operator()(const model::ObjectOp& op) const {
+    return Spatial<kObjectsTable>(op.upsert());
+  }
+  template <typename Body>
+  absl::Status operator()(const Body& body) const {
+    constexpr std::optional<PageKind> kHistory = HistoryOf<Body>();
+    if constexpr (kHistory) {
+      return tables.rows.Write<ListTable<*kHistory>::kTable>({&record, &body, next_entry++});
+    } else {
+      static_assert(model::SettlingOf<Body>::kSettling == model::Settling::kLive,
+                    "a durable kind has a table, or an overload above");
+      CheckFailed(__FILE__, __LINE__, "durable", "a live record reached the store");
+    }
   }
 
  private:
+  absl::Status Latest(LatestKind kind, const std::string& body_json) const {
+    return tables.rows.Write<kLatestTable>({&record, kind, body_json});
+  }
   /// A deletion if there is no upsert.
-  template <typename Body>
+  template <const auto& kTable, typename Body>
   absl::Status Spatial(const Body* upsert) const {
     if (upsert == nullptr) return Remove();
-    return tables.spatial.Upsert(record, *upsert, ruling.change->expires_ms, next_entry++);
+    return tables.rows.Write<kTable>({&record, upsert, ruling.change->expires_ms, next_entry++});
   }
   absl::Status Remove() const {
     if (!ruling.was_present) return absl::OkStatus();

@@ -34,8 +34,9 @@ absl::Status WritePresence(Tables& tables, const Batch& batch, EntryNumber& next
   session.cursor = row.cursor;
   for (const PresenceItem& item : batch.presence) {
     if (!RaiseCursor(session, item.number, item.at)) continue;
-    absl::Status inserted = tables.presence.Insert(item, next_entry++);
-    if (!inserted.ok()) return inserted;
+    absl::Status written = tables.rows.Write<kPresenceChangesTable>({&item, next_entry++});
+    if (written.ok()) written = tables.rows.Write<kLatestPresenceTable>(item);
+    if (!written.ok()) return written;
   }
   absl::Status raised =
       tables.deciding.RaiseCursor(kServerRuri, batch.presence_session,

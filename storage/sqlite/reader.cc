@@ -4,13 +4,12 @@
 
 #include "storage/numbers.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/kind_rows.h"
+#include "storage/sqlite/lists.h"
 #include "storage/sqlite/live_table.h"
-#include "storage/sqlite/pages.h"
 #include "storage/sqlite/reader_pool.h"
-#include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
+
 SqliteReader::SqliteReader(std::unique_ptr<Pool> pool) : pool_(std::move(pool)) {}
 SqliteReader::~SqliteReader() = default;
 
@@ -45,18 +44,6 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
   });
 }
 
-absl::StatusOr<Page<FaultRow>> SqliteReader::FaultsActive(const HistoryQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<FaultRow>(database, kFaultsActive, query, ReadActiveFault);
-  });
-}
-
-absl::StatusOr<Page<FaultRow>> SqliteReader::FaultHistory(const HistoryQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<FaultRow>(database, kFaultHistory, query, ReadFault);
-  });
-}
-
 absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<ActiveFaults>> {
@@ -79,59 +66,15 @@ absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
   });
 }
 
-absl::StatusOr<Page<QuarantineRow>> SqliteReader::Quarantine(const HistoryQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<QuarantineRow>(database, kQuarantine, query, ReadQuarantine);
-  });
-}
-
-absl::StatusOr<Page<GapRow>> SqliteReader::Gaps(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Database& database) { return ReadPage<GapRow>(database, kGaps, query, ReadGap); });
-}
-
-absl::StatusOr<Page<EventRow>> SqliteReader::Events(const HistoryQuery& query) {
-  return pool_->With(
-      [&](Database& database) { return ReadPage<EventRow>(database, kEvents, query, ReadEvent); });
-}
-
-absl::StatusOr<Page<MessageRow>> SqliteReader::Messages(const HistoryQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<MessageRow>(database, kMessages, query, ReadMessage);
-  });
-}
-
-absl::StatusOr<Page<MissionRunRow>> SqliteReader::MissionRuns(const MissionsQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<MissionRunRow>(database, kMissionRuns, query.rows, ReadMissionRun,
-                                   FilterOf(query, query.open));
-  });
-}
-
-absl::StatusOr<Page<MissionReportRow>> SqliteReader::MissionReports(const MissionsQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<MissionReportRow>(database, kMissionReports, query.rows, ReadMissionReport,
-                                      FilterOf(query, false));
-  });
-}
-
-absl::StatusOr<Page<ShapeRow>> SqliteReader::Shapes(const PresentQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<ShapeRow>(database, kShapes, query.rows, ReadShape, FilterOf(query));
-  });
-}
-
-absl::StatusOr<Page<ObjectRow>> SqliteReader::Objects(const PresentQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<ObjectRow>(database, kObjects, query.rows, ReadObject, FilterOf(query));
-  });
-}
-
-absl::StatusOr<Page<PresenceRow>> SqliteReader::PresenceChanges(const HistoryQuery& query) {
-  return pool_->With([&](Database& database) {
-    return ReadPage<PresenceRow>(database, kPresenceChanges, query, ReadPresence);
-  });
-}
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained)                                         \
+  absl::StatusOr<Page<Row>> SqliteReader::Name(const Query& query) {                            \
+    return pool_->With(                                                                         \
+        [&query](Database& database) { return ReadList<PageKind::k##Name>(database, query); }); \
+  }
+UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+// NOLINTEND(bugprone-macro-parentheses)
 
 absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::string> ruris,
                                                         std::uint32_t kinds) {

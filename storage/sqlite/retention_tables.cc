@@ -1,38 +1,36 @@
 #include "storage/sqlite/retention_tables.h"
 
 #include <string>
-#include <string_view>
 
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
+#include "storage/sqlite/tables/lists.h"
 #include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 namespace {
 
-std::string EraseSql(std::string_view table, std::string_view time) {
-  const std::string name(table);
-  const std::string column(time);
-  return "DELETE FROM " + name + " WHERE rowid IN (SELECT rowid FROM " + name + " WHERE " + column +
-         " < ?1 ORDER BY " + column + ", entry LIMIT ?2) RETURNING 1";
+template <typename Table>
+std::string EraseSql(const Table& table) {
+  const std::string name(table.name);
+  const std::string time(table.listed.time_column);
+  std::string sql = "DELETE FROM " + name + " WHERE rowid IN (SELECT rowid FROM " + name +
+                    " WHERE " + time + " < ?1";
+  if (!table.listed.erase_if.empty()) sql.append(" AND ").append(table.listed.erase_if);
+  return sql + " ORDER BY " + time + ", entry LIMIT ?2) RETURNING 1";
 }
-
-// By the first report, for which there is an index.
-constexpr std::string_view kEraseRuns =
-    "DELETE FROM mission_runs WHERE rowid IN (SELECT rowid FROM mission_runs WHERE first_ms < ?1"
-    " AND last_ms < ?1 AND status IN (6, 7, 8) ORDER BY first_ms, entry LIMIT ?2) RETURNING 1";
 
 }  // namespace
 
 absl::Status RetentionTables::Prepare(Database& database) {
   Preparer prepare(database);
-  for (const std::string_view table : {"faults_history", "events", "messages", "mission_reports"}) {
-    prepare.Into(history_.emplace_back(), EraseSql(table, "received_ms"));
-  }
-  prepare.Into(history_.emplace_back(), EraseSql("presence_changes", "at_ms"));
-  prepare.Into(history_.emplace_back(), std::string(kEraseRuns));
-  prepare.Into(set_aside_.emplace_back(), EraseSql("quarantine", "received_ms"));
-  prepare.Into(set_aside_.emplace_back(), EraseSql("gaps", "seen_ms"));
+  ForEachList([&]<PageKind kList>() {
+    constexpr Retained kRetained = RetainedOf(kList);
+    if constexpr (kRetained != Retained::kWhilePresent) {
+      Statements& statements = kRetained == Retained::kAsHistory ? history_ : set_aside_;
+      prepare.Into(statements.emplace_back(), EraseSql(ListTable<kList>::kTable));
+    }
+  });
   return prepare.status();
 }
 

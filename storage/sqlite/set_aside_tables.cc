@@ -1,14 +1,13 @@
+#include "storage/sqlite/set_aside_tables.h"
+
 #include <string>
 
 #include "storage/numbers.h"
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
 namespace {
-
-constexpr auto kNothing = std::string_view();
 
 /// The rows of a count over its bound; 0 if it is within.
 absl::StatusOr<std::int64_t> CountOver(Statement& count, std::string_view ruri,
@@ -22,9 +21,6 @@ absl::StatusOr<std::int64_t> CountOver(Statement& count, std::string_view ruri,
 
 absl::Status SetAsideTables::Prepare(Database& database) {
   Preparer prepare(database);
-  prepare.Into(insert_,
-               "INSERT INTO quarantine (ruri, session, seq, entry, fleet, received_ms, reason,"
-               " field, detail, payload_bytes, payload) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   prepare.Into(rejects_,
                "SELECT seq, reason, field, detail FROM quarantine WHERE ruri = ? AND session = ?"
                " AND seq > ? AND seq <= ? AND entry >= ? ORDER BY seq LIMIT ?");
@@ -33,32 +29,11 @@ absl::Status SetAsideTables::Prepare(Database& database) {
   prepare.Into(thin_,
                "UPDATE quarantine SET payload = NULL WHERE rowid IN (SELECT rowid FROM quarantine"
                " WHERE ruri = ? AND payload IS NOT NULL ORDER BY entry LIMIT ?)");
-  prepare.Into(upsert_gap_,
-               "INSERT INTO gaps (ruri, session, first, last, fleet, seen_ms, entry)"
-               " VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (ruri, session, first)"
-               " DO UPDATE SET last = max(last, excluded.last)");
   prepare.Into(count_gaps_, "SELECT COUNT(*) FROM gaps WHERE ruri = ?");
   prepare.Into(trim_gaps_,
                "DELETE FROM gaps WHERE rowid IN (SELECT rowid FROM gaps WHERE ruri = ?"
                " ORDER BY seen_ms, entry LIMIT ?)");
   return prepare.status();
-}
-
-absl::Status SetAsideTables::Insert(const CommitRecord& record, const model::Rejection& rejection,
-                                    EntryNumber entry) {
-  const auto run = [&](std::string_view field, std::string_view detail, const Blob& payload) {
-    return insert_->Run(std::string_view(record.robot->ruri), Blob{record.session.AsBytes()},
-                        record.seq, entry, std::string_view(record.robot->fleet),
-                        UnixMs(record.received_at), static_cast<std::int64_t>(rejection.reason),
-                        field, detail, record.payload_bytes, payload);
-  };
-  const Blob payload = record.payload.empty() ? Blob() : Blob{record.payload};
-  absl::Status status = run(rejection.field, rejection.detail, payload);
-  if (absl::IsInvalidArgument(status) && payload.bytes) {
-    status = run(rejection.field, rejection.detail, Blob());
-  }
-  if (absl::IsInvalidArgument(status)) status = run(kNothing, kNothing, Blob());
-  return status;
 }
 
 absl::StatusOr<std::vector<StoredReject>> SetAsideTables::Rejects(const RejectRange& range,
@@ -82,11 +57,6 @@ absl::Status SetAsideTables::ThinPayloads(std::string_view ruri) {
       CountOver(*count_payloads_, ruri, kQuarantinePayloadsPerRobotMax);
   if (!over.ok() || *over == 0) return over.status();
   return thin_->Run(ruri, *over);
-}
-
-absl::Status SetAsideTables::UpsertGap(const GapItem& gap, EntryNumber entry) {
-  return upsert_gap_->Run(std::string_view(gap.robot->ruri), Blob{gap.session.AsBytes()}, gap.first,
-                          gap.last, std::string_view(gap.robot->fleet), UnixMs(gap.seen_at), entry);
 }
 
 absl::Status SetAsideTables::TrimGaps(std::string_view ruri) {

@@ -124,7 +124,8 @@ class ListContract : public StoreContract {
   static constexpr int kItems = 25;
 
   static List PresenceList() {
-    return {PageKind::kPresence, nullptr, [](storage::Reader& reader, const HistoryQuery& query) {
+    return {PageKind::kPresenceChanges, nullptr,
+            [](storage::Reader& reader, const HistoryQuery& query) {
               return SeenOf(reader.PresenceChanges(query), [](const storage::PresenceRow& row) {
                 return static_cast<int>(UnixMs(row.at) - kNowMs) * kItemsAtOneTime +
                        static_cast<int>(row.presence);

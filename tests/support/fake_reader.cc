@@ -149,7 +149,7 @@ absl::StatusOr<Page<storage::ObjectRow>> FakeReader::Objects(const PresentQuery&
 
 absl::StatusOr<Page<storage::PresenceRow>> FakeReader::PresenceChanges(const HistoryQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  return FakePageOf(PageKind::kPresence, query, AllOf(database_.presence_.changes()));
+  return FakePageOf(PageKind::kPresenceChanges, query, AllOf(database_.presence_.changes()));
 }
 
 absl::StatusOr<FakeReader::LatestRows> FakeReader::Latest(std::span<const std::string> ruris,

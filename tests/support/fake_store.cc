@@ -6,9 +6,6 @@
 
 namespace uplink::testing {
 
-using storage::HistoryQuery;
-using storage::Page;
-
 absl::StatusOr<std::vector<storage::OpenResult>> FakeStore::OpenStreams(
     std::span<const storage::OpenRequest> requests) {
   Fate fate = Begin({&any_order_, &open_order_}, opens_);
@@ -164,55 +161,18 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeStore::Robots(std::uint32_t r
   return FakeReader(database_).Robots(robots_max);
 }
 
-absl::StatusOr<Page<storage::FaultRow>> FakeStore::FaultsActive(const HistoryQuery& query) {
-  return FakeReader(database_).FaultsActive(query);
-}
-
-absl::StatusOr<Page<storage::FaultRow>> FakeStore::FaultHistory(const HistoryQuery& query) {
-  return FakeReader(database_).FaultHistory(query);
-}
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained)                                      \
+  absl::StatusOr<storage::Page<storage::Row>> FakeStore::Name(const storage::Query& query) { \
+    return FakeReader(database_).Name(query);                                                \
+  }
+UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+// NOLINTEND(bugprone-macro-parentheses)
 
 absl::StatusOr<std::vector<storage::ActiveFaults>> FakeStore::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return FakeReader(database_).ActiveFaultCounts(ruris);
-}
-
-absl::StatusOr<Page<storage::QuarantineRow>> FakeStore::Quarantine(const HistoryQuery& query) {
-  return FakeReader(database_).Quarantine(query);
-}
-
-absl::StatusOr<Page<storage::GapRow>> FakeStore::Gaps(const HistoryQuery& query) {
-  return FakeReader(database_).Gaps(query);
-}
-
-absl::StatusOr<Page<storage::EventRow>> FakeStore::Events(const HistoryQuery& query) {
-  return FakeReader(database_).Events(query);
-}
-
-absl::StatusOr<Page<storage::MessageRow>> FakeStore::Messages(const HistoryQuery& query) {
-  return FakeReader(database_).Messages(query);
-}
-
-absl::StatusOr<Page<storage::MissionRunRow>> FakeStore::MissionRuns(
-    const storage::MissionsQuery& query) {
-  return FakeReader(database_).MissionRuns(query);
-}
-
-absl::StatusOr<Page<storage::MissionReportRow>> FakeStore::MissionReports(
-    const storage::MissionsQuery& query) {
-  return FakeReader(database_).MissionReports(query);
-}
-
-absl::StatusOr<Page<storage::ShapeRow>> FakeStore::Shapes(const storage::PresentQuery& query) {
-  return FakeReader(database_).Shapes(query);
-}
-
-absl::StatusOr<Page<storage::ObjectRow>> FakeStore::Objects(const storage::PresentQuery& query) {
-  return FakeReader(database_).Objects(query);
-}
-
-absl::StatusOr<Page<storage::PresenceRow>> FakeStore::PresenceChanges(const HistoryQuery& query) {
-  return FakeReader(database_).PresenceChanges(query);
 }
 
 absl::StatusOr<storage::Reader::LatestRows> FakeStore::Latest(std::span<const std::string> ruris,

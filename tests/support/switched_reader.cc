@@ -4,8 +4,6 @@
 
 namespace uplink::testing {
 
-using storage::Page;
-
 absl::Status SwitchedReader::Enter() {
   std::unique_lock lock(mutex_);
   ++calls_;
@@ -74,67 +72,14 @@ absl::StatusOr<std::vector<storage::LiveRow>> SwitchedReader::Live(std::string_v
   return reader_.Live(after);
 }
 
-absl::StatusOr<Page<storage::FaultRow>> SwitchedReader::FaultsActive(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.FaultsActive(query);
-}
-
-absl::StatusOr<Page<storage::FaultRow>> SwitchedReader::FaultHistory(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.FaultHistory(query);
-}
-
-absl::StatusOr<Page<storage::QuarantineRow>> SwitchedReader::Quarantine(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Quarantine(query);
-}
-
-absl::StatusOr<Page<storage::GapRow>> SwitchedReader::Gaps(const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Gaps(query);
-}
-
-absl::StatusOr<Page<storage::EventRow>> SwitchedReader::Events(const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Events(query);
-}
-
-absl::StatusOr<Page<storage::MessageRow>> SwitchedReader::Messages(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Messages(query);
-}
-
-absl::StatusOr<Page<storage::MissionRunRow>> SwitchedReader::MissionRuns(
-    const storage::MissionsQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.MissionRuns(query);
-}
-
-absl::StatusOr<Page<storage::MissionReportRow>> SwitchedReader::MissionReports(
-    const storage::MissionsQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.MissionReports(query);
-}
-
-absl::StatusOr<Page<storage::ShapeRow>> SwitchedReader::Shapes(const storage::PresentQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Shapes(query);
-}
-
-absl::StatusOr<Page<storage::ObjectRow>> SwitchedReader::Objects(
-    const storage::PresentQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Objects(query);
-}
-
-absl::StatusOr<Page<storage::PresenceRow>> SwitchedReader::PresenceChanges(
-    const storage::HistoryQuery& query) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.PresenceChanges(query);
-}
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained)                                           \
+  absl::StatusOr<storage::Page<storage::Row>> SwitchedReader::Name(const storage::Query& query) { \
+    if (absl::Status here = Enter(); !here.ok()) return here;                                     \
+    return reader_.Name(query);                                                                   \
+  }
+UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace uplink::testing

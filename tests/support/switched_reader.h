@@ -37,27 +37,13 @@ class SwitchedReader final : public storage::Reader {
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                     std::uint32_t kinds) override;
   absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
-  absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::QuarantineRow>> Quarantine(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::GapRow>> Gaps(const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::EventRow>> Events(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::MessageRow>> Messages(
-      const storage::HistoryQuery& query) override;
-  absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
-      const storage::MissionsQuery& query) override;
-  absl::StatusOr<storage::Page<storage::MissionReportRow>> MissionReports(
-      const storage::MissionsQuery& query) override;
-  absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
-      const storage::PresentQuery& query) override;
-  absl::StatusOr<storage::Page<storage::ObjectRow>> Objects(
-      const storage::PresentQuery& query) override;
-  absl::StatusOr<storage::Page<storage::PresenceRow>> PresenceChanges(
-      const storage::HistoryQuery& query) override;
+  // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
+#define UPLINK_LIST(Name, number, Row, Query, retained)                                       \
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::Row>> Name(const storage::Query& query) \
+      override;
+  UPLINK_LISTS(UPLINK_LIST)
+#undef UPLINK_LIST
+  // NOLINTEND(bugprone-macro-parentheses)
 
  private:
   [[nodiscard]] absl::Status Enter();

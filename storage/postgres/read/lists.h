@@ -1,24 +1,27 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <type_traits>
 
 #include <absl/status/statusor.h>
 
 #include "storage/postgres/link/result.h"
 #include "storage/postgres/read/pages.h"
-#include "storage/postgres/tables/table.h"
+#include "storage/postgres/tables/lists.h"
 #include "storage/reader.h"
 
 // Lists of a table's rows: what is read, and what is made of it, is the table's description.
 namespace uplink::storage::postgres {
 
-/// `kTable` is a constant, so that the texts are constants too.
-template <const auto& kTable>
+/// The texts are constants.
+template <PageKind kList>
 struct List {
+  static constexpr const auto& kTable = ListTable<kList>::kTable;
   using Row = typename std::remove_cvref_t<decltype(kTable)>::ListRow;
 
   static constexpr SqlText kColumns = ListedColumns(kTable);
-  static constexpr ListShape kShape = {kTable.listed.kind, kTable.name, kColumns.view(),
+  static constexpr ListShape kShape = {kList, kTable.name, kColumns.view(),
                                        kTable.listed.time_column};
 
   static Row Read(const Result& rows, int row) {
@@ -36,16 +39,18 @@ struct List {
   }
 };
 
-/// Reads one page of a table.
-template <const auto& kTable>
-absl::StatusOr<Page<typename List<kTable>::Row>> ReadList(Connection& connection,
-                                                          const HistoryQuery& query,
-                                                          const ListFilter& filter = {}) {
-  return ReadPage<typename List<kTable>::Row>(connection, List<kTable>::kShape, query,
-                                              List<kTable>::Read, filter);
-}
+// What a query asks beyond which rows. `open_if` is the table's (Listed).
+[[nodiscard]] ListFilter FilterOf(const HistoryQuery& query, std::string_view open_if);
+[[nodiscard]] ListFilter FilterOf(const MissionsQuery& query, std::string_view open_if);
+[[nodiscard]] ListFilter FilterOf(const PresentQuery& query, std::string_view open_if);
 
-[[nodiscard]] ListFilter FilterOf(const MissionsQuery& query, bool open);
-[[nodiscard]] ListFilter FilterOf(const PresentQuery& query);
+/// Reads one page of a list.
+template <PageKind kList, typename Query>
+absl::StatusOr<Page<typename List<kList>::Row>> ReadList(Connection& connection,
+                                                         const Query& query) {
+  return ReadPage<typename List<kList>::Row>(connection, List<kList>::kShape, RowsOf(query),
+                                             List<kList>::Read,
+                                             FilterOf(query, List<kList>::kTable.listed.open_if));
+}
 
 }  // namespace uplink::storage::postgres

@@ -46,7 +46,7 @@ inline constexpr std::array<Column<In, FaultRow>, 2> kFaultKeyColumns = {{
 }};
 
 inline constexpr Table<FaultReport, FaultRow, 14> kFaultHistoryTable = {
-    "faults_history", Writes::kInserts, ByArrival<FaultRow>(PageKind::kFaultHistory),
+    "faults_history", Writes::kInserts, ByArrival<FaultRow>(),
     Join(kReportColumns<FaultReport, FaultRow>,
          Join(kFaultKeyColumns<FaultReport>,
               Join(kFaultColumns<FaultReport>,
@@ -58,10 +58,10 @@ inline constexpr Table<FaultReport, FaultRow, 14> kFaultHistoryTable = {
                          }}}))))};
 
 /// raised_at and entry are those of the raise that made the fault active.
-inline constexpr Table<RaisedFault, FaultRow, 12> kActiveFaultTable = {
+inline constexpr Table<RaisedFault, FaultRow, 12> kFaultsActiveTable = {
     "faults_active",
     Writes::kUpserts,
-    {PageKind::kFaultsActive, "raised_at",
+    {"raised_at",
      [](SystemTime time, FaultRow& row) {
        row.raised_at = time;
        row.fault.active = true;

@@ -39,10 +39,10 @@ struct PresenceChange {
   std::int32_t place = 0;
 };
 
-inline constexpr Table<PresenceChange, PresenceRow, 5> kPresenceTable = {
+inline constexpr Table<PresenceChange, PresenceRow, 5> kPresenceChangesTable = {
     "presence_changes",
     Writes::kInserts,
-    {PageKind::kPresence, "changed_at", [](SystemTime time, PresenceRow& row) { row.at = time; }},
+    {"changed_at", [](SystemTime time, PresenceRow& row) { row.at = time; }},
     std::to_array<Column<PresenceChange, PresenceRow>>({
         {"ruri", Type::kText, Role::kValue,
          [](Array& to, const PresenceChange& row) { to.Text(row.item->robot->ruri); }},

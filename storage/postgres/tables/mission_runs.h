@@ -20,11 +20,11 @@ struct MissionRun {
 };
 
 /// first_at and entry are those of the run's first report.
-inline constexpr Table<MissionRun, MissionRunRow, 12> kMissionRunTable = {
+inline constexpr Table<MissionRun, MissionRunRow, 12> kMissionRunsTable = {
     "mission_runs",
     Writes::kUpserts,
-    {PageKind::kMissionRuns, "first_at",
-     [](SystemTime time, MissionRunRow& row) { row.first_received_at = time; }},
+    {"first_at", [](SystemTime time, MissionRunRow& row) { row.first_received_at = time; },
+     "is_open", "last_at < $1::timestamptz AND NOT is_open"},
     Join(kMissionColumns<MissionRun, MissionRunRow>,
          std::to_array<Column<MissionRun, MissionRunRow>>({
              {"ruri", Type::kText, Role::kKey,

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "storage/postgres/tables/sql_text.h"
 #include "storage/present.h"
+#include "storage/sql_text.h"
 
 namespace uplink::storage::postgres {
 

@@ -60,8 +60,8 @@ inline constexpr std::array<Column<In, Out>, 6> kReportColumns = {{
 
 /// Lists of histories stand by the arrival.
 template <typename Out>
-constexpr Listed<Out> ByArrival(PageKind kind) {
-  return {kind, "received_at", [](SystemTime time, Out& row) { row.received_at = time; }};
+constexpr Listed<Out> ByArrival() {
+  return {"received_at", [](SystemTime time, Out& row) { row.received_at = time; }};
 }
 
 }  // namespace uplink::storage::postgres

@@ -20,8 +20,8 @@ struct MissionReport {
   std::int32_t place = 0;
 };
 
-inline constexpr Table<EventReport, EventRow, 9> kEventTable = {
-    "events", Writes::kInserts, ByArrival<EventRow>(PageKind::kEvents),
+inline constexpr Table<EventReport, EventRow, 9> kEventsTable = {
+    "events", Writes::kInserts, ByArrival<EventRow>(),
     Join(kReportColumns<EventReport, EventRow>,
          std::to_array<Column<EventReport, EventRow>>({
              {"sampled_ms", Type::kInt8, Role::kValue,
@@ -37,8 +37,8 @@ inline constexpr Table<EventReport, EventRow, 9> kEventTable = {
               [](const Cell& cell, EventRow& row) { row.detail_json = cell.Text(); }},
          }))};
 
-inline constexpr Table<MessageReport, MessageRow, 9> kMessageTable = {
-    "messages", Writes::kInserts, ByArrival<MessageRow>(PageKind::kMessages),
+inline constexpr Table<MessageReport, MessageRow, 9> kMessagesTable = {
+    "messages", Writes::kInserts, ByArrival<MessageRow>(),
     Join(kReportColumns<MessageReport, MessageRow>,
          std::to_array<Column<MessageReport, MessageRow>>({
              {"sampled_ms", Type::kInt8, Role::kValue,
@@ -68,8 +68,8 @@ inline constexpr std::array<Column<In, Out>, 3> kMissionColumns = {{
      [](const Cell& cell, Out& row) { row.status = MemberOf<model::MissionStatus>(cell.Int()); }},
 }};
 
-inline constexpr Table<MissionReport, MissionReportRow, 10> kMissionReportTable = {
-    "mission_reports", Writes::kInserts, ByArrival<MissionReportRow>(PageKind::kMissionReports),
+inline constexpr Table<MissionReport, MissionReportRow, 10> kMissionReportsTable = {
+    "mission_reports", Writes::kInserts, ByArrival<MissionReportRow>(),
     Join(kReportColumns<MissionReport, MissionReportRow>,
          Join(kMissionColumns<MissionReport, MissionReportRow>,
               std::to_array<Column<MissionReport, MissionReportRow>>({

@@ -2,13 +2,11 @@
 
 #include "storage/numbers.h"
 #include "storage/postgres/tables/report_columns.h"
+#include "storage/quarantine_detail.h"
 #include "storage/reader.h"
 
 // What did not become a record: quarantine and gaps.
 namespace uplink::storage::postgres {
-
-/// How much of a rejected payload its row keeps: less where the database refuses more.
-enum class QuarantineDetail : std::uint8_t { kAll, kWithoutPayload, kBare };
 
 struct Quarantined {
   const CommitRecord* record = nullptr;
@@ -22,7 +20,7 @@ struct Quarantined {
 };
 
 inline constexpr Table<Quarantined, QuarantineRow, 11> kQuarantineTable = {
-    "quarantine", Writes::kInserts, ByArrival<QuarantineRow>(PageKind::kQuarantine),
+    "quarantine", Writes::kInserts, ByArrival<QuarantineRow>(),
     Join(kReportColumns<Quarantined, QuarantineRow>,
          std::to_array<Column<Quarantined, QuarantineRow>>({
              {"reason", Type::kInt4, Role::kValue,
@@ -61,10 +59,10 @@ struct Gap {
   std::int32_t place = 0;
 };
 
-inline constexpr Table<Gap, GapRow, 7> kGapTable = {
+inline constexpr Table<Gap, GapRow, 7> kGapsTable = {
     "gaps",
     Writes::kUpserts,
-    {PageKind::kGaps, "seen_at", [](SystemTime time, GapRow& row) { row.seen_at = time; }},
+    {"seen_at", [](SystemTime time, GapRow& row) { row.seen_at = time; }},
     std::to_array<Column<Gap, GapRow>>({
         {"ruri", Type::kText, Role::kKey,
          [](Array& to, const Gap& row) { to.Text(row.first->robot->ruri); }},

@@ -51,12 +51,12 @@ inline constexpr std::array<Column<In, Out>, 9> kSpatialColumns = {{
 
 /// Lists stand by the upsert that made the id present, which their rows do not show.
 template <typename Out>
-constexpr Listed<Out> ByFirstUpsert(PageKind kind) {
-  return {kind, "first_at", nullptr};
+constexpr Listed<Out> ByFirstUpsert() {
+  return {"first_at", nullptr};
 }
 
-inline constexpr Table<UpsertedShape, ShapeRow, 16> kShapeTable = {
-    "shapes", Writes::kUpserts, ByFirstUpsert<ShapeRow>(PageKind::kShapes),
+inline constexpr Table<UpsertedShape, ShapeRow, 16> kShapesTable = {
+    "shapes", Writes::kUpserts, ByFirstUpsert<ShapeRow>(),
     Join(kSpatialColumns<UpsertedShape, ShapeRow>,
          std::to_array<Column<UpsertedShape, ShapeRow>>({
              {"rev", Type::kInt8, Role::kValue,
@@ -92,8 +92,8 @@ inline constexpr Table<UpsertedShape, ShapeRow, 16> kShapeTable = {
               [](const Cell& cell, ShapeRow& row) { row.geometry_json = cell.Text(); }},
          }))};
 
-inline constexpr Table<UpsertedObject, ObjectRow, 14> kObjectTable = {
-    "objects", Writes::kUpserts, ByFirstUpsert<ObjectRow>(PageKind::kObjects),
+inline constexpr Table<UpsertedObject, ObjectRow, 14> kObjectsTable = {
+    "objects", Writes::kUpserts, ByFirstUpsert<ObjectRow>(),
     Join(
         kSpatialColumns<UpsertedObject, ObjectRow>,
         std::to_array<Column<UpsertedObject, ObjectRow>>({

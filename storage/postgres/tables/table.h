@@ -10,32 +10,14 @@
 #include <vector>
 
 #include "schema/base/clock.h"
-#include "storage/page_token.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/link/parameters.h"
 #include "storage/postgres/link/result.h"
-#include "storage/postgres/tables/sql_text.h"
+#include "storage/table_text.h"
 
 // A table as one description: each column is named once, with its type, how a batch fills it and
 // how a list reads it. The statements are made from that.
 namespace uplink::storage::postgres {
-
-/// What an upsert does to a column of a row that is there.
-enum class Role : std::uint8_t {
-  /// By the key's columns the row is found.
-  kKey,
-  /// The value is replaced.
-  kValue,
-  /// What the first insert wrote stays.
-  kKept,
-};
-
-enum class Writes : std::uint8_t {
-  /// Rows are only added, whatever the roles say.
-  kInserts,
-  /// A row that is there by its key is updated.
-  kUpserts,
-};
 
 /// One value of a list's row.
 class Cell final {
@@ -71,19 +53,9 @@ struct Column {
   std::string_view update = {};
 };
 
-/// Of a table that no list reads.
-struct Unlisted {};
-
-/// How lists go through a table: the newest first by `time_column`; entry breaks ties.
-template <typename Out>
-struct Listed {
-  PageKind kind = PageKind::kFaultHistory;
-  std::string_view time_column;
-  void (*read_time)(SystemTime time, Out& row) = nullptr;
-};
-
-template <typename In, typename Out, std::size_t kColumns>
+template <typename InRow, typename Out, std::size_t kColumns>
 struct Table {
+  using In = InRow;
   using ListRow = Out;
 
   std::string_view name;
@@ -117,36 +89,6 @@ constexpr std::string_view SqlName(Type type) {
   return {};
 }
 
-/// Columns that several tables begin with, before their own.
-template <typename In, typename Out, std::size_t kFirst, std::size_t kOwn>
-constexpr std::array<Column<In, Out>, kFirst + kOwn> Join(
-    const std::array<Column<In, Out>, kFirst>& first,
-    const std::array<Column<In, Out>, kOwn>& own) {
-  std::array<Column<In, Out>, kFirst + kOwn> columns;
-  for (std::size_t i = 0; i < kFirst; ++i) columns[i] = first[i];
-  for (std::size_t i = 0; i < kOwn; ++i) columns[kFirst + i] = own[i];
-  return columns;
-}
-
-template <typename In, typename Out, std::size_t kColumns>
-constexpr SqlText ConflictSql(const Table<In, Out, kColumns>& table) {
-  if (table.writes == Writes::kInserts) return {};
-  SqlText keys;
-  SqlText updates;
-  for (const Column<In, Out>& column : table.columns) {
-    if (column.role == Role::kKey) {
-      keys.Add({keys.view().empty() ? std::string_view() : ", ", column.name});
-    }
-    if (column.role != Role::kValue) continue;
-    updates.Add({updates.view().empty() ? std::string_view() : ", ", column.name, " = "});
-    if (column.update.empty()) updates.Add({"excluded.", column.name});
-    updates.Add(column.update);
-  }
-  SqlText sql = {" ON CONFLICT (", keys.view(), ") DO UPDATE SET ", updates.view()};
-  if (!table.only_if.empty()) sql.Add({" WHERE ", table.only_if});
-  return sql;
-}
-
 /// Writes rows. The parameters are the columns, each an array, in order.
 template <typename In, typename Out, std::size_t kColumns>
 constexpr SqlText InsertSql(const Table<In, Out, kColumns>& table) {
@@ -166,17 +108,6 @@ constexpr SqlText InsertSql(const Table<In, Out, kColumns>& table) {
           names.view(),           ") SELECT ",   values.view(),
           " FROM unnest(",        arrays.view(), ") AS u (",
           names.view(),           ")",           ConflictSql(table).view()};
-}
-
-/// The columns that a list reads, in order.
-template <typename In, typename Out, std::size_t kColumns>
-constexpr SqlText ListedColumns(const Table<In, Out, kColumns>& table) {
-  SqlText sql;
-  for (const Column<In, Out>& column : table.columns) {
-    if (column.read == nullptr) continue;
-    sql.Add({sql.view().empty() ? std::string_view() : ", ", column.name});
-  }
-  return sql;
 }
 
 /// Adds the statement that writes the rows, if there are any. `kTable` is a constant, so that the

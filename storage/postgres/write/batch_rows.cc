@@ -45,26 +45,21 @@ Call BoundCall(std::string_view sql, const std::set<std::string_view>& robots,
 
 }  // namespace
 
-/// One overload an alternative of the body.
+/// One overload per body that is more than a row of a history.
 struct BatchRows::KindWriter {
   BatchRows& rows;
   const CommitRecord& record;
   const std::int32_t place;
 
   void operator()(const model::Fault& fault) const {
-    rows.fault_history_.push_back({&record, &fault, place});
+    rows.added_.Add<kFaultHistoryTable>({&record, &fault, place});
     Present(rows.faults_, fault.active ? &fault : nullptr);
-  }
-  void operator()(const model::EventTelemetry& event) const {
-    rows.events_.push_back({&record, &event, place});
-  }
-  void operator()(const model::Message& message) const {
-    rows.messages_.push_back({&record, &message, place});
   }
   void operator()(const model::MissionRunStatus& report) const {
     const std::string& text = rows.report_texts_.emplace_back(json::Text(report));
-    rows.reports_.push_back({&record, &report, text, place});
-    rows.runs_.Add(rows.reports_.back());
+    const MissionReport row = {&record, &report, text, place};
+    rows.added_.Add<kMissionReportsTable>(row);
+    rows.runs_.Add(row);
   }
   void operator()(const model::AgentInfo& /*body*/) const { AddLatest(LatestKind::kAgentInfo); }
   void operator()(const model::CurrentSettings& /*body*/) const {
@@ -75,9 +70,16 @@ struct BatchRows::KindWriter {
   }
   void operator()(const model::ShapeOp& op) const { Present(rows.shapes_, op.upsert()); }
   void operator()(const model::ObjectOp& op) const { Present(rows.objects_, op.upsert()); }
-  template <typename Live>
-  void operator()(const Live& /*body*/) const {
-    CheckFailed(__FILE__, __LINE__, "durable", "a live record reached the store");
+  template <typename Body>
+  void operator()(const Body& body) const {
+    constexpr std::optional<PageKind> kHistory = HistoryOf<Body>();
+    if constexpr (kHistory) {
+      rows.added_.Add<ListTable<*kHistory>::kTable>({&record, &body, place});
+    } else {
+      static_assert(model::SettlingOf<Body>::kSettling == model::Settling::kLive,
+                    "a durable kind has a table, or an overload above");
+      CheckFailed(__FILE__, __LINE__, "durable", "a live record reached the store");
+    }
   }
 
  private:
@@ -98,7 +100,7 @@ void BatchRows::Write(const CommitRecord& record, std::int32_t place) {
 
 void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejection,
                        QuarantineDetail detail, std::int32_t place) {
-  quarantine_.push_back({&record, rejection, detail, place});
+  added_.Add<kQuarantineTable>({&record, rejection, detail, place});
   if (!record.payload.empty()) robots_with_payloads_.insert(record.robot->ruri);
   Raise(record.robot->ruri, record.session, record.seq, record.received_at);
 }
@@ -144,14 +146,10 @@ void BatchRows::MoveCursors(std::vector<Call>& calls) const {
 
 std::vector<Call> BatchRows::TakeCalls() && {
   std::vector<Call> calls;
-  AddInsert<kFaultHistoryTable>(fault_history_, calls);
-  AddInsert<kEventTable>(events_, calls);
-  AddInsert<kMessageTable>(messages_, calls);
-  AddInsert<kMissionReportTable>(reports_, calls);
-  AddInsert<kQuarantineTable>(quarantine_, calls);
-  faults_.MoveInto<kActiveFaultTable>(calls);
-  shapes_.MoveInto<kShapeTable>(calls);
-  objects_.MoveInto<kObjectTable>(calls);
+  added_.MoveInto(calls);
+  faults_.MoveInto<kFaultsActiveTable>(calls);
+  shapes_.MoveInto<kShapesTable>(calls);
+  objects_.MoveInto<kObjectsTable>(calls);
   runs_.MoveInto(calls);
   latest_.MoveInto(calls);
   presence_.MoveInto(calls);

@@ -10,10 +10,7 @@
 #include <vector>
 
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/tables/faults.h"
-#include "storage/postgres/tables/reports.h"
-#include "storage/postgres/tables/set_aside.h"
-#include "storage/postgres/tables/spatial.h"
+#include "storage/postgres/write/added_rows.h"
 #include "storage/postgres/write/latest_rows.h"
 #include "storage/postgres/write/present_rows.h"
 #include "storage/present.h"
@@ -55,13 +52,9 @@ class BatchRows final {
   void MoveCursors(std::vector<Call>& calls) const;
 
   const StoreRules& rules_;
-  std::vector<FaultReport> fault_history_;
-  std::vector<EventReport> events_;
-  std::vector<MessageReport> messages_;
-  std::vector<MissionReport> reports_;
-  /// The texts of the reports.
+  AddedRows added_;
+  /// The texts of mission reports.
   std::deque<std::string> report_texts_;
-  std::vector<Quarantined> quarantine_;
   PresentRows<model::Fault> faults_{PresentKind::kFault};
   PresentRows<model::ReportedShape> shapes_{PresentKind::kShape};
   PresentRows<model::Object> objects_{PresentKind::kObject};

@@ -29,7 +29,7 @@ void MissionRunRows::MoveSome(bool named, std::vector<Call>& calls) const {
     if ((run.name != nullptr) == named) rows.push_back(run);
   }
   if (rows.empty()) return;
-  AddInsert<kMissionRunTable>(rows, calls);
+  AddInsert<kMissionRunsTable>(rows, calls);
   calls.back().parameters.Int4(named ? 1 : 0);
 }
 
@@ -41,7 +41,7 @@ void LatestRows::MoveInto(std::vector<Call>& calls) const {
 }
 
 void PresenceRows::MoveInto(std::vector<Call>& calls) const {
-  AddInsert<kPresenceTable>(changes_, calls);
+  AddInsert<kPresenceChangesTable>(changes_, calls);
   std::map<std::string_view, const PresenceItem*> last;
   for (const PresenceChange& change : changes_) {
     const PresenceItem*& latest = last[change.item->robot->ruri];
@@ -66,7 +66,7 @@ void GapRows::MoveInto(std::vector<Call>& calls) const {
   std::vector<Gap> rows;
   rows.reserve(gaps_.size());
   for (const auto& [key, gap] : gaps_) rows.push_back(gap);
-  AddInsert<kGapTable>(rows, calls);
+  AddInsert<kGapsTable>(rows, calls);
 }
 
 }  // namespace uplink::storage::postgres

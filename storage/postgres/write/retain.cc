@@ -1,11 +1,12 @@
 #include "storage/postgres/write/retain.h"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "storage/postgres/tables/lists.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/retention.h"
 
@@ -21,34 +22,25 @@ constexpr std::size_t kPartitionsPerCallMax = 10;
 constexpr std::string_view kDropPartitions =
     "SELECT uplinkd.drop_partitions($1::text, ($2::timestamptz AT TIME ZONE 'UTC')::date)";
 
-/// A history and the column of its arrival.
-struct History {
-  std::string_view name;
-  std::string_view time;
-};
-
-constexpr auto kHistories = std::to_array<History>({
-    {"faults_history", "received_at"},
-    {"events", "received_at"},
-    {"messages", "received_at"},
-    {"mission_reports", "received_at"},
-    {"presence_changes", "changed_at"},
-});
-constexpr History kQuarantine = {"quarantine", "received_at"};
-
-// By the first report, for which there is an index.
-constexpr std::string_view kEraseRuns =
-    "DELETE FROM uplinkd.mission_runs WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd.mission_runs"
-    " WHERE first_at < $1::timestamptz AND last_at < $1::timestamptz AND NOT is_open"
-    " ORDER BY first_at, entry LIMIT $2::bigint))"
-    // Once more: a report that another shard commits meanwhile makes a run young again.
-    " AND last_at < $1::timestamptz AND NOT is_open";
-
-std::string EraseSql(const std::string& table, std::string_view time) {
-  const std::string column(time);
-  return "DELETE FROM uplinkd." + table + " WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd." +
-         table + " WHERE " + column + " < $1::timestamptz ORDER BY " + column +
-         ", entry LIMIT $2::bigint))";
+/// Deletes the oldest rows of a table, or of its default partition.
+template <typename Table>
+constexpr SqlText EraseSql(const Table& table, std::string_view partition) {
+  const std::string_view time = table.listed.time_column;
+  const std::string_view erase_if = table.listed.erase_if;
+  SqlText sql = {"DELETE FROM uplinkd.",
+                 table.name,
+                 partition,
+                 " WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd.",
+                 table.name,
+                 partition,
+                 " WHERE ",
+                 time,
+                 " < $1::timestamptz"};
+  if (!erase_if.empty()) sql.Add({" AND ", erase_if});
+  sql.Add({" ORDER BY ", time, ", entry LIMIT $2::bigint))"});
+  // Once more: a report that another shard commits meanwhile makes a row young again.
+  if (!erase_if.empty()) sql.Add({" AND ", erase_if});
+  return sql;
 }
 
 /// One transaction of one statement.
@@ -66,19 +58,34 @@ class Eraser final {
  public:
   Eraser(Connection& connection, SystemTime until) : connection_(connection), until_(until) {}
 
-  absl::Status Drop(const History& history) {
+  /// The list's table. Those to which rows are only added are partitioned by the day of arrival.
+  template <PageKind kList>
+  absl::Status EraseList() {
+    static constexpr const auto& kTable = ListTable<kList>::kTable;
+    static constexpr bool kPartitioned = kTable.writes == Writes::kInserts;
+    static constexpr SqlText kSql = EraseSql(kTable, kPartitioned ? "_default" : "");
+    if constexpr (kPartitioned) {
+      absl::Status dropped = Drop(kTable.name);
+      if (!dropped.ok()) return dropped;
+    }
+    // Of a partitioned table: what came outside the partitions of days.
+    return Erase(kSql.view());
+  }
+  [[nodiscard]] std::size_t erased() const { return erased_; }
+
+ private:
+  absl::Status Drop(std::string_view history) {
     std::size_t dropped = kPartitionsPerCallMax;
     while (dropped == kPartitionsPerCallMax) {
       Call call{kDropPartitions, {}};
-      call.parameters.Text(history.name);
+      call.parameters.Text(history);
       call.parameters.Time(until_);
       const auto some = RunAlone(connection_, std::move(call), false);
       if (!some.ok()) return some.status();
       dropped = *some;
       erased_ += dropped;
     }
-    // What came outside the partitions of days.
-    return Erase(EraseSql(std::string(history.name) + "_default", history.time));
+    return absl::OkStatus();
   }
   absl::Status Erase(std::string_view sql) {
     Call call{sql, {}};
@@ -86,9 +93,6 @@ class Eraser final {
     call.parameters.Int8(static_cast<std::int64_t>(kRetainRowsMax));
     return Count(RunAlone(connection_, std::move(call), true));
   }
-  [[nodiscard]] std::size_t erased() const { return erased_; }
-
- private:
   absl::Status Count(const absl::StatusOr<std::size_t>& rows) {
     if (rows.ok()) erased_ += *rows;
     return rows.status();
@@ -99,21 +103,15 @@ class Eraser final {
   std::size_t erased_ = 0;
 };
 
-absl::StatusOr<std::size_t> EraseHistory(Connection& connection, SystemTime until) {
+template <Retained kRetained>
+absl::StatusOr<std::size_t> EraseLists(Connection& connection, SystemTime until) {
   Eraser eraser(connection, until);
-  for (const History& history : kHistories) {
-    absl::Status status = eraser.Drop(history);
-    if (!status.ok()) return status;
-  }
-  absl::Status status = eraser.Erase(kEraseRuns);
-  if (!status.ok()) return status;
-  return eraser.erased();
-}
-
-absl::StatusOr<std::size_t> EraseSetAside(Connection& connection, SystemTime until) {
-  Eraser eraser(connection, until);
-  absl::Status status = eraser.Drop(kQuarantine);
-  if (status.ok()) status = eraser.Erase(EraseSql("gaps", "seen_at"));
+  absl::Status status;
+  ForEachList([&eraser, &status]<PageKind kList>() {
+    if constexpr (RetainedOf(kList) == kRetained) {
+      if (status.ok()) status = eraser.EraseList<kList>();
+    }
+  });
   if (!status.ok()) return status;
   return eraser.erased();
 }
@@ -152,12 +150,12 @@ absl::StatusOr<std::size_t> EraseAll(Connection& connection, SystemTime now,
   if (!agreed.ok()) return agreed;
   std::size_t erased = 0;
   if (const auto kept = FirstDayKept(now, rules.retain_history)) {
-    const auto history = EraseHistory(connection, *kept);
+    const auto history = EraseLists<Retained::kAsHistory>(connection, *kept);
     if (!history.ok()) return history.status();
     erased += *history;
   }
   if (const auto kept = FirstDayKept(now, rules.retain_quarantine)) {
-    const auto set_aside = EraseSetAside(connection, *kept);
+    const auto set_aside = EraseLists<Retained::kAsSetAside>(connection, *kept);
     if (!set_aside.ok()) return set_aside.status();
     erased += *set_aside;
   }

@@ -58,8 +58,8 @@ TEST(InsertSql, CountsPastNineParameters) {
 
 TEST(ListedColumns, LeaveOutWhatNoListReads) {
   EXPECT_EQ(ListedColumns(kAdded).view(), "key, seen");
-  EXPECT_EQ(List<kGapTable>::kShape.columns, "session, first, last");
-  EXPECT_EQ(List<kGapTable>::kShape.time_column, "seen_at");
+  EXPECT_EQ(List<PageKind::kGaps>::kShape.columns, "session, first, last");
+  EXPECT_EQ(List<PageKind::kGaps>::kShape.time_column, "seen_at");
 }
 
 TEST(AddInsert, FillsEveryColumnOnceForEachRow) {

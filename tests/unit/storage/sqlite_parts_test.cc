@@ -1,4 +1,5 @@
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -6,8 +7,7 @@
 #include <sqlite3.h>
 
 #include "storage/sqlite/errors.h"
-#include "storage/sqlite/kind_rows.h"
-#include "storage/sqlite/pages.h"
+#include "storage/sqlite/lists.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/temp_folder.h"
@@ -17,6 +17,12 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+constexpr ListShape kMissionRuns = List<PageKind::kMissionRuns>::kShape;
+constexpr ListShape kMissionReports = List<PageKind::kMissionReports>::kShape;
+constexpr ListShape kShapes = List<PageKind::kShapes>::kShape;
+constexpr ListShape kObjects = List<PageKind::kObjects>::kShape;
+constexpr std::string_view kOpenIf = kMissionRunsTable.listed.open_if;
 
 TEST(SqliteErrors, SortsEveryCodeThatACallMayGive) {
   EXPECT_EQ(DispositionOf(SQLITE_BUSY), Disposition::kRetry);
@@ -89,42 +95,39 @@ class SqlitePlans : public ::testing::Test {
 };
 
 TEST_F(SqlitePlans, ReadsEveryListInTheOrderOfAnIndex) {
-  for (const ListShape& shape :
-       {kFaultHistory, kFaultsActive, kQuarantine, kGaps, kEvents, kMessages, kMissionRuns,
-        kMissionReports, kShapes, kObjects, kPresenceChanges}) {
-    ExpectOrderOfAnIndex(shape);
-  }
+  ForEachList([this]<PageKind kList>() { ExpectOrderOfAnIndex(List<kList>::kShape); });
 }
 
 TEST_F(SqlitePlans, ReadsWhatAFilterLeavesInTheOrderOfAnIndex) {
   const PresentQuery present{.now = FromUnixMs(1)};
-  ExpectOrderOfAnIndex(kShapes, FilterOf(present));
-  ExpectOrderOfAnIndex(kObjects, FilterOf(present));
+  ExpectOrderOfAnIndex(kShapes, FilterOf(present, ""));
+  ExpectOrderOfAnIndex(kObjects, FilterOf(present, ""));
   MissionsQuery mission;
   mission.mission_id = "m";
   MissionsQuery run;
   run.run_id = "r";
   for (const bool open : {false, true}) {
-    for (const MissionsQuery& query : {MissionsQuery{}, mission, run}) {
-      ExpectOrderOfAnIndex(kMissionRuns, FilterOf(query, open));
+    for (MissionsQuery query : {MissionsQuery{}, mission, run}) {
+      query.open = open;
+      ExpectOrderOfAnIndex(kMissionRuns, FilterOf(query, kOpenIf));
     }
   }
-  ExpectOrderOfAnIndex(kMissionReports, FilterOf(run, false));
+  ExpectOrderOfAnIndex(kMissionReports, FilterOf(run, ""));
 }
 
 // An open run among a million that have ended, or an expired shape, is found without a scan.
 TEST_F(SqlitePlans, FindsOpenRunsAndWhatExpiredByIndexesOfTheirOwn) {
-  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(MissionsQuery{}, true)),
+  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(MissionsQuery{.open = true}, kOpenIf)),
               HasSubstr("mission_runs_open_by_time"));
   MissionsQuery run;
   run.run_id = "r";
-  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(run, false)), HasSubstr("mission_runs_by_run"));
+  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(run, kOpenIf)), HasSubstr("mission_runs_by_run"));
   MissionsQuery mission;
   mission.mission_id = "m";
-  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(mission, false)),
+  EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(mission, kOpenIf)),
               HasSubstr("mission_runs_by_mission"));
   mission.rows.ruri = "r";
-  EXPECT_THAT(Plan(kMissionRuns, mission.rows, FilterOf(mission, false)),
+  EXPECT_THAT(Plan(kMissionRuns, mission.rows, FilterOf(mission, kOpenIf)),
               HasSubstr("mission_runs_by_robot"))
       << "a mission may be a whole fleet's";
 }

@@ -5,10 +5,10 @@
 #include <initializer_list>
 #include <string_view>
 
-namespace uplink::storage::postgres {
+namespace uplink::storage {
 
 /// The text of a statement, put together by the compiler: as a constant it costs nothing at run
-/// time, and lives as long as a Call needs it. A text that is too long does not compile.
+/// time, and lives as long as a statement needs it. A text that is too long does not compile.
 class SqlText final {
  public:
   static constexpr std::size_t kBytesMax = 2048;
@@ -22,7 +22,7 @@ class SqlText final {
   constexpr void Add(std::initializer_list<std::string_view> parts) {
     for (const std::string_view part : parts) Add(part);
   }
-  /// A parameter, from 1 on, with its type: `$3::bigint[]`.
+  /// A parameter as PostgreSQL has it, from 1 on, with its type: `$3::bigint[]`.
   constexpr void AddParameter(std::size_t number, std::string_view type) {
     Add("$");
     if (number >= 10) AddDigit(number / 10);
@@ -41,4 +41,4 @@ class SqlText final {
   std::size_t size_ = 0;
 };
 
-}  // namespace uplink::storage::postgres
+}  // namespace uplink::storage

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/entry_number.h"
+#include "storage/sqlite/statement.h"
+#include "storage/types.h"
+
+namespace uplink::storage::sqlite {
+
+/// A robot's row after a stream was opened.
+struct OpenedRobot {
+  Epoch epoch = 0;
+  Epoch held_since = 0;
+};
+
+/// A session's row.
+struct SessionCursor {
+  model::Seq cursor = 0;
+  /// Quarantine rows of the session begin here.
+  EntryNumber first_entry = 0;
+};
+
+/// The rows of robots, sessions and the count of entries: what decides.
+///
+/// Errors: those of errors.h. Thread: confined to the thread of its database.
+class DecidingTables final {
+ public:
+  [[nodiscard]] absl::Status Prepare(Database& database);
+
+  [[nodiscard]] absl::StatusOr<EntryNumber> NextEntry();
+  [[nodiscard]] absl::Status SetNextEntry(EntryNumber next);
+
+  [[nodiscard]] absl::StatusOr<OpenedRobot> OpenRobot(const OpenRequest& request,
+                                                      const ProcessId& process);
+  /// Nothing if there is no such row.
+  [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri);
+  /// For a robot that the store lost.
+  [[nodiscard]] absl::Status InsertRobot(const model::RobotId& robot, Epoch held_since,
+                                         SystemTime at, const ProcessId& process);
+
+  /// Creates the row if there is none; `next_entry` is its first then.
+  [[nodiscard]] absl::StatusOr<SessionCursor> OpenSession(const OpenRequest& request,
+                                                          EntryNumber next_entry);
+  [[nodiscard]] absl::StatusOr<std::optional<SessionCursor>> FindSession(
+      std::string_view ruri, const model::SessionId& session);
+  /// Creates the row if there is none. Neither number of it ever falls.
+  [[nodiscard]] absl::Status RaiseCursor(std::string_view ruri, const model::SessionId& session,
+                                         const SessionCursor& cursor, SystemTime last_used);
+  /// A robot's sessions, least recently used first.
+  [[nodiscard]] absl::StatusOr<std::vector<model::SessionId>> Sessions(std::string_view ruri);
+  [[nodiscard]] absl::Status DeleteSession(std::string_view ruri, const model::SessionId& session);
+
+ private:
+  std::unique_ptr<Statement> next_entry_, set_next_entry_, open_robot_, held_since_, insert_robot_,
+      open_session_, find_session_, raise_cursor_, sessions_, delete_session_;
+};
+
+}  // namespace uplink::storage::sqlite

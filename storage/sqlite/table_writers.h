@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <tuple>
+#include <type_traits>
+
+#include <absl/status/status.h>
+
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/prepare.h"
+#include "storage/sqlite/statement.h"
+#include "storage/sqlite/tables/lists.h"
+
+namespace uplink::storage::sqlite {
+
+/// Writes rows of one table, which must be a constant: by the statement that its description makes.
+///
+/// Errors: those of errors.h. Thread: confined to the thread of its database.
+template <const auto& kTable>
+class TableWriter final {
+ public:
+  using In = typename std::remove_cvref_t<decltype(kTable)>::In;
+
+  void Prepare(Preparer& prepare) { prepare.Into(insert_, kSql.view()); }
+
+  [[nodiscard]] absl::Status Write(const In& row) {
+    Binder to(*insert_);
+    for (const auto& column : kTable.columns) column.bind(to, row);
+    return to.Run();
+  }
+
+ private:
+  static constexpr SqlText kSql = InsertSql(kTable);
+
+  std::unique_ptr<Statement> insert_;
+};
+
+/// The writers of every table that a batch fills: those of the lists (storage/lists.h), and of what
+/// is kept beside them.
+///
+/// Errors and thread: as TableWriter.
+class TableWriters final {
+ public:
+  [[nodiscard]] absl::Status Prepare(Database& database) {
+    Preparer prepare(database);
+    std::apply([&prepare](auto&... writer) { (writer.Prepare(prepare), ...); }, writers_);
+    return prepare.status();
+  }
+
+  template <const auto& kTable>
+  [[nodiscard]] absl::Status Write(const typename TableWriter<kTable>::In& row) {
+    return std::get<TableWriter<kTable>>(writers_).Write(row);
+  }
+
+ private:
+#define UPLINK_LIST(Name, number, Row, Query, retained) , TableWriter<k##Name##Table>
+  std::tuple<TableWriter<kLatestTable>, TableWriter<kLatestPresenceTable> UPLINK_LISTS(UPLINK_LIST)>
+      writers_;
+#undef UPLINK_LIST
+};
+
+}  // namespace uplink::storage::sqlite
