@@ -79,7 +79,7 @@ template <typename Table>
 constexpr SqlText ListedColumns(const Table& table) {
   SqlText sql;
   for (const auto& column : table.columns) {
-    if (column.read == nullptr) continue;
+    if (!column.read) continue;
     sql.Add({sql.view().empty() ? std::string_view() : ", ", column.name});
   }
   return sql;

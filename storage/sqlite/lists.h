@@ -33,7 +33,7 @@ struct List {
     absl::Status status;
     int number = kFirstOwnColumn;
     for (const auto& column : kTable.columns) {
-      if (column.read != nullptr) column.read(Cell(rows, number++, status), made);
+      if (column.read) (*column.read)(Cell(rows, number++, status), made);
     }
     if (!status.ok()) return status;
     return made;

@@ -33,7 +33,7 @@ struct List {
     }
     int number = kFirstOwnColumn;
     for (const auto& column : kTable.columns) {
-      if (column.read != nullptr) column.read(Cell(rows, row, number++), made);
+      if (column.read) (*column.read)(Cell(rows, row, number++), made);
     }
     return made;
   }

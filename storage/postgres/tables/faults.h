@@ -66,20 +66,20 @@ inline constexpr Table<RaisedFault, FaultRow, 12> kFaultsActiveTable = {
        row.raised_at = time;
        row.fault.active = true;
      }},
-    Join(
-        std::to_array<Column<RaisedFault, FaultRow>>({
-            {"ruri", Type::kText, Role::kKey,
-             [](Array& to, const RaisedFault& row) { to.Text(row.record->robot->ruri); }},
-            {"fleet", Type::kText, Role::kValue,
-             [](Array& to, const RaisedFault& row) { to.Text(row.record->robot->fleet); }},
-            {"raised_at", Type::kTime, Role::kKept,
-             [](Array& to, const RaisedFault& row) { to.Time(row.first_at); }},
-            {"entry", Type::kInt4, Role::kKept,
-             [](Array& to, const RaisedFault& row) { to.Int4(row.place); }, nullptr, kEntryOfPlace},
-            {"received_at", Type::kTime, Role::kValue,
-             [](Array& to, const RaisedFault& row) { to.Time(row.record->received_at); },
-             [](const Cell& cell, FaultRow& row) { row.received_at = cell.Time(); }},
-        }),
-        Join(kFaultKeyColumns<RaisedFault>, kFaultColumns<RaisedFault>))};
+    Join(std::to_array<Column<RaisedFault, FaultRow>>({
+             {"ruri", Type::kText, Role::kKey,
+              [](Array& to, const RaisedFault& row) { to.Text(row.record->robot->ruri); }},
+             {"fleet", Type::kText, Role::kValue,
+              [](Array& to, const RaisedFault& row) { to.Text(row.record->robot->fleet); }},
+             {"raised_at", Type::kTime, Role::kKept,
+              [](Array& to, const RaisedFault& row) { to.Time(row.first_at); }},
+             {"entry", Type::kInt4, Role::kKept,
+              [](Array& to, const RaisedFault& row) { to.Int4(row.place); }, std::nullopt,
+              kEntryOfPlace},
+             {"received_at", Type::kTime, Role::kValue,
+              [](Array& to, const RaisedFault& row) { to.Time(row.record->received_at); },
+              [](const Cell& cell, FaultRow& row) { row.received_at = cell.Time(); }},
+         }),
+         Join(kFaultKeyColumns<RaisedFault>, kFaultColumns<RaisedFault>))};
 
 }  // namespace uplink::storage::postgres

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "storage/postgres/tables/table.h"
 #include "storage/types.h"
@@ -23,21 +24,21 @@ inline constexpr std::string_view kEntryOfPlace =
 
 /// Where a list shows the session.
 template <typename Out>
-constexpr auto SessionReader() -> void (*)(const Cell&, Out&) {
+constexpr std::optional<Read<Out>> SessionReader() {
   if constexpr (requires(Out & row) { row.session; }) {
     return [](const Cell& cell, Out& row) { row.session = cell.Uuid(); };
   } else {
-    return nullptr;
+    return std::nullopt;
   }
 }
 
 /// Where a list shows the number.
 template <typename Out>
-constexpr auto SeqReader() -> void (*)(const Cell&, Out&) {
+constexpr std::optional<Read<Out>> SeqReader() {
   if constexpr (requires(Out & row) { row.seq; }) {
     return [](const Cell& cell, Out& row) { row.seq = static_cast<model::Seq>(cell.Int()); };
   } else {
-    return nullptr;
+    return std::nullopt;
   }
 }
 
@@ -49,7 +50,7 @@ inline constexpr std::array<Column<In, Out>, 6> kReportColumns = {{
     {"received_at", Type::kTime, Role::kValue,
      [](Array& to, const In& row) { to.Time(row.record->received_at); }},
     {"entry", Type::kInt4, Role::kValue, [](Array& to, const In& row) { to.Int4(row.place); },
-     nullptr, kEntryOfPlace},
+     std::nullopt, kEntryOfPlace},
     {"fleet", Type::kText, Role::kValue,
      [](Array& to, const In& row) { to.Text(row.record->robot->fleet); }},
     {"session", Type::kUuid, Role::kValue,

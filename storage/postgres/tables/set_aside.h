@@ -84,7 +84,7 @@ inline constexpr Table<Gap, GapRow, 7> kGapsTable = {
         {"seen_at", Type::kTime, Role::kKept,
          [](Array& to, const Gap& row) { to.Time(row.first->seen_at); }},
         {"entry", Type::kInt4, Role::kKept, [](Array& to, const Gap& row) { to.Int4(row.place); },
-         nullptr, kEntryOfPlace},
+         std::nullopt, kEntryOfPlace},
     })};
 
 }  // namespace uplink::storage::postgres

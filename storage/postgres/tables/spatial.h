@@ -34,7 +34,7 @@ inline constexpr std::array<Column<In, Out>, 9> kSpatialColumns = {{
      [](Array& to, const In& row) { to.Text(row.record->robot->fleet); }},
     {"first_at", Type::kTime, Role::kKept, [](Array& to, const In& row) { to.Time(row.first_at); }},
     {"entry", Type::kInt4, Role::kKept, [](Array& to, const In& row) { to.Int4(row.place); },
-     nullptr, kEntryOfPlace},
+     std::nullopt, kEntryOfPlace},
     {"received_at", Type::kTime, Role::kValue,
      [](Array& to, const In& row) { to.Time(row.record->received_at); },
      [](const Cell& cell, Out& row) { row.received_at = cell.Time(); }},

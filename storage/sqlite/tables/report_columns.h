@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "schema/model/ids.h"
 #include "storage/sqlite/entry_number.h"
@@ -19,21 +20,21 @@ struct Report {
 
 /// Where a list shows the session.
 template <typename Out>
-constexpr auto SessionReader() -> void (*)(const Cell&, Out&) {
+constexpr std::optional<Read<Out>> SessionReader() {
   if constexpr (requires(Out & row) { row.session; }) {
     return [](const Cell& cell, Out& row) { row.session = cell.Session(); };
   } else {
-    return nullptr;
+    return std::nullopt;
   }
 }
 
 /// Where a list shows the number.
 template <typename Out>
-constexpr auto SeqReader() -> void (*)(const Cell&, Out&) {
+constexpr std::optional<Read<Out>> SeqReader() {
   if constexpr (requires(Out & row) { row.seq; }) {
     return [](const Cell& cell, Out& row) { row.seq = static_cast<model::Seq>(cell.Int()); };
   } else {
-    return nullptr;
+    return std::nullopt;
   }
 }
 

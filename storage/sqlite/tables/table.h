@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -77,6 +78,10 @@ class Cell final {
   absl::Status& status_;
 };
 
+/// Reads one value of a list's row.
+template <typename Out>
+using Read = void (*)(const Cell& cell, Out& row);
+
 /// In: what a row is written from. Out: a list's row.
 template <typename In, typename Out>
 struct Column {
@@ -84,8 +89,9 @@ struct Column {
   Role role = Role::kValue;
   /// Binds one value.
   void (*bind)(Binder& to, const In& row) = nullptr;
-  /// Not set: lists leave the column out.
-  void (*read)(const Cell& cell, Out& row) = nullptr;
+  /// Not set: lists leave the column out. Not a null pointer: with UBSan, GCC 12 takes no
+  /// comparison of a function's address for a constant.
+  std::optional<Read<Out>> read = std::nullopt;
   /// SQL that makes the inserted value of the bound one, `?`; empty: it is that one.
   std::string_view value = {};
   /// SQL of an update's value, where it is not the inserted one.
