@@ -6,8 +6,10 @@
 
 #include <signal.h>
 
+#include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "metrics/page.h"
+#include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/samples.h"
 #include "server/health/certificate.h"
@@ -25,6 +27,7 @@
 #include "server/lifecycle/from_config.h"
 #include "server/lifecycle/reload.h"
 #include "server/lifecycle/stop_signal.h"
+#include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
 #include "server/rcan/samples.h"

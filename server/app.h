@@ -7,12 +7,17 @@
 
 #include <absl/status/statusor.h>
 
-#include "metrics/cells.h"
 #include "schema/base/clock.h"
-#include "server/config/address.h"
+#include "server/config/config.h"
 #include "server/config/load.h"
-#include "server/log/logger.h"
 #include "storage/types.h"
+
+namespace uplink::log {
+class Logger;
+}
+namespace uplink::metrics {
+class Cell;
+}
 
 namespace uplink {
 

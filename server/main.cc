@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <utility>

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <string>
 #include <system_error>
 
 #include <sys/resource.h>

@@ -1,6 +1,5 @@
 #include "server/http/server.h"
 
-#include <string>
 #include <utility>
 
 #include <absl/status/status.h>

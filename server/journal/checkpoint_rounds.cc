@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "storage/store.h"
+
 namespace uplink::journal {
 
 CheckpointRounds::CheckpointRounds(const WriterContext& context)

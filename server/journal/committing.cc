@@ -5,6 +5,7 @@
 
 #include "schema/base/check.h"
 #include "server/journal/outcomes.h"
+#include "storage/store.h"
 
 namespace uplink::journal {
 namespace {

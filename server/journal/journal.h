@@ -8,7 +8,6 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
-#include "server/fleet/live_source.h"
 #include "server/journal/inbox.h"
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
@@ -16,7 +15,14 @@
 #include "server/journal/store_errors.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/wake.h"
-#include "storage/store.h"
+#include "storage/types.h"
+
+namespace uplink::fleet {
+class LiveSource;
+}
+namespace uplink::storage {
+class Store;
+}
 
 namespace uplink::journal {
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "storage/store.h"
 
 namespace uplink::journal {
 

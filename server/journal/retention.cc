@@ -1,6 +1,7 @@
 #include "server/journal/retention.h"
 
 #include "server/journal/limits.h"
+#include "storage/store.h"
 
 namespace uplink::journal {
 

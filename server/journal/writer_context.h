@@ -5,7 +5,10 @@
 #include "server/journal/inbox.h"
 #include "server/journal/probe.h"
 #include "server/journal/store_errors.h"
-#include "storage/store.h"
+
+namespace uplink::storage {
+class Store;
+}
 
 namespace uplink::journal {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
-#include <string_view>
 
 #include "schema/judge.h"
 #include "server/config/config.h"
-#include "server/journal/journal.h"
+#include "server/journal/limits.h"
 #include "server/log/logger.h"
 #include "server/relay/options.h"
 #include "server/robot/presence.h"

@@ -1,6 +1,5 @@
 #include "server/relay/credentials.h"
 
-#include <string>
 #include <utility>
 #include <vector>
 

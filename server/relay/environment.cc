@@ -1,7 +1,6 @@
 #include "server/relay/environment.h"
 
 #include <cstdlib>
-#include <string>
 #include <string_view>
 
 #include <fmt/format.h>

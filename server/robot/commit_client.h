@@ -10,7 +10,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "server/robot/wake.h"
-#include "storage/store.h"
+#include "storage/types.h"
 
 namespace uplink::robot {
 

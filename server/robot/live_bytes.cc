@@ -1,6 +1,5 @@
 #include "server/robot/live_bytes.h"
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>

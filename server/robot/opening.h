@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "storage/store.h"
+#include "storage/types.h"
 
 namespace uplink::robot {
 

@@ -8,7 +8,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
-#include "server/robot/live_parts.h"
+#include "server/robot/latest_by_key.h"
 
 namespace uplink::robot {
 

@@ -1,6 +1,5 @@
 #include "server/robot/robot_sessions.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "server/robot/limits.h"

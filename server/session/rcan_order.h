@@ -1,11 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "schema/model/rcan.h"
-#include "schema/model/rejection.h"
-#include "server/robot/live_parts.h"
+#include "server/robot/latest_by_key.h"
 
 namespace uplink::session {
 

@@ -5,7 +5,6 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "metrics/ledger.h"
@@ -14,8 +13,11 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
-#include "storage/store.h"
 #include "storage/types.h"
+
+namespace uplink::storage {
+class Store;
+}
 
 namespace uplink::store {
 

@@ -70,6 +70,8 @@ ROOMS = (
 )
 # Tools do not see these.
 ADAPTERS = ("relay", "http")
+# The rooms of uplink-fleet, in the same way: its README says what each holds.
+FLEET_ROOMS = (("scenario",), ("robot",), ("compare",), ("report",), ("run",))
 
 GENERATED = re.compile(r"\.(grpc\.pb|pb|capnp)\.h$")
 
@@ -97,38 +99,52 @@ def foreign(tree):
 
 def rooms(tree, order=ROOMS):
     """The rooms of server/ include each other in one direction, and are those of the list."""
-    step_of = {room: step for step, here in enumerate(order) for room in here}
-    found = {}
-    for path in tree.files:
-        parts = path.split("/")
-        if parts[0] == "server" and len(parts) > 2:
-            found.setdefault(parts[1], path)
-    for room in sorted(found.keys() - step_of.keys()):
-        yield Finding(found[room], 1, "room", f"the list of rooms lacks server/{room}/ (includes.py)")
-    if found:
-        for room in sorted(step_of.keys() - found.keys()):
-            yield Finding("tests/tidy/includes.py", 1, "room", f"there is no server/{room}/")
+    yield from _order(tree, "server", order)
     for path in tree.cxx:
-        room = _room_of(path)
-        if room is None and path.startswith(("server/", "tests/")):
+        if path.startswith(("server/", "tests/")):
             continue  # the root and tests see every room
         for include in tree.includes(path):
-            target = _room_of(include.name) if include.quoted else None
-            if target is None or target == room or target not in step_of:
-                continue
-            if room is None:
-                if target in ADAPTERS:
-                    text = f"only server/ itself includes its adapters: {include.name}"
-                    yield Finding(path, include.line, "room-order", text)
-            elif step_of.get(room, len(order)) <= step_of[target]:
-                text = f"server/{room}/ does not include server/{target}/: {include.name}"
+            if include.quoted and _room_of(include.name, "server") in ADAPTERS:
+                text = f"only server/ itself includes its adapters: {include.name}"
                 yield Finding(path, include.line, "room-order", text)
 
 
-def _room_of(name):
-    """`robot` of server/robot/x.h; None outside the rooms of server/."""
-    parts = name.split("/")
-    return parts[1] if parts[0] == "server" and len(parts) > 2 else None
+def fleet_rooms(tree, order=FLEET_ROOMS):
+    """The rooms of tools/uplink-fleet/ too."""
+    yield from _order(tree, "tools/uplink-fleet", order)
+
+
+def _order(tree, house, order):
+    """What breaks the order of a house's rooms; files beside its rooms see them all."""
+    step_of = {room: step for step, here in enumerate(order) for room in here}
+    found = {}
+    for path in tree.files:
+        room = _room_of(path, house)
+        if room is not None:
+            found.setdefault(room, path)
+    for room in sorted(found.keys() - step_of.keys()):
+        text = f"the list of rooms lacks {house}/{room}/ (includes.py)"
+        yield Finding(found[room], 1, "room", text)
+    if found:
+        for room in sorted(step_of.keys() - found.keys()):
+            yield Finding("tests/tidy/includes.py", 1, "room", f"there is no {house}/{room}/")
+    for path in tree.cxx:
+        room = _room_of(path, house)
+        if room is None:
+            continue
+        for include in tree.includes(path):
+            target = _room_of(include.name, house) if include.quoted else None
+            if target is None or target == room or target not in step_of:
+                continue
+            if step_of.get(room, len(order)) <= step_of[target]:
+                text = f"{house}/{room}/ does not include {house}/{target}/: {include.name}"
+                yield Finding(path, include.line, "room-order", text)
+
+
+def _room_of(name, house):
+    """`robot` of server/robot/x.h; None outside the rooms of the house."""
+    rest = name.removeprefix(house + "/")
+    return rest.split("/")[0] if rest != name and "/" in rest else None
 
 
 def _source_of(name):

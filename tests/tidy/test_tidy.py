@@ -131,6 +131,47 @@ class RoomsTest(RuleTest):
         self.assertLessEqual(set(includes.ADAPTERS), set(rooms))
 
 
+class FleetRoomsTest(RuleTest):
+    HOUSE = "tools/uplink-fleet"
+    ORDER = [room for here in includes.FLEET_ROOMS for room in here]
+
+    def all_rooms(self):
+        return {f"{self.HOUSE}/{room}/x.h": "" for room in self.ORDER}
+
+    def find_include(self, path, target):
+        files = {**self.all_rooms(), path: f'\n#include "{self.HOUSE}/{target}/x.h"\n'}
+        return self.find(includes.fleet_rooms, files)
+
+    def test_takes_includes_of_the_rooms_before(self):
+        for step, room in enumerate(self.ORDER):
+            for target in self.ORDER[: step + 1]:
+                self.assertEqual(self.find_include(f"{self.HOUSE}/{room}/a.cc", target), [])
+
+    def test_refuses_those_of_the_rooms_after(self):
+        for step, room in enumerate(self.ORDER):
+            for target in self.ORDER[step + 1 :]:
+                found = self.find_include(f"{self.HOUSE}/{room}/a.cc", target)
+                self.assertEqual(found, [(f"{self.HOUSE}/{room}/a.cc", 2, "room-order")])
+
+    def test_a_folder_in_a_room_keeps_the_rooms_order(self):
+        path = f"{self.HOUSE}/robot/behaviour/a.h"
+        self.assertEqual(self.find_include(path, "scenario"), [])
+        self.assertEqual(self.find_include(path, "run"), [(path, 2, "room-order")])
+
+    def test_the_root_tests_and_other_tools_see_every_room(self):
+        for path in (f"{self.HOUSE}/main.cc", "tests/unit/a.cc", "tools/uplinkctl/a.cc"):
+            for target in self.ORDER:
+                self.assertEqual(self.find_include(path, target), [])
+
+    def test_refuses_a_room_that_the_list_or_the_tree_lacks(self):
+        files = {**self.all_rooms(), f"{self.HOUSE}/attic/a.h": ""}
+        found = self.find(includes.fleet_rooms, files)
+        self.assertEqual(found, [(f"{self.HOUSE}/attic/a.h", 1, "room")])
+        del files[f"{self.HOUSE}/attic/a.h"], files[f"{self.HOUSE}/report/x.h"]
+        found = self.find(includes.fleet_rooms, files)
+        self.assertEqual(found, [("tests/tidy/includes.py", 1, "room")])
+
+
 class FormTest(RuleTest):
     GOOD = {
         "schema/a.h": "#pragma once\n",

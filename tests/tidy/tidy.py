@@ -17,6 +17,7 @@ RULES = (
     includes.direction,
     includes.foreign,
     includes.rooms,
+    includes.fleet_rooms,
     includes.form,
     text.length,
     text.banned,

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/robot/shared.h"

@@ -1,7 +1,6 @@
 #include "tools/uplink-fleet/robot/agent_model.h"
 
 #include <algorithm>
-#include <string_view>
 
 #include <fmt/core.h>
 

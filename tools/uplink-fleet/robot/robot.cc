@@ -1,6 +1,5 @@
 #include "tools/uplink-fleet/robot/robot.h"
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 

@@ -1,6 +1,5 @@
 #include "tools/uplink-fleet/robot/script.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

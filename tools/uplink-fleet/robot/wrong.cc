@@ -5,6 +5,8 @@
 
 #include "schema/encode.h"
 #include "schema/limits.h"
+#include "schema/model/rejection.h"
+#include "tools/uplink-fleet/robot/account.h"
 
 namespace uplink::synthetic {
 namespace {

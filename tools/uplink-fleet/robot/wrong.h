@@ -1,14 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
-#include "tools/uplink-fleet/robot/account.h"
-#include "tools/uplink-fleet/robot/agent_model.h"
 #include "tools/uplink-fleet/robot/behaviour/faults.h"
 #include "tools/uplink-fleet/robot/behaviour/seeded.h"
+#include "tools/uplink-fleet/robot/outgoing.h"
 
 namespace uplink::synthetic {
+
+class Account;
 
 /// How many ways there are to be wrong.
 inline constexpr std::size_t kWaysToBeWrong = 14;

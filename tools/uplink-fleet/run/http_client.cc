@@ -1,7 +1,6 @@
 #include "tools/uplink-fleet/run/http_client.h"
 
 #include <chrono>
-#include <optional>
 #include <string_view>
 
 #include <boost/asio/connect.hpp>

@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include <fmt/core.h>
-
 namespace uplink::synthetic {
 namespace {
 

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include "tools/uplink-fleet/robot/behaviour/facts.h"
 #include "tools/uplink-fleet/robot/behaviour/seeded.h"
