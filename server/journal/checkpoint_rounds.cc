@@ -8,7 +8,7 @@ namespace uplink::journal {
 
 CheckpointRounds::CheckpointRounds(const WriterContext& context)
     : context_(context),
-      duty_(Duty::kNever, &context.probe.checkpoint_failing),
+      duty_(Duty::kNever),
       rows_(
           {.most = storage::kCheckpointRowsMax, .failures_to_halve = 1, .successes_to_double = 1}) {
 }
@@ -44,7 +44,7 @@ Step CheckpointRounds::WriteRows() {
     return AfterFailure(passed_over.status());
   }
   context_.errors.NoteDuty(absl::OkStatus());
-  duty_.NoteError(absl::OkStatus());
+  context_.checkpoint_error.Note(absl::OkStatus());
   for (const std::size_t row : *passed_over) live_->PassedOver(rows[row]);
   context_.probe.checkpoint_robots.Add(
       static_cast<std::int64_t>(rows.size() - passed_over->size()));
@@ -56,7 +56,7 @@ Step CheckpointRounds::AfterFailure(const absl::Status& status) {
   // Half of what a call might have held: a few large rows are bounded by their bytes already.
   static_cast<void>(rows_.Failed(rows_.now()));
   if (absl::IsInternal(status)) {
-    duty_.NoteError(status);
+    context_.checkpoint_error.Note(status);
     return Step::kWorked;
   }
   // One that was asked for goes on until the store is there, or nobody waits for it any more.

@@ -17,7 +17,7 @@ namespace uplink::journal {
 /// Errors:  kInternal is the checkpoint's own error, perhaps of one row: the rows go back to their
 ///          source, and the round goes on. Any other is the store's: the round ends, and one that
 ///          was asked for is begun again.
-/// Thread:  confined to the writer, but HasSource() and duty().error().
+/// Thread:  confined to the writer.
 class CheckpointRounds final {
  public:
   explicit CheckpointRounds(const WriterContext& context);
@@ -25,7 +25,6 @@ class CheckpointRounds final {
   /// Before the first Advance: the live states that are written each `every`. `live` outlives this;
   /// without it no round is due.
   void SetSource(fleet::LiveSource& live, milliseconds every);
-  /// Does not change after the first Advance, so any thread may ask.
   [[nodiscard]] bool HasSource() const { return live_ != nullptr; }
 
   [[nodiscard]] const Duty& duty() const { return duty_; }

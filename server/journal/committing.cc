@@ -75,7 +75,8 @@ void Committing::FinishPresence() {
 void Committing::Tell() {
   const std::vector<robot::StreamRef> wake =
       TellOutcomes(batch_, *std::exchange(outcomes_, std::nullopt), held_, context_.ledger);
-  const Inbox::Done done{.records = batch_.entries(), .bytes = batch_.bytes(), .batch_ended = true};
+  const WriterInbox::Done done{
+      .records = batch_.entries(), .bytes = batch_.bytes(), .batch_ended = true};
   batch_.ClearEntries();
   context_.inbox.Release(done);
   for (const robot::StreamRef stream : wake) stream.Wake();

@@ -71,11 +71,6 @@ void Inbox::RequestCheckpoint() {
   work_.notify_one();
 }
 
-void Inbox::EndCheckpoint() {
-  const std::lock_guard lock(mutex_);
-  checkpoint_open_.store(checkpoint_asked_.load());
-}
-
 void Inbox::WhenRoom(robot::StreamRef stream) {
   {
     const std::lock_guard lock(mutex_);
@@ -94,62 +89,6 @@ milliseconds Inbox::oldest(SteadyTime now) const {
   std::optional<SteadyTime> oldest = batch_oldest_;
   if (!oldest && !queue_.empty()) oldest = queue_.front().origin.arrived;
   return oldest ? std::chrono::duration_cast<milliseconds>(now - *oldest) : milliseconds(0);
-}
-
-Inbox::TakenOpens Inbox::TakeOpens(std::vector<OpenEntry> taken, std::size_t most) {
-  const std::lock_guard lock(mutex_);
-  return {.opens = opens_.MoveTo(std::move(taken), most),
-          .records_wait = !queue_.empty() || !presence_.empty()};
-}
-
-void Inbox::PutBackOpens(std::vector<OpenEntry> taken) {
-  const std::lock_guard lock(mutex_);
-  opens_.PutBack(std::move(taken));
-}
-
-GatheredBatch Inbox::Fill(GatheredBatch batch, const BatchBounds& bounds, const HeldRobots& held) {
-  const std::lock_guard lock(mutex_);
-  batch.SetPresence(presence_.Take(bounds.records_max));
-  std::size_t bytes = 0;
-  while (!queue_.empty() && batch.entries() < bounds.records_max && bytes < bounds.bytes_max &&
-         held.MayCommit(queue_.front().origin)) {
-    const Origin& origin = queue_.front().origin;
-    bytes += origin.bytes;
-    if (!batch_oldest_) batch_oldest_ = origin.arrived;
-    batch.Add(std::move(queue_.front()));
-    queue_.pop_front();
-  }
-  return batch;
-}
-
-void Inbox::PutBack(GatheredBatch::Rest rest) {
-  const std::lock_guard lock(mutex_);
-  while (!rest.entries.empty()) {
-    queue_.push_front(std::move(rest.entries.back()));
-    rest.entries.pop_back();
-  }
-  presence_.PutBack(std::move(rest.presence));
-}
-
-void Inbox::Release(const Done& done) {
-  std::vector<robot::StreamRef> wake;
-  {
-    const std::lock_guard lock(mutex_);
-    records_.fetch_sub(done.records);
-    bytes_.fetch_sub(done.bytes);
-    if (done.batch_ended) batch_oldest_.reset();
-    if (HasRoom()) wake.swap(waiting_for_room_);
-  }
-  for (const robot::StreamRef stream : wake) stream.Wake();
-}
-
-void Inbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  const auto work = [this] {
-    return !queue_.empty() || !opens_.empty() || !presence_.empty() || checkpoint_asked_.load();
-  };
-  const SteadyTime::duration left = due - clock_.Steady();
-  work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);
 }
 
 }  // namespace uplink::journal

@@ -7,13 +7,10 @@
 #include <deque>
 #include <mutex>
 #include <optional>
-#include <stop_token>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "server/journal/entry.h"
-#include "server/journal/gathered_batch.h"
-#include "server/journal/held_robots.h"
 #include "server/journal/limits.h"
 #include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
@@ -27,12 +24,12 @@ namespace uplink::journal {
 ///
 /// Limits: JournalLimits.records_max and bytes_max, kept by those who append; OpenQueue's and
 ///         PresenceLog's.
-/// Thread: thread-safe by one mutex. What the writer alone calls says so.
+/// Thread: thread-safe by one mutex. What the writer alone does with it is WriterInbox.
 class Inbox final {
  public:
   Inbox(const JournalLimits& limits, const Clock& clock) : limits_(limits), clock_(clock) {}
 
-  // --- What comes in: journal.h has the comments ---
+  // journal.h has the comments.
 
   void Open(OpenEntry entry);
   void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
@@ -55,57 +52,10 @@ class Inbox final {
            !checkpoint_open_.load();
   }
 
-  // --- The writer: streams ---
-
-  struct TakenOpens {
-    std::vector<OpenEntry> opens;
-    /// Records, gaps or changes of presence wait too.
-    bool records_wait = false;
-  };
-  /// OpenQueue::MoveTo.
-  [[nodiscard]] TakenOpens TakeOpens(std::vector<OpenEntry> taken, std::size_t most);
-  void PutBackOpens(std::vector<OpenEntry> taken);
-  void NoteOpened(std::size_t count) { opens_.NoteOpened(count); }
-
-  // --- The writer: batches ---
-
-  struct BatchBounds {
-    std::size_t records_max = 0;
-    /// A batch ends with the record that reaches this.
-    std::size_t bytes_max = 0;
-  };
-  /// Moves what goes first into `batch`, which is empty: changes of presence, and records and gaps
-  /// up to the first that may not be committed yet.
-  [[nodiscard]] GatheredBatch Fill(GatheredBatch batch, const BatchBounds& bounds,
-                                   const HeldRobots& held);
-  /// What was taken waits again, ahead of all else.
-  void PutBack(GatheredBatch::Rest rest);
-
-  struct Done {
-    std::size_t records = 0;
-    std::size_t bytes = 0;
-    /// Nothing is left of the batch that they were taken for.
-    bool batch_ended = false;
-  };
-  /// Records and gaps that were taken are done; wakes those who wait for room, if there is some.
-  void Release(const Done& done);
-  void NotePresenceCommitted(std::size_t count) { presence_.NoteCommitted(count); }
-
-  // --- The writer: checkpoints ---
-
-  /// A checkpoint was asked for, and no round of it has begun.
-  [[nodiscard]] bool checkpoint_asked() const { return checkpoint_asked_.load(); }
-  /// A round begins. True if it answers a request.
-  [[nodiscard]] bool BeginCheckpoint() { return checkpoint_asked_.exchange(false); }
-  /// The round that answered a request has failed: it is to be answered again.
-  void RenewCheckpoint() { checkpoint_asked_.store(true); }
-  /// The round has ended.
-  void EndCheckpoint();
-
-  /// Waits until something comes in, until `due`, or until `stop`. The writer's.
-  void WaitUntil(SteadyTime due, const std::stop_token& stop);
-
  private:
+  /// Its other end.
+  friend class WriterInbox;
+
   void Push(Entry entry);
 
   const JournalLimits limits_;

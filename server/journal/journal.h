@@ -3,16 +3,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <stop_token>
+
+#include <absl/status/status.h>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/journal/duty_error.h"
 #include "server/journal/inbox.h"
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
-#include "server/journal/step.h"
 #include "server/journal/store_errors.h"
+#include "server/journal/writer_inbox.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/wake.h"
 #include "storage/types.h"
@@ -26,18 +27,16 @@ class Store;
 
 namespace uplink::journal {
 
+class Turns;
+
 /// The bounded queue between sessions and the store, one shard: order is kept per robot, and what
 /// gathered while the last commit ran is the next batch (natural group commit).
 ///
-/// Decides which step of the writer's thread is next. Inbox holds what waits; Opening, Committing
-/// and the duties do something with it.
+/// Inbox holds what waits; Turns, the writer's side, does something with it.
 ///
-/// Thread: CheckpointFrom: before the first Advance. Advance and WaitForWork: the writer alone. All
-///         else: any thread.
+/// Thread: thread-safe; CheckpointFrom comes before the other threads.
 class Journal final {
  public:
-  using Step = journal::Step;
-
   /// `process` numbers the changes of presence: it must differ in every life of the process.
   Journal(storage::Store& store, const JournalLimits& limits, const Clock& clock,
           metrics::Ledger& ledger, JournalProbe& probe, const storage::ProcessId& process);
@@ -80,32 +79,25 @@ class Journal final {
   /// Nothing waits, not even the telling of an outcome.
   [[nodiscard]] bool idle() const { return inbox_.idle(); }
 
-  /// Does the next step. OpenStreams, the commit and the telling of its outcomes are steps of
-  /// their own, so that a test can stop the process between any two.
-  Step Advance();
-  /// Waits until something is queued, until the next duty is due, or until `stop`.
-  void WaitForWork(const std::stop_token& stop);
+  /// What the writer drives.
+  [[nodiscard]] Turns& turns() { return *turns_; }
 
   /// The store's last error; OK after a success.
   [[nodiscard]] absl::Status last_error() const { return errors_.last(); }
   /// Why histories could not be kept to their age, though the store is there; OK after a success.
-  [[nodiscard]] absl::Status retain_error() const;
+  [[nodiscard]] absl::Status retain_error() const { return retain_error_.last(); }
   /// The same of checkpoints.
-  [[nodiscard]] absl::Status checkpoint_error() const;
+  [[nodiscard]] absl::Status checkpoint_error() const { return checkpoint_error_.last(); }
 
  private:
-  struct WriterState;
-
-  /// Opens streams or commits, alternately; nothing if nothing waits.
-  std::optional<Step> AdvanceWork();
-  bool GatherOpens();
-  /// Deletes what expired or what is too old; nothing if neither is due.
-  std::optional<Step> AdvanceDuty();
-
-  const Clock& clock_;
   Inbox inbox_;
+  WriterInbox writer_inbox_;
   StoreErrors errors_;
-  const std::unique_ptr<WriterState> state_;
+  DutyError retain_error_;
+  DutyError checkpoint_error_;
+  /// CheckpointFrom gave it live states to checkpoint.
+  bool checkpoints_ = false;
+  const std::unique_ptr<Turns> turns_;
 };
 
 }  // namespace uplink::journal

@@ -12,7 +12,7 @@ Opening::Opening(const WriterContext& context, HeldRobots& held)
     : context_(context), held_(held), size_({.most = kOpensPerCallMax, .halved_from = 2}) {}
 
 Opening::Gathered Opening::Gather() {
-  Inbox::TakenOpens taken = context_.inbox.TakeOpens(std::move(opening_), size_.now());
+  WriterInbox::TakenOpens taken = context_.inbox.TakeOpens(std::move(opening_), size_.now());
   opening_ = std::move(taken.opens);
   return {.opens = !opening_.empty(), .records_wait = taken.records_wait};
 }

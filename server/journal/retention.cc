@@ -13,7 +13,7 @@ Step Retention::Do() {
     duty_.DueAt(now + kRetainAgain);
     return Step::kFailed;
   }
-  duty_.NoteError(deleted.status());
+  context_.retain_error.Note(deleted.status());
   if (!deleted.ok()) {
     // Commits go on as if nothing was: it is no trouble of theirs.
     duty_.DueAt(now + kRetainLater);

@@ -11,12 +11,11 @@ namespace uplink::journal {
 ///
 /// Errors:  kUnavailable is the store's error: tried again after kRetainAgain. Any other is the
 ///          duty's own: commits go on, and it is tried again after kRetainLater.
-/// Thread:  confined to the writer, but duty().error().
+/// Thread:  confined to the writer.
 class Retention final {
  public:
   /// Due first at `due`.
-  Retention(const WriterContext& context, SteadyTime due)
-      : context_(context), duty_(due, &context.probe.retention_failing) {}
+  Retention(const WriterContext& context, SteadyTime due) : context_(context), duty_(due) {}
 
   [[nodiscard]] const Duty& duty() const { return duty_; }
   [[nodiscard]] Step Do();

@@ -6,11 +6,13 @@
 
 #include <pthread.h>
 
+#include "server/journal/turns.h"
+
 namespace uplink::journal {
 
 JournalWriter::JournalWriter(Journal& journal, const storage::BackoffLimits& backoff,
                              std::function<std::uint64_t()> random)
-    : journal_(journal), backoff_(backoff), random_(std::move(random)) {
+    : turns_(journal.turns()), backoff_(backoff), random_(std::move(random)) {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -24,14 +26,14 @@ void JournalWriter::Stop() {
 void JournalWriter::Run(const std::stop_token& stop) {
   pthread_setname_np(pthread_self(), "journal");
   while (!stop.stop_requested()) {
-    switch (journal_.Advance()) {
-      case Journal::Step::kIdle:
-        journal_.WaitForWork(stop);
+    switch (turns_.Advance()) {
+      case Step::kIdle:
+        turns_.WaitForWork(stop);
         break;
-      case Journal::Step::kWorked:
+      case Step::kWorked:
         backoff_.Reset();
         break;
-      case Journal::Step::kFailed:
+      case Step::kFailed:
         Pause(stop);
         break;
     }

@@ -32,7 +32,7 @@ class JournalWriter final {
   void Run(const std::stop_token& stop);
   void Pause(const std::stop_token& stop);
 
-  Journal& journal_;
+  Turns& turns_;
   storage::Backoff backoff_;
   const std::function<std::uint64_t()> random_;
   std::jthread thread_;

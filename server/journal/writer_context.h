@@ -2,9 +2,10 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
-#include "server/journal/inbox.h"
+#include "server/journal/duty_error.h"
 #include "server/journal/probe.h"
 #include "server/journal/store_errors.h"
+#include "server/journal/writer_inbox.h"
 
 namespace uplink::storage {
 class Store;
@@ -18,8 +19,10 @@ struct WriterContext {
   const Clock& clock;
   metrics::Ledger& ledger;
   JournalProbe& probe;
-  Inbox& inbox;
+  WriterInbox& inbox;
   StoreErrors& errors;
+  DutyError& retain_error;
+  DutyError& checkpoint_error;
 };
 
 }  // namespace uplink::journal

@@ -6,6 +6,7 @@
 
 #include "schema/base/check.h"
 #include "schema/encode.h"
+#include "server/journal/turns.h"
 #include "tests/support/sqlite_shell.h"
 
 namespace uplink::simulation {
@@ -93,7 +94,7 @@ void Days::Settle() {
       while (stream->CanReceive()) static_cast<void>(stream->Receive());
       while (stream->CanDeliver()) stream->DeliverToServer();
     }
-  } while (server_->HasWakes() || server_->journal().Advance() == journal::Journal::Step::kWorked);
+  } while (server_->HasWakes() || server_->journal().turns().Advance() == journal::Step::kWorked);
 }
 
 void Days::Pass(milliseconds time) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "server/journal/turns.h"
 #include "tests/simulation/world.h"
 
 namespace uplink::simulation {
@@ -40,7 +41,7 @@ void World::HealRound() {
   }
   // Sometimes all is committed and acked before what was sent again arrives.
   if (random_.Percent(30)) {
-    while (server_->journal().Advance() == journal::Journal::Step::kWorked) {
+    while (server_->journal().turns().Advance() == journal::Step::kWorked) {
     }
     while (server_->HasWakes()) server_->DeliverWake(0);
   }
@@ -54,7 +55,7 @@ void World::HealRound() {
       Receive(*owner, *stream);
     }
   }
-  server_->journal().Advance();
+  server_->journal().turns().Advance();
   while (server_->HasWakes()) server_->DeliverWake(0);
   clock_.Advance(milliseconds(50));
   server_->FireTimers();

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "server/journal/turns.h"
 #include "tests/simulation/traced_rows.h"
 
 namespace uplink::simulation {
@@ -88,7 +89,7 @@ void World::Step() {
   }
   if (pick < 60) return AgentStep(*robots_[random_.Below(robots_.size())]);
   if (pick < 76) {
-    server_->journal().Advance();
+    server_->journal().turns().Advance();
     return;
   }
   if (pick < 94) {

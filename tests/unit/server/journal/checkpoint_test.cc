@@ -61,14 +61,14 @@ TEST_F(JournalCheckpoint, WhatWaitsGoesFirstAndBetweenTwoCalls) {
   for (int i = 0; i < 3; ++i) live_.Add("rcan://a");
   clock.Advance(kEvery);
   Append(client_, 1);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(Stored(client_), ElementsAre(1U));
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked) << "it is told";
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked) << "it is told";
   EXPECT_EQ(store.checkpoints(), 0U);
   Append(client_, 2);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(store.checkpoints(), 1U) << "its turn, though a record waits";
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(Stored(client_), ElementsAre(1U, 2U));
   Run();
   EXPECT_EQ(store.checkpoints(), 3U);
@@ -78,7 +78,7 @@ TEST_F(JournalCheckpoint, AfterAFailureItAsksForLess) {
   live_.Add("rcan://a");
   clock.Advance(kEvery);
   store.FailNextCheckpoints(1, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   clock.Advance(kEvery);
   Run();
   EXPECT_THAT(live_.rows_max_asked,
@@ -101,7 +101,7 @@ TEST_F(JournalCheckpoint, WhileTheStoreIsAwayTheRowsGoBack) {
   live_.Add("rcan://a");
   clock.Advance(kEvery);
   store.FailNextCheckpoints(1, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(live_.put_back, 1U);
   EXPECT_EQ(probe.store_failing.value(), 1);
   EXPECT_EQ(probe.checkpoint_failing.value(), 0);
@@ -117,14 +117,14 @@ TEST_F(JournalCheckpoint, WhileTheStoreIsAwayTheRowsGoBack) {
 TEST_F(JournalCheckpoint, ThatItWorksDoesNotHideCommitsThatFail) {
   Append(client_, 1);
   store.FailNextCommits(2, FailAt::kBefore, absl::ResourceExhaustedError("disk full"));
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   live_.Add("rcan://a");
   clock.Advance(kEvery);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(store.checkpoints(), 1U);
   EXPECT_TRUE(absl::IsResourceExhausted(journal.last_error()));
   EXPECT_EQ(probe.store_failing.value(), 1);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(probe.store_failing.value(), 1);
   Run();
   EXPECT_TRUE(journal.last_error().ok());
@@ -135,7 +135,7 @@ TEST_F(JournalCheckpoint, ATroubleOfItsOwnIsNotTheStores) {
   live_.Add("rcan://a");
   clock.Advance(kEvery);
   store.FailNextCheckpoints(1, FailAt::kBefore, absl::InternalError("no such table"));
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(live_.put_back, 1U);
   EXPECT_EQ(probe.store_failing.value(), 0);
   EXPECT_EQ(probe.checkpoint_failing.value(), 1);
@@ -152,7 +152,7 @@ TEST_F(JournalCheckpoint, OneThatWasAskedForKeepsTheJournalBusyUntilItsEnd) {
   live_.Add("rcan://a");
   journal.RequestCheckpoint();
   EXPECT_FALSE(journal.idle());
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_FALSE(journal.idle()) << "there may be more";
   Run();
   EXPECT_TRUE(journal.idle());
@@ -162,7 +162,7 @@ TEST_F(JournalCheckpoint, OneThatWasAskedForKeepsTheJournalBusyUntilItsEnd) {
 TEST_F(JournalCheckpoint, OneThatWasAskedForDuringARoundBeginsAfterIt) {
   live_.Add("rcan://a");
   clock.Advance(kEvery);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   journal.RequestCheckpoint();
   Run();
   EXPECT_EQ(live_.rounds, 2);
@@ -173,7 +173,7 @@ TEST_F(JournalCheckpoint, OneThatWasAskedForIsTriedUntilTheStoreIsThere) {
   live_.Add("rcan://a");
   journal.RequestCheckpoint();
   store.FailNextCheckpoints(1, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_FALSE(journal.idle());
   Run();
   EXPECT_TRUE(journal.idle());

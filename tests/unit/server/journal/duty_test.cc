@@ -22,29 +22,5 @@ TEST(DutyTest, OneThatAJournalDoesNotHaveIsNeverDue) {
   EXPECT_FALSE(duty.IsDue(kNow + std::chrono::years(100)));
 }
 
-TEST(DutyTest, ItsErrorIsThatOfTheLastTime) {
-  Duty duty(kNow);
-  EXPECT_TRUE(duty.error().ok());
-  duty.NoteError(absl::InternalError("no such table"));
-  EXPECT_EQ(duty.error(), absl::InternalError("no such table"));
-  duty.NoteError(absl::OkStatus());
-  EXPECT_TRUE(duty.error().ok());
-}
-
-TEST(DutyTest, AsLongAsItHasAnErrorItCountsOnce) {
-  metrics::Cell failing;
-  Duty duty(kNow, &failing);
-  Duty other(kNow, &failing);
-  duty.NoteError(absl::OkStatus());
-  EXPECT_EQ(failing.value(), 0);
-  duty.NoteError(absl::InternalError("a"));
-  duty.NoteError(absl::InternalError("b"));
-  EXPECT_EQ(failing.value(), 1);
-  other.NoteError(absl::InternalError("a"));
-  EXPECT_EQ(failing.value(), 2);
-  duty.NoteError(absl::OkStatus());
-  EXPECT_EQ(failing.value(), 1);
-}
-
 }  // namespace
 }  // namespace uplink::journal

@@ -18,7 +18,7 @@ class JournalHalving : public ::testing::Test, protected JournalBench {
   using JournalBench::Run;
 
   void Fail(int times) {
-    for (int i = 0; i < times; ++i) EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+    for (int i = 0; i < times; ++i) EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   }
 };
 
@@ -30,7 +30,7 @@ TEST_F(JournalHalving, OfABatchTheLaterHalfWaits) {
   store.FailNextCommits(kFailuresToHalve, FailAt::kBefore);
   Fail(kFailuresToHalve);
   EXPECT_EQ(journal.records(), 8U);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(Stored(client), ElementsAre(1U, 2U, 3U, 4U));
   Run();
   EXPECT_THAT(Stored(client), SizeIs(8));
@@ -95,7 +95,7 @@ TEST_F(JournalHalving, GapsAreHalved) {
   for (model::Seq seq = 1; seq <= 4; ++seq) AppendGap(client, 10 * seq, 10 * seq + 5);
   store.FailNextCommits(kFailuresToHalve, FailAt::kBefore);
   Fail(kFailuresToHalve);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(store.Gaps({})->rows, SizeIs(2));
   Run();
   EXPECT_THAT(store.Gaps({})->rows, SizeIs(4));
@@ -111,7 +111,7 @@ TEST_F(JournalHalving, OfOpensTheLaterHalfWaits) {
   Fail(kFailuresToHalve);
   // A newer stream of one that waits stands for it.
   Open(clients[3], 8);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(clients[1].Told(), ElementsAre("opened 7"));
   EXPECT_THAT(clients[2].Told(), SizeIs(0));
   Run();

@@ -21,14 +21,14 @@ class InboxTest : public ::testing::Test, protected StepBench {
   }
 
   [[nodiscard]] GatheredBatch Fill(std::size_t records_max, std::size_t bytes_max = 1'000'000) {
-    return inbox.Fill(GatheredBatch(model::SessionId()),
-                      {.records_max = records_max, .bytes_max = bytes_max}, held);
+    return writer_inbox.Fill(GatheredBatch(model::SessionId()),
+                             {.records_max = records_max, .bytes_max = bytes_max}, held);
   }
   /// All that waits is taken, and done.
   void Drain() {
     const GatheredBatch batch = Fill(100);
-    inbox.Release({.records = batch.entries(), .bytes = batch.bytes(), .batch_ended = true});
-    inbox.NotePresenceCommitted(batch.batch().presence.size());
+    writer_inbox.Release({.records = batch.entries(), .bytes = batch.bytes(), .batch_ended = true});
+    writer_inbox.NotePresenceCommitted(batch.batch().presence.size());
   }
   void NotePresence(const RecordingClient& client, model::Presence presence) {
     inbox.NotePresence(client.robot(), presence, clock.System());
@@ -51,9 +51,9 @@ TEST_F(InboxTest, IsIdleUntilSomethingComesAndOnceItIsDone) {
   EXPECT_TRUE(inbox.idle());
   Open(robot_);
   EXPECT_FALSE(inbox.idle());
-  EXPECT_THAT(inbox.TakeOpens({}, 9).opens, SizeIs(1));
+  EXPECT_THAT(writer_inbox.TakeOpens({}, 9).opens, SizeIs(1));
   EXPECT_FALSE(inbox.idle()) << "it was taken, and is not open";
-  inbox.NoteOpened(1);
+  writer_inbox.NoteOpened(1);
   EXPECT_TRUE(inbox.idle());
 }
 
@@ -65,7 +65,7 @@ TEST_F(InboxTest, WhatWasTakenStillCounts) {
   EXPECT_EQ(inbox.records(), 1U);
   EXPECT_EQ(inbox.bytes(), bytes);
   EXPECT_EQ(batch.bytes(), bytes);
-  inbox.Release({.records = 1, .bytes = bytes, .batch_ended = true});
+  writer_inbox.Release({.records = 1, .bytes = bytes, .batch_ended = true});
   EXPECT_EQ(inbox.records(), 0U);
   EXPECT_EQ(inbox.bytes(), 0U);
 }
@@ -91,11 +91,11 @@ TEST_F(InboxTest, WakesOncePerRequestWhenThereIsRoom) {
   for (model::Seq seq = 1; seq <= 4; ++seq) Append(robot_, seq);
   inbox.WhenRoom(stream);
   inbox.WhenRoom(stream);
-  inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
+  writer_inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
   EXPECT_EQ(wakes_.wakes(9), 1) << "it is still full";
-  inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
+  writer_inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
   EXPECT_EQ(wakes_.wakes(9), 2);
-  inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
+  writer_inbox.Release({.records = 1, .bytes = 0, .batch_ended = false});
   EXPECT_EQ(wakes_.wakes(9), 2);
 }
 
@@ -130,7 +130,7 @@ TEST_F(InboxTest, WhatIsPutBackGoesFirst) {
   AppendGap(robot_, 11);
   GatheredBatch batch = Fill(9);
   Append(robot_, 12);
-  inbox.PutBack(batch.TakeRest(1));
+  writer_inbox.PutBack(batch.TakeRest(1));
   EXPECT_THAT(SeqsOf(batch.batch()), ElementsAre(1, 10));
   EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 3, 12, 11));
 }
@@ -140,7 +140,7 @@ TEST_F(InboxTest, ChangesOfPresenceThatWerePutBackGoAheadOfNewOnes) {
   NotePresence(other_, model::Presence::kOnline);
   GatheredBatch batch = Fill(9);
   NotePresence(robot_, model::Presence::kOffline);
-  inbox.PutBack(batch.TakeRest(1));
+  writer_inbox.PutBack(batch.TakeRest(1));
   const GatheredBatch next = Fill(9);
   ASSERT_THAT(next.batch().presence, SizeIs(1));
   EXPECT_EQ(next.batch().presence[0].robot, other_.robot());
@@ -156,54 +156,54 @@ TEST_F(InboxTest, TheOldestIsOfTheBatchThatWasTakenElseOfTheQueue) {
   EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(5));
   EXPECT_THAT(SeqsOf(Fill(1).batch()), ElementsAre(1));
   EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(5)) << "it is not done";
-  inbox.Release({.records = 1, .bytes = 0, .batch_ended = true});
+  writer_inbox.Release({.records = 1, .bytes = 0, .batch_ended = true});
   clock.Advance(milliseconds(2));
   EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(2));
 }
 
 TEST_F(InboxTest, SaysWhetherRecordsWaitBesideTheStreams) {
   Open(robot_);
-  EXPECT_FALSE(inbox.TakeOpens({}, 9).records_wait);
+  EXPECT_FALSE(writer_inbox.TakeOpens({}, 9).records_wait);
   Append(robot_, 1);
-  EXPECT_TRUE(inbox.TakeOpens({}, 9).records_wait);
+  EXPECT_TRUE(writer_inbox.TakeOpens({}, 9).records_wait);
   Drain();
   NotePresence(robot_, model::Presence::kOnline);
-  EXPECT_TRUE(inbox.TakeOpens({}, 9).records_wait);
+  EXPECT_TRUE(writer_inbox.TakeOpens({}, 9).records_wait);
 }
 
 TEST_F(InboxTest, StreamsThatArePutBackWaitAgain) {
   Open(robot_);
-  Inbox::TakenOpens taken = inbox.TakeOpens({}, 9);
-  EXPECT_THAT(inbox.TakeOpens({}, 9).opens, IsEmpty());
-  inbox.PutBackOpens(std::move(taken.opens));
-  EXPECT_THAT(inbox.TakeOpens({}, 9).opens, SizeIs(1));
+  WriterInbox::TakenOpens taken = writer_inbox.TakeOpens({}, 9);
+  EXPECT_THAT(writer_inbox.TakeOpens({}, 9).opens, IsEmpty());
+  writer_inbox.PutBackOpens(std::move(taken.opens));
+  EXPECT_THAT(writer_inbox.TakeOpens({}, 9).opens, SizeIs(1));
 }
 
 TEST_F(InboxTest, ACheckpointThatWasAskedForIsOpenUntilItsRoundHasEnded) {
-  EXPECT_FALSE(inbox.BeginCheckpoint()) << "one that is due answers nobody";
+  EXPECT_FALSE(writer_inbox.BeginCheckpoint()) << "one that is due answers nobody";
   inbox.RequestCheckpoint();
-  EXPECT_TRUE(inbox.checkpoint_asked());
-  EXPECT_TRUE(inbox.BeginCheckpoint());
-  EXPECT_FALSE(inbox.checkpoint_asked());
+  EXPECT_TRUE(writer_inbox.checkpoint_asked());
+  EXPECT_TRUE(writer_inbox.BeginCheckpoint());
+  EXPECT_FALSE(writer_inbox.checkpoint_asked());
   EXPECT_FALSE(inbox.idle());
-  inbox.EndCheckpoint();
+  writer_inbox.EndCheckpoint();
   EXPECT_TRUE(inbox.idle());
 }
 
 TEST_F(InboxTest, ACheckpointThatWasAskedForDuringARoundIsOpenAfterIt) {
-  EXPECT_FALSE(inbox.BeginCheckpoint());
+  EXPECT_FALSE(writer_inbox.BeginCheckpoint());
   inbox.RequestCheckpoint();
-  inbox.EndCheckpoint();
-  EXPECT_TRUE(inbox.checkpoint_asked());
+  writer_inbox.EndCheckpoint();
+  EXPECT_TRUE(writer_inbox.checkpoint_asked());
   EXPECT_FALSE(inbox.idle());
 }
 
 TEST_F(InboxTest, ACheckpointThatIsRenewedStaysOpen) {
   inbox.RequestCheckpoint();
-  EXPECT_TRUE(inbox.BeginCheckpoint());
-  inbox.RenewCheckpoint();
-  inbox.EndCheckpoint();
-  EXPECT_TRUE(inbox.checkpoint_asked());
+  EXPECT_TRUE(writer_inbox.BeginCheckpoint());
+  writer_inbox.RenewCheckpoint();
+  writer_inbox.EndCheckpoint();
+  EXPECT_TRUE(writer_inbox.checkpoint_asked());
   EXPECT_FALSE(inbox.idle());
 }
 
@@ -212,7 +212,7 @@ class InboxWait : public InboxTest {
  protected:
   [[nodiscard]] std::jthread Wait() {
     return std::jthread([this](const std::stop_token& stop) {
-      inbox.WaitUntil(clock.Steady() + std::chrono::hours(9), stop);
+      writer_inbox.WaitUntil(clock.Steady() + std::chrono::hours(9), stop);
     });
   }
 };
@@ -254,7 +254,7 @@ TEST_F(InboxWait, EndsWhenItIsStopped) {
 }
 
 TEST_F(InboxWait, EndsAtOnceWhatIsDueAlready) {
-  inbox.WaitUntil(clock.Steady() - milliseconds(1), {});
+  writer_inbox.WaitUntil(clock.Steady() - milliseconds(1), {});
   EXPECT_TRUE(inbox.idle());
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/journal/journal.h"
+#include "server/journal/turns.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/server/journal/recording_client.h"
@@ -45,7 +46,7 @@ struct JournalBench {
     return database.Log(client.robot()->ruri, kSession).stored;
   }
   void Run() {
-    while (journal.Advance() == Journal::Step::kWorked) {
+    while (journal.turns().Advance() == Step::kWorked) {
     }
   }
 

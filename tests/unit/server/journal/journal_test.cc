@@ -10,7 +10,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using Step = Journal::Step;
 
 class JournalTest : public ::testing::Test {
  protected:
@@ -21,7 +20,7 @@ class JournalTest : public ::testing::Test {
 
 TEST_F(JournalTest, WithNothingToDoIsIdle) {
   JournalBench bench;
-  EXPECT_EQ(bench.journal.Advance(), Step::kIdle);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kIdle);
   EXPECT_TRUE(bench.journal.idle());
   EXPECT_EQ(bench.store.commits(), 0U);
 }
@@ -30,14 +29,14 @@ TEST_F(JournalTest, OpensBeforeItCommits) {
   JournalBench bench;
   bench.Open(robot_);
   bench.Append(robot_, 1);
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 1"));
   EXPECT_EQ(inbox_.wakes(1), 1);
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(bench.Stored(robot_), ElementsAre(1));
   EXPECT_THAT(robot_.Told(), IsEmpty()) << "telling is a step of its own";
   EXPECT_FALSE(bench.journal.idle());
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(robot_.Told(), ElementsAre("settled 1"));
   EXPECT_EQ(inbox_.wakes(1), 2);
   EXPECT_TRUE(bench.journal.idle());
@@ -101,7 +100,7 @@ TEST_F(JournalTest, ANewerOpenReplacesOneThatTheStoreFailed) {
   JournalBench bench;
   bench.Open(robot_, 1);
   bench.store.FailNext(1, testing::FailAt::kBefore);
-  EXPECT_EQ(bench.journal.Advance(), Step::kFailed);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kFailed);
   bench.Open(robot_, 2);
   bench.Run();
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 2"));
@@ -116,7 +115,7 @@ TEST_F(JournalTest, AFailedCommitIsTriedAgainAsItWas) {
   bench.store.FailNextCommits(2, testing::FailAt::kBefore);
   bench.Run();
   bench.Append(robot_, 3);
-  EXPECT_EQ(bench.journal.Advance(), Step::kFailed);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(bench.journal.last_error().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(bench.probe.store_failing.value(), 1);
   EXPECT_EQ(bench.probe.store_errors.value(), 2);
@@ -149,7 +148,7 @@ TEST_F(JournalTest, OpensGoAheadOfABatchThatFailed) {
   bench.store.FailNextCommits(1, testing::FailAt::kBefore);
   bench.Run();
   bench.Open(other_);
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
   EXPECT_THAT(other_.Told(), ElementsAre("opened 1"));
   EXPECT_THAT(bench.Stored(robot_), IsEmpty());
 }
@@ -177,7 +176,7 @@ TEST_F(JournalTest, AStormOfStreamsKeepsNoCommitWaiting) {
   RecordingClient storm("rcan://storm");
   for (std::uint64_t i = 1; i <= 6; ++i) {
     bench.Open(storm, i);
-    bench.journal.Advance();
+    bench.journal.turns().Advance();
   }
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 1", "settled 1"));
   EXPECT_THAT(storm.Told(), Not(IsEmpty()));
@@ -190,7 +189,7 @@ TEST_F(JournalTest, OpensAtMostSoManyStreamsACall) {
     many.push_back(std::make_unique<RecordingClient>("rcan://" + std::to_string(i)));
     bench.Open(*many.back());
   }
-  bench.journal.Advance();
+  bench.journal.turns().Advance();
   EXPECT_THAT(many[kOpensPerCallMax - 1]->Told(), ElementsAre("opened 1"));
   EXPECT_THAT(many[kOpensPerCallMax]->Told(), IsEmpty());
   bench.Run();
@@ -256,8 +255,8 @@ TEST_F(JournalTest, OldestIsTheAgeOfTheFirstThatWaits) {
   bench.store.FailNextCommits(1, testing::FailAt::kBefore);
   bench.Run();
   EXPECT_EQ(bench.journal.oldest(bench.clock.Steady()), milliseconds(100)) << "in the batch";
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(bench.journal.oldest(bench.clock.Steady()), milliseconds(30));
   bench.Run();
   EXPECT_EQ(bench.journal.oldest(bench.clock.Steady()), milliseconds(0));
@@ -317,8 +316,8 @@ TEST_F(JournalTest, WhatBecomesVoidDuringItsCommitIsNotTold) {
   JournalBench bench;
   bench.Open(robot_);
   bench.Append(robot_, 1);
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
-  EXPECT_EQ(bench.journal.Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
+  EXPECT_EQ(bench.journal.turns().Advance(), Step::kWorked);
   static_cast<void>(robot_.OnFenced(bench.ledger));
   bench.Run();
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 1", "fenced"));

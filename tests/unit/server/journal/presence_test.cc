@@ -74,7 +74,7 @@ TEST_F(JournalPresence, GoesWithTheRecordsOfABatch) {
 TEST_F(JournalPresence, ALostAnswerDoublesNothing) {
   Note(Presence::kOnline);
   store.FailNextCommits(1, FailAt::kAfter);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_FALSE(journal.idle());
   Note(Presence::kOffline);
   Run();
@@ -85,8 +85,8 @@ TEST_F(JournalPresence, ALostAnswerDoublesNothing) {
 TEST_F(JournalPresence, WhatFailedIsTriedAgain) {
   Note(Presence::kOnline);
   store.FailNextCommits(2, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_THAT(Rows(), IsEmpty());
   Run();
   EXPECT_THAT(Rows(), ElementsAre("rcan://a online"));
@@ -155,9 +155,9 @@ TEST_F(JournalSweep, AFailureIsSaidAndWaitsForTheNextTime) {
   StoreShapes(1);
   clock.Advance(storage::kExpiredKept + milliseconds(1));
   store.FailNextSweeps(1, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(probe.store_errors.value(), 1);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kIdle);
+  EXPECT_EQ(journal.turns().Advance(), Step::kIdle);
   clock.Advance(kSweepInterval);
   Run();
   EXPECT_EQ(probe.expired_deleted.value(), 1);

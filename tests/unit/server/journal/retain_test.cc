@@ -36,7 +36,7 @@ class JournalRetain : public ::testing::Test, protected JournalBench {
 
 TEST_F(JournalRetain, MakesRoomBeforeAnythingIsWritten) {
   store.FailNextRetains(1, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(store.opens(), 0U);
 }
 
@@ -62,7 +62,7 @@ TEST_F(JournalRetain, DeletesWhatIsTooOldEachHour) {
 
 TEST_F(JournalRetain, AFailureHoldsUpNoCommit) {
   store.FailNextRetains(1, FailAt::kBefore);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(probe.store_failing.value(), 1);
   StoreAFault();
   EXPECT_EQ(Faults(), 1U);
@@ -71,7 +71,7 @@ TEST_F(JournalRetain, AFailureHoldsUpNoCommit) {
 
 TEST_F(JournalRetain, ATroubleOfItsOwnIsNotTheStores) {
   store.FailNextRetains(1, FailAt::kBefore, absl::FailedPreconditionError("the clocks differ"));
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(probe.store_failing.value(), 0);
   EXPECT_EQ(probe.retention_failing.value(), 1);
   EXPECT_FALSE(journal.retain_error().ok());
@@ -90,10 +90,10 @@ TEST_F(JournalRetain, WhatWaitsGoesBetweenTwoCalls) {
   Run();
   clock.Advance(kKept + std::chrono::days(1));
   Append(client, storage::kRetainRowsMax + 2);
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   clock.Advance(kSweepInterval);  // the next duties are due by now
   EXPECT_EQ(store.commits(), 2U) << "nothing but the histories was looked after";
-  EXPECT_EQ(journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(store.commits(), 3U);
 }
 

@@ -47,7 +47,7 @@ TEST_F(RetentionTest, WhileTheStoreIsAwayItIsTheStoresErrorAndIsTriedAgainSoon) 
   store.FailNextRetains(1, FailAt::kBefore);
   EXPECT_EQ(retention_.Do(), Step::kFailed);
   EXPECT_TRUE(absl::IsUnavailable(errors.last()));
-  EXPECT_TRUE(retention_.duty().error().ok());
+  EXPECT_TRUE(retain_error.last().ok());
   EXPECT_EQ(retention_.duty().due(), clock.Steady() + kRetainAgain);
 }
 
@@ -55,14 +55,14 @@ TEST_F(RetentionTest, AnyOtherErrorIsItsOwnUntilItWorks) {
   store.FailNextRetains(1, FailAt::kBefore, absl::FailedPreconditionError("the clocks differ"));
   EXPECT_EQ(retention_.Do(), Step::kWorked);
   EXPECT_TRUE(errors.last().ok());
-  EXPECT_TRUE(absl::IsFailedPrecondition(retention_.duty().error()));
+  EXPECT_TRUE(absl::IsFailedPrecondition(retain_error.last()));
   EXPECT_EQ(probe.retention_failing.value(), 1);
   EXPECT_EQ(retention_.duty().due(), clock.Steady() + kRetainLater);
   store.FailNextRetains(1, FailAt::kBefore);
   EXPECT_EQ(retention_.Do(), Step::kFailed);
   EXPECT_EQ(probe.retention_failing.value(), 1) << "that the store is away says nothing of it";
   EXPECT_EQ(retention_.Do(), Step::kWorked);
-  EXPECT_TRUE(retention_.duty().error().ok());
+  EXPECT_TRUE(retain_error.last().ok());
   EXPECT_EQ(probe.retention_failing.value(), 0);
 }
 

@@ -46,9 +46,9 @@ TEST(ShardsTest, TheErrorOfAnyJournalIsTold) {
   RecordingClient client("rcan://a");
   b.Open(client);
   b.store.FailNextOpens(1, testing::FailAt::kBefore, absl::UnavailableError("away"));
-  EXPECT_EQ(b.journal.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(b.journal.turns().Advance(), Step::kFailed);
   EXPECT_EQ(shards.last_error(), absl::UnavailableError("away"));
-  EXPECT_EQ(b.journal.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(b.journal.turns().Advance(), Step::kWorked);
   EXPECT_TRUE(shards.last_error().ok());
 }
 
@@ -64,13 +64,13 @@ TEST(ShardsTest, OneProbeCountsTheJournalsThatFail) {
   store.FailNextOpens(3, testing::FailAt::kBefore);
   for (Journal* journal : {&a, &b}) {
     journal->Open(client, 1, {.robot = client.robot(), .at = clock.System()});
-    EXPECT_EQ(journal->Advance(), Journal::Step::kFailed);
+    EXPECT_EQ(journal->turns().Advance(), Step::kFailed);
   }
-  EXPECT_EQ(a.Advance(), Journal::Step::kFailed);
+  EXPECT_EQ(a.turns().Advance(), Step::kFailed);
   EXPECT_EQ(probe.store_failing.value(), 2);
-  EXPECT_EQ(a.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(a.turns().Advance(), Step::kWorked);
   EXPECT_EQ(probe.store_failing.value(), 1) << "one works, the other does not";
-  EXPECT_EQ(b.Advance(), Journal::Step::kWorked);
+  EXPECT_EQ(b.turns().Advance(), Step::kWorked);
   EXPECT_EQ(probe.store_failing.value(), 0);
 }
 

@@ -22,8 +22,10 @@ struct StepBench {
             .clock = clock,
             .ledger = ledger,
             .probe = probe,
-            .inbox = inbox,
-            .errors = errors};
+            .inbox = writer_inbox,
+            .errors = errors,
+            .retain_error = retain_error,
+            .checkpoint_error = checkpoint_error};
   }
 
   void Open(RecordingClient& client, std::uint64_t open_id = 1) {
@@ -74,7 +76,10 @@ struct StepBench {
   metrics::Ledger ledger;
   JournalProbe probe;
   Inbox inbox;
+  WriterInbox writer_inbox{inbox};
   StoreErrors errors{probe};
+  DutyError retain_error{probe.retention_failing};
+  DutyError checkpoint_error{probe.checkpoint_failing};
   HeldRobots held;
 };
 

@@ -1,4 +1,5 @@
 // Two processes on one database: the one that lost a robot lets it go.
+#include "server/journal/step.h"
 #include "tests/unit/server/session/session_test.h"
 
 namespace uplink::session {
@@ -58,7 +59,7 @@ TEST_F(FencingTest, WhatIsTakenBeforeTheStreamLearnsOfItIsVoid) {
   BenchStream& stream = mine_.Connect(SessionOf(1));
   other_.Connect(SessionOf(1));
   stream.Send(BatchFrame({{1, Fault()}}));
-  while (mine_.Advance() == journal::Journal::Step::kWorked) {
+  while (mine_.Advance() == journal::Step::kWorked) {
   }
   stream.Send(BatchFrame({{2, Fault()}, {3, Motion()}}));
   EXPECT_EQ(mine_.counts().received, 1U);
@@ -107,7 +108,7 @@ TEST_F(FencingTest, AHalfClosedStreamDoesNotEndOkWithoutItsRecords) {
   other_.Connect(SessionOf(1));
   stream.Send(BatchFrame({{65, Fault()}}));
   stream.HalfClose();
-  while (mine_.Advance() == journal::Journal::Step::kWorked) {
+  while (mine_.Advance() == journal::Step::kWorked) {
   }
   stream.ReadAgain();
   EXPECT_EQ(stream.end(), "") << "65 was never settled";

@@ -7,6 +7,7 @@
 
 #include "schema/base/check.h"
 #include "schema/encode.h"
+#include "server/journal/turns.h"
 
 namespace uplink::session {
 namespace {
@@ -232,8 +233,8 @@ BenchStream& BenchServer::Connect(const model::SessionId& session, model::Seq se
   return stream;
 }
 
-journal::Journal::Step BenchServer::Advance() {
-  const journal::Journal::Step step = journal_.Advance();
+journal::Step BenchServer::Advance() {
+  const journal::Step step = journal_.turns().Advance();
   UPLINK_CHECK(counts().Balanced(), "the conservation law");
   return step;
 }
@@ -241,7 +242,7 @@ journal::Journal::Step BenchServer::Advance() {
 void BenchServer::Commit() {
   do {
     DeliverWakes();
-  } while (Advance() == journal::Journal::Step::kWorked);
+  } while (Advance() == journal::Step::kWorked);
   DeliverWakes();
 }
 

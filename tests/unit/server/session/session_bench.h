@@ -14,6 +14,7 @@
 
 #include <absl/status/status.h>
 
+#include "server/journal/step.h"
 #include "server/session/session.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
@@ -127,7 +128,7 @@ class BenchServer final : public robot::WakeInbox {
   /// Everything that can be done now, is: opened, committed, told.
   void Commit();
   /// The store does one step; nobody is woken.
-  journal::Journal::Step Advance();
+  journal::Step Advance();
   void DeliverWakes();
   /// Time passes, and timers that are due fire.
   void Pass(milliseconds time);

@@ -1,0 +1,71 @@
+#include "server/journal/turns.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace uplink::journal {
+
+Turns::Turns(const WriterContext& context, const JournalLimits& limits,
+             const storage::ProcessId& process)
+    : clock_(context.clock),
+      inbox_(context.inbox),
+      opening_(context, held_),
+      committing_(context, held_,
+                  {.records_max = limits.batch_records_max, .bytes_max = limits.batch_bytes_max},
+                  model::SessionId(process)),
+      expiry_sweep_(context,
+                    limits.sweeps ? context.clock.Steady() + kSweepInterval : Duty::kNever),
+      // At once: a store may need room for today.
+      retention_(context, limits.retains ? context.clock.Steady() : Duty::kNever),
+      checkpoints_(context) {}
+
+void Turns::WaitForWork(const std::stop_token& stop) {
+  const SteadyTime due = std::min({clock_.Steady() + kSweepInterval, expiry_sweep_.duty().due(),
+                                   retention_.duty().due(), checkpoints_.duty().due()});
+  inbox_.WaitUntil(due, stop);
+}
+
+Step Turns::Advance() {
+  if (committing_.HasOutcomes()) {
+    committing_.Tell();
+    return Step::kWorked;
+  }
+  // What waits goes between two duties, so that a long one that is followed by the next keeps no
+  // robot waiting for more than itself; and before a checkpoint, of which there are many calls.
+  const bool after_duty = std::exchange(after_duty_, false);
+  std::optional<Step> done;
+  if (!after_duty) done = AdvanceDuty();
+  if (!done && std::exchange(after_work_, false)) done = checkpoints_.Advance();
+  if (!done) done = AdvanceWork();
+  if (!done) done = checkpoints_.Advance();
+  if (!done && after_duty) done = AdvanceDuty();
+  return done.value_or(Step::kIdle);
+}
+
+std::optional<Step> Turns::AdvanceWork() {
+  after_work_ = true;
+  // Alternately, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
+  const bool batch_turn = std::exchange(batch_turn_, false);
+  if (!batch_turn && GatherOpens()) return opening_.Open();
+  if (committing_.Gather()) return committing_.Commit();
+  if (batch_turn && GatherOpens()) return opening_.Open();
+  after_work_ = false;
+  return std::nullopt;
+}
+
+bool Turns::GatherOpens() {
+  const Opening::Gathered gathered = opening_.Gather();
+  batch_turn_ = gathered.opens && (gathered.records_wait || committing_.HasBatch());
+  return gathered.opens;
+}
+
+std::optional<Step> Turns::AdvanceDuty() {
+  const SteadyTime now = clock_.Steady();
+  after_duty_ = true;
+  if (expiry_sweep_.duty().IsDue(now)) return expiry_sweep_.Do();
+  if (retention_.duty().IsDue(now)) return retention_.Do();
+  after_duty_ = false;
+  return std::nullopt;
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <stop_token>
+
+#include "schema/base/clock.h"
+#include "server/journal/checkpoint_rounds.h"
+#include "server/journal/committing.h"
+#include "server/journal/expiry_sweep.h"
+#include "server/journal/held_robots.h"
+#include "server/journal/limits.h"
+#include "server/journal/opening.h"
+#include "server/journal/retention.h"
+#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
+#include "storage/types.h"
+
+namespace uplink::journal {
+
+/// The writer's side of a journal: decides whose turn it is. Opening, Committing and the duties do
+/// the steps.
+///
+/// Thread: confined to the writer.
+class Turns final {
+ public:
+  /// All of `context` outlives it. `process` numbers the changes of presence.
+  Turns(const WriterContext& context, const JournalLimits& limits,
+        const storage::ProcessId& process);
+
+  /// Before the first Advance: CheckpointRounds::SetSource.
+  void CheckpointFrom(fleet::LiveSource& live, milliseconds every) {
+    checkpoints_.SetSource(live, every);
+  }
+
+  /// Does the next step. OpenStreams, the commit and the telling of its outcomes are steps of
+  /// their own, so that a test can stop the process between any two.
+  Step Advance();
+  /// Waits until something is queued, until the next duty is due, or until `stop`.
+  void WaitForWork(const std::stop_token& stop);
+
+ private:
+  /// Opens streams or commits, alternately; nothing if nothing waits.
+  std::optional<Step> AdvanceWork();
+  bool GatherOpens();
+  /// Deletes what expired or what is too old; nothing if neither is due.
+  std::optional<Step> AdvanceDuty();
+
+  const Clock& clock_;
+  WriterInbox& inbox_;
+  HeldRobots held_;
+  Opening opening_;
+  Committing committing_;
+  ExpirySweep expiry_sweep_;
+  Retention retention_;
+  CheckpointRounds checkpoints_;
+  /// The last call opened streams while records waited: they are next.
+  bool batch_turn_ = false;
+  /// The last call was a duty's: what waits is next.
+  bool after_duty_ = false;
+  /// The last call was for what waits: a checkpoint that is due is next.
+  bool after_work_ = false;
+};
+
+}  // namespace uplink::journal

@@ -1,0 +1,72 @@
+#include "server/journal/writer_inbox.h"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+namespace uplink::journal {
+
+WriterInbox::TakenOpens WriterInbox::TakeOpens(std::vector<OpenEntry> taken, std::size_t most) {
+  const std::lock_guard lock(inbox_.mutex_);
+  return {.opens = inbox_.opens_.MoveTo(std::move(taken), most),
+          .records_wait = !inbox_.queue_.empty() || !inbox_.presence_.empty()};
+}
+
+void WriterInbox::PutBackOpens(std::vector<OpenEntry> taken) {
+  const std::lock_guard lock(inbox_.mutex_);
+  inbox_.opens_.PutBack(std::move(taken));
+}
+
+GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
+                                const HeldRobots& held) {
+  const std::lock_guard lock(inbox_.mutex_);
+  batch.SetPresence(inbox_.presence_.Take(bounds.records_max));
+  std::size_t bytes = 0;
+  while (!inbox_.queue_.empty() && batch.entries() < bounds.records_max &&
+         bytes < bounds.bytes_max && held.MayCommit(inbox_.queue_.front().origin)) {
+    const Origin& origin = inbox_.queue_.front().origin;
+    bytes += origin.bytes;
+    if (!inbox_.batch_oldest_) inbox_.batch_oldest_ = origin.arrived;
+    batch.Add(std::move(inbox_.queue_.front()));
+    inbox_.queue_.pop_front();
+  }
+  return batch;
+}
+
+void WriterInbox::PutBack(GatheredBatch::Rest rest) {
+  const std::lock_guard lock(inbox_.mutex_);
+  while (!rest.entries.empty()) {
+    inbox_.queue_.push_front(std::move(rest.entries.back()));
+    rest.entries.pop_back();
+  }
+  inbox_.presence_.PutBack(std::move(rest.presence));
+}
+
+void WriterInbox::Release(const Done& done) {
+  std::vector<robot::StreamRef> wake;
+  {
+    const std::lock_guard lock(inbox_.mutex_);
+    inbox_.records_.fetch_sub(done.records);
+    inbox_.bytes_.fetch_sub(done.bytes);
+    if (done.batch_ended) inbox_.batch_oldest_.reset();
+    if (inbox_.HasRoom()) wake.swap(inbox_.waiting_for_room_);
+  }
+  for (const robot::StreamRef stream : wake) stream.Wake();
+}
+
+void WriterInbox::EndCheckpoint() {
+  const std::lock_guard lock(inbox_.mutex_);
+  inbox_.checkpoint_open_.store(inbox_.checkpoint_asked_.load());
+}
+
+void WriterInbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
+  std::unique_lock lock(inbox_.mutex_);
+  const auto work = [this] {
+    return !inbox_.queue_.empty() || !inbox_.opens_.empty() || !inbox_.presence_.empty() ||
+           inbox_.checkpoint_asked_.load();
+  };
+  const SteadyTime::duration left = due - inbox_.clock_.Steady();
+  inbox_.work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <stop_token>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/journal/gathered_batch.h"
+#include "server/journal/held_robots.h"
+#include "server/journal/inbox.h"
+#include "server/journal/open_queue.h"
+
+namespace uplink::journal {
+
+/// The writer's end of an inbox: takes what waits, puts back what could not be done, and tells what
+/// is done.
+///
+/// Thread: confined to the writer, while any thread uses the inbox.
+class WriterInbox final {
+ public:
+  /// The inbox outlives it, and has no other.
+  explicit WriterInbox(Inbox& inbox) : inbox_(inbox) {}
+
+  // --- Streams ---
+
+  struct TakenOpens {
+    std::vector<OpenEntry> opens;
+    /// Records, gaps or changes of presence wait too.
+    bool records_wait = false;
+  };
+  /// OpenQueue::MoveTo.
+  [[nodiscard]] TakenOpens TakeOpens(std::vector<OpenEntry> taken, std::size_t most);
+  void PutBackOpens(std::vector<OpenEntry> taken);
+  void NoteOpened(std::size_t count) { inbox_.opens_.NoteOpened(count); }
+
+  // --- Batches ---
+
+  struct BatchBounds {
+    std::size_t records_max = 0;
+    /// A batch ends with the record that reaches this.
+    std::size_t bytes_max = 0;
+  };
+  /// Moves what goes first into `batch`, which is empty: changes of presence, and records and gaps
+  /// up to the first that may not be committed yet.
+  [[nodiscard]] GatheredBatch Fill(GatheredBatch batch, const BatchBounds& bounds,
+                                   const HeldRobots& held);
+  /// What was taken waits again, ahead of all else.
+  void PutBack(GatheredBatch::Rest rest);
+
+  struct Done {
+    std::size_t records = 0;
+    std::size_t bytes = 0;
+    /// Nothing is left of the batch that they were taken for.
+    bool batch_ended = false;
+  };
+  /// Records and gaps that were taken are done; wakes those who wait for room, if there is some.
+  void Release(const Done& done);
+  void NotePresenceCommitted(std::size_t count) { inbox_.presence_.NoteCommitted(count); }
+
+  // --- Checkpoints ---
+
+  /// A checkpoint was asked for, and no round of it has begun.
+  [[nodiscard]] bool checkpoint_asked() const { return inbox_.checkpoint_asked_.load(); }
+  /// A round begins. True if it answers a request.
+  [[nodiscard]] bool BeginCheckpoint() { return inbox_.checkpoint_asked_.exchange(false); }
+  /// The round that answered a request has failed: it is to be answered again.
+  void RenewCheckpoint() { inbox_.checkpoint_asked_.store(true); }
+  /// The round has ended.
+  void EndCheckpoint();
+
+  /// Waits until something comes in, until `due`, or until `stop`.
+  void WaitUntil(SteadyTime due, const std::stop_token& stop);
+
+ private:
+  Inbox& inbox_;
+};
+
+}  // namespace uplink::journal
