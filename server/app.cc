@@ -25,7 +25,9 @@
 #include "server/journal/samples.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
+#include "server/lifecycle/periodic.h"
 #include "server/lifecycle/reload.h"
+#include "server/lifecycle/start.h"
 #include "server/lifecycle/stop_signal.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
@@ -43,18 +45,6 @@
 #include "server/view/queries.h"
 
 namespace uplink {
-namespace {
-
-/// The presence sweep.
-constexpr std::chrono::seconds kSweepEvery{1};
-/// How often the relay's certificate file is looked at for its expiry.
-constexpr std::chrono::seconds kCertificateEvery{5};
-/// How often the store's last error is looked at, for the log.
-constexpr std::chrono::seconds kStoreEvery{1};
-/// How often a fleet that could not be read at the start is tried again.
-constexpr std::chrono::seconds kSeedEvery{2};
-
-}  // namespace
 
 class App::Impl {
  public:
@@ -95,25 +85,13 @@ class App::Impl {
   Impl& operator=(const Impl&) = delete;
 
   absl::Status Start() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
-                             SystemTime at) { journals_.NotePresence(robot, presence, at); });
-    store_watch_.LookAtFacts();
-    if (absl::Status begun = seed_rounds_.Begin(stores_.away); !begun.ok()) return begun;
-    reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
-    scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
-    auto http = http::HttpServer::Listen(
-        {loop_.io(), site_, *reads_, *scrapes_, http_probe_, options_.clock},
-        {options_.config.listen.http, options_.config.http.connections_max});
-    if (!http.ok()) return http.status();
-    http_ = *std::move(http);
-    writers_.Start();
-    auto relay = relay::RelayServer::Start(
-        lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
-        {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_});
-    if (!relay.ok()) return relay.status();
-    relay_ = *std::move(relay);
-    StartLoop();
+    absl::Status started =
+        lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
+                          .listen_for_http = [this] { return ListenForHttp(); },
+                          .start_writers = [this] { writers_.Start(); },
+                          .listen_for_robots = [this] { return ListenForRobots(); },
+                          .start_loop = [this] { StartLoop(); }});
+    if (!started.ok()) return started;
     options_.logger.Info("listening", {{"relay", config::ToText(RelayAddress())},
                                        {"http", config::ToText(http_->bound())},
                                        {"version", options_.version},
@@ -185,27 +163,63 @@ class App::Impl {
     };
   }
 
+  absl::Status ReadRobots() {
+    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                             SystemTime at) { journals_.NotePresence(robot, presence, at); });
+    store_watch_.LookAtFacts();
+    return seed_rounds_.Begin(stores_.away);
+  }
+
+  absl::Status ListenForHttp() {
+    reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
+    scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
+    auto http = http::HttpServer::Listen(
+        {loop_.io(), site_, *reads_, *scrapes_, http_probe_, options_.clock},
+        {options_.config.listen.http, options_.config.http.connections_max});
+    if (!http.ok()) return http.status();
+    http_ = *std::move(http);
+    return absl::OkStatus();
+  }
+
+  absl::Status ListenForRobots() {
+    auto relay = relay::RelayServer::Start(
+        lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
+        {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
+         lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_});
+    if (!relay.ok()) return relay.status();
+    relay_ = *std::move(relay);
+    return absl::OkStatus();
+  }
+
   void StartLoop() {
-    loop_.Every(kSweepEvery, [this] {
-      if (!monitor_.draining()) watch_.Sweep();  // whom it sends away is not heard, and not offline
-    });
-    loop_.Every(kCertificateEvery, [this] {
-      const relay::FilesLook look = relay_->RefreshFiles();
-      certificate_watch_.OnLook(look.expiry, look.status);
-    });
-    loop_.Every(kStoreEvery, [this] { store_watch_.Look(); });
-    loop_.Every(kSeedEvery, [this] { seed_rounds_.ReadOn(OnReads()); });
-    loop_.Every(rcan::kFaultCountsEvery, [this] {
-      if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, *stores_.reader);
-    });
-    loop_.Every(health::kHandshakeEvery, [this] {
-      watch_.AskRelay([this](auto done) {
-        loop::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
-      });
-    });
+    lifecycle::DoPeriodically(
+        [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
+        WorkToDo());
     loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });
     loop_.OnSignals({SIGHUP}, [this](int) { reload_.Run(); });
     loop_.Start();
+  }
+
+  [[nodiscard]] lifecycle::PeriodicWork WorkToDo() {
+    lifecycle::PeriodicWork work;
+    work.sweep = [this] {
+      if (!monitor_.draining()) watch_.Sweep();  // whom it sends away is not heard, and not offline
+    };
+    work.look_at_certificate = [this] {
+      const relay::FilesLook look = relay_->RefreshFiles();
+      certificate_watch_.OnLook(look.expiry, look.status);
+    };
+    work.look_at_store = [this] { store_watch_.Look(); };
+    work.read_robots = [this] { seed_rounds_.ReadOn(OnReads()); };
+    work.count_faults = [this] {
+      if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, *stores_.reader);
+    };
+    work.ask_relay = [this] {
+      watch_.AskRelay([this](auto done) {
+        loop::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
+      });
+    };
+    return work;
   }
 
   /// To the thread that may wait for the store.
@@ -214,11 +228,17 @@ class App::Impl {
   }
 
   void Stop() {
-    if (relay_ != nullptr) relay_->Shutdown(lifecycle::kStopWait / 2);
-    writers_.Stop();
-    loop_.Stop();
-    scrapes_.reset();
-    reads_.reset();
+    lifecycle::StopSteps steps;
+    steps.stop_relay = [this] {
+      if (relay_ != nullptr) relay_->Shutdown(lifecycle::kStopWait / 2);
+    };
+    steps.stop_writers = [this] { writers_.Stop(); };
+    steps.stop_loop = [this] { loop_.Stop(); };
+    steps.end_readers = [this] {
+      scrapes_.reset();
+      reads_.reset();
+    };
+    lifecycle::Stop(steps);
   }
 
   [[nodiscard]] config::ListenAddress RelayAddress() const {

@@ -21,8 +21,8 @@ class Cell;
 
 namespace uplink {
 
-/// The server: constructs the components, connects them, starts them in order and stops them in
-/// reverse. The only place that knows them all.
+/// The server: constructs the components and connects them. The only place that knows them all;
+/// lifecycle/ says in which order they start and stop.
 ///
 /// Thread: main. Signals arrive on the io thread.
 class App final {

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <functional>
+
+#include "schema/base/clock.h"
+
+namespace uplink::lifecycle {
+
+/// What the server does again and again while it runs. Each is short, and posts what may wait to a
+/// thread that may.
+struct PeriodicWork {
+  /// The presence sweep.
+  std::function<void()> sweep;
+  /// Looks whether the relay's certificate files were replaced, and when the certificate expires.
+  std::function<void()> look_at_certificate;
+  /// Looks at the store's last error, for the log.
+  std::function<void()> look_at_store;
+  /// Reads the robots, if the store was away at the start.
+  std::function<void()> read_robots;
+  /// Counts the robots' active faults, for their series.
+  std::function<void()> count_faults;
+  /// Asks our own relay for a handshake.
+  std::function<void()> ask_relay;
+};
+
+/// Has each done at its interval: `every` is given both, and does it at once and then again and
+/// again.
+void DoPeriodically(const std::function<void(milliseconds, std::function<void()>)>& every,
+                    PeriodicWork work);
+
+}  // namespace uplink::lifecycle

@@ -1,0 +1,21 @@
+#include "server/lifecycle/start.h"
+
+namespace uplink::lifecycle {
+
+absl::Status Start(const StartSteps& steps) {
+  if (absl::Status read = steps.read_robots(); !read.ok()) return read;
+  if (absl::Status listens = steps.listen_for_http(); !listens.ok()) return listens;
+  steps.start_writers();
+  if (absl::Status listens = steps.listen_for_robots(); !listens.ok()) return listens;
+  steps.start_loop();
+  return absl::OkStatus();
+}
+
+void Stop(const StopSteps& steps) {
+  steps.stop_relay();
+  steps.stop_writers();
+  steps.stop_loop();
+  steps.end_readers();
+}
+
+}  // namespace uplink::lifecycle

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+
+#include <absl/status/status.h>
+
+namespace uplink::lifecycle {
+
+/// The steps of the way up, once all parts are constructed and connected.
+struct StartSteps {
+  /// Takes over the robots that the store knows; one that is away is waited for later.
+  std::function<absl::Status()> read_robots;
+  /// Answers probes, scrapes and queries from now on.
+  std::function<absl::Status()> listen_for_http;
+  /// Commits what comes from now on.
+  std::function<void()> start_writers;
+  /// Admits robots from now on.
+  std::function<absl::Status()> listen_for_robots;
+  /// Does what is due, and hears signals, from now on.
+  std::function<void()> start_loop;
+};
+
+/// Starts the server, in the order of the steps: whatever a step lets in, those before it can take.
+///
+/// Errors: of the first step that fails; none after it is begun, and the caller stops what was.
+/// Thread: main.
+[[nodiscard]] absl::Status Start(const StartSteps& steps);
+
+/// The steps of the way down. Each does nothing for a part that was not started.
+struct StopSteps {
+  /// Ends the streams that are left.
+  std::function<void()> stop_relay;
+  /// Ends the writers, after the calls of the store that are under way.
+  std::function<void()> stop_writers;
+  /// Nothing is due any more, and HTTP answers nobody.
+  std::function<void()> stop_loop;
+  /// Ends the threads that wait for the store or write long texts.
+  std::function<void()> end_readers;
+};
+
+/// Stops the server, in the order of the steps: the reverse of the start, but HTTP, which answers
+/// until the writers have stopped.
+///
+/// Thread: main.
+void Stop(const StopSteps& steps);
+
+}  // namespace uplink::lifecycle

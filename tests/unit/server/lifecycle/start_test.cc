@@ -1,0 +1,66 @@
+#include "server/lifecycle/start.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::lifecycle {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// Steps that write down that they were done.
+class StartTest : public ::testing::Test {
+ protected:
+  absl::Status Run() {
+    return Start({.read_robots = [this] { return Do("robots"); },
+                  .listen_for_http = [this] { return Do("http"); },
+                  .start_writers = [this] { done_.emplace_back("writers"); },
+                  .listen_for_robots = [this] { return Do("relay"); },
+                  .start_loop = [this] { done_.emplace_back("loop"); }});
+  }
+  absl::Status Do(const std::string& step) {
+    done_.emplace_back(step);
+    return step == fails_ ? absl::UnavailableError(step) : absl::OkStatus();
+  }
+
+  std::vector<std::string> done_;
+  std::string fails_;
+};
+
+TEST_F(StartTest, WhateverIsLetInFindsWhatTakesIt) {
+  EXPECT_TRUE(Run().ok());
+  EXPECT_THAT(done_, ElementsAre("robots", "http", "writers", "relay", "loop"));
+}
+
+TEST_F(StartTest, NothingIsBegunWhereTheRobotsCannotBeRead) {
+  fails_ = "robots";
+  EXPECT_EQ(Run(), absl::UnavailableError("robots"));
+  EXPECT_THAT(done_, ElementsAre("robots"));
+}
+
+TEST_F(StartTest, NothingIsWrittenWhereHttpCannotListen) {
+  fails_ = "http";
+  EXPECT_EQ(Run(), absl::UnavailableError("http"));
+  EXPECT_THAT(done_, ElementsAre("robots", "http"));
+}
+
+TEST_F(StartTest, TheLoopDoesNotStartWhereTheRelayCannotListen) {
+  fails_ = "relay";
+  EXPECT_EQ(Run(), absl::UnavailableError("relay"));
+  EXPECT_THAT(done_, ElementsAre("robots", "http", "writers", "relay"));
+}
+
+TEST(StopTest, TheWritersOutliveTheStreamsAndHttpOutlivesTheWriters) {
+  std::vector<std::string> done;
+  Stop({.stop_relay = [&done] { done.emplace_back("relay"); },
+        .stop_writers = [&done] { done.emplace_back("writers"); },
+        .stop_loop = [&done] { done.emplace_back("loop"); },
+        .end_readers = [&done] { done.emplace_back("readers"); }});
+  EXPECT_THAT(done, ElementsAre("relay", "writers", "loop", "readers"));
+}
+
+}  // namespace
+}  // namespace uplink::lifecycle
