@@ -25,7 +25,8 @@ Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::
       id_(robot.id()),
       journal_(context.journals.Of(id_->ruri)),
       session_(session),
-      generation_(generation) {}
+      generation_(generation),
+      numbers_(robot.sessions, session) {}
 
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
@@ -45,13 +46,13 @@ HeldBack Intake::HeldBackBy(std::size_t outgoing) const {
 
 Intake::Processed Intake::Process(std::size_t outgoing) {
   Processed processed;
-  new_before_ = 0;
+  numbers_.Begin();
   while (pending() && !processed.is_void &&
          HeldBackBy(outgoing + processed.frames.size()) == HeldBack::kNone) {
     ProcessUplink(batch_.front(), processed);
     batch_.PopFront();
   }
-  SettleRun();
+  numbers_.Flush();
   if (std::exchange(sign_of_life_, false)) {
     robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits());
   }
@@ -61,28 +62,13 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
   return processed;
 }
 
-robot::Seen Intake::See(model::Seq seq) {
-  // Numbers of a batch increase, so what follows a new one is new, and where it follows at once
-  // nothing is missing: no look is needed.
-  if (new_before_ > 0 && seq == new_before_ + 1) return {};
-  SettleRun();
-  return robot_.sessions.See(session_, seq);
-}
-
-void Intake::SettleRun() {
-  if (unsettled_ == 0) return;
-  robot_.sessions.AddSettled(session_, std::exchange(unsettled_, 0));
-}
-
 void Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
-  const robot::Seen seen = See(uplink.seq);
-  new_before_ = 0;
+  const robot::Seen seen = numbers_.See(uplink.seq);
   if (seen.as == robot::SeenAs::kVoid) {
     processed.is_void = true;
     return;
   }
   if (seen.as == robot::SeenAs::kDuplicate) return CountDuplicate(seen, processed);
-  new_before_ = uplink.seq;
   ++processed.messages;
   if (seen.missing_first > 0) AppendGap(seen);
   switch (uplink.content) {
@@ -147,7 +133,7 @@ void Intake::JudgeRcan(const UplinkView& uplink, Processed& processed) {
   }
   ++counts_.rcan_states;
   TellDropped(uplink.seq, judgement.dropped, metrics::kRcanKind, processed);
-  unsettled_ = uplink.seq;
+  numbers_.AddSettled(uplink.seq);
   if (age == RcanOrder::Age::kSame) return CountSuperseded();
   rcan_order_->Apply(state);
   const FrameLive::Before before = context_.scratch.live.Add(std::move(state));
@@ -159,11 +145,11 @@ void Intake::Accept(const UplinkView& uplink, model::Record& record, Processed& 
   if (!record.durable()) {
     TellDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()),
                 processed);
-    unsettled_ = uplink.seq;
+    numbers_.AddSettled(uplink.seq);
     return AddLive(std::move(record));
   }
   if (ExpiredOnArrival(record.body(), received_at_)) {
-    unsettled_ = uplink.seq;
+    numbers_.AddSettled(uplink.seq);
     return CountSuperseded();
   }
   robot_.state.KeepReport(record.body(), received_at_);
@@ -213,12 +199,9 @@ void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection,
 void Intake::Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
                     std::string payload, std::size_t payload_bytes) {
   ++counts_.received;
-  SettleRun();
-  const std::int64_t grew = robot_.sessions.AddWaiting(session_, seq);
+  const std::int64_t grew = numbers_.AddWaiting(seq);
   if (grew == 0) {
-    // Another process took the robot since the number was seen: the next look says so.
-    ++counts_.superseded;
-    new_before_ = 0;
+    ++counts_.superseded;  // another process took the robot since the number was seen
     return;
   }
   counts_.in_flight += grew;

@@ -15,6 +15,7 @@
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
 #include "server/session/held_back.h"
+#include "server/session/number_run.h"
 #include "server/session/pending_batch.h"
 #include "server/session/rcan_order.h"
 #include "server/session/throttle.h"
@@ -65,7 +66,6 @@ class Intake final {
   [[nodiscard]] std::optional<SteadyTime> throttle_end() const { return throttle_.end(); }
 
  private:
-  [[nodiscard]] robot::Seen See(model::Seq seq);
   void ProcessUplink(const UplinkView& uplink, Processed& processed);
   void CountDuplicate(const robot::Seen& seen, Processed& processed);
   void AppendGap(const robot::Seen& seen);
@@ -80,7 +80,6 @@ class Intake final {
   void Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
               std::string payload, std::size_t payload_bytes);
   void CountSuperseded();
-  void SettleRun();
   void ApplyLive();
   void Publish();
 
@@ -92,13 +91,10 @@ class Intake final {
   const std::uint64_t generation_;
 
   PendingBatch batch_;
+  NumberRun numbers_;
   Throttle throttle_;
   SteadyTime arrived_;
   SystemTime received_at_;
-  /// Within one Process: the number before, if it was new, and the highest of the live ones that
-  /// the window has not been told of; both 0 otherwise.
-  model::Seq new_before_ = 0;
-  model::Seq unsettled_ = 0;
   bool sign_of_life_ = false;
   /// Once the stream has sent a Robot State.
   std::unique_ptr<RcanOrder> rcan_order_;

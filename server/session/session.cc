@@ -131,21 +131,23 @@ void Session::HandleBatch() {
   Advance(News::kNone);
 }
 
-void Session::ProcessPending() {
-  outgoing_.AddProcessed(intake_->Process(outgoing_.size()));
-  // What is left must not point into the frame's bytes, which are the transport's, nor into the
-  // scratch that all streams of the thread share.
-  intake_->Keep();
-}
-
 // --- What every call ends with ---
 
 void Session::Advance(News news) {
-  if (intake_ != nullptr && intake_->pending()) ProcessPending();
-  if (news == News::kCommits) outgoing_.AddProgress();
-  outgoing_.Flush();
+  ProcessAndWrite(news);
   EndWhenSettled();
   if (news != News::kLastFrame) Read();
+}
+
+void Session::ProcessAndWrite(News news) {
+  if (intake_ != nullptr && intake_->pending()) {
+    outgoing_.AddProcessed(intake_->Process(outgoing_.size()));
+    // What is left must not point into the frame's bytes, which are the transport's, nor into the
+    // scratch that all streams of the thread share.
+    intake_->Keep();
+  }
+  if (news == News::kCommits) outgoing_.AddProgress();
+  outgoing_.Flush();
 }
 
 void Session::EndWhenSettled() {
@@ -164,13 +166,12 @@ void Session::EndWhenSettled() {
 void Session::Read() {
   if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
-  // One look decides: what keeps the stream back is what it then waits for.
+  // The last look decides: what keeps the stream back is what it then waits for.
   HeldBack by = intake_->HeldBackBy(outgoing_.size());
   while (intake_->pending() && by == HeldBack::kNone) {
-    ProcessPending();
+    ProcessAndWrite(News::kNone);
     by = intake_->HeldBackBy(outgoing_.size());
   }
-  outgoing_.Flush();
   reading_.WatchPeer(outgoing_.size());
   reading_.RequestUnless(by, intake_->throttle_end());
 }

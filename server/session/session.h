@@ -83,11 +83,11 @@ class Session final {
   void BeginOpening();
   void SendWelcome();
   void HandleBatch();
-  void ProcessPending();
 
   /// What every call ends with, in this order: take what is pending, collect what commits brought,
   /// write, end the stream once all is settled, and ask for the next frame.
   void Advance(News news);
+  void ProcessAndWrite(News news);
   void EndWhenSettled();
   void Read();
 

@@ -1,0 +1,33 @@
+#include "server/session/number_run.h"
+
+#include <utility>
+
+namespace uplink::session {
+
+robot::Seen NumberRun::See(model::Seq seq) {
+  // Numbers of a batch increase, so what follows a new one is new, and where it follows at once
+  // nothing is missing: no look is needed.
+  if (new_before_ > 0 && seq == new_before_ + 1) {
+    new_before_ = seq;
+    return {};
+  }
+  Flush();
+  const robot::Seen seen = sessions_.See(session_, seq);
+  new_before_ = seen.as == robot::SeenAs::kNew ? seq : 0;
+  return seen;
+}
+
+std::int64_t NumberRun::AddWaiting(model::Seq seq) {
+  Flush();
+  const std::int64_t grew = sessions_.AddWaiting(session_, seq);
+  // Another process took the robot since the number was seen: the next look says so.
+  if (grew == 0) new_before_ = 0;
+  return grew;
+}
+
+void NumberRun::Flush() {
+  if (unsettled_ == 0) return;
+  sessions_.AddSettled(session_, std::exchange(unsettled_, 0));
+}
+
+}  // namespace uplink::session

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+
+#include "schema/model/ids.h"
+#include "server/robot/robot_sessions.h"
+
+namespace uplink::session {
+
+/// The numbers of a stream as its messages are processed, with as few looks into the robot's
+/// sessions, which are locked, as the order of the numbers allows.
+///
+/// Thread: confined to the stream's thread.
+class NumberRun final {
+ public:
+  /// `sessions` outlives it.
+  NumberRun(robot::RobotSessions& sessions, const model::SessionId& session)
+      : sessions_(sessions), session_(session) {}
+
+  /// A pass over messages begins: the robot may have been taken since the one before.
+  void Begin() { new_before_ = 0; }
+  /// Sees a number, as robot::RobotSessions::See. One that follows a new one at once is new.
+  [[nodiscard]] robot::Seen See(model::Seq seq);
+  /// The number just seen is settled; the sessions learn it by Flush at the latest.
+  void AddSettled(model::Seq seq) { unsettled_ = seq; }
+  /// The number just seen waits for its commit, as robot::RobotSessions::AddWaiting.
+  [[nodiscard]] std::int64_t AddWaiting(model::Seq seq);
+  /// Tells the sessions what is settled. Ends a pass.
+  void Flush();
+
+ private:
+  robot::RobotSessions& sessions_;
+  const model::SessionId session_;
+  /// The number before, if it was new; 0 otherwise.
+  model::Seq new_before_ = 0;
+  /// The highest of the settled ones that the sessions have not been told of; 0 if there is none.
+  model::Seq unsettled_ = 0;
+};
+
+}  // namespace uplink::session
