@@ -1,5 +1,6 @@
 """uplink-fleet against a real uplinkd: what agrees, and that a disagreement is seen."""
 
+import signal
 import sqlite3
 import unittest
 import urllib.parse
@@ -67,6 +68,15 @@ class FleetRun(EndToEnd):
                 report = self.assert_agrees(fleet)
                 self.assertEqual(report["run"]["robots"], robots)
                 self.assertGreater(report["run"]["rejects"], 0)
+
+    def test_a_second_signal_ends_it_though_its_server_is_gone(self):
+        server, fleet = self.at_work("--robots", 3, "--faults", 10)
+        server.kill()
+        # Two that differ, since the second of two equal ones is lost while the first one waits.
+        fleet.process.send_signal(signal.SIGINT)
+        fleet.process.send_signal(signal.SIGTERM)
+        fleet.process.communicate(timeout=15)  # one alone: until the server is back, or minutes
+        self.assertEqual(fleet.process.returncode, 1, fleet.log())
 
     def test_a_second_run_on_the_same_server_agrees_too(self):
         server, fleet = self.at_work("--robots", 3, "--faults", 20)

@@ -51,7 +51,7 @@ absl::Status Gather(const RunContext& run, const RunOutcome& outcome, Evidence& 
   if (absl::Status status = GatherCounters(run, evidence); !status.ok()) return status;
   for (const RobotOutcome& robot : outcome.robots) {
     // Thousands of robots take minutes to compare.
-    if (run.signals.Wait(milliseconds(0))) {
+    if (run.signals.Came()) {
       return absl::CancelledError(fmt::format("told to stop after {} of {} robots were compared",
                                               evidence.robots_read, outcome.robots.size()));
     }

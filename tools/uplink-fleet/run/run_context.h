@@ -13,7 +13,7 @@ namespace uplink::synthetic {
 struct RunContext {
   const RunOptions& options;
   const Clock& clock;
-  const Signals& signals;
+  Signals& signals;
   Shared& shared;
   ServerView& view;
   Progress& progress;

@@ -19,7 +19,7 @@ bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& robots,
   while (robots.load() < run.options.swarm.scenario.robots * times) {
     if (run.clock.Steady() - start > run.options.settle_for) return false;
     run.progress.TellHowItGoes();
-    // A second signal while settling gives up the rest.
+    // A signal while settling gives up the rest.
     if (run.signals.Wait(kLook)) return false;
   }
   return true;

@@ -8,7 +8,7 @@
 #include "uplink/v1/fleet.pb.h"
 
 /// What main does in each stage of a run (robot/shared.h), one after the other. A first signal ends
-/// the sending, a second one the settling.
+/// the sending; after a second one nothing is waited for.
 ///
 /// Thread: main's.
 namespace uplink::synthetic {
