@@ -7,7 +7,7 @@
 
 namespace uplink::storage {
 
-bool RaiseCursor(HeldSession& session, model::Seq number, SystemTime at) {
+bool RaiseCursor(KnownSession& session, model::Seq number, SystemTime at) {
   if (number <= session.cursor) return false;
   session.cursor = number;
   session.is_raised = true;
@@ -16,7 +16,7 @@ bool RaiseCursor(HeldSession& session, model::Seq number, SystemTime at) {
 }
 
 absl::StatusOr<bool> Decider::IsFenced(const Hold& hold) {
-  const absl::StatusOr<HeldRobot*> robot = held_.Robot(hold);
+  const absl::StatusOr<KnownRobot*> robot = known_.Robot(hold);
   if (!robot.ok()) return robot.status();
   return hold.held_since < (*robot)->held_since;
 }
@@ -27,12 +27,12 @@ absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record)
       IsFenced({*record.robot, record.held_since, record.received_at});
   if (!fenced.ok()) return fenced.status();
   if (*fenced) return Outcome{OutcomeKind::kFenced, std::nullopt};
-  const absl::StatusOr<HeldSession*> session = held_.Session(record);
+  const absl::StatusOr<KnownSession*> session = known_.Session(record);
   if (!session.ok()) return session.status();
   if (RaiseCursor(**session, record.seq, record.received_at)) return std::optional<Outcome>();
 
   if (record.seq == 0) return Outcome{OutcomeKind::kDuplicate, std::nullopt};
-  absl::StatusOr<std::optional<model::Rejection>> why = held_.Quarantined(record);
+  absl::StatusOr<std::optional<model::Rejection>> why = known_.Quarantined(record);
   if (!why.ok()) return why.status();
   if (!why->has_value()) return Outcome{OutcomeKind::kDuplicate, std::nullopt};
   return Outcome{OutcomeKind::kRefused, *std::move(why)};
@@ -43,10 +43,10 @@ absl::StatusOr<Ruling> Decider::Judge(const CommitRecord& record) {
   ruling.change = PresentChangeOf(record, rules_);
   if (!ruling.change) return ruling;
   const PresentKey& key = ruling.change->key;
-  const absl::StatusOr<HeldRobot*> robot =
-      held_.Robot({*record.robot, record.held_since, record.received_at});
+  const absl::StatusOr<KnownRobot*> robot =
+      known_.Robot({*record.robot, record.held_since, record.received_at});
   if (!robot.ok()) return robot.status();
-  const absl::StatusOr<std::optional<std::int64_t>> there = held_.ExpiryOf(key);
+  const absl::StatusOr<std::optional<std::int64_t>> there = known_.ExpiryOf(key);
   if (!there.ok()) return there.status();
   ruling.was_present = there->has_value();
   if (ruling.change->is_upsert) {
@@ -60,7 +60,7 @@ absl::StatusOr<Ruling> Decider::Judge(const CommitRecord& record) {
   return ruling;
 }
 
-absl::StatusOr<bool> Decider::MakeRoom(const PresentChange& change, HeldRobot& robot,
+absl::StatusOr<bool> Decider::MakeRoom(const PresentChange& change, KnownRobot& robot,
                                        const std::optional<std::int64_t>& there, SystemTime now) {
   const PresentKey& key = change.key;
   const PresentBound& bound = BoundOf(key.kind);
@@ -68,17 +68,17 @@ absl::StatusOr<bool> Decider::MakeRoom(const PresentChange& change, HeldRobot& r
   if (there && !IsExpired(*there, now_ms)) return true;
   std::optional<std::size_t>& count = robot.counts[static_cast<std::size_t>(key.kind)];
   if (there) {
-    absl::Status deleted = held_.Delete(key);
+    absl::Status deleted = known_.Delete(key);
     if (!deleted.ok()) return deleted;
     if (count) --*count;
   }
   if (!count) {
-    const absl::StatusOr<std::size_t> counted = held_.Count(key.kind, key.ruri);
+    const absl::StatusOr<std::size_t> counted = known_.Count(key.kind, key.ruri);
     if (!counted.ok()) return counted.status();
     count = *counted;
   }
   if (*count >= bound.entries_max && bound.expires) {
-    const absl::StatusOr<std::size_t> expired = held_.DeleteExpired(key.kind, key.ruri, now_ms);
+    const absl::StatusOr<std::size_t> expired = known_.DeleteExpired(key.kind, key.ruri, now_ms);
     if (!expired.ok()) return expired.status();
     *count -= *expired;
   }

@@ -16,7 +16,7 @@
 namespace uplink::storage {
 
 /// A robot, as the batch at hand has it so far.
-struct HeldRobot {
+struct KnownRobot {
   /// The epoch since which its process holds it.
   Epoch held_since = 0;
   /// Entries that are present, by PresentKind, expired ones included. Nothing: not counted yet;
@@ -25,7 +25,7 @@ struct HeldRobot {
 };
 
 /// A session, as the batch at hand has it so far.
-struct HeldSession {
+struct KnownSession {
   model::Seq cursor = 0;
   /// Whether the batch raised the cursor, and the latest arrival of what did.
   bool is_raised = false;
@@ -39,22 +39,23 @@ struct Hold {
   SystemTime at;
 };
 
-/// What a store holds, as far as a decision asks for it. Each answer takes in what was decided
-/// before in the same batch: a store writes a record, or notes it, before the next one is decided.
+/// What a store knows of the robots of a batch, as far as a decision asks for it. Each answer takes
+/// in what was decided before in the same batch: a store writes a record, or notes it, before the
+/// next one is decided.
 ///
 /// Errors: the store's own; they end the batch.
-class Held {
+class Known {
  public:
-  Held() = default;
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
-  virtual ~Held() = default;
+  Known() = default;
+  Known(const Known&) = delete;
+  Known& operator=(const Known&) = delete;
+  virtual ~Known() = default;
 
   /// A robot that the store does not know is entered as the hold says. The answer is valid for the
   /// whole batch.
-  [[nodiscard]] virtual absl::StatusOr<HeldRobot*> Robot(const Hold& hold) = 0;
+  [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(const Hold& hold) = 0;
   /// Of a record whose robot was asked for. The answer is valid until the next call.
-  [[nodiscard]] virtual absl::StatusOr<HeldSession*> Session(const CommitRecord& record) = 0;
+  [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
   /// Why the record's number lies in quarantine; nothing if it does not.
   [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) = 0;
@@ -75,7 +76,7 @@ class Held {
 };
 
 /// True if the number is above the session's cursor, which it then becomes.
-[[nodiscard]] bool RaiseCursor(HeldSession& session, model::Seq number, SystemTime at);
+[[nodiscard]] bool RaiseCursor(KnownSession& session, model::Seq number, SystemTime at);
 
 /// What the bounds say to a new record.
 struct Ruling {
@@ -96,12 +97,12 @@ struct Ruling {
 /// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
 ///    quarantine in its stead and it is refused.
 ///
-/// Errors: those of Held.
+/// Errors: those of Known.
 /// Thread: confined to that of its store.
 class Decider final {
  public:
   /// Both must outlive this.
-  Decider(Held& held, const StoreRules& rules) : held_(held), rules_(rules) {}
+  Decider(Known& known, const StoreRules& rules) : known_(known), rules_(rules) {}
 
   /// The outcome of a record that is not new; nothing for one that is.
   [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
@@ -114,10 +115,10 @@ class Decider final {
   absl::StatusOr<bool> IsFenced(const Hold& hold);
   /// True if there is room for an upsert of the entry; it is counted then. `there` is when the
   /// entry that is there expires.
-  absl::StatusOr<bool> MakeRoom(const PresentChange& change, HeldRobot& robot,
+  absl::StatusOr<bool> MakeRoom(const PresentChange& change, KnownRobot& robot,
                                 const std::optional<std::int64_t>& there, SystemTime now);
 
-  Held& held_;
+  Known& known_;
   const StoreRules& rules_;
 };
 

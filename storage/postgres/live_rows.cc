@@ -92,9 +92,9 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
       }
     }
   }
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
-  calls.push_back(CallOf(kUpsert.view(), {&ruri, &last_sign, &skew}));
+  calls.push_back(StoreCallOf(kUpsert.view(), {&ruri, &last_sign, &skew}));
   for (Array& part : parts) calls.back().parameters.Add(std::move(part));
   calls.back().parameters.Uuid(model::SessionId(process));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
@@ -110,7 +110,7 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
 }
 
 absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection, std::string_view after) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kRead.view(), {}});
   calls.back().parameters.Text(after);
   calls.back().parameters.Int8(std::int64_t{kLiveRowsMax});

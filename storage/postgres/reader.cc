@@ -34,10 +34,10 @@ constexpr std::string_view kLatest =
 absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
                                                std::span<const std::string> ruris,
                                                std::uint32_t kinds) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.reserve(ruris.size());
   for (const std::string& ruri : ruris) {
-    Call call{kLatest, {}};
+    StoreCall call{kLatest, {}};
     call.parameters.Text(ruri);
     call.parameters.Int4(static_cast<std::int32_t>(kinds));
     calls.push_back(std::move(call));
@@ -79,7 +79,7 @@ absl::StatusOr<std::unique_ptr<PostgresReader>> PostgresReader::Open(const Reade
 
 absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robots_max) {
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<RobotRow>> {
-    OwnedCall call{std::string(kRobots), {}};
+    OwnedStoreCall call{std::string(kRobots), {}};
     call.parameters.Int8(std::int64_t{robots_max});
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();
@@ -101,7 +101,7 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<ActiveFaults>> {
     Array robots{Type::kText};
     for (const std::string& ruri : ruris) robots.Text(ruri);
-    OwnedCall call{std::string(kActiveFaultCounts), {}};
+    OwnedStoreCall call{std::string(kActiveFaultCounts), {}};
     call.parameters.Add(std::move(robots));
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();

@@ -28,7 +28,7 @@ struct Applied {
 };
 
 absl::StatusOr<std::vector<Applied>> ReadApplied(Connection& connection) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kFindTable, {}});
   auto found = connection.Run(calls, "look for the schema");
   if (!found.ok()) return found.status();
@@ -92,7 +92,7 @@ std::string GrantSql(const std::string& role) {
 }
 
 absl::Status GrantAgain(Connection& connection) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   // Whoever may write robots is a server.
   calls.push_back(
       {"SELECT DISTINCT grantee::text FROM information_schema.role_table_grants"
@@ -149,7 +149,7 @@ absl::Status CheckSchema(Connection& connection, std::span<const Migration> migr
 
 absl::StatusOr<std::vector<std::string>> Migrate(Connection& connection,
                                                  std::span<const Migration> migrations) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kLock, {}});
   const auto locked = connection.Run(calls, "wait for other migrations");
   if (!locked.ok()) return locked.status();

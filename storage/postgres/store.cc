@@ -110,10 +110,10 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
   const StoreOptions& options = parts_->options;
   return With<std::size_t>([&](Connection& connection) -> absl::StatusOr<std::size_t> {
-    std::vector<Call> calls;
+    std::vector<StoreCall> calls;
     calls.push_back({kBegin, {}});
     for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
-      Call call{PresentSqlOf(kind).sweep.view(), {}};
+      StoreCall call{PresentSqlOf(kind).sweep.view(), {}};
       call.parameters.Int8(until_ms);
       call.parameters.Int8(static_cast<std::int64_t>(kSweepRowsMax));
       calls.push_back(std::move(call));

@@ -5,8 +5,10 @@
 #include <variant>
 
 #include "storage/refusal.h"
+#include "storage/sqlite/database.h"
 #include "storage/sqlite/presence_writer.h"
 #include "storage/sqlite/quarantine_writer.h"
+#include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
 
@@ -72,7 +74,7 @@ absl::StatusOr<BatchCommit::Refusal> BatchCommit::WriteAlone(const CommitRecord&
     refusal = Refusal(StoreRefused({cause.data(), cause.size()}));
     status = database_.Execute("ROLLBACK TO one; RELEASE one");
     // What the record had changed is counted anew.
-    held_.robot(record.robot->ruri).held.counts = {};
+    known_.robot(record.robot->ruri).known.counts = {};
   } else if (refusal.ok()) {
     status = database_.Execute("RELEASE one");
   }
@@ -82,7 +84,7 @@ absl::StatusOr<BatchCommit::Refusal> BatchCommit::WriteAlone(const CommitRecord&
 
 absl::Status BatchCommit::WriteRejection(const CommitRecord& record,
                                          const model::Rejection& rejection) {
-  if (!record.payload.empty()) held_.robot(record.robot->ruri).quarantined_payload = true;
+  if (!record.payload.empty()) known_.robot(record.robot->ruri).quarantined_payload = true;
   absl::Status status = WriteQuarantineRow(tables_.rows, record, rejection, next_entry_++);
   if (!absl::IsInvalidArgument(status)) return status;
   return absl::InternalError("quarantine takes not even a bare row: " +
@@ -93,17 +95,17 @@ absl::Status BatchCommit::WriteGap(const GapItem& gap) {
   const absl::StatusOr<bool> takes = decider_.Takes(gap);
   if (!takes.ok()) return takes.status();
   if (!*takes) return absl::OkStatus();
-  held_.robot(gap.robot->ruri).gaps = true;
+  known_.robot(gap.robot->ruri).gaps = true;
   return tables_.rows.Write<kGapsTable>({&gap, next_entry_++});
 }
 
 absl::Status BatchCommit::Finish() {
-  for (const auto& [ruri, robot] : held_.robots()) {
+  for (const auto& [ruri, robot] : known_.robots()) {
     absl::Status status;
     for (const BatchSession& session : robot.sessions) {
-      if (!session.held.is_raised || !status.ok()) continue;
+      if (!session.known.is_raised || !status.ok()) continue;
       status = tables_.deciding.RaiseCursor(
-          ruri, session.id, {session.held.cursor, session.first_entry}, session.held.last_used);
+          ruri, session.id, {session.known.cursor, session.first_entry}, session.known.last_used);
     }
     if (status.ok() && robot.quarantined_payload) status = tables_.set_aside.ThinPayloads(ruri);
     if (status.ok() && robot.gaps) status = tables_.set_aside.TrimGaps(ruri);

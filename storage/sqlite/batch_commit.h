@@ -8,13 +8,15 @@
 #include <absl/status/statusor.h>
 
 #include "storage/decide.h"
-#include "storage/sqlite/batch_held.h"
-#include "storage/sqlite/database.h"
+#include "storage/sqlite/batch_known.h"
+#include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_writer.h"
-#include "storage/sqlite/tables.h"
-#include "storage/store.h"
+#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
+
+class Database;
+struct Tables;
 
 /// How the records of a batch stand to each other.
 enum class Isolation : std::uint8_t {
@@ -36,8 +38,8 @@ class BatchCommit final {
       : database_(database),
         tables_(tables),
         isolation_(isolation),
-        held_(tables, process, next_entry_),
-        decider_(held_, rules),
+        known_(tables, process, next_entry_),
+        decider_(known_, rules),
         writer_(tables, next_entry_) {}
 
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Write(const Batch& batch);
@@ -59,7 +61,7 @@ class BatchCommit final {
   Tables& tables_;
   const Isolation isolation_;
   EntryNumber next_entry_ = 0;
-  BatchHeld held_;
+  BatchKnown known_;
   Decider decider_;
   KindWriter writer_;
 };

@@ -6,6 +6,7 @@
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/sqlite/tables.h"
 #include "storage/sqlite/tables/lists.h"
 
 namespace uplink::storage::sqlite {

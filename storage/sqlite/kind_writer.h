@@ -4,10 +4,11 @@
 
 #include "storage/decide.h"
 #include "storage/sqlite/entry_number.h"
-#include "storage/sqlite/tables.h"
 #include "storage/types.h"
 
 namespace uplink::storage::sqlite {
+
+struct Tables;
 
 /// Writes the rows of good records, each kind to its tables.
 ///

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "storage/decide.h"
+#include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -30,7 +31,7 @@ absl::Status WritePresence(Tables& tables, const Batch& batch, EntryNumber& next
       tables.deciding.FindSession(kServerRuri, batch.presence_session);
   if (!stored.ok()) return stored.status();
   const SessionCursor row = stored->value_or(SessionCursor{0, next_entry});
-  HeldSession session;
+  KnownSession session;
   session.cursor = row.cursor;
   for (const PresenceItem& item : batch.presence) {
     if (!RaiseCursor(session, item.number, item.at)) continue;

@@ -68,7 +68,7 @@ absl::Status Connection::Broken(std::string_view doing, std::string_view why) {
   return absl::UnavailableError(text);
 }
 
-absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<Call>& calls,
+absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>& calls,
                                                     std::string_view doing, OnError on_error) {
   UPLINK_CHECK(!broken_, "a broken connection is not used again");
   absl::StatusOr<std::vector<Result>> results = Exchange(calls, doing);
@@ -83,12 +83,12 @@ absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<Call>& cal
 
 absl::Status Connection::RollBack() {
   if (PQtransactionStatus(handle_.get()) == PQTRANS_IDLE) return absl::OkStatus();
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({"ROLLBACK", {}});
   return Exchange(calls, "roll back").status();
 }
 
-absl::StatusOr<std::vector<Result>> Connection::Exchange(const std::vector<Call>& calls,
+absl::StatusOr<std::vector<Result>> Connection::Exchange(const std::vector<StoreCall>& calls,
                                                          std::string_view doing) {
   is_preparation_.clear();
   preparing_.clear();
@@ -101,12 +101,12 @@ absl::StatusOr<std::vector<Result>> Connection::Exchange(const std::vector<Call>
   return results;
 }
 
-bool Connection::Send(const std::vector<Call>& calls) {
-  return std::ranges::all_of(calls, [this](const Call& call) { return SendOne(call); }) &&
+bool Connection::Send(const std::vector<StoreCall>& calls) {
+  return std::ranges::all_of(calls, [this](const StoreCall& call) { return SendOne(call); }) &&
          PQpipelineSync(handle_.get()) == 1;
 }
 
-bool Connection::SendOne(const Call& call) {
+bool Connection::SendOne(const StoreCall& call) {
   std::string sql(call.sql);
   auto known = prepared_.find(sql);
   if (known == prepared_.end() && prepared_.size() < kPreparedMax) {

@@ -41,14 +41,15 @@ struct ConnectionOptions {
 };
 
 /// One statement of a pipeline. `sql` lives as long as the connection: a constant, or the caller's.
-struct Call {
+struct StoreCall {
   std::string_view sql;
   Parameters parameters;
 };
 
 /// A call whose first parameters are these columns, in order; they must not be used afterwards.
-[[nodiscard]] inline Call CallOf(std::string_view sql, std::initializer_list<Array*> columns) {
-  Call call{sql, {}};
+[[nodiscard]] inline StoreCall StoreCallOf(std::string_view sql,
+                                           std::initializer_list<Array*> columns) {
+  StoreCall call{sql, {}};
   for (Array* column : columns) call.parameters.Add(std::move(*column));
   return call;
 }
@@ -76,7 +77,7 @@ class Connection final {
   /// Sends all calls in one go and reads all answers: one round trip. After the first that fails
   /// the server skips the rest; an open transaction is rolled back then, in a further round trip,
   /// if `on_error` says so.
-  [[nodiscard]] absl::StatusOr<std::vector<Result>> Run(const std::vector<Call>& calls,
+  [[nodiscard]] absl::StatusOr<std::vector<Result>> Run(const std::vector<StoreCall>& calls,
                                                         std::string_view doing,
                                                         OnError on_error = OnError::kRollBack);
   /// Ends an open transaction without its writes; OK if there is none.
@@ -95,10 +96,10 @@ class Connection final {
   using Handle = std::unique_ptr<pg_conn, Close>;
 
   Connection(Handle handle, const ConnectionOptions& options, const Clock& clock);
-  absl::StatusOr<std::vector<Result>> Exchange(const std::vector<Call>& calls,
+  absl::StatusOr<std::vector<Result>> Exchange(const std::vector<StoreCall>& calls,
                                                std::string_view doing);
-  bool Send(const std::vector<Call>& calls);
-  bool SendOne(const Call& call);
+  bool Send(const std::vector<StoreCall>& calls);
+  bool SendOne(const StoreCall& call);
   /// What has come of the answers to one pipeline.
   struct Answers {
     std::vector<Result> results;

@@ -43,7 +43,7 @@ absl::StatusOr<Connection*> Link::Get() {
 }
 
 absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kAsk, {}});
   const auto answer = connection.Run(calls, "ask the server what it is");
   if (!answer.ok()) return answer.status();
@@ -83,7 +83,7 @@ absl::Status Link::Check(Connection& connection) {
   absl::Status fits = CheckSchema(connection, Migrations());
   if (!fits.ok() || options_.purpose == Purpose::kRead) return fits;
   // Rows of today have their partition from the first on. If not, they lie in the default one.
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kMakeToday, {}});
   const absl::Status made = connection.Run(calls, "make partitions").status();
   return connection.broken() ? made : absl::OkStatus();

@@ -14,10 +14,10 @@ class Builder final {
   /// The number of the parameter that comes next, as SQL has it.
   std::string Next() { return "$" + std::to_string(++count_); }
   Parameters& parameters() { return call_.parameters; }
-  OwnedCall Take() { return std::move(call_); }
+  OwnedStoreCall Take() { return std::move(call_); }
 
  private:
-  OwnedCall call_;
+  OwnedStoreCall call_;
   int count_ = 0;
 };
 
@@ -38,8 +38,8 @@ void AddCondition(Builder& builder, const ListFilter::Condition& condition) {
 
 }  // namespace
 
-OwnedCall PageCall(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter,
-                   const std::optional<PagePosition>& start, std::int64_t rows_max) {
+OwnedStoreCall PageCall(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter,
+                        const std::optional<PagePosition>& start, std::int64_t rows_max) {
   const std::string time(shape.time_column);
   Builder builder;
   builder.Text("SELECT " + time + ", entry, ruri, fleet, ");
@@ -81,8 +81,8 @@ OwnedCall PageCall(const ListShape& shape, const HistoryQuery& query, const List
   return builder.Take();
 }
 
-absl::StatusOr<Result> RunOne(Connection& connection, OwnedCall call) {
-  std::vector<Call> calls;
+absl::StatusOr<Result> RunOne(Connection& connection, OwnedStoreCall call) {
+  std::vector<StoreCall> calls;
   calls.push_back({call.sql, std::move(call.parameters)});
   auto results = connection.Run(calls, "read");
   if (!results.ok()) return results.status();

@@ -46,19 +46,20 @@ inline constexpr int kRuriColumn = 2;
 inline constexpr int kFleetColumn = 3;
 inline constexpr int kFirstOwnColumn = 4;
 
-/// A statement with its parameters. The text is the owner's, unlike a Call's.
-struct OwnedCall {
+/// A statement with its parameters. The text is the owner's, unlike a StoreCall's.
+struct OwnedStoreCall {
   std::string sql;
   Parameters parameters;
 };
 
 /// The statement for at most `rows_max` rows of a list, from `start` on.
-[[nodiscard]] OwnedCall PageCall(const ListShape& shape, const HistoryQuery& query,
-                                 const ListFilter& filter, const std::optional<PagePosition>& start,
-                                 std::int64_t rows_max);
+[[nodiscard]] OwnedStoreCall PageCall(const ListShape& shape, const HistoryQuery& query,
+                                      const ListFilter& filter,
+                                      const std::optional<PagePosition>& start,
+                                      std::int64_t rows_max);
 
 /// Runs one statement.
-[[nodiscard]] absl::StatusOr<Result> RunOne(Connection& connection, OwnedCall call);
+[[nodiscard]] absl::StatusOr<Result> RunOne(Connection& connection, OwnedStoreCall call);
 
 /// Reads one page; `read` makes a Row of a row of the result. The page ends early once its texts
 /// have passed kPageBytesMax.

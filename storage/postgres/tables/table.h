@@ -118,7 +118,7 @@ constexpr SqlText InsertSql(const Table<In, Out, kColumns>& table) {
 /// Adds the statement that writes the rows, if there are any. `kTable` is a constant, so that the
 /// statement's text is one too.
 template <const auto& kTable, typename Rows>
-void AddInsert(const Rows& rows, std::vector<Call>& calls) {
+void AddInsert(const Rows& rows, std::vector<StoreCall>& calls) {
   static constexpr SqlText kSql = InsertSql(kTable);
   if (rows.empty()) return;
   std::vector<Array> arrays;
@@ -127,7 +127,7 @@ void AddInsert(const Rows& rows, std::vector<Call>& calls) {
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < arrays.size(); ++i) kTable.columns[i].fill(arrays[i], row);
   }
-  Call& call = calls.emplace_back(Call{kSql.view(), {}});
+  StoreCall& call = calls.emplace_back(StoreCall{kSql.view(), {}});
   for (Array& array : arrays) call.parameters.Add(std::move(array));
 }
 

@@ -27,7 +27,7 @@ class AddedRows final {
   }
 
   /// Adds a statement per table that gets any, in the order of the lists.
-  void MoveInto(std::vector<Call>& calls) const {
+  void MoveInto(std::vector<StoreCall>& calls) const {
     ForEachList([this, &calls]<PageKind kList>() {
       static constexpr const auto& kTable = ListTable<kList>::kTable;
       if constexpr (kTable.writes == Writes::kInserts) {

@@ -41,7 +41,7 @@ struct Premises {
   }
 };
 
-Call BeginBatchCall(const Premises& premises, const Batch& batch) {
+StoreCall BeginBatchCall(const Premises& premises, const Batch& batch) {
   Array robots{Type::kText}, holds{Type::kInt8};
   for (const auto& [ruri, held] : premises.holds) {
     robots.Text(ruri);
@@ -60,8 +60,8 @@ Call BeginBatchCall(const Premises& premises, const Batch& batch) {
     bounded.Text(ruri);
     for (std::size_t kind = 0; kind < kPresentKinds; ++kind) upserts[kind].Int4(counts[kind]);
   }
-  Call call =
-      CallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts, &bounded});
+  StoreCall call =
+      StoreCallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts, &bounded});
   for (Array& column : upserts) call.parameters.Add(std::move(column));
   for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
     call.parameters.Int8(static_cast<std::int64_t>(BoundOf(kind).entries_max));
@@ -126,7 +126,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
   for (const PresenceItem& item : batch_.presence) {
     rows.AddPresence(item, batch_.presence_session, place++);
   }
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
   calls.push_back(BeginBatchCall(premises, batch_));
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
@@ -138,10 +138,10 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   absl::Status begun = Begin(connection_, kDoing);
   if (!begun.ok()) return begun;
-  absl::StatusOr<Known> known = ReadKnown(connection_, Whole(), process_, rules_);
+  absl::StatusOr<KnownRows> known = ReadKnown(connection_, Whole(), process_, rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
-  Outcomes outcomes = DecidePart(Whole(), *known, rules_, std::nullopt, rows);
+  Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, rows);
   absl::Status committed =
       RunAndCommit(connection_, std::move(rows).TakeCalls(), kDoing, before_commit_);
   if (!committed.ok()) return committed;
@@ -157,7 +157,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
   if (written.ok()) {
     // Gaps and changes of presence: what the database refuses of them, no robot can mend.
     const std::size_t end = batch_.records.size();
-    const auto rest = WritePart({&batch_, end, end, true}, std::nullopt);
+    const auto rest = WriteSlice({&batch_, end, end, true}, std::nullopt);
     written = Decisive(rest.status());
   }
   if (!written.ok()) return AbandonAfter(written);
@@ -166,29 +166,30 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
   return outcomes;
 }
 
-absl::Status BatchCommit::Halve(const Part& part, Outcomes& outcomes) {
-  if (part.first == part.last) return absl::OkStatus();
-  absl::StatusOr<Outcomes> written = WritePart(part, std::nullopt);
+absl::Status BatchCommit::Halve(const Slice& slice, Outcomes& outcomes) {
+  if (slice.first == slice.last) return absl::OkStatus();
+  absl::StatusOr<Outcomes> written = WriteSlice(slice, std::nullopt);
   if (written.ok()) {
     std::ranges::move(*written, std::back_inserter(outcomes));
     return absl::OkStatus();
   }
   if (!absl::IsInvalidArgument(written.status())) return written.status();
-  if (part.last - part.first == 1) return Isolate(part, written.status(), outcomes);
-  const std::size_t middle = part.first + (part.last - part.first) / 2;
-  absl::Status status = Halve({part.batch, part.first, middle, false}, outcomes);
-  if (status.ok()) status = Halve({part.batch, middle, part.last, false}, outcomes);
+  if (slice.last - slice.first == 1) return Isolate(slice, written.status(), outcomes);
+  const std::size_t middle = slice.first + (slice.last - slice.first) / 2;
+  absl::Status status = Halve({slice.batch, slice.first, middle, false}, outcomes);
+  if (status.ok()) status = Halve({slice.batch, middle, slice.last, false}, outcomes);
   return status;
 }
 
-absl::Status BatchCommit::Isolate(const Part& part, const absl::Status& cause, Outcomes& outcomes) {
+absl::Status BatchCommit::Isolate(const Slice& slice, const absl::Status& cause,
+                                  Outcomes& outcomes) {
   const absl::string_view text = cause.message();
   DatabaseRefusal refusal{StoreRefused({text.data(), text.size()}), QuarantineDetail::kAll};
   absl::Status last;
   for (const QuarantineDetail detail :
        {QuarantineDetail::kAll, QuarantineDetail::kWithoutPayload, QuarantineDetail::kBare}) {
     refusal.detail = detail;
-    absl::StatusOr<Outcomes> written = WritePart(part, refusal);
+    absl::StatusOr<Outcomes> written = WriteSlice(slice, refusal);
     if (written.ok()) {
       std::ranges::move(*written, std::back_inserter(outcomes));
       return absl::OkStatus();
@@ -200,13 +201,13 @@ absl::Status BatchCommit::Isolate(const Part& part, const absl::Status& cause, O
                              std::string(last.message()));
 }
 
-absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WritePart(
-    const Part& part, const std::optional<DatabaseRefusal>& refusal) {
-  absl::StatusOr<Known> known = ReadKnown(connection_, part, process_, rules_);
+absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteSlice(
+    const Slice& slice, const std::optional<DatabaseRefusal>& refusal) {
+  absl::StatusOr<KnownRows> known = ReadKnown(connection_, slice, process_, rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
-  Outcomes outcomes = DecidePart(part, *known, rules_, refusal, rows);
-  std::vector<Call> calls;
+  Outcomes outcomes = DecideSlice(slice, *known, rules_, refusal, rows);
+  std::vector<StoreCall> calls;
   calls.push_back({kSavepoint, {}});
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   calls.push_back({kRelease, {}});

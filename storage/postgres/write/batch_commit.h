@@ -8,7 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/write/decide_part.h"
+#include "storage/postgres/write/decide_slice.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {
@@ -41,18 +41,18 @@ class BatchCommit final {
  private:
   using Outcomes = std::vector<Outcome>;
 
-  [[nodiscard]] Part Whole() const { return {&batch_, 0, batch_.records.size(), true}; }
+  [[nodiscard]] Slice Whole() const { return {&batch_, 0, batch_.records.size(), true}; }
   /// False if the batch alone shows that it cannot be written at once.
   [[nodiscard]] bool MayWriteAtOnce() const;
   absl::StatusOr<Outcomes> WriteAtOnce();
   absl::StatusOr<Outcomes> WriteAfterLook();
   absl::StatusOr<Outcomes> WriteInHalves();
-  /// Decides and writes a part behind a savepoint; kInvalidArgument if the database refuses a row
-  /// of it, and nothing of the part is written then.
-  absl::StatusOr<Outcomes> WritePart(const Part& part,
-                                     const std::optional<DatabaseRefusal>& refusal);
-  absl::Status Halve(const Part& part, Outcomes& outcomes);
-  absl::Status Isolate(const Part& part, const absl::Status& cause, Outcomes& outcomes);
+  /// Decides and writes a slice behind a savepoint; kInvalidArgument if the database refuses a row
+  /// of it, and nothing of the slice is written then.
+  absl::StatusOr<Outcomes> WriteSlice(const Slice& slice,
+                                      const std::optional<DatabaseRefusal>& refusal);
+  absl::Status Halve(const Slice& slice, Outcomes& outcomes);
+  absl::Status Isolate(const Slice& slice, const absl::Status& cause, Outcomes& outcomes);
   absl::Status AbandonAfter(const absl::Status& error);
 
   Connection& connection_;

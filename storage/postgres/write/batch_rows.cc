@@ -33,11 +33,11 @@ constexpr std::string_view kTrimGaps =
     " ORDER BY p.seen_at DESC, p.entry DESC OFFSET $2::bigint) AS old"
     " WHERE g.ruri = u.ruri AND g.session = old.session AND g.first = old.first";
 
-Call BoundCall(std::string_view sql, const std::set<std::string_view>& robots,
-               std::size_t rows_max) {
+StoreCall BoundCall(std::string_view sql, const std::set<std::string_view>& robots,
+                    std::size_t rows_max) {
   Array ruri{Type::kText};
   for (const std::string_view robot : robots) ruri.Text(robot);
-  Call call{sql, {}};
+  StoreCall call{sql, {}};
   call.parameters.Add(std::move(ruri));
   call.parameters.Int8(static_cast<std::int64_t>(rows_max));
   return call;
@@ -132,7 +132,7 @@ void BatchRows::Raise(std::string_view ruri, const model::SessionId& session, mo
   cursor.last_used = std::max(cursor.last_used, used);
 }
 
-void BatchRows::MoveCursors(std::vector<Call>& calls) const {
+void BatchRows::MoveCursors(std::vector<StoreCall>& calls) const {
   if (cursors_.empty()) return;
   Array ruri{Type::kText}, session{Type::kUuid}, seq{Type::kInt8}, last_used{Type::kTime};
   for (const auto& [key, cursor] : cursors_) {
@@ -141,11 +141,11 @@ void BatchRows::MoveCursors(std::vector<Call>& calls) const {
     seq.Int8(cursor.seq);
     last_used.Time(cursor.last_used);
   }
-  calls.push_back(CallOf(kRaiseCursors, {&ruri, &session, &seq, &last_used}));
+  calls.push_back(StoreCallOf(kRaiseCursors, {&ruri, &session, &seq, &last_used}));
 }
 
-std::vector<Call> BatchRows::TakeCalls() && {
-  std::vector<Call> calls;
+std::vector<StoreCall> BatchRows::TakeCalls() && {
+  std::vector<StoreCall> calls;
   added_.MoveInto(calls);
   faults_.MoveInto<kFaultsActiveTable>(calls);
   shapes_.MoveInto<kShapesTable>(calls);

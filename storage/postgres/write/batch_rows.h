@@ -39,7 +39,7 @@ class BatchRows final {
   void Drop(const PresentKey& key);
 
   /// The statements, in an order in which they may run. The rows must not be used afterwards.
-  [[nodiscard]] std::vector<Call> TakeCalls() &&;
+  [[nodiscard]] std::vector<StoreCall> TakeCalls() &&;
 
  private:
   struct KindWriter;
@@ -49,7 +49,7 @@ class BatchRows final {
   };
   void Raise(std::string_view ruri, const model::SessionId& session, model::Seq seq,
              SystemTime used);
-  void MoveCursors(std::vector<Call>& calls) const;
+  void MoveCursors(std::vector<StoreCall>& calls) const;
 
   const StoreRules& rules_;
   AddedRows added_;

@@ -51,7 +51,7 @@ class Reads final {
  public:
   using Take = std::function<void(const Result&)>;
   void Add(
-      Call call, Take take = [](const Result&) {}) {
+      StoreCall call, Take take = [](const Result&) {}) {
     calls_.push_back(std::move(call));
     takes_.push_back(std::move(take));
   }
@@ -64,23 +64,23 @@ class Reads final {
   }
 
  private:
-  std::vector<Call> calls_;
+  std::vector<StoreCall> calls_;
   std::vector<Take> takes_;
 };
 
-void ReadRobots(const Part& part, const ProcessId& process, Known& known, Reads& reads) {
+void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
   struct First {
     const RobotRef* robot;
     Epoch held_since;
     SystemTime at;
   };
   std::map<std::string_view, First> robots;
-  for (const CommitRecord& record : part.records()) {
+  for (const CommitRecord& record : slice.records()) {
     robots.try_emplace(record.robot->ruri,
                        First{&record.robot, record.held_since, record.received_at});
   }
-  if (part.with_rest) {
-    for (const GapItem& gap : part.batch->gaps) {
+  if (slice.with_rest) {
+    for (const GapItem& gap : slice.batch->gaps) {
       robots.try_emplace(gap.robot->ruri, First{&gap.robot, gap.held_since, gap.seen_at});
     }
   }
@@ -93,10 +93,10 @@ void ReadRobots(const Part& part, const ProcessId& process, Known& known, Reads&
     at.Time(first.at);
     locked.Text(name);
   }
-  Call insert = CallOf(kInsertRobots, {&ruri, &fleet, &held, &at});
+  StoreCall insert = StoreCallOf(kInsertRobots, {&ruri, &fleet, &held, &at});
   insert.parameters.Uuid(model::SessionId(process));
   reads.Add(std::move(insert));
-  reads.Add(CallOf(kLockRobots, {&locked}), [&known](const Result& rows) {
+  reads.Add(StoreCallOf(kLockRobots, {&locked}), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
       known.robots[Text(rows, row, 0)].held_since = static_cast<Epoch>(rows.Int(row, 1));
     }
@@ -104,20 +104,20 @@ void ReadRobots(const Part& part, const ProcessId& process, Known& known, Reads&
   reads.Add({kNextBatch, {}});
 }
 
-void ReadSessions(const Part& part, Known& known, Reads& reads) {
+void ReadSessions(const Slice& slice, KnownRows& known, Reads& reads) {
   struct Use {
     Epoch held_since = 0;
     SystemTime used;
   };
   std::map<std::pair<std::string_view, model::SessionId>, Use> sessions;
-  for (const CommitRecord& record : part.records()) {
+  for (const CommitRecord& record : slice.records()) {
     if (record.seq == 0) continue;
     Use& use = sessions[{record.robot->ruri, record.session}];
     use.held_since = std::max(use.held_since, record.held_since);
     use.used = std::max(use.used, record.received_at);
   }
-  const Batch& batch = *part.batch;
-  const bool presence = part.with_rest && !batch.presence.empty();
+  const Batch& batch = *slice.batch;
+  const bool presence = slice.with_rest && !batch.presence.empty();
   if (presence) sessions[{kServerRuri, batch.presence_session}].used = batch.presence.back().at;
 
   Array ruri{Type::kText}, session{Type::kUuid}, held{Type::kInt8}, used{Type::kTime};
@@ -130,31 +130,31 @@ void ReadSessions(const Part& part, Known& known, Reads& reads) {
     read_ruri.Text(key.first);
     read_session.Uuid(key.second);
   }
-  reads.Add(CallOf(kInsertSessions, {&ruri, &session, &held, &used}));
-  reads.Add(CallOf(kReadSessions, {&read_ruri, &read_session}), [&known](const Result& rows) {
+  reads.Add(StoreCallOf(kInsertSessions, {&ruri, &session, &held, &used}));
+  reads.Add(StoreCallOf(kReadSessions, {&read_ruri, &read_session}), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
       known.sessions[{Text(rows, row, 0), rows.Uuid(row, 1)}].cursor =
           static_cast<model::Seq>(rows.Int(row, 2));
     }
   });
   if (!presence) return;
-  Call trim{kTrimProcesses, {}};
+  StoreCall trim{kTrimProcesses, {}};
   trim.parameters.Uuid(batch.presence_session);
   trim.parameters.Int8(static_cast<std::int64_t>(kServerSessionsMax) - 1);
   reads.Add(std::move(trim));
 }
 
-void ReadQuarantined(const Part& part, Known& known, Reads& reads) {
+void ReadQuarantined(const Slice& slice, KnownRows& known, Reads& reads) {
   Array ruri{Type::kText}, session{Type::kUuid}, seq{Type::kInt8}, place{Type::kInt4};
-  for (std::size_t i = part.first; i < part.last; ++i) {
-    const CommitRecord& record = part.batch->records[i];
+  for (std::size_t i = slice.first; i < slice.last; ++i) {
+    const CommitRecord& record = slice.batch->records[i];
     ruri.Text(record.robot->ruri);
     session.Uuid(record.session);
     seq.Int8(record.seq);
     place.Int4(static_cast<std::int32_t>(i));
   }
-  reads.Add(CallOf(kReadQuarantined, {&ruri, &session, &seq, &place}),
-            [&known, &batch = *part.batch](const Result& rows) {
+  reads.Add(StoreCallOf(kReadQuarantined, {&ruri, &session, &seq, &place}),
+            [&known, &batch = *slice.batch](const Result& rows) {
               for (int row = 0; row < rows.rows(); ++row) {
                 const CommitRecord& record =
                     batch.records[static_cast<std::size_t>(rows.Int(row, 0))];
@@ -164,14 +164,14 @@ void ReadQuarantined(const Part& part, Known& known, Reads& reads) {
             });
 }
 
-/// The entries of one kind that a part names.
+/// The entries of one kind that a slice names.
 struct Named {
   Array ruri{Type::kText}, id{Type::kText}, source{Type::kText};
   /// Of each robot that has any.
   std::map<std::string_view, std::int32_t> upserts;
 };
 
-void ReadPresent(PresentKind kind, Named& named, Known& known, Reads& reads) {
+void ReadPresent(PresentKind kind, Named& named, KnownRows& known, Reads& reads) {
   if (named.upserts.empty()) return;
   Array counted{Type::kText}, near{Type::kText}, near_upserts{Type::kInt4};
   for (const auto& [robot, count] : named.upserts) {
@@ -186,24 +186,24 @@ void ReadPresent(PresentKind kind, Named& named, Known& known, Reads& reads) {
       entries[{Text(rows, row, 0), Text(rows, row, 1), Text(rows, row, 2)}] = rows.Int(row, 3);
     }
   };
-  Call read = CallOf(sql.read.view(), {&named.ruri, &named.id});
+  StoreCall read = StoreCallOf(sql.read.view(), {&named.ruri, &named.id});
   if (sql.has_source) read.parameters.Add(std::move(named.source));
   reads.Add(std::move(read), take_entries);
-  reads.Add(CallOf(sql.count.view(), {&counted}), [&known, index](const Result& rows) {
+  reads.Add(StoreCallOf(sql.count.view(), {&counted}), [&known, index](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
       known.robots[Text(rows, row, 0)].counts[index] = static_cast<std::size_t>(rows.Int(row, 1));
     }
   });
   const PresentBound& bound = BoundOf(kind);
   if (!bound.expires) return;
-  Call expiring = CallOf(sql.expiring.view(), {&near, &near_upserts});
+  StoreCall expiring = StoreCallOf(sql.expiring.view(), {&near, &near_upserts});
   expiring.parameters.Int8(static_cast<std::int64_t>(bound.entries_max));
   reads.Add(std::move(expiring), take_entries);
 }
 
-void ReadAllPresent(const Part& part, const StoreRules& rules, Known& known, Reads& reads) {
+void ReadAllPresent(const Slice& slice, const StoreRules& rules, KnownRows& known, Reads& reads) {
   std::array<Named, kPresentKinds> kinds;
-  for (const CommitRecord& record : part.records()) {
+  for (const CommitRecord& record : slice.records()) {
     const std::optional<PresentChange> change = PresentChangeOf(record, rules);
     if (!change) continue;
     Named& named = kinds[static_cast<std::size_t>(change->key.kind)];
@@ -219,14 +219,14 @@ void ReadAllPresent(const Part& part, const StoreRules& rules, Known& known, Rea
 
 }  // namespace
 
-absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part, const ProcessId& process,
-                                const StoreRules& rules) {
-  Known known;
+absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
+                                    const ProcessId& process, const StoreRules& rules) {
+  KnownRows known;
   Reads reads;
-  ReadRobots(part, process, known, reads);
-  ReadSessions(part, known, reads);
-  ReadQuarantined(part, known, reads);
-  ReadAllPresent(part, rules, known, reads);
+  ReadRobots(slice, process, known, reads);
+  ReadSessions(slice, known, reads);
+  ReadQuarantined(slice, known, reads);
+  ReadAllPresent(slice, rules, known, reads);
   absl::Status read = reads.Run(connection);
   if (!read.ok()) return read;
   return known;

@@ -21,9 +21,9 @@
 
 namespace uplink::storage::postgres {
 
-/// Part of a batch: records [first, last), and, with the last part, its gaps and changes of
+/// A piece of a batch: records [first, last), and, with the last slice, its gaps and changes of
 /// presence.
-struct Part {
+struct Slice {
   const Batch* batch = nullptr;
   std::size_t first = 0;
   std::size_t last = 0;
@@ -34,9 +34,9 @@ struct Part {
   }
 };
 
-/// What the store holds of everything that a part of a batch touches, read with its rows locked.
+/// What the store holds of everything that a slice of a batch touches, read with its rows locked.
 /// What is decided and written then goes in too.
-struct Known {
+struct KnownRows {
   /// RURI, id and source of an entry that is present.
   using Entry = std::tuple<std::string, std::string, std::string>;
   using EntryView = std::tuple<std::string_view, std::string_view, std::string_view>;
@@ -48,12 +48,12 @@ struct Known {
   using Entries = std::map<Entry, std::int64_t, EntryOrder>;
   using Number = std::tuple<std::string, model::SessionId, model::Seq>;
 
-  /// Each with the counts of the kinds that the part names of it.
-  std::map<std::string, HeldRobot, std::less<>> robots;
-  std::map<std::pair<std::string, model::SessionId>, HeldSession, std::less<>> sessions;
-  /// Why a number lies in quarantine: of those that the part names.
+  /// Each with the counts of the kinds that the slice names of it.
+  std::map<std::string, KnownRobot, std::less<>> robots;
+  std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
+  /// Why a number lies in quarantine: of those that the slice names.
   std::map<Number, model::Rejection> quarantined;
-  /// By PresentKind: the entries that the part names, as far as they are there; of robots that are
+  /// By PresentKind: the entries that the slice names, as far as they are there; of robots that are
   /// near their bound also all that expire at all.
   std::array<Entries, kPresentKinds> present;
 
@@ -66,9 +66,10 @@ struct Known {
   std::deque<std::string> kept;
 };
 
-/// Locks the rows of the part's robots and sessions, making those that are missing, and reads what
+/// Locks the rows of the slice's robots and sessions, making those that are missing, and reads what
 /// it touches. Within an open transaction; also draws the transaction's number.
-[[nodiscard]] absl::StatusOr<Known> ReadKnown(Connection& connection, const Part& part,
-                                              const ProcessId& process, const StoreRules& rules);
+[[nodiscard]] absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
+                                                  const ProcessId& process,
+                                                  const StoreRules& rules);
 
 }  // namespace uplink::storage::postgres

@@ -18,12 +18,12 @@ void MissionRunRows::Add(const MissionReport& report) {
   ++run.updates;
 }
 
-void MissionRunRows::MoveInto(std::vector<Call>& calls) const {
+void MissionRunRows::MoveInto(std::vector<StoreCall>& calls) const {
   MoveSome(true, calls);
   MoveSome(false, calls);
 }
 
-void MissionRunRows::MoveSome(bool named, std::vector<Call>& calls) const {
+void MissionRunRows::MoveSome(bool named, std::vector<StoreCall>& calls) const {
   std::vector<MissionRun> rows;
   for (const auto& [key, run] : runs_) {
     if ((run.name != nullptr) == named) rows.push_back(run);
@@ -33,14 +33,14 @@ void MissionRunRows::MoveSome(bool named, std::vector<Call>& calls) const {
   calls.back().parameters.Int4(named ? 1 : 0);
 }
 
-void LatestRows::MoveInto(std::vector<Call>& calls) const {
+void LatestRows::MoveInto(std::vector<StoreCall>& calls) const {
   std::vector<LatestReport> rows;
   rows.reserve(last_.size());
   for (const auto& [key, record] : last_) rows.push_back({record, key.second});
   AddInsert<kLatestTable>(rows, calls);
 }
 
-void PresenceRows::MoveInto(std::vector<Call>& calls) const {
+void PresenceRows::MoveInto(std::vector<StoreCall>& calls) const {
   AddInsert<kPresenceChangesTable>(changes_, calls);
   std::map<std::string_view, const PresenceItem*> last;
   for (const PresenceChange& change : changes_) {
@@ -62,7 +62,7 @@ void GapRows::Add(const GapItem& gap, std::int32_t place) {
   row.last = std::max(row.last, gap.last);
 }
 
-void GapRows::MoveInto(std::vector<Call>& calls) const {
+void GapRows::MoveInto(std::vector<StoreCall>& calls) const {
   std::vector<Gap> rows;
   rows.reserve(gaps_.size());
   for (const auto& [key, gap] : gaps_) rows.push_back(gap);

@@ -19,11 +19,11 @@ namespace uplink::storage::postgres {
 class MissionRunRows final {
  public:
   void Add(const MissionReport& report);
-  void MoveInto(std::vector<Call>& calls) const;
+  void MoveInto(std::vector<StoreCall>& calls) const;
 
  private:
   using Key = std::tuple<std::string_view, std::string_view, std::string_view>;
-  void MoveSome(bool named, std::vector<Call>& calls) const;
+  void MoveSome(bool named, std::vector<StoreCall>& calls) const;
 
   std::map<Key, MissionRun> runs_;
 };
@@ -33,7 +33,7 @@ class LatestRows final {
   void Add(const CommitRecord& record, LatestKind kind) {
     last_[{record.robot->ruri, kind}] = &record;
   }
-  void MoveInto(std::vector<Call>& calls) const;
+  void MoveInto(std::vector<StoreCall>& calls) const;
 
  private:
   std::map<std::pair<std::string_view, LatestKind>, const CommitRecord*> last_;
@@ -43,7 +43,7 @@ class LatestRows final {
 class PresenceRows final {
  public:
   void Add(const PresenceItem& item, std::int32_t place) { changes_.push_back({&item, place}); }
-  void MoveInto(std::vector<Call>& calls) const;
+  void MoveInto(std::vector<StoreCall>& calls) const;
 
  private:
   std::vector<PresenceChange> changes_;
@@ -52,7 +52,7 @@ class PresenceRows final {
 class GapRows final {
  public:
   void Add(const GapItem& gap, std::int32_t place);
-  void MoveInto(std::vector<Call>& calls) const;
+  void MoveInto(std::vector<StoreCall>& calls) const;
 
  private:
   std::map<std::tuple<std::string_view, model::SessionId, model::Seq>, Gap> gaps_;

@@ -64,8 +64,8 @@ std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
   return waves;
 }
 
-std::vector<Call> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,
-                          const ProcessId& process) {
+std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,
+                               const ProcessId& process) {
   Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime};
   Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime};
   Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
@@ -89,14 +89,14 @@ std::vector<Call> CallsOf(const Wave& wave, std::span<const OpenRequest> request
       held_session.Uuid(held);
     }
   }
-  std::vector<Call> calls;
-  calls.push_back(CallOf(kOpenRobots, {&ruri, &fleet, &at}));
+  std::vector<StoreCall> calls;
+  calls.push_back(StoreCallOf(kOpenRobots, {&ruri, &fleet, &at}));
   calls.back().parameters.Uuid(model::SessionId(process));
   calls.push_back({kNextBatch, {}});
-  calls.push_back(CallOf(kOpenSessions, {&session_ruri, &session, &used}));
-  calls.push_back(CallOf(kReadRejects, {&settled_ruri, &settled_session, &settled}));
+  calls.push_back(StoreCallOf(kOpenSessions, {&session_ruri, &session, &used}));
+  calls.push_back(StoreCallOf(kReadRejects, {&settled_ruri, &settled_session, &settled}));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kOpenRejectsMax) + 1);
-  calls.push_back(CallOf(kEvictSessions, {&evict_ruri, &held_ruri, &held_session}));
+  calls.push_back(StoreCallOf(kEvictSessions, {&evict_ruri, &held_ruri, &held_session}));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kSessionsPerRobotMax));
   return calls;
 }
@@ -137,7 +137,7 @@ absl::StatusOr<std::vector<OpenResult>> OpenAll(
     const std::function<absl::Status()>& before_commit) {
   std::vector<OpenResult> results(requests.size());
   const std::vector<Wave> waves = WavesOf(requests);
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
   std::vector<std::size_t> firsts;
   for (const Wave& wave : waves) {

@@ -53,7 +53,7 @@ class PresentRows final {
 
   /// `kTable` is the one of the kind.
   template <const auto& kTable>
-  void MoveInto(std::vector<Call>& calls) const {
+  void MoveInto(std::vector<StoreCall>& calls) const {
     MoveRemovals(calls);
     std::vector<Upserted<Body>> rows;
     for (const auto& [key, state] : states_) {
@@ -73,7 +73,7 @@ class PresentRows final {
     Upserted<Body> upserted;
   };
 
-  void MoveRemovals(std::vector<Call>& calls) const {
+  void MoveRemovals(std::vector<StoreCall>& calls) const {
     const bool expires = BoundOf(kind_).expires;
     const PresentSql& sql = PresentSqlOf(kind_);
     Array ruri{Type::kText}, id{Type::kText};
@@ -86,7 +86,7 @@ class PresentRows final {
       by_ms.Int8(state.goes_if_expired_ms);
     }
     if (ruri.size() == 0) return;
-    Call& call = calls.emplace_back(CallOf(sql.remove.view(), {&ruri, &id}));
+    StoreCall& call = calls.emplace_back(StoreCallOf(sql.remove.view(), {&ruri, &id}));
     if (sql.has_source) call.parameters.Add(std::move(source));
     if (expires) call.parameters.Add(std::move(by_ms));
   }

@@ -44,8 +44,8 @@ constexpr SqlText EraseSql(const Table& table, std::string_view partition) {
 }
 
 /// One transaction of one statement.
-absl::StatusOr<std::size_t> RunAlone(Connection& connection, Call call, bool counts_rows) {
-  std::vector<Call> calls;
+absl::StatusOr<std::size_t> RunAlone(Connection& connection, StoreCall call, bool counts_rows) {
+  std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
   calls.push_back(std::move(call));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, nullptr);
@@ -77,7 +77,7 @@ class Eraser final {
   absl::Status Drop(std::string_view history) {
     std::size_t dropped = kPartitionsPerCallMax;
     while (dropped == kPartitionsPerCallMax) {
-      Call call{kDropPartitions, {}};
+      StoreCall call{kDropPartitions, {}};
       call.parameters.Text(history);
       call.parameters.Time(until_);
       const auto some = RunAlone(connection_, std::move(call), false);
@@ -88,7 +88,7 @@ class Eraser final {
     return absl::OkStatus();
   }
   absl::Status Erase(std::string_view sql) {
-    Call call{sql, {}};
+    StoreCall call{sql, {}};
     call.parameters.Time(until_);
     call.parameters.Int8(static_cast<std::int64_t>(kRetainRowsMax));
     return Count(RunAlone(connection_, std::move(call), true));
@@ -122,7 +122,7 @@ absl::Status MakePartitions(Connection& connection, SystemTime now) {
   for (int day = 1; day <= kPartitionDaysAfter; ++day) days.push_back(day);
   for (int day = 1; day <= kPartitionDaysBefore; ++day) days.push_back(-day);
   for (const int day : days) {
-    Call call{kMakePartitions, {}};
+    StoreCall call{kMakePartitions, {}};
     call.parameters.Time(now + std::chrono::days(day));
     call.parameters.Int4(1);
     const auto made = RunAlone(connection, std::move(call), false);
@@ -132,7 +132,7 @@ absl::Status MakePartitions(Connection& connection, SystemTime now) {
 }
 
 absl::Status CheckClock(Connection& connection, SystemTime now, milliseconds offset_max) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kNow, {}});
   const auto answer = connection.Run(calls, kDoing);
   if (!answer.ok()) return answer.status();

@@ -6,13 +6,13 @@
 namespace uplink::storage::postgres {
 
 absl::Status Begin(Connection& connection, std::string_view doing) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
   return connection.Run(calls, doing).status();
 }
 
 absl::StatusOr<std::vector<Result>> RunAndCommitFor(
-    Connection& connection, std::vector<Call> calls, std::string_view doing,
+    Connection& connection, std::vector<StoreCall> calls, std::string_view doing,
     const std::function<absl::Status()>& before_commit) {
   const absl::Status allowed = before_commit ? before_commit() : absl::OkStatus();
   calls.push_back({allowed.ok() ? "COMMIT" : "ROLLBACK", {}});

@@ -20,9 +20,9 @@ inline constexpr std::string_view kNextBatch = "SELECT nextval('uplinkd.batches'
 /// Runs the calls and COMMIT in one go: OK says that the transaction is durable. `before_commit`,
 /// if set, is asked first; what is not OK rolls back instead and is the answer.
 [[nodiscard]] absl::StatusOr<std::vector<Result>> RunAndCommitFor(
-    Connection& connection, std::vector<Call> calls, std::string_view doing,
+    Connection& connection, std::vector<StoreCall> calls, std::string_view doing,
     const std::function<absl::Status()>& before_commit);
-[[nodiscard]] inline absl::Status RunAndCommit(Connection& connection, std::vector<Call> calls,
+[[nodiscard]] inline absl::Status RunAndCommit(Connection& connection, std::vector<StoreCall> calls,
                                                std::string_view doing,
                                                const std::function<absl::Status()>& before_commit) {
   return RunAndCommitFor(connection, std::move(calls), doing, before_commit).status();

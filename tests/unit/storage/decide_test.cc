@@ -25,16 +25,16 @@ using ::testing::Not;
 constexpr std::int64_t kNowMs = 1'763'683'200'000;
 constexpr std::int64_t kNever = 0;
 
-/// What a store holds, in memory. Counts which questions were asked.
-class PlainHeld final : public Held {
+/// What a store knows, in memory. Counts which questions were asked.
+class PlainKnown final : public Known {
  public:
   using Entry = std::tuple<PresentKind, std::string, std::string, std::string>;
 
-  absl::StatusOr<HeldRobot*> Robot(const Hold& hold) override {
+  absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override {
     if (!failure.ok()) return failure;
-    return &robots.try_emplace(hold.robot.ruri, HeldRobot{hold.held_since, {}}).first->second;
+    return &robots.try_emplace(hold.robot.ruri, KnownRobot{hold.held_since, {}}).first->second;
   }
-  absl::StatusOr<HeldSession*> Session(const CommitRecord& record) override {
+  absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     asked.emplace_back("session");
     return &sessions[{record.robot->ruri, record.session}];
   }
@@ -76,8 +76,8 @@ class PlainHeld final : public Held {
   }
 
   absl::Status failure;
-  std::map<std::string, HeldRobot, std::less<>> robots;
-  std::map<std::pair<std::string, model::SessionId>, HeldSession> sessions;
+  std::map<std::string, KnownRobot, std::less<>> robots;
+  std::map<std::pair<std::string, model::SessionId>, KnownSession> sessions;
   std::map<model::Seq, model::Rejection> quarantined;
   std::map<Entry, std::int64_t> entries;
   /// Entries of a kind that count and stand nowhere.
@@ -107,19 +107,19 @@ class Decide : public ::testing::Test {
 
   const RobotRef robot_ = std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
   const StoreRules rules_{};
-  PlainHeld held_;
-  Decider decider_{held_, rules_};
+  PlainKnown known_;
+  Decider decider_{known_, rules_};
 };
 
 TEST_F(Decide, EntersARobotThatTheStoreDoesNotKnowAsItsRecordsSay) {
   EXPECT_EQ(Kind(Note(1)), OutcomeKind::kStored);
-  EXPECT_EQ(held_.robots["rcan://r"].held_since, 1U);
+  EXPECT_EQ(known_.robots["rcan://r"].held_since, 1U);
 }
 
 TEST_F(Decide, FencesARecordOfAnOlderHoldAndLooksAtNothingOfIt) {
-  held_.robots["rcan://r"].held_since = 2;
+  known_.robots["rcan://r"].held_since = 2;
   EXPECT_EQ(Kind(Note(1)), OutcomeKind::kFenced);
-  EXPECT_THAT(held_.asked, IsEmpty());
+  EXPECT_THAT(known_.asked, IsEmpty());
   CommitRecord current = Note(1);
   current.held_since = 2;
   EXPECT_EQ(Kind(current), OutcomeKind::kStored);
@@ -128,14 +128,14 @@ TEST_F(Decide, FencesARecordOfAnOlderHoldAndLooksAtNothingOfIt) {
 TEST_F(Decide, TakesAGapOfTheHoldAndDropsOneOfAnOlderHold) {
   GapItem gap{robot_, {}, 1, 2, 1, FromUnixMs(kNowMs)};
   EXPECT_TRUE(*decider_.Takes(gap));
-  held_.robots["rcan://r"].held_since = 2;
+  known_.robots["rcan://r"].held_since = 2;
   EXPECT_FALSE(*decider_.Takes(gap));
   gap.held_since = 2;
   EXPECT_TRUE(*decider_.Takes(gap));
 }
 
 TEST_F(Decide, FindsADuplicateAtAndBelowTheCursor) {
-  held_.sessions[{"rcan://r", {}}].cursor = 5;
+  known_.sessions[{"rcan://r", {}}].cursor = 5;
   EXPECT_EQ(Kind(Note(4)), OutcomeKind::kDuplicate);
   EXPECT_EQ(Kind(Note(5)), OutcomeKind::kDuplicate);
   EXPECT_EQ(Kind(Note(6)), OutcomeKind::kStored);
@@ -144,8 +144,8 @@ TEST_F(Decide, FindsADuplicateAtAndBelowTheCursor) {
 }
 
 TEST_F(Decide, RefusesAgainWhatLiesInQuarantineWithItsReason) {
-  held_.sessions[{"rcan://r", {}}].cursor = 5;
-  held_.quarantined[4] = TooManyShapes();
+  known_.sessions[{"rcan://r", {}}].cursor = 5;
+  known_.quarantined[4] = TooManyShapes();
   const auto outcome = decider_.Look(Note(4));
   ASSERT_TRUE(outcome.ok() && outcome->has_value());
   EXPECT_EQ((*outcome)->kind, OutcomeKind::kRefused);
@@ -154,7 +154,7 @@ TEST_F(Decide, RefusesAgainWhatLiesInQuarantineWithItsReason) {
 
 TEST_F(Decide, HoldsNumberZeroForADuplicateAndDoesNotAskWhy) {
   EXPECT_EQ(Kind(Note(0)), OutcomeKind::kDuplicate);
-  EXPECT_THAT(held_.asked, Not(Contains("quarantined")));
+  EXPECT_THAT(known_.asked, Not(Contains("quarantined")));
 }
 
 TEST_F(Decide, RaisesTheCursorAndRemembersTheLatestArrival) {
@@ -162,22 +162,22 @@ TEST_F(Decide, RaisesTheCursorAndRemembersTheLatestArrival) {
   late.received_at = FromUnixMs(kNowMs + 7);
   EXPECT_EQ(Kind(late), OutcomeKind::kStored);
   EXPECT_EQ(Kind(Note(2)), OutcomeKind::kStored);
-  const HeldSession& session = held_.sessions[{"rcan://r", {}}];
+  const KnownSession& session = known_.sessions[{"rcan://r", {}}];
   EXPECT_EQ(session.cursor, 2U);
   EXPECT_TRUE(session.is_raised);
   EXPECT_EQ(session.last_used, FromUnixMs(kNowMs + 7));
 }
 
 TEST_F(Decide, LeavesASessionThatIsNotRaisedAlone) {
-  held_.sessions[{"rcan://r", {}}].cursor = 5;
+  known_.sessions[{"rcan://r", {}}].cursor = 5;
   EXPECT_EQ(Kind(Note(5)), OutcomeKind::kDuplicate);
-  EXPECT_FALSE((held_.sessions[{"rcan://r", {}}].is_raised));
+  EXPECT_FALSE((known_.sessions[{"rcan://r", {}}].is_raised));
 }
 
 TEST_F(Decide, HandsOnAnErrorOfTheStore) {
-  held_.failure = absl::UnavailableError("away");
-  EXPECT_EQ(decider_.Look(Note(1)).status(), held_.failure);
-  EXPECT_EQ(decider_.Takes({robot_, {}, 1, 2, 1, {}}).status(), held_.failure);
+  known_.failure = absl::UnavailableError("away");
+  EXPECT_EQ(decider_.Look(Note(1)).status(), known_.failure);
+  EXPECT_EQ(decider_.Takes({robot_, {}, 1, 2, 1, {}}).status(), known_.failure);
 }
 
 TEST_F(Decide, BoundsNothingOfAKindThatIsHistoryAlone) {
@@ -260,18 +260,18 @@ class DecideBound : public Decide, public ::testing::WithParamInterface<Bounded>
   Ruling Remove(const std::string& id) { return Judged(GetParam().removal(id)); }
   /// Leaves room for so many.
   void LeaveRoom(std::size_t entries) {
-    held_.more[GetParam().kind] = GetParam().entries_max - entries;
+    known_.more[GetParam().kind] = GetParam().entries_max - entries;
   }
   bool Has(const std::string& id) const {
-    return held_.entries.contains({GetParam().kind, "rcan://r", id, ""});
+    return known_.entries.contains({GetParam().kind, "rcan://r", id, ""});
   }
 
  private:
   void Write(const PresentChange& change) {
     if (change.is_upsert) {
-      held_.entries[PlainHeld::EntryOf(change.key)] = change.expires_ms;
+      known_.entries[PlainKnown::EntryOf(change.key)] = change.expires_ms;
     } else {
-      held_.entries.erase(PlainHeld::EntryOf(change.key));
+      known_.entries.erase(PlainKnown::EntryOf(change.key));
     }
   }
 };
@@ -309,7 +309,7 @@ TEST_P(DecideBound, GivesTheRoomOfARemovedEntryToANewOne) {
 
 TEST_P(DecideBound, CountsAnEntryThatWentBeforeTheFirstNewOneAsked) {
   LeaveRoom(1);
-  held_.entries[{GetParam().kind, "rcan://r", "old", ""}] = kNever;
+  known_.entries[{GetParam().kind, "rcan://r", "old", ""}] = kNever;
   Remove("old");
   EXPECT_FALSE(Upsert("new").refusal);
   EXPECT_TRUE(Upsert("past").refusal);
@@ -317,18 +317,18 @@ TEST_P(DecideBound, CountsAnEntryThatWentBeforeTheFirstNewOneAsked) {
 
 TEST_P(DecideBound, CountsOncePerBatchAndOnlyForANewEntry) {
   Remove("none");
-  held_.entries[{GetParam().kind, "rcan://r", "there", ""}] = kNever;
+  known_.entries[{GetParam().kind, "rcan://r", "there", ""}] = kNever;
   Upsert("there");
-  EXPECT_THAT(held_.asked, Not(Contains("count")));
+  EXPECT_THAT(known_.asked, Not(Contains("count")));
   Upsert("a");
   Upsert("b");
-  EXPECT_EQ(std::ranges::count(held_.asked, "count"), 1);
+  EXPECT_EQ(std::ranges::count(known_.asked, "count"), 1);
 }
 
 TEST_P(DecideBound, CountsARobotForItself) {
   LeaveRoom(0);
   EXPECT_TRUE(Upsert("here").refusal);
-  held_.more[GetParam().kind] = 0;
+  known_.more[GetParam().kind] = 0;
   CommitRecord other = Good(1, GetParam().upsert("there", kNever));
   other.robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://s", "f"});
   EXPECT_FALSE(decider_.Judge(other)->refusal);
@@ -360,22 +360,22 @@ TEST_P(DecideExpiring, LeavesExpiredEntriesWhileThereIsRoom) {
 TEST_P(DecideExpiring, BeginsAnewWithAnIdThatHasExpired) {
   LeaveRoom(1);
   EXPECT_FALSE(Upsert("one", kNowMs + 10).refusal);
-  EXPECT_THAT(held_.asked, Not(Contains("delete")));
+  EXPECT_THAT(known_.asked, Not(Contains("delete")));
   const Ruling again = Upsert("one", kNever, 10);
   EXPECT_FALSE(again.refusal);
-  EXPECT_THAT(held_.asked, Contains("delete"));
+  EXPECT_THAT(known_.asked, Contains("delete"));
   EXPECT_TRUE(Upsert("past", kNever, 10).refusal) << "it counts once";
 }
 
 TEST_F(Decide, KeepsFaultsOfTwoSourcesApartAndNeverExpiresThem) {
-  held_.more[PresentKind::kFault] = kActiveFaultsPerRobotMax;
-  held_.entries[{PresentKind::kFault, "rcan://r", "hot", "drive"}] = kNever;
+  known_.more[PresentKind::kFault] = kActiveFaultsPerRobotMax;
+  known_.entries[{PresentKind::kFault, "rcan://r", "hot", "drive"}] = kNever;
   model::Fault fault = FaultOf("hot", true);
   fault.source = "drive";
   EXPECT_EQ(Kind(Good(1, fault)), OutcomeKind::kStored);
   fault.source = "arm";
   EXPECT_EQ(Kind(Good(2, fault)), OutcomeKind::kRefused);
-  EXPECT_THAT(held_.asked, Not(Contains("delete expired")));
+  EXPECT_THAT(known_.asked, Not(Contains("delete expired")));
 }
 
 TEST_F(Decide, CountsTheConfiguredLifeOfAnObjectThatNamesNoExpiry) {

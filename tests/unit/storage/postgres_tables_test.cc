@@ -63,7 +63,7 @@ TEST(ListedColumns, LeaveOutWhatNoListReads) {
 }
 
 TEST(AddInsert, FillsEveryColumnOnceForEachRow) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   AddInsert<kAdded>(std::vector<Sample>{{"a", 1}, {"b", 2}}, calls);
   ASSERT_EQ(calls.size(), 1U);
   EXPECT_EQ(calls[0].sql, InsertSql(kAdded).view());
@@ -75,7 +75,7 @@ TEST(AddInsert, FillsEveryColumnOnceForEachRow) {
 }
 
 TEST(AddInsert, AddsNothingWithoutRows) {
-  std::vector<Call> calls;
+  std::vector<StoreCall> calls;
   AddInsert<kAdded>(std::vector<Sample>{}, calls);
   EXPECT_TRUE(calls.empty());
 }

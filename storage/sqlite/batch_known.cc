@@ -1,13 +1,15 @@
-#include "storage/sqlite/batch_held.h"
+#include "storage/sqlite/batch_known.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "storage/sqlite/tables.h"
+
 namespace uplink::storage::sqlite {
 
-absl::StatusOr<HeldRobot*> BatchHeld::Robot(const Hold& hold) {
-  const auto known = robots_.find(hold.robot.ruri);
-  if (known != robots_.end()) return &known->second.held;
+absl::StatusOr<KnownRobot*> BatchKnown::Robot(const Hold& hold) {
+  const auto found = robots_.find(hold.robot.ruri);
+  if (found != robots_.end()) return &found->second.known;
   absl::StatusOr<std::optional<Epoch>> stored = tables_.deciding.HeldSince(hold.robot.ruri);
   if (!stored.ok()) return stored.status();
   if (!stored->has_value()) {
@@ -17,26 +19,27 @@ absl::StatusOr<HeldRobot*> BatchHeld::Robot(const Hold& hold) {
     *stored = hold.held_since;
   }
   BatchRobot& robot = robots_[hold.robot.ruri];
-  robot.held.held_since = **stored;
-  return &robot.held;
+  robot.known.held_since = **stored;
+  return &robot.known;
 }
 
-absl::StatusOr<HeldSession*> BatchHeld::Session(const CommitRecord& record) {
+absl::StatusOr<KnownSession*> BatchKnown::Session(const CommitRecord& record) {
   std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
-  const auto known = std::ranges::find(sessions, record.session, &BatchSession::id);
-  if (known != sessions.end()) return &known->held;
+  const auto found = std::ranges::find(sessions, record.session, &BatchSession::id);
+  if (found != sessions.end()) return &found->known;
   const absl::StatusOr<std::optional<SessionCursor>> stored =
       tables_.deciding.FindSession(record.robot->ruri, record.session);
   if (!stored.ok()) return stored.status();
   const SessionCursor row = stored->value_or(SessionCursor{0, next_entry_});
   BatchSession& session = sessions.emplace_back();
   session.id = record.session;
-  session.held.cursor = row.cursor;
+  session.known.cursor = row.cursor;
   session.first_entry = row.first_entry;
-  return &session.held;
+  return &session.known;
 }
 
-absl::StatusOr<std::optional<model::Rejection>> BatchHeld::Quarantined(const CommitRecord& record) {
+absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Quarantined(
+    const CommitRecord& record) {
   const std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
   const auto session = std::ranges::find(sessions, record.session, &BatchSession::id);
   RejectRange range;
@@ -51,20 +54,20 @@ absl::StatusOr<std::optional<model::Rejection>> BatchHeld::Quarantined(const Com
   return std::optional(std::move(rejects->front().rejection));
 }
 
-absl::StatusOr<std::optional<std::int64_t>> BatchHeld::ExpiryOf(const PresentKey& key) {
+absl::StatusOr<std::optional<std::int64_t>> BatchKnown::ExpiryOf(const PresentKey& key) {
   return tables_.present_rows(key.kind).ExpiryOf(key);
 }
 
-absl::StatusOr<std::size_t> BatchHeld::Count(PresentKind kind, std::string_view ruri) {
+absl::StatusOr<std::size_t> BatchKnown::Count(PresentKind kind, std::string_view ruri) {
   return tables_.present_rows(kind).Count(ruri);
 }
 
-absl::Status BatchHeld::Delete(const PresentKey& key) {
+absl::Status BatchKnown::Delete(const PresentKey& key) {
   return tables_.present_rows(key.kind).Delete(key);
 }
 
-absl::StatusOr<std::size_t> BatchHeld::DeleteExpired(PresentKind kind, std::string_view ruri,
-                                                     std::int64_t now_ms) {
+absl::StatusOr<std::size_t> BatchKnown::DeleteExpired(PresentKind kind, std::string_view ruri,
+                                                      std::int64_t now_ms) {
   return tables_.present_rows(kind).DeleteExpired(ruri, now_ms);
 }
 

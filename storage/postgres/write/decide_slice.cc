@@ -1,4 +1,4 @@
-#include "storage/postgres/write/decide_part.h"
+#include "storage/postgres/write/decide_slice.h"
 
 #include <string>
 #include <tuple>
@@ -11,23 +11,23 @@
 namespace uplink::storage::postgres {
 namespace {
 
-using EntryView = Known::EntryView;
+using EntryView = KnownRows::EntryView;
 
 EntryView ViewOf(const PresentKey& key) { return {key.ruri, key.id, key.source}; }
 
-Known::Entry EntryOf(const PresentKey& key) {
+KnownRows::Entry EntryOf(const PresentKey& key) {
   return {std::string(key.ruri), std::string(key.id), std::string(key.source)};
 }
 
 /// What is known, as decisions ask for it. Nothing of it fails: all was read before.
-class KnownHeld final : public Held {
+class KnownByRows final : public Known {
  public:
-  KnownHeld(Known& known, BatchRows& rows) : known_(known), rows_(rows) {}
+  KnownByRows(KnownRows& known, BatchRows& rows) : known_(known), rows_(rows) {}
 
-  absl::StatusOr<HeldRobot*> Robot(const Hold& hold) override {
+  absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override {
     return &known_.robots[hold.robot.ruri];
   }
-  absl::StatusOr<HeldSession*> Session(const CommitRecord& record) override {
+  absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     return &known_.sessions[{record.robot->ruri, record.session}];
   }
   absl::StatusOr<std::optional<model::Rejection>> Quarantined(const CommitRecord& record) override {
@@ -36,7 +36,7 @@ class KnownHeld final : public Held {
     return std::optional(why->second);
   }
   absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(const PresentKey& key) override {
-    const Known::Entries& entries = known_.entries(key.kind);
+    const KnownRows::Entries& entries = known_.entries(key.kind);
     const auto entry = entries.find(ViewOf(key));
     if (entry == entries.end()) return std::optional<std::int64_t>();
     return std::optional(entry->second);
@@ -48,13 +48,13 @@ class KnownHeld final : public Held {
   }
   absl::Status Delete(const PresentKey& key) override {
     // The upsert that follows sees to it that the row goes (present_rows.h).
-    Known::Entries& entries = known_.entries(key.kind);
+    KnownRows::Entries& entries = known_.entries(key.kind);
     entries.erase(entries.find(ViewOf(key)));
     return absl::OkStatus();
   }
   absl::StatusOr<std::size_t> DeleteExpired(PresentKind kind, std::string_view ruri,
                                             std::int64_t now_ms) override {
-    Known::Entries& entries = known_.entries(kind);
+    KnownRows::Entries& entries = known_.entries(kind);
     std::size_t deleted = 0;
     auto entry = entries.lower_bound(EntryView{ruri, {}, {}});
     while (entry != entries.end() && std::get<0>(entry->first) == ruri) {
@@ -73,22 +73,26 @@ class KnownHeld final : public Held {
   }
 
  private:
-  Known& known_;
+  KnownRows& known_;
   BatchRows& rows_;
 };
 
-/// The answer of a Held that never fails.
+/// The answer of a Known that never fails.
 template <typename T>
 T Sure(absl::StatusOr<T> answer) {
   UPLINK_CHECK(answer.ok(), "what was read before is known");
   return *std::move(answer);
 }
 
-class PartDecision final {
+class SliceDecision final {
  public:
-  PartDecision(Known& known, const StoreRules& rules, const std::optional<DatabaseRefusal>& refusal,
-               BatchRows& rows)
-      : known_(known), refusal_(refusal), rows_(rows), held_(known, rows), decider_(held_, rules) {}
+  SliceDecision(KnownRows& known, const StoreRules& rules,
+                const std::optional<DatabaseRefusal>& refusal, BatchRows& rows)
+      : known_(known),
+        refusal_(refusal),
+        rows_(rows),
+        known_by_rows_(known, rows),
+        decider_(known_by_rows_, rules) {}
 
   Outcome Decide(const CommitRecord& record, std::int32_t place) {
     std::optional<Outcome> earlier = Sure(decider_.Look(record));
@@ -119,7 +123,7 @@ class PartDecision final {
       ++place;
     }
     if (batch.presence.empty()) return;
-    HeldSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];
+    KnownSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];
     for (const PresenceItem& item : batch.presence) {
       if (RaiseCursor(session, item.number, item.at)) {
         rows_.AddPresence(item, batch.presence_session, static_cast<std::int32_t>(place));
@@ -135,7 +139,7 @@ class PartDecision final {
     known_.quarantined[{record.robot->ruri, record.session, record.seq}] = rejection;
   }
   void Follow(const PresentChange& change) {
-    Known::Entries& entries = known_.entries(change.key.kind);
+    KnownRows::Entries& entries = known_.entries(change.key.kind);
     const auto entry = entries.find(ViewOf(change.key));
     if (!change.is_upsert) {
       if (entry != entries.end()) entries.erase(entry);
@@ -146,26 +150,26 @@ class PartDecision final {
     }
   }
 
-  Known& known_;
+  KnownRows& known_;
   const std::optional<DatabaseRefusal>& refusal_;
   BatchRows& rows_;
-  KnownHeld held_;
+  KnownByRows known_by_rows_;
   Decider decider_;
 };
 
 }  // namespace
 
-std::vector<Outcome> DecidePart(const Part& part, Known& known, const StoreRules& rules,
-                                const std::optional<DatabaseRefusal>& refusal, BatchRows& rows) {
-  UPLINK_CHECK(!refusal || part.last - part.first == 1, "a refusal is of one record");
-  PartDecision decision(known, rules, refusal, rows);
+std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known, const StoreRules& rules,
+                                 const std::optional<DatabaseRefusal>& refusal, BatchRows& rows) {
+  UPLINK_CHECK(!refusal || slice.last - slice.first == 1, "a refusal is of one record");
+  SliceDecision decision(known, rules, refusal, rows);
   std::vector<Outcome> outcomes;
-  outcomes.reserve(part.last - part.first);
-  for (std::size_t place = part.first; place < part.last; ++place) {
+  outcomes.reserve(slice.last - slice.first);
+  for (std::size_t place = slice.first; place < slice.last; ++place) {
     outcomes.push_back(
-        decision.Decide(part.batch->records[place], static_cast<std::int32_t>(place)));
+        decision.Decide(slice.batch->records[place], static_cast<std::int32_t>(place)));
   }
-  if (part.with_rest) decision.DecideRest(*part.batch);
+  if (slice.with_rest) decision.DecideRest(*slice.batch);
   return outcomes;
 }
 

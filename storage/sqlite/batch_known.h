@@ -9,41 +9,42 @@
 
 #include "storage/decide.h"
 #include "storage/sqlite/entry_number.h"
-#include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
+
+struct Tables;
 
 /// A session of a batch.
 struct BatchSession {
   model::SessionId id;
-  HeldSession held;
+  KnownSession known;
   /// Quarantine rows of the session begin here.
   EntryNumber first_entry = 0;
 };
 
 /// A robot of a batch.
 struct BatchRobot {
-  HeldRobot held;
+  KnownRobot known;
   std::vector<BatchSession> sessions;
   /// Whether the batch put a payload of it into quarantine, and whether it wrote gaps of it.
   bool quarantined_payload = false;
   bool gaps = false;
 };
 
-/// What the file holds, read row by row as decisions ask for it; robots and sessions once per
+/// What the file says, read row by row as decisions ask for it; robots and sessions once per
 /// batch. The views of the batch's records are kept: it must outlive this.
 ///
 /// Thread: confined to the thread of its database.
-class BatchHeld final : public Held {
+class BatchKnown final : public Known {
  public:
   using Robots = std::unordered_map<std::string_view, BatchRobot>;
 
   /// `next_entry` is the batch's count as it stands at each call.
-  BatchHeld(Tables& tables, const ProcessId& process, const EntryNumber& next_entry)
+  BatchKnown(Tables& tables, const ProcessId& process, const EntryNumber& next_entry)
       : tables_(tables), process_(process), next_entry_(next_entry) {}
 
-  [[nodiscard]] absl::StatusOr<HeldRobot*> Robot(const Hold& hold) override;
-  [[nodiscard]] absl::StatusOr<HeldSession*> Session(const CommitRecord& record) override;
+  [[nodiscard]] absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override;
+  [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(

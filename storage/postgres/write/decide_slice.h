@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "storage/postgres/write/batch_rows.h"
+#include "storage/postgres/write/known.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// What the database itself refused of a slice of one record.
+struct DatabaseRefusal {
+  model::Rejection rejection;
+  QuarantineDetail detail = QuarantineDetail::kAll;
+};
+
+/// Decides a slice of a batch (storage/decide.h) by what is known: gathers into `rows` what is to
+/// be written, and returns an outcome per record. `known` follows the writes. With `refusal` the
+/// slice's one record goes to quarantine for it, if it is to be written at all.
+[[nodiscard]] std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known,
+                                               const StoreRules& rules,
+                                               const std::optional<DatabaseRefusal>& refusal,
+                                               BatchRows& rows);
+
+}  // namespace uplink::storage::postgres
