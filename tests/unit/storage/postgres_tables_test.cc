@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,14 @@ constexpr auto kSampleColumns = std::to_array<Column<Sample, Unlisted>>({
     {"key", Type::kText, Role::kKey, [](Array& to, const Sample& row) { to.Text(row.key); },
      [](const Cell& /*cell*/, Unlisted& /*row*/) {}},
     {"entry", Type::kInt4, Role::kKept, [](Array& to, const Sample& /*row*/) { to.Int4(1); },
-     nullptr, "entry + 1"},
+     std::nullopt, "entry + 1"},
     {"seen", Type::kInt8, Role::kValue, [](Array& to, const Sample& row) { to.Int8(row.count); },
      [](const Cell& /*cell*/, Unlisted& /*row*/) {}},
     {"count",
      Type::kInt8,
      Role::kValue,
      [](Array& to, const Sample& row) { to.Int8(row.count); },
-     nullptr,
+     std::nullopt,
      {},
      "t.count + excluded.count"},
 });

@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,13 +19,14 @@ struct Sample {
 constexpr auto kSampleColumns = std::to_array<Column<Sample, Unlisted>>({
     {"key", Role::kKey, [](Binder& to, const Sample& row) { to.Text(row.key); },
      [](const Cell& /*cell*/, Unlisted& /*row*/) {}},
-    {"entry", Role::kKept, [](Binder& to, const Sample& /*row*/) { to.Int(1); }, nullptr, "? + 1"},
+    {"entry", Role::kKept, [](Binder& to, const Sample& /*row*/) { to.Int(1); }, std::nullopt,
+     "? + 1"},
     {"seen", Role::kValue, [](Binder& to, const Sample& row) { to.Int(row.count); },
      [](const Cell& /*cell*/, Unlisted& /*row*/) {}},
     {"count",
      Role::kValue,
      [](Binder& to, const Sample& row) { to.Int(row.count); },
-     nullptr,
+     std::nullopt,
      {},
      "count + excluded.count"},
 });
