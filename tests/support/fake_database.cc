@@ -25,6 +25,10 @@ using storage::OutcomeKind;
 using storage::ProcessId;
 using storage::QuarantineItem;
 
+FakeDatabase::FakeDatabase() = default;
+
+FakeDatabase::~FakeDatabase() = default;
+
 std::vector<OpenResult> FakeDatabase::OpenStreams(const ProcessId& process,
                                                   std::span<const OpenRequest> requests) {
   const std::lock_guard lock(mutex_);

@@ -63,7 +63,8 @@ struct FakeRules {
 /// Thread: thread-safe; each call is one transaction.
 class FakeDatabase final {
  public:
-  FakeDatabase() = default;
+  FakeDatabase();
+  ~FakeDatabase();
   FakeDatabase(const FakeDatabase&) = delete;
   FakeDatabase& operator=(const FakeDatabase&) = delete;
 

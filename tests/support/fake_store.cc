@@ -6,6 +6,12 @@
 
 namespace uplink::testing {
 
+FakeStore::FakeStore(FakeDatabase& database, const storage::ProcessId& process,
+                     const storage::StoreRules& rules)
+    : database_(database), process_(process), store_rules_(rules) {}
+
+FakeStore::~FakeStore() = default;
+
 absl::StatusOr<std::vector<storage::OpenResult>> FakeStore::OpenStreams(
     std::span<const storage::OpenRequest> requests) {
   Fate fate = Begin({&any_order_, &open_order_}, opens_);

@@ -34,8 +34,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
  public:
   /// `database` must outlive this.
   FakeStore(FakeDatabase& database, const storage::ProcessId& process,
-            const storage::StoreRules& rules = {})
-      : database_(database), process_(process), store_rules_(rules) {}
+            const storage::StoreRules& rules = {});
+  ~FakeStore() override;
 
   // storage::Store
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(

@@ -28,6 +28,8 @@ ServerWorld::ServerWorld()
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
             robots_scrape}) {}
 
+ServerWorld::~ServerWorld() = default;
+
 std::vector<metrics::PageSource> ServerWorld::PageSources() {
   constexpr std::size_t kConnectionsMax = 4;
   return {

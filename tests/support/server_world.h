@@ -27,6 +27,7 @@ class ServerWorld {
   static constexpr std::size_t kRobotsMax = 5;
 
   ServerWorld();
+  ~ServerWorld();
 
   /// Admits a robot and writes its row.
   robot::Robot& AddRobot(const std::string& ruri, const std::string& fleet = "default");

@@ -109,6 +109,8 @@ BenchStream::BenchStream(const SessionContext& context, identity::PeerIdentity p
                          robot::StreamRef self)
     : session_(context, std::move(peer), self, *this, *this) {}
 
+BenchStream::~BenchStream() = default;
+
 void BenchStream::Write(const v1::RelayResponse& frame) {
   UPLINK_CHECK(!writing_, "one write at a time");
   writing_ = true;
@@ -200,6 +202,8 @@ BenchServer::BenchServer(testing::ManualClock& clock, testing::FakeDatabase& dat
       ledger_(book_.NewPage()) {
   store_.SetRules({.refuse = RefuseMarked});
 }
+
+BenchServer::~BenchServer() = default;
 
 BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
   const SessionContext context{.clock = clock_,

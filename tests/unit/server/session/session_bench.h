@@ -56,6 +56,7 @@ struct Message {
 class BenchStream final : public FrameSource, public FrameSink {
  public:
   BenchStream(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self);
+  ~BenchStream() override;
 
   void RequestRead() override { reading_ = true; }
   void Write(const v1::RelayResponse& frame) override;
@@ -116,6 +117,7 @@ class BenchServer final : public robot::WakeInbox {
  public:
   BenchServer(testing::ManualClock& clock, testing::FakeDatabase& database, std::uint8_t process,
               const BenchLimits& limits);
+  ~BenchServer() override;
 
   void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
 
