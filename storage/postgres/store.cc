@@ -25,7 +25,7 @@ bool IsWorthRetry(const absl::Status& status) {
          absl::IsResourceExhausted(status) || absl::IsDeadlineExceeded(status);
 }
 
-struct PostgresStore::Parts {
+struct PostgresStore::Impl {
   StoreOptions options;
   Link link;
   absl::Status open_error;
@@ -33,7 +33,7 @@ struct PostgresStore::Parts {
   std::atomic<bool> unsafe{false};
   std::atomic<std::int64_t> clock_offset_ms{0};
 
-  Parts(StoreOptions given, Link to) : options(std::move(given)), link(std::move(to)) {}
+  Impl(StoreOptions given, Link to) : options(std::move(given)), link(std::move(to)) {}
 
   absl::StatusOr<Connection*> Connected() {
     absl::StatusOr<Connection*> connection = link.Get();
@@ -43,7 +43,7 @@ struct PostgresStore::Parts {
   }
 };
 
-PostgresStore::PostgresStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+PostgresStore::PostgresStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 PostgresStore::~PostgresStore() = default;
 
 absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions options,
@@ -61,30 +61,30 @@ absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions 
   link.migrate = options.migrate;
   const bool connect = options.connect_now;
   auto store = std::unique_ptr<PostgresStore>(
-      new PostgresStore(std::make_unique<Parts>(std::move(options), Link(std::move(link), clock))));
+      new PostgresStore(std::make_unique<Impl>(std::move(options), Link(std::move(link), clock))));
   absl::Status opened = absl::OkStatus();
-  if (connect) opened = store->parts_->Connected().status();
+  if (connect) opened = store->impl_->Connected().status();
   if (!opened.ok() && !IsWorthRetry(opened)) return opened;
-  store->parts_->open_error = std::move(opened);
+  store->impl_->open_error = std::move(opened);
   return store;
 }
 
-const absl::Status& PostgresStore::open_error() const { return parts_->open_error; }
+const absl::Status& PostgresStore::open_error() const { return impl_->open_error; }
 
 StoreFacts PostgresStore::facts() const {
-  return {parts_->unsafe.load(), milliseconds(parts_->clock_offset_ms.load())};
+  return {impl_->unsafe.load(), milliseconds(impl_->clock_offset_ms.load())};
 }
 
 template <typename Result, typename Work>
 absl::StatusOr<Result> PostgresStore::With(const Work& work) {
   absl::StatusOr<Result> result = absl::AbortedError("not tried");
   for (int tries = 0; tries < kTriesMax && absl::IsAborted(result.status()); ++tries) {
-    const absl::StatusOr<Connection*> connection = parts_->Connected();
+    const absl::StatusOr<Connection*> connection = impl_->Connected();
     if (!connection.ok()) return connection.status();
     result = work(**connection);
   }
-  if (result.ok() && parts_->options.after_commit) {
-    absl::Status told = parts_->options.after_commit();
+  if (result.ok() && impl_->options.after_commit) {
+    absl::Status told = impl_->options.after_commit();
     if (!told.ok()) return told;
   }
   return result;
@@ -92,14 +92,14 @@ absl::StatusOr<Result> PostgresStore::With(const Work& work) {
 
 absl::StatusOr<std::vector<OpenResult>> PostgresStore::OpenStreams(
     std::span<const OpenRequest> requests) {
-  const StoreOptions& options = parts_->options;
+  const StoreOptions& options = impl_->options;
   return With<std::vector<OpenResult>>([&](Connection& connection) {
     return OpenAll(connection, requests, options.process, options.before_commit);
   });
 }
 
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
-  const StoreOptions& options = parts_->options;
+  const StoreOptions& options = impl_->options;
   return With<std::vector<Outcome>>([&](Connection& connection) {
     return BatchCommit(connection, batch, options.process, options.rules, options.before_commit)
         .Run();
@@ -108,7 +108,7 @@ absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
 
 absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
-  const StoreOptions& options = parts_->options;
+  const StoreOptions& options = impl_->options;
   return With<std::size_t>([&](Connection& connection) -> absl::StatusOr<std::size_t> {
     std::vector<StoreCall> calls;
     calls.push_back({kBegin, {}});
@@ -126,13 +126,13 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
 }
 
 absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
-  const absl::StatusOr<Connection*> connection = parts_->Connected();
+  const absl::StatusOr<Connection*> connection = impl_->Connected();
   if (!connection.ok()) return connection.status();
-  return RetainRows(**connection, now, parts_->options.rules, parts_->options.clock_offset_max);
+  return RetainRows(**connection, now, impl_->options.rules, impl_->options.clock_offset_max);
 }
 
 absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {
-  const StoreOptions& options = parts_->options;
+  const StoreOptions& options = impl_->options;
   return With<std::vector<std::size_t>>([&](Connection& connection) {
     return WriteLive(connection, rows, options.process, options.before_commit);
   });

@@ -74,14 +74,14 @@ class PostgresStore final : public Store {
   [[nodiscard]] StoreFacts facts() const;
 
  private:
-  struct Parts;
-  explicit PostgresStore(std::unique_ptr<Parts> parts);
+  struct Impl;
+  explicit PostgresStore(std::unique_ptr<Impl> impl);
 
   /// Runs `work` with a connection, again where transactions stood in each other's way.
   template <typename Result, typename Work>
   absl::StatusOr<Result> With(const Work& work);
 
-  std::unique_ptr<Parts> parts_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// True for errors that a later try may not meet: the server is away, busy or full.

@@ -14,7 +14,7 @@
 namespace uplink::storage::sqlite {
 
 /// Destroyed in reverse: statements, then their database, then the lock.
-struct SqliteStore::Parts {
+struct SqliteStore::Impl {
   StoreOptions options;
   std::unique_ptr<FileLock> lock;
   std::unique_ptr<Database> database;
@@ -23,22 +23,22 @@ struct SqliteStore::Parts {
   Tables tables;
 };
 
-SqliteStore::SqliteStore(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+SqliteStore::SqliteStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 SqliteStore::~SqliteStore() = default;
 
 absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string& path,
                                                                const StoreOptions& options) {
-  auto parts = std::make_unique<Parts>();
-  parts->options = options;
+  auto impl = std::make_unique<Impl>();
+  impl->options = options;
   if (options.exclusive) {
     absl::StatusOr<std::unique_ptr<FileLock>> lock = FileLock::Take(path);
     if (!lock.ok()) return lock.status();
-    parts->lock = *std::move(lock);
+    impl->lock = *std::move(lock);
   }
   auto opened = Database::Open(path, Access::kWrite, options.busy_timeout);
   if (!opened.ok()) return opened.status();
   Database& database = **opened;
-  parts->database = *std::move(opened);
+  impl->database = *std::move(opened);
 
   const IfOlder if_older = options.migrate ? IfOlder::kMigrate : IfOlder::kRefuse;
   absl::Status status = CheckFile(database, Migrations());
@@ -47,30 +47,30 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   if (status.ok() && options.pages_max) {
     status = database.Execute("PRAGMA max_page_count = " + std::to_string(*options.pages_max));
   }
-  if (status.ok()) status = parts->tables.Prepare(database);
+  if (status.ok()) status = impl->tables.Prepare(database);
   if (!status.ok()) return status;
 
   // IMMEDIATE: a transaction that may wait for another writer does so before it has read anything.
   auto begin = database.Prepare("BEGIN IMMEDIATE");
   if (!begin.ok()) return begin.status();
-  parts->begin = *std::move(begin);
+  impl->begin = *std::move(begin);
   auto commit = database.Prepare("COMMIT");
   if (!commit.ok()) return commit.status();
-  parts->commit = *std::move(commit);
-  return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(parts)));
+  impl->commit = *std::move(commit);
+  return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(impl)));
 }
 
 template <typename Result, typename Work>
 absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
-  absl::Status status = parts_->begin->Run();
+  absl::Status status = impl_->begin->Run();
   if (!status.ok()) return status;
   absl::StatusOr<Result> result = work();
   status = result.status();
-  const StoreOptions& options = parts_->options;
+  const StoreOptions& options = impl_->options;
   if (status.ok() && options.before_commit) status = options.before_commit();
-  if (status.ok()) status = parts_->commit->Run();
+  if (status.ok()) status = impl_->commit->Run();
   if (!status.ok()) {
-    parts_->database->RollbackIfOpen();
+    impl_->database->RollbackIfOpen();
     return status;
   }
   if (options.after_commit) status = options.after_commit();
@@ -97,8 +97,8 @@ absl::StatusOr<std::vector<OpenResult>> SqliteStore::OpenStreams(
 }
 
 absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
-  DecidingTables& deciding = parts_->tables.deciding;
-  const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, parts_->options.process);
+  DecidingTables& deciding = impl_->tables.deciding;
+  const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, impl_->options.process);
   if (!robot.ok()) return robot.status();
   const absl::StatusOr<EntryNumber> next_entry = deciding.NextEntry();
   if (!next_entry.ok()) return next_entry.status();
@@ -116,7 +116,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   range.above = std::min(request.settled_seq, session->cursor);
   range.through = session->cursor;
   absl::StatusOr<std::vector<StoredReject>> rejects =
-      parts_->tables.set_aside.Rejects(range, kOpenRejectsMax + 1);
+      impl_->tables.set_aside.Rejects(range, kOpenRejectsMax + 1);
   if (!rejects.ok()) return rejects.status();
   result.rejects = *std::move(rejects);
   if (result.rejects.size() > kOpenRejectsMax) {
@@ -129,7 +129,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
 }
 
 absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
-  DecidingTables& deciding = parts_->tables.deciding;
+  DecidingTables& deciding = impl_->tables.deciding;
   const absl::StatusOr<std::vector<model::SessionId>> sessions =
       deciding.Sessions(request.robot->ruri);
   if (!sessions.ok()) return sessions.status();
@@ -148,8 +148,8 @@ absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
     return InTransaction<std::vector<Outcome>>([&] {
-      return BatchCommit(*parts_->database, parts_->tables, parts_->options.process,
-                         parts_->options.rules, isolation)
+      return BatchCommit(*impl_->database, impl_->tables, impl_->options.process,
+                         impl_->options.rules, isolation)
           .Write(batch);
     });
   };
@@ -167,7 +167,7 @@ absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
   return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
     std::size_t swept = 0;
     for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
-      const auto rows = parts_->tables.present_rows(kind).Sweep(until_ms, kSweepRowsMax);
+      const auto rows = impl_->tables.present_rows(kind).Sweep(until_ms, kSweepRowsMax);
       if (!rows.ok()) return rows.status();
       swept += *rows;
     }
@@ -176,16 +176,16 @@ absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
 }
 
 absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {
-  const StoreRules& rules = parts_->options.rules;
+  const StoreRules& rules = impl_->options.rules;
   return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
     std::size_t erased = 0;
     if (const auto kept = FirstDayKept(now, rules.retain_history)) {
-      const auto rows = parts_->tables.retention.EraseHistory(*kept);
+      const auto rows = impl_->tables.retention.EraseHistory(*kept);
       if (!rows.ok()) return rows.status();
       erased += *rows;
     }
     if (const auto kept = FirstDayKept(now, rules.retain_quarantine)) {
-      const auto rows = parts_->tables.retention.EraseSetAside(*kept);
+      const auto rows = impl_->tables.retention.EraseSetAside(*kept);
       if (!rows.ok()) return rows.status();
       erased += *rows;
     }
@@ -198,7 +198,7 @@ absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const
   return InTransaction<Places>([&]() -> absl::StatusOr<Places> {
     Places passed_over;
     for (std::size_t place = 0; place < rows.size(); ++place) {
-      const auto written = parts_->tables.live.Upsert(rows[place], parts_->options.process);
+      const auto written = impl_->tables.live.Upsert(rows[place], impl_->options.process);
       if (!written.ok()) return written.status();
       if (!*written) passed_over.push_back(place);
     }

@@ -59,8 +59,8 @@ class SqliteStore final : public Store {
       std::span<const LiveRow> rows) override;
 
  private:
-  struct Parts;
-  explicit SqliteStore(std::unique_ptr<Parts> parts);
+  struct Impl;
+  explicit SqliteStore(std::unique_ptr<Impl> impl);
   absl::StatusOr<OpenResult> OpenOne(const OpenRequest& request);
   absl::Status EvictSessions(const OpenRequest& request);
 
@@ -68,7 +68,7 @@ class SqliteStore final : public Store {
   template <typename Result, typename Work>
   absl::StatusOr<Result> InTransaction(const Work& work);
 
-  std::unique_ptr<Parts> parts_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace uplink::storage::sqlite
