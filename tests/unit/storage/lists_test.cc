@@ -27,6 +27,7 @@ TEST(Lists, AreVisitedInTheOrderOfTheirTable) {
   std::vector<PageKind> visited;
   ForEachList([&visited]<PageKind kList>() { visited.push_back(kList); });
   std::vector<PageKind> listed;
+  listed.reserve(kLists.size());
   for (const ListEntry& entry : kLists) listed.push_back(entry.kind);
   EXPECT_THAT(visited, ::testing::ElementsAreArray(listed));
 }
