@@ -78,6 +78,13 @@ class FleetRun(EndToEnd):
         fleet.process.communicate(timeout=15)  # one alone: until the server is back, or minutes
         self.assertEqual(fleet.process.returncode, 1, fleet.log())
 
+    def test_a_second_signal_still_closes_and_compares_while_the_server_answers(self):
+        _, fleet = self.at_work("--robots", 20, "--faults", 10)
+        fleet.process.send_signal(signal.SIGTERM)
+        _, report = fleet.finish()  # the other signal
+        checks = {check["what"]: check["ok"] for check in report["checks"]}
+        self.assertTrue(checks["streams ended OK"], report["checks"])
+
     def test_a_second_run_on_the_same_server_agrees_too(self):
         server, fleet = self.at_work("--robots", 3, "--faults", 20)
         self.assert_agrees(fleet)

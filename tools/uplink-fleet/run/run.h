@@ -30,8 +30,8 @@ class Run final {
   [[nodiscard]] int Conclude();
 
   RunOptions options_;
-  Signals signals_;
   SystemClock clock_;
+  Signals signals_{clock_};
   Shared shared_;
   ServerView view_;
   Progress progress_;

@@ -8,7 +8,8 @@
 #include "uplink/v1/fleet.pb.h"
 
 /// What main does in each stage of a run (robot/shared.h), one after the other. A first signal ends
-/// the sending; after a second one nothing is waited for.
+/// the sending; a second one the settling, and a server that does not answer is then waited for
+/// kSecondSignalGrace longer.
 ///
 /// Thread: main's.
 namespace uplink::synthetic {
