@@ -25,7 +25,6 @@ class CheckpointRounds final {
   /// Before the first Advance: the live states that are written each `every`. `live` outlives this;
   /// without it no round is due.
   void SetSource(fleet::LiveSource& live, milliseconds every);
-  [[nodiscard]] bool HasSource() const { return live_ != nullptr; }
 
   [[nodiscard]] const Duty& duty() const { return duty_; }
   /// Writes the next rows of the round. Nothing if no round is under way and none is due.

@@ -68,7 +68,7 @@ void Committing::FinishPresence() {
   for (const storage::PresenceItem& item : items) {
     context_.probe.presence_changes[static_cast<std::size_t>(item.presence)].Add();
   }
-  context_.inbox.NotePresenceCommitted(items.size());
+  context_.inbox.CountPresenceCommitted(items.size());
   batch_.ClearPresence();
 }
 

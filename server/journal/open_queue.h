@@ -21,7 +21,7 @@ struct OpenEntry {
 /// The streams that wait for an OpenStream, in order: at most one per robot, the newest.
 ///
 /// Limits: one entry per robot (limits.robots_max).
-/// Thread: confined to its owner's lock; unopened() and NoteOpened: any thread.
+/// Thread: confined to its owner's lock; unopened() and CountOpened: any thread.
 class OpenQueue final {
  public:
   /// False if it replaced one of the same robot that waited already.
@@ -33,7 +33,7 @@ class OpenQueue final {
   /// same robot waits, that stands for it.
   void PutBack(std::vector<OpenEntry> taken);
   /// So many of those that were taken are open.
-  void NoteOpened(std::size_t count) { unopened_.fetch_sub(count); }
+  void CountOpened(std::size_t count) { unopened_.fetch_sub(count); }
 
   /// None waits to be taken.
   [[nodiscard]] bool empty() const { return queue_.empty(); }

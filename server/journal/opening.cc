@@ -31,7 +31,7 @@ Step Opening::Open() {
   UPLINK_CHECK(results->size() == opening_.size(), "the store answers every OpenStream");
   const std::vector<OpenEntry> opened = std::exchange(opening_, {});
   for (std::size_t i = 0; i < opened.size(); ++i) Tell(opened[i], (*results)[i]);
-  context_.inbox.NoteOpened(opened.size());
+  context_.inbox.CountOpened(opened.size());
   return Step::kWorked;
 }
 

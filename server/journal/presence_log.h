@@ -17,7 +17,7 @@ namespace uplink::journal {
 ///
 /// Limits: as many entries as there are robots (limits.robots_max), which the fleet keeps; and what
 ///         halved batches left.
-/// Thread: confined to its owner's lock; uncommitted() and NoteCommitted: any thread.
+/// Thread: confined to its owner's lock; uncommitted() and CountCommitted: any thread.
 class PresenceLog final {
  public:
   /// What the store holds of the robot already.
@@ -33,7 +33,7 @@ class PresenceLog final {
   /// Taken ones, whose numbers follow each other, go ahead of those that were put back earlier.
   void PutBack(std::vector<storage::PresenceItem> items);
   /// So many of those that were taken are committed.
-  void NoteCommitted(std::size_t count) { uncommitted_.fetch_sub(count); }
+  void CountCommitted(std::size_t count) { uncommitted_.fetch_sub(count); }
 
   /// No change waits to be handed over for the first time.
   [[nodiscard]] bool empty() const { return waiting_.empty(); }

@@ -31,7 +31,7 @@ class WriterInbox final {
   /// OpenQueue::MoveTo.
   [[nodiscard]] TakenOpens TakeOpens(std::vector<OpenEntry> taken, std::size_t most);
   void PutBackOpens(std::vector<OpenEntry> taken);
-  void NoteOpened(std::size_t count) { inbox_.opens_.NoteOpened(count); }
+  void CountOpened(std::size_t count) { inbox_.opens_.CountOpened(count); }
 
   // --- Batches ---
 
@@ -55,7 +55,7 @@ class WriterInbox final {
   };
   /// Records and gaps that were taken are done; wakes those who wait for room, if there is some.
   void Release(const Done& done);
-  void NotePresenceCommitted(std::size_t count) { inbox_.presence_.NoteCommitted(count); }
+  void CountPresenceCommitted(std::size_t count) { inbox_.presence_.CountCommitted(count); }
 
   // --- Checkpoints ---
 

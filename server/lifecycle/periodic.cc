@@ -5,12 +5,12 @@
 
 #include "server/health/liveness.h"
 #include "server/rcan/fault_counts.h"
+#include "server/relay/options.h"
 
 namespace uplink::lifecycle {
 namespace {
 
 constexpr std::chrono::seconds kSweepEvery{1};
-constexpr std::chrono::seconds kCertificateEvery{5};
 constexpr std::chrono::seconds kStoreEvery{1};
 constexpr std::chrono::seconds kSeedEvery{2};
 
@@ -19,7 +19,7 @@ constexpr std::chrono::seconds kSeedEvery{2};
 void DoPeriodically(const std::function<void(milliseconds, std::function<void()>)>& every,
                     PeriodicWork work) {
   every(kSweepEvery, std::move(work.sweep));
-  every(kCertificateEvery, std::move(work.look_at_certificate));
+  every(relay::kFilesRefresh, std::move(work.look_at_certificate));
   every(kStoreEvery, std::move(work.look_at_store));
   every(kSeedEvery, std::move(work.read_robots));
   every(rcan::kFaultCountsEvery, std::move(work.count_faults));

@@ -38,8 +38,8 @@ struct StopSteps {
   std::function<void()> end_readers;
 };
 
-/// Stops the server, in the order of the steps: the reverse of the start, but HTTP, which answers
-/// until the writers have stopped.
+/// Stops the server, in the order of the steps: no robot is heard any more, then nothing is written
+/// any more, then the loop ends, and with it HTTP, which answers until then.
 ///
 /// Thread: main.
 void Stop(const StopSteps& steps);

@@ -14,7 +14,7 @@
 
 namespace uplink::robot {
 
-/// One durable message whose place in the store is decided.
+/// One durable message of which the store has decided what becomes.
 struct Settled {
   model::SessionId session;
   model::Seq seq = 0;

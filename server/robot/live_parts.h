@@ -27,18 +27,18 @@ struct Extra {
 
 /// What is held of one message: itself, but of extras their readings.
 template <typename Message>
-struct HeldOf {
+struct ValueOf {
   using Type = Message;
 };
 template <>
-struct HeldOf<model::TelemetryExtras> {
+struct ValueOf<model::TelemetryExtras> {
   using Type = Extra;
 };
 
 /// A part as it is held: the latest message, or the latest of each key.
 template <typename Message, std::size_t kKeysMax>
 using PartOf = std::conditional_t<kKeysMax == 1, std::optional<Message>,
-                                  LatestByKey<typename HeldOf<Message>::Type, kKeysMax>>;
+                                  LatestByKey<typename ValueOf<Message>::Type, kKeysMax>>;
 
 /// The latest of each live kind (storage/live_parts.h), in stream order; no robot clock decides
 /// anything. A value.

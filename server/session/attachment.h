@@ -12,14 +12,14 @@
 
 namespace uplink::session {
 
-/// The robot as one stream holds it, from its Hello to its end: its place among the robot's
+/// The robot as one stream holds it, from its Hello to its end: where it stands among the robot's
 /// streams, and the session that it opened. Confined to the stream's thread.
 class Attachment final {
  public:
   Attachment(const SessionContext& context, robot::StreamRef self)
       : context_(context), self_(self) {}
 
-  /// Admits the robot and asks for the place of its stream; streams that it replaces are woken.
+  /// Admits the robot and asks where its stream stands; streams that it replaces are woken.
   ///
   /// Errors: kResourceExhausted if the server admits no more robots.
   [[nodiscard]] absl::StatusOr<robot::Standing> Attach(HelloTerms terms);

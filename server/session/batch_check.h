@@ -10,7 +10,7 @@
 
 namespace uplink::session {
 
-/// Checks a batch whole, before any message of it is taken: the count, and that numbers are in
+/// Checks a batch whole, before any message of it is processed: the count, and that numbers are in
 /// range, increase strictly within the stream, and jump over no more than kSeqJumpMax but at the
 /// stream's first message.
 ///

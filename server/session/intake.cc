@@ -183,7 +183,7 @@ void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dr
 
 void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
                     Processed& processed) {
-  // Now, not the frame's arrival: a large frame may be taken over several seconds.
+  // Now, not the frame's arrival: a large frame may be processed over several seconds.
   throttle_.AddMalformed(context_.clock.Steady());
   context_.ledger.CountRejected(kind, rejection.reason);
   processed.frames.push_back(RejectFrame(uplink.seq, rejection));

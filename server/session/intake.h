@@ -23,7 +23,7 @@
 
 namespace uplink::session {
 
-/// Takes the messages of a stream one by one: duplicate, missing or new; judged; live applied,
+/// Processes the messages of a stream one by one: duplicate, missing or new; judged; live applied,
 /// durable and rejected to the journal. It stops in the middle of a batch where the server must
 /// hold the stream back, and goes on there.
 ///

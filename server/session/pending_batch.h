@@ -9,8 +9,8 @@
 
 namespace uplink::session {
 
-/// The messages of one batch that were not taken yet. They lie in the frame's own bytes until Keep
-/// copies what is left. Confined to the stream's thread.
+/// The messages of one batch that were not processed yet. They lie in the frame's own bytes until
+/// Keep copies what is left. Confined to the stream's thread.
 ///
 /// Bound: one frame (limits.frame_bytes_max).
 class PendingBatch final {
@@ -26,7 +26,7 @@ class PendingBatch final {
   void Drop();
 
  private:
-  /// What stayed of a frame that could not be taken at once.
+  /// What stayed of a frame that could not be processed at once.
   struct Kept {
     std::string bytes;
     std::vector<UplinkView> uplinks;

@@ -24,11 +24,11 @@ void RcanOrder::Apply(model::RcanState& state) {
   last_timestamp_us_ = state.timestamp_us;
   state.seq_missing = missing_;
   for (model::RcanJoint& joint : state.joints) {
-    const model::RcanJoint* held = held_.Find(joint.joint);
-    if (held != nullptr && joint.timestamp_us <= held->timestamp_us) {
-      joint = *held;
+    const model::RcanJoint* last = last_samples_.Find(joint.joint);
+    if (last != nullptr && joint.timestamp_us <= last->timestamp_us) {
+      joint = *last;
     } else {
-      held_.Put(joint.joint, joint);
+      last_samples_.Put(joint.joint, joint);
     }
   }
 }

@@ -10,7 +10,7 @@
 namespace uplink::session {
 
 /// Joints of which a stream holds the last sample.
-inline constexpr std::size_t kJointsHeldMax = 256;
+inline constexpr std::size_t kLastSamplesMax = 256;
 
 /// The order of the Robot States of one stream: RCAN's session begins with each Hello. Confined to
 /// the stream's thread.
@@ -30,7 +30,7 @@ class RcanOrder final {
   /// Sees the number of a state, whatever becomes of it, before Apply. Returns how many were
   /// skipped before it.
   std::uint64_t See(const model::RcanState& state);
-  /// The state becomes the last one. A joint in it that is not newer than its held sample gets that
+  /// The state becomes the last one. A joint in it that is not newer than its last sample gets that
   /// sample back; all the numbers that were skipped are counted into it.
   void Apply(model::RcanState& state);
 
@@ -38,7 +38,7 @@ class RcanOrder final {
   std::optional<std::int64_t> last_timestamp_us_;
   std::optional<std::int64_t> last_seq_;
   std::uint64_t missing_ = 0;
-  robot::LatestByKey<model::RcanJoint, kJointsHeldMax> held_;
+  robot::LatestByKey<model::RcanJoint, kLastSamplesMax> last_samples_;
 };
 
 }  // namespace uplink::session

@@ -8,7 +8,7 @@ void ReadGate::Request() {
 }
 
 void ReadGate::RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end) {
-  SetHeld(by == HeldBack::kNone ? Held::kNo : Held::kYes);
+  SetReading(by == HeldBack::kNone ? Reading::kFlowing : Reading::kHeldBack);
   sources_.timers.Clear(Timer::kReadAgain);
   switch (by) {
     case HeldBack::kNone:
@@ -32,15 +32,13 @@ void ReadGate::WatchPeer(std::size_t outgoing) {
   }
 }
 
-void ReadGate::SetHeld(Held held) {
-  if (held_ == held) return;
-  held_ = held;
-  const bool held_back = held == Held::kYes;
+void ReadGate::SetReading(Reading reading) {
+  if (reading_ == reading) return;
+  reading_ = reading;
+  const bool held_back = reading == Reading::kHeldBack;
   sources_.context.probe.held_back.Add(held_back ? 1 : -1);
   if (held_back) sources_.context.probe.held_back_total.Add();
-  sources_.robot.robot().state.SetReading(
-      held_back ? robot::RobotState::Reading::kHeldBack : robot::RobotState::Reading::kFlowing,
-      sources_.context.clock.Steady());
+  sources_.robot.robot().state.SetReading(reading, sources_.context.clock.Steady());
 }
 
 }  // namespace uplink::session

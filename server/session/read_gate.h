@@ -39,13 +39,13 @@ class ReadGate final {
   /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);
   /// Whether the robot's stream is not read now; counted once per change.
-  enum class Held : std::uint8_t { kNo, kYes };
-  void SetHeld(Held held);
+  using Reading = robot::RobotState::Reading;
+  void SetReading(Reading reading);
 
  private:
   const Sources sources_;
   bool under_way_ = false;
-  Held held_ = Held::kNo;
+  Reading reading_ = Reading::kFlowing;
 };
 
 }  // namespace uplink::session

@@ -247,7 +247,7 @@ void Session::OnHalfClose() {
   state_ = State::kSettling;
   end_status_ = absl::OkStatus();
   timers_.Set(Timer::kSettle, context_.clock.Steady() + context_.limits.drain_timeout);
-  reading_.SetHeld(ReadGate::Held::kNo);
+  reading_.SetReading(ReadGate::Reading::kFlowing);
   Advance(News::kLastFrame);
 }
 
@@ -257,12 +257,12 @@ void Session::OnDrain(milliseconds grace) {
   if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(drained);
   outgoing_.Push(DrainFrame(grace));
   if (state_ == State::kStreaming) {
-    // What was not judged yet was not taken: the agent sends it again.
+    // What was not judged yet was not processed: the agent sends it again.
     intake_->Drop();
     state_ = State::kSettling;
     end_status_ = drained;
     // It is we who do not listen any more, so the robot must not become offline.
-    reading_.SetHeld(ReadGate::Held::kYes);
+    reading_.SetReading(ReadGate::Reading::kHeldBack);
   }
   const SteadyTime until = context_.clock.Steady() + grace;
   timers_.Set(Timer::kSettle, std::min(until, timers_.at(Timer::kSettle).value_or(until)));
@@ -292,7 +292,7 @@ void Session::Leave() {
   if (state_ == State::kDone) return;
   state_ = State::kDone;
   if (!robot_.attached()) return;
-  reading_.SetHeld(ReadGate::Held::kNo);
+  reading_.SetReading(ReadGate::Reading::kFlowing);
   robot_.Detach();
 }
 

@@ -84,8 +84,8 @@ class Session final {
   void SendWelcome();
   void HandleBatch();
 
-  /// What every call ends with, in this order: take what is pending, collect what commits brought,
-  /// write, end the stream once all is settled, and ask for the next frame.
+  /// What every call ends with, in this order: process what is pending, collect what commits
+  /// brought, write, end the stream once all is settled, and ask for the next frame.
   void Advance(News news);
   void ProcessAndWrite(News news);
   void EndWhenSettled();

@@ -12,8 +12,8 @@ namespace uplink::session {
 class Throttle final {
  public:
   void AddMalformed(SteadyTime now);
-  /// When messages may be taken again after too many malformed ones in this second, also if that
-  /// has come; nothing without too many.
+  /// When messages may be processed again after too many malformed ones in this second, also if
+  /// that has come; nothing without too many.
   [[nodiscard]] std::optional<SteadyTime> end() const;
 
  private:

@@ -71,7 +71,7 @@ class Statement final {
     return Rows(*this, code);
   }
 
-  /// For a number of parameters that is known at run time alone: binds before Select() without
+  /// For parameters that are bound one by one, as a table's columns are: before Select() without
   /// arguments; the caller numbers from 1. The first failure is told by the first Next.
   template <typename Arg>
   void Bind(int index, const Arg& arg) {

@@ -29,10 +29,10 @@ class CheckpointRoundsTest : public ::testing::Test, protected StepBench {
 
 TEST_F(CheckpointRoundsTest, WithoutASourceNoneIsDue) {
   CheckpointRounds rounds(context());
-  EXPECT_FALSE(rounds.HasSource());
+  EXPECT_EQ(rounds.duty().due(), Duty::kNever);
   clock.Advance(std::chrono::hours(9));
   EXPECT_EQ(rounds.Advance(), std::nullopt);
-  EXPECT_TRUE(rounds_.HasSource());
+  EXPECT_NE(rounds_.duty().due(), Duty::kNever);
 }
 
 TEST_F(CheckpointRoundsTest, BeginsWhenItIsDueAndEndsWithTheLastRow) {

@@ -28,7 +28,7 @@ class InboxTest : public ::testing::Test, protected StepBench {
   void Drain() {
     const GatheredBatch batch = Fill(100);
     writer_inbox.Release({.records = batch.entries(), .bytes = batch.bytes(), .batch_ended = true});
-    writer_inbox.NotePresenceCommitted(batch.batch().presence.size());
+    writer_inbox.CountPresenceCommitted(batch.batch().presence.size());
   }
   void NotePresence(const RecordingClient& client, model::Presence presence) {
     inbox.NotePresence(client.robot(), presence, clock.System());
@@ -53,7 +53,7 @@ TEST_F(InboxTest, IsIdleUntilSomethingComesAndOnceItIsDone) {
   EXPECT_FALSE(inbox.idle());
   EXPECT_THAT(writer_inbox.TakeOpens({}, 9).opens, SizeIs(1));
   EXPECT_FALSE(inbox.idle()) << "it was taken, and is not open";
-  writer_inbox.NoteOpened(1);
+  writer_inbox.CountOpened(1);
   EXPECT_TRUE(inbox.idle());
 }
 

@@ -94,7 +94,7 @@ TEST_F(OpenQueueTest, WhatWasTakenCountsUntilItIsOpen) {
   Push(b_, 2);
   EXPECT_THAT(queue_.MoveTo({}, 9), Not(IsEmpty()));
   EXPECT_EQ(queue_.unopened(), 2U);
-  queue_.NoteOpened(2);
+  queue_.CountOpened(2);
   EXPECT_EQ(queue_.unopened(), 0U);
 }
 

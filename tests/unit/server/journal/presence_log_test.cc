@@ -96,7 +96,7 @@ TEST_F(PresenceLogTest, AChangeIsUncommittedUntilItIsCommittedOrLeadsBack) {
   EXPECT_EQ(log_.uncommitted(), 2U);
   EXPECT_THAT(log_.Take(10), SizeIs(2));
   EXPECT_EQ(log_.uncommitted(), 2U) << "it was handed over, no more";
-  log_.NoteCommitted(2);
+  log_.CountCommitted(2);
   EXPECT_EQ(log_.uncommitted(), 0U);
   Note("a", Presence::kOnline);
   EXPECT_EQ(log_.uncommitted(), 1U);

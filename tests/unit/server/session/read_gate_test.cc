@@ -89,16 +89,16 @@ TEST_F(ReadGateTest, HoldingBackIsCountedOncePerChange) {
   gate_.RequestUnless(HeldBack::kNone, std::nullopt);
   EXPECT_EQ(probe_.held_back.value(), 0);
   EXPECT_EQ(probe_.held_back_total.value(), 1);
-  gate_.SetHeld(ReadGate::Held::kYes);
-  gate_.SetHeld(ReadGate::Held::kYes);
+  gate_.SetReading(ReadGate::Reading::kHeldBack);
+  gate_.SetReading(ReadGate::Reading::kHeldBack);
   EXPECT_EQ(probe_.held_back.value(), 1);
   EXPECT_EQ(probe_.held_back_total.value(), 2);
 }
 
 TEST_F(ReadGateTest, TheRobotsSilenceIsOursWhileItIsHeldBack) {
-  gate_.SetHeld(ReadGate::Held::kYes);
+  gate_.SetReading(ReadGate::Reading::kHeldBack);
   EXPECT_TRUE(held_back());
-  gate_.SetHeld(ReadGate::Held::kNo);
+  gate_.SetReading(ReadGate::Reading::kFlowing);
   EXPECT_FALSE(held_back());
 }
 

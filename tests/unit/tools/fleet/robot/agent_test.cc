@@ -162,7 +162,7 @@ TEST_F(AgentTest, EndingOkWithUnsettledMessagesBreaksARule) {
   EXPECT_THAT(shared_.FirstBrokenRule(), HasSubstr("unsettled"));
 }
 
-TEST_F(AgentTest, TheLedgerKnowsWhatWasAckedAndWhatWasTold) {
+TEST_F(AgentTest, TheAccountKnowsWhatWasAckedAndWhatWasTold) {
   Agent agent = Make();
   Welcome(agent);
   for (int i = 0; i < 200; ++i) {

@@ -78,7 +78,7 @@ TEST_P(ScriptTest, TheLastMessagesAreOneOfEachLiveKindAndKey) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, ScriptTest, ::testing::Values(0, 1, 2, 3, 4, 5, 6, 7));
 
-TEST(Wrong, EachWayIsRejectedAsTheLedgerSays) {
+TEST(Wrong, EachWayIsRejectedAsTheAccountSays) {
   schema::Judge judge{schema::JudgeLimits()};
   Wrong wrong(Seeded(1), "mark");
   Account account;
@@ -150,17 +150,17 @@ TEST(RobotScript, SendsAsMuchThatIsWrongAsAskedFor) {
 }
 
 TEST(RobotScript, TheSameSeedGivesTheSameMessages) {
-  Account first_ledger;
-  Account second_ledger;
-  Account other_ledger;
+  Account first_account;
+  Account second_account;
+  Account other_account;
   RobotScript first(Options(0.1), 3);
   RobotScript second(Options(0.1), 3);
   RobotScript other(Options(0.1), 4);
   bool differs = false;
   for (int i = 0; i < kTicks; ++i) {
-    const auto a = first.Tick(kNowMs + i, first_ledger);
-    const auto b = second.Tick(kNowMs + i, second_ledger);
-    const auto c = other.Tick(kNowMs + i, other_ledger);
+    const auto a = first.Tick(kNowMs + i, first_account);
+    const auto b = second.Tick(kNowMs + i, second_account);
+    const auto c = other.Tick(kNowMs + i, other_account);
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].payload, b[k].payload);
     differs = differs || a.size() != c.size() || a[0].payload != c[0].payload;
