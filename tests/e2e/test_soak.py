@@ -1,4 +1,4 @@
-"""The soak script: a minute of it, and its arithmetic."""
+"""The soak script: half a minute of it, and its arithmetic."""
 
 import json
 import os
@@ -25,8 +25,8 @@ class Soak(EndToEnd):
     def soak(self, store):
         file = self.folder / f"{store}.json"
         done = run(
-            sys.executable, SOURCE / "tests/load/soak.py", "--minutes", 1, "--robots", 20, "--store", store,
-            "--outage-every", 18, "--json", file, timeout=400, env=dict(os.environ),
+            sys.executable, SOURCE / "tests/load/soak.py", "--minutes", 0.5, "--robots", 20, "--store", store,
+            "--outage-every", 9, "--json", file, timeout=400, env=dict(os.environ),
         )  # fmt: skip
         self.assertIn("verification: all agree", done.stdout)
         result = json.loads(file.read_text(encoding="utf-8"))

@@ -22,8 +22,9 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "e2e"))
 from harness import BIN, Cluster, Server, mismatches, wait_until  # noqa: E402
 
-# Without an outage, at the end.
+# Without an outage, at the end: so long, and at most a third of the run.
 QUIET_SECONDS = 20
+QUIET_SHARE = 1 / 3
 # A ninth of the time the store is away.
 OUTAGE_SHARE = 1 / 9
 SCENARIO = pathlib.Path(__file__).parent / "scenarios" / "soak.toml"
@@ -131,7 +132,7 @@ class Soak:
             self.fleet = subprocess.Popen(
                 [str(BIN / "uplink-fleet"), "--target", self.server.relay, "--http", self.server.http,
                  "--pki", str(self.server.pki), "--scenario", str(SCENARIO), "--robots",
-                 str(self.arguments.robots), "--for", f"{self.arguments.minutes}m", "--seed",
+                 str(self.arguments.robots), "--for", f"{self.arguments.minutes * 60:.0f}s", "--seed",
                  str(self.arguments.seed), "--report", "json"],
                 stdout=(self.folder / "report.json").open("wb"), stderr=log,
             )  # fmt: skip
@@ -154,6 +155,7 @@ class Soak:
         self.start_fleet()
         began = time.monotonic()
         end = self.arguments.minutes * 60
+        quiet = min(QUIET_SECONDS, end * QUIET_SHARE)
         while (seconds := time.monotonic() - began) < end:
             try:
                 self.fleet.wait(self.look_seconds)
@@ -162,7 +164,7 @@ class Soak:
                 pass
             self.samples.append((seconds, look(self.server.process.pid, self.store)))
             # Quiet at the end, so that all can be settled.
-            if seconds < end - QUIET_SECONDS:
+            if seconds < end - quiet:
                 self.outage(seconds)
             elif self.away:
                 self.outage(0)
@@ -183,7 +185,7 @@ class Soak:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--minutes", type=int, default=30)
+    parser.add_argument("--minutes", type=float, default=30)
     parser.add_argument("--store", choices=("sqlite", "postgres"), default="sqlite")
     parser.add_argument("--robots", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
@@ -198,7 +200,7 @@ def main():
         soak.close()
     run_ = report["run"]
     print(table(soak.samples))
-    print(f"{arguments.store}, {arguments.minutes} min, {arguments.robots} robots, seed {arguments.seed}:"
+    print(f"{arguments.store}, {arguments.minutes:g} min, {arguments.robots} robots, seed {arguments.seed}:"
           f" {run_['sent']:.0f} messages, {run_['ackedDurable']:.0f} durable acked, {run_['connects']:.0f}"
           f" connections, {soak.outages} outages of the store")  # fmt: skip
     print("verification: all agree" if code == 0 else f"verification: {mismatches(report)}")

@@ -28,6 +28,17 @@ export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1${UBSAN_OPTIONS:+:$UBSAN
 export TSAN_OPTIONS="halt_on_error=1:second_deadlock_stack=1${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
 mapfile -t runner < <(tsan_runner "$preset")
 
+# Temporary files in memory, unless TMPDIR names a place: tests end processes, never the machine, and
+# what a process wrote outlives it there too. Waiting for a disk was a third of the tests' time.
+readonly memory=/dev/shm
+readonly memory_free_kib=$((6 * 1024 * 1024))
+if [[ -z "${TMPDIR:-}" && -w "$memory" ]]; then
+  free="$(df --output=avail -k "$memory" 2>/dev/null | tail -n 1 || true)"
+  if [[ "${free:-0}" -ge "$memory_free_kib" ]]; then
+    export TMPDIR="$memory"
+  fi
+fi
+
 report="$PWD/build/$preset/test-report.xml"
 rm -f "$report"
 status=0
