@@ -72,12 +72,23 @@ struct Page {
   std::string next_token;
 };
 
+/// How far a session of a robot is stored.
+struct StoredSession {
+  model::SessionId session;
+  /// Its last committed durable number; 0 if there is none.
+  model::Seq cursor = 0;
+};
+
 struct RobotRow {
   model::RobotId robot;
   SystemTime first_seen;
   SystemTime last_seen;
   /// The last presence change that the store has.
   std::optional<model::Presence> last_presence;
+  /// When that change was; means nothing without one.
+  SystemTime presence_since;
+  /// The session that was used last; of several at one time, the one with the highest id.
+  std::optional<StoredSession> last_session;
 };
 
 /// The kinds of which the store keeps a robot's latest.

@@ -19,9 +19,11 @@ constexpr std::size_t kRobotsPerTrip = 16;
 
 // Commits touch a robot's sessions, not its own row.
 constexpr std::string_view kRobots =
-    "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, (SELECT max(s.last_used)"
-    " FROM uplinkd.sessions AS s WHERE s.ruri = r.ruri)), p.presence"
+    "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, s.last_used), p.presence,"
+    " p.changed_at, s.session, s.cursor_seq"
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
+    " LEFT JOIN LATERAL (SELECT session, cursor_seq, last_used FROM uplinkd.sessions"
+    " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " ORDER BY r.ruri LIMIT $1::bigint";
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
@@ -29,6 +31,21 @@ constexpr std::string_view kActiveFaultCounts =
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
+
+/// Reads a row of kRobots.
+RobotRow RobotOf(const Result& rows, int row) {
+  RobotRow robot{.robot = {std::string(rows.Bytes(row, 0)), std::string(rows.Bytes(row, 1))},
+                 .first_seen = rows.Time(row, 2),
+                 .last_seen = rows.Time(row, 3)};
+  if (!rows.Null(row, 4)) {
+    robot.last_presence = PresenceOf(rows.Int(row, 4));
+    robot.presence_since = rows.Time(row, 5);
+  }
+  if (!rows.Null(row, 6)) {
+    robot.last_session = {rows.Uuid(row, 6), static_cast<model::Seq>(rows.Int(row, 7))};
+  }
+  return robot;
+}
 
 /// An answer a robot, in one round trip.
 absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
@@ -86,11 +103,7 @@ absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robot
     std::vector<RobotRow> robots;
     robots.reserve(static_cast<std::size_t>(rows->rows()));
     for (int row = 0; row < rows->rows(); ++row) {
-      robots.push_back(
-          {{std::string(rows->Bytes(row, 0)), std::string(rows->Bytes(row, 1))},
-           rows->Time(row, 2),
-           rows->Time(row, 3),
-           rows->Null(row, 4) ? std::nullopt : std::optional(PresenceOf(rows->Int(row, 4)))});
+      robots.push_back(RobotOf(*rows, row));
     }
     return robots;
   });

@@ -9,6 +9,23 @@
 #include "storage/sqlite/reader_pool.h"
 
 namespace uplink::storage::sqlite {
+namespace {
+
+RobotRow RobotOf(const Rows& rows) {
+  RobotRow robot{.robot = {std::string(rows.Bytes(0)), std::string(rows.Bytes(1))},
+                 .first_seen = FromUnixMs(rows.Int(2)),
+                 .last_seen = FromUnixMs(rows.Int(3))};
+  if (!rows.Null(4)) {
+    robot.last_presence = PresenceOf(rows.Int(4));
+    robot.presence_since = FromUnixMs(rows.Int(5));
+  }
+  if (const auto session = model::SessionId::FromBytes(rows.Bytes(6))) {
+    robot.last_session = {*session, static_cast<model::Seq>(rows.Int(7))};
+  }
+  return robot;
+}
+
+}  // namespace
 
 SqliteReader::SqliteReader(std::unique_ptr<Pool> pool) : pool_(std::move(pool)) {}
 SqliteReader::~SqliteReader() = default;
@@ -25,10 +42,12 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<RobotRow>> {
     // Commits touch a robot's sessions, not its own row.
     auto statement = database.Prepare(
-        "SELECT ruri, fleet, first_seen_ms, max(last_seen_ms, coalesce((SELECT"
-        " max(last_used_ms) FROM sessions WHERE sessions.ruri = robots.ruri), 0)),"
-        " (SELECT presence FROM presence_latest WHERE presence_latest.ruri = robots.ruri)"
-        " FROM robots ORDER BY ruri LIMIT ?");
+        "SELECT r.ruri, r.fleet, r.first_seen_ms, max(r.last_seen_ms, coalesce(s.last_used_ms, 0)),"
+        " p.presence, p.at_ms, s.session, s.cursor FROM robots AS r"
+        " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
+        " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
+        " WHERE ruri = r.ruri ORDER BY last_used_ms DESC, session DESC LIMIT 1)"
+        " ORDER BY r.ruri LIMIT ?");
     if (!statement.ok()) return statement.status();
     Rows rows = (*statement)->Select(std::int64_t{robots_max});
     std::vector<RobotRow> robots;
@@ -36,10 +55,7 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
       const absl::StatusOr<bool> found = rows.Next();
       if (!found.ok()) return found.status();
       if (!*found) return robots;
-      robots.push_back({{std::string(rows.Bytes(0)), std::string(rows.Bytes(1))},
-                        FromUnixMs(rows.Int(2)),
-                        FromUnixMs(rows.Int(3)),
-                        rows.Null(4) ? std::nullopt : std::optional(PresenceOf(rows.Int(4)))});
+      robots.push_back(RobotOf(rows));
     }
   });
 }

@@ -242,5 +242,36 @@ TEST_P(StoreContract, ListsRobotsByRuri) {
   EXPECT_EQ((*rows)[0].last_seen, Time(9));
 }
 
+TEST_P(StoreContract, ListsRobotsWithTheSessionThatWasUsedLast) {
+  const auto last = [this] {
+    const auto rows = store_->reader().Robots(10);
+    EXPECT_TRUE(rows.ok() && !rows->empty()) << rows.status();
+    return rows.ok() && !rows->empty() ? rows->front().last_session : std::nullopt;
+  };
+  const auto commit = [this](std::uint8_t session, model::Seq seq, std::int64_t at_ms) {
+    storage::CommitRecord record = At(at_ms, Good(seq));
+    record.session = Session(session);
+    Commit({record});
+  };
+  Open();
+  ASSERT_TRUE(last());
+  EXPECT_EQ(last()->session, session_);
+  EXPECT_EQ(last()->cursor, 0) << "opened, and nothing committed yet";
+  commit(5, 7, 20);
+  commit(3, 9, 10);
+  EXPECT_EQ(last()->session, Session(5));
+  EXPECT_EQ(last()->cursor, 7);
+  commit(3, 12, 30);
+  EXPECT_EQ(last()->session, Session(3));
+  EXPECT_EQ(last()->cursor, 12);
+  commit(4, 2, 30);
+  EXPECT_EQ(last()->session, Session(4)) << "of two at one time, the one with the higher id";
+  storage::OpenRequest request = Request();
+  request.at = Time(40);
+  Open(request);
+  EXPECT_EQ(last()->session, session_) << "a stream uses its session as well";
+  EXPECT_EQ(last()->cursor, 0);
+}
+
 }  // namespace
 }  // namespace uplink::testing

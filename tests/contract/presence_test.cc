@@ -125,12 +125,14 @@ TEST_P(PresenceContract, ShowsInTheListOfRobotsAsTheLastPresenceAlone) {
   ASSERT_THAT(robots, SizeIs(2)) << "the server is no robot";
   EXPECT_EQ(robots[0].robot, *robot_);
   EXPECT_EQ(robots[0].last_presence, Presence::kOnline);
+  EXPECT_EQ(robots[0].presence_since, Time(60));
   EXPECT_EQ(robots[0].last_seen, Time()) << "the change was none of the robot's doing";
   EXPECT_EQ(robots[1].last_presence, std::nullopt);
   Commit(Changes({Change(1, Presence::kUnknown, 70)}, 2), kOther);
   EXPECT_EQ(Robots().at(0).last_presence, Presence::kUnknown);
   store_->Reopen();
   EXPECT_EQ(Robots().at(0).last_presence, Presence::kUnknown);
+  EXPECT_EQ(Robots().at(0).presence_since, Time(70));
 }
 
 TEST_P(PresenceContract, IsKeptOfARobotThatTheStoreLost) {

@@ -21,10 +21,10 @@ void FakePresence::Write(const storage::Batch& batch, std::uint64_t& entries, bo
   }
 }
 
-std::optional<model::Presence> FakePresence::Last(std::string_view ruri) const {
+std::optional<storage::PresenceRow> FakePresence::Last(std::string_view ruri) const {
   const auto found = last_.find(ruri);
   if (found == last_.end()) return std::nullopt;
-  return found->second.presence;
+  return found->second;
 }
 
 std::optional<model::Seq> FakePresence::Cursor(const model::SessionId& session) const {

@@ -27,7 +27,7 @@ class FakePresence final {
   }
 
   /// The latest change, even if its row is gone.
-  [[nodiscard]] std::optional<model::Presence> Last(std::string_view ruri) const;
+  [[nodiscard]] std::optional<storage::PresenceRow> Last(std::string_view ruri) const;
   /// Nothing while the session is not known.
   [[nodiscard]] std::optional<model::Seq> Cursor(const model::SessionId& session) const;
 

@@ -58,7 +58,21 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
   std::vector<storage::RobotRow> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
     if (rows.size() == robots_max) break;
-    rows.push_back({robot.id, robot.first_seen, robot.last_seen, database_.presence_.Last(ruri)});
+    storage::RobotRow& row = rows.emplace_back();
+    row.robot = robot.id;
+    row.first_seen = robot.first_seen;
+    row.last_seen = robot.last_seen;
+    if (const auto last = database_.presence_.Last(ruri)) {
+      row.last_presence = last->presence;
+      row.presence_since = last->at;
+    }
+    // In order of their ids.
+    SystemTime used;
+    for (const auto& [id, session] : robot.sessions) {
+      if (row.last_session && session.last_used < used) continue;
+      row.last_session = {id, session.cursor};
+      used = session.last_used;
+    }
   }
   return rows;
 }
