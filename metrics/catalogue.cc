@@ -150,8 +150,10 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kRelayLastHandshakeSeconds, "uplinkd_relay_last_handshake_seconds", kGauge, "seconds",
      "Age of the last sign that the relay listener answers; /livez fails above 60."},
     {kRelayBehind, "uplinkd_relay_behind", kGauge, "0 or 1",
-     "1 from a handshake with the relay that takes more than 3 s until one takes 1 s at most: "
-     "nobody goes offline meanwhile."},
+     "1 from a handshake with the relay that takes more than 3 s, or from a standstill of the "
+     "process, until one that began afterwards takes 1 s at most: nobody goes offline meanwhile."},
+    {kStandstills, "uplinkd_standstills_total", kCounter, "standstills",
+     "Times the process stood still: more than 3 s lay between two of its looks at presence."},
     {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
      "Unix time at which the server's certificate expires."},
     {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},

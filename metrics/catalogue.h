@@ -84,6 +84,7 @@ enum class MetricId : std::uint8_t {
   kRcanScrapesRefused,
   kRelayLastHandshakeSeconds,
   kRelayBehind,
+  kStandstills,
   kCertificateExpiry,
   kDraining,
   kBuildInfo,

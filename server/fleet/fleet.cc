@@ -77,6 +77,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   // are taken before the next sweep, which judges.
   const SteadyTime last = last_sweep_.exchange(steady);
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
+  stood_still_.store(stalled);
   for (robot::Robot* robot : All()) {
     if (stalled || hearing == Hearing::kBehind) robot->state.NoteStall(steady);
     if (stalled) continue;

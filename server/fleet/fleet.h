@@ -54,7 +54,7 @@ class Fleet final {
   [[nodiscard]] SteadyTime server_started() const { return started_; }
 
   /// A sweep is due each second; one that comes later than this after the last shows that the
-  /// server stood still.
+  /// server stood still. It judges nobody.
   static constexpr std::chrono::seconds kSweepLate{3};
 
   /// Whether what robots sent has been read. While the server is behind nobody becomes offline:
@@ -64,7 +64,9 @@ class Fleet final {
   /// The periodic check: brings every robot's presence up to date, forgets sessions that have been
   /// idle for `session_idle`, and counts.
   PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate);
-  /// The counts of the last sweep.
+  /// Whether the last sweep came late.
+  [[nodiscard]] bool stood_still() const { return stood_still_.load(); }
+  /// The counts of the last sweep that judged.
   [[nodiscard]] PresenceCounts presence_counts() const;
 
  private:
@@ -85,6 +87,7 @@ class Fleet final {
   robot::PresenceChanged changed_;
   /// Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
+  std::atomic<bool> stood_still_{false};
   std::array<Shard, kShards> shards_;
   std::atomic<std::size_t> size_{0};
   mutable std::mutex admitted_mutex_;

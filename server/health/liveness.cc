@@ -22,6 +22,18 @@ void Liveness::NoteHandshake() {
   asked_.reset();
 }
 
+void Liveness::NoteStandstill() {
+  const std::lock_guard lock(mutex_);
+  ++standstills_;
+  late_ = true;
+  asked_.reset();
+}
+
+std::int64_t Liveness::standstills() const {
+  const std::lock_guard lock(mutex_);
+  return standstills_;
+}
+
 bool Liveness::behind() const {
   const std::lock_guard lock(mutex_);
   return late_ || (asked_ && clock_.Steady() - *asked_ > kBehindAfter);

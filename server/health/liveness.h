@@ -34,12 +34,18 @@ class Liveness final {
   void NoteAsked();
   /// The listener answered a ClientHello.
   void NoteHandshake();
+  /// The process stood still until now. A handshake that is under way began before, so its answer
+  /// tells nothing of what is unread.
+  void NoteStandstill();
   /// Time since the last sign.
   [[nodiscard]] milliseconds age() const;
   [[nodiscard]] bool alive() const { return age() <= kAliveMax; }
   /// The relay is behind with reading, so a robot's silence proves nothing: from kBehindAfter
-  /// without an answer until one comes within kCaughtUpWithin.
+  /// without an answer, or from a standstill, until a handshake that began afterwards is answered
+  /// within kCaughtUpWithin.
   [[nodiscard]] bool behind() const;
+  /// How often the process stood still.
+  [[nodiscard]] std::int64_t standstills() const;
 
  private:
   const Clock& clock_;
@@ -47,10 +53,11 @@ class Liveness final {
   mutable std::mutex mutex_;
   mutable SteadyTime last_;
   mutable std::int64_t streams_seen_;
-  /// The first handshake that has no answer yet.
+  /// The first handshake that has no answer yet, of those since the last standstill.
   std::optional<SteadyTime> asked_;
-  /// The last answer came late, and none in time since.
+  /// The last answer came late or we stood still, and no answer came in time since.
   bool late_ = false;
+  std::int64_t standstills_ = 0;
 };
 
 }  // namespace uplink::health

@@ -9,14 +9,23 @@ static_assert(
 void PresenceWatch::Sweep() {
   using enum fleet::Fleet::Hearing;
   const SteadyTime began = sources_.clock.Steady();
+  sources_.fleet.Sweep(sources_.session_idle, sources_.liveness.behind() ? kBehind : kUpToDate);
+  // The fleet says so, by the reading of the clock at which it would have judged: the process may
+  // be stopped between any two readings.
+  if (sources_.fleet.stood_still()) sources_.liveness.NoteStandstill();
+  LogBehind();
+  sources_.sweep_seconds.ObserveSince(began, sources_.clock.Steady());
+}
+
+void PresenceWatch::LogBehind() {
   const bool behind = sources_.liveness.behind();
   if (behind && !behind_) {
-    sources_.logger.Warn("relay_behind", {{"why", refused_ ? "refused" : "late"}});
+    const char* why = refused_ ? "refused" : "late";
+    if (sources_.fleet.stood_still()) why = "stood_still";
+    sources_.logger.Warn("relay_behind", {{"why", why}});
   }
   if (!behind && behind_) sources_.logger.Info("relay_caught_up", {});
   behind_ = behind;
-  sources_.fleet.Sweep(sources_.session_idle, behind ? kBehind : kUpToDate);
-  sources_.sweep_seconds.ObserveSince(began, sources_.clock.Steady());
 }
 
 void PresenceWatch::AskRelay(const Ask& ask) {

@@ -25,7 +25,8 @@ class PresenceWatch final {
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
-  /// Judges every robot, and logs when the relay falls behind and when it has caught up.
+  /// Judges every robot, and logs when the relay falls behind and when it has caught up. A sweep
+  /// that comes late says that the process stood still: from then on the relay is behind.
   void Sweep();
 
   /// Begins a handshake with the relay's listener; tells, once and on the same thread, whether it
@@ -35,6 +36,8 @@ class PresenceWatch final {
   void AskRelay(const Ask& ask);
 
  private:
+  void LogBehind();
+
   const Sources sources_;
   bool asking_ = false;
   /// The last handshake ended without an answer.

@@ -14,6 +14,7 @@ double UnixSeconds(SystemTime time) { return static_cast<double>(UnixMs(time)) /
 void AddSamples(Monitor& monitor, metrics::Exposition& page) {
   page.Add(kRelayLastHandshakeSeconds, monitor.liveness().age());
   page.Add(kRelayBehind, monitor.liveness().behind() ? 1 : 0);
+  page.Add(kStandstills, monitor.liveness().standstills());
   page.Add(kCertificateExpiry, UnixSeconds(monitor.certificate_expiry()));
   page.Add(kDraining, monitor.draining() ? 1 : 0);
 }

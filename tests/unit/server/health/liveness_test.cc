@@ -70,6 +70,43 @@ TEST_F(LivenessTest, WithoutAnAnswerItCountsFromTheFirstHandshake) {
   EXPECT_TRUE(liveness_.behind());
 }
 
+TEST_F(LivenessTest, IsBehindFromAStandstillUntilAHandshakeBegunAfterwardsIsAnsweredInTime) {
+  EXPECT_EQ(liveness_.standstills(), 0);
+  liveness_.NoteStandstill();
+  EXPECT_TRUE(liveness_.behind());
+  EXPECT_EQ(liveness_.standstills(), 1);
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_TRUE(liveness_.behind()) << "time alone ends nothing";
+  liveness_.NoteAsked();
+  clock_.Advance(kCaughtUpWithin + milliseconds(1));
+  liveness_.NoteHandshake();
+  EXPECT_TRUE(liveness_.behind()) << "answered, but late";
+  liveness_.NoteAsked();
+  clock_.Advance(kCaughtUpWithin);
+  liveness_.NoteHandshake();
+  EXPECT_FALSE(liveness_.behind());
+}
+
+TEST_F(LivenessTest, AHandshakeThatWasUnderWayAtAStandstillProvesNothing) {
+  liveness_.NoteAsked();
+  liveness_.NoteStandstill();
+  liveness_.NoteHandshake();
+  EXPECT_TRUE(liveness_.behind()) << "answered in time, but begun before";
+  EXPECT_EQ(liveness_.age(), milliseconds(0)) << "the listener lives all the same";
+  liveness_.NoteAsked();
+  liveness_.NoteHandshake();
+  EXPECT_FALSE(liveness_.behind());
+}
+
+TEST_F(LivenessTest, ARefusalFromBeforeAStandstillDoesNotMakeALaterAnswerLate) {
+  liveness_.NoteAsked();  // refused
+  clock_.Advance(std::chrono::minutes(1));
+  liveness_.NoteStandstill();
+  liveness_.NoteAsked();
+  liveness_.NoteHandshake();
+  EXPECT_FALSE(liveness_.behind());
+}
+
 TEST_F(LivenessTest, NobodyAskedSoNobodyIsBehind) {
   clock_.Advance(kBehindAfter * 2);
   EXPECT_FALSE(liveness_.behind());

@@ -97,6 +97,48 @@ TEST_F(PresenceWatchTest, ARefusedHandshakeIsNoAnswer) {
   EXPECT_FALSE(liveness_.behind());
 }
 
+TEST_F(PresenceWatchTest, AfterAStandstillNobodyIsOfflineUntilAHandshakeBegunAfterwardsIsAnswered) {
+  for (const seconds standstill : {seconds(15), seconds(60)}) {
+    lines_.clear();
+    robot::Robot& robot = **fleet_.FindOrAdmit({"north", "rcan://a"});
+    robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+    SweepFor(seconds(1));
+    AskRelay();
+    ASSERT_FALSE(liveness_.behind());
+
+    clock_.Advance(standstill);
+    watch_.Sweep();
+    EXPECT_TRUE(liveness_.behind());
+    EXPECT_EQ(robot.state.presence(), model::Presence::kOnline) << "a late sweep judges nobody";
+    EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind why=stood_still")));
+
+    Answer(true);
+    SweepFor(seconds(60));
+    EXPECT_TRUE(liveness_.behind()) << "that handshake was under way before";
+    EXPECT_EQ(robot.state.presence(), model::Presence::kUnknown);
+
+    AskRelay();
+    Answer(true);
+    SweepFor(seconds(10));
+    EXPECT_FALSE(liveness_.behind());
+    EXPECT_EQ(robot.state.presence(), model::Presence::kUnknown) << "a timeout to be heard";
+    SweepFor(seconds(1));
+    EXPECT_EQ(robot.state.presence(), model::Presence::kOffline);
+    EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind"), HasSubstr("relay_caught_up")));
+  }
+  EXPECT_EQ(liveness_.standstills(), 2);
+}
+
+TEST_F(PresenceWatchTest, ASweepThatIsNoMoreThanThreeSecondsLateIsNoStandstill) {
+  watch_.Sweep();
+  clock_.Advance(fleet::Fleet::kSweepLate);
+  watch_.Sweep();
+  EXPECT_FALSE(liveness_.behind());
+  clock_.Advance(fleet::Fleet::kSweepLate + milliseconds(1));
+  watch_.Sweep();
+  EXPECT_TRUE(liveness_.behind());
+}
+
 TEST_F(PresenceWatchTest, ARelayThatAnswersMakesNoLine) {
   for (int i = 0; i < 10; ++i) {
     AskRelay();
