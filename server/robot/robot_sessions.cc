@@ -41,6 +41,7 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   if (memory == nullptr) return std::nullopt;
   memory->last_used = now;
   current_session_ = session;
+  last_session_.reset();
   return Begun{.open_id = opening_.Ask(), .generation = generation_.load()};
 }
 
@@ -138,18 +139,34 @@ SessionView RobotSessions::View() const {
   view.connected = static_cast<bool>(takeover_.current());
   view.connected_since = takeover_.connected_since();
   view.contested = takeover_.contested();
-  if (!current_session_) return view;
-  if (const SessionMemory* memory = sessions_.Find(*current_session_)) {
+  if (const SessionMemory* memory = CurrentSession()) {
     view.session = current_session_;
     view.settled_seq = memory->numbers.through();
     view.missing = memory->numbers.missing();
+  } else if (last_session_) {
+    view.session = last_session_->session;
+    view.settled_seq = last_session_->settled_seq;
   }
   return view;
 }
 
+const SessionMemory* RobotSessions::CurrentSession() const {
+  return current_session_ ? sessions_.Find(*current_session_) : nullptr;
+}
+
+void RobotSessions::Restore(const LastSession& last) {
+  const std::lock_guard lock(mutex_);
+  if (CurrentSession() == nullptr) last_session_ = last;
+}
+
 void RobotSessions::Sweep(SteadyTime now, milliseconds idle) {
   const std::lock_guard lock(mutex_);
+  std::optional<LastSession> last;
+  if (const SessionMemory* memory = CurrentSession()) {
+    last = {*current_session_, memory->numbers.through()};
+  }
   sessions_.ForgetIdle(now, idle, takeover_.current() ? current_session_ : std::nullopt);
+  if (last && CurrentSession() == nullptr) last_session_ = last;
   takeover_.Sweep(now);
 }
 
@@ -196,6 +213,7 @@ StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
     counts.in_flight -= static_cast<std::int64_t>(waiting);
     in_flight_.fetch_sub(waiting);
     sessions_.Clear();
+    last_session_.reset();
     opening_.Forget();
     generation_.fetch_add(1);
     takeover_.Supersede();

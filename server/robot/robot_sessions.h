@@ -40,7 +40,7 @@ struct Resume {
   std::vector<RejectedSeq> rejects;
 };
 
-/// For views: the session of the robot's stream.
+/// For views: the session of the robot's stream, or of its last one.
 struct SessionView {
   bool connected = false;
   SystemTime connected_since;
@@ -49,6 +49,12 @@ struct SessionView {
   std::uint64_t missing = 0;
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   bool contested = false;
+};
+
+/// How far a session was when it was last looked at.
+struct LastSession {
+  model::SessionId session;
+  model::Seq settled_seq = 0;
 };
 
 /// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of
@@ -115,7 +121,11 @@ class RobotSessions final : public CommitClient {
   // --- Views and the sweep ---
 
   [[nodiscard]] SessionView View() const;
-  /// Forgets sessions that had no stream for `idle` and wait for nothing.
+  /// What the store has of the robot's last session: View shows it while memory has none. It
+  /// begins no session and numbers nothing.
+  void Restore(const LastSession& last);
+  /// Forgets sessions that had no stream for `idle` and wait for nothing. View goes on to show the
+  /// last one.
   void Sweep(SteadyTime now, milliseconds idle);
 
   // --- CommitClient ---
@@ -127,6 +137,9 @@ class RobotSessions final : public CommitClient {
   [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
 
  private:
+  /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
+  [[nodiscard]] const SessionMemory* CurrentSession() const;
+
   mutable std::mutex mutex_;
   SessionTable sessions_;
   Takeover takeover_;
@@ -134,6 +147,8 @@ class RobotSessions final : public CommitClient {
   Pacing pacing_;
   /// The session of the robot's stream, or of its last one.
   std::optional<model::SessionId> current_session_;
+  /// For View alone, while the current session is not held.
+  std::optional<LastSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};
   std::atomic<std::size_t> gaps_in_flight_{0};
   std::atomic<std::uint64_t> generation_{1};

@@ -16,6 +16,7 @@ absl::Status Seed::Run(std::size_t robots_max) {
   for (const storage::RobotRow& row : *rows) {
     const auto robot = fleet_.AdmitNew(row.robot);
     if (!robot.ok()) admitted = robot.status();
+    RestoreSession(row);
     // One that has come by itself knows its fleet better than the row.
     if (!robot.ok() || *robot == nullptr || !row.last_presence) continue;
     journals_.BeginPresence((*robot)->id(), *row.last_presence, clock_.System());
@@ -25,6 +26,12 @@ absl::Status Seed::Run(std::size_t robots_max) {
   if (!restored.ok()) return restored;
   done_.store(true);
   return admitted;
+}
+
+void Seed::RestoreSession(const storage::RobotRow& row) {
+  robot::Robot* robot = fleet_.Find(row.robot.ruri);
+  if (robot == nullptr || !row.last_session) return;
+  robot->sessions.Restore({row.last_session->session, row.last_session->cursor});
 }
 
 absl::Status Seed::RestoreLive() {

@@ -12,9 +12,10 @@
 
 namespace uplink::store {
 
-/// Takes the robots that the store knows into the fleet, each with the live state of its last
-/// checkpoint: at the start, or as soon as the store can be reached. A robot that has come by
-/// itself in the meantime stays as it is; only what it has not told yet is filled in.
+/// Takes the robots that the store knows into the fleet, each with its last session as the store
+/// has it and with the live state of its last checkpoint: at the start, or as soon as the store can
+/// be reached. A robot that has come by itself in the meantime stays as it is; only what it has not
+/// told yet is filled in.
 ///
 /// Thread: Run by one thread at a time.
 class Seed final {
@@ -32,6 +33,7 @@ class Seed final {
   [[nodiscard]] std::size_t live_left_out() const { return live_left_out_; }
 
  private:
+  void RestoreSession(const storage::RobotRow& row);
   [[nodiscard]] absl::Status RestoreLive();
   [[nodiscard]] absl::Status RestoreReported();
 

@@ -157,6 +157,47 @@ TEST_F(RobotSessionsTest, TheStreamsOwnSessionIsNotForgotten) {
   EXPECT_THAT(sessions_.Held(), SizeIs(1));
 }
 
+TEST_F(RobotSessionsTest, WhatTheStoreHasIsShownUntilAStreamBeginsAndNumbersNothing) {
+  RobotSessions fresh;
+  fresh.Restore({Id(7), 40});
+  EXPECT_EQ(fresh.View().session, Id(7));
+  EXPECT_EQ(fresh.View().settled_seq, 40U);
+  EXPECT_EQ(fresh.View().missing, 0U);
+  EXPECT_FALSE(fresh.View().connected);
+  EXPECT_THAT(fresh.Held(), IsEmpty());
+  EXPECT_EQ(fresh.See(Id(7), 41).as, SeenAs::kVoid) << "no session began";
+  fresh.Sweep(clock_.Steady(), milliseconds(0));
+  EXPECT_EQ(fresh.View().session, Id(7)) << "nothing that a sweep forgets";
+  const auto begun = fresh.Begin(Id(7), clock_.Steady());
+  EXPECT_EQ(fresh.View().settled_seq, 0U) << "from here on, what is held";
+  EXPECT_EQ(fresh.ResumeFrom(Id(7), begun->open_id, 3, 3).committed, 3U);
+}
+
+TEST_F(RobotSessionsTest, WhatIsHeldIsShownRatherThanWhatTheStoreHas) {
+  sessions_.AddSettled(Id(1), 5);
+  sessions_.Restore({Id(7), 40});
+  EXPECT_EQ(sessions_.View().session, Id(1));
+  EXPECT_EQ(sessions_.View().settled_seq, 5U);
+}
+
+TEST_F(RobotSessionsTest, ASessionThatWasForgottenForItsAgeIsStillShown) {
+  sessions_.AddSettled(Id(1), 5);
+  sessions_.Detach(Stream(1), clock_.Steady());
+  clock_.Advance(std::chrono::hours(5));
+  sessions_.Sweep(clock_.Steady(), std::chrono::hours(1));
+  ASSERT_THAT(sessions_.Held(), IsEmpty());
+  EXPECT_EQ(sessions_.View().session, Id(1));
+  EXPECT_EQ(sessions_.View().settled_seq, 5U);
+}
+
+TEST_F(RobotSessionsTest, AFenceForgetsWhatWasShown) {
+  RobotSessions fresh;
+  fresh.Restore({Id(7), 40});
+  fresh.OnFenced(ledger_);
+  EXPECT_FALSE(fresh.View().session);
+  EXPECT_EQ(fresh.View().settled_seq, 0U);
+}
+
 TEST_F(RobotSessionsTest, DetachReturnsTheStreamThatIsNext) {
   EXPECT_EQ(sessions_.Attach(Stream(2), clock_.Steady(), clock_.System()).standing,
             Standing::kWaiting);

@@ -108,6 +108,33 @@ TEST_F(SeedTest, RobotsComeWithWhatTheirReportsSay) {
   });
 }
 
+TEST_F(SeedTest, RobotsComeWithTheirLastSession) {
+  Know("rcan://a");
+  storage::Batch batch;
+  batch.records.push_back(
+      {.robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),
+       .session = model::SessionId({1}),
+       .seq = 12,
+       .held_since = 1,
+       .received_at = clock_.System(),
+       .content = test::RecordOf(model::AgentInfo{})});
+  ASSERT_TRUE(store_.Commit(batch).ok());
+  ASSERT_TRUE(seed_.Run(2).ok());
+  const robot::SessionView view = fleet_.Find("rcan://a")->sessions.View();
+  EXPECT_EQ(view.session, model::SessionId({1}));
+  EXPECT_EQ(view.settled_seq, 12U);
+  EXPECT_FALSE(view.connected);
+}
+
+TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsItsSession) {
+  Know("rcan://a");
+  const auto robot = fleet_.FindOrAdmit({"rcan://a", "f"});
+  ASSERT_TRUE(robot.ok());
+  ASSERT_TRUE((*robot)->sessions.Begin(model::SessionId({9}), clock_.Steady()));
+  ASSERT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ((*robot)->sessions.View().session, model::SessionId({9}));
+}
+
 TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
   Know("rcan://a");
   reader_.SetAway(true);
