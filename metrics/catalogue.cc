@@ -120,6 +120,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "1 if the store may lose what is acked when the power fails (store.accept_unsafe)."},
     {kStoreClockOffset, "uplinkd_store_clock_offset_seconds", kGauge, "seconds",
      "The store's clock less the server's, as of the start."},
+    {kStoreCommitsInDoubt, "uplinkd_store_commits_in_doubt_total", kCounter, "commits",
+     "Commits that the database answered with a warning: whether they are durable is unknown, and"
+     " they are tried again."},
     {kHttpRequests, "uplinkd_http_requests_total", kCounter, "requests",
      "HTTP requests that were answered.", kByRouteCode},
     {kHttpRequestSeconds, "uplinkd_http_request_seconds", kHistogram, "seconds",

@@ -68,6 +68,7 @@ enum class MetricId : std::uint8_t {
   kStoreFailing,
   kStoreUnsafe,
   kStoreClockOffset,
+  kStoreCommitsInDoubt,
   kHttpRequests,
   kHttpRequestSeconds,
   kHttpConnections,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct StoreFacts {
   bool unsafe = false;
   /// The store's clock less ours, as of its last connection.
   milliseconds clock_offset{0};
+  /// Commits since the start that the database answered with a warning: whether they are durable
+  /// was unknown, and they failed.
+  std::uint64_t commits_in_doubt = 0;
 };
 
 /// The write side of the durable sink that decides acks. README.md holds the contract in prose; the

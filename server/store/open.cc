@@ -35,6 +35,14 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   return stores;
 }
 
+/// Those of the first connection; what is counted is counted of all.
+storage::StoreFacts FactsOf(const std::vector<const storage::postgres::PostgresStore*>& stores) {
+  storage::StoreFacts facts = stores.front()->facts();
+  facts.commits_in_doubt = 0;
+  for (const auto* store : stores) facts.commits_in_doubt += store->facts().commits_in_doubt;
+  return facts;
+}
+
 absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage::ProcessId& process,
                                     const Clock& clock) {
   storage::postgres::StoreOptions options;
@@ -47,17 +55,17 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   options.connect_timeout = config.store.timeout;
   options.call_timeout = config.store.timeout;
   Stores stores;
+  std::vector<const storage::postgres::PostgresStore*> opened;
   for (std::size_t shard = 0; shard < config.store.shards; ++shard) {
     auto store = storage::postgres::PostgresStore::Open(options, clock);
     if (!store.ok()) return store.status();
     // The others would wait for the same server in vain.
     options.connect_now = options.connect_now && (*store)->open_error().ok();
-    if (shard == 0) {
-      stores.away = (*store)->open_error();
-      stores.facts = [first = store->get()] { return first->facts(); };
-    }
+    if (shard == 0) stores.away = (*store)->open_error();
+    opened.push_back(store->get());
     stores.writers.push_back(*std::move(store));
   }
+  stores.facts = [opened] { return FactsOf(opened); };
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;

@@ -32,6 +32,7 @@ struct PostgresStore::Impl {
   // Of the last connection; for other threads.
   std::atomic<bool> unsafe{false};
   std::atomic<std::int64_t> clock_offset_ms{0};
+  std::atomic<std::uint64_t> commits_in_doubt{0};
 
   Impl(StoreOptions given, Link to) : options(std::move(given)), link(std::move(to)) {}
 
@@ -72,7 +73,8 @@ absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions 
 const absl::Status& PostgresStore::open_error() const { return impl_->open_error; }
 
 StoreFacts PostgresStore::facts() const {
-  return {impl_->unsafe.load(), milliseconds(impl_->clock_offset_ms.load())};
+  return {impl_->unsafe.load(), milliseconds(impl_->clock_offset_ms.load()),
+          impl_->commits_in_doubt.load()};
 }
 
 template <typename Result, typename Work>
@@ -83,6 +85,7 @@ absl::StatusOr<Result> PostgresStore::With(const Work& work) {
     if (!connection.ok()) return connection.status();
     result = work(**connection);
   }
+  if (IsInDoubt(result.status())) ++impl_->commits_in_doubt;
   if (result.ok() && impl_->options.after_commit) {
     absl::Status told = impl_->options.after_commit();
     if (!told.ok()) return told;

@@ -70,7 +70,7 @@ class PostgresStore final : public Store {
 
   /// Of Open: why the server could not be reached; OK if it could.
   [[nodiscard]] const absl::Status& open_error() const;
-  /// As of the last connection. Any thread.
+  /// As of the last connection, and what was counted since the start. Any thread.
   [[nodiscard]] StoreFacts facts() const;
 
  private:

@@ -17,13 +17,14 @@ namespace {
 constexpr int kBinary = 1;
 constexpr milliseconds kPollSlice{50};
 
+std::string FieldOf(const PGresult* result, int code) {
+  const char* text = PQresultErrorField(result, code);
+  return text == nullptr ? "" : text;
+}
+
 ServerError ErrorOf(const PGresult* result) {
-  const auto field = [&](int code) {
-    const char* text = PQresultErrorField(result, code);
-    return std::string(text == nullptr ? "" : text);
-  };
-  ServerError error{field(PG_DIAG_SQLSTATE), field(PG_DIAG_MESSAGE_PRIMARY)};
-  if (const std::string detail = field(PG_DIAG_MESSAGE_DETAIL); !detail.empty()) {
+  ServerError error{FieldOf(result, PG_DIAG_SQLSTATE), FieldOf(result, PG_DIAG_MESSAGE_PRIMARY)};
+  if (const std::string detail = FieldOf(result, PG_DIAG_MESSAGE_DETAIL); !detail.empty()) {
     error.message += ": " + detail;
   }
   if (error.message.empty()) error.message = PQresultErrorMessage(result);
@@ -54,6 +55,20 @@ Connection::Connection(Handle handle, const ConnectionOptions& options, const Cl
     : handle_(std::move(handle)), options_(options), clock_(clock) {
   const bool set = PQsetnonblocking(handle_.get(), 1) == 0 && PQenterPipelineMode(handle_.get());
   UPLINK_CHECK(set, "a fresh connection takes its modes");
+  PQsetNoticeReceiver(handle_.get(), &Connection::OnNotice, this);
+}
+
+void Connection::OnNotice(void* connection, const pg_result* notice) {
+  auto* const self = static_cast<Connection*>(connection);
+  // In English, whatever the server's language is.
+  if (FieldOf(notice, PG_DIAG_SEVERITY_NONLOCALIZED) != "WARNING") return;
+  self->warning_ = Warning{ErrorOf(notice).message, self->taken_};
+}
+
+std::optional<std::string> Connection::last_answers_warning() const {
+  // A notice may be read while the answer before its own still waits to be taken.
+  if (!warning_ || warning_->after + 2 < is_preparation_.size()) return std::nullopt;
+  return warning_->text;
 }
 
 Connection::~Connection() = default;
@@ -93,6 +108,8 @@ absl::StatusOr<std::vector<Result>> Connection::Exchange(const std::vector<Store
   is_preparation_.clear();
   preparing_.clear();
   prepared_now_ = 0;
+  taken_ = 0;
+  warning_.reset();
   if (!Send(calls)) return Broken(doing, PQerrorMessage(handle_.get()));
   absl::StatusOr<std::vector<Result>> results = Receive(calls.size(), doing);
   if (!results.ok()) {
@@ -153,8 +170,8 @@ absl::Status Connection::Take(Result result, Answers& answers, std::string_view 
   switch (PQresultStatus(result.raw())) {
     case PGRES_COMMAND_OK:
     case PGRES_TUPLES_OK:
-      UPLINK_CHECK(answers.taken < is_preparation_.size(), "an answer to nothing");
-      if (is_preparation_[answers.taken++]) {
+      UPLINK_CHECK(taken_ < is_preparation_.size(), "an answer to nothing");
+      if (is_preparation_[taken_++]) {
         ++prepared_now_;
       } else {
         answers.results.push_back(std::move(result));

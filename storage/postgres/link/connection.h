@@ -20,6 +20,7 @@
 #include "storage/postgres/link/url.h"
 
 struct pg_conn;
+struct pg_result;
 
 namespace uplink::storage::postgres {
 
@@ -85,6 +86,10 @@ class Connection final {
   /// Statements without parameters, as a script has them.
   [[nodiscard]] absl::Status RunScript(const std::string& sql, std::string_view doing);
 
+  /// The WARNING that the server sent with the last answer of the last Run, or right before it
+  /// (libpq hands it over as soon as it is read); nothing if there was none.
+  [[nodiscard]] std::optional<std::string> last_answers_warning() const;
+
   [[nodiscard]] bool broken() const { return broken_; }
   /// `host:port/database`.
   [[nodiscard]] const std::string& where() const { return options_.url.shown; }
@@ -96,6 +101,8 @@ class Connection final {
   using Handle = std::unique_ptr<pg_conn, Close>;
 
   Connection(Handle handle, const ConnectionOptions& options, const Clock& clock);
+  /// libpq's notice receiver; `connection` is the Connection.
+  static void OnNotice(void* connection, const pg_result* notice);
   absl::StatusOr<std::vector<Result>> Exchange(const std::vector<StoreCall>& calls,
                                                std::string_view doing);
   bool Send(const std::vector<StoreCall>& calls);
@@ -103,8 +110,6 @@ class Connection final {
   /// What has come of the answers to one pipeline.
   struct Answers {
     std::vector<Result> results;
-    /// Answers, those of preparations included.
-    std::size_t taken = 0;
     /// The first error.
     std::optional<ServerError> error;
   };
@@ -124,6 +129,15 @@ class Connection final {
   /// Of the call under way: the texts that it prepares, and how many of them the server has by now.
   std::vector<std::string> preparing_;
   std::size_t prepared_now_ = 0;
+  /// Of the call under way: the answers that were taken, those of preparations included.
+  std::size_t taken_ = 0;
+  struct Warning {
+    std::string text;
+    /// Answers that had been taken when it came.
+    std::size_t after = 0;
+  };
+  /// Of the call under way: the last one.
+  std::optional<Warning> warning_;
   /// Statement texts to the names under which the session has them.
   std::unordered_map<std::string, std::string> prepared_;
 };

@@ -126,8 +126,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
   for (const PresenceItem& item : batch_.presence) {
     rows.AddPresence(item, batch_.presence_session, place++);
   }
-  std::vector<StoreCall> calls;
-  calls.push_back({kBegin, {}});
+  std::vector<StoreCall> calls = BeginCalls();
   calls.push_back(BeginBatchCall(premises, batch_));
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   absl::Status committed = RunAndCommit(connection_, std::move(calls), kDoing, before_commit_);
@@ -142,8 +141,9 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
   Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, rows);
-  absl::Status committed =
-      RunAndCommit(connection_, std::move(rows).TakeCalls(), kDoing, before_commit_);
+  std::vector<StoreCall> calls = std::move(rows).TakeCalls();
+  calls.push_back({kLogPosition, {}});
+  absl::Status committed = RunAndCommit(connection_, std::move(calls), kDoing, before_commit_);
   if (!committed.ok()) return committed;
   return outcomes;
 }
@@ -161,7 +161,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
     written = Decisive(rest.status());
   }
   if (!written.ok()) return AbandonAfter(written);
-  written = RunAndCommit(connection_, {}, kDoing, before_commit_);
+  written = RunAndCommit(connection_, {{kLogPosition, {}}}, kDoing, before_commit_);
   if (!written.ok()) return written;
   return outcomes;
 }

@@ -137,8 +137,7 @@ absl::StatusOr<std::vector<OpenResult>> OpenAll(
     const std::function<absl::Status()>& before_commit) {
   std::vector<OpenResult> results(requests.size());
   const std::vector<Wave> waves = WavesOf(requests);
-  std::vector<StoreCall> calls;
-  calls.push_back({kBegin, {}});
+  std::vector<StoreCall> calls = BeginCalls();
   std::vector<std::size_t> firsts;
   for (const Wave& wave : waves) {
     firsts.push_back(calls.size());

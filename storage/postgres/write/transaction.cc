@@ -3,12 +3,34 @@
 #include <string>
 #include <utility>
 
-namespace uplink::storage::postgres {
+#include <absl/strings/cord.h>
 
-absl::Status Begin(Connection& connection, std::string_view doing) {
+namespace uplink::storage::postgres {
+namespace {
+
+/// The payload of such an error; it is empty.
+constexpr std::string_view kInDoubt = "uplinkd/commit_in_doubt";
+
+absl::Status InDoubt(const Connection& connection, std::string_view doing,
+                     const std::string& warning) {
+  absl::Status status =
+      absl::UnavailableError("postgresql " + connection.where() + ": " + std::string(doing) +
+                             ": whether the commit is durable is unknown: " + warning);
+  status.SetPayload({kInDoubt.data(), kInDoubt.size()}, absl::Cord());
+  return status;
+}
+
+}  // namespace
+
+std::vector<StoreCall> BeginCalls() {
   std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
-  return connection.Run(calls, doing).status();
+  calls.push_back({kSetLocal, {}});
+  return calls;
+}
+
+absl::Status Begin(Connection& connection, std::string_view doing) {
+  return connection.Run(BeginCalls(), doing).status();
 }
 
 absl::StatusOr<std::vector<Result>> RunAndCommitFor(
@@ -22,7 +44,14 @@ absl::StatusOr<std::vector<Result>> RunAndCommitFor(
     return absl::AbortedError("postgresql " + connection.where() +
                               ": the transaction was rolled back instead of committed");
   }
+  if (const auto warning = results.ok() ? connection.last_answers_warning() : std::nullopt) {
+    return InDoubt(connection, doing, *warning);
+  }
   return results;
+}
+
+bool IsInDoubt(const absl::Status& status) {
+  return status.GetPayload({kInDoubt.data(), kInDoubt.size()}).has_value();
 }
 
 absl::Status Decisive(const absl::Status& status) {
