@@ -127,6 +127,12 @@ Progress RobotSessions::Take(const model::SessionId& session) {
           .released = std::exchange(memory->released, {})};
 }
 
+void RobotSessions::SetHeldBack(HeldBack by, SystemTime now) {
+  const std::lock_guard lock(mutex_);
+  if (held_back_ == HeldBack::kNone) held_back_since_ = now;
+  held_back_ = by;
+}
+
 std::size_t RobotSessions::waiting(const model::SessionId& session) const {
   const std::lock_guard lock(mutex_);
   const SessionMemory* memory = sessions_.Find(session);
@@ -139,6 +145,8 @@ SessionView RobotSessions::View() const {
   view.connected = static_cast<bool>(takeover_.current());
   view.connected_since = takeover_.connected_since();
   view.contested = takeover_.contested();
+  view.held_back = held_back_;
+  view.held_back_since = held_back_since_;
   if (const SessionMemory* memory = CurrentSession()) {
     view.session = current_session_;
     view.settled_seq = memory->numbers.through();

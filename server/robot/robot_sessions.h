@@ -13,6 +13,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "server/robot/commit_client.h"
+#include "server/robot/held_back.h"
 #include "server/robot/numbering.h"
 #include "server/robot/opening.h"
 #include "server/robot/pacing.h"
@@ -49,6 +50,9 @@ struct SessionView {
   std::uint64_t missing = 0;
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   bool contested = false;
+  /// Why the robot's stream is not read now, and since when it is not.
+  HeldBack held_back = HeldBack::kNone;
+  SystemTime held_back_since;
 };
 
 /// How far a session was when it was last looked at.
@@ -113,6 +117,8 @@ class RobotSessions final : public CommitClient {
 
   /// Takes the state for an Ack, and the store's Rejects that were not told yet, in one look.
   [[nodiscard]] Progress Take(const model::SessionId& session);
+  /// Why the stream is not read now; kNone once it is, or ends. For View alone.
+  void SetHeldBack(HeldBack by, SystemTime now);
   /// Messages and gap records of the robot that are not committed.
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.load() + gaps_in_flight_.load(); }
   /// Of this session alone.
@@ -147,6 +153,8 @@ class RobotSessions final : public CommitClient {
   Pacing pacing_;
   /// The session of the robot's stream, or of its last one.
   std::optional<model::SessionId> current_session_;
+  HeldBack held_back_ = HeldBack::kNone;
+  SystemTime held_back_since_;
   /// For View alone, while the current session is not held.
   std::optional<LastSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};

@@ -8,9 +8,9 @@ HeldBack HeldBackBy(const HeldBackSources& sources, std::size_t outgoing) {
   if (sources.sessions.in_flight() >= sources.limits.in_flight_uplinks_max)
     return HeldBack::kInFlight;
   if (!sources.journal.HasRoom()) return HeldBack::kJournal;
-  if (outgoing >= kOutgoingFramesMax) return HeldBack::kOutgoing;
+  if (outgoing >= kOutgoingFramesMax) return HeldBack::kUnread;
   const std::optional<SteadyTime> throttled = sources.throttle.end();
-  if (throttled && sources.clock.Steady() < *throttled) return HeldBack::kThrottled;
+  if (throttled && sources.clock.Steady() < *throttled) return HeldBack::kMalformed;
   return HeldBack::kNone;
 }
 

@@ -1,28 +1,17 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 #include "schema/base/clock.h"
 #include "server/journal/journal.h"
+#include "server/robot/held_back.h"
 #include "server/robot/robot_sessions.h"
 #include "server/session/limits.h"
 #include "server/session/throttle.h"
 
 namespace uplink::session {
 
-/// Why no message of a stream may be processed (protocol: Holding back).
-enum class HeldBack : std::uint8_t {
-  kNone,
-  /// in_flight_uplinks_max of the robot's messages wait for commits.
-  kInFlight,
-  /// The journal is full.
-  kJournal,
-  /// The peer does not read.
-  kOutgoing,
-  /// Too many malformed messages in this second.
-  kThrottled,
-};
+using robot::HeldBack;
 
 /// What decides whether a stream is held back. All of it outlives the look.
 struct HeldBackSources {

@@ -32,20 +32,26 @@ class ReadGate final {
   /// The transport has answered the request.
   void OnAnswer() { under_way_ = false; }
   [[nodiscard]] bool under_way() const { return under_way_; }
-  /// Asks for the next frame, or waits for the end of what `by` names. `throttle_end` is set if it
-  /// is kThrottled.
+  /// Asks for the next frame, or waits for the end of what `by` names, which the robot's views show
+  /// meanwhile. `throttle_end` is set if it
+  /// is kMalformed.
   void RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end);
 
   /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);
-  /// Whether the robot's stream is not read now; counted once per change.
+  /// Whether the robot's stream is not read now; counted once per change. Where the server itself
+  /// wants no more of it, nothing holds it back.
   using Reading = robot::RobotState::Reading;
   void SetReading(Reading reading);
 
  private:
+  void Tell(HeldBack by);
+
   const Sources sources_;
   bool under_way_ = false;
   Reading reading_ = Reading::kFlowing;
+  /// What the robot's views were told last.
+  HeldBack told_ = HeldBack::kNone;
 };
 
 }  // namespace uplink::session

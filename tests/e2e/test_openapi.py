@@ -48,6 +48,11 @@ class Offline(unittest.TestCase):
             self.assertTrue(words)
             self.assertEqual(self.document.root["components"]["schemas"][schema]["enum"], words)
 
+    def test_the_words_of_holding_back_are_the_programs(self):
+        program = (SOURCE / "server/robot/held_back.cc").read_text(encoding="utf-8")
+        words = re.findall(r'case HeldBack::\w+:\s+return "(\w*)"', program)
+        self.assertEqual(self.document.root["components"]["schemas"]["HeldBack"]["enum"], words)
+
     def test_nothing_is_described_that_no_path_uses(self):
         used, more = set(), json.dumps(self.document.root["paths"])
         while more:

@@ -72,6 +72,12 @@ class Scenarios(EndToEnd):
             WAIT_SECONDS,
             "30 takeovers",
         )
+        wait_until(
+            fleet.process,
+            lambda: any(robot["contested"] for robot in self.uplinkd.get("/api/v1/robots")["robots"]),
+            WAIT_SECONDS,
+            "a robot is contested",
+        )
         report = self.assert_agrees(fleet)["run"]
         self.assertGreaterEqual(report["takeovers"], 30)
         self.assertGreater(report["ends"]["ABORTED"], 0)

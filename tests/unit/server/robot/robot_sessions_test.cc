@@ -198,6 +198,21 @@ TEST_F(RobotSessionsTest, AFenceForgetsWhatWasShown) {
   EXPECT_EQ(fresh.View().settled_seq, 0U);
 }
 
+TEST_F(RobotSessionsTest, ViewsShowWhatHoldsTheStreamBackAndSinceWhen) {
+  EXPECT_EQ(sessions_.View().held_back, HeldBack::kNone);
+  const SystemTime since = clock_.System();
+  sessions_.SetHeldBack(HeldBack::kInFlight, since);
+  clock_.Advance(milliseconds(5));
+  sessions_.SetHeldBack(HeldBack::kJournal, clock_.System());
+  EXPECT_EQ(sessions_.View().held_back, HeldBack::kJournal);
+  EXPECT_EQ(sessions_.View().held_back_since, since) << "it was not read in between";
+  sessions_.SetHeldBack(HeldBack::kNone, clock_.System());
+  EXPECT_EQ(sessions_.View().held_back, HeldBack::kNone);
+  clock_.Advance(milliseconds(5));
+  sessions_.SetHeldBack(HeldBack::kUnread, clock_.System());
+  EXPECT_EQ(sessions_.View().held_back_since, clock_.System());
+}
+
 TEST_F(RobotSessionsTest, DetachReturnsTheStreamThatIsNext) {
   EXPECT_EQ(sessions_.Attach(Stream(2), clock_.Steady(), clock_.System()).standing,
             Standing::kWaiting);

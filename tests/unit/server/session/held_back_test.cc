@@ -39,15 +39,15 @@ TEST_F(HoldTest, AStreamIsHeldBackOnlyAtTheBoundOfItsRobot) {
 
 TEST_F(HoldTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
   EXPECT_EQ(Now(kOutgoingFramesMax - 1), HeldBack::kNone);
-  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kOutgoing);
+  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kUnread);
 }
 
 TEST_F(HoldTest, AThrottledStreamIsHeldBackUntilItsEnd) {
   for (std::uint32_t i = 0; i <= kMalformedPerSecondMax; ++i) {
     throttle_.AddMalformed(clock_.Steady());
   }
-  EXPECT_EQ(Now(), HeldBack::kThrottled);
-  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kOutgoing) << "the first that applies";
+  EXPECT_EQ(Now(), HeldBack::kMalformed);
+  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kUnread) << "the first that applies";
   clock_.Advance(std::chrono::seconds(1));
   EXPECT_EQ(Now(), HeldBack::kNone);
 }

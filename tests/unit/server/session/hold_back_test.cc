@@ -16,6 +16,7 @@ class HoldBackTest : public SessionTest {
     static_cast<void>(stream.Said());
     return stream;
   }
+  robot::SessionView Shown() { return server().robot().sessions.View(); }
   robot::Presence Swept() {
     server().fleet().Sweep(limits_.session.session_idle);
     return server().robot().state.presence();
@@ -31,8 +32,11 @@ TEST_F(HoldBackTest, AtInFlightMaxNothingMoreIsTaken) {
   EXPECT_FALSE(stream.reading());
   EXPECT_EQ(server().counts().received, 4U);
   EXPECT_TRUE(server().robot().state.held_back());
+  EXPECT_EQ(Shown().held_back, HeldBack::kInFlight);
+  EXPECT_EQ(Shown().held_back_since, clock_.System());
   EXPECT_EQ(server().probe().held_back.value(), 1);
   server().Commit();
+  EXPECT_EQ(Shown().held_back, HeldBack::kNone);
   EXPECT_TRUE(stream.reading());
   EXPECT_FALSE(server().robot().state.held_back());
   EXPECT_EQ(server().probe().held_back.value(), 0);
@@ -78,6 +82,7 @@ TEST_F(HoldBackTest, AFullJournalHoldsBackEveryStream) {
   stream.Send(BatchFrame({{1, Fault()}}));
   EXPECT_FALSE(server().journal().HasRoom());
   EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(Shown().held_back, HeldBack::kJournal);
   other.Send(BatchFrame({{1, Fault()}}));
   EXPECT_FALSE(other.reading());
   EXPECT_EQ(server().counts().received, 1U);
@@ -123,6 +128,7 @@ class StalledTest : public HoldBackTest {
 TEST_F(StalledTest, AFullOutgoingQueueHoldsBack) {
   EXPECT_FALSE(stream_.reading());
   EXPECT_TRUE(server().robot().state.held_back());
+  EXPECT_EQ(Shown().held_back, HeldBack::kUnread);
   EXPECT_EQ(stream_.end(), "");
 }
 
@@ -163,6 +169,7 @@ TEST_F(HoldBackTest, MoreThanAThousandMalformedASecondHoldBack) {
   stream.Send(BatchFrame({{1001, BadFault()}, {1002, BadFault()}}));
   EXPECT_FALSE(stream.reading());
   EXPECT_EQ(server().counts().received, 1001U);
+  EXPECT_EQ(Shown().held_back, HeldBack::kMalformed);
   server().Pass(milliseconds(999));
   EXPECT_FALSE(stream.reading());
   server().Pass(milliseconds(1));
@@ -222,6 +229,7 @@ TEST_F(HoldBackTest, ABreakEndsIt) {
   stream.Send(BatchFrame({{1, Fault()}, {2, Fault()}}));
   stream.Break();
   EXPECT_FALSE(server().robot().state.held_back());
+  EXPECT_EQ(Shown().held_back, HeldBack::kNone);
   EXPECT_EQ(server().probe().held_back.value(), 0);
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(1)) << "2 was never taken";

@@ -44,7 +44,7 @@ TEST_F(ReadGateTest, AStreamThatNothingHoldsBackIsRead) {
 }
 
 TEST_F(ReadGateTest, WhatHoldsAStreamBackIsNotReadAndSetsNoTimer) {
-  for (const HeldBack by : {HeldBack::kInFlight, HeldBack::kOutgoing, HeldBack::kJournal}) {
+  for (const HeldBack by : {HeldBack::kInFlight, HeldBack::kUnread, HeldBack::kJournal}) {
     gate_.RequestUnless(by, std::nullopt);
     EXPECT_FALSE(gate_.under_way());
     EXPECT_FALSE(timers_.Next().has_value());
@@ -54,7 +54,7 @@ TEST_F(ReadGateTest, WhatHoldsAStreamBackIsNotReadAndSetsNoTimer) {
 
 TEST_F(ReadGateTest, AThrottledStreamIsReadAgainAtTheEndOfItsThrottle) {
   const SteadyTime end = clock_.Steady() + milliseconds(400);
-  gate_.RequestUnless(HeldBack::kThrottled, end);
+  gate_.RequestUnless(HeldBack::kMalformed, end);
   EXPECT_EQ(source_.requests, 0);
   EXPECT_EQ(timers_.at(Timer::kReadAgain), end);
   gate_.RequestUnless(HeldBack::kNone, std::nullopt);
@@ -64,7 +64,7 @@ TEST_F(ReadGateTest, AThrottledStreamIsReadAgainAtTheEndOfItsThrottle) {
 
 TEST_F(ReadGateTest, AThrottleThatEndedMeanwhileSetsNoTimer) {
   timers_.Set(Timer::kReadAgain, clock_.Steady());
-  gate_.RequestUnless(HeldBack::kThrottled, std::nullopt);
+  gate_.RequestUnless(HeldBack::kMalformed, std::nullopt);
   EXPECT_FALSE(timers_.is_set(Timer::kReadAgain));
 }
 
@@ -76,14 +76,14 @@ TEST_F(ReadGateTest, AStreamThatTheJournalHoldsBackIsWokenOnceThereIsRoom) {
 
 TEST_F(ReadGateTest, AStreamThatIsHeldBackForAnotherReasonIsNotWokenByTheJournal) {
   gate_.RequestUnless(HeldBack::kInFlight, std::nullopt);
-  gate_.RequestUnless(HeldBack::kOutgoing, std::nullopt);
+  gate_.RequestUnless(HeldBack::kUnread, std::nullopt);
   server_.Commit();
   EXPECT_THAT(woken_.streams, IsEmpty());
 }
 
 TEST_F(ReadGateTest, HoldingBackIsCountedOncePerChange) {
   gate_.RequestUnless(HeldBack::kInFlight, std::nullopt);
-  gate_.RequestUnless(HeldBack::kOutgoing, std::nullopt);
+  gate_.RequestUnless(HeldBack::kUnread, std::nullopt);
   EXPECT_EQ(probe_.held_back.value(), 1);
   EXPECT_EQ(probe_.held_back_total.value(), 1);
   gate_.RequestUnless(HeldBack::kNone, std::nullopt);
@@ -100,6 +100,19 @@ TEST_F(ReadGateTest, TheRobotsSilenceIsOursWhileItIsHeldBack) {
   EXPECT_TRUE(held_back());
   gate_.SetReading(ReadGate::Reading::kFlowing);
   EXPECT_FALSE(held_back());
+}
+
+TEST_F(ReadGateTest, TheRobotShowsWhatHoldsItsStreamBack) {
+  const auto shown = [this] { return robot_.robot().sessions.View().held_back; };
+  for (const HeldBack by : {HeldBack::kInFlight, HeldBack::kJournal, HeldBack::kUnread,
+                            HeldBack::kMalformed, HeldBack::kNone, HeldBack::kInFlight}) {
+    gate_.RequestUnless(by, std::nullopt);
+    EXPECT_EQ(shown(), by);
+  }
+  gate_.SetReading(ReadGate::Reading::kFlowing);
+  EXPECT_EQ(shown(), HeldBack::kNone) << "the stream ends";
+  gate_.SetReading(ReadGate::Reading::kHeldBack);
+  EXPECT_EQ(shown(), HeldBack::kNone) << "the server wants no more of it";
 }
 
 TEST_F(ReadGateTest, ThePeersTimeRunsFromTheBoundOfItsFrames) {

@@ -81,7 +81,29 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
     "ruri": "rcan://a/b", "fleet": "north", "presence": "PRESENCE_UNKNOWN",
     "presenceSinceMs": "1000", "lastSignOfLifeMs": "0", "connected": false,
     "connectedSinceMs": "0", "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
-    "activeFaults": 0, "fieldsDropped": "0", "uplinksMissing": "0"})");
+    "activeFaults": 0, "fieldsDropped": "0", "uplinksMissing": "0", "heldBy": "",
+    "heldByAtMs": "0", "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "",
+    "rateLimited": {}})");
+}
+
+TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
+  RobotView robot = EmptyRobot();
+  robot.session.held_back_since = FromUnixMs(1700);
+  EXPECT_EQ(ToMessage(robot, {}).held_back_since_ms(), 0) << "it is read again";
+  robot.session.contested = true;
+  EXPECT_TRUE(ToMessage(robot, {}).contested());
+  const std::vector<std::pair<robot::HeldBack, std::string>> words = {
+      {robot::HeldBack::kNone, ""},
+      {robot::HeldBack::kInFlight, "in_flight"},
+      {robot::HeldBack::kJournal, "journal"},
+      {robot::HeldBack::kUnread, "unread"},
+      {robot::HeldBack::kMalformed, "malformed"}};
+  for (const auto& [by, word] : words) {
+    robot.session.held_back = by;
+    const v1::Robot message = ToMessage(robot, {});
+    EXPECT_EQ(message.held_back(), word);
+    EXPECT_EQ(message.held_back_since_ms(), word.empty() ? 0 : 1700) << word;
+  }
 }
 
 TEST(Json, ARobotWithEveryPart) {
@@ -102,7 +124,8 @@ TEST(Json, ARobotWithEveryPart) {
     "presenceSinceMs": "1000", "lastSignOfLifeMs": "2000", "connected": true,
     "connectedSinceMs": "1500", "sessionId": "000102030405060708090a0b0c0d0e0f",
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
-    "fieldsDropped": "3", "uplinksMissing": "4",
+    "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "", "heldByAtMs": "0",
+    "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "", "rateLimited": {},
     "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
                "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
     "status": {"unixTimeMs": 12, "mode": "auto", "faulted": false, "missionActive": false,
