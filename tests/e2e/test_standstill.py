@@ -24,6 +24,9 @@ class Standstill(EndToEnd):
 
         wait_until(server.process, look, ROUND_SECONDS, "all are online")
 
+    def wait_until_not_behind(self, server):
+        server.wait_for_status(lambda s: "relay_behind" not in s["degraded"], ROUND_SECONDS, "it is not behind")
+
     def changes(self, server, robot):
         """The robot's presence changes, the oldest first."""
         name = urllib.parse.quote(robot["ruri"], safe="")
@@ -41,15 +44,18 @@ class Standstill(EndToEnd):
         server = self.server().start()
         fleet = self.fleet(server, "--robots", ROBOTS, "--rate", 10, "--faults", 10)
         self.wait_for_all_online(server)
+        # On a machine that is full it may have stood still already.
+        self.wait_until_not_behind(server)
+        before = server.metric("uplinkd_standstills_total")
         self.stand_still(server, fleet, STANDSTILL_SECONDS)
 
         def line(text):
             wait_until(server.process, lambda: text in server.text(), ROUND_SECONDS, text)
 
         line("relay_behind why=stood_still")
-        self.assertEqual(server.metric("uplinkd_standstills_total"), 1)
+        self.assertGreater(server.metric("uplinkd_standstills_total"), before)
         line("relay_caught_up")
-        server.wait_for_status(lambda s: "relay_behind" not in s["degraded"], ROUND_SECONDS, "it is not behind")
+        self.wait_until_not_behind(server)
         self.wait_for_all_online(server)
         for robot in self.robots(server):
             changes = self.changes(server, robot)
