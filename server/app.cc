@@ -11,18 +11,14 @@
 #include "metrics/page.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
-#include "server/fleet/samples.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
 #include "server/health/process.h"
-#include "server/health/samples.h"
 #include "server/http/read_thread.h"
-#include "server/http/samples.h"
 #include "server/http/server.h"
 #include "server/http/site.h"
-#include "server/journal/samples.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
 #include "server/lifecycle/periodic.h"
@@ -32,13 +28,11 @@
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
-#include "server/rcan/samples.h"
+#include "server/page_sources.h"
 #include "server/rcan/scrape.h"
-#include "server/relay/samples.h"
 #include "server/relay/server.h"
-#include "server/session/samples.h"
+#include "server/store/lease_rounds.h"
 #include "server/store/open.h"
-#include "server/store/samples.h"
 #include "server/store/seed_rounds.h"
 #include "server/store/watch.h"
 #include "server/store/writers.h"
@@ -56,8 +50,12 @@ class App::Impl {
                lifecycle::PresenceLimitsOf(options_.config.presence)),
         stores_(std::move(stores)),
         writers_(stores_.writers, ContextOfWriters()),
-        seed_rounds_({fleet_, journals_, *stores_.reader, options_.clock, options_.logger,
-                      options_.config.limits.robots_max}),
+        seed_rounds_({fleet_, journals_, *stores_.reader, options_.logger,
+                      options_.config.limits.robots_max,
+                      store::AdoptGraceOf(stores_, options_.config.presence)}),
+        leases_(std::move(stores_.leases),
+                {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
+                 options_.config.presence}),
         store_watch_({.facts = stores_.facts,
                       .retention = [this] { return journals_.retain_error(); },
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
@@ -70,7 +68,7 @@ class App::Impl {
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle}),
-        page_sources_(PageSources()),
+        page_sources_(PageSourcesOf(PartsOfPage())),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
                         options_.logger}),
         site_({queries_, monitor_,
@@ -85,6 +83,7 @@ class App::Impl {
   Impl& operator=(const Impl&) = delete;
 
   absl::Status Start() {
+    leases_.SetPort(options_.config.listen.relay.port);
     absl::Status started =
         lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
                           .listen_for_http = [this] { return ListenForHttp(); },
@@ -129,45 +128,40 @@ class App::Impl {
                           .drain = [this](milliseconds wait) { relay_->Drain(wait); },
                           .wait_for_streams =
                               [this](milliseconds wait) { return relay_->WaitForStreams(wait); }},
+            .others = [this] { return leases_.others(); },
+            .release = [this] { leases_.Release(); },
             .stop = [this] { Stop(); },
             .timeout = options_.config.drain.timeout};
   }
 
-  /// Every metric of the catalogue. The ledgers are summed once, so that received = settled + in
-  /// flight holds in each text.
-  std::vector<metrics::PageSource> PageSources() {
-    const config::Config& config = options_.config;
-    return {
-        [this](auto& page) { page.AddLedger(ledgers_.Sum()); },
-        [this](auto& page) { session::AddSamples(session_probe_, page); },
-        [this](auto& page) { fleet::AddSamples(fleet_, page); },
-        [this](auto& page) { health::AddSweepSamples(sweep_seconds_, page); },
-        [this](auto& page) {
-          journal::AddSamples(journals_, journal_limits_, options_.clock.Steady(), page);
-        },
-        [this](auto& page) { journal::AddSamples(journal_probe_, page); },
-        [this](auto& page) { store::AddSamples(stores_.facts(), page); },
-        [this, max = config.http.connections_max](auto& page) {
-          http::AddSamples(http_probe_, max, page);
-        },
-        [this, max = config.rcan.series_max](auto& page) {
-          rcan::AddSamples(rcan_probe_, max, page);
-        },
-        [this](auto& page) { health::AddSamples(monitor_, page); },
-        [start = health::ProcessStart{options_.version, options_.clock.System()}](auto& page) {
-          health::AddProcessSamples(start, page);
-        },
-        [this](auto& page) {
-          relay::AddSamples(relay_probe_, session_probe_, options_.handshakes_failed, page);
-        },
-    };
+  [[nodiscard]] PageParts PartsOfPage() {
+    return {options_.clock,
+            options_.version,
+            ledgers_,
+            session_probe_,
+            fleet_,
+            sweep_seconds_,
+            journals_,
+            journal_limits_,
+            journal_probe_,
+            stores_,
+            lease_probe_,
+            http_probe_,
+            options_.config.http.connections_max,
+            rcan_probe_,
+            options_.config.rcan.series_max,
+            monitor_,
+            relay_probe_,
+            options_.handshakes_failed};
   }
 
   absl::Status ReadRobots() {
     fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                              SystemTime at) { journals_.NotePresence(robot, presence, at); });
     store_watch_.LookAtFacts();
-    return seed_rounds_.Begin(stores_.away);
+    absl::Status read = seed_rounds_.Begin(stores_.away);
+    if (read.ok() && stores_.away.ok()) leases_.Round();
+    return read;
   }
 
   absl::Status ListenForHttp() {
@@ -188,6 +182,8 @@ class App::Impl {
          lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
+    leases_.SetPort(relay_->port());
+    leases_.Start();
     return absl::OkStatus();
   }
 
@@ -232,7 +228,10 @@ class App::Impl {
     steps.stop_relay = [this] {
       if (relay_ != nullptr) relay_->Shutdown(lifecycle::kStopWait / 2);
     };
-    steps.stop_writers = [this] { writers_.Stop(); };
+    steps.stop_writers = [this] {
+      leases_.Stop();
+      writers_.Stop();
+    };
     steps.stop_loop = [this] { loop_.Stop(); };
     steps.end_readers = [this] {
       scrapes_.reset();
@@ -255,12 +254,14 @@ class App::Impl {
   relay::RelayProbe relay_probe_;
   http::HttpProbe http_probe_;
   rcan::RcanProbe rcan_probe_;
+  store::LeaseProbe lease_probe_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
-  const store::Stores stores_;
+  store::Stores stores_;
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();
   store::SeedRounds seed_rounds_;
+  store::LeaseRounds leases_;
   store::Watch store_watch_;
   view::Queries queries_;
   health::Monitor monitor_;

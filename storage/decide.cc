@@ -93,4 +93,12 @@ absl::StatusOr<bool> Decider::Takes(const GapItem& gap) {
   return !*fenced;
 }
 
+absl::StatusOr<OutcomeKind> Decider::Decide(const PresenceItem& item, KnownSession& session) {
+  const absl::StatusOr<std::optional<Epoch>> held_since = known_.HeldSince(item.robot->ruri);
+  if (!held_since.ok()) return held_since.status();
+  if (*held_since && item.held_since < **held_since) return OutcomeKind::kFenced;
+  return RaiseCursor(session, item.number, item.at) ? OutcomeKind::kStored
+                                                    : OutcomeKind::kDuplicate;
+}
+
 }  // namespace uplink::storage

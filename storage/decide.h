@@ -54,6 +54,8 @@ class Known {
   /// A robot that the store does not know is entered as the hold says. The answer is valid for the
   /// whole batch.
   [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(const Hold& hold) = 0;
+  /// Since when the robot is held; nothing if the store does not know it.
+  [[nodiscard]] virtual absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) = 0;
   /// Of a record whose robot was asked for. The answer is valid until the next call.
   [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
   /// Why the record's number lies in quarantine; nothing if it does not.
@@ -110,6 +112,9 @@ class Decider final {
   [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
   /// Whether the gap is to be written: false if another process holds the robot.
   [[nodiscard]] absl::StatusOr<bool> Takes(const GapItem& gap);
+  /// What becomes of a change of presence; kStored is to be written. `session` numbers it. One of a
+  /// robot that the store lost is taken.
+  [[nodiscard]] absl::StatusOr<OutcomeKind> Decide(const PresenceItem& item, KnownSession& session);
 
  private:
   absl::StatusOr<bool> IsFenced(const Hold& hold);

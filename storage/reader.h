@@ -18,6 +18,7 @@
 #include "storage/lists.h"
 #include "storage/live_row.h"
 #include "storage/rows.h"
+#include "storage/types.h"
 
 namespace uplink::storage {
 
@@ -89,6 +90,8 @@ struct RobotRow {
   SystemTime presence_since;
   /// The session that was used last; of several at one time, the one with the highest id.
   std::optional<StoredSession> last_session;
+  /// The process that opened its last stream, or adopted it.
+  ProcessId holder{};
 };
 
 /// The kinds of which the store keeps a robot's latest.
@@ -152,6 +155,14 @@ class Reader {
   /// The live states that were checkpointed, by RURI, from the first that comes after `after` on:
   /// at most kLiveRowsMax, and fewer where their bytes pass kPageBytesMax; none after the last.
   [[nodiscard]] virtual absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) = 0;
+  /// The same of each of `ruris`, which ascend. Stops after the robot with which the bytes passed
+  /// kPageBytesMax.
+  struct LiveRows {
+    std::vector<LiveRow> rows;
+    /// The number of `ruris` that were looked at; at least 1 if there is any.
+    std::size_t complete = 0;
+  };
+  [[nodiscard]] virtual absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) = 0;
 };
 
 /// A list of Reader that takes a HistoryQuery: `&Reader::Events`.

@@ -34,13 +34,21 @@ class Store {
  public:
   virtual ~Store() = default;
 
-  /// Opens streams, one answer per request, in one transaction. Creates the robots' rows; touches
+  /// Opens streams, one answer per request, in one transaction: this process holds their robots
+  /// from then on (but see OpenResult.taken). Creates the robots' rows; touches
   /// the sessions' rows; evicts the least recently used sessions of each robot over
   /// kSessionsPerRobotMax, the requested one included, but none in `sessions_held`.
   [[nodiscard]] virtual absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) = 0;
 
-  /// Commits a batch in one transaction: one outcome per record, in order.
+  /// Takes over robots whose holders are over, one answer per request, in one transaction. Each
+  /// request names another robot. Of several processes that try, one succeeds; asked again, it is
+  /// told its hold.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<AdoptResult>> Adopt(
+      std::span<const AdoptRequest> requests) = 0;
+
+  /// Commits a batch in one transaction: one outcome per record, in order, then one per change of
+  /// presence: kStored, kDuplicate or kFenced.
   ///
   /// For each record: a hold older than the robot's is kFenced. At or below the session's cursor as
   /// it then stands: kRefused with the quarantined reason if the number lies in quarantine, else

@@ -56,6 +56,9 @@ using Epoch = std::uint64_t;
 /// A robot's identity, shared by all records of the robot. Immutable.
 using RobotRef = std::shared_ptr<const model::RobotId>;
 
+/// Whether the stream that asked for an OpenStream is still there.
+enum class StreamState : std::uint8_t { kOpen, kEnded };
+
 /// A stream begins: raise the robot's epoch, read the session's cursor.
 struct OpenRequest {
   RobotRef robot;
@@ -65,6 +68,16 @@ struct OpenRequest {
   SystemTime at;
   /// Sessions that this process holds in memory; they are not evicted.
   std::vector<model::SessionId> sessions_held;
+  /// One that has ended takes its robot from no process whose lease stands.
+  StreamState stream = StreamState::kOpen;
+};
+
+/// The last change of a robot's presence that the store has.
+struct StoredPresence {
+  model::Presence presence = model::Presence::kUnknown;
+  SystemTime since;
+
+  friend bool operator==(const StoredPresence&, const StoredPresence&) = default;
 };
 
 /// A number whose payload lies in quarantine, and why.
@@ -74,6 +87,9 @@ struct StoredReject {
 };
 
 struct OpenResult {
+  /// False: the stream had ended, and a process whose lease stands holds the robot. Nothing was
+  /// written, and nothing else is set.
+  bool taken = true;
   /// The epoch of this stream.
   Epoch epoch = 0;
   /// The epoch since which this process holds the robot without interruption. If it differs from
@@ -85,6 +101,25 @@ struct OpenResult {
   std::vector<StoredReject> rejects;
   /// False when there were more than kOpenRejectsMax: the cursor must not be used then.
   bool rejects_complete = true;
+  /// Nothing if the store has no change of the robot's presence.
+  std::optional<StoredPresence> presence;
+};
+
+/// A robot whose holder is over: to be held by this process from now on.
+struct AdoptRequest {
+  RobotRef robot;
+  /// Who held it when that was read.
+  ProcessId holder{};
+  /// The counter of the holder's lease then; 0 if it had none.
+  std::uint64_t lease_counter = 0;
+};
+
+struct AdoptResult {
+  /// The epoch since which this process holds the robot. Nothing if it does not: another opened a
+  /// stream of it or adopted it sooner, its holder renewed its lease, or the store lost it.
+  std::optional<Epoch> held_since;
+  /// As OpenResult's, of a robot that was adopted.
+  std::optional<StoredPresence> presence;
 };
 
 /// A rejected payload on its way to quarantine. It stands in its message's place and number.
@@ -138,6 +173,8 @@ struct PresenceItem {
   SystemTime at;
   /// From 1, in order, in the session of the process (Batch.presence_session).
   model::Seq number = 0;
+  /// As CommitRecord's: only who holds the robot judges it.
+  Epoch held_since = 0;
 };
 
 /// What one transaction writes. The records of a robot stand in the order of their numbers, per
@@ -146,7 +183,7 @@ struct Batch {
   std::vector<CommitRecord> records;
   std::vector<GapItem> gaps;
   /// In number order. Those at or below the cursor of `presence_session` are left out, so that a
-  /// lost answer cannot double them; no epoch fences them, since they are the process's own.
+  /// lost answer cannot double them.
   std::vector<PresenceItem> presence;
   /// The numbering of `presence`: one session a process and shard, under kServerRuri.
   model::SessionId presence_session;
@@ -163,7 +200,7 @@ enum class OutcomeKind : std::uint8_t {
   kFenced,
 };
 
-/// The store's answer for one record.
+/// The store's answer for one record, or for one change of presence.
 struct Outcome {
   OutcomeKind kind = OutcomeKind::kStored;
   /// Of kRefused alone.

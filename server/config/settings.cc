@@ -323,6 +323,16 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "After a start, how long a robot that was not heard is unknown instead of offline.",
      UPLINK_BIND(presence, PresenceConfig, startup_grace)},
     {.section = "presence",
+     .key = "adopted_grace",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = 7 * kDay,
+     .text =
+         "How long a robot that was taken over from another server is unknown instead of "
+         "offline while it is not heard, where that server may live and be cut off from the "
+         "store alone. One that stopped in order, or is known to have ended, has startup_grace.",
+     UPLINK_BIND(presence, PresenceConfig, adopted_grace)},
+    {.section = "presence",
      .key = "flap_changes",
      .kind = Kind::kCount,
      .min = 2,

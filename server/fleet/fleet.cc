@@ -82,7 +82,12 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
     if (stalled || hearing == Hearing::kBehind) robot->state.NoteStall(steady);
     if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);
-    switch (robot->state.Sweep(steady, system, presence_)) {
+    const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, presence_);
+    if (!presence) {
+      ++counts.elsewhere;
+      continue;
+    }
+    switch (*presence) {
       case robot::Presence::kUnknown:
         ++counts.unknown;
         break;

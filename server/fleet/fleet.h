@@ -20,11 +20,13 @@
 
 namespace uplink::fleet {
 
-/// How many robots are of each presence.
+/// How many robots are of each presence, of those that this process judges.
 struct PresenceCounts {
   std::int64_t unknown = 0;
   std::int64_t online = 0;
   std::int64_t offline = 0;
+  /// Those that another process holds.
+  std::int64_t elsewhere = 0;
 };
 
 /// All robots by RURI, at most `robots_max`. Thread-safe.

@@ -8,6 +8,7 @@ void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
   page.Add(kRobots, counts.online, {"online"});
   page.Add(kRobots, counts.offline, {"offline"});
   page.Add(kRobots, counts.unknown, {"unknown"});
+  page.Add(kRobotsElsewhere, counts.elsewhere);
   page.Add(kRobotsLimit, fleet.robots_max());
 }
 

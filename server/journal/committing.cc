@@ -16,18 +16,19 @@ double Seconds(SteadyTime::duration duration) {
 
 }  // namespace
 
-Committing::Committing(const WriterContext& context, HeldRobots& held, const Limits& limits,
+Committing::Committing(const WriterContext& context, Holds& holds, const Limits& limits,
                        const model::SessionId& presence_session)
     : context_(context),
-      held_(held),
+      holds_(holds),
       batch_bytes_max_(limits.bytes_max),
       size_({.most = limits.records_max}),
       batch_(presence_session) {}
 
 bool Committing::Gather() {
   if (batch_.empty()) {
-    batch_ = context_.inbox.Fill(
-        std::move(batch_), {.records_max = size_.now(), .bytes_max = batch_bytes_max_}, held_);
+    batch_ = context_.inbox.Fill(std::move(batch_),
+                                 {.records_max = size_.now(), .bytes_max = batch_bytes_max_},
+                                 holds_.robots());
   }
   return HasBatch();
 }
@@ -35,7 +36,7 @@ bool Committing::Gather() {
 Step Committing::Commit() {
   DropVoid();
   // Nothing comes into a batch before its robot is held, and a hold that was lost made it void.
-  batch_.SetHolds(held_);
+  batch_.SetHolds(holds_.robots());
   const SteadyTime began = context_.clock.Steady();
   auto outcomes = context_.store.Commit(batch_.batch());
   context_.errors.NoteCall(outcomes.status());
@@ -46,10 +47,12 @@ Step Committing::Commit() {
   }
   size_.Succeeded();
   const std::size_t records = batch_.batch().records.size();
-  UPLINK_CHECK(outcomes->size() == records, "the store answers every record");
+  UPLINK_CHECK(outcomes->size() == records + batch_.batch().presence.size(),
+               "the store answers every record and change of presence");
   context_.probe.commit_seconds.Observe(Seconds(context_.clock.Steady() - began));
   context_.probe.commit_records.Observe(static_cast<double>(records));
-  FinishPresence();
+  FinishPresence(std::span(*outcomes).subspan(records));
+  outcomes->resize(records);
   outcomes_ = *std::move(outcomes);
   return Step::kWorked;
 }
@@ -63,10 +66,13 @@ void Committing::DropVoid() {
       {.records = dropped.entries, .bytes = dropped.bytes, .batch_ended = batch_.entries() == 0});
 }
 
-void Committing::FinishPresence() {
+void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
   const std::vector<storage::PresenceItem>& items = batch_.batch().presence;
-  for (const storage::PresenceItem& item : items) {
-    context_.probe.presence_changes[static_cast<std::size_t>(item.presence)].Add();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const bool refused = outcomes[i].kind == storage::OutcomeKind::kFenced;
+    metrics::Cell& written =
+        context_.probe.presence_changes[static_cast<std::size_t>(items[i].presence)];
+    (refused ? context_.probe.presence_refused : written).Add();
   }
   context_.inbox.CountPresenceCommitted(items.size());
   batch_.ClearPresence();
@@ -74,7 +80,7 @@ void Committing::FinishPresence() {
 
 void Committing::Tell() {
   const std::vector<robot::StreamRef> wake =
-      TellOutcomes(batch_, *std::exchange(outcomes_, std::nullopt), held_, context_.ledger);
+      TellOutcomes(batch_, *std::exchange(outcomes_, std::nullopt), holds_, context_.ledger);
   const WriterInbox::Done done{
       .records = batch_.entries(), .bytes = batch_.bytes(), .batch_ended = true};
   batch_.ClearEntries();

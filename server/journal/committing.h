@@ -2,11 +2,12 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "server/journal/call_size.h"
 #include "server/journal/gathered_batch.h"
-#include "server/journal/held_robots.h"
+#include "server/journal/holds.h"
 #include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 
@@ -23,8 +24,8 @@ class Committing final {
     std::size_t records_max = 0;
     std::size_t bytes_max = 0;
   };
-  /// All of `context`, and `held`, outlive it. `presence_session` numbers the changes of presence.
-  Committing(const WriterContext& context, HeldRobots& held, const Limits& limits,
+  /// All of `context`, and `holds`, outlive it. `presence_session` numbers the changes of presence.
+  Committing(const WriterContext& context, Holds& holds, const Limits& limits,
              const model::SessionId& presence_session);
 
   /// A batch was gathered, and is not committed or not told yet.
@@ -41,10 +42,10 @@ class Committing final {
 
  private:
   void DropVoid();
-  void FinishPresence();
+  void FinishPresence(std::span<const storage::Outcome> outcomes);
 
   const WriterContext context_;
-  HeldRobots& held_;
+  Holds& holds_;
   const std::size_t batch_bytes_max_;
   CallSize size_;
   GatheredBatch batch_;

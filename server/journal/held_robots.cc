@@ -4,9 +4,10 @@
 
 namespace uplink::journal {
 
-bool HeldRobots::Hold(robot::CommitClient& client, storage::Epoch since) {
+HeldRobots::Hold HeldRobots::Begin(robot::CommitClient& client, storage::Epoch since) {
   const auto [held, first] = since_.try_emplace(&client, since);
-  return std::exchange(held->second, since) == since || first;
+  if (first) return Hold::kNew;
+  return std::exchange(held->second, since) == since ? Hold::kSame : Hold::kInterrupted;
 }
 
 }  // namespace uplink::journal

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <unordered_map>
 
 #include "server/journal/entry.h"
@@ -8,25 +9,33 @@
 
 namespace uplink::journal {
 
-/// The robots that this process owns in the store, each with the epoch since which it does.
+/// The robots that this process holds in the store, each with the epoch since which it does.
 ///
 /// Limits: one entry per robot (limits.robots_max).
 /// Thread: confined to the writer.
 class HeldRobots final {
  public:
-  /// An OpenStream answered that the robot is ours since `since`. False if another process owned
-  /// it after our last OpenStream.
-  [[nodiscard]] bool Hold(robot::CommitClient& client, storage::Epoch since);
-  /// Another process owns it.
-  void Lose(robot::CommitClient& client) { since_.erase(&client); }
+  enum class Hold : std::uint8_t {
+    /// It was held since then already.
+    kSame,
+    /// It was not held before.
+    kNew,
+    /// Another process held it after this one did last, which it learns by this.
+    kInterrupted,
+  };
+  /// The store answered that the robot is ours since `since`.
+  Hold Begin(robot::CommitClient& client, storage::Epoch since);
+  /// Another process holds it. False if it was not held.
+  bool Lose(robot::CommitClient& client) { return since_.erase(&client) != 0; }
 
   /// A robot's first OpenStream goes before its first records; what is void is only dropped.
   [[nodiscard]] bool MayCommit(const Origin& origin) const {
     return since_.contains(origin.client) || origin.IsVoid();
   }
-  /// Of a robot that is owned.
+  /// 0 of a robot that is not held.
   [[nodiscard]] storage::Epoch Since(robot::CommitClient& client) const {
-    return since_.at(&client);
+    const auto held = since_.find(&client);
+    return held == since_.end() ? 0 : held->second;
   }
 
  private:

@@ -54,10 +54,18 @@ void Inbox::NotePresence(const storage::RobotRef& robot, model::Presence presenc
   work_.notify_one();
 }
 
-void Inbox::BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now) {
+void Inbox::Adopt(AdoptEntry entry) {
   {
     const std::lock_guard lock(mutex_);
-    if (!presence_.Begin(robot, stored, now)) return;
+    if (!adopts_.Push(std::move(entry))) return;
+  }
+  work_.notify_one();
+}
+
+void Inbox::Lose(LossEntry entry) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!adopts_.Push(std::move(entry))) return;
   }
   work_.notify_one();
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/journal/adopt_queue.h"
 #include "server/journal/entry.h"
 #include "server/journal/limits.h"
 #include "server/journal/open_queue.h"
@@ -36,7 +37,8 @@ class Inbox final {
               SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
-  void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
+  void Adopt(AdoptEntry entry);
+  void Lose(LossEntry entry);
   void RequestCheckpoint();
 
   [[nodiscard]] bool HasRoom() const {
@@ -65,6 +67,7 @@ class Inbox final {
   std::condition_variable_any work_;
   std::deque<Entry> queue_;
   OpenQueue opens_;
+  AdoptQueue adopts_;
   PresenceLog presence_;
   std::vector<robot::StreamRef> waiting_for_room_;
   /// When the first record of the batch that was taken arrived.

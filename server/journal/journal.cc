@@ -46,10 +46,9 @@ void Journal::NotePresence(const storage::RobotRef& robot, model::Presence prese
   inbox_.NotePresence(robot, presence, at);
 }
 
-void Journal::BeginPresence(const storage::RobotRef& robot, model::Presence stored,
-                            SystemTime now) {
-  inbox_.BeginPresence(robot, stored, now);
-}
+void Journal::Adopt(AdoptEntry entry) { inbox_.Adopt(std::move(entry)); }
+
+void Journal::Lose(LossEntry entry) { inbox_.Lose(std::move(entry)); }
 
 void Journal::CheckpointFrom(fleet::LiveSource& live, milliseconds every) {
   checkpoints_ = true;

@@ -54,12 +54,16 @@ class Journal final {
               SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
 
-  /// A robot's presence changed: a record of the server's own. It is in no count of this class but
-  /// idle(), and holds no stream back: at most one per robot waits.
+  /// A robot's presence changed: a record of the server's own, that is written once this process
+  /// holds the robot. It is in no count of this class but idle(), and holds no stream back: at most
+  /// one per robot waits.
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
-  /// A robot whose last change of an earlier life of the server is `stored` is unknown from now on.
-  /// A server that stopped in order has said so then; of one that was killed nobody knows when.
-  void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
+
+  /// The robot's holder is over: it is to be adopted, if nobody else does so first.
+  void Adopt(AdoptEntry entry);
+  /// Another process holds the robot since an epoch: it is let go, unless this process holds it
+  /// since a later one.
+  void Lose(LossEntry entry);
 
   /// The live states that this journal checkpoints each `every`, alternately with what waits.
   /// `live` outlives the journal.

@@ -9,6 +9,8 @@ namespace uplink::journal {
 
 /// Streams that one call of the store opens: it reads the quarantine of each.
 inline constexpr std::size_t kOpensPerCallMax = 256;
+/// Robots that one call of the store adopts: their rows are locked for it.
+inline constexpr std::size_t kAdoptsPerCallMax = 256;
 
 /// After so many failures of the same call it is tried with half of what it held: a store that
 /// cannot do the whole in its time may do that. So many successes double it again: more than one,

@@ -8,8 +8,8 @@
 
 namespace uplink::journal {
 
-Opening::Opening(const WriterContext& context, HeldRobots& held)
-    : context_(context), held_(held), size_({.most = kOpensPerCallMax, .halved_from = 2}) {}
+Opening::Opening(const WriterContext& context, Holds& holds)
+    : context_(context), holds_(holds), size_({.most = kOpensPerCallMax, .halved_from = 2}) {}
 
 Opening::Gathered Opening::Gather() {
   WriterInbox::TakenOpens taken = context_.inbox.TakeOpens(std::move(opening_), size_.now());
@@ -20,7 +20,10 @@ Opening::Gathered Opening::Gather() {
 Step Opening::Open() {
   std::vector<storage::OpenRequest> requests;
   requests.reserve(opening_.size());
-  for (const OpenEntry& entry : opening_) requests.push_back(entry.request);
+  for (const OpenEntry& entry : opening_) {
+    requests.push_back(entry.request);
+    if (!entry.client->HasStream()) requests.back().stream = storage::StreamState::kEnded;
+  }
   const auto results = context_.store.OpenStreams(requests);
   context_.errors.NoteCall(results.status());
   if (!results.ok()) {
@@ -44,9 +47,14 @@ void Opening::LeaveRest() {
 }
 
 void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
-  const bool held = held_.Hold(*open.client, result.held_since);
+  if (!result.taken) return holds_.Lose(*open.client, open.request.robot).Wake();
+  const Holds::Told told = holds_.Begin(*open.client, open.request.robot,
+                                        {.how = robot::HoldBegan::kOpened,
+                                         .since = result.held_since,
+                                         .presence = result.presence,
+                                         .was_known = result.epoch > 1});
   const robot::StreamRef stream =
-      held ? open.client->OnOpened(open.open_id, result) : open.client->OnFenced(context_.ledger);
+      told.interrupted ? told.stream : open.client->OnOpened(open.open_id, result);
   stream.Wake();
 }
 

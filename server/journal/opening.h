@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/journal/call_size.h"
-#include "server/journal/held_robots.h"
+#include "server/journal/holds.h"
 #include "server/journal/open_queue.h"
 #include "server/journal/step.h"
 #include "server/journal/writer_context.h"
@@ -18,7 +18,7 @@ namespace uplink::journal {
 class Opening final {
  public:
   /// All outlive it.
-  Opening(const WriterContext& context, HeldRobots& held);
+  Opening(const WriterContext& context, Holds& holds);
 
   struct Gathered {
     /// There is something to open.
@@ -36,7 +36,7 @@ class Opening final {
   void Tell(const OpenEntry& open, const storage::OpenResult& result);
 
   const WriterContext context_;
-  HeldRobots& held_;
+  Holds& holds_;
   CallSize size_;
   std::vector<OpenEntry> opening_;
 };

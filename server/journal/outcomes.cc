@@ -33,7 +33,7 @@ robot::Settled SettledOf(const storage::CommitRecord& record, const Origin& orig
 /// exactly.
 struct ByClient {
   std::vector<std::pair<robot::CommitClient*, std::vector<robot::Settled>>> settled;
-  std::vector<robot::CommitClient*> fenced;
+  std::vector<std::pair<robot::CommitClient*, storage::RobotRef>> fenced;
 };
 
 ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes) {
@@ -44,8 +44,9 @@ ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes
     if (origin.IsVoid()) continue;
     storage::Outcome outcome = OutcomeOf(origin, std::move(outcomes[i]));
     if (outcome.kind == storage::OutcomeKind::kFenced) {
-      if (std::ranges::find(sorted.fenced, origin.client) == sorted.fenced.end()) {
-        sorted.fenced.push_back(origin.client);
+      const auto client = [](const auto& fenced) { return fenced.first; };
+      if (std::ranges::find(sorted.fenced, origin.client, client) == sorted.fenced.end()) {
+        sorted.fenced.emplace_back(origin.client, batch.batch().records[i].robot);
       }
       continue;
     }
@@ -60,7 +61,7 @@ ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes
 }  // namespace
 
 std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
-                                           std::vector<storage::Outcome> outcomes, HeldRobots& held,
+                                           std::vector<storage::Outcome> outcomes, Holds& holds,
                                            metrics::Ledger& ledger) {
   const ByClient sorted = Sort(batch, std::move(outcomes));
   std::vector<robot::StreamRef> wake;
@@ -68,10 +69,7 @@ std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
   for (const auto& [client, settled] : sorted.settled) {
     wake.push_back(client->OnSettled(settled, ledger));
   }
-  for (robot::CommitClient* client : sorted.fenced) {
-    held.Lose(*client);
-    wake.push_back(client->OnFenced(ledger));
-  }
+  for (const auto& [client, robot] : sorted.fenced) wake.push_back(holds.Lose(*client, robot));
   for (const Origin& origin : batch.gap_origins()) wake.push_back(origin.client->OnGapsWritten(1));
   return wake;
 }

@@ -4,7 +4,7 @@
 
 #include "metrics/ledger.h"
 #include "server/journal/gathered_batch.h"
-#include "server/journal/held_robots.h"
+#include "server/journal/holds.h"
 #include "server/robot/wake.h"
 #include "storage/types.h"
 
@@ -18,6 +18,6 @@ namespace uplink::journal {
 /// Thread: the writer alone, with no lock held.
 [[nodiscard]] std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
                                                          std::vector<storage::Outcome> outcomes,
-                                                         HeldRobots& held, metrics::Ledger& ledger);
+                                                         Holds& holds, metrics::Ledger& ledger);
 
 }  // namespace uplink::journal

@@ -20,11 +20,16 @@ namespace uplink::journal {
 /// Thread: confined to its owner's lock; uncommitted() and CountCommitted: any thread.
 class PresenceLog final {
  public:
-  /// What the store holds of the robot already.
-  void SetStored(const std::string& ruri, model::Presence presence) { handed_[ruri] = presence; }
-  /// The store holds `stored` of the robot, and it is unknown from now on. False, and nothing is
-  /// noted, if a change of the robot was noted by now: that is newer.
-  [[nodiscard]] bool Begin(const storage::RobotRef& robot, model::Presence stored, SystemTime now);
+  /// This process holds the robot since `since`, and the store has `stored` of it. What waited for
+  /// that may be handed over.
+  void Hold(const std::string& ruri, storage::Epoch since,
+            const std::optional<storage::StoredPresence>& stored);
+  /// Another process holds the robot, and judges it: what waits is dropped, and what was put back.
+  void Lose(const std::string& ruri);
+  /// The epoch since which the robot is held; 0 if it is not.
+  [[nodiscard]] storage::Epoch HeldSince(const std::string& ruri) const;
+
+  /// A change of a robot that is not held waits until it is.
   void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
 
   /// Hands over at most `items_max` changes, numbered; what was put back goes alone. Whoever takes
@@ -35,16 +40,19 @@ class PresenceLog final {
   /// So many of those that were taken are committed.
   void CountCommitted(std::size_t count) { uncommitted_.fetch_sub(count); }
 
-  /// No change waits to be handed over for the first time.
+  /// No change may be handed over for the first time.
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
-  /// How many changes wait to be handed over for the first time.
+  /// How many changes may be handed over for the first time.
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
-  /// Those that wait, and those that were handed over and are not committed yet.
+  /// Those that may be handed over, and those that were and are not committed yet.
   [[nodiscard]] std::size_t uncommitted() const { return uncommitted_.load(); }
 
  private:
   /// By RURI, so that a run repeats exactly.
   std::map<std::string, storage::PresenceItem> waiting_;
+  /// Of robots that are not held yet; one per robot.
+  std::map<std::string, storage::PresenceItem> unheld_;
+  std::unordered_map<std::string, storage::Epoch> held_;
   /// Put back, in order.
   std::vector<storage::PresenceItem> put_back_;
   std::unordered_map<std::string, model::Presence> handed_;

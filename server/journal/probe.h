@@ -15,6 +15,10 @@ struct JournalProbe {
   metrics::Cell store_failing;
   /// Changes of presence that were committed, by model::Presence.
   std::array<metrics::Cell, 3> presence_changes;
+  /// Changes of presence that the store refused, since another process held the robot by then.
+  metrics::Cell presence_refused;
+  /// Robots whose holder was over, and that this process adopted.
+  metrics::Cell adopted;
   /// Shapes and objects that the sweep deleted.
   metrics::Cell expired_deleted;
   /// Rows and partitions of days that went for their age.

@@ -25,6 +25,8 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
     page.Add(kPresenceChanges, probe.presence_changes[static_cast<std::size_t>(presence)],
              {ToText(presence)});
   }
+  page.Add(kPresenceRefused, probe.presence_refused);
+  page.Add(kRobotsAdopted, probe.adopted);
   page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kHistoryDeleted, probe.history_deleted);
   page.Add(kRetentionFailing, probe.retention_failing.value() > 0 ? 1 : 0);

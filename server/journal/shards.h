@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/journal/journal.h"
@@ -24,9 +25,8 @@ class Shards final {
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) const {
     Of(robot->ruri).NotePresence(robot, presence, at);
   }
-  void BeginPresence(const storage::RobotRef& robot, model::Presence stored, SystemTime now) const {
-    Of(robot->ruri).BeginPresence(robot, stored, now);
-  }
+  void Adopt(AdoptEntry entry) const { Of(entry.request.robot->ruri).Adopt(std::move(entry)); }
+  void Lose(LossEntry entry) const { Of(entry.robot->ruri).Lose(std::move(entry)); }
 
   /// As Journal's, in all journals.
   void RequestCheckpoint() const {

@@ -9,8 +9,10 @@ Turns::Turns(const WriterContext& context, const JournalLimits& limits,
              const storage::ProcessId& process)
     : clock_(context.clock),
       inbox_(context.inbox),
-      opening_(context, held_),
-      committing_(context, held_,
+      holds_(context),
+      opening_(context, holds_),
+      adopting_(context, holds_),
+      committing_(context, holds_,
                   {.records_max = limits.batch_records_max, .bytes_max = limits.batch_bytes_max},
                   model::SessionId(process)),
       expiry_sweep_(context,
@@ -47,8 +49,17 @@ std::optional<Step> Turns::AdvanceWork() {
   // Alternately, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return opening_.Open();
+  if (!batch_turn) {
+    if (const std::optional<Step> adopted = adopting_.Advance()) {
+      batch_turn_ = true;
+      return adopted;
+    }
+  }
   if (committing_.Gather()) return committing_.Commit();
   if (batch_turn && GatherOpens()) return opening_.Open();
+  if (batch_turn) {
+    if (const std::optional<Step> adopted = adopting_.Advance()) return adopted;
+  }
   after_work_ = false;
   return std::nullopt;
 }

@@ -4,10 +4,11 @@
 #include <stop_token>
 
 #include "schema/base/clock.h"
+#include "server/journal/adopting.h"
 #include "server/journal/checkpoint_rounds.h"
 #include "server/journal/committing.h"
 #include "server/journal/expiry_sweep.h"
-#include "server/journal/held_robots.h"
+#include "server/journal/holds.h"
 #include "server/journal/limits.h"
 #include "server/journal/opening.h"
 #include "server/journal/retention.h"
@@ -47,8 +48,9 @@ class Turns final {
 
   const Clock& clock_;
   WriterInbox& inbox_;
-  HeldRobots held_;
+  Holds holds_;
   Opening opening_;
+  Adopting adopting_;
   Committing committing_;
   ExpirySweep expiry_sweep_;
   Retention retention_;

@@ -17,6 +17,32 @@ void WriterInbox::PutBackOpens(std::vector<OpenEntry> taken) {
   inbox_.opens_.PutBack(std::move(taken));
 }
 
+std::vector<AdoptEntry> WriterInbox::TakeAdopts(std::size_t most) {
+  const std::lock_guard lock(inbox_.mutex_);
+  return inbox_.adopts_.TakeAdopts(most);
+}
+
+void WriterInbox::AdoptLater(AdoptEntry entry) {
+  const std::lock_guard lock(inbox_.mutex_);
+  inbox_.adopts_.Push(std::move(entry));
+}
+
+std::vector<LossEntry> WriterInbox::TakeLosses() {
+  const std::lock_guard lock(inbox_.mutex_);
+  return inbox_.adopts_.TakeLosses();
+}
+
+void WriterInbox::HoldPresence(const std::string& ruri, storage::Epoch since,
+                               const std::optional<storage::StoredPresence>& stored) {
+  const std::lock_guard lock(inbox_.mutex_);
+  inbox_.presence_.Hold(ruri, since, stored);
+}
+
+void WriterInbox::LosePresence(const std::string& ruri) {
+  const std::lock_guard lock(inbox_.mutex_);
+  inbox_.presence_.Lose(ruri);
+}
+
 GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
                                 const HeldRobots& held) {
   const std::lock_guard lock(inbox_.mutex_);
@@ -63,7 +89,7 @@ void WriterInbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
   std::unique_lock lock(inbox_.mutex_);
   const auto work = [this] {
     return !inbox_.queue_.empty() || !inbox_.opens_.empty() || !inbox_.presence_.empty() ||
-           inbox_.checkpoint_asked_.load();
+           !inbox_.adopts_.empty() || inbox_.checkpoint_asked_.load();
   };
   const SteadyTime::duration left = due - inbox_.clock_.Steady();
   inbox_.work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -32,6 +34,17 @@ class WriterInbox final {
   [[nodiscard]] TakenOpens TakeOpens(std::vector<OpenEntry> taken, std::size_t most);
   void PutBackOpens(std::vector<OpenEntry> taken);
   void CountOpened(std::size_t count) { inbox_.opens_.CountOpened(count); }
+
+  // --- Robots that change hands ---
+
+  [[nodiscard]] std::vector<AdoptEntry> TakeAdopts(std::size_t most);
+  /// One that was taken, after those that wait.
+  void AdoptLater(AdoptEntry entry);
+  [[nodiscard]] std::vector<LossEntry> TakeLosses();
+  /// PresenceLog::Hold and Lose.
+  void HoldPresence(const std::string& ruri, storage::Epoch since,
+                    const std::optional<storage::StoredPresence>& stored);
+  void LosePresence(const std::string& ruri);
 
   // --- Batches ---
 

@@ -34,6 +34,7 @@ void Drain::Run() {
   context_.journals.RequestCheckpoint();
   WaitForJournals(deadline);
   context_.stop();
+  context_.release();
   const std::int64_t unsettled = context_.ledgers.Sum().uplinks.in_flight;
   if (unsettled == 0) {
     context_.logger.Info("stopped");
@@ -43,7 +44,10 @@ void Drain::Run() {
 }
 
 void Drain::EndPresence() {
+  // Whoever takes a robot over goes on with its presence.
+  if (context_.others()) return;
   for (const robot::Robot* robot : context_.fleet.Sorted()) {
+    if (robot->state.held_since() == 0) continue;
     if (robot->state.presence() == model::Presence::kUnknown) continue;
     context_.journals.NotePresence(robot->id(), model::Presence::kUnknown, context_.clock.System());
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::seconds kSweepEvery{1};
 constexpr std::chrono::seconds kStoreEvery{1};
-constexpr std::chrono::seconds kSeedEvery{2};
+constexpr milliseconds kSeedEvery{500};
 
 }  // namespace
 

@@ -15,7 +15,7 @@ struct PeriodicWork {
   std::function<void()> look_at_certificate;
   /// Looks at the store's last error, for the log.
   std::function<void()> look_at_store;
-  /// Reads the robots, if the store was away at the start.
+  /// Reads the robots, if the store was away at the start, and what those that became ours had.
   std::function<void()> read_robots;
   /// Counts the robots' active faults, for their series.
   std::function<void()> count_faults;

@@ -154,6 +154,8 @@ void AddStatesAlone(const robot::StateView& view, SeriesPage& page) {
 
 bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
               SeriesPage& page) {
+  // Whoever holds a robot has its series: no robot counts twice in a sum over servers.
+  if (view.foreign) return false;
   // Of a robot that is neither heard nor known to be silent nothing is said.
   if (view.presence != robot::Presence::kUnknown) {
     page.Add(kOnline, view.presence == robot::Presence::kOnline ? 1 : 0);

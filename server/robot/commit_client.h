@@ -9,6 +9,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
+#include "server/robot/holding.h"
 #include "server/robot/wake.h"
 #include "storage/types.h"
 
@@ -24,11 +25,17 @@ struct Settled {
   SteadyTime arrived;
 };
 
-/// A robot as the journal sees it: what is told when its stream was opened or its records are
-/// settled. Lives as long as the process. Called on the journal's writer thread, with no lock held.
+/// A robot as the journal sees it: what is told when this process holds it, when its stream was
+/// opened or when its records are settled. Lives as long as the process. Called on the journal's
+/// writer thread, with no lock held.
 class CommitClient {
  public:
   virtual ~CommitClient() = default;
+  /// The store says that this process holds the robot, and did not before (as far as the journal
+  /// knew). Comes after OnFenced where both do.
+  virtual void OnHeld(const HoldNews& news) = 0;
+  /// A stream of the robot is here. Any thread.
+  [[nodiscard]] virtual bool HasStream() const = 0;
   /// The stream `open_id` was opened. Returns the stream to wake.
   virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
   /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to

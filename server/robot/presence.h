@@ -30,6 +30,15 @@ struct PresenceFacts {
   bool held_back = false;
   /// When it last began to read again: after holding back, or when it had been behind itself.
   std::optional<SteadyTime> held_back_until;
+  /// The robot came by a stream from a process that called it so, and was not heard here yet: when
+  /// it came. Its online counts as a sign of life then; its offline lasts until one.
+  struct TakenOver {
+    Presence presence = Presence::kUnknown;
+    SteadyTime at;
+  };
+  std::optional<TakenOver> taken_over;
+  /// It was adopted: until when it may be unheard and is unknown.
+  std::optional<SteadyTime> unknown_until;
 };
 
 /// Whether the robot is there: a pure function. A stream that opens or closes changes nothing.

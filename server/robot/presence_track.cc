@@ -4,10 +4,12 @@ namespace uplink::robot {
 
 PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
                                            const PresenceLimits& limits) {
+  if (foreign_) return Sign::kOlder;
   Sign sign = Sign::kOlder;
   if (!last_sign_ || steady >= *last_sign_) {
     last_sign_ = steady;
     last_sign_system_ = system;
+    taken_over_.reset();
     sign = Sign::kLatest;
   }
   Reach(steady, system);
@@ -22,7 +24,7 @@ void PresenceTrack::SetReading(Reading reading, SteadyTime now) {
 }
 
 void PresenceTrack::AddStall(SteadyTime now) {
-  if (presence_ != Presence::kOffline) held_back_until_ = now;
+  if (presence_ != Presence::kOffline && !foreign_) held_back_until_ = now;
 }
 
 Presence PresenceTrack::Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
@@ -35,6 +37,54 @@ void PresenceTrack::Restore(std::optional<SystemTime> last_sign) {
   if (!last_sign_system_) last_sign_system_ = last_sign;
 }
 
+void PresenceTrack::TakeOver(const storage::StoredPresence& stored, SteadyTime now) {
+  foreign_ = false;
+  known_since_ = now;
+  if (!last_sign_ && !told_) {
+    taken_over_ = {stored.presence, now};
+    unknown_until_.reset();
+    presence_ = stored.presence;
+  }
+  if (presence_ == stored.presence) since_ = stored.since;
+}
+
+void PresenceTrack::Adopt(const Adoption& adoption) {
+  foreign_ = false;
+  known_since_ = adoption.now;
+  if (last_sign_) {
+    if (adoption.stored && presence_ == adoption.stored->presence) since_ = adoption.stored->since;
+    return;
+  }
+  taken_over_.reset();
+  unknown_until_ = adoption.unknown_until;
+  if (!told_ && adoption.stored) {
+    presence_ = adoption.stored->presence;
+    since_ = adoption.stored->since;
+  }
+  if (presence_ != Presence::kUnknown) Change(Presence::kUnknown, adoption.system_now);
+}
+
+void PresenceTrack::Follow(const storage::StoredPresence& stored) {
+  foreign_ = true;
+  last_sign_.reset();
+  last_sign_system_.reset();
+  held_back_ = false;
+  held_back_until_.reset();
+  stream_held_back_until_.reset();
+  taken_over_.reset();
+  unknown_until_.reset();
+  told_ = false;
+  presence_ = stored.presence;
+  since_ = stored.since;
+}
+
+void PresenceTrack::Change(Presence presence, SystemTime at) {
+  presence_ = presence;
+  since_ = at;
+  told_ = true;
+  if (changed_) changed_(presence, at);
+}
+
 void PresenceTrack::Reach(SteadyTime steady, SystemTime system) {
   if (reached_ && steady <= *reached_) return;
   reached_ = steady;
@@ -42,17 +92,17 @@ void PresenceTrack::Reach(SteadyTime steady, SystemTime system) {
 }
 
 void PresenceTrack::Update(const PresenceLimits& limits) {
+  if (foreign_) return;
   const Presence presence = PresenceOf({.now = reached_.value_or(server_started_),
                                         .server_started = server_started_,
                                         .known_since = known_since_,
                                         .last_sign_of_life = last_sign_,
                                         .held_back = held_back_,
-                                        .held_back_until = held_back_until_},
+                                        .held_back_until = held_back_until_,
+                                        .taken_over = taken_over_,
+                                        .unknown_until = unknown_until_},
                                        limits);
-  if (presence == presence_) return;
-  presence_ = presence;
-  since_ = reached_system_;
-  if (changed_) changed_(presence, since_);
+  if (presence != presence_) Change(presence, reached_system_);
 }
 
 }  // namespace uplink::robot

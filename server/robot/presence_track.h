@@ -7,6 +7,7 @@
 
 #include "schema/base/clock.h"
 #include "server/robot/presence.h"
+#include "storage/types.h"
 
 namespace uplink::robot {
 
@@ -42,6 +43,24 @@ class PresenceTrack final {
   /// What an earlier life of the server heard; it changes no presence.
   void Restore(std::optional<SystemTime> last_sign);
 
+  // --- Who judges ---
+
+  /// A stream of the robot is here, and another process judged it last. What was heard or told here
+  /// stands; before that the presence is what the other wrote, and no change.
+  void TakeOver(const storage::StoredPresence& stored, SteadyTime now);
+  /// The robot's holder was over, and it is ours: unknown until it is heard, and at most until
+  /// `unknown_until`. What was heard here stands.
+  struct Adoption {
+    std::optional<storage::StoredPresence> stored;
+    SteadyTime unknown_until;
+    SteadyTime now;
+    SystemTime system_now;
+  };
+  void Adopt(const Adoption& adoption);
+  /// Another process judges the robot, and wrote this. What was heard here is forgotten, and what
+  /// is told changes nothing until the robot is taken over or adopted.
+  void Follow(const storage::StoredPresence& stored);
+
   [[nodiscard]] Presence presence() const { return presence_; }
   [[nodiscard]] SystemTime since() const { return since_; }
   [[nodiscard]] std::optional<SystemTime> last_sign() const { return last_sign_system_; }
@@ -54,9 +73,10 @@ class PresenceTrack final {
  private:
   void Reach(SteadyTime steady, SystemTime system);
   void Update(const PresenceLimits& limits);
+  void Change(Presence presence, SystemTime at);
 
   const SteadyTime server_started_;
-  const SteadyTime known_since_;
+  SteadyTime known_since_;
   const Changed changed_;
   Presence presence_ = Presence::kUnknown;
   SystemTime since_;
@@ -69,6 +89,12 @@ class PresenceTrack final {
   /// Also until when the server itself stood still or was behind.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
+  std::optional<PresenceFacts::TakenOver> taken_over_;
+  std::optional<SteadyTime> unknown_until_;
+  /// Another process judges it.
+  bool foreign_ = false;
+  /// A change was told since this process judges it.
+  bool told_ = false;
 };
 
 }  // namespace uplink::robot

@@ -11,8 +11,19 @@ Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock
             [this, &changed](Presence presence, SystemTime at) {
               if (changed) changed(this->id(), presence, at);
             }),
+      clock_(clock),
       ruri_(id->ruri),
       id_(std::move(id)) {}
+
+void Robot::OnHeld(const HoldNews& news) {
+  state.BeginHold(news, clock_.Steady(), clock_.System());
+}
+
+StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
+  // First: whatever a stream still applies until it learns of this is not kept.
+  state.Lose();
+  return sessions.OnFenced(ledger);
+}
 
 storage::RobotRef Robot::id() const {
   const std::lock_guard lock(mutex_);

@@ -178,6 +178,11 @@ void RobotSessions::Sweep(SteadyTime now, milliseconds idle) {
   takeover_.Sweep(now);
 }
 
+bool RobotSessions::HasStream() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<bool>(takeover_.current());
+}
+
 StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
   opening_.Answer(open_id, result);

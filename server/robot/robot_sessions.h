@@ -136,6 +136,9 @@ class RobotSessions final : public CommitClient {
 
   // --- CommitClient ---
 
+  /// Sessions are none of a hold's.
+  void OnHeld(const HoldNews& /*news*/) override {}
+  [[nodiscard]] bool HasStream() const override;
   StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override;
   StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) override;
   StreamRef OnGapsWritten(std::size_t count) override;

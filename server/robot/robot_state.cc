@@ -26,6 +26,7 @@ bool Merge(LatestByKey<Value, kMax>& part, LatestByKey<Value, kMax>&& before) {
 
 void RobotState::Apply(std::vector<model::Record>& records, SteadyTime arrived) {
   const std::lock_guard lock(mutex_);
+  if (foreign_) return;
   for (model::Record& record : records) {
     if (record.variant() == model::Variant::kStatusTelemetry) status_arrived_ = arrived;
     const std::optional<storage::LivePart> part = PartOfVariant(record.variant());
@@ -37,6 +38,7 @@ void RobotState::Apply(std::vector<model::Record>& records, SteadyTime arrived) 
 
 void RobotState::Apply(model::RcanState&& state, SteadyTime arrived) {
   const std::lock_guard lock(mutex_);
+  if (foreign_) return;
   parts_changed_.set(static_cast<std::size_t>(storage::LivePart::kRcan));
   parts_.rcan = std::move(state);
   rcan_arrived_ = arrived;
@@ -45,11 +47,13 @@ void RobotState::Apply(model::RcanState&& state, SteadyTime arrived) {
 void RobotState::KeepReport(const model::Body& report, SystemTime received_at) {
   if (!Reports::Follows(report)) return;
   const std::lock_guard lock(mutex_);
+  if (foreign_) return;
   reports_.Add(report, received_at);
 }
 
-void RobotState::Restore(Reported before) {
+void RobotState::Restore(Reported before, storage::Epoch held_since) {
   const std::lock_guard lock(mutex_);
+  if (held_since != held_since_) return;
   reports_.Restore(std::move(before));
 }
 
@@ -72,6 +76,7 @@ void RobotState::NoteStall(SteadyTime now) {
 
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {
   const std::lock_guard lock(mutex_);
+  if (foreign_) return;
   clock_skew_ms_ = skew_ms;
   signs_changed_ = true;
 }
@@ -81,6 +86,67 @@ void RobotState::StreamBegan() {
   fields_dropped_ = 0;
 }
 
+void RobotState::Claim(SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  if (!foreign_) return;
+  foreign_.reset();
+  presence_.TakeOver({presence_.presence(), presence_.since()}, now);
+}
+
+void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now) {
+  const std::lock_guard lock(mutex_);
+  foreign_.reset();
+  held_since_ = news.since;
+  needs_restore_ = news.was_known;
+  switch (news.how) {
+    case HoldBegan::kOpened:
+      if (news.presence) presence_.TakeOver(*news.presence, now);
+      return;
+    case HoldBegan::kAdopted:
+      presence_.Adopt({.stored = news.presence,
+                       .unknown_until = now + news.grace,
+                       .now = now,
+                       .system_now = system_now});
+      return;
+  }
+}
+
+void RobotState::Lose() {
+  const std::lock_guard lock(mutex_);
+  parts_ = {};
+  parts_changed_.reset();
+  reports_ = {};
+  status_arrived_ = rcan_arrived_ = SteadyTime();
+  signs_changed_ = false;
+  clock_skew_ms_.reset();
+  held_since_ = 0;
+  needs_restore_ = false;
+  foreign_ = Foreign();
+  presence_.Follow({presence_.presence(), presence_.since()});
+}
+
+void RobotState::FollowHolder(Foreign foreign, const storage::StoredPresence& presence) {
+  const std::lock_guard lock(mutex_);
+  if (held_since_ != 0) return;
+  foreign_ = std::move(foreign);
+  presence_.Follow(presence);
+}
+
+storage::Epoch RobotState::held_since() const {
+  const std::lock_guard lock(mutex_);
+  return held_since_;
+}
+
+bool RobotState::needs_restore() const {
+  const std::lock_guard lock(mutex_);
+  return needs_restore_;
+}
+
+void RobotState::SetRestored(storage::Epoch held_since) {
+  const std::lock_guard lock(mutex_);
+  if (held_since == held_since_) needs_restore_ = false;
+}
+
 void RobotState::CountDropped(std::size_t fields) {
   const std::lock_guard lock(mutex_);
   fields_dropped_ += static_cast<std::int64_t>(fields);
@@ -88,6 +154,7 @@ void RobotState::CountDropped(std::size_t fields) {
 
 std::optional<LiveChanges> RobotState::TakeChanges() {
   const std::lock_guard lock(mutex_);
+  if (foreign_ || needs_restore_) return std::nullopt;
   if (parts_changed_.none() && !signs_changed_) return std::nullopt;
   LiveChanges changes;
   changes.changed = std::exchange(parts_changed_, {});
@@ -104,12 +171,14 @@ std::optional<LiveChanges> RobotState::TakeChanges() {
 
 void RobotState::PutBackChanges(const LivePartSet& changed) {
   const std::lock_guard lock(mutex_);
+  if (foreign_) return;
   parts_changed_ |= changed;
   signs_changed_ = true;
 }
 
-void RobotState::Restore(LiveBefore before) {
+void RobotState::Restore(LiveBefore before, storage::Epoch held_since) {
   const std::lock_guard lock(mutex_);
+  if (held_since != held_since_) return;
   ForEachPart(
       [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
         if (Merge(part, std::move(earlier))) parts_changed_.set(Tag::kIndex);
@@ -119,14 +188,21 @@ void RobotState::Restore(LiveBefore before) {
   if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
 }
 
-Presence RobotState::Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
+std::optional<Presence> RobotState::Sweep(SteadyTime steady, SystemTime system,
+                                          const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
+  if (foreign_) return std::nullopt;
   return presence_.Sweep(steady, system, limits);
 }
 
 Presence RobotState::presence() const {
   const std::lock_guard lock(mutex_);
   return presence_.presence();
+}
+
+SystemTime RobotState::presence_since() const {
+  const std::lock_guard lock(mutex_);
+  return presence_.since();
 }
 
 bool RobotState::held_back() const {
@@ -142,7 +218,8 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
                          .last_sign_of_life = presence_.last_sign(),
                          .clock_skew_ms = clock_skew_ms_,
                          .fields_dropped = fields_dropped_,
-                         .keys_evicted = keys_evicted_};
+                         .keys_evicted = keys_evicted_,
+                         .foreign = foreign_};
   switch (parts) {
     case Parts::kNone:
       break;

@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
+#include "server/robot/holding.h"
 #include "server/robot/live_parts.h"
 #include "server/robot/presence.h"
 #include "server/robot/presence_track.h"
@@ -27,6 +28,8 @@ struct StateSnapshot {
   std::optional<std::int64_t> clock_skew_ms;
   std::int64_t fields_dropped = 0;
   std::uint64_t keys_evicted = 0;
+  /// Set if another process holds the robot. Then parts, last sign and skew are not known here.
+  std::optional<Foreign> foreign;
 };
 
 /// A robot's state as it stands, for one look under its lock.
@@ -42,6 +45,8 @@ struct StateView {
   /// In this life of the server; the epoch if they did not.
   SteadyTime status_arrived;
   SteadyTime rcan_arrived;
+  /// Another process holds the robot: nothing but its presence is known here.
+  bool foreign = false;
 };
 
 /// Which live parts, by storage::LivePart.
@@ -99,14 +104,35 @@ class RobotState final {
   /// What was taken could not be kept: it counts as changed again.
   void PutBackChanges(const LivePartSet& changed);
   /// Takes over what is not known better by now. Presence stays as it is: it was not heard.
-  void Restore(LiveBefore before);
+  void Restore(LiveBefore before, storage::Epoch held_since);
 
   /// As above; what ended meanwhile is not taken.
-  void Restore(Reported before);
+  void Restore(Reported before, storage::Epoch held_since);
 
-  /// Brings presence up to date and returns it.
-  Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
+  // --- Who holds the robot ---
+
+  /// A stream of it is here: whoever held it, it is judged here from now on. The store learns of
+  /// that by an OpenStream.
+  void Claim(SteadyTime now);
+  /// This process holds it. What the former holder kept in the store is to be restored, if there is
+  /// such.
+  void BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now);
+  /// Another process holds it: everything that is known of it is forgotten. Its presence stays as
+  /// it is until that process is known.
+  void Lose();
+  /// Another process holds it and wrote this. Nothing happens if this process holds it.
+  void FollowHolder(Foreign foreign, const storage::StoredPresence& presence);
+  /// The epoch since which this process holds it; 0 if it does not, or the store has not said so.
+  [[nodiscard]] storage::Epoch held_since() const;
+  /// What the store has of it is to be restored (Restore), and nothing is checkpointed before.
+  [[nodiscard]] bool needs_restore() const;
+  /// It was restored under this hold.
+  void SetRestored(storage::Epoch held_since);
+
+  /// Brings presence up to date and returns it; nothing if another process judges it.
+  std::optional<Presence> Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   [[nodiscard]] Presence presence() const;
+  [[nodiscard]] SystemTime presence_since() const;
   [[nodiscard]] bool held_back() const;
 
   /// Which live parts a snapshot copies: none; the small ones (PartTag::kSmall); all.
@@ -124,7 +150,8 @@ class RobotState final {
                    .held_back = presence_.held_back(),
                    .stream_held_back_until = presence_.stream_held_back_until(),
                    .status_arrived = status_arrived_,
-                   .rcan_arrived = rcan_arrived_});
+                   .rcan_arrived = rcan_arrived_,
+                   .foreign = foreign_.has_value()});
   }
 
  private:
@@ -141,6 +168,10 @@ class RobotState final {
   std::optional<std::int64_t> clock_skew_ms_;
   std::int64_t fields_dropped_ = 0;
   std::uint64_t keys_evicted_ = 0;
+  /// Set while another process holds it.
+  std::optional<Foreign> foreign_;
+  storage::Epoch held_since_ = 0;
+  bool needs_restore_ = false;
 };
 
 }  // namespace uplink::robot

@@ -29,7 +29,8 @@ absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
         fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax));
   }
   open_id_ = begun->open_id;
-  journal().Open(robot_->sessions, open_id_,
+  robot_->state.Claim(now);
+  journal().Open(*robot_, open_id_,
                  {.robot = robot_->id(),
                   .session = terms_.session,
                   .settled_seq = terms_.settled_seq,

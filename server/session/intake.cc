@@ -92,7 +92,7 @@ void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
 void Intake::AppendGap(const robot::Seen& seen) {
   counts_.missing += seen.missing_last - seen.missing_first + 1;
   robot_.sessions.AddGap();
-  journal_.AppendGap(robot_.sessions, generation_,
+  journal_.AppendGap(robot_, generation_,
                      {.robot = id_,
                       .session = session_,
                       .first = seen.missing_first,
@@ -207,7 +207,7 @@ void Intake::Append(model::Seq seq, std::variant<model::Record, storage::Quarant
   counts_.in_flight += grew;
   // Published before the writer can settle it, so that no scrape sees it settled and not received.
   Publish();
-  journal_.Append(robot_.sessions, generation_,
+  journal_.Append(robot_, generation_,
                   {.robot = id_,
                    .session = session_,
                    .seq = seq,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
 #include "storage/postgres/store.h"
 #include "storage/sqlite/reader.h"
@@ -66,6 +67,9 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
     stores.writers.push_back(*std::move(store));
   }
   stores.facts = [opened] { return FactsOf(opened); };
+  auto leases = storage::postgres::PostgresLeases::Make(options, clock);
+  if (!leases.ok()) return leases.status();
+  stores.leases = *std::move(leases);
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;
@@ -79,6 +83,12 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
 }
 
 }  // namespace
+
+std::optional<milliseconds> AdoptGraceOf(const Stores& stores,
+                                         const config::PresenceConfig& presence) {
+  if (stores.leases != nullptr) return std::nullopt;
+  return presence.startup_grace;
+}
 
 absl::StatusOr<Stores> OpenStores(const config::Config& config, const storage::ProcessId& process,
                                   const Clock& clock) {

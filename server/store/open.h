@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -9,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/store.h"
 
@@ -18,11 +20,17 @@ namespace uplink::store {
 struct Stores {
   std::vector<std::unique_ptr<storage::Store>> writers;
   std::unique_ptr<storage::Reader> reader;
+  /// Null for a store that one process has at a time.
+  std::unique_ptr<storage::Leases> leases;
   /// Why the store cannot be reached now; it will be tried again. OK if it can.
   absl::Status away;
   /// As they are now. Any thread, while the writers live.
   std::function<storage::StoreFacts()> facts = [] { return storage::StoreFacts(); };
 };
+
+/// Seed::Context::adopt_grace: a store without leases is this process's alone.
+[[nodiscard]] std::optional<milliseconds> AdoptGraceOf(const Stores& stores,
+                                                       const config::PresenceConfig& presence);
 
 /// Opens it. `clock` must outlive the stores.
 ///

@@ -2,11 +2,18 @@
 
 namespace uplink::store {
 
+using enum metrics::MetricId;
+
 void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page) {
-  using enum metrics::MetricId;
   page.Add(kStoreUnsafe, facts.unsafe ? 1 : 0);
   page.Add(kStoreClockOffset, facts.clock_offset);
   page.Add(kStoreCommitsInDoubt, facts.commits_in_doubt);
+}
+
+void AddSamples(const LeaseProbe& probe, metrics::Exposition& page) {
+  page.Add(kLeaseRenewals, probe.renewed);
+  page.Add(kLeaseFailing, probe.failing.value());
+  page.Add(kLeaseOthers, probe.others.value());
 }
 
 }  // namespace uplink::store

@@ -1,11 +1,14 @@
 #pragma once
 
 #include "metrics/exposition.h"
+#include "server/store/lease_probe.h"
 #include "storage/store.h"
 
 namespace uplink::store {
 
 /// What is known of what lies behind the store, for a page of metrics. Any thread.
 void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page);
+/// What its leases told. Any thread.
+void AddSamples(const LeaseProbe& probe, metrics::Exposition& page);
 
 }  // namespace uplink::store

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <optional>
 
 #include <absl/status/status.h>
 
@@ -10,12 +11,14 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/store/restore.h"
 #include "server/store/seed.h"
 #include "storage/reader.h"
 
 namespace uplink::store {
 
-/// Runs the seed at the start, again and again while the store is away, and logs what came of it.
+/// Runs the seed at the start, again and again while the store is away, and restores robots that
+/// this process has begun to hold. Logs what came of it.
 ///
 /// Thread: Begin on main before the rest; ReadOn on one thread; done from any.
 class SeedRounds final {
@@ -25,29 +28,34 @@ class SeedRounds final {
     fleet::Fleet& fleet;
     const journal::Shards& journals;
     storage::Reader& reader;
-    const Clock& clock;
     log::Logger& logger;
     std::size_t robots_max = 0;
+    /// Seed::Context's.
+    std::optional<milliseconds> adopt_grace;
   };
   explicit SeedRounds(const Context& context)
-      : context_(context), seed_(context.fleet, context.journals, context.reader, context.clock) {}
+      : context_(context),
+        seed_({context.fleet, context.journals, context.reader, context.adopt_grace}),
+        restore_(context.fleet, context.reader) {}
   SeedRounds(const SeedRounds&) = delete;
   SeedRounds& operator=(const SeedRounds&) = delete;
 
   /// Takes the robots that the store knows into the fleet, unless it is away; `away` says why it
   /// is. Errors: of the reader; more robots than there may be.
   [[nodiscard]] absl::Status Begin(absl::Status away);
-  /// Reads the robots by a job on a thread that may wait, if they are still to be read and no such
-  /// job is under way. `post` is false where it takes no job now.
+  /// Reads the robots, or what those that are ours had, by a job on a thread that may wait, if
+  /// there is something to read and no such job is under way. `post` is false where it takes no job
+  /// now.
   void ReadOn(const std::function<bool(std::function<void()>)>& post);
   [[nodiscard]] bool done() const { return seed_.done(); }
 
  private:
   void Read();
-  void LogLiveLeftOut();
+  void RestoreDue();
 
   const Context context_;
   Seed seed_;
+  Restore restore_;
   std::atomic<bool> reading_{false};
 };
 

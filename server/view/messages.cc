@@ -62,6 +62,12 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   if (robot.state.last_sign_of_life) {
     message.set_last_sign_of_life_ms(UnixMs(*robot.state.last_sign_of_life));
   }
+  if (robot.state.foreign) {
+    message.set_held_by(robot.state.foreign->held_by);
+    if (robot.state.foreign->written_at) {
+      message.set_held_by_at_ms(UnixMs(*robot.state.foreign->written_at));
+    }
+  }
   SetSession(robot.session, message);
   message.set_clock_skew_ms(robot.state.clock_skew_ms.value_or(0));
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();

@@ -1,5 +1,6 @@
 #include "server/view/queries.h"
 
+#include <algorithm>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -8,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
+#include "server/robot/live_bytes.h"
 #include "server/view/page_token.h"
 
 namespace uplink::view {
@@ -90,6 +92,13 @@ void SetStored(storage::LatestRow row, StoredParts& stored) {
   }
 }
 
+/// What could not be filled is on the next page.
+void EndPageAfter(std::size_t robots, RobotsPage& page) {
+  if (robots >= page.robots.size()) return;
+  page.robots.resize(robots);
+  page.next_token = RobotsToken(page.robots.back().id.ruri);
+}
+
 bool Matches(const robot::Robot& robot, const RobotsQuery& query) {
   if (query.presence && robot.state.presence() != *query.presence) return false;
   return query.fleet.empty() || robot.id()->fleet == query.fleet;
@@ -120,12 +129,14 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }
   }
+  if (query.parts.AnyLive()) {
+    // While the store is away these robots come without parts: the others must be seen.
+    const absl::StatusOr<std::size_t> live = FillForeign(page.robots);
+    if (live.ok()) EndPageAfter(*live, page);
+  }
   const absl::StatusOr<std::size_t> filled = FillStored(page.robots, query.parts);
   if (!filled.ok()) return filled.status();
-  if (*filled < page.robots.size()) {
-    page.robots.resize(*filled);
-    page.next_token = RobotsToken(page.robots.back().id.ruri);
-  }
+  EndPageAfter(*filled, page);
   FillActiveFaults(page.robots);
   return page;
 }
@@ -135,7 +146,10 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   std::vector<RobotView> one;
   one.push_back(Look(*sources_.fleet.Find(ruri), robot::RobotState::Parts::kAll));
   // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
-  if (FillActiveFaults(one)) static_cast<void>(FillStored(one, PartSet::All()));
+  if (FillActiveFaults(one)) {
+    static_cast<void>(FillStored(one, PartSet::All()));
+    static_cast<void>(FillForeign(one));
+  }
   return std::move(one.front());
 }
 
@@ -193,6 +207,34 @@ StatusView Queries::Status() const {
 absl::Status Queries::CheckKnown(const std::string& ruri) const {
   if (sources_.fleet.Find(ruri) != nullptr) return absl::OkStatus();
   return absl::NotFoundError(fmt::format("no robot with the RURI {} was ever seen", ruri));
+}
+
+absl::StatusOr<std::size_t> Queries::FillForeign(std::vector<RobotView>& robots) {
+  std::vector<std::string> ruris;
+  std::unordered_map<std::string_view, robot::StateSnapshot*> by_ruri;
+  for (RobotView& robot : robots) {
+    if (!robot.state.foreign) continue;
+    ruris.push_back(robot.id.ruri);
+    by_ruri.emplace(robot.id.ruri, &robot.state);
+  }
+  if (ruris.empty()) return robots.size();
+  const auto live = sources_.reader.LiveOf(ruris);
+  if (!live.ok()) return live.status();
+  UPLINK_CHECK(live->complete >= 1 && live->complete <= ruris.size(),
+               "the store looks at one robot at least");
+  schema::Judge judge(robot::JudgeLimitsOfLive());
+  for (const storage::LiveRow& row : live->rows) {
+    const auto state = by_ruri.find(row.ruri);
+    if (state == by_ruri.end()) continue;
+    robot::LiveRead read = robot::FromRow(row, judge);
+    state->second->parts = std::move(read.before.parts);
+    state->second->last_sign_of_life = read.before.last_sign_of_life;
+    state->second->clock_skew_ms = read.before.clock_skew_ms;
+  }
+  if (live->complete == ruris.size()) return robots.size();
+  const auto next = std::ranges::find(robots, ruris[live->complete],
+                                      [](const RobotView& robot) { return robot.id.ruri; });
+  return static_cast<std::size_t>(next - robots.begin());
 }
 
 bool Queries::FillActiveFaults(std::vector<RobotView>& robots) {

@@ -123,6 +123,9 @@ class Queries final {
 
  private:
   [[nodiscard]] absl::Status CheckKnown(const std::string& ruri) const;
+  /// Reads the live parts of robots that other processes hold. Returns for how many of `robots`,
+  /// from the first.
+  [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots);
   /// False if the store could not say and the numbers are the last that were read.
   bool FillActiveFaults(std::vector<RobotView>& robots);
   /// Fills the stored parts that `parts` wants. Returns for how many of `robots`, from the first.

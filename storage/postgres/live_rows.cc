@@ -27,8 +27,9 @@ constexpr SqlText Columns() {
 // What did not change keeps its bytes: those that the database stores apart are not even read. In
 // order of the keys, so that two processes do not lock each other out.
 constexpr SqlText UpsertSql() {
-  SqlText sql = {"INSERT INTO uplinkd.live AS l (", Columns().view(),
-                 ") SELECT u.* FROM unnest($1::text[], $2::timestamptz[], $3::bigint[]"};
+  SqlText sql = {
+      "INSERT INTO uplinkd.live AS l (", Columns().view(),
+      ", written_at) SELECT u.*, now() FROM unnest($1::text[], $2::timestamptz[], $3::bigint[]"};
   for (std::size_t i = 0; i < kLivePartKinds; ++i) {
     sql.Add(", ");
     sql.AddParameter(kFirstPartParameter + i, "bytea[]");
@@ -36,8 +37,10 @@ constexpr SqlText UpsertSql() {
   sql.Add({") AS u (", Columns().view(),
            ") JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = "});
   sql.AddParameter(kFirstPartParameter + kLivePartKinds, "uuid");
+  // Whoever adopts a robot meanwhile waits, and then reads what was written.
   sql.Add(
-      " ORDER BY u.ruri ON CONFLICT (ruri) DO UPDATE SET"
+      " ORDER BY u.ruri FOR SHARE OF r ON CONFLICT (ruri) DO UPDATE SET written_at = "
+      "excluded.written_at,"
       " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
       " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms)");
   for (const LivePartRow& part : kLiveParts) {
@@ -49,21 +52,38 @@ constexpr SqlText UpsertSql() {
 constexpr SqlText kUpsert = UpsertSql();
 
 // The lengths are known without reading the bytes.
-constexpr SqlText ReadSql() {
+constexpr SqlText ReadSql(std::string_view which) {
   SqlText sql = {"SELECT ", Columns().view(),
-                 " FROM (SELECT *, sum(bytes) OVER (ORDER BY ruri) - bytes AS before FROM ("
+                 ", found FROM (SELECT *, count(*) OVER () AS found, sum(bytes) OVER (ORDER BY "
+                 "ruri) - bytes AS before FROM ("
                  "SELECT *, 0"};
   for (const LivePartRow& part : kLiveParts) {
     sql.Add({" + coalesce(octet_length(", part.column, "), 0)"});
   }
-  sql.Add(
-      " AS bytes FROM uplinkd.live WHERE ruri > $1::text ORDER BY ruri LIMIT $2::bigint) AS p)"
-      " AS q WHERE before < $3::bigint ORDER BY ruri");
+  sql.Add({" AS bytes FROM uplinkd.live WHERE ", which,
+           " ORDER BY ruri LIMIT $2::bigint) AS p)"
+           " AS q WHERE before < $3::bigint ORDER BY ruri"});
   return sql;
 }
-constexpr SqlText kRead = ReadSql();
+constexpr SqlText kRead = ReadSql("ruri > $1::text");
+constexpr SqlText kReadOf = ReadSql("ruri = ANY ($1::text[])");
 
 constexpr int kFirstPart = 3;
+
+std::vector<LiveRow> LiveRowsOf(const Result& rows) {
+  std::vector<LiveRow> live(static_cast<std::size_t>(rows.rows()));
+  for (int row = 0; row < rows.rows(); ++row) {
+    LiveRow& one = live[static_cast<std::size_t>(row)];
+    one.ruri = rows.Bytes(row, 0);
+    if (!rows.Null(row, 1)) one.last_sign_of_life = rows.Time(row, 1);
+    if (!rows.Null(row, 2)) one.clock_skew_ms = rows.Int(row, 2);
+    for (std::size_t kind = 0; kind < kLivePartKinds; ++kind) {
+      const int column = kFirstPart + static_cast<int>(kind);
+      if (!rows.Null(row, column)) one.parts[kind] = rows.Bytes(row, column);
+    }
+  }
+  return live;
+}
 
 }  // namespace
 
@@ -117,17 +137,25 @@ absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection, std::strin
   calls.back().parameters.Int8(static_cast<std::int64_t>(kPageBytesMax));
   const auto results = connection.Run(calls, "read");
   if (!results.ok()) return results.status();
-  const Result& rows = results->front();
-  std::vector<LiveRow> live(static_cast<std::size_t>(rows.rows()));
-  for (int row = 0; row < rows.rows(); ++row) {
-    LiveRow& one = live[static_cast<std::size_t>(row)];
-    one.ruri = rows.Bytes(row, 0);
-    if (!rows.Null(row, 1)) one.last_sign_of_life = rows.Time(row, 1);
-    if (!rows.Null(row, 2)) one.clock_skew_ms = rows.Int(row, 2);
-    for (std::size_t kind = 0; kind < kLivePartKinds; ++kind) {
-      const int column = kFirstPart + static_cast<int>(kind);
-      if (!rows.Null(row, column)) one.parts[kind] = rows.Bytes(row, column);
-    }
+  return LiveRowsOf(results->front());
+}
+
+absl::StatusOr<Reader::LiveRows> ReadLiveOf(Connection& connection,
+                                            std::span<const std::string> ruris) {
+  Array names{Type::kText};
+  for (const std::string& ruri : ruris) names.Text(ruri);
+  std::vector<StoreCall> calls;
+  calls.push_back(StoreCallOf(kReadOf.view(), {&names}));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(ruris.size()));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(kPageBytesMax));
+  const auto results = connection.Run(calls, "read");
+  if (!results.ok()) return results.status();
+  const Result& answer = results->front();
+  Reader::LiveRows live{LiveRowsOf(answer), ruris.size()};
+  const int found_column = kFirstPart + static_cast<int>(kLivePartKinds);
+  if (answer.rows() > 0 && answer.Int(0, found_column) > answer.rows()) {
+    const auto last = std::ranges::find(ruris, live.rows.back().ruri);
+    live.complete = static_cast<std::size_t>(last - ruris.begin()) + 1;
   }
   return live;
 }

@@ -11,6 +11,7 @@
 
 #include "storage/live_row.h"
 #include "storage/postgres/link/connection.h"
+#include "storage/reader.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {
@@ -23,5 +24,9 @@ namespace uplink::storage::postgres {
 /// Reader::Live.
 [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection,
                                                             std::string_view after);
+
+/// Reader::LiveOf.
+[[nodiscard]] absl::StatusOr<Reader::LiveRows> ReadLiveOf(Connection& connection,
+                                                          std::span<const std::string> ruris);
 
 }  // namespace uplink::storage::postgres

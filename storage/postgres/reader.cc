@@ -20,7 +20,7 @@ constexpr std::size_t kRobotsPerTrip = 16;
 // Commits touch a robot's sessions, not its own row.
 constexpr std::string_view kRobots =
     "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, s.last_used), p.presence,"
-    " p.changed_at, s.session, s.cursor_seq"
+    " p.changed_at, s.session, s.cursor_seq, r.owner"
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN LATERAL (SELECT session, cursor_seq, last_used FROM uplinkd.sessions"
     " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
@@ -44,6 +44,7 @@ RobotRow RobotOf(const Result& rows, int row) {
   if (!rows.Null(row, 6)) {
     robot.last_session = {rows.Uuid(row, 6), static_cast<model::Seq>(rows.Int(row, 7))};
   }
+  robot.holder = rows.Uuid(row, 8).bytes();
   return robot;
 }
 
@@ -160,6 +161,10 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
 
 absl::StatusOr<std::vector<LiveRow>> PostgresReader::Live(std::string_view after) {
   return pool_->With([&](Connection& connection) { return ReadLive(connection, after); });
+}
+
+absl::StatusOr<Reader::LiveRows> PostgresReader::LiveOf(std::span<const std::string> ruris) {
+  return pool_->With([&](Connection& connection) { return ReadLiveOf(connection, ruris); });
 }
 
 }  // namespace uplink::storage::postgres

@@ -60,6 +60,7 @@ class PostgresReader final : public Reader {
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
   [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;
+  [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
  private:
   class Pool;

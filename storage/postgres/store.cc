@@ -7,6 +7,7 @@
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/tables/present_sql.h"
+#include "storage/postgres/write/adopt.h"
 #include "storage/postgres/write/batch_commit.h"
 #include "storage/postgres/write/open_streams.h"
 #include "storage/postgres/write/retain.h"
@@ -98,6 +99,14 @@ absl::StatusOr<std::vector<OpenResult>> PostgresStore::OpenStreams(
   const StoreOptions& options = impl_->options;
   return With<std::vector<OpenResult>>([&](Connection& connection) {
     return OpenAll(connection, requests, options.process, options.before_commit);
+  });
+}
+
+absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
+    std::span<const AdoptRequest> requests) {
+  const StoreOptions& options = impl_->options;
+  return With<std::vector<AdoptResult>>([&](Connection& connection) {
+    return AdoptAll(connection, requests, options.process, options.before_commit);
   });
 }
 

@@ -62,6 +62,8 @@ class PostgresStore final : public Store {
 
   [[nodiscard]] absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<AdoptResult>> Adopt(
+      std::span<const AdoptRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;

@@ -17,7 +17,7 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
   if (!next.ok()) return next.status();
   next_entry_ = *next;
   std::vector<Outcome> outcomes;
-  outcomes.reserve(batch.records.size());
+  outcomes.reserve(batch.records.size() + batch.presence.size());
   for (const CommitRecord& record : batch.records) {
     absl::StatusOr<Outcome> outcome = WriteOne(record);
     if (!outcome.ok()) return outcome.status();
@@ -27,7 +27,7 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
     absl::Status written = WriteGap(gap);
     if (!written.ok()) return written;
   }
-  absl::Status finished = WritePresence(tables_, batch, next_entry_);
+  absl::Status finished = WritePresence(tables_, decider_, batch, next_entry_, outcomes);
   if (finished.ok()) finished = Finish();
   if (!finished.ok()) return finished;
   if (next_entry_ != *next) {

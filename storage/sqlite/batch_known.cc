@@ -23,6 +23,10 @@ absl::StatusOr<KnownRobot*> BatchKnown::Robot(const Hold& hold) {
   return &robot.known;
 }
 
+absl::StatusOr<std::optional<Epoch>> BatchKnown::HeldSince(std::string_view ruri) {
+  return tables_.deciding.HeldSince(ruri);
+}
+
 absl::StatusOr<KnownSession*> BatchKnown::Session(const CommitRecord& record) {
   std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
   const auto found = std::ranges::find(sessions, record.session, &BatchSession::id);

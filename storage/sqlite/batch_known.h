@@ -44,6 +44,7 @@ class BatchKnown final : public Known {
       : tables_(tables), process_(process), next_entry_(next_entry) {}
 
   [[nodiscard]] absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override;
+  [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) override;

@@ -1,6 +1,7 @@
 #include "storage/sqlite/deciding_tables.h"
 
 #include "schema/base/check.h"
+#include "storage/numbers.h"
 #include "storage/sqlite/prepare.h"
 
 namespace uplink::storage::sqlite {
@@ -29,6 +30,11 @@ absl::Status DecidingTables::Prepare(Database& database) {
                " owner = excluded.owner,"
                " last_seen_ms = max(last_seen_ms, excluded.last_seen_ms)"
                " RETURNING epoch, held_since");
+  prepare.Into(adopt_robot_,
+               "UPDATE robots SET epoch = epoch + (owner <> ?3),"
+               " held_since = iif(owner = ?3, held_since, epoch + 1), owner = ?3"
+               " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since");
+  prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
   prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
   prepare.Into(insert_robot_,
                "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms,"
@@ -70,6 +76,24 @@ absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request
   if (!found.ok()) return found.status();
   UPLINK_CHECK(*found, "an upsert returns its row");
   return OpenedRobot{Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
+}
+
+absl::StatusOr<std::optional<Epoch>> DecidingTables::AdoptRobot(const AdoptRequest& request,
+                                                                const ProcessId& process) {
+  Rows rows = adopt_robot_->Select(std::string_view(request.robot->ruri), BlobOf(request.holder),
+                                   BlobOf(process));
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<Epoch>();
+  return std::optional<Epoch>(Unsigned(rows.Int(0)));
+}
+
+absl::StatusOr<std::optional<StoredPresence>> DecidingTables::Presence(std::string_view ruri) {
+  Rows rows = presence_->Select(ruri);
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<StoredPresence>();
+  return std::optional(StoredPresence{PresenceOf(rows.Int(0)), FromUnixMs(rows.Int(1))});
 }
 
 absl::StatusOr<std::optional<Epoch>> DecidingTables::HeldSince(std::string_view ruri) {

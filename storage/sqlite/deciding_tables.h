@@ -42,6 +42,12 @@ class DecidingTables final {
 
   [[nodiscard]] absl::StatusOr<OpenedRobot> OpenRobot(const OpenRequest& request,
                                                       const ProcessId& process);
+  /// The epoch since which `process` holds the robot; nothing if the request's holder does not any
+  /// more.
+  [[nodiscard]] absl::StatusOr<std::optional<Epoch>> AdoptRobot(const AdoptRequest& request,
+                                                                const ProcessId& process);
+  /// Nothing if there is no such row.
+  [[nodiscard]] absl::StatusOr<std::optional<StoredPresence>> Presence(std::string_view ruri);
   /// Nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri);
   /// For a robot that the store lost.
@@ -61,8 +67,9 @@ class DecidingTables final {
   [[nodiscard]] absl::Status DeleteSession(std::string_view ruri, const model::SessionId& session);
 
  private:
-  std::unique_ptr<Statement> next_entry_, set_next_entry_, open_robot_, held_since_, insert_robot_,
-      open_session_, find_session_, raise_cursor_, sessions_, delete_session_;
+  std::unique_ptr<Statement> next_entry_, set_next_entry_, open_robot_, adopt_robot_, presence_,
+      held_since_, insert_robot_, open_session_, find_session_, raise_cursor_, sessions_,
+      delete_session_;
 };
 
 }  // namespace uplink::storage::sqlite

@@ -3,7 +3,6 @@
 #include <string>
 #include <utility>
 
-#include "storage/reader.h"
 #include "storage/sqlite/prepare.h"
 
 namespace uplink::storage::sqlite {
@@ -34,13 +33,26 @@ std::string UpsertSql() {
   return sql + " RETURNING 1";
 }
 
-std::string ReadSql() {
-  return "SELECT ruri, last_sign_ms, clock_skew_ms" + PartColumns() +
-         " FROM live WHERE ruri > ? ORDER BY ruri LIMIT ?";
+std::string ReadSql(std::string_view which) {
+  return "SELECT ruri, last_sign_ms, clock_skew_ms" + PartColumns() + " FROM live WHERE " +
+         std::string(which);
 }
 
 constexpr int kFirstPartBound = 5;
 constexpr int kFirstPartRead = 3;
+
+LiveRow LiveRowOf(Rows& rows) {
+  LiveRow row;
+  row.ruri = rows.Bytes(0);
+  if (!rows.Null(1)) row.last_sign_of_life = FromUnixMs(rows.Int(1));
+  if (!rows.Null(2)) row.clock_skew_ms = rows.Int(2);
+  int column = kFirstPartRead;
+  for (std::optional<std::string>& part : row.parts) {
+    if (!rows.Null(column)) part = rows.Bytes(column);
+    ++column;
+  }
+  return row;
+}
 
 void BindNumber(Statement& statement, int index, const std::optional<std::int64_t>& number) {
   if (number) {
@@ -76,7 +88,7 @@ absl::StatusOr<bool> LiveTable::Upsert(const LiveRow& row, const ProcessId& proc
 }
 
 absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database, std::string_view after) {
-  auto statement = database.Prepare(ReadSql());
+  auto statement = database.Prepare(ReadSql("ruri > ? ORDER BY ruri LIMIT ?"));
   if (!statement.ok()) return statement.status();
   Rows rows = (*statement)->Select(after, std::int64_t{kLiveRowsMax});
   std::vector<LiveRow> live;
@@ -85,17 +97,27 @@ absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database, std::string_vi
     const absl::StatusOr<bool> found = rows.Next();
     if (!found.ok()) return found.status();
     if (!*found) break;
-    LiveRow row;
-    row.ruri = rows.Bytes(0);
-    if (!rows.Null(1)) row.last_sign_of_life = FromUnixMs(rows.Int(1));
-    if (!rows.Null(2)) row.clock_skew_ms = rows.Int(2);
-    int column = kFirstPartRead;
-    for (std::optional<std::string>& part : row.parts) {
-      if (!rows.Null(column)) part = rows.Bytes(column);
-      ++column;
-    }
+    live.push_back(LiveRowOf(rows));
     bytes += rows.TextBytes();
-    live.push_back(std::move(row));
+  }
+  return live;
+}
+
+absl::StatusOr<Reader::LiveRows> ReadLiveOf(Database& database,
+                                            std::span<const std::string> ruris) {
+  auto statement = database.Prepare(ReadSql("ruri = ?"));
+  if (!statement.ok()) return statement.status();
+  Reader::LiveRows live;
+  std::size_t bytes = 0;
+  for (const std::string& ruri : ruris) {
+    if (bytes >= kPageBytesMax) break;
+    Rows rows = (*statement)->Select(std::string_view(ruri));
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    ++live.complete;
+    if (!*found) continue;
+    live.rows.push_back(LiveRowOf(rows));
+    bytes += rows.TextBytes();
   }
   return live;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/live_row.h"
+#include "storage/reader.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
 #include "storage/types.h"
@@ -31,5 +34,8 @@ class LiveTable final {
 /// Reader::Live.
 [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database,
                                                             std::string_view after);
+/// Reader::LiveOf.
+[[nodiscard]] absl::StatusOr<Reader::LiveRows> ReadLiveOf(Database& database,
+                                                          std::span<const std::string> ruris);
 
 }  // namespace uplink::storage::sqlite

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "storage/decide.h"
 #include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
@@ -25,7 +24,8 @@ absl::Status TrimServerSessions(DecidingTables& deciding, const model::SessionId
 
 }  // namespace
 
-absl::Status WritePresence(Tables& tables, const Batch& batch, EntryNumber& next_entry) {
+absl::Status WritePresence(Tables& tables, Decider& decider, const Batch& batch,
+                           EntryNumber& next_entry, std::vector<Outcome>& outcomes) {
   if (batch.presence.empty()) return absl::OkStatus();
   const absl::StatusOr<std::optional<SessionCursor>> stored =
       tables.deciding.FindSession(kServerRuri, batch.presence_session);
@@ -34,7 +34,10 @@ absl::Status WritePresence(Tables& tables, const Batch& batch, EntryNumber& next
   KnownSession session;
   session.cursor = row.cursor;
   for (const PresenceItem& item : batch.presence) {
-    if (!RaiseCursor(session, item.number, item.at)) continue;
+    const absl::StatusOr<OutcomeKind> outcome = decider.Decide(item, session);
+    if (!outcome.ok()) return outcome.status();
+    outcomes.push_back({*outcome, std::nullopt});
+    if (*outcome != OutcomeKind::kStored) continue;
     absl::Status written = tables.rows.Write<kPresenceChangesTable>({&item, next_entry++});
     if (written.ok()) written = tables.rows.Write<kLatestPresenceTable>(item);
     if (!written.ok()) return written;

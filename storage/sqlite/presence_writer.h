@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include <absl/status/status.h>
 
+#include "storage/decide.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/types.h"
 
@@ -9,11 +12,12 @@ namespace uplink::storage::sqlite {
 
 struct Tables;
 
-/// Writes the changes of presence of a batch that its session's cursor has not passed, and moves
-/// the cursor. Of the processes' sessions, the least recently used over their bound go.
+/// Writes the changes of presence of a batch that are new, and moves the cursor of their session.
+/// Adds the outcome of each. Of the processes' sessions, the least recently used over their bound
+/// go.
 ///
 /// Errors: those of the tables. Thread: confined to the thread of the database.
-[[nodiscard]] absl::Status WritePresence(Tables& tables, const Batch& batch,
-                                         EntryNumber& next_entry);
+[[nodiscard]] absl::Status WritePresence(Tables& tables, Decider& decider, const Batch& batch,
+                                         EntryNumber& next_entry, std::vector<Outcome>& outcomes);
 
 }  // namespace uplink::storage::sqlite

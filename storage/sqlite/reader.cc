@@ -22,6 +22,9 @@ RobotRow RobotOf(const Rows& rows) {
   if (const auto session = model::SessionId::FromBytes(rows.Bytes(6))) {
     robot.last_session = {*session, static_cast<model::Seq>(rows.Int(7))};
   }
+  if (const auto holder = model::SessionId::FromBytes(rows.Bytes(8))) {
+    robot.holder = holder->bytes();
+  }
   return robot;
 }
 
@@ -43,7 +46,7 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
     // Commits touch a robot's sessions, not its own row.
     auto statement = database.Prepare(
         "SELECT r.ruri, r.fleet, r.first_seen_ms, max(r.last_seen_ms, coalesce(s.last_used_ms, 0)),"
-        " p.presence, p.at_ms, s.session, s.cursor FROM robots AS r"
+        " p.presence, p.at_ms, s.session, s.cursor, r.owner FROM robots AS r"
         " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
         " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
         " WHERE ruri = r.ruri ORDER BY last_used_ms DESC, session DESC LIMIT 1)"
@@ -120,6 +123,10 @@ absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::str
 
 absl::StatusOr<std::vector<LiveRow>> SqliteReader::Live(std::string_view after) {
   return pool_->With([&](Database& database) { return ReadLive(database, after); });
+}
+
+absl::StatusOr<Reader::LiveRows> SqliteReader::LiveOf(std::span<const std::string> ruris) {
+  return pool_->With([&](Database& database) { return ReadLiveOf(database, ruris); });
 }
 
 }  // namespace uplink::storage::sqlite

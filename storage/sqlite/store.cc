@@ -125,6 +125,9 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   }
   absl::Status evicted = EvictSessions(request);
   if (!evicted.ok()) return evicted;
+  const auto presence = deciding.Presence(request.robot->ruri);
+  if (!presence.ok()) return presence.status();
+  result.presence = *presence;
   return result;
 }
 
@@ -143,6 +146,24 @@ absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
     --kept;
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
+    std::span<const AdoptRequest> requests) {
+  using Results = std::vector<AdoptResult>;
+  return InTransaction<Results>([&]() -> absl::StatusOr<Results> {
+    Results results(requests.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      const auto held_since =
+          impl_->tables.deciding.AdoptRobot(requests[i], impl_->options.process);
+      if (!held_since.ok()) return held_since.status();
+      if (!*held_since) continue;
+      const auto presence = impl_->tables.deciding.Presence(requests[i].robot->ruri);
+      if (!presence.ok()) return presence.status();
+      results[i] = {*held_since, *presence};
+    }
+    return results;
+  });
 }
 
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {

@@ -32,8 +32,8 @@ class AllKindsContract : public StoreContract {
     batch.records.push_back(Good(++seq, model::ShapeOp{model::Deletion{"2"}}));
     batch.records.push_back(Good(++seq, model::ObjectOp{model::Deletion{"2"}}));
     batch.gaps = {Gap(seq + 1, seq + 2)};
-    batch.presence = {{robot_, model::Presence::kOnline, Time(), 1},
-                      {robot_, model::Presence::kOffline, Time(), 2}};
+    batch.presence = {{robot_, model::Presence::kOnline, Time(), 1, held_since_},
+                      {robot_, model::Presence::kOffline, Time(), 2, held_since_}};
     batch.presence_session = Session(99);
     return batch;
   }
@@ -124,7 +124,6 @@ TEST_P(AllKindsContract, LeaveNothingOfACommitThatFails) {
 TEST_P(AllKindsContract, LeaveNothingOfAHoldThatHasPassed) {
   Open();
   storage::Batch batch = Mixed();
-  batch.presence.clear();
   Open(Request(), kOther);
   for (const storage::Outcome& outcome : Commit(batch)) {
     EXPECT_EQ(outcome.kind, OutcomeKind::kFenced);
@@ -139,8 +138,8 @@ TEST_P(AllKindsContract, AreKeptBesideOneThatTheDatabaseRefuses) {
   const model::Seq poisoned = batch.records.size() + 1;
   batch.records.push_back(Good(poisoned, Fault("poison")));
   const std::vector<storage::Outcome> outcomes = Commit(batch);
-  ASSERT_THAT(outcomes, SizeIs(poisoned));
-  EXPECT_EQ(outcomes.back().kind, OutcomeKind::kRefused);
+  ASSERT_THAT(outcomes, SizeIs(poisoned + batch.presence.size()));
+  EXPECT_EQ(outcomes[poisoned - 1].kind, OutcomeKind::kRefused);
   EXPECT_THAT(Quarantine(), SizeIs(3));
   EXPECT_THAT(Events(), SizeIs(2));
   EXPECT_EQ(Runs().at(0).updates, 2U);
@@ -187,7 +186,7 @@ TEST_P(AllKindsContract, KeepTheLongestAndOddestTexts) {
               Good(6, settings), Good(7, capabilities), Good(8, agent), Good(9, fault)}),
       Each(OutcomeKind::kStored));
   storage::Batch batch;
-  batch.presence = {{robot_, model::Presence::kOnline, Time(), 1}};
+  batch.presence = {{robot_, model::Presence::kOnline, Time(), 1, held_since_}};
   Commit(batch);
 
   storage::MissionsQuery query;

@@ -4,6 +4,7 @@
 
 #include "storage/refusal.h"
 #include "tests/contract/store_under_test.h"
+#include "tests/support/fake_leases.h"
 #include "tests/support/fake_store.h"
 
 namespace uplink::testing {
@@ -15,6 +16,13 @@ class FakeUnderTest final : public StoreUnderTest {
 
   storage::Store& Process(std::uint8_t number) override { return Fake(number); }
   storage::Reader& reader() override { return Fake(0); }
+  storage::Leases* LeasesOf(std::uint8_t number) override {
+    auto& leases = leases_[number];
+    if (leases == nullptr) {
+      leases = std::make_unique<FakeLeases>(database_, storage::ProcessId{number});
+    }
+    return leases.get();
+  }
   void FailNextWrite(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kBefore); }
   void LoseNextAnswer(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kAfter); }
 
@@ -45,6 +53,7 @@ class FakeUnderTest final : public StoreUnderTest {
   FakeDatabase database_;
   FakeRules rules_;
   std::map<std::uint8_t, std::unique_ptr<FakeStore>> stores_;
+  std::map<std::uint8_t, std::unique_ptr<FakeLeases>> leases_;
 };
 
 }  // namespace

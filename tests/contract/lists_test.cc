@@ -151,7 +151,7 @@ class ListContract : public StoreContract {
       batch.records = {At(after_ms, Of(std::move(robot), Good(++numbers_, list.body(item))))};
     } else {
       batch.presence = {{std::move(robot), static_cast<model::Presence>(item % kItemsAtOneTime),
-                         Time(after_ms), ++numbers_}};
+                         Time(after_ms), ++numbers_, held_since_}};
     }
     Commit(batch);
   }

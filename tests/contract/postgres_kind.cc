@@ -3,6 +3,7 @@
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
+#include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
 #include "storage/postgres/store.h"
 #include "tests/contract/store_under_test.h"
@@ -32,11 +33,26 @@ class PostgresUnderTest final : public StoreUnderTest {
     return *reader_;
   }
 
+  storage::Leases* LeasesOf(std::uint8_t number) override {
+    static_cast<void>(Process(number));  // makes the schema
+    auto& leases = leases_[number];
+    if (leases == nullptr) {
+      storage::postgres::StoreOptions options;
+      options.url = database_.url();
+      options.process = {number};
+      auto made = storage::postgres::PostgresLeases::Make(options, clock_);
+      UPLINK_CHECK(made.ok(), made.status().ToString());
+      leases = *std::move(made);
+    }
+    return leases.get();
+  }
+
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
   void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
 
   void Reopen() override {
     reader_ = nullptr;
+    leases_.clear();
     processes_.clear();
   }
 
@@ -83,6 +99,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   const storage::StoreRules rules_;
   PostgresDatabase database_;
   std::map<std::uint8_t, One> processes_;
+  std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresLeases>> leases_;
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
 };
 

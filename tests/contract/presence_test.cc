@@ -17,7 +17,7 @@ using ::testing::SizeIs;
 class PresenceContract : public StoreContract {
  protected:
   storage::PresenceItem Change(model::Seq number, Presence presence, std::int64_t at_ms = 0) const {
-    return {robot_, presence, Time(at_ms), number};
+    return {robot_, presence, Time(at_ms), number, held_since_};
   }
   static model::SessionId ProcessSession(std::uint16_t number) {
     return model::SessionId(
@@ -103,15 +103,41 @@ TEST_P(PresenceContract, StandsApartFromARobotsSessionOfTheSameBytes) {
   EXPECT_THAT(Commit({Good(1)}), ElementsAre(OutcomeKind::kStored));
 }
 
-TEST_P(PresenceContract, IsFencedByNobody) {
+TEST_P(PresenceContract, IsRefusedOfARobotThatAnotherProcessHolds) {
+  Open();
+  const storage::Epoch old_hold = held_since_;
+  const storage::RobotRef other = Robot("b");
+  storage::OpenRequest request = Request();
+  request.robot = other;
+  const storage::Epoch hold_of_other = Open(request).held_since;
+  Open(Request(), kOther);
+  const storage::Epoch new_hold = held_since_;
+  held_since_ = old_hold;
+  storage::Batch batch = Changes({Change(1, Presence::kOffline), Change(2, Presence::kOnline)});
+  batch.presence[1].robot = other;
+  batch.presence[1].held_since = hold_of_other;
+  batch.records = {Good(1)};
+  const auto outcomes = Commit(batch);
+  ASSERT_THAT(outcomes, SizeIs(3)) << "one per record, then one per change";
+  EXPECT_EQ(outcomes[0].kind, OutcomeKind::kFenced);
+  EXPECT_EQ(outcomes[1].kind, OutcomeKind::kFenced);
+  EXPECT_EQ(outcomes[2].kind, OutcomeKind::kStored) << "the rest of the batch goes on";
+  EXPECT_THAT(Listed(), ElementsAre(Presence::kOnline));
+  EXPECT_EQ(Commit(batch).at(2).kind, OutcomeKind::kDuplicate);
+
+  held_since_ = new_hold;
+  EXPECT_EQ(Commit(Changes({Change(1, Presence::kOffline, 1)}, 2), kOther).at(0).kind,
+            OutcomeKind::kStored);
+  EXPECT_THAT(Listed(), ElementsAre(Presence::kOffline, Presence::kOnline));
+}
+
+TEST_P(PresenceContract, IsRefusedAloneInABatch) {
   Open();
   const storage::Epoch old_hold = held_since_;
   Open(Request(), kOther);
   held_since_ = old_hold;
-  storage::Batch batch = Changes({Change(1, Presence::kOffline)});
-  batch.records = {Good(1)};
-  EXPECT_EQ(Commit(batch).at(0).kind, OutcomeKind::kFenced);
-  EXPECT_THAT(Listed(), SizeIs(1));
+  EXPECT_EQ(Commit(Changes({Change(1, Presence::kOffline)})).at(0).kind, OutcomeKind::kFenced);
+  EXPECT_THAT(Listed(), IsEmpty());
 }
 
 TEST_P(PresenceContract, ShowsInTheListOfRobotsAsTheLastPresenceAlone) {

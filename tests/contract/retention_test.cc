@@ -42,7 +42,7 @@ class RetentionContract : public StoreContract {
     Commit(records);
     storage::Batch batch;
     batch.presence_session = model::SessionId({0xEE});
-    batch.presence = {{robot_, model::Presence::kOnline, Time(after_ms), ++presence_}};
+    batch.presence = {{robot_, model::Presence::kOnline, Time(after_ms), ++presence_, held_since_}};
     batch.gaps = {Gap(last_ * 100, last_ * 100 + 1)};
     batch.gaps.front().seen_at = Time(after_ms);
     Commit(batch);

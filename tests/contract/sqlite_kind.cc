@@ -31,6 +31,8 @@ class SqliteUnderTest final : public StoreUnderTest {
     return *reader_;
   }
 
+  storage::Leases* LeasesOf(std::uint8_t /*number*/) override { return nullptr; }
+
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
   void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
 

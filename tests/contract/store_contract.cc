@@ -80,7 +80,7 @@ std::vector<storage::Outcome> StoreContract::Commit(const storage::Batch& batch,
   auto outcomes = store_->Process(process).Commit(batch);
   EXPECT_TRUE(outcomes.ok()) << outcomes.status();
   if (!outcomes.ok()) return {};
-  EXPECT_EQ(outcomes->size(), batch.records.size());
+  EXPECT_EQ(outcomes->size(), batch.records.size() + batch.presence.size());
   return *std::move(outcomes);
 }
 

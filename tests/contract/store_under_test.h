@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/store.h"
 
@@ -19,6 +20,8 @@ class StoreUnderTest {
   /// any more is one that was killed.
   virtual storage::Store& Process(std::uint8_t number) = 0;
   virtual storage::Reader& reader() = 0;
+  /// The leases as process `number` has them; null for a store that one process has at a time.
+  virtual storage::Leases* LeasesOf(std::uint8_t number) = 0;
 
   /// The next write of the process fails after its work and before its commit: nothing is kept.
   virtual void FailNextWrite(std::uint8_t number) = 0;

@@ -82,7 +82,7 @@ Days::Days(const DaysOptions& options)
   recorder_.SetStore(store_.get());
   ServerLimits limits;
   limits.journal.retains = true;
-  const Ground ground{.clock = clock_, .recorder = recorder_, .store = recorder_};
+  const Ground ground{.clock = clock_, .store = recorder_};
   server_ = std::make_unique<SimServer>(ground, limits, storage::ProcessId{1});
 }
 

@@ -23,6 +23,15 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
   return results;
 }
 
+absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
+    std::span<const storage::AdoptRequest> requests) {
+  const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
+  if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  auto results = store_->Adopt(requests);
+  if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
+  return results;
+}
+
 absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Batch& batch) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");

@@ -45,6 +45,8 @@ class Recorder final : public storage::Store {
 
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
       std::span<const storage::OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::AdoptResult>> Adopt(
+      std::span<const storage::AdoptRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
 

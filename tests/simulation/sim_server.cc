@@ -5,7 +5,16 @@
 
 #include <fmt/format.h>
 
+#include "schema/base/check.h"
+#include "server/store/seed.h"
+
 namespace uplink::simulation {
+namespace {
+
+/// More robots than a simulated world has.
+constexpr std::size_t kRobotsMax = 100;
+
+}  // namespace
 
 SimStream::SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
                      robot::StreamRef self, Trace* trace)
@@ -83,17 +92,16 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
     : clock_(ground.clock),
       trace_(ground.trace),
       limits_(limits),
-      fleet_(clock_, 100, limits_.presence),
+      fleet_(clock_, kRobotsMax, limits_.presence),
       journal_(ground.store, limits_.journal, clock_, book_.NewPage(), journal_probe_, process),
       judge_({}),
       ledger_(book_.NewPage()) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { journal_.NotePresence(robot, presence, at); });
-  // As the server does with the robots that its store knows.
-  for (const auto& [ruri, stored] : ground.recorder.presence()) {
-    const auto robot = fleet_.FindOrAdmit({.ruri = ruri, .fleet = "sim"});
-    journal_.BeginPresence((*robot)->id(), stored, clock_.System());
-  }
+  if (ground.rows == nullptr) return;
+  // The life before has ended: its robots are this one's.
+  store::Seed seed({fleet_, shards_, *ground.rows, limits_.presence.startup_grace});
+  UPLINK_CHECK(seed.Run(kRobotsMax).ok(), "the simulated store can be read");
 }
 
 std::uint64_t SimServer::Open(const std::string& ruri) {

@@ -13,6 +13,7 @@
 #include <absl/status/status.h>
 
 #include "server/session/session.h"
+#include "storage/reader.h"
 #include "tests/simulation/recorder.h"
 #include "tests/simulation/trace.h"
 #include "tests/support/manual_clock.h"
@@ -109,8 +110,8 @@ struct ServerLimits {
 /// What the lives of the process stand on.
 struct Ground {
   const Clock& clock;
-  /// Every life of the process is told what it says of presence.
-  const Recorder& recorder;
+  /// What every life of the process finds there; null: nothing.
+  storage::Reader* rows = nullptr;
   /// What the journal calls: the recorder, behind whatever else looks on.
   storage::Store& store;
   /// Null where no trace is taken.

@@ -92,6 +92,19 @@ absl::StatusOr<std::vector<storage::OpenResult>> TracedStore::OpenStreams(
   });
 }
 
+absl::StatusOr<std::vector<storage::AdoptResult>> TracedStore::Adopt(
+    std::span<const storage::AdoptRequest> requests) {
+  trace_.Add(fmt::format("store Adopt of {}", requests.size()));
+  for (const storage::AdoptRequest& request : requests) {
+    trace_.Add(fmt::format("adopt {}", request.robot->ruri));
+  }
+  return Traced(trace_, store_.Adopt(requests), [this](const auto& results) {
+    for (const storage::AdoptResult& result : results) {
+      trace_.Add(fmt::format("held since {}", result.held_since.value_or(0)));
+    }
+  });
+}
+
 void TracedStore::AddBatch(const storage::Batch& batch) {
   trace_.Add(fmt::format("store Commit by {}", batch.presence_session.ToHex()));
   for (const storage::CommitRecord& record : batch.records) trace_.Add(TextOf(record));

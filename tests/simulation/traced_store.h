@@ -20,6 +20,8 @@ class TracedStore final : public storage::Store {
 
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
       std::span<const storage::OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::AdoptResult>> Adopt(
+      std::span<const storage::AdoptRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;

@@ -46,7 +46,7 @@ void World::StartServer() {
   for (std::uint8_t& byte : process) byte = static_cast<std::uint8_t>(random_.Next());
   recorder_.SetStore(&backend_.Reopen(process));
   const Ground ground{.clock = clock_,
-                      .recorder = recorder_,
+                      .rows = &backend_.Rows(),
                       .store = traced_ ? static_cast<storage::Store&>(*traced_) : recorder_,
                       .trace = options_.trace};
   server_ = std::make_unique<SimServer>(ground, limits_, process);

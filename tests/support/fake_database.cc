@@ -1,6 +1,7 @@
 #include "tests/support/fake_database.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <variant>
 
@@ -50,8 +51,67 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
     outcomes.push_back(CommitOne(transaction, record));
   }
   for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
-  presence_.Write(batch, entries_, rules.presence_without_cursor);
+  const auto is_fenced = [this](const storage::PresenceItem& item) {
+    const auto robot = robots_.find(item.robot->ruri);
+    return robot != robots_.end() && item.held_since < robot->second.held_since;
+  };
+  std::ranges::move(presence_.Write(batch, entries_, is_fenced, rules.presence_without_cursor),
+                    std::back_inserter(outcomes));
   return outcomes;
+}
+
+std::vector<storage::AdoptResult> FakeDatabase::Adopt(
+    const ProcessId& process, std::span<const storage::AdoptRequest> requests) {
+  const std::lock_guard lock(mutex_);
+  std::vector<storage::AdoptResult> results(requests.size());
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const auto robot = robots_.find(requests[i].robot->ruri);
+    if (robot == robots_.end()) continue;
+    if (robot->second.owner != process) {
+      if (robot->second.owner != requests[i].holder) continue;
+      const auto lease = leases_.find(requests[i].holder);
+      if (lease != leases_.end() && lease->second.counter > requests[i].lease_counter) continue;
+      robot->second.owner = process;
+      robot->second.held_since = ++robot->second.epoch;
+    }
+    results[i] = {robot->second.held_since, presence_.Last(requests[i].robot->ruri)};
+  }
+  return results;
+}
+
+void FakeDatabase::Renew(const ProcessId& process, const storage::ProcessCard& card) {
+  const std::lock_guard lock(mutex_);
+  storage::Lease& lease = leases_[process];
+  lease = {process, card, lease.counter + 1, false};
+}
+
+void FakeDatabase::Release(const ProcessId& process) {
+  const std::lock_guard lock(mutex_);
+  const auto lease = leases_.find(process);
+  if (lease != leases_.end()) lease->second.released = true;
+}
+
+std::vector<storage::Lease> FakeDatabase::ReadLeases() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<storage::Lease> leases;
+  for (const auto& [process, lease] : leases_) leases.push_back(lease);
+  return leases;
+}
+
+std::vector<storage::ForeignRobot> FakeDatabase::RobotsOfOthers(const ProcessId& process,
+                                                                std::string_view after) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<storage::ForeignRobot> robots;
+  for (auto row = robots_.upper_bound(after);
+       row != robots_.end() && robots.size() < storage::kForeignRobotsMax; ++row) {
+    const Robot& robot = row->second;
+    if (robot.owner == process) continue;
+    storage::ForeignRobot foreign{
+        robot.id, robot.owner, robot.held_since, presence_.Last(row->first), {}};
+    if (foreign.presence) foreign.written_at = foreign.presence->since;
+    robots.push_back(std::move(foreign));
+  }
+  return robots;
 }
 
 std::size_t FakeDatabase::Sweep(SystemTime now) {
@@ -134,6 +194,13 @@ std::size_t FakeDatabase::EraseGaps(SystemTime until) {
 
 OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {
   Robot& robot = robots_[request.robot->ruri];
+  const auto lease = leases_.find(robot.owner);
+  if (request.stream == storage::StreamState::kEnded && robot.owner != process &&
+      lease != leases_.end() && !lease->second.released) {
+    OpenResult result;
+    result.taken = false;
+    return result;
+  }
   if (robot.epoch == 0) robot.first_seen = request.at;
   robot.id = *request.robot;
   robot.last_seen = std::max(robot.last_seen, request.at);
@@ -148,6 +215,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   OpenResult result;
   result.epoch = robot.epoch;
   result.held_since = robot.held_since;
+  result.presence = presence_.Last(request.robot->ruri);
   result.cursor = session.cursor;
   const auto end = session.rejects.upper_bound(session.cursor);
   auto it = session.rejects.upper_bound(std::min(request.settled_seq, session.cursor));

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/types.h"
 #include "tests/support/fake_kinds.h"
@@ -71,6 +72,8 @@ class FakeDatabase final {
   // What FakeStore builds on.
   std::vector<storage::OpenResult> OpenStreams(const storage::ProcessId& process,
                                                std::span<const storage::OpenRequest> requests);
+  std::vector<storage::AdoptResult> Adopt(const storage::ProcessId& process,
+                                          std::span<const storage::AdoptRequest> requests);
   std::vector<storage::Outcome> Commit(const storage::ProcessId& process,
                                        const storage::Batch& batch, const FakeRules& rules,
                                        const storage::StoreRules& store_rules);
@@ -78,6 +81,13 @@ class FakeDatabase final {
   std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
   std::vector<std::size_t> Checkpoint(const storage::ProcessId& process,
                                       std::span<const storage::LiveRow> rows);
+
+  // What FakeLeases builds on.
+  void Renew(const storage::ProcessId& process, const storage::ProcessCard& card);
+  void Release(const storage::ProcessId& process);
+  [[nodiscard]] std::vector<storage::Lease> ReadLeases() const;
+  [[nodiscard]] std::vector<storage::ForeignRobot> RobotsOfOthers(const storage::ProcessId& process,
+                                                                  std::string_view after) const;
 
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.
@@ -155,6 +165,7 @@ class FakeDatabase final {
   FakeKinds kinds_;
   FakePresence presence_;
   std::map<std::string, storage::LiveRow, std::less<>> live_;
+  std::map<storage::ProcessId, storage::Lease> leases_;
   std::vector<Application> applications_;
   std::uint64_t entries_ = 0;
   std::uint64_t transactions_ = 0;

@@ -4,11 +4,22 @@
 
 namespace uplink::testing {
 
-void FakePresence::Write(const storage::Batch& batch, std::uint64_t& entries, bool no_cursor) {
-  if (batch.presence.empty()) return;
+std::vector<storage::Outcome> FakePresence::Write(const storage::Batch& batch,
+                                                  std::uint64_t& entries, const IsFenced& is_fenced,
+                                                  bool no_cursor) {
+  std::vector<storage::Outcome> outcomes(batch.presence.size());
+  if (batch.presence.empty()) return outcomes;
   Session& session = sessions_[batch.presence_session];
-  for (const storage::PresenceItem& item : batch.presence) {
-    if (!no_cursor && item.number <= session.cursor) continue;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const storage::PresenceItem& item = batch.presence[i];
+    if (is_fenced(item)) {
+      outcomes[i].kind = storage::OutcomeKind::kFenced;
+      continue;
+    }
+    if (!no_cursor && item.number <= session.cursor) {
+      outcomes[i].kind = storage::OutcomeKind::kDuplicate;
+      continue;
+    }
     session.cursor = item.number;
     changes_.push_back({item.at, ++entries, {*item.robot, item.presence, item.at}});
     storage::PresenceRow& last = last_[item.robot->ruri];
@@ -19,12 +30,13 @@ void FakePresence::Write(const storage::Batch& batch, std::uint64_t& entries, bo
     sessions_.erase(std::ranges::min_element(
         sessions_, {}, [](const auto& known) { return known.second.last_used; }));
   }
+  return outcomes;
 }
 
-std::optional<storage::PresenceRow> FakePresence::Last(std::string_view ruri) const {
+std::optional<storage::StoredPresence> FakePresence::Last(std::string_view ruri) const {
   const auto found = last_.find(ruri);
   if (found == last_.end()) return std::nullopt;
-  return found->second;
+  return storage::StoredPresence{found->second.presence, found->second.at};
 }
 
 std::optional<model::Seq> FakePresence::Cursor(const model::SessionId& session) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,9 +18,13 @@ namespace uplink::testing {
 /// Confined to its lock.
 class FakePresence final {
  public:
-  /// Writes what is above the cursor of the batch's session. `entries` counts all rows.
-  /// `no_cursor` plants a fault: what the cursor covers is written again.
-  void Write(const storage::Batch& batch, std::uint64_t& entries, bool no_cursor);
+  /// True for a change that another process's hold of the robot fences.
+  using IsFenced = std::function<bool(const storage::PresenceItem& item)>;
+  /// Writes what nobody fences and what is above the cursor of the batch's session; an outcome per
+  /// change. `entries` counts all rows. `no_cursor` plants a fault: what the cursor covers is
+  /// written again.
+  std::vector<storage::Outcome> Write(const storage::Batch& batch, std::uint64_t& entries,
+                                      const IsFenced& is_fenced, bool no_cursor);
 
   /// As storage::Store::Retain, with the first day that is kept.
   std::size_t EraseHistory(SystemTime until) {
@@ -27,7 +32,7 @@ class FakePresence final {
   }
 
   /// The latest change, even if its row is gone.
-  [[nodiscard]] std::optional<storage::PresenceRow> Last(std::string_view ruri) const;
+  [[nodiscard]] std::optional<storage::StoredPresence> Last(std::string_view ruri) const;
   /// Nothing while the session is not known.
   [[nodiscard]] std::optional<model::Seq> Cursor(const model::SessionId& session) const;
 

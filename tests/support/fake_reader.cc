@@ -62,9 +62,10 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
     row.robot = robot.id;
     row.first_seen = robot.first_seen;
     row.last_seen = robot.last_seen;
+    row.holder = robot.owner;
     if (const auto last = database_.presence_.Last(ruri)) {
       row.last_presence = last->presence;
-      row.presence_since = last->at;
+      row.presence_since = last->since;
     }
     // In order of their ids.
     SystemTime used;
@@ -196,6 +197,21 @@ absl::StatusOr<std::vector<storage::LiveRow>> FakeReader::Live(std::string_view 
        ++row) {
     bytes += storage::BytesOf(row->second);
     live.push_back(row->second);
+  }
+  return live;
+}
+
+absl::StatusOr<storage::Reader::LiveRows> FakeReader::LiveOf(std::span<const std::string> ruris) {
+  const std::lock_guard lock(database_.mutex_);
+  LiveRows live;
+  std::size_t bytes = 0;
+  for (const std::string& ruri : ruris) {
+    if (bytes >= storage::kPageBytesMax) break;
+    ++live.complete;
+    const auto row = database_.live_.find(ruri);
+    if (row == database_.live_.end()) continue;
+    live.rows.push_back(row->second);
+    bytes += storage::BytesOf(row->second);
   }
   return live;
 }

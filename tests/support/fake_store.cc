@@ -21,6 +21,15 @@ absl::StatusOr<std::vector<storage::OpenResult>> FakeStore::OpenStreams(
   return results;
 }
 
+absl::StatusOr<std::vector<storage::AdoptResult>> FakeStore::Adopt(
+    std::span<const storage::AdoptRequest> requests) {
+  Fate fate = Begin({&any_order_}, adopts_);
+  if (fate.fail_before) return std::move(fate.status);
+  std::vector<storage::AdoptResult> results = database_.Adopt(process_, requests);
+  if (fate.fail_after) return std::move(fate.status);
+  return results;
+}
+
 absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::Batch& batch) {
   Fate fate = Begin({&any_order_, &commit_order_}, commits_);
   if (fate.fail_before) return std::move(fate.status);
@@ -153,6 +162,11 @@ std::uint64_t FakeStore::opens() const {
   return opens_;
 }
 
+std::uint64_t FakeStore::adopts() const {
+  const std::lock_guard lock(mutex_);
+  return adopts_;
+}
+
 std::uint64_t FakeStore::sweeps() const {
   const std::lock_guard lock(mutex_);
   return sweeps_;
@@ -188,6 +202,10 @@ absl::StatusOr<storage::Reader::LatestRows> FakeStore::Latest(std::span<const st
 
 absl::StatusOr<std::vector<storage::LiveRow>> FakeStore::Live(std::string_view after) {
   return FakeReader(database_).Live(after);
+}
+
+absl::StatusOr<storage::Reader::LiveRows> FakeStore::LiveOf(std::span<const std::string> ruris) {
+  return FakeReader(database_).LiveOf(ruris);
 }
 
 }  // namespace uplink::testing

@@ -40,6 +40,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
   // storage::Store
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
       std::span<const storage::OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::AdoptResult>> Adopt(
+      std::span<const storage::AdoptRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
@@ -62,9 +64,10 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
+  [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   // Faults; each set of orders is worked off before the next of its kind.
-  /// The next `calls` calls of OpenStreams or Commit fail; FailAt::kBefore goes first.
+  /// The next `calls` calls of OpenStreams, Adopt or Commit fail; FailAt::kBefore goes first.
   void FailNext(std::uint32_t calls, FailAt at,
                 const absl::Status& status = absl::UnavailableError("the test said so"));
   /// As FailNext, for Commit alone.
@@ -96,6 +99,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   /// Write calls that came back, with whatever answer.
   [[nodiscard]] std::uint64_t commits() const;
   [[nodiscard]] std::uint64_t opens() const;
+  [[nodiscard]] std::uint64_t adopts() const;
   [[nodiscard]] std::uint64_t sweeps() const;
   [[nodiscard]] std::uint64_t checkpoints() const;
 
@@ -134,6 +138,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   FakeRules rules_;
   std::uint64_t commits_ = 0;
   std::uint64_t opens_ = 0;
+  std::uint64_t adopts_ = 0;
   std::uint64_t sweeps_ = 0;
   std::uint64_t retains_ = 0;
   std::uint64_t checkpoints_ = 0;

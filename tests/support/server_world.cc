@@ -40,6 +40,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { journal::AddSamples(shards, journal_limits, clock.Steady(), page); },
       [this](auto& page) { journal::AddSamples(journal_probe, page); },
       [](auto& page) { store::AddSamples(storage::StoreFacts(), page); },
+      [this](auto& page) { store::AddSamples(lease_probe, page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },
@@ -102,7 +103,8 @@ void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presen
   batch.presence.push_back({.robot = fleet.Find(ruri)->id(),
                             .presence = presence,
                             .at = clock.System(),
-                            .number = ++last_presence_});
+                            .number = ++last_presence_,
+                            .held_since = database.EpochOf(ruri)});
   UPLINK_CHECK(store.Commit(batch).ok(), ruri);
 }
 

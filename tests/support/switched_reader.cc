@@ -72,6 +72,12 @@ absl::StatusOr<std::vector<storage::LiveRow>> SwitchedReader::Live(std::string_v
   return reader_.Live(after);
 }
 
+absl::StatusOr<storage::Reader::LiveRows> SwitchedReader::LiveOf(
+    std::span<const std::string> ruris) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.LiveOf(ruris);
+}
+
 // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                           \
   absl::StatusOr<storage::Page<storage::Row>> SwitchedReader::Name(const storage::Query& query) { \

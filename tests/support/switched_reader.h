@@ -37,6 +37,7 @@ class SwitchedReader final : public storage::Reader {
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                     std::uint32_t kinds) override;
   absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
+  absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
   // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                       \
   [[nodiscard]] absl::StatusOr<storage::Page<storage::Row>> Name(const storage::Query& query) \

@@ -124,6 +124,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     rows.AddGap(gap, place++);
   }
   for (const PresenceItem& item : batch_.presence) {
+    premises.AddHold(item.robot->ruri, item.held_since);
     rows.AddPresence(item, batch_.presence_session, place++);
   }
   std::vector<StoreCall> calls = BeginCalls();
@@ -131,7 +132,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   absl::Status committed = RunAndCommit(connection_, std::move(calls), kDoing, before_commit_);
   if (!committed.ok()) return committed;
-  return Outcomes(batch_.records.size());
+  return Outcomes(batch_.records.size() + batch_.presence.size());
 }
 
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
@@ -152,13 +153,14 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
   absl::Status begun = Begin(connection_, kDoing);
   if (!begun.ok()) return begun;
   Outcomes outcomes;
-  outcomes.reserve(batch_.records.size());
+  outcomes.reserve(batch_.records.size() + batch_.presence.size());
   absl::Status written = Halve({&batch_, 0, batch_.records.size(), false}, outcomes);
   if (written.ok()) {
     // Gaps and changes of presence: what the database refuses of them, no robot can mend.
     const std::size_t end = batch_.records.size();
-    const auto rest = WriteSlice({&batch_, end, end, true}, std::nullopt);
+    auto rest = WriteSlice({&batch_, end, end, true}, std::nullopt);
     written = Decisive(rest.status());
+    if (rest.ok()) std::ranges::move(*rest, std::back_inserter(outcomes));
   }
   if (!written.ok()) return AbandonAfter(written);
   written = RunAndCommit(connection_, {{kLogPosition, {}}}, kDoing, before_commit_);

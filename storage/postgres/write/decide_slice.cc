@@ -27,6 +27,11 @@ class KnownByRows final : public Known {
   absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override {
     return &known_.robots[hold.robot.ruri];
   }
+  absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) override {
+    const auto robot = known_.robots.find(ruri);
+    if (robot == known_.robots.end()) return std::optional<Epoch>();
+    return std::optional(robot->second.held_since);
+  }
   absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     return &known_.sessions[{record.robot->ruri, record.session}];
   }
@@ -116,7 +121,7 @@ class SliceDecision final {
     return {};
   }
 
-  void DecideRest(const Batch& batch) {
+  void DecideRest(const Batch& batch, std::vector<Outcome>& outcomes) {
     std::size_t place = batch.records.size();
     for (const GapItem& gap : batch.gaps) {
       if (Sure(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
@@ -125,7 +130,9 @@ class SliceDecision final {
     if (batch.presence.empty()) return;
     KnownSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];
     for (const PresenceItem& item : batch.presence) {
-      if (RaiseCursor(session, item.number, item.at)) {
+      const OutcomeKind outcome = Sure(decider_.Decide(item, session));
+      outcomes.push_back({outcome, std::nullopt});
+      if (outcome == OutcomeKind::kStored) {
         rows_.AddPresence(item, batch.presence_session, static_cast<std::int32_t>(place));
       }
       ++place;
@@ -169,7 +176,7 @@ std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known, const Sto
     outcomes.push_back(
         decision.Decide(slice.batch->records[place], static_cast<std::int32_t>(place)));
   }
-  if (slice.with_rest) decision.DecideRest(*slice.batch);
+  if (slice.with_rest) decision.DecideRest(*slice.batch, outcomes);
   return outcomes;
 }
 

@@ -16,7 +16,8 @@ struct DatabaseRefusal {
 };
 
 /// Decides a slice of a batch (storage/decide.h) by what is known: gathers into `rows` what is to
-/// be written, and returns an outcome per record. `known` follows the writes. With `refusal` the
+/// be written, and returns an outcome per record, then, with the rest, one per change of presence.
+/// `known` follows the writes. With `refusal` the
 /// slice's one record goes to quarantine for it, if it is to be written at all.
 [[nodiscard]] std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known,
                                                const StoreRules& rules,

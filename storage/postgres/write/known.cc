@@ -93,6 +93,12 @@ void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, 
     at.Time(first.at);
     locked.Text(name);
   }
+  // A change of presence makes no robot.
+  if (slice.with_rest) {
+    for (const PresenceItem& item : slice.batch->presence) {
+      if (!robots.contains(item.robot->ruri)) locked.Text(item.robot->ruri);
+    }
+  }
   StoreCall insert = StoreCallOf(kInsertRobots, {&ruri, &fleet, &held, &at});
   insert.parameters.Uuid(model::SessionId(process));
   reads.Add(std::move(insert));

@@ -7,6 +7,7 @@
 
 #include "schema/base/check.h"
 #include "storage/postgres/write/rejection_row.h"
+#include "storage/postgres/write/stored_presence.h"
 #include "storage/postgres/write/transaction.h"
 
 namespace uplink::storage::postgres {
@@ -22,11 +23,15 @@ constexpr std::string_view kOpenRobots =
     " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = r.epoch + 1,"
     " held_since = CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE r.epoch + 1 END,"
     " owner = excluded.owner, last_seen = greatest(r.last_seen, excluded.last_seen)"
+    // A stream that has ended ($5) takes its robot from nobody whose lease stands.
+    " WHERE NOT (r.ruri = ANY ($5::text[]) AND r.owner <> excluded.owner AND EXISTS (SELECT 1"
+    " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"
     " RETURNING ruri, epoch, held_since";
 constexpr std::string_view kOpenSessions =
     "INSERT INTO uplinkd.sessions AS s (ruri, session, cursor_seq, last_used, first_entry)"
     " SELECT ruri, session, 0, used, (SELECT currval('uplinkd.batches') << 20)"
     " FROM unnest($1::text[], $2::uuid[], $3::timestamptz[]) AS u (ruri, session, used)"
+    " WHERE EXISTS (SELECT 1 FROM uplinkd.robots AS r WHERE r.ruri = u.ruri AND r.owner = $4::uuid)"
     " ON CONFLICT (ruri, session) DO UPDATE"
     " SET last_used = greatest(s.last_used, excluded.last_used)"
     " RETURNING ruri, cursor_seq";
@@ -46,7 +51,8 @@ constexpr std::string_view kEvictSessions =
     " count(*) OVER (PARTITION BY p.ruri) AS kept FROM uplinkd.sessions AS p"
     " WHERE p.ruri = ANY ($1::text[])) AS a WHERE a.kept > $4::bigint AND NOT EXISTS (SELECT 1"
     " FROM unnest($2::text[], $3::uuid[]) AS held (ruri, session)"
-    " WHERE held.ruri = a.ruri AND held.session = a.session)) AS old"
+    " WHERE held.ruri = a.ruri AND held.session = a.session) AND EXISTS (SELECT 1"
+    " FROM uplinkd.robots AS r WHERE r.ruri = a.ruri AND r.owner = $5::uuid)) AS old"
     " WHERE s.ruri = old.ruri AND s.session = old.session AND old.place <= old.kept - $4::bigint";
 
 /// Requests of different robots, by RURI.
@@ -69,12 +75,16 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime};
   Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime};
   Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
-  Array evict_ruri{Type::kText}, held_ruri{Type::kText}, held_session{Type::kUuid};
+  Array ended{Type::kText}, evict_ruri{Type::kText}, held_ruri{Type::kText},
+      held_session{Type::kUuid};
+  std::vector<std::string_view> ruris;
   for (const auto& [name, index] : wave) {
     const OpenRequest& request = requests[index];
+    ruris.push_back(name);
     ruri.Text(name);
     fleet.Text(request.robot->fleet);
     at.Time(request.at);
+    if (request.stream == StreamState::kEnded) ended.Text(name);
     session_ruri.Text(name);
     session.Uuid(request.session);
     used.Time(request.at);
@@ -92,12 +102,16 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   std::vector<StoreCall> calls;
   calls.push_back(StoreCallOf(kOpenRobots, {&ruri, &fleet, &at}));
   calls.back().parameters.Uuid(model::SessionId(process));
+  calls.back().parameters.Add(std::move(ended));
   calls.push_back({kNextBatch, {}});
   calls.push_back(StoreCallOf(kOpenSessions, {&session_ruri, &session, &used}));
+  calls.back().parameters.Uuid(model::SessionId(process));
   calls.push_back(StoreCallOf(kReadRejects, {&settled_ruri, &settled_session, &settled}));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kOpenRejectsMax) + 1);
   calls.push_back(StoreCallOf(kEvictSessions, {&evict_ruri, &held_ruri, &held_session}));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kSessionsPerRobotMax));
+  calls.back().parameters.Uuid(model::SessionId(process));
+  calls.push_back(ReadPresenceCall(ruris));
   return calls;
 }
 
@@ -108,9 +122,11 @@ void Take(const Wave& wave, std::span<const Result> answers, std::vector<OpenRes
     UPLINK_CHECK(found != wave.end(), "an answer of a robot that was not asked for");
     return results[found->second];
   };
+  for (const auto& [name, index] : wave) results[index].taken = false;
   const Result& robots = answers[0];
   for (int row = 0; row < robots.rows(); ++row) {
     OpenResult& result = result_of(robots, row);
+    result.taken = true;
     result.epoch = static_cast<Epoch>(robots.Int(row, 1));
     result.held_since = static_cast<Epoch>(robots.Int(row, 2));
   }
@@ -118,6 +134,10 @@ void Take(const Wave& wave, std::span<const Result> answers, std::vector<OpenRes
   for (int row = 0; row < sessions.rows(); ++row) {
     result_of(sessions, row).cursor = static_cast<model::Seq>(sessions.Int(row, 1));
   }
+  TakePresence(answers[5], [&](std::string_view name, StoredPresence presence) {
+    OpenResult& result = results[wave.find(name)->second];
+    if (result.taken) result.presence = presence;
+  });
   const Result& rejects = answers[3];
   for (int row = 0; row < rejects.rows(); ++row) {
     OpenResult& result = result_of(rejects, row);

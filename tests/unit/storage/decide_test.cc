@@ -34,6 +34,12 @@ class PlainKnown final : public Known {
     if (!failure.ok()) return failure;
     return &robots.try_emplace(hold.robot.ruri, KnownRobot{hold.held_since, {}}).first->second;
   }
+  absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) override {
+    if (!failure.ok()) return failure;
+    const auto robot = robots.find(std::string(ruri));
+    if (robot == robots.end()) return std::optional<Epoch>();
+    return std::optional(robot->second.held_since);
+  }
   absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     asked.emplace_back("session");
     return &sessions[{record.robot->ruri, record.session}];
@@ -134,6 +140,20 @@ TEST_F(Decide, TakesAGapOfTheHoldAndDropsOneOfAnOlderHold) {
   EXPECT_TRUE(*decider_.Takes(gap));
 }
 
+TEST_F(Decide, LetsTheHolderAloneChangeThePresence) {
+  KnownSession session;
+  PresenceItem item{robot_, model::Presence::kOnline, FromUnixMs(kNowMs), 1, 3};
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kStored) << "of a robot that was lost";
+  EXPECT_EQ(session.cursor, 1U);
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kDuplicate);
+  known_.robots["rcan://r"].held_since = 4;
+  item.number = 2;
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kFenced);
+  EXPECT_EQ(session.cursor, 1U) << "it leaves the number to the next";
+  item.held_since = 4;
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kStored);
+}
+
 TEST_F(Decide, FindsADuplicateAtAndBelowTheCursor) {
   known_.sessions[{"rcan://r", {}}].cursor = 5;
   EXPECT_EQ(Kind(Note(4)), OutcomeKind::kDuplicate);
@@ -178,6 +198,8 @@ TEST_F(Decide, HandsOnAnErrorOfTheStore) {
   known_.failure = absl::UnavailableError("away");
   EXPECT_EQ(decider_.Look(Note(1)).status(), known_.failure);
   EXPECT_EQ(decider_.Takes({robot_, {}, 1, 2, 1, {}}).status(), known_.failure);
+  KnownSession session;
+  EXPECT_EQ(decider_.Decide(PresenceItem{.robot = robot_}, session).status(), known_.failure);
 }
 
 TEST_F(Decide, BoundsNothingOfAKindThatIsHistoryAlone) {

@@ -29,7 +29,7 @@ class CommittingTest : public ::testing::Test, protected StepBench {
   CountingInbox wakes_;
   RecordingClient robot_{"rcan://a", {.inbox = &wakes_, .stream = 1}};
   Committing committing_{
-      context(), held, {.records_max = 8, .bytes_max = 1'000'000}, model::SessionId()};
+      context(), holds, {.records_max = 8, .bytes_max = 1'000'000}, model::SessionId()};
 };
 
 TEST_F(CommittingTest, HasNothingToCommit) {

@@ -87,8 +87,8 @@ TEST_F(GatheredBatchTest, DropsWhatBecameVoidAndKeepsTheOrderOfTheRest) {
 
 TEST_F(GatheredBatchTest, WritesTheHoldIntoRecordsAndGaps) {
   HeldRobots held;
-  static_cast<void>(held.Hold(a_, 3));
-  static_cast<void>(held.Hold(b_, 5));
+  held.Begin(a_, 3);
+  held.Begin(b_, 5);
   Add(a_, 1);
   Add(b_, 2);
   AddGap(b_, 3);

@@ -73,14 +73,17 @@ TEST_F(JournalHalving, GoesOnToASingleRecordAndGrowsAfterManySuccesses) {
 }
 
 TEST_F(JournalHalving, ChangesOfPresenceAreHalvedInOrder) {
-  std::vector<storage::RobotRef> robots;
+  std::deque<RecordingClient> robots;
   for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d", "rcan://e"}) {
-    robots.push_back(std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}));
-    journal.NotePresence(robots.back(), model::Presence::kOnline, clock.System());
+    Open(robots.emplace_back(ruri));
+  }
+  Run();
+  for (const RecordingClient& robot : robots) {
+    journal.NotePresence(robot.robot(), model::Presence::kOnline, clock.System());
   }
   store.FailNextCommits(2 * kFailuresToHalve, FailAt::kAfter);
   Fail(2 * kFailuresToHalve);
-  journal.NotePresence(robots[0], model::Presence::kOffline, clock.System());
+  journal.NotePresence(robots[0].robot(), model::Presence::kOffline, clock.System());
   Run();
   EXPECT_TRUE(journal.idle());
   EXPECT_THAT(store.PresenceChanges({})->rows, SizeIs(6)) << "each once";

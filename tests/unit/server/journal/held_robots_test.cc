@@ -7,6 +7,8 @@
 namespace uplink::journal {
 namespace {
 
+using Hold = HeldRobots::Hold;
+
 class HeldRobotsTest : public ::testing::Test {
  protected:
   [[nodiscard]] Origin OriginNow() {
@@ -19,27 +21,29 @@ class HeldRobotsTest : public ::testing::Test {
 };
 
 TEST_F(HeldRobotsTest, TheFirstHoldIsNotInterrupted) {
-  EXPECT_TRUE(held_.Hold(robot_, 3));
+  EXPECT_EQ(held_.Since(robot_), 0U);
+  EXPECT_EQ(held_.Begin(robot_, 3), Hold::kNew);
   EXPECT_EQ(held_.Since(robot_), 3U);
-  EXPECT_TRUE(held_.Hold(robot_, 3)) << "another stream of the same hold";
+  EXPECT_EQ(held_.Begin(robot_, 3), Hold::kSame) << "another stream of the same hold";
 }
 
 TEST_F(HeldRobotsTest, AnotherEpochMeansThatAnotherProcessHeldItBetween) {
-  EXPECT_TRUE(held_.Hold(robot_, 3));
-  EXPECT_FALSE(held_.Hold(robot_, 5));
+  EXPECT_EQ(held_.Begin(robot_, 3), Hold::kNew);
+  EXPECT_EQ(held_.Begin(robot_, 5), Hold::kInterrupted);
   EXPECT_EQ(held_.Since(robot_), 5U);
-  EXPECT_TRUE(held_.Hold(robot_, 5));
+  EXPECT_EQ(held_.Begin(robot_, 5), Hold::kSame);
 }
 
 TEST_F(HeldRobotsTest, AHoldAfterALossIsAFirstOne) {
-  EXPECT_TRUE(held_.Hold(robot_, 3));
-  held_.Lose(robot_);
-  EXPECT_TRUE(held_.Hold(robot_, 5));
+  EXPECT_EQ(held_.Begin(robot_, 3), Hold::kNew);
+  EXPECT_TRUE(held_.Lose(robot_));
+  EXPECT_FALSE(held_.Lose(robot_));
+  EXPECT_EQ(held_.Begin(robot_, 5), Hold::kNew);
 }
 
 TEST_F(HeldRobotsTest, NothingIsCommittedOfARobotThatIsNotHeld) {
   EXPECT_FALSE(held_.MayCommit(OriginNow()));
-  static_cast<void>(held_.Hold(robot_, 1));
+  held_.Begin(robot_, 1);
   EXPECT_TRUE(held_.MayCommit(OriginNow()));
   held_.Lose(robot_);
   EXPECT_FALSE(held_.MayCommit(OriginNow()));

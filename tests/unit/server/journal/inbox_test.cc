@@ -17,12 +17,12 @@ using ::testing::SizeIs;
 class InboxTest : public ::testing::Test, protected StepBench {
  protected:
   InboxTest() : StepBench({.bytes_max = 4000, .records_max = 3}) {
-    static_cast<void>(held.Hold(robot_, 1));
+    holds.Begin(robot_, robot_.robot(), {.since = 1});
   }
 
   [[nodiscard]] GatheredBatch Fill(std::size_t records_max, std::size_t bytes_max = 1'000'000) {
     return writer_inbox.Fill(GatheredBatch(model::SessionId()),
-                             {.records_max = records_max, .bytes_max = bytes_max}, held);
+                             {.records_max = records_max, .bytes_max = bytes_max}, holds.robots());
   }
   /// All that waits is taken, and done.
   void Drain() {
@@ -120,7 +120,7 @@ TEST_F(InboxTest, ABatchEndsBeforeARobotThatIsNotHeld) {
   Append(other_, 2);
   Append(robot_, 3);
   EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(1));
-  static_cast<void>(held.Hold(other_, 1));
+  holds.Begin(other_, other_.robot(), {.since = 1});
   EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 3));
 }
 
@@ -136,6 +136,7 @@ TEST_F(InboxTest, WhatIsPutBackGoesFirst) {
 }
 
 TEST_F(InboxTest, ChangesOfPresenceThatWerePutBackGoAheadOfNewOnes) {
+  holds.Begin(other_, other_.robot(), {.since = 1});
   NotePresence(robot_, model::Presence::kOnline);
   NotePresence(other_, model::Presence::kOnline);
   GatheredBatch batch = Fill(9);
@@ -235,9 +236,15 @@ TEST_F(InboxWait, EndsWhenAPresenceChanges) {
   waits.join();
 }
 
-TEST_F(InboxWait, EndsWhenARobotOfAnEarlierLifeIsUnknown) {
+TEST_F(InboxWait, EndsWhenARobotIsToBeAdopted) {
   std::jthread waits = Wait();
-  inbox.BeginPresence(robot_.robot(), model::Presence::kOnline, clock.System());
+  inbox.Adopt({.client = &robot_, .request = {.robot = robot_.robot()}});
+  waits.join();
+}
+
+TEST_F(InboxWait, EndsWhenARobotWasLost) {
+  std::jthread waits = Wait();
+  inbox.Lose({.client = &robot_, .robot = robot_.robot(), .since = 2});
   waits.join();
 }
 

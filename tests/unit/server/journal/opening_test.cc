@@ -19,7 +19,7 @@ class OpeningTest : public ::testing::Test, protected StepBench {
   CountingInbox wakes_;
   RecordingClient robot_{"rcan://a", {.inbox = &wakes_, .stream = 1}};
   RecordingClient other_{"rcan://b"};
-  Opening opening_{context(), held};
+  Opening opening_{context(), holds};
 };
 
 TEST_F(OpeningTest, HasNothingToOpen) {
@@ -37,7 +37,7 @@ TEST_F(OpeningTest, HoldsTellsAndWakesInOneCall) {
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 4"));
   EXPECT_THAT(other_.Told(), ElementsAre("opened 5"));
   EXPECT_EQ(wakes_.wakes(1), 1);
-  EXPECT_EQ(held.Since(robot_), 1U);
+  EXPECT_EQ(holds.robots().Since(robot_), 1U);
   EXPECT_TRUE(inbox.idle());
   EXPECT_FALSE(opening_.Gather().opens);
 }
@@ -74,7 +74,36 @@ TEST_F(OpeningTest, ARobotThatAnotherProcessHeldBetweenIsFenced) {
   static_cast<void>(opening_.Gather());
   EXPECT_EQ(opening_.Open(), Step::kWorked);
   EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
-  EXPECT_EQ(held.Since(robot_), 3U) << "it is ours again since this stream";
+  EXPECT_EQ(holds.robots().Since(robot_), 3U) << "it is ours again since this stream";
+}
+
+TEST_F(OpeningTest, SaysOfWhichHoldAndPresence) {
+  Open(robot_);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  auto news = robot_.Holds();
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_EQ(news[0].how, robot::HoldBegan::kOpened);
+  EXPECT_EQ(news[0].since, 1U);
+  EXPECT_FALSE(news[0].was_known) << "it is new to the store";
+  Open(robot_, 2);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Holds(), IsEmpty()) << "another stream of the same hold";
+}
+
+TEST_F(OpeningTest, AnEndedStreamTakesNothingFromWhoHasALease) {
+  constexpr storage::ProcessId kElsewhere{2};
+  testing::FakeStore elsewhere(database, kElsewhere);
+  ASSERT_TRUE(elsewhere.OpenStreams(std::vector{OpenOf(robot_, 1).request}).ok());
+  database.Renew(kElsewhere, {});
+  Open(robot_, 2);
+  robot_.EndStream();
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced")) << "its records are superseded";
+  EXPECT_EQ(holds.robots().Since(robot_), 0U);
+  EXPECT_TRUE(inbox.idle());
 }
 
 TEST_F(OpeningTest, AfterFailuresTheLaterHalfGoesBackAndComesNext) {

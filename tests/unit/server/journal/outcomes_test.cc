@@ -25,7 +25,7 @@ class OutcomesTest : public ::testing::Test {
   /// The streams to wake.
   std::vector<std::uint64_t> Tell() {
     std::vector<std::uint64_t> streams;
-    for (const robot::StreamRef stream : TellOutcomes(batch_, outcomes_, held_, ledger_)) {
+    for (const robot::StreamRef stream : TellOutcomes(batch_, outcomes_, bench_.holds, ledger_)) {
       streams.push_back(stream.stream);
     }
     return streams;
@@ -35,7 +35,7 @@ class OutcomesTest : public ::testing::Test {
   metrics::Ledger ledger_;
   RecordingClient a_{"rcan://a", {.inbox = &wakes_, .stream = 1}};
   RecordingClient b_{"rcan://b", {.inbox = &wakes_, .stream = 2}};
-  HeldRobots held_;
+  StepBench bench_;
   GatheredBatch batch_{model::SessionId()};
   std::vector<storage::Outcome> outcomes_;
 };
@@ -70,15 +70,15 @@ TEST_F(OutcomesTest, WhatAnEarlierTryStoredIsStored) {
 }
 
 TEST_F(OutcomesTest, AFencedRobotIsToldOnceAfterTheOthersAndIsNotHeldAnyMore) {
-  static_cast<void>(held_.Hold(a_, 1));
-  static_cast<void>(held_.Hold(b_, 1));
+  bench_.Hold(a_);
+  bench_.Hold(b_);
   Add(a_, 1, OutcomeKind::kFenced);
   Add(b_, 1);
   Add(a_, 2, OutcomeKind::kFenced);
   EXPECT_THAT(Tell(), ElementsAre(2, 1));
   EXPECT_THAT(a_.Told(), ElementsAre("fenced"));
-  EXPECT_FALSE(held_.MayCommit({.client = &a_, .generation = a_.generation()}));
-  EXPECT_TRUE(held_.MayCommit({.client = &b_, .generation = b_.generation()}));
+  EXPECT_FALSE(bench_.holds.robots().MayCommit({.client = &a_, .generation = a_.generation()}));
+  EXPECT_TRUE(bench_.holds.robots().MayCommit({.client = &b_, .generation = b_.generation()}));
 }
 
 TEST_F(OutcomesTest, WhatBecameVoidIsNotTold) {

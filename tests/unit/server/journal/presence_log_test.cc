@@ -31,6 +31,9 @@ std::vector<std::string> Lines(const std::vector<storage::PresenceItem>& items) 
 
 class PresenceLogTest : public ::testing::Test {
  protected:
+  PresenceLogTest() {
+    for (const char* ruri : {"a", "b", "c", "d"}) log_.Hold(ruri, 1, std::nullopt);
+  }
   void Note(const char* ruri, Presence presence) { log_.Note(RobotOf(ruri), presence, {}); }
 
   PresenceLog log_;
@@ -68,25 +71,53 @@ TEST_F(PresenceLogTest, AWayBackIsNoChange) {
 }
 
 TEST_F(PresenceLogTest, WhatTheStoreHoldsIsNoChange) {
-  log_.SetStored("a", Presence::kUnknown);
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kUnknown, {}});
   Note("a", Presence::kUnknown);
   EXPECT_TRUE(log_.empty());
   Note("a", Presence::kOnline);
   EXPECT_EQ(log_.size(), 1U);
 }
 
-TEST_F(PresenceLogTest, ARobotOfAnEarlierLifeIsUnknownFromNowOn) {
-  EXPECT_TRUE(log_.Begin(RobotOf("a"), Presence::kOnline, {}));
-  EXPECT_TRUE(log_.Begin(RobotOf("b"), Presence::kUnknown, {}));
-  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a unknown")) << "b was so already";
+TEST_F(PresenceLogTest, SaysUnderWhichHoldAChangeWas) {
+  log_.Hold("a", 7, std::nullopt);
+  Note("a", Presence::kOnline);
+  EXPECT_EQ(log_.Take(1).front().held_since, 7U);
+  EXPECT_EQ(log_.HeldSince("a"), 7U);
+  EXPECT_EQ(log_.HeldSince("nobody"), 0U);
 }
 
-TEST_F(PresenceLogTest, ARobotThatWasHeardByNowDoesNotBeginAnew) {
-  Note("a", Presence::kOnline);
-  EXPECT_FALSE(log_.Begin(RobotOf("a"), Presence::kOffline, {}));
-  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a online"));
-  EXPECT_FALSE(log_.Begin(RobotOf("a"), Presence::kOffline, {})) << "nor when it was handed over";
+TEST_F(PresenceLogTest, AChangeOfARobotThatIsNotHeldWaitsUntilItIs) {
+  Note("x", Presence::kOffline);
+  Note("x", Presence::kOnline);
   EXPECT_TRUE(log_.empty());
+  EXPECT_EQ(log_.uncommitted(), 0U) << "nothing that a drain could wait for";
+  EXPECT_THAT(log_.Take(10), IsEmpty());
+  log_.Hold("x", 3, storage::StoredPresence{Presence::kUnknown, {}});
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 x online"));
+}
+
+TEST_F(PresenceLogTest, AChangeThatTheStoreHasByThenIsNone) {
+  Note("x", Presence::kOnline);
+  log_.Hold("x", 3, storage::StoredPresence{Presence::kOnline, {}});
+  EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(PresenceLogTest, NothingIsLeftOfARobotThatWasLost) {
+  Note("a", Presence::kOnline);
+  Note("b", Presence::kOnline);
+  log_.PutBack(log_.Take(10));
+  Note("a", Presence::kOffline);
+  Note("x", Presence::kOnline);
+  EXPECT_EQ(log_.uncommitted(), 3U);
+  log_.Lose("a");
+  log_.Lose("x");
+  EXPECT_EQ(log_.uncommitted(), 1U);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("2 b online"));
+  EXPECT_THAT(log_.Take(10), IsEmpty());
+  EXPECT_EQ(log_.HeldSince("a"), 0U);
+  log_.Hold("a", 9, std::nullopt);
+  Note("a", Presence::kOnline);
+  EXPECT_EQ(log_.size(), 1U) << "what was handed over of the former hold counts no more";
 }
 
 TEST_F(PresenceLogTest, AChangeIsUncommittedUntilItIsCommittedOrLeadsBack) {

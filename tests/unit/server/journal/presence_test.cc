@@ -1,3 +1,4 @@
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ class JournalPresence : public ::testing::Test, protected JournalBench {
  protected:
   using JournalBench::Run;
 
+  JournalPresence() {
+    Open(client_);
+    Run();
+  }
   void Note(Presence presence) { journal.NotePresence(robot_, presence, clock.System()); }
 
   /// Newest first.
@@ -44,7 +49,8 @@ class JournalPresence : public ::testing::Test, protected JournalBench {
     return lines;
   }
 
-  const storage::RobotRef robot_ = RobotOf("rcan://a");
+  RecordingClient client_{"rcan://a"};
+  const storage::RobotRef robot_ = client_.robot();
 };
 
 TEST_F(JournalPresence, AChangeIsCommittedByItself) {
@@ -59,15 +65,12 @@ TEST_F(JournalPresence, AChangeIsCommittedByItself) {
 }
 
 TEST_F(JournalPresence, GoesWithTheRecordsOfABatch) {
-  RecordingClient client("rcan://a");
-  Open(client);
-  Run();
-  Append(client, 1);
+  Append(client_, 1);
   Note(Presence::kOnline);
   const std::uint64_t before = CommitsOf(probe);
   Run();
   EXPECT_EQ(CommitsOf(probe), before + 1);
-  EXPECT_THAT(Stored(client), ElementsAre(1));
+  EXPECT_THAT(Stored(client_), ElementsAre(1));
   EXPECT_THAT(Rows(), SizeIs(1));
 }
 
@@ -92,20 +95,36 @@ TEST_F(JournalPresence, WhatFailedIsTriedAgain) {
   EXPECT_THAT(Rows(), ElementsAre("rcan://a online"));
 }
 
-TEST_F(JournalPresence, ARobotOfAnEarlierLifeBeginsAsUnknown) {
-  journal.BeginPresence(robot_, Presence::kOnline, clock.System());
-  journal.BeginPresence(RobotOf("rcan://b"), Presence::kUnknown, clock.System());
+TEST_F(JournalPresence, NothingIsWrittenOfARobotThatIsNotHeld) {
+  journal.NotePresence(RobotOf("rcan://b"), Presence::kOnline, clock.System());
   Run();
-  EXPECT_THAT(Rows(), ElementsAre("rcan://a unknown"));
-  Note(Presence::kOnline);
+  EXPECT_THAT(Rows(), IsEmpty());
+  EXPECT_TRUE(journal.idle());
+  RecordingClient b("rcan://b");
+  Open(b);
   Run();
-  EXPECT_THAT(Rows(), ElementsAre("rcan://a online", "rcan://a unknown"));
+  EXPECT_THAT(Rows(), ElementsAre("rcan://b online"));
+}
+
+TEST_F(JournalPresence, WhatTheStoreRefusesIsCountedAndGoes) {
+  testing::FakeStore elsewhere(database, storage::ProcessId{2});
+  const storage::OpenRequest request{.robot = robot_, .session = kSession};
+  ASSERT_TRUE(elsewhere.OpenStreams({&request, 1}).ok());
+  Note(Presence::kOffline);
+  Run();
+  EXPECT_THAT(Rows(), IsEmpty());
+  EXPECT_EQ(probe.presence_refused.value(), 1);
+  EXPECT_EQ(probe.presence_changes[static_cast<std::size_t>(Presence::kOffline)].value(), 0);
+  EXPECT_TRUE(journal.idle());
 }
 
 TEST_F(JournalPresence, ABatchHasAtMostItsChanges) {
   JournalLimits few;
   few.batch_records_max = 2;
   JournalBench bench(few);
+  std::deque<RecordingClient> clients;
+  for (const char* ruri : {"a", "b", "c"}) bench.Open(clients.emplace_back(ruri));
+  bench.Run();
   for (const char* ruri : {"a", "b", "c"}) {
     bench.journal.NotePresence(RobotOf(ruri), Presence::kOnline, clock.System());
   }

@@ -41,6 +41,11 @@ class RecordingClient final : public robot::CommitClient {
       : robot_(std::make_shared<const model::RobotId>(model::RobotId{std::move(ruri), "bench"})),
         stream_(stream) {}
 
+  void OnHeld(const robot::HoldNews& news) override {
+    const std::lock_guard lock(mutex_);
+    holds_.push_back(news);
+  }
+  [[nodiscard]] bool HasStream() const override { return has_stream_.load(); }
   robot::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
     return Note("opened " + std::to_string(open_id));
   }
@@ -69,6 +74,12 @@ class RecordingClient final : public robot::CommitClient {
     const std::lock_guard lock(mutex_);
     return std::exchange(told_, {});
   }
+  /// The holds that began since the last call.
+  [[nodiscard]] std::vector<robot::HoldNews> Holds() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(holds_, {});
+  }
+  void EndStream() { has_stream_.store(false); }
   [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
 
  private:
@@ -83,6 +94,8 @@ class RecordingClient final : public robot::CommitClient {
   std::atomic<std::uint64_t> generation_{1};
   mutable std::mutex mutex_;
   std::vector<std::string> told_;
+  std::vector<robot::HoldNews> holds_;
+  std::atomic<bool> has_stream_{true};
 };
 
 /// A good durable record.

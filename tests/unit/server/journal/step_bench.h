@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/journal/held_robots.h"
+#include "server/journal/holds.h"
 #include "server/journal/inbox.h"
 #include "server/journal/writer_context.h"
 #include "tests/support/fake_store.h"
@@ -41,7 +41,7 @@ struct StepBench {
   /// As after the robot's OpenStream, in the store too.
   void Hold(RecordingClient& client) {
     const auto opened = store.OpenStreams(std::vector{OpenOf(client, 1).request});
-    static_cast<void>(held.Hold(client, opened->front().held_since));
+    static_cast<void>(holds.Begin(client, client.robot(), {.since = opened->front().held_since}));
   }
 
   [[nodiscard]] static OpenEntry OpenOf(RecordingClient& client, std::uint64_t open_id) {
@@ -80,7 +80,7 @@ struct StepBench {
   StoreErrors errors{probe};
   DutyError retain_error{probe.retention_failing};
   DutyError checkpoint_error{probe.checkpoint_failing};
-  HeldRobots held;
+  Holds holds{context()};
 };
 
 /// The numbers of the records, then the first numbers of the gaps.

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/journal/turns.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/server_world.h"
 
@@ -38,6 +39,8 @@ class DrainTest : public ::testing::Test {
                                world_.clock.Advance(wait);
                                return streams_ == 0;
                              }},
+           .others = [this] { return others_; },
+           .release = [this] { lines_.emplace_back("release"); },
            .stop = [this] { lines_.emplace_back("stop"); },
            .timeout = std::chrono::seconds(20)})
         .Run();
@@ -49,20 +52,21 @@ class DrainTest : public ::testing::Test {
                       log::Format::kText, log::Level::kInfo};
   StopSignal signal_{logger_};
   std::size_t streams_ = 0;
+  bool others_ = false;
 };
 
 TEST_F(DrainTest, EndsTheStreamsThenStops) {
   Run();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("draining streams=0 timeout_ms=20000"), "drain", "wait",
-                                  "stop", HasSubstr("stopped")));
+                                  "stop", "release", HasSubstr("stopped")));
 }
 
 TEST_F(DrainTest, TellsOfStreamsThatAreLeft) {
   streams_ = 3;
   Run();
-  EXPECT_THAT(lines_,
-              ElementsAre(HasSubstr("draining streams=3"), "drain", "wait",
-                          HasSubstr("streams_left streams=3"), "stop", HasSubstr("stopped")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("draining streams=3"), "drain", "wait",
+                                  HasSubstr("streams_left streams=3"), "stop", "release",
+                                  HasSubstr("stopped")));
 }
 
 TEST_F(DrainTest, CountsWhatIsUnsettled) {
@@ -74,22 +78,48 @@ TEST_F(DrainTest, CountsWhatIsUnsettled) {
   EXPECT_THAT(lines_.back(), HasSubstr("stopped_unsettled uplinks=2"));
 }
 
-TEST_F(DrainTest, NobodyListensAnyMoreSoPresenceIsUnknown) {
-  robot::Robot& heard = world_.AddRobot("rcan://heard");
-  world_.AddRobot("rcan://never");
-  heard.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
-                         world_.fleet.presence_limits());
-  world_.fleet.Sweep(std::chrono::hours(1));
-  ASSERT_EQ(heard.state.presence(), model::Presence::kOnline);
-  // Nothing writes here, so the end of the wait for the journals has to come by the clock.
-  const std::jthread time([this](const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      world_.clock.Advance(std::chrono::seconds(1));
-      std::this_thread::yield();
-    }
-  });
-  Run();
+/// A robot that is held and online.
+class DrainOfHeld : public DrainTest {
+ protected:
+  DrainOfHeld() {
+    world_.AddRobot("rcan://never");
+    world_.journal.Open(heard_, 1, {.robot = heard_.id(), .at = world_.clock.System()});
+    static_cast<void>(world_.journal.turns().Advance());
+    heard_.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
+                            world_.fleet.presence_limits());
+    static_cast<void>(world_.journal.turns().Advance());
+  }
+  void RunUntilTheClockEndsIt() {
+    // Nothing writes here, so the end of the wait for the journals has to come by the clock.
+    const std::jthread time([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        world_.clock.Advance(std::chrono::seconds(1));
+        std::this_thread::yield();
+      }
+    });
+    Run();
+  }
+
+  robot::Robot& heard_ = world_.AddRobot("rcan://heard");
+};
+
+TEST_F(DrainOfHeld, NobodyListensAnyMoreSoPresenceIsUnknown) {
+  ASSERT_EQ(heard_.state.presence(), model::Presence::kOnline);
+  ASSERT_TRUE(world_.shards.idle());
+  RunUntilTheClockEndsIt();
   EXPECT_FALSE(world_.shards.idle()) << "the change waits to be written";
+}
+
+TEST_F(DrainOfHeld, WhoTakesTheRobotsOverGoesOnWithTheirPresence) {
+  others_ = true;
+  RunUntilTheClockEndsIt();
+  EXPECT_TRUE(world_.shards.idle());
+}
+
+TEST_F(DrainOfHeld, NothingIsSaidOfWhatAnotherHolds) {
+  heard_.state.Lose();
+  RunUntilTheClockEndsIt();
+  EXPECT_TRUE(world_.shards.idle());
 }
 
 }  // namespace

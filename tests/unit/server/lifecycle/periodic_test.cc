@@ -32,7 +32,7 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
   EXPECT_THAT(done, ElementsAre(Pair(std::chrono::seconds(1), "sweep"),
                                 Pair(std::chrono::seconds(5), "certificate"),
                                 Pair(std::chrono::seconds(1), "store"),
-                                Pair(std::chrono::seconds(2), "robots"),
+                                Pair(milliseconds(500), "robots"),
                                 Pair(std::chrono::seconds(10), "faults"),
                                 Pair(std::chrono::seconds(2), "relay")));
 }

@@ -133,11 +133,17 @@ TEST_F(SeriesTest, StatesThatAreNoSignOfLifeAreShownWhileTheyCome) {
   EXPECT_THAT(Text(), Not(HasSubstr("position_rad")));
 }
 
+TEST_F(SeriesTest, ARobotThatAnotherServerHoldsHasItsSeriesThere) {
+  Hear();
+  state_.Lose();
+  EXPECT_EQ(Text(), "");
+}
+
 TEST_F(SeriesTest, AfterARestartPresenceIsNotSaidBeforeItIsKnown) {
   robot::LiveBefore before;
   before.last_sign_of_life = clock_.System() - seconds(30);
   before.parts.status = Status(12.5, 50);
-  state_.Restore(std::move(before));
+  state_.Restore(std::move(before), 0);
   EXPECT_THAT(Text(), Not(HasSubstr("rcan_robot_online{")));
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_v{ruri=\"r\"} 12.5\n"));
   clock_.Advance(seconds(130));
@@ -152,7 +158,7 @@ TEST_F(SeriesTest, ARestartShowsNoValuesOfARobotThatWasLongGone) {
   robot::LiveBefore before;
   before.last_sign_of_life = clock_.System() - seconds(86'400);
   before.parts.status = Status(12.5, 50);
-  state_.Restore(std::move(before));
+  state_.Restore(std::move(before), 0);
   EXPECT_THAT(Text(), Not(HasSubstr("battery")));
   clock_.Advance(seconds(130));
   Sweep();

@@ -12,7 +12,9 @@ namespace uplink::robot {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::Pair;
+using ::testing::SizeIs;
 
 class PresenceTrackTest : public ::testing::Test {
  protected:
@@ -72,6 +74,100 @@ TEST_F(PresenceTrackTest, WhatAnEarlierLifeHeardIsKeptUntilASignComes) {
   Sign();
   track_.Restore(earlier);
   EXPECT_EQ(track_.last_sign(), clock_.System());
+}
+
+TEST_F(PresenceTrackTest, WhoComesByAStreamStaysAsTheOtherProcessWroteItUntilItsTime) {
+  const SystemTime since = clock_.System() - std::chrono::hours(2);
+  track_.TakeOver({Presence::kOnline, since}, clock_.Steady());
+  EXPECT_EQ(track_.presence(), Presence::kOnline);
+  EXPECT_EQ(track_.since(), since);
+  clock_.Advance(limits_.timeout);
+  EXPECT_EQ(Sweep(), Presence::kOnline);
+  Sign();
+  EXPECT_EQ(track_.since(), since) << "no change";
+  EXPECT_THAT(changes_, IsEmpty());
+}
+
+TEST_F(PresenceTrackTest, WhoComesByAStreamAndSaysNothingIsOfflineInTheEnd) {
+  clock_.Advance(limits_.startup_grace);
+  track_.TakeOver({Presence::kOnline, clock_.System()}, clock_.Steady());
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
+TEST_F(PresenceTrackTest, WhoWasOfflineElsewhereIsSoUntilItIsHeard) {
+  const SystemTime since = clock_.System() - std::chrono::hours(2);
+  track_.TakeOver({Presence::kOffline, since}, clock_.Steady());
+  EXPECT_EQ(Sweep(), Presence::kOffline) << "even within the grace of a start";
+  EXPECT_EQ(track_.since(), since);
+  EXPECT_THAT(changes_, IsEmpty());
+  Sign();
+  EXPECT_EQ(track_.presence(), Presence::kOnline);
+}
+
+TEST_F(PresenceTrackTest, WhatWasHeardHereStandsAgainstWhatAnotherWrote) {
+  Sign();
+  const SystemTime since = clock_.System() - std::chrono::hours(2);
+  track_.TakeOver({Presence::kOffline, since}, clock_.Steady());
+  EXPECT_EQ(track_.presence(), Presence::kOnline);
+  EXPECT_NE(track_.since(), since);
+  track_.TakeOver({Presence::kOnline, since}, clock_.Steady());
+  EXPECT_EQ(track_.since(), since) << "it was online all the time";
+}
+
+TEST_F(PresenceTrackTest, WhatWasToldHereStandsAgainstWhatAnotherWrote) {
+  track_.TakeOver({Presence::kOnline, SystemTime()}, clock_.Steady());
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kUnknown) << "in the grace of a start";
+  track_.TakeOver({Presence::kOnline, SystemTime()}, clock_.Steady());
+  EXPECT_EQ(track_.presence(), Presence::kUnknown) << "the histories learn of this one";
+  EXPECT_THAT(changes_, SizeIs(1));
+}
+
+TEST_F(PresenceTrackTest, AnAdoptedRobotIsUnknownForItsGrace) {
+  clock_.Advance(std::chrono::hours(5));
+  const SteadyTime until = clock_.Steady() + std::chrono::hours(1);
+  track_.Adopt({.stored = storage::StoredPresence{Presence::kOnline, SystemTime()},
+                .unknown_until = until,
+                .now = clock_.Steady(),
+                .system_now = clock_.System()});
+  EXPECT_EQ(track_.presence(), Presence::kUnknown);
+  EXPECT_EQ(track_.since(), clock_.System());
+  EXPECT_THAT(changes_, SizeIs(1));
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
+TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasUnknownIsSoSinceThen) {
+  const SystemTime since = clock_.System() - std::chrono::hours(2);
+  track_.Adopt({.stored = storage::StoredPresence{Presence::kUnknown, since},
+                .unknown_until = clock_.Steady(),
+                .now = clock_.Steady(),
+                .system_now = clock_.System()});
+  EXPECT_EQ(track_.since(), since);
+  EXPECT_THAT(changes_, IsEmpty());
+}
+
+TEST_F(PresenceTrackTest, AnAdoptedRobotThatIsHeardHereIsOnline) {
+  Sign();
+  track_.Adopt({.stored = storage::StoredPresence{Presence::kOffline, SystemTime()},
+                .unknown_until = clock_.Steady() + std::chrono::hours(1),
+                .now = clock_.Steady(),
+                .system_now = clock_.System()});
+  EXPECT_EQ(track_.presence(), Presence::kOnline);
+}
+
+TEST_F(PresenceTrackTest, WhatAnotherJudgesIsNotJudgedHere) {
+  Sign();
+  track_.Follow({Presence::kUnknown, SystemTime()});
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  EXPECT_EQ(Sign(), PresenceTrack::Sign::kOlder);
+  track_.AddStall(clock_.Steady());
+  EXPECT_EQ(track_.presence(), Presence::kUnknown);
+  EXPECT_FALSE(track_.last_sign());
 }
 
 }  // namespace

@@ -266,7 +266,7 @@ TEST_F(RobotStateTest, TakesOverWhatItWasNotToldItself) {
   before.last_sign_of_life = FromUnixMs(kNow - 5);
   before.clock_skew_ms = 9;
   static_cast<void>(state_.TakeChanges());
-  state_.Restore(before);
+  state_.Restore(before, 0);
   const StateSnapshot snapshot = All();
   EXPECT_EQ(snapshot.parts.usage->reboot_count, 2U);
   EXPECT_EQ(snapshot.parts.status->status, "before");
@@ -286,7 +286,7 @@ TEST_F(RobotStateTest, WhatWasHeardIsNotMadeOlder) {
   LiveBefore before;
   before.last_sign_of_life = clock_.System() - std::chrono::hours(1);
   before.clock_skew_ms = 9;
-  state_.Restore(before);
+  state_.Restore(before, 0);
   EXPECT_EQ(All().last_sign_of_life, clock_.System());
   EXPECT_EQ(All().clock_skew_ms, 1);
   EXPECT_EQ(All().presence, Presence::kOnline);
@@ -295,11 +295,79 @@ TEST_F(RobotStateTest, WhatWasHeardIsNotMadeOlder) {
 TEST_F(RobotStateTest, ASignOfLifeOfEarlierDaysMakesNobodyOnline) {
   LiveBefore before;
   before.last_sign_of_life = clock_.System();
-  state_.Restore(before);
+  state_.Restore(before, 0);
   EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kUnknown);
   clock_.Advance(limits_.startup_grace + milliseconds(1));
   EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
   EXPECT_FALSE(state_.TakeChanges()) << "what is restored is in the store";
+}
+
+TEST_F(RobotStateTest, WhatAnotherHoldsIsShownAsThatOneWroteIt) {
+  const storage::StoredPresence stored{Presence::kOnline, FromUnixMs(kNow - 9)};
+  state_.FollowHolder({.held_by = "b:1", .written_at = FromUnixMs(kNow)}, stored);
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), std::nullopt) << "not ours";
+  const StateSnapshot shown = All();
+  EXPECT_EQ(shown.presence, Presence::kOnline);
+  EXPECT_EQ(shown.presence_since, stored.since);
+  ASSERT_TRUE(shown.foreign.has_value());
+  EXPECT_EQ(shown.foreign->held_by, "b:1");
+  EXPECT_EQ(shown.foreign->written_at, FromUnixMs(kNow));
+  EXPECT_FALSE(state_.TakeChanges());
+}
+
+TEST_F(RobotStateTest, WhoLosesARobotForgetsIt) {
+  state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
+  Apply({model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 2}});
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  state_.NoteClockSkew(1);
+  state_.Lose();
+  Apply({model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 3}});
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  state_.NoteClockSkew(2);
+  const StateSnapshot shown = All();
+  EXPECT_FALSE(shown.parts.usage) << "nor is it told anything any more";
+  EXPECT_FALSE(shown.last_sign_of_life);
+  EXPECT_FALSE(shown.clock_skew_ms);
+  EXPECT_EQ(shown.presence, Presence::kOnline) << "until the holder is known";
+  EXPECT_EQ(state_.held_since(), 0U);
+  EXPECT_FALSE(state_.TakeChanges());
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), std::nullopt);
+}
+
+TEST_F(RobotStateTest, NothingIsCheckpointedBeforeItIsRestored) {
+  state_.BeginHold({.since = 3, .was_known = true}, clock_.Steady(), clock_.System());
+  EXPECT_TRUE(state_.needs_restore());
+  Apply({model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 2}});
+  EXPECT_FALSE(state_.TakeChanges());
+  LiveBefore before;
+  PutInto(before.parts, model::StatusTelemetry{.unix_time_ms = kNow - 5, .status = "before"});
+  state_.Restore(before, 2);
+  EXPECT_FALSE(All().parts.status) << "of an older hold";
+  state_.SetRestored(2);
+  EXPECT_TRUE(state_.needs_restore());
+  state_.Restore(before, 3);
+  state_.SetRestored(3);
+  EXPECT_EQ(All().parts.status->status, "before");
+  EXPECT_EQ(All().parts.usage->reboot_count, 2U);
+  EXPECT_TRUE(state_.TakeChanges());
+}
+
+TEST_F(RobotStateTest, ARobotThatIsNewToTheStoreHasNothingToRestore) {
+  state_.BeginHold({.since = 1, .was_known = false}, clock_.Steady(), clock_.System());
+  EXPECT_FALSE(state_.needs_restore());
+}
+
+TEST_F(RobotStateTest, AStreamMakesItOursToJudge) {
+  state_.FollowHolder({}, {Presence::kOnline, FromUnixMs(kNow - 9)});
+  state_.Claim(clock_.Steady());
+  EXPECT_FALSE(All().foreign.has_value());
+  EXPECT_EQ(All().presence_since, FromUnixMs(kNow - 9)) << "a stream changes nothing";
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOnline);
+  state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
+  state_.FollowHolder({}, {Presence::kOffline, FromUnixMs(kNow)});
+  EXPECT_EQ(All().presence, Presence::kOnline) << "who holds a robot follows nobody";
 }
 
 TEST_F(RobotStateTest, RunsThatEndedBeforeTheStoreWasReadStayEnded) {
@@ -315,7 +383,7 @@ TEST_F(RobotStateTest, RunsThatEndedBeforeTheStoreWasReadStayEnded) {
   Reported before;
   for (const char* run : {"older", "ended", "again"}) before.open_runs.Put(RunKey("", run), 1.0);
   before.booted_at = FromUnixMs(5);
-  state_.Restore(std::move(before));
+  state_.Restore(std::move(before), 0);
   std::vector<std::string> open;
   state_.LookAt([&](const StateView& view) {
     for (const auto& [key, progress] : view.reported.open_runs.items()) open.push_back(key);

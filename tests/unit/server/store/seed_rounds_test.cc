@@ -42,7 +42,7 @@ class SeedRoundsTest : public ::testing::Test {
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), world_.clock,
                       log::Format::kText, log::Level::kInfo};
   SeedRounds rounds_{
-      {world_.fleet, world_.shards, world_.reader, world_.clock, logger_, world_.kRobotsMax}};
+      {world_.fleet, world_.shards, world_.reader, logger_, world_.kRobotsMax, std::nullopt}};
   std::vector<std::function<void()>> jobs_;
 };
 
@@ -100,8 +100,8 @@ TEST_F(SeedRoundsTest, MoreRobotsThanThereMayBeEndTheStartAndAreALineLater) {
   EXPECT_FALSE(rounds_.Begin(absl::OkStatus()).ok());
   EXPECT_THAT(lines_, IsEmpty());
 
-  SeedRounds later({world_.fleet, world_.shards, world_.reader, world_.clock, logger_,
-                    testing::ServerWorld::kRobotsMax});
+  SeedRounds later({world_.fleet, world_.shards, world_.reader, logger_,
+                    testing::ServerWorld::kRobotsMax, std::nullopt});
   EXPECT_TRUE(later.Begin(absl::UnavailableError("gone")).ok());
   later.ReadOn([this](auto job) { return Post(std::move(job)); });
   jobs_.front()();

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/robot/live_bytes.h"
+#include "server/journal/turns.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
@@ -23,28 +23,21 @@ class SeedTest : public ::testing::Test {
     ASSERT_TRUE(store_.OpenStreams({&request, 1}).ok());
   }
 
-  static storage::LiveRow Live(const std::string& ruri, std::uint32_t reboots) {
-    robot::LiveChanges changes;
-    changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
-    changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = reboots};
-    changes.last_sign_of_life = FromUnixMs(1'763'683'200'000);
-    return robot::ToRow(ruri, changes);
-  }
-  void Checkpoint(const storage::LiveRow& row) { ASSERT_TRUE(store_.Checkpoint({&row, 1}).ok()); }
   robot::StateSnapshot State(const std::string& ruri) {
     return fleet_.Find(ruri)->state.Snapshot(robot::RobotState::Parts::kAll);
   }
 
   testing::ManualClock clock_;
   testing::FakeDatabase database_;
-  testing::FakeStore store_{database_, storage::ProcessId{1}};
+  testing::FakeStore store_{database_, storage::ProcessId{9}};
+  testing::FakeStore ours_{database_, storage::ProcessId{1}};
   testing::SwitchedReader reader_{store_};
   metrics::Ledger ledger_;
   journal::JournalProbe probe_;
   fleet::Fleet fleet_{clock_, 2, {}};
-  journal::Journal journal_{store_, {}, clock_, ledger_, probe_, storage::ProcessId{1}};
+  journal::Journal journal_{ours_, {}, clock_, ledger_, probe_, storage::ProcessId{1}};
   journal::Shards journals_{{&journal_}};
-  Seed seed_{fleet_, journals_, reader_, clock_};
+  Seed seed_{{fleet_, journals_, reader_, std::nullopt}};
 };
 
 TEST_F(SeedTest, TakesTheRobotsOfTheStore) {
@@ -55,57 +48,22 @@ TEST_F(SeedTest, TakesTheRobotsOfTheStore) {
   EXPECT_EQ(fleet_.size(), 1U);
 }
 
-TEST_F(SeedTest, RobotsComeWithWhatTheirReportsSay) {
+TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
   Know("rcan://a");
-  Know("rcan://b");
-  const auto commit = [this](model::Seq seq, const model::Body& body) {
-    const storage::OpenRequest open{
-        std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),
-        model::SessionId({1}),
-        0,
-        clock_.System(),
-        {}};
-    const auto opened = store_.OpenStreams({&open, 1});
-    ASSERT_TRUE(opened.ok());
-    storage::Batch batch;
-    batch.records.push_back({.robot = open.robot,
-                             .session = open.session,
-                             .seq = seq,
-                             .held_since = opened->front().held_since,
-                             .received_at = clock_.System(),
-                             .content = test::RecordOf(body)});
-    ASSERT_TRUE(store_.Commit(batch).ok());
-    clock_.Advance(std::chrono::seconds(1));
-  };
-  model::AgentInfo info;
-  info.uptime_s = 100;
-  const SystemTime told_at = clock_.System();
-  commit(1, info);
-  const auto run = [](const std::string& id, std::uint16_t progress, model::MissionStatus status) {
-    model::MissionRunStatus body;
-    body.mission_id = "m";
-    body.run_id = id;
-    body.progress_x100 = progress;
-    body.status = status;
-    return body;
-  };
-  commit(2, run("first", 100, model::MissionStatus::kRunning));
-  commit(3, run("second", 200, model::MissionStatus::kRunning));
-  commit(4, run("third", 300, model::MissionStatus::kComplete));
-  commit(5, run("first", 4250, model::MissionStatus::kRunning));
-  ASSERT_TRUE(seed_.Run(2).ok());
-  fleet_.Find("rcan://a")->state.LookAt([&](const robot::StateView& view) {
-    EXPECT_EQ(view.reported.booted_at, told_at - std::chrono::seconds(100));
-    const auto& runs = view.reported.open_runs.items();
-    ASSERT_EQ(runs.size(), 2U);
-    EXPECT_EQ(runs.back().first, "m/first") << "the latest report, not the latest run";
-    EXPECT_EQ(runs.back().second, 42.5);
-    EXPECT_EQ(runs.front().second, 2);
-  });
-  fleet_.Find("rcan://b")->state.LookAt([&](const robot::StateView& view) {
-    EXPECT_FALSE(view.reported.booted_at);
-    EXPECT_TRUE(view.reported.open_runs.items().empty());
-  });
+  reader_.SetAway(true);
+  EXPECT_FALSE(seed_.Run(2).ok());
+  EXPECT_FALSE(seed_.done());
+  EXPECT_EQ(fleet_.size(), 0U);
+  reader_.SetAway(false);
+  EXPECT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ(fleet_.size(), 1U);
+}
+
+TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
+  Know("rcan://a");
+  ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
+  EXPECT_TRUE(seed_.Run(2).ok());
+  EXPECT_EQ(fleet_.Find("rcan://a")->id()->fleet, "another");
 }
 
 TEST_F(SeedTest, RobotsComeWithTheirLastSession) {
@@ -135,55 +93,33 @@ TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsItsSession) {
   EXPECT_EQ((*robot)->sessions.View().session, model::SessionId({9}));
 }
 
-TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
+TEST_F(SeedTest, ShowsARobotAsItsLastHolderWroteIt) {
   Know("rcan://a");
-  reader_.SetAway(true);
-  EXPECT_FALSE(seed_.Run(2).ok());
-  EXPECT_FALSE(seed_.done());
-  EXPECT_EQ(fleet_.size(), 0U);
-  reader_.SetAway(false);
-  EXPECT_TRUE(seed_.Run(2).ok());
-  EXPECT_EQ(fleet_.size(), 1U);
-}
-
-TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
-  Know("rcan://a");
-  ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
-  EXPECT_TRUE(seed_.Run(2).ok());
-  EXPECT_EQ(fleet_.Find("rcan://a")->id()->fleet, "another");
-}
-
-TEST_F(SeedTest, RobotsComeWithTheirLastCheckpoint) {
-  for (const char* ruri : {"rcan://a", "rcan://b"}) Know(ruri);
-  Checkpoint(Live("rcan://a", 4));
+  Know("rcan://b");
+  storage::Batch batch;
+  batch.presence = {{std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),
+                     model::Presence::kOnline, FromUnixMs(7), 1, 1}};
+  ASSERT_TRUE(store_.Commit(batch).ok());
+  const SystemTime known_since = clock_.System();
+  clock_.Advance(std::chrono::hours(1));
   ASSERT_TRUE(seed_.Run(2).ok());
-  EXPECT_EQ(State("rcan://a").parts.usage->reboot_count, 4U);
-  EXPECT_EQ(State("rcan://a").last_sign_of_life, FromUnixMs(1'763'683'200'000));
-  EXPECT_EQ(State("rcan://a").presence, robot::Presence::kUnknown);
-  EXPECT_FALSE(State("rcan://b").last_sign_of_life);
-  EXPECT_EQ(seed_.live_left_out(), 0U);
+  EXPECT_EQ(State("rcan://a").presence, robot::Presence::kOnline);
+  EXPECT_EQ(State("rcan://a").presence_since, FromUnixMs(7));
+  EXPECT_TRUE(State("rcan://a").foreign.has_value());
+  EXPECT_EQ(State("rcan://b").presence, robot::Presence::kUnknown);
+  EXPECT_EQ(State("rcan://b").presence_since, known_since);
+  static_cast<void>(journal_.turns().Advance());
+  EXPECT_TRUE(State("rcan://a").foreign.has_value()) << "its holder may live";
 }
 
-TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsWhatItTold) {
+TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
   Know("rcan://a");
-  Checkpoint(Live("rcan://a", 4));
-  const auto robot = fleet_.FindOrAdmit({"rcan://a", "f"});
-  ASSERT_TRUE(robot.ok());
-  std::vector<model::Record> records;
-  records.push_back(test::RecordOf(model::UsageTelemetry{.unix_time_ms = 6, .reboot_count = 5}));
-  (*robot)->state.Apply(records, {});
-  ASSERT_TRUE(seed_.Run(2).ok());
-  EXPECT_EQ(State("rcan://a").parts.usage->reboot_count, 5U);
-}
-
-TEST_F(SeedTest, WhatThisVersionDoesNotPassIsCounted) {
-  Know("rcan://a");
-  storage::LiveRow row = Live("rcan://a", 4);
-  row.parts[0] = "no message";
-  Checkpoint(row);
-  ASSERT_TRUE(seed_.Run(2).ok());
-  EXPECT_EQ(seed_.live_left_out(), 1U);
-  EXPECT_TRUE(State("rcan://a").parts.usage);
+  Seed seed({fleet_, journals_, reader_, std::chrono::minutes(2)});
+  ASSERT_TRUE(seed.Run(2).ok());
+  EXPECT_EQ(journal_.turns().Advance(), journal::Step::kWorked);
+  EXPECT_FALSE(State("rcan://a").foreign.has_value());
+  EXPECT_EQ(fleet_.Find("rcan://a")->state.held_since(), 2U);
+  EXPECT_TRUE(fleet_.Find("rcan://a")->state.needs_restore());
 }
 
 TEST_F(SeedTest, MoreRobotsThanThereMayBeAreAnError) {

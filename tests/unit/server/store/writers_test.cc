@@ -48,9 +48,8 @@ TEST_F(WritersTest, AJournalStandsBeforeEachStore) {
 TEST_F(WritersTest, EachJournalIsWrittenOnceTheyRun) {
   const auto writers = Make();
   for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d"}) {
-    writers->journals().NotePresence(
-        std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}), model::Presence::kOnline,
-        clock_.System());
+    robot::Robot& robot = **fleet_.FindOrAdmit({ruri, "f"});
+    writers->journals().Of(ruri).Open(robot, 1, {.robot = robot.id(), .at = clock_.System()});
   }
   EXPECT_FALSE(writers->journals().idle());
   writers->Start();

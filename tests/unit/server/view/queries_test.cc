@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/robot/live_bytes.h"
+#include "server/view/messages.h"
 #include "tests/support/server_world.h"
 
 namespace uplink::view {
@@ -39,6 +41,47 @@ TEST_F(QueriesTest, WalksRobotsByRuriWithATotal) {
   EXPECT_THAT(Ruris(last), ElementsAre("rcan://c"));
   EXPECT_EQ(last.next_token, "");
   EXPECT_EQ(last.total, 3);
+}
+
+TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
+  robot::Robot& robot = world_.AddRobot("rcan://a");
+  world_.AddRobot("rcan://b");
+  world_.CommitPresence("rcan://a", model::Presence::kOnline);
+  const storage::OpenRequest open{.robot = robot.id(), .at = world_.clock.System()};
+  ASSERT_TRUE(world_.store.OpenStreams({&open, 1}).ok());
+  robot::LiveChanges changes;
+  changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
+  changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = 7};
+  changes.last_sign_of_life = FromUnixMs(9);
+  changes.clock_skew_ms = 3;
+  const storage::LiveRow row = robot::ToRow("rcan://a", changes);
+  ASSERT_TRUE(world_.store.Checkpoint({&row, 1}).ok());
+  robot.state.FollowHolder({.held_by = "b:2", .written_at = FromUnixMs(8)},
+                           {model::Presence::kOnline, FromUnixMs(6)});
+
+  const auto one = world_.queries.Robot("rcan://a");
+  ASSERT_TRUE(one.ok());
+  EXPECT_EQ(one->state.parts.usage->reboot_count, 7U);
+  EXPECT_EQ(one->state.last_sign_of_life, FromUnixMs(9));
+  EXPECT_EQ(one->state.clock_skew_ms, 3);
+  const v1::Robot shown = ToMessage(*one, PartSet::All());
+  EXPECT_EQ(shown.held_by(), "b:2");
+  EXPECT_EQ(shown.held_by_at_ms(), 8);
+  EXPECT_EQ(shown.presence(), v1::PRESENCE_ONLINE);
+  EXPECT_EQ(shown.presence_since_ms(), 6);
+
+  RobotsQuery query;
+  query.parts = PartSet::All();
+  const RobotsPage page = Robots(query);
+  EXPECT_EQ(page.robots.at(0).state.parts.usage->reboot_count, 7U);
+  EXPECT_FALSE(page.robots.at(1).state.foreign.has_value());
+  EXPECT_EQ(ToMessage(page.robots.at(1), query.parts).held_by(), "");
+
+  world_.reader.SetAway(true);
+  query.parts = PartSet::OfLists();
+  query.parts.Add(Part::kUsage);
+  EXPECT_FALSE(Robots(query).robots.at(0).state.parts.usage) << "the others must be seen";
+  EXPECT_EQ(world_.queries.Robot("rcan://a")->state.presence, model::Presence::kOnline);
 }
 
 TEST_F(QueriesTest, APageThatEndsWithTheLastRobotIsTheLast) {

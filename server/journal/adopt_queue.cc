@@ -1,0 +1,34 @@
+#include "server/journal/adopt_queue.h"
+
+#include <utility>
+
+namespace uplink::journal {
+
+bool AdoptQueue::Push(AdoptEntry entry) {
+  if (!adopting_.insert(entry.client).second) return false;
+  adopts_.push_back(std::move(entry));
+  return true;
+}
+
+bool AdoptQueue::Push(LossEntry entry) {
+  if (!lost_.insert(entry.client).second) return false;
+  losses_.push_back(std::move(entry));
+  return true;
+}
+
+std::vector<AdoptEntry> AdoptQueue::TakeAdopts(std::size_t most) {
+  std::vector<AdoptEntry> taken;
+  while (!adopts_.empty() && taken.size() < most) {
+    adopting_.erase(adopts_.front().client);
+    taken.push_back(std::move(adopts_.front()));
+    adopts_.pop_front();
+  }
+  return taken;
+}
+
+std::vector<LossEntry> AdoptQueue::TakeLosses() {
+  lost_.clear();
+  return std::exchange(losses_, {});
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <unordered_set>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/robot/commit_client.h"
+#include "storage/types.h"
+
+namespace uplink::journal {
+
+/// A robot whose holder is over.
+struct AdoptEntry {
+  robot::CommitClient* client = nullptr;
+  storage::AdoptRequest request;
+  /// HoldNews::grace.
+  milliseconds grace{0};
+};
+
+/// A robot that another process holds since an epoch.
+struct LossEntry {
+  robot::CommitClient* client = nullptr;
+  storage::RobotRef robot;
+  storage::Epoch since = 0;
+};
+
+/// What is told of robots that change hands: those to be adopted and those that were lost, in
+/// order, each robot at most once in either.
+///
+/// Limits: two entries per robot (limits.robots_max).
+/// Thread: confined to its owner's lock.
+class AdoptQueue final {
+ public:
+  /// False if the robot waits to be adopted already.
+  bool Push(AdoptEntry entry);
+  bool Push(LossEntry entry);
+
+  /// Takes the first ones, at most `most`. They may be pushed again from now on.
+  [[nodiscard]] std::vector<AdoptEntry> TakeAdopts(std::size_t most);
+  [[nodiscard]] std::vector<LossEntry> TakeLosses();
+
+  [[nodiscard]] bool empty() const { return adopts_.empty() && losses_.empty(); }
+
+ private:
+  std::deque<AdoptEntry> adopts_;
+  std::unordered_set<robot::CommitClient*> adopting_;
+  std::vector<LossEntry> losses_;
+  std::unordered_set<robot::CommitClient*> lost_;
+};
+
+}  // namespace uplink::journal

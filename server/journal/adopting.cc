@@ -1,0 +1,63 @@
+#include "server/journal/adopting.h"
+
+#include <iterator>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "storage/store.h"
+
+namespace uplink::journal {
+
+Adopting::Adopting(const WriterContext& context, Holds& holds)
+    : context_(context), holds_(holds), size_({.most = kAdoptsPerCallMax, .halved_from = 2}) {}
+
+std::optional<Step> Adopting::Advance() {
+  LetGo();
+  if (adopting_.empty()) adopting_ = context_.inbox.TakeAdopts(size_.now());
+  if (adopting_.empty()) return std::nullopt;
+  return Adopt();
+}
+
+void Adopting::LetGo() {
+  for (const LossEntry& loss : context_.inbox.TakeLosses()) {
+    const storage::Epoch held_since = holds_.robots().Since(*loss.client);
+    if (held_since == 0 || held_since >= loss.since) continue;
+    holds_.Lose(*loss.client, loss.robot).Wake();
+  }
+}
+
+Step Adopting::Adopt() {
+  std::vector<storage::AdoptRequest> requests;
+  requests.reserve(adopting_.size());
+  for (const AdoptEntry& entry : adopting_) requests.push_back(entry.request);
+  const auto results = context_.store.Adopt(requests);
+  context_.errors.NoteDuty(results.status());
+  if (!results.ok()) {
+    if (size_.Failed(adopting_.size())) {
+      const auto rest = adopting_.begin() + static_cast<std::ptrdiff_t>(size_.now());
+      for (auto entry = rest; entry != adopting_.end(); ++entry) {
+        context_.inbox.AdoptLater(std::move(*entry));
+      }
+      adopting_.erase(rest, adopting_.end());
+    }
+    return Step::kFailed;
+  }
+  size_.Succeeded();
+  UPLINK_CHECK(results->size() == adopting_.size(), "the store answers for every robot");
+  const std::vector<AdoptEntry> asked = std::exchange(adopting_, {});
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const storage::AdoptResult& result = (*results)[i];
+    if (!result.held_since) continue;
+    const Holds::Told told = holds_.Begin(*asked[i].client, asked[i].request.robot,
+                                          {.how = robot::HoldBegan::kAdopted,
+                                           .since = *result.held_since,
+                                           .presence = result.presence,
+                                           .was_known = true,
+                                           .grace = asked[i].grace});
+    if (told.begun) context_.probe.adopted.Add();
+    if (told.interrupted) told.stream.Wake();
+  }
+  return Step::kWorked;
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,32 @@
+#include "server/journal/holds.h"
+
+namespace uplink::journal {
+
+Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& robot,
+                         const robot::HoldNews& news) {
+  Told told;
+  switch (robots_.Begin(client, news.since)) {
+    case HeldRobots::Hold::kSame:
+      return told;
+    case HeldRobots::Hold::kInterrupted:
+      told = {.begun = true, .interrupted = true, .stream = client.OnFenced(context_.ledger)};
+      context_.inbox.LosePresence(robot->ruri);
+      break;
+    case HeldRobots::Hold::kNew:
+      told.begun = true;
+      break;
+  }
+  // First: what the robot notes from now on is held against what the store has.
+  context_.inbox.HoldPresence(robot->ruri, news.since, news.presence);
+  client.OnHeld(news);
+  return told;
+}
+
+robot::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
+  robots_.Lose(client);
+  const robot::StreamRef stream = client.OnFenced(context_.ledger);
+  context_.inbox.LosePresence(robot->ruri);
+  return stream;
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,78 @@
+#include "server/store/lease_judge.h"
+
+#include <algorithm>
+
+#include "schema/model/ids.h"
+
+namespace uplink::store {
+
+std::string_view ToText(Over over) {
+  switch (over) {
+    case Over::kNo:
+      return "no";
+    case Over::kReleased:
+      return "released";
+    case Over::kGone:
+      return "gone";
+    case Over::kSilent:
+      return "silent";
+  }
+  return "";
+}
+
+void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases) {
+  const bool unbroken = looked_ && now - *looked_ <= kLookGapMax;
+  looked_ = now_ = now;
+  for (auto& [process, known] : known_) {
+    if (!unbroken) known.same_since = now;
+    const bool there = std::ranges::find(leases, process, &storage::Lease::process) != leases.end();
+    if (!there) known.lease.reset();
+  }
+  for (const storage::Lease& lease : leases) {
+    if (lease.process == rules_.self) continue;
+    Update(known_.try_emplace(lease.process, Known{.same_since = now}).first->second, lease);
+  }
+  std::erase_if(known_,
+                [](const auto& entry) { return !entry.second.lease && !entry.second.asked; });
+  for (auto& [process, known] : known_) known.asked = false;
+  first_look_ = false;
+}
+
+void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
+  if (!known.lease || known.lease->counter != lease.counter) known.same_since = now_;
+  known.lease = lease;
+  known.gone = rules_.is_gone(lease.card.life);
+  if (!lease.released && !known.gone) {
+    known.left_at.reset();
+  } else if (!known.left_at) {
+    known.left_at = now_;
+    known.left_before = first_look_;
+  }
+}
+
+LeaseJudge::Verdict LeaseJudge::Of(const storage::ProcessId& process) {
+  Known& known = known_.try_emplace(process, Known{.same_since = now_}).first->second;
+  known.asked = true;
+  Verdict verdict{.over = Judge(known), .counter = 0, .name = model::SessionId(process).ToHex()};
+  if (known.lease) {
+    verdict.counter = known.lease->counter;
+    if (!known.lease->card.name.empty()) verdict.name = known.lease->card.name;
+  }
+  return verdict;
+}
+
+Over LeaseJudge::Judge(const Known& known) const {
+  if (known.left_at && (known.left_before || now_ - *known.left_at >= rules_.settle)) {
+    return known.gone ? Over::kGone : Over::kReleased;
+  }
+  if (now_ - known.same_since < kSilentMax) return Over::kNo;
+  return known.lease ? Over::kSilent : Over::kReleased;
+}
+
+std::size_t LeaseJudge::others() {
+  return static_cast<std::size_t>(std::ranges::count_if(known_, [this](const auto& entry) {
+    return entry.second.lease && !entry.second.left_at && Judge(entry.second) == Over::kNo;
+  }));
+}
+
+}  // namespace uplink::store

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "schema/base/clock.h"
+#include "storage/leases.h"
+#include "storage/types.h"
+
+namespace uplink::store {
+
+/// How often a process raises the counter of its lease, and looks at those of others.
+inline constexpr std::chrono::seconds kRenewEvery{5};
+inline constexpr milliseconds kLookEvery{2'500};
+/// A lease that showed the same counter for so long is over: six renewals did not come.
+inline constexpr std::chrono::seconds kSilentMax{30};
+/// Looks that lie further apart prove nothing of the time between: it was we who did not look.
+inline constexpr std::chrono::seconds kLookGapMax{6};
+
+/// Whether a process still judges the robots that it holds, and why not.
+enum class Over : std::uint8_t {
+  kNo,
+  /// It gave its robots up when it stopped, or never had a lease.
+  kReleased,
+  /// It ran on this machine and is not there any more.
+  kGone,
+  /// It did not renew its lease. It may live, and be cut off from the store alone.
+  kSilent,
+};
+[[nodiscard]] std::string_view ToText(Over over);
+
+/// Judges the leases of the other processes by what repeated looks at the store show, on this
+/// process's own steady clock: no clock of another machine is compared.
+///
+/// Limits: one entry per process that is named (storage::kLeasesMax, and holders of robots without
+///         a lease).
+/// Thread: confined to one thread; no clock of its own.
+class LeaseJudge final {
+ public:
+  struct Rules {
+    /// This process.
+    storage::ProcessId self{};
+    /// How long the robots of a process that was seen to stop may take to come by themselves
+    /// (presence.timeout: until then they count as heard).
+    milliseconds settle{0};
+    /// Whether a process that ran there is not there any more (process_life.h).
+    std::function<bool(std::string_view life)> is_gone;
+  };
+  explicit LeaseJudge(Rules rules) : rules_(std::move(rules)) {}
+
+  /// A look failed: silence is counted anew from the next one.
+  void NoteFailure() { looked_.reset(); }
+  /// A look at `now` showed these leases.
+  void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
+
+  struct Verdict {
+    Over over = Over::kNo;
+    /// Of the lease as it was seen last; 0 if there is none.
+    std::uint64_t counter = 0;
+    /// For people: the card's name, or the process's number.
+    std::string name;
+  };
+  /// Of a process that holds a robot, as of the last look.
+  [[nodiscard]] Verdict Of(const storage::ProcessId& process);
+  /// Other processes that are not over.
+  [[nodiscard]] std::size_t others();
+
+ private:
+  struct Known {
+    std::optional<storage::Lease> lease;
+    /// The first look of an unbroken row that showed this counter.
+    SteadyTime same_since;
+    /// When it was first seen released or gone; nothing if it is neither.
+    std::optional<SteadyTime> left_at;
+    bool gone = false;
+    /// It had left when this process came.
+    bool left_before = false;
+    /// It was asked for since the last look: it holds a robot.
+    bool asked = false;
+  };
+  void Update(Known& known, const storage::Lease& lease) const;
+  [[nodiscard]] Over Judge(const Known& known) const;
+
+  const Rules rules_;
+  std::optional<SteadyTime> looked_;
+  SteadyTime now_;
+  bool first_look_ = true;
+  std::map<storage::ProcessId, Known> known_;
+};
+
+}  // namespace uplink::store

@@ -1,0 +1,126 @@
+#include "server/store/lease_rounds.h"
+
+#include <utility>
+#include <vector>
+
+#include "server/config/address.h"
+
+namespace uplink::store {
+
+LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context)
+    : leases_(std::move(leases)),
+      context_(std::move(context)),
+      judge_({.self = context_.process,
+              .settle = context_.presence.timeout,
+              .is_gone = context_.is_gone}) {}
+
+LeaseRounds::~LeaseRounds() { Stop(); }
+
+void LeaseRounds::Round() {
+  if (leases_ == nullptr) return;
+  const absl::Status looked = Look();
+  if (!looked.ok()) judge_.NoteFailure();
+  NoteOutcome(looked);
+}
+
+absl::Status LeaseRounds::Look() {
+  const SteadyTime began = context_.clock.Steady();
+  if (!renewed_ || began - *renewed_ >= kRenewEvery) {
+    const storage::ProcessCard card{
+        .name = config::ToText({.host = HostName(), .port = port_.load()}),
+        .life = LifeOfThisProcess()};
+    if (absl::Status renewed = leases_->Renew(card); !renewed.ok()) return renewed;
+    renewed_ = began;
+    context_.probe.renewed.Add();
+  }
+  const auto leases = leases_->Read();
+  if (!leases.ok()) return leases.status();
+  // When the answer is here: what took long to come is older than it looks, and never younger.
+  judge_.NoteLook(context_.clock.Steady(), *leases);
+  context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));
+  return FollowRobots();
+}
+
+absl::Status LeaseRounds::FollowRobots() {
+  std::string after;
+  while (true) {
+    const auto robots = leases_->RobotsOfOthers(after);
+    if (!robots.ok()) return robots.status();
+    if (robots->empty()) return absl::OkStatus();
+    for (const storage::ForeignRobot& foreign : *robots) Follow(foreign);
+    after = robots->back().robot.ruri;
+  }
+}
+
+void LeaseRounds::Follow(const storage::ForeignRobot& foreign) {
+  // One more than limits.robots_max is not shown; the process that holds it has it.
+  const auto admitted = context_.fleet.FindOrAdmit(foreign.robot);
+  if (!admitted.ok()) return;
+  robot::Robot& robot = **admitted;
+  const LeaseJudge::Verdict holder = judge_.Of(foreign.holder);
+  const storage::Epoch held_since = robot.state.held_since();
+  if (held_since >= foreign.held_since) return;  // it came here since this was read
+  if (held_since != 0) {
+    context_.journals.Lose({.client = &robot, .robot = robot.id(), .since = foreign.held_since});
+    return;
+  }
+  // A stream of it is here, and the store is about to learn of that.
+  if (robot.HasStream()) return;
+  const storage::StoredPresence presence = foreign.presence.value_or(
+      storage::StoredPresence{model::Presence::kUnknown, robot.state.presence_since()});
+  robot.state.FollowHolder({.held_by = holder.name, .written_at = foreign.written_at}, presence);
+  if (holder.over == Over::kNo) {
+    told_.erase(foreign.holder);
+    return;
+  }
+  if (told_.insert_or_assign(foreign.holder, holder.over).second) {
+    context_.logger.Warn("process_over", {{"process", holder.name}, {"why", ToText(holder.over)}});
+  }
+  const milliseconds grace = holder.over == Over::kSilent ? context_.presence.adopted_grace
+                                                          : context_.presence.startup_grace;
+  context_.journals.Adopt(
+      {.client = &robot,
+       .request = {.robot = robot.id(), .holder = foreign.holder, .lease_counter = holder.counter},
+       .grace = grace});
+}
+
+void LeaseRounds::NoteOutcome(const absl::Status& status) {
+  const bool fails = !status.ok();
+  context_.probe.failing.Set(fails ? 1 : 0);
+  if (fails == failing_) return;
+  failing_ = fails;
+  if (fails) {
+    context_.logger.Warn("lease_fails", {{"why", std::string(status.message())}});
+  } else {
+    context_.logger.Info("lease_works_again", {});
+  }
+}
+
+void LeaseRounds::Release() {
+  if (leases_ == nullptr) return;
+  const absl::Status released = leases_->Release();
+  if (released.ok()) return;
+  context_.logger.Warn("lease_not_released", {{"why", std::string(released.message())}});
+}
+
+void LeaseRounds::Start() {
+  if (leases_ == nullptr) return;
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+void LeaseRounds::Stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void LeaseRounds::Run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const SteadyTime began = context_.clock.Steady();
+    Round();
+    const SteadyTime::duration left = began + kLookEvery - context_.clock.Steady();
+    std::unique_lock lock(mutex_);
+    pause_.wait_for(lock, stop, left, [] { return false; });
+  }
+}
+
+}  // namespace uplink::store

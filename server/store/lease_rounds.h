@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/shards.h"
+#include "server/log/logger.h"
+#include "server/store/lease_judge.h"
+#include "server/store/lease_probe.h"
+#include "server/store/process_life.h"
+#include "storage/leases.h"
+
+namespace uplink::store {
+
+/// Keeps this process's lease, and follows what other processes hold: shows their robots as they
+/// wrote them, lets go of robots that went to them, and adopts the robots of those that are over.
+///
+/// Errors:  of the store: the next round tries again, and no other process is called over for it.
+/// Thread:  constructed, started and stopped by main; Round by main before Start, then by a thread
+/// of
+///          its own; SetName and others from any.
+class LeaseRounds final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    fleet::Fleet& fleet;
+    const journal::Shards& journals;
+    const Clock& clock;
+    log::Logger& logger;
+    LeaseProbe& probe;
+    /// This process.
+    storage::ProcessId process{};
+    config::PresenceConfig presence;
+    /// Whether the process that had a life is not there any more.
+    std::function<bool(std::string_view life)> is_gone = IsGone;
+  };
+  /// `leases` is null for a store that this process has alone: then there is nothing to do.
+  LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context);
+  ~LeaseRounds();
+  LeaseRounds(const LeaseRounds&) = delete;
+  LeaseRounds& operator=(const LeaseRounds&) = delete;
+
+  /// At which port of this machine robots reach this process.
+  void SetPort(std::uint16_t port) { port_.store(port); }
+  /// One look: renews the lease where that is due, reads the others, and acts on what they show.
+  void Round();
+  /// Rounds each kLookEvery, on a thread of its own.
+  void Start();
+  /// Ends the rounds. Idempotent.
+  void Stop();
+  /// After Stop: this process judges no robot any more. A failure is logged: the others wait for
+  /// the lease to fall silent then.
+  void Release();
+  /// Whether another process's lease stands, as of the last look.
+  [[nodiscard]] bool others() const { return context_.probe.others.value() > 0; }
+
+ private:
+  absl::Status Look();
+  absl::Status FollowRobots();
+  void Follow(const storage::ForeignRobot& foreign);
+  void NoteOutcome(const absl::Status& status);
+  void Run(const std::stop_token& stop);
+
+  const std::unique_ptr<storage::Leases> leases_;
+  const Context context_;
+  LeaseJudge judge_;
+  std::optional<SteadyTime> renewed_;
+  /// Processes that were called over, for the log.
+  std::map<storage::ProcessId, Over> told_;
+  bool failing_ = false;
+  std::atomic<std::uint16_t> port_{0};
+  std::mutex mutex_;
+  std::condition_variable_any pause_;
+  std::jthread thread_;
+};
+
+}  // namespace uplink::store

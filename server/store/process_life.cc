@@ -1,0 +1,79 @@
+#include "server/store/process_life.h"
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <vector>
+
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_split.h>
+#include <climits>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace uplink::store {
+namespace {
+
+/// Of /proc/PID/stat, behind the closing bracket of the name: the field that says when it started.
+constexpr std::size_t kStartField = 19;
+
+std::string FirstLine(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+/// What two processes have in common that see the same numbers of processes; empty if unknown.
+std::string Surroundings() {
+  const std::string boot = FirstLine("/proc/sys/kernel/random/boot_id");
+  std::error_code error;
+  const auto numbers = std::filesystem::read_symlink("/proc/self/ns/pid", error);
+  if (boot.empty() || error) return "";
+  return boot + "/" + numbers.string();
+}
+
+/// Clock ticks after the boot; empty if no such process runs.
+std::string StartOf(std::string_view process) {
+  const std::string stat = FirstLine(fmt::format("/proc/{}/stat", process));
+  const std::size_t name_end = stat.rfind(')');
+  if (name_end == std::string::npos || name_end + 2 > stat.size()) return "";
+  const std::vector<std::string> fields = absl::StrSplit(stat.substr(name_end + 2), ' ');
+  if (fields.size() <= kStartField) return "";
+  // What has ended and was not waited for yet does nothing any more.
+  const bool ended = fields[0] == "Z" || fields[0] == "X";
+  return ended ? "" : fields[kStartField];
+}
+
+}  // namespace
+
+std::string LifeOfThisProcess() {
+  const std::string surroundings = Surroundings();
+  const std::string number = std::to_string(::getpid());
+  const std::string start = StartOf(number);
+  if (surroundings.empty() || start.empty()) return "";
+  return fmt::format("{}/{}/{}", surroundings, number, start);
+}
+
+bool IsGone(std::string_view life) {
+  const std::string surroundings = Surroundings();
+  if (surroundings.empty() || !life.starts_with(surroundings + "/")) return false;
+  life.remove_prefix(surroundings.size() + 1);
+  const std::size_t slash = life.find('/');
+  if (slash == std::string_view::npos) return false;
+  const std::string_view number = life.substr(0, slash);
+  int parsed = 0;
+  if (!absl::SimpleAtoi(absl::string_view(number.data(), number.size()), &parsed)) return false;
+  return StartOf(number) != life.substr(slash + 1);
+}
+
+std::string HostName() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == 0) return "localhost";
+  return name.data();
+}
+
+}  // namespace uplink::store

@@ -1,0 +1,64 @@
+#include "server/store/restore.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "server/robot/live_bytes.h"
+#include "server/store/reported.h"
+
+namespace uplink::store {
+
+bool Restore::due() const {
+  return std::ranges::any_of(
+      fleet_.All(), [](const robot::Robot* robot) { return robot->state.needs_restore(); });
+}
+
+std::vector<robot::Robot*> Restore::Due() const {
+  std::vector<robot::Robot*> robots = fleet_.Sorted();
+  std::erase_if(robots, [](const robot::Robot* robot) { return !robot->state.needs_restore(); });
+  return robots;
+}
+
+absl::Status Restore::Run() {
+  left_out_ = 0;
+  const std::vector<robot::Robot*> due = Due();
+  std::span<robot::Robot* const> left = due;
+  while (!left.empty()) {
+    const auto restored = RestoreFirst(left.first(std::min(left.size(), kRestoredAtOnceMax)));
+    if (!restored.ok()) return restored.status();
+    left = left.subspan(*restored);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::size_t> Restore::RestoreFirst(std::span<robot::Robot* const> robots) {
+  std::vector<std::string> ruris;
+  std::map<std::string, storage::Epoch> holds;
+  for (const robot::Robot* robot : robots) {
+    ruris.push_back(robot->ruri());
+    // Before the read: what it shows is of this hold at least.
+    holds[robot->ruri()] = robot->state.held_since();
+  }
+  const auto live = reader_.LiveOf(ruris);
+  if (!live.ok()) return live.status();
+  auto reported = ReadReported(std::span(ruris).first(live->complete), reader_);
+  if (!reported.ok()) return reported.status();
+  schema::Judge judge(robot::JudgeLimitsOfLive());
+  for (const storage::LiveRow& row : live->rows) {
+    robot::LiveRead read = robot::FromRow(row, judge);
+    left_out_ += read.left_out;
+    fleet_.Find(row.ruri)->state.Restore(std::move(read.before), holds[row.ruri]);
+  }
+  for (auto& [ruri, before] : *reported) {
+    const auto hold = holds.find(ruri);
+    if (hold != holds.end()) fleet_.Find(ruri)->state.Restore(std::move(before), hold->second);
+  }
+  for (const robot::Robot* robot : robots.first(live->complete)) {
+    fleet_.Find(robot->ruri())->state.SetRestored(holds[robot->ruri()]);
+  }
+  return live->complete;
+}
+
+}  // namespace uplink::store

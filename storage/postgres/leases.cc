@@ -1,0 +1,131 @@
+#include "storage/postgres/leases.h"
+
+#include <string>
+#include <utility>
+
+#include "storage/numbers.h"
+#include "storage/postgres/link/link.h"
+#include "storage/postgres/write/transaction.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kRenew =
+    "INSERT INTO uplinkd.processes AS p (process, name, life, counter, released, renewed_at)"
+    " VALUES ($1::uuid, $2::text, $3::text, 1, false, now()) ON CONFLICT (process) DO UPDATE SET"
+    " name = excluded.name, life = excluded.life, counter = p.counter + 1, released = false,"
+    " renewed_at = now() RETURNING counter";
+// Once in the life of a process: those that left long ago.
+constexpr std::string_view kForget =
+    "DELETE FROM uplinkd.processes AS p WHERE p.renewed_at < now() - make_interval(hours => "
+    "$1::int)"
+    " AND NOT EXISTS (SELECT 1 FROM uplinkd.robots AS r WHERE r.owner = p.process)";
+constexpr std::string_view kRelease =
+    "UPDATE uplinkd.processes SET released = true WHERE process = $1::uuid";
+constexpr std::string_view kRead =
+    "SELECT process, name, life, counter, released FROM uplinkd.processes"
+    " ORDER BY renewed_at DESC, process LIMIT $1::bigint";
+constexpr std::string_view kRobotsOfOthers =
+    "SELECT r.ruri, r.fleet, r.owner, r.held_since, p.presence, p.changed_at,"
+    " greatest(p.changed_at, l.written_at) FROM uplinkd.robots AS r"
+    " LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
+    " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
+    " WHERE r.owner <> $1::uuid AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
+
+}  // namespace
+
+struct PostgresLeases::Impl {
+  ProcessId process;
+  Link link;
+  bool forgot = false;
+
+  /// The answer to one statement, durable on the server that gave it.
+  absl::StatusOr<Result> Run(StoreCall call, std::string_view doing) {
+    const absl::StatusOr<Connection*> connection = link.Get();
+    if (!connection.ok()) return connection.status();
+    std::vector<StoreCall> calls;
+    calls.push_back({kBegin, {}});
+    calls.push_back(std::move(call));
+    auto results = RunAndCommitFor(**connection, std::move(calls), doing, {});
+    if (!results.ok()) return results.status();
+    return std::move((*results)[1]);
+  }
+};
+
+PostgresLeases::PostgresLeases(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PostgresLeases::~PostgresLeases() = default;
+
+absl::StatusOr<std::unique_ptr<PostgresLeases>> PostgresLeases::Make(const StoreOptions& options,
+                                                                     const Clock& clock) {
+  absl::StatusOr<Url> url = ParseUrl(options.url);
+  if (!url.ok()) return url.status();
+  Link::Options link;
+  link.connection.url = *std::move(url);
+  link.connection.password_file = options.password_file;
+  link.connection.connect_timeout = options.connect_timeout;
+  link.connection.call_timeout = options.call_timeout;
+  link.connection.session_settings = SessionSettings(Purpose::kWrite, options.call_timeout);
+  link.connection.wants_writes = true;
+  link.accept_unsafe = options.accept_unsafe;
+  return std::unique_ptr<PostgresLeases>(new PostgresLeases(
+      std::make_unique<Impl>(Impl{options.process, Link(std::move(link), clock), false})));
+}
+
+absl::Status PostgresLeases::Renew(const ProcessCard& card) {
+  StoreCall renew{kRenew, {}};
+  renew.parameters.Uuid(model::SessionId(impl_->process));
+  renew.parameters.Text(card.name);
+  renew.parameters.Text(card.life);
+  const auto renewed = impl_->Run(std::move(renew), "renew the lease");
+  if (!renewed.ok() || impl_->forgot) return renewed.status();
+  StoreCall forget{kForget, {}};
+  forget.parameters.Int4(static_cast<std::int32_t>(kLeaseKept.count()));
+  const auto forgot = impl_->Run(std::move(forget), "forget old leases");
+  impl_->forgot = forgot.ok();
+  return forgot.status();
+}
+
+absl::Status PostgresLeases::Release() {
+  StoreCall release{kRelease, {}};
+  release.parameters.Uuid(model::SessionId(impl_->process));
+  return impl_->Run(std::move(release), "release the lease").status();
+}
+
+absl::StatusOr<std::vector<Lease>> PostgresLeases::Read() {
+  StoreCall read{kRead, {}};
+  read.parameters.Int8(std::int64_t{kLeasesMax});
+  const auto rows = impl_->Run(std::move(read), "read leases");
+  if (!rows.ok()) return rows.status();
+  std::vector<Lease> leases(static_cast<std::size_t>(rows->rows()));
+  for (int row = 0; row < rows->rows(); ++row) {
+    Lease& lease = leases[static_cast<std::size_t>(row)];
+    lease.process = rows->Uuid(row, 0).bytes();
+    lease.card = {std::string(rows->Bytes(row, 1)), std::string(rows->Bytes(row, 2))};
+    lease.counter = static_cast<std::uint64_t>(rows->Int(row, 3));
+    lease.released = rows->Bool(row, 4);
+  }
+  return leases;
+}
+
+absl::StatusOr<std::vector<ForeignRobot>> PostgresLeases::RobotsOfOthers(std::string_view after) {
+  StoreCall read{kRobotsOfOthers, {}};
+  read.parameters.Uuid(model::SessionId(impl_->process));
+  read.parameters.Text(after);
+  read.parameters.Int8(std::int64_t{kForeignRobotsMax});
+  const auto rows = impl_->Run(std::move(read), "read who holds robots");
+  if (!rows.ok()) return rows.status();
+  std::vector<ForeignRobot> robots(static_cast<std::size_t>(rows->rows()));
+  for (int row = 0; row < rows->rows(); ++row) {
+    ForeignRobot& robot = robots[static_cast<std::size_t>(row)];
+    robot.robot = {std::string(rows->Bytes(row, 0)), std::string(rows->Bytes(row, 1))};
+    robot.holder = rows->Uuid(row, 2).bytes();
+    robot.held_since = static_cast<Epoch>(rows->Int(row, 3));
+    if (!rows->Null(row, 4)) {
+      robot.presence = StoredPresence{PresenceOf(rows->Int(row, 4)), rows->Time(row, 5)};
+    }
+    if (!rows->Null(row, 6)) robot.written_at = rows->Time(row, 6);
+  }
+  return robots;
+}
+
+}  // namespace uplink::storage::postgres

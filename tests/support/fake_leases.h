@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "storage/leases.h"
+#include "tests/support/fake_database.h"
+
+namespace uplink::testing {
+
+/// The leases of a FakeDatabase as one process has them. Thread: as storage::Leases; SetAway from
+/// the same.
+class FakeLeases final : public storage::Leases {
+ public:
+  /// `database` must outlive this.
+  FakeLeases(FakeDatabase& database, const storage::ProcessId& process)
+      : database_(database), process_(process) {}
+
+  /// Every call fails until false.
+  void SetAway(bool away) { away_ = away; }
+
+  [[nodiscard]] absl::Status Renew(const storage::ProcessCard& card) override {
+    if (away_) return Away();
+    database_.Renew(process_, card);
+    return absl::OkStatus();
+  }
+  [[nodiscard]] absl::Status Release() override {
+    if (away_) return Away();
+    database_.Release(process_);
+    return absl::OkStatus();
+  }
+  [[nodiscard]] absl::StatusOr<std::vector<storage::Lease>> Read() override {
+    if (away_) return Away();
+    return database_.ReadLeases();
+  }
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ForeignRobot>> RobotsOfOthers(
+      std::string_view after) override {
+    if (away_) return Away();
+    return database_.RobotsOfOthers(process_, after);
+  }
+
+ private:
+  static absl::Status Away() { return absl::UnavailableError("the test said so"); }
+
+  FakeDatabase& database_;
+  const storage::ProcessId process_;
+  bool away_ = false;
+};
+
+}  // namespace uplink::testing

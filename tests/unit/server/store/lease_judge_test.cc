@@ -1,0 +1,145 @@
+#include "server/store/lease_judge.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::store {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr storage::ProcessId kSelf{1};
+constexpr storage::ProcessId kOther{2};
+constexpr storage::ProcessId kThird{3};
+
+class LeaseJudgeTest : public ::testing::Test {
+ protected:
+  static storage::Lease LeaseOf(const storage::ProcessId& process, std::uint64_t counter,
+                                bool released = false) {
+    return {
+        process, {.name = "host:" + std::to_string(process[0]), .life = "here"}, counter, released};
+  }
+  void Look(const std::vector<storage::Lease>& leases) { judge_.NoteLook(clock_.Steady(), leases); }
+  /// Looks for so long that all show the same, `every` apart.
+  void LookOn(const std::vector<storage::Lease>& leases, milliseconds span,
+              milliseconds every = kLookEvery) {
+    for (milliseconds passed{0}; passed < span; passed += every) {
+      clock_.Advance(every);
+      Look(leases);
+    }
+  }
+  Over Other() { return judge_.Of(kOther).over; }
+
+  testing::ManualClock clock_;
+  bool gone_ = false;
+  LeaseJudge judge_{{.self = kSelf, .settle = seconds(10), .is_gone = [this](std::string_view) {
+                       return gone_;
+                     }}};
+};
+
+TEST_F(LeaseJudgeTest, ACounterThatGrowsIsALife) {
+  for (std::uint64_t counter = 1; counter < 30; ++counter) {
+    Look({LeaseOf(kSelf, 1), LeaseOf(kOther, counter)});
+    EXPECT_EQ(Other(), Over::kNo);
+    clock_.Advance(kRenewEvery);
+  }
+  EXPECT_EQ(judge_.others(), 1U);
+  EXPECT_EQ(judge_.Of(kOther).counter, 29U);
+  EXPECT_EQ(judge_.Of(kOther).name, "host:2");
+}
+
+TEST_F(LeaseJudgeTest, TheSameCounterForThirtySecondsIsTheEnd) {
+  Look({LeaseOf(kOther, 5)});
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax - kLookEvery);
+  EXPECT_EQ(Other(), Over::kNo);
+  LookOn({LeaseOf(kOther, 5)}, kLookEvery);
+  EXPECT_EQ(Other(), Over::kSilent);
+  EXPECT_EQ(judge_.others(), 0U);
+  clock_.Advance(kLookEvery);
+  Look({LeaseOf(kOther, 6)});
+  EXPECT_EQ(Other(), Over::kNo) << "it renews and goes on";
+}
+
+TEST_F(LeaseJudgeTest, ALookThatFailedBeginsTheTimeAnew) {
+  Look({LeaseOf(kOther, 5)});
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax - kLookEvery);
+  judge_.NoteFailure();
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax);
+  EXPECT_EQ(Other(), Over::kNo);
+  LookOn({LeaseOf(kOther, 5)}, kLookEvery);
+  EXPECT_EQ(Other(), Over::kSilent);
+}
+
+TEST_F(LeaseJudgeTest, ALookThatCameLateBeginsTheTimeAnew) {
+  Look({LeaseOf(kOther, 5)});
+  LookOn({LeaseOf(kOther, 5)}, seconds(60), kLookGapMax + milliseconds(1));
+  EXPECT_EQ(Other(), Over::kNo) << "who looks too seldom sees no silence";
+  LookOn({LeaseOf(kOther, 5)}, seconds(36), kLookGapMax);
+  EXPECT_EQ(Other(), Over::kSilent);
+}
+
+TEST_F(LeaseJudgeTest, OneSingleLookAfterALongTimeProvesNothing) {
+  Look({LeaseOf(kOther, 5)});
+  clock_.Advance(std::chrono::hours(5));
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_EQ(Other(), Over::kNo);
+}
+
+TEST_F(LeaseJudgeTest, AReleaseIsAnEndOnceItsRobotsHadTimeToCome) {
+  Look({LeaseOf(kOther, 5)});
+  clock_.Advance(kLookEvery);
+  Look({LeaseOf(kOther, 5, true)});
+  EXPECT_EQ(Other(), Over::kNo);
+  EXPECT_EQ(judge_.others(), 0U) << "it does not go on, though";
+  LookOn({LeaseOf(kOther, 5, true)}, seconds(10));
+  EXPECT_EQ(Other(), Over::kReleased);
+}
+
+TEST_F(LeaseJudgeTest, WhoHadLeftBeforeNeedsNoTime) {
+  Look({LeaseOf(kOther, 5, true)});
+  EXPECT_EQ(Other(), Over::kReleased);
+  Look({LeaseOf(kOther, 5, true), LeaseOf(kThird, 1, true)});
+  EXPECT_EQ(judge_.Of(kThird).over, Over::kNo) << "this one left while we looked";
+}
+
+TEST_F(LeaseJudgeTest, AProcessThatIsNotThereAnyMoreIsOver) {
+  Look({LeaseOf(kOther, 5)});
+  gone_ = true;
+  LookOn({LeaseOf(kOther, 5)}, seconds(10) + kLookEvery);
+  EXPECT_EQ(Other(), Over::kGone);
+}
+
+TEST_F(LeaseJudgeTest, AReleasedLeaseThatIsRenewedStandsAgain) {
+  Look({LeaseOf(kOther, 5, true)});
+  EXPECT_EQ(Other(), Over::kReleased);
+  clock_.Advance(kLookEvery);
+  Look({LeaseOf(kOther, 6)});
+  EXPECT_EQ(Other(), Over::kNo);
+}
+
+TEST_F(LeaseJudgeTest, WhoHasNoLeaseAtAllIsOverAfterTheSameTime) {
+  Look({LeaseOf(kSelf, 1)});
+  EXPECT_EQ(Other(), Over::kNo) << "it may be about to take one";
+  for (int i = 0; i < 12; ++i) {
+    clock_.Advance(kLookEvery);
+    Look({LeaseOf(kSelf, 1)});
+    if (i < 11) {
+      EXPECT_EQ(Other(), Over::kNo) << i;
+    }
+  }
+  EXPECT_EQ(Other(), Over::kReleased) << "nobody renews what is not there";
+  EXPECT_EQ(judge_.Of(kOther).counter, 0U);
+  EXPECT_EQ(judge_.Of(kOther).name, model::SessionId(kOther).ToHex());
+}
+
+TEST_F(LeaseJudgeTest, OnesOwnLeaseIsNoOthers) {
+  Look({LeaseOf(kSelf, 1)});
+  EXPECT_EQ(judge_.others(), 0U);
+}
+
+}  // namespace
+}  // namespace uplink::store

@@ -1,0 +1,227 @@
+#include "server/store/lease_rounds.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/journal/turns.h"
+#include "tests/support/eventually.h"
+#include "tests/support/fake_leases.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr storage::ProcessId kSelf{1};
+constexpr storage::ProcessId kOther{2};
+
+/// This process and another one on one database; the other is played by the test.
+class LeaseRoundsTest : public ::testing::Test {
+ protected:
+  LeaseRoundsTest() {
+    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                             SystemTime at) { journals_.NotePresence(robot, presence, at); });
+    auto leases = std::make_unique<testing::FakeLeases>(database_, kSelf);
+    leases_ = leases.get();
+    rounds_ = std::make_unique<LeaseRounds>(
+        std::move(leases), LeaseRounds::Context{.fleet = fleet_,
+                                                .journals = journals_,
+                                                .clock = clock_,
+                                                .logger = logger_,
+                                                .probe = probe_,
+                                                .process = kSelf,
+                                                .is_gone = [](std::string_view) { return false; }});
+    rounds_->SetPort(7443);
+  }
+
+  void OpenAtOther(model::Presence presence = model::Presence::kOnline) {
+    const storage::OpenRequest request{.robot = robot_, .at = clock_.System()};
+    const auto opened = other_.OpenStreams({&request, 1});
+    ASSERT_TRUE(opened.ok());
+    storage::Batch batch;
+    batch.presence_session = model::SessionId({8});
+    batch.presence = {{robot_, presence, FromUnixMs(7), ++number_, opened->front().held_since}};
+    ASSERT_TRUE(other_.Commit(batch).ok());
+  }
+  void RenewOther() { database_.Renew(kOther, {.name = "b:2", .life = "there"}); }
+  void Pass(milliseconds time) {
+    for (milliseconds passed{0}; passed < time; passed += kLookEvery) {
+      clock_.Advance(kLookEvery);
+      rounds_->Round();
+      while (journal_.turns().Advance() == journal::Step::kWorked) {
+      }
+      fleet_.Sweep(std::chrono::hours(1));
+    }
+  }
+  robot::StateSnapshot Shown() {
+    return fleet_.Find(robot_->ruri)->state.Snapshot(robot::RobotState::Parts::kNone);
+  }
+  std::vector<model::Presence> History() {
+    std::vector<model::Presence> history;
+    for (const auto& row : ours_.PresenceChanges({})->rows) history.push_back(row.presence);
+    return history;
+  }
+
+  testing::ManualClock clock_;
+  testing::FakeDatabase database_;
+  testing::FakeStore ours_{database_, kSelf};
+  testing::FakeStore other_{database_, kOther};
+  const storage::RobotRef robot_ =
+      std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
+  model::Seq number_ = 0;
+  metrics::Ledger ledger_;
+  journal::JournalProbe journal_probe_;
+  fleet::Fleet fleet_{clock_, 5, {}};
+  journal::Journal journal_{ours_, {}, clock_, ledger_, journal_probe_, kSelf};
+  journal::Shards journals_{{&journal_}};
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  LeaseProbe probe_;
+  testing::FakeLeases* leases_ = nullptr;
+  std::unique_ptr<LeaseRounds> rounds_;
+};
+
+TEST_F(LeaseRoundsTest, RaisesTheCounterEachFiveSeconds) {
+  rounds_->Round();
+  Pass(std::chrono::seconds(20));
+  const auto leases = database_.ReadLeases();
+  ASSERT_EQ(leases.size(), 1U);
+  EXPECT_EQ(leases[0].counter, 5U);
+  EXPECT_EQ(leases[0].card.name, HostName() + ":7443");
+  EXPECT_EQ(leases[0].card.life, LifeOfThisProcess());
+  EXPECT_EQ(probe_.renewed.value(), 5);
+}
+
+TEST_F(LeaseRoundsTest, ShowsWhatAnotherHoldsAsThatOneWroteIt) {
+  OpenAtOther();
+  RenewOther();
+  rounds_->Round();
+  EXPECT_EQ(Shown().presence, model::Presence::kOnline);
+  EXPECT_EQ(Shown().presence_since, FromUnixMs(7));
+  EXPECT_EQ(Shown().foreign->held_by, "b:2");
+  EXPECT_EQ(Shown().foreign->written_at, FromUnixMs(7));
+  EXPECT_TRUE(rounds_->others());
+  for (int i = 0; i < 30; ++i) {
+    RenewOther();
+    Pass(std::chrono::seconds(5));
+  }
+  EXPECT_THAT(History(), ElementsAre(model::Presence::kOnline)) << "and writes nothing of it";
+  EXPECT_EQ(fleet_.presence_counts().elsewhere, 1);
+}
+
+TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfASilentProcessAndCallsThemOfflineAfterAnHour) {
+  OpenAtOther();
+  RenewOther();
+  rounds_->Round();
+  Pass(kSilentMax - kLookEvery);
+  EXPECT_TRUE(Shown().foreign.has_value());
+  Pass(2 * kLookEvery);
+  EXPECT_FALSE(Shown().foreign.has_value());
+  EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_over process=b:2 why=silent")));
+  EXPECT_EQ(journal_probe_.adopted.value(), 1);
+  Pass(std::chrono::minutes(59));
+  EXPECT_THAT(History(), ElementsAre(model::Presence::kUnknown, model::Presence::kOnline));
+  Pass(std::chrono::minutes(2));
+  EXPECT_THAT(History(), ElementsAre(model::Presence::kOffline, model::Presence::kUnknown,
+                                     model::Presence::kOnline));
+}
+
+TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfAReleasedLeaseAndCallsThemOfflineAfterTheGraceOfAStart) {
+  OpenAtOther();
+  RenewOther();
+  rounds_->Round();
+  database_.Release(kOther);
+  Pass(std::chrono::seconds(10));
+  EXPECT_TRUE(Shown().foreign.has_value()) << "its robots may come by themselves";
+  Pass(2 * kLookEvery);
+  EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+  Pass(std::chrono::minutes(2) + kLookEvery);
+  EXPECT_EQ(Shown().presence, model::Presence::kOffline);
+}
+
+TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
+  OpenAtOther();
+  RenewOther();
+  rounds_->Round();
+  leases_->SetAway(true);
+  Pass(std::chrono::minutes(2));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_fails")));
+  EXPECT_EQ(probe_.failing.value(), 1);
+  leases_->SetAway(false);
+  Pass(kSilentMax);
+  EXPECT_TRUE(Shown().foreign.has_value());
+  RenewOther();
+  Pass(kSilentMax);
+  EXPECT_TRUE(Shown().foreign.has_value());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_fails"), HasSubstr("lease_works_again")));
+  EXPECT_EQ(probe_.failing.value(), 0);
+}
+
+TEST_F(LeaseRoundsTest, ARobotThatWentElsewhereIsLetGo) {
+  robot::Robot& robot = **fleet_.FindOrAdmit(*robot_);
+  journal_.Open(robot, 1, {.robot = robot_, .at = clock_.System()});
+  Pass(kLookEvery);
+  EXPECT_EQ(robot.state.held_since(), 1U);
+  OpenAtOther();
+  RenewOther();
+  Pass(kLookEvery);
+  EXPECT_EQ(robot.state.held_since(), 0U);
+  Pass(kLookEvery);
+  EXPECT_EQ(Shown().foreign->held_by, "b:2");
+  EXPECT_EQ(Shown().presence, model::Presence::kOnline);
+}
+
+TEST_F(LeaseRoundsTest, MoreRobotsThanThereMayBeAreLeftToTheirHolder) {
+  for (const char* ruri : {"a", "b", "c", "d", "e"}) {
+    ASSERT_TRUE(fleet_.FindOrAdmit({ruri, "f"}).ok());
+  }
+  OpenAtOther();
+  rounds_->Round();
+  EXPECT_EQ(fleet_.Find(robot_->ruri), nullptr);
+  EXPECT_THAT(lines_, IsEmpty());
+}
+
+TEST_F(LeaseRoundsTest, RunsOnAThreadOfItsOwnAndReleases) {
+  rounds_->Start();
+  EXPECT_TRUE(testing::Eventually([&] { return !database_.ReadLeases().empty(); }));
+  rounds_->Stop();
+  rounds_->Stop();
+  rounds_->Release();
+  EXPECT_TRUE(database_.ReadLeases().front().released);
+  EXPECT_THAT(lines_, IsEmpty());
+}
+
+TEST_F(LeaseRoundsTest, AReleaseThatFailsIsALine) {
+  leases_->SetAway(true);
+  rounds_->Release();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_not_released")));
+}
+
+TEST_F(LeaseRoundsTest, AStoreThatOneProcessHasNeedsNone) {
+  LeaseRounds none(nullptr, {.fleet = fleet_,
+                             .journals = journals_,
+                             .clock = clock_,
+                             .logger = logger_,
+                             .probe = probe_});
+  none.Round();
+  none.Start();
+  none.Stop();
+  none.Release();
+  EXPECT_FALSE(none.others());
+  EXPECT_EQ(probe_.renewed.value(), 0);
+}
+
+}  // namespace
+}  // namespace uplink::store
