@@ -43,7 +43,7 @@ def uplinkctl(*arguments, code=0):
     return run(BIN / "uplinkctl", *arguments, code=code)
 
 
-def wait_until(process, condition, seconds, what):
+def wait_until(process, condition, seconds, what, every=LOOK_SECONDS):
     """Waits until `condition` gives something true, while `process` lives."""
     deadline = time.monotonic() + seconds
     while True:
@@ -53,7 +53,7 @@ def wait_until(process, condition, seconds, what):
         if time.monotonic() > deadline:
             raise AssertionError(f"not within {seconds} s: {what}")
         try:
-            code = process.wait(LOOK_SECONDS)
+            code = process.wait(every)
         except subprocess.TimeoutExpired:
             continue
         raise AssertionError(f"{process.args[0]} ended with {code} while waiting: {what}")
@@ -207,13 +207,13 @@ class Standby(Cluster):
 
 
 class Fleet:
-    """An uplink-fleet that runs until it is told to finish."""
+    """An uplink-fleet that runs until it is told to finish; `target` is what leads to the server's relay."""
 
-    def __init__(self, server, *flags):
+    def __init__(self, server, *flags, target=None):
         self.folder = server.folder
         self.progress = (self.folder / "fleet.log").open("wb")
         self.process = subprocess.Popen(
-            [str(BIN / "uplink-fleet"), "--target", server.relay, "--http", server.http,
+            [str(BIN / "uplink-fleet"), "--target", target or server.relay, "--http", server.http,
              "--pki", str(server.pki), "--report", "json", "--for", "1h", *map(str, flags)],
             stdout=subprocess.PIPE, stderr=self.progress,
         )  # fmt: skip
