@@ -1,24 +1,15 @@
 """The crash campaign: kills everything at random moments, and compares what the robots were told is
-durable with what is stored.
-
-    chaos.py [--kills N] [--store sqlite|postgres] [--seed S] [--canary acks_early|unsynced]
+durable with what is stored. chaos_run.py runs it.
 
 A robot's messages follow from their numbers (tests/chaos/script.h), so a comparison knows every row
-that must be there. It prints `kills, acked, stored, lost, doubled` and ends with 1 if anything was
-lost, doubled, or is not what its number says. With a canary, a server that is wrong on purpose, it
-ends with 0 only if it reports loss.
+that must be there. With a canary, a server that is wrong on purpose, it goes on until something is
+lost.
 """
 
-import argparse
-import pathlib
 import random
-import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
-import tempfile
-import time
 
 from chaos_stores import RAISE_STEP, RECOVERY_SECONDS, STEPS, Postgres, Sqlite, durable
 from harness import BIN, Server, wait_until
@@ -77,6 +68,7 @@ class Campaign:
         self.folder = folder
         self.canary = canary
         self.server = Server(folder)
+        self.servers = [self.server]
         self.store = Postgres(folder) if store == "postgres" else Sqlite(folder)
         self.server.store_url = self.store.url
         self.robots = Robots(folder, seed, CANARY_PACE_MS if canary else PACE_MS)
@@ -85,20 +77,25 @@ class Campaign:
         self.wrong = []
         self.acked = self.stored = 0
 
-    def start_server(self):
+    def start_server(self, server):
         """With SQLite alternately the program itself and the one that loses what is not synced."""
         programs = ["uplinkd"]
         if self.canary:
             programs = [CANARIES[self.canary]]
         elif isinstance(self.store, Sqlite):
             programs = ["uplinkd", "uplinkd_held"]
-        self.server.program = BIN / programs[self.server.starts % len(programs)]
-        self.server.environment = {"UPLINK_HELD_SEED": str(self.random.randrange(1 << 30))}
-        self.server.start()
+        server.program = BIN / programs[server.starts % len(programs)]
+        server.environment = {"UPLINK_HELD_SEED": str(self.random.randrange(1 << 30))}
+        server.start()
+
+    def port(self):
+        """Where the robots connect."""
+        return self.server.relay.rsplit(":", 1)[1]
 
     def start(self):
-        self.start_server()
-        self.robots.start(self.server.relay.rsplit(":", 1)[1])
+        for server in self.servers:
+            self.start_server(server)
+        self.robots.start(self.port())
 
     def wait_for_more(self, messages):
         """Until so many more were acked: the fleet and the server do their work."""
@@ -107,7 +104,7 @@ class Campaign:
             self.robots.process,
             lambda: self.robots.count() >= before + messages,
             RECOVERY_SECONDS,
-            f"acks of {messages} messages more ({self.server.text()[-500:]})",
+            f"acks of {messages} messages more ({[server.text()[-500:] for server in self.servers]})",
         )
 
     def compare(self):
@@ -141,6 +138,12 @@ class Campaign:
         self.lost = max(self.lost, lost)
         self.doubled = max(self.doubled, doubled)
 
+    def kill_server(self):
+        self.server.kill()
+        if self.canary:
+            self.compare()
+        self.start_server(self.server)
+
     def kill(self):
         kinds = self.store.kills
         kind = self.random.choices(list(kinds), list(kinds.values()))[0]
@@ -152,13 +155,10 @@ class Campaign:
         except subprocess.TimeoutExpired:
             pass
         if kind == "server":
-            self.server.kill()
-            if self.canary:
-                self.compare()
-            self.start_server()
+            self.kill_server()
         elif kind == "robots":
             self.robots.kill()
-            self.robots.start(self.server.relay.rsplit(":", 1)[1])
+            self.robots.start(self.port())
         elif kind == "cluster":
             self.store.cluster.crash()
         elif not self.store.kill_backend(kind == "backend crash"):
@@ -188,46 +188,18 @@ class Campaign:
             if progress and self.done % PROGRESS_EVERY == 0:
                 print(self.line(), file=progress, flush=True)
         if self.clean() and not self.canary:
-            self.robots.kill()
-            self.server.terminate(60)
-            self.compare()
+            self.finish()
         return self.clean()
 
+    def finish(self):
+        self.robots.kill()
+        for server in self.servers:
+            server.terminate(60)
+        self.compare()
+
     def close(self):
-        for process in (self.robots.process, self.server.process):
+        for process in (self.robots.process, *(server.process for server in self.servers)):
             if process is not None and process.poll() is None:
                 process.kill()
                 process.wait(30)
         self.store.close()
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kills", type=int, default=25)
-    parser.add_argument("--store", choices=("sqlite", "postgres"), default="sqlite")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--canary", choices=sorted(CANARIES))
-    arguments = parser.parse_args()
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="uplink-chaos."))
-    began = time.monotonic()
-    campaign = Campaign(folder, arguments.store, arguments.seed, arguments.canary)
-    try:
-        clean = campaign.run(arguments.kills, sys.stderr)
-    finally:
-        campaign.close()
-    print(campaign.line())
-    print(f"{arguments.store}, seed {arguments.seed}, {time.monotonic() - began:.0f} s", file=sys.stderr)
-    for line in campaign.wrong[:20]:
-        print(line)
-    if arguments.canary:
-        print("the canary was found" if campaign.lost else "the canary was NOT found")
-        clean = campaign.lost > 0
-    if clean:
-        shutil.rmtree(folder)
-    else:
-        print(f"kept: {folder}", file=sys.stderr)
-    return 0 if clean else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

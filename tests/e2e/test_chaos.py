@@ -3,6 +3,7 @@
 import unittest
 
 from chaos import Campaign, Robots
+from chaos_pair import PairCampaign
 from harness import EndToEnd, Server, wait_until
 
 KILLS = 25
@@ -24,6 +25,11 @@ class Chaos(EndToEnd):
 
     def test_kills_on_postgres_lose_nothing_and_double_nothing(self):
         self.expect_clean(self.campaign("postgres", 1))
+
+    def test_kills_of_two_servers_in_turn_make_nobody_offline(self):
+        campaign = PairCampaign(self.folder, 1)
+        self.open_things.append(campaign)
+        self.expect_clean(campaign)
 
     def test_a_server_that_acks_before_the_commit_is_found(self):
         campaign = self.campaign("sqlite", 1, "acks_early")

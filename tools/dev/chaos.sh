@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # chaos.sh [--kills N] [--store sqlite|postgres] [--seed S] [--canary acks_early|unsynced]: the crash
 # campaign.
+# chaos.sh --store postgres --servers 2 [--kills N] [--seed S]: with two servers on one PostgreSQL.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 # shellcheck source=tools/dev/lib.sh
@@ -10,4 +11,4 @@ need_packages
 build_preset release bin/uplinkd bin/uplinkctl bin/uplink_chaos_robots bin/uplinkd_held \
   bin/uplinkd_unsynced bin/uplinkd_acks_early
 export UPLINK_BIN_DIR="$PWD/build/release/bin" PYTHONDONTWRITEBYTECODE=1
-exec python3 tests/e2e/chaos.py "$@"
+exec python3 tests/e2e/chaos_run.py "$@"
