@@ -257,8 +257,10 @@ class EndToEnd(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="uplink-e2e-"))
         self.open_things = []
+        # Also when a setUp fails.
+        self.addCleanup(self.clean_up)
 
-    def tearDown(self):
+    def clean_up(self):
         for thing in reversed(self.open_things):
             thing.close()
         # Errors of this test alone: unittest keeps them by test.

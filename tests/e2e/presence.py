@@ -6,8 +6,8 @@ import urllib.parse
 # By the number in the table.
 NAMES = ("PRESENCE_UNKNOWN", "PRESENCE_ONLINE", "PRESENCE_OFFLINE")
 UNKNOWN, ONLINE, OFFLINE = NAMES
-# Rows that a robot whose holder is gone may get: nobody hears it, then somebody does.
-ROWS_OF_A_MOVE = 2
+# The rows of a time in which nobody hears a robot: its holder is gone, or stands still.
+PAUSE = [UNKNOWN, ONLINE]
 
 
 def stored_histories(cluster):
@@ -26,9 +26,15 @@ def shown_history(server, ruri):
     return [change["presence"] for change in reversed(answer.get("changes", []))]
 
 
-def problems_of(history, moves):
-    """What is wrong with the history of a robot that streamed all the time, and was at most `moves`
-    times without a holder."""
+def goes_on(before, now, pauses):
+    """Whether a history that ended with online got no rows but those of at most so many pauses."""
+    added = now[len(before) :]
+    return now[: len(before)] == before and added == (pauses * PAUSE)[: len(added)]
+
+
+def problems_of(history, pauses):
+    """What is wrong with the history of a robot that streamed all the time, and was at most so often
+    not heard."""
     if not history:
         return ["no change at all"]
     found = []
@@ -38,6 +44,6 @@ def problems_of(history, moves):
         found.append("a row that changes nothing")
     if history[-1] != ONLINE:
         found.append("not online at last")
-    if len(history) > 1 + ROWS_OF_A_MOVE * moves:
-        found.append(f"{len(history)} rows for {moves} moves")
+    if len(history) > 1 + len(PAUSE) * pauses:
+        found.append(f"{len(history)} rows for {pauses} pauses")
     return found
