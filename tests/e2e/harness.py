@@ -163,7 +163,8 @@ class Cluster:
 
     def __init__(self, folder, configuration=""):
         self.state = folder / "postgres.state"
-        run(POSTGRES, "start", self.state, env=dict(os.environ, UPLINK_POSTGRES_CONF=configuration))
+        run(POSTGRES, "start", self.state, timeout=120,
+            env=dict(os.environ, UPLINK_POSTGRES_CONF=configuration))  # fmt: skip
         self.place = place_in(self.state)
 
     def url(self, role, database="uplinkd"):
