@@ -128,8 +128,8 @@ class App::Impl {
                           .drain = [this](milliseconds wait) { relay_->Drain(wait); },
                           .wait_for_streams =
                               [this](milliseconds wait) { return relay_->WaitForStreams(wait); }},
-            .others = [this] { return leases_.others(); },
-            .release = [this] { leases_.Release(); },
+            .leave = [this] { return leases_.Leave() == store::LeaseRounds::Left::kToOthers; },
+            .stop_adopting = [this] { leases_.StopAdopting(); },
             .stop = [this] { Stop(); },
             .timeout = options_.config.drain.timeout};
   }

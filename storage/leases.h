@@ -19,6 +19,8 @@ namespace uplink::storage {
 /// Rows of one answer of Leases::RobotsOfOthers, and leases of one of Renew.
 inline constexpr std::uint32_t kForeignRobotsMax = 1'000;
 inline constexpr std::uint32_t kLeasesMax = 1'000;
+/// Characters of a card's texts that are read.
+inline constexpr std::uint32_t kCardTextMax = 256;
 /// A lease that nobody renewed for so long goes, once its process holds no robot.
 inline constexpr std::chrono::hours kLeaseKept{24};
 
@@ -45,6 +47,8 @@ struct ForeignRobot {
   ProcessId holder{};
   Epoch held_since = 0;
   std::optional<StoredPresence> presence;
+  /// The session that was used last.
+  std::optional<StoredSession> last_session;
   /// When its presence or its live state was written last; nothing if neither was.
   std::optional<SystemTime> written_at;
 };
@@ -57,10 +61,10 @@ class Leases {
  public:
   virtual ~Leases() = default;
 
-  /// Raises the counter of this process's lease, which is made if it is not there, and is no longer
-  /// released.
+  /// Raises the counter of this process's lease, which is made if it is not there. One that was
+  /// released stays so: a renewal that comes late undoes nothing.
   [[nodiscard]] virtual absl::Status Renew(const ProcessCard& card) = 0;
-  /// Gives this process's robots up. Until the next Renew.
+  /// Gives this process's robots up, for good.
   [[nodiscard]] virtual absl::Status Release() = 0;
   /// All leases, this process's own included, at most kLeasesMax: those renewed last.
   [[nodiscard]] virtual absl::StatusOr<std::vector<Lease>> Read() = 0;

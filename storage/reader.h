@@ -73,13 +73,6 @@ struct Page {
   std::string next_token;
 };
 
-/// How far a session of a robot is stored.
-struct StoredSession {
-  model::SessionId session;
-  /// Its last committed durable number; 0 if there is none.
-  model::Seq cursor = 0;
-};
-
 struct RobotRow {
   model::RobotId robot;
   SystemTime first_seen;

@@ -80,6 +80,13 @@ struct StoredPresence {
   friend bool operator==(const StoredPresence&, const StoredPresence&) = default;
 };
 
+/// How far a session of a robot is stored.
+struct StoredSession {
+  model::SessionId session;
+  /// Its last committed durable number; 0 if there is none.
+  model::Seq cursor = 0;
+};
+
 /// A number whose payload lies in quarantine, and why.
 struct StoredReject {
   model::Seq seq = 0;

@@ -47,7 +47,11 @@ void Opening::LeaveRest() {
 }
 
 void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
-  if (!result.taken) return holds_.Lose(*open.client, open.request.robot).Wake();
+  if (!result.taken) {
+    // A stream that came meanwhile has asked for itself, and takes what waits with it.
+    if (open.client->HasStream()) return;
+    return holds_.Lose(*open.client, open.request.robot).Wake();
+  }
   const Holds::Told told = holds_.Begin(*open.client, open.request.robot,
                                         {.how = robot::HoldBegan::kOpened,
                                          .since = result.held_since,

@@ -9,7 +9,7 @@ namespace uplink::journal {
 void PresenceLog::Hold(const std::string& ruri, storage::Epoch since,
                        const std::optional<storage::StoredPresence>& stored) {
   held_[ruri] = since;
-  if (stored) handed_[ruri] = stored->presence;
+  if (stored) handed_[ruri] = *stored;
   const auto waits = unheld_.extract(ruri);
   if (waits) Note(waits.mapped().robot, waits.mapped().presence, waits.mapped().at);
 }
@@ -35,10 +35,11 @@ void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence,
     return;
   }
   const auto handed = handed_.find(robot->ruri);
-  if (handed != handed_.end() && handed->second == presence) {
+  if (handed != handed_.end() && handed->second.presence == presence) {
     uncommitted_.fetch_sub(waiting_.erase(robot->ruri));
     return;
   }
+  if (handed != handed_.end()) at = std::max(at, handed->second.since);
   const auto [item, first] = waiting_.insert_or_assign(
       robot->ruri, storage::PresenceItem{robot, presence, at, 0, held->second});
   if (first) uncommitted_.fetch_add(1);
@@ -57,7 +58,7 @@ std::vector<storage::PresenceItem> PresenceLog::Take(std::size_t items_max) {
   while (!waiting_.empty() && items.size() < items_max) {
     auto first = waiting_.extract(waiting_.begin());
     first.mapped().number = ++last_number_;
-    handed_[first.key()] = first.mapped().presence;
+    handed_[first.key()] = {first.mapped().presence, first.mapped().at};
     items.push_back(std::move(first.mapped()));
   }
   return items;

@@ -29,7 +29,9 @@ class PresenceLog final {
   /// The epoch since which the robot is held; 0 if it is not.
   [[nodiscard]] storage::Epoch HeldSince(const std::string& ruri) const;
 
-  /// A change of a robot that is not held waits until it is.
+  /// A change of a robot that is not held waits until it is. One that is dated before the last that
+  /// was handed over, or that its former holder wrote by another clock, gets the date of that: the
+  /// latest row is the one with the latest date.
   void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
 
   /// Hands over at most `items_max` changes, numbered; what was put back goes alone. Whoever takes
@@ -55,7 +57,8 @@ class PresenceLog final {
   std::unordered_map<std::string, storage::Epoch> held_;
   /// Put back, in order.
   std::vector<storage::PresenceItem> put_back_;
-  std::unordered_map<std::string, model::Presence> handed_;
+  /// What was last handed over, or is in the store.
+  std::unordered_map<std::string, storage::StoredPresence> handed_;
   model::Seq last_number_ = 0;
   std::atomic<std::size_t> uncommitted_{0};
 };

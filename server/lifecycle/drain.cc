@@ -24,6 +24,7 @@ void Drain::Run() {
   context_.logger.Info("draining", {{"streams", context_.transport.streams()},
                                     {"timeout_ms", context_.timeout.count()}});
   context_.monitor.BeginDrain();
+  context_.stop_adopting();
   context_.journals.RequestCheckpoint();
   const Deadline last(context_.timeout + kStopWait, [this] { EndUnfinished(); });
   context_.transport.drain(context_.timeout);
@@ -34,7 +35,6 @@ void Drain::Run() {
   context_.journals.RequestCheckpoint();
   WaitForJournals(deadline);
   context_.stop();
-  context_.release();
   const std::int64_t unsettled = context_.ledgers.Sum().uplinks.in_flight;
   if (unsettled == 0) {
     context_.logger.Info("stopped");
@@ -45,7 +45,7 @@ void Drain::Run() {
 
 void Drain::EndPresence() {
   // Whoever takes a robot over goes on with its presence.
-  if (context_.others()) return;
+  if (context_.leave()) return;
   for (const robot::Robot* robot : context_.fleet.Sorted()) {
     if (robot->state.held_since() == 0) continue;
     if (robot->state.presence() == model::Presence::kUnknown) continue;

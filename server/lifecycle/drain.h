@@ -43,10 +43,10 @@ class Drain final {
     health::Monitor& monitor;
     StopSignal& signal;
     Transport transport;
-    /// Whether another process shares the store, and takes the robots over.
-    std::function<bool()> others;
-    /// Gives this process's robots up, once nothing of them is written any more.
-    std::function<void()> release;
+    /// Gives this process's robots up; true if another process is there that takes them over.
+    std::function<bool()> leave;
+    /// Takes no robot of another process over from now on.
+    std::function<void()> stop_adopting;
     /// Stops everything, at the end.
     std::function<void()> stop;
     milliseconds timeout{0};

@@ -1,5 +1,7 @@
 #include "server/robot/presence_track.h"
 
+#include <algorithm>
+
 namespace uplink::robot {
 
 PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
@@ -45,14 +47,23 @@ void PresenceTrack::TakeOver(const storage::StoredPresence& stored, SteadyTime n
     unknown_until_.reset();
     presence_ = stored.presence;
   }
-  if (presence_ == stored.presence) since_ = stored.since;
+  GoOnFrom(stored);
+}
+
+void PresenceTrack::GoOnFrom(const storage::StoredPresence& stored) {
+  if (presence_ == stored.presence) {
+    since_ = stored.since;
+  } else if (!told_) {
+    // It was no change of what was shown here, and is one of what the store has by now.
+    Change(presence_, std::max(since_, stored.since));
+  }
 }
 
 void PresenceTrack::Adopt(const Adoption& adoption) {
   foreign_ = false;
   known_since_ = adoption.now;
   if (last_sign_) {
-    if (adoption.stored && presence_ == adoption.stored->presence) since_ = adoption.stored->since;
+    if (adoption.stored) GoOnFrom(*adoption.stored);
     return;
   }
   taken_over_.reset();

@@ -74,6 +74,8 @@ class PresenceTrack final {
   void Reach(SteadyTime steady, SystemTime system);
   void Update(const PresenceLimits& limits);
   void Change(Presence presence, SystemTime at);
+  /// The store has `stored`, and what was heard or told here stands.
+  void GoOnFrom(const storage::StoredPresence& stored);
 
   const SteadyTime server_started_;
   SteadyTime known_since_;

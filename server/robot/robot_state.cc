@@ -53,7 +53,7 @@ void RobotState::KeepReport(const model::Body& report, SystemTime received_at) {
 
 void RobotState::Restore(Reported before, storage::Epoch held_since) {
   const std::lock_guard lock(mutex_);
-  if (held_since != held_since_) return;
+  if (foreign_ || held_since != held_since_) return;
   reports_.Restore(std::move(before));
 }
 
@@ -88,6 +88,7 @@ void RobotState::StreamBegan() {
 
 void RobotState::Claim(SteadyTime now) {
   const std::lock_guard lock(mutex_);
+  claimed_ = true;
   if (!foreign_) return;
   foreign_.reset();
   presence_.TakeOver({presence_.presence(), presence_.since()}, now);
@@ -100,7 +101,9 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
   needs_restore_ = news.was_known;
   switch (news.how) {
     case HoldBegan::kOpened:
-      if (news.presence) presence_.TakeOver(*news.presence, now);
+      presence_.TakeOver(
+          news.presence.value_or(storage::StoredPresence{presence_.presence(), presence_.since()}),
+          now);
       return;
     case HoldBegan::kAdopted:
       presence_.Adopt({.stored = news.presence,
@@ -109,6 +112,11 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
                        .system_now = system_now});
       return;
   }
+}
+
+void RobotState::EndClaim() {
+  const std::lock_guard lock(mutex_);
+  claimed_ = false;
 }
 
 void RobotState::Lose() {
@@ -120,6 +128,7 @@ void RobotState::Lose() {
   signs_changed_ = false;
   clock_skew_ms_.reset();
   held_since_ = 0;
+  claimed_ = false;
   needs_restore_ = false;
   foreign_ = Foreign();
   presence_.Follow({presence_.presence(), presence_.since()});
@@ -127,7 +136,7 @@ void RobotState::Lose() {
 
 void RobotState::FollowHolder(Foreign foreign, const storage::StoredPresence& presence) {
   const std::lock_guard lock(mutex_);
-  if (held_since_ != 0) return;
+  if (held_since_ != 0 || claimed_) return;
   foreign_ = std::move(foreign);
   presence_.Follow(presence);
 }
@@ -178,7 +187,7 @@ void RobotState::PutBackChanges(const LivePartSet& changed) {
 
 void RobotState::Restore(LiveBefore before, storage::Epoch held_since) {
   const std::lock_guard lock(mutex_);
-  if (held_since != held_since_) return;
+  if (foreign_ || held_since != held_since_) return;
   ForEachPart(
       [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
         if (Merge(part, std::move(earlier))) parts_changed_.set(Tag::kIndex);

@@ -114,13 +114,16 @@ class RobotState final {
   /// A stream of it is here: whoever held it, it is judged here from now on. The store learns of
   /// that by an OpenStream.
   void Claim(SteadyTime now);
+  /// No stream of it is here any more. What the store says of its holder counts again.
+  void EndClaim();
   /// This process holds it. What the former holder kept in the store is to be restored, if there is
   /// such.
   void BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now);
   /// Another process holds it: everything that is known of it is forgotten. Its presence stays as
   /// it is until that process is known.
   void Lose();
-  /// Another process holds it and wrote this. Nothing happens if this process holds it.
+  /// Another process holds it and wrote this. Nothing happens if this process holds it, or if a
+  /// stream of it is here.
   void FollowHolder(Foreign foreign, const storage::StoredPresence& presence);
   /// The epoch since which this process holds it; 0 if it does not, or the store has not said so.
   [[nodiscard]] storage::Epoch held_since() const;
@@ -171,6 +174,8 @@ class RobotState final {
   /// Set while another process holds it.
   std::optional<Foreign> foreign_;
   storage::Epoch held_since_ = 0;
+  /// A stream of it is here.
+  bool claimed_ = false;
   bool needs_restore_ = false;
 };
 

@@ -47,6 +47,9 @@ robot::Resume Attachment::Resume() {
   return resume;
 }
 
-void Attachment::Detach() { robot_->sessions.Detach(self_, context_.clock.Steady()).Wake(); }
+void Attachment::Detach() {
+  robot_->sessions.Detach(self_, context_.clock.Steady()).Wake();
+  if (!robot_->HasStream()) robot_->state.EndClaim();
+}
 
 }  // namespace uplink::session

@@ -28,6 +28,10 @@ void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases
     const bool there = std::ranges::find(leases, process, &storage::Lease::process) != leases.end();
     if (!there) known.lease.reset();
   }
+  came_alone_ =
+      first_look_ && std::ranges::none_of(leases, [this](const storage::Lease& lease) {
+        return lease.process != rules_.self && !lease.released && !rules_.is_gone(lease.card.life);
+      });
   for (const storage::Lease& lease : leases) {
     if (lease.process == rules_.self) continue;
     Update(known_.try_emplace(lease.process, Known{.same_since = now}).first->second, lease);
@@ -41,12 +45,11 @@ void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases
 void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
   if (!known.lease || known.lease->counter != lease.counter) known.same_since = now_;
   known.lease = lease;
-  known.gone = rules_.is_gone(lease.card.life);
-  if (!lease.released && !known.gone) {
+  if (!lease.released && !rules_.is_gone(lease.card.life)) {
     known.left_at.reset();
   } else if (!known.left_at) {
     known.left_at = now_;
-    known.left_before = first_look_;
+    known.left_before = came_alone_;
   }
 }
 
@@ -63,7 +66,7 @@ LeaseJudge::Verdict LeaseJudge::Of(const storage::ProcessId& process) {
 
 Over LeaseJudge::Judge(const Known& known) const {
   if (known.left_at && (known.left_before || now_ - *known.left_at >= rules_.settle)) {
-    return known.gone ? Over::kGone : Over::kReleased;
+    return known.lease && known.lease->released ? Over::kReleased : Over::kGone;
   }
   if (now_ - known.same_since < kSilentMax) return Over::kNo;
   return known.lease ? Over::kSilent : Over::kReleased;

@@ -79,8 +79,7 @@ class LeaseJudge final {
     SteadyTime same_since;
     /// When it was first seen released or gone; nothing if it is neither.
     std::optional<SteadyTime> left_at;
-    bool gone = false;
-    /// It had left when this process came.
+    /// It had left when this process came, and its robots had nobody else to go to.
     bool left_before = false;
     /// It was asked for since the last look: it holds a robot.
     bool asked = false;
@@ -92,6 +91,8 @@ class LeaseJudge final {
   std::optional<SteadyTime> looked_;
   SteadyTime now_;
   bool first_look_ = true;
+  /// This is the first look, and no other process is there.
+  bool came_alone_ = false;
   std::map<storage::ProcessId, Known> known_;
 };
 

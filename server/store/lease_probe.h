@@ -1,9 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <cstddef>
-#include <cstdint>
-
 #include "metrics/cells.h"
 
 namespace uplink::store {

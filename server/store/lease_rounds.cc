@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include <pthread.h>
+
 #include "server/config/address.h"
 
 namespace uplink::store {
@@ -16,6 +18,11 @@ LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context contex
 
 LeaseRounds::~LeaseRounds() { Stop(); }
 
+void LeaseRounds::SetPort(std::uint16_t port) {
+  port_.store(port);
+  renews_now_.store(true);
+}
+
 void LeaseRounds::Round() {
   if (leases_ == nullptr) return;
   const absl::Status looked = Look();
@@ -25,7 +32,7 @@ void LeaseRounds::Round() {
 
 absl::Status LeaseRounds::Look() {
   const SteadyTime began = context_.clock.Steady();
-  if (!renewed_ || began - *renewed_ >= kRenewEvery) {
+  if (!renewed_ || began - *renewed_ >= kRenewEvery || renews_now_.exchange(false)) {
     const storage::ProcessCard card{
         .name = config::ToText({.host = HostName(), .port = port_.load()}),
         .life = LifeOfThisProcess()};
@@ -43,20 +50,38 @@ absl::Status LeaseRounds::Look() {
 
 absl::Status LeaseRounds::FollowRobots() {
   std::string after;
+  std::set<std::string> listed;
   while (true) {
     const auto robots = leases_->RobotsOfOthers(after);
     if (!robots.ok()) return robots.status();
-    if (robots->empty()) return absl::OkStatus();
-    for (const storage::ForeignRobot& foreign : *robots) Follow(foreign);
+    if (robots->empty()) break;
+    for (const storage::ForeignRobot& foreign : *robots) {
+      Follow(foreign);
+      listed.insert(foreign.robot.ruri);
+    }
     after = robots->back().robot.ruri;
+  }
+  TakeUnlisted(listed);
+  return absl::OkStatus();
+}
+
+void LeaseRounds::TakeUnlisted(const std::set<std::string>& listed) {
+  if (!adopts_.load()) return;
+  for (robot::Robot* robot : context_.fleet.All()) {
+    bool foreign = false;
+    robot->state.LookAt([&](const robot::StateView& view) { foreign = view.foreign; });
+    if (!foreign || robot->HasStream() || listed.contains(robot->ruri())) continue;
+    context_.journals.Adopt({.client = robot,
+                             .request = {.robot = robot->id(), .holder = context_.process},
+                             .grace = context_.presence.adopted_grace});
   }
 }
 
 void LeaseRounds::Follow(const storage::ForeignRobot& foreign) {
   // One more than limits.robots_max is not shown; the process that holds it has it.
-  const auto admitted = context_.fleet.FindOrAdmit(foreign.robot);
+  const auto admitted = context_.fleet.AdmitNew(foreign.robot);
   if (!admitted.ok()) return;
-  robot::Robot& robot = **admitted;
+  robot::Robot& robot = *context_.fleet.Find(foreign.robot.ruri);
   const LeaseJudge::Verdict holder = judge_.Of(foreign.holder);
   const storage::Epoch held_since = robot.state.held_since();
   if (held_since >= foreign.held_since) return;  // it came here since this was read
@@ -66,16 +91,21 @@ void LeaseRounds::Follow(const storage::ForeignRobot& foreign) {
   }
   // A stream of it is here, and the store is about to learn of that.
   if (robot.HasStream()) return;
+  robot.SetFleet(foreign.robot.fleet);
+  if (foreign.last_session) {
+    robot.sessions.Restore({foreign.last_session->session, foreign.last_session->cursor});
+  }
   const storage::StoredPresence presence = foreign.presence.value_or(
       storage::StoredPresence{model::Presence::kUnknown, robot.state.presence_since()});
   robot.state.FollowHolder({.held_by = holder.name, .written_at = foreign.written_at}, presence);
   if (holder.over == Over::kNo) {
-    told_.erase(foreign.holder);
+    over_.erase(foreign.holder);
     return;
   }
-  if (told_.insert_or_assign(foreign.holder, holder.over).second) {
+  if (over_.insert(foreign.holder).second) {
     context_.logger.Warn("process_over", {{"process", holder.name}, {"why", ToText(holder.over)}});
   }
+  if (!adopts_.load()) return;
   const milliseconds grace = holder.over == Over::kSilent ? context_.presence.adopted_grace
                                                           : context_.presence.startup_grace;
   context_.journals.Adopt(
@@ -96,16 +126,25 @@ void LeaseRounds::NoteOutcome(const absl::Status& status) {
   }
 }
 
-void LeaseRounds::Release() {
-  if (leases_ == nullptr) return;
+LeaseRounds::Left LeaseRounds::Leave() {
+  Stop();
+  if (leases_ == nullptr) return Left::kToNobody;
   const absl::Status released = leases_->Release();
-  if (released.ok()) return;
-  context_.logger.Warn("lease_not_released", {{"why", std::string(released.message())}});
+  if (!released.ok()) {
+    context_.logger.Warn("lease_not_released", {{"why", std::string(released.message())}});
+  }
+  // After the release: whoever releases later sees that this one did.
+  if (const auto leases = leases_->Read(); leases.ok()) {
+    judge_.NoteLook(context_.clock.Steady(), *leases);
+    context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));
+  }
+  return judge_.others() > 0 ? Left::kToOthers : Left::kToNobody;
 }
 
 void LeaseRounds::Start() {
   if (leases_ == nullptr) return;
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+  ::pthread_setname_np(thread_.native_handle(), "leases");
 }
 
 void LeaseRounds::Stop() {

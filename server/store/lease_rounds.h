@@ -2,12 +2,13 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -32,8 +33,7 @@ namespace uplink::store {
 ///
 /// Errors:  of the store: the next round tries again, and no other process is called over for it.
 /// Thread:  constructed, started and stopped by main; Round by main before Start, then by a thread
-/// of
-///          its own; SetName and others from any.
+///          of its own; SetPort, others and StopAdopting from any.
 class LeaseRounds final {
  public:
   /// The references outlive it.
@@ -56,22 +56,31 @@ class LeaseRounds final {
   LeaseRounds& operator=(const LeaseRounds&) = delete;
 
   /// At which port of this machine robots reach this process.
-  void SetPort(std::uint16_t port) { port_.store(port); }
+  void SetPort(std::uint16_t port);
   /// One look: renews the lease where that is due, reads the others, and acts on what they show.
   void Round();
   /// Rounds each kLookEvery, on a thread of its own.
   void Start();
   /// Ends the rounds. Idempotent.
   void Stop();
-  /// After Stop: this process judges no robot any more. A failure is logged: the others wait for
-  /// the lease to fall silent then.
-  void Release();
-  /// Whether another process's lease stands, as of the last look.
-  [[nodiscard]] bool others() const { return context_.probe.others.value() > 0; }
+  enum class Left : std::uint8_t {
+    /// Another process's lease stands: it takes the robots over.
+    kToOthers,
+    kToNobody,
+  };
+  /// Ends the rounds and gives this process's robots up. Of processes that leave at the same time,
+  /// the last one finds nobody. A failure is logged: the others wait for the lease to fall silent
+  /// then. Thread: main.
+  Left Leave();
+  /// This process stops: it renews its lease until Stop, and adopts nobody any more.
+  void StopAdopting() { adopts_.store(false); }
 
  private:
   absl::Status Look();
   absl::Status FollowRobots();
+  /// Robots that were another's at the last look and are in nobody else's hands now: the store says
+  /// that they are ours, by an answer that never came.
+  void TakeUnlisted(const std::set<std::string>& listed);
   void Follow(const storage::ForeignRobot& foreign);
   void NoteOutcome(const absl::Status& status);
   void Run(const std::stop_token& stop);
@@ -80,10 +89,12 @@ class LeaseRounds final {
   const Context context_;
   LeaseJudge judge_;
   std::optional<SteadyTime> renewed_;
-  /// Processes that were called over, for the log.
-  std::map<storage::ProcessId, Over> told_;
+  /// Processes that are over and had robots when that was seen: each is a line of the log once.
+  std::set<storage::ProcessId> over_;
   bool failing_ = false;
   std::atomic<std::uint16_t> port_{0};
+  std::atomic<bool> adopts_{true};
+  std::atomic<bool> renews_now_{false};
   std::mutex mutex_;
   std::condition_variable_any pause_;
   std::jthread thread_;

@@ -1,7 +1,10 @@
 #include "server/store/process_life.h"
 
 #include <array>
+#include <cerrno>
+#include <csignal>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -36,16 +39,24 @@ std::string Surroundings() {
   return boot + "/" + numbers.string();
 }
 
-/// Clock ticks after the boot; empty if no such process runs.
-std::string StartOf(std::string_view process) {
+enum class State : std::uint8_t { kRuns, kEnded, kHidden };
+
+/// What can be seen of a process.
+struct Seen {
+  State state = State::kHidden;
+  /// Clock ticks after the boot, of one that runs.
+  std::string start;
+};
+
+Seen Look(std::string_view process) {
   const std::string stat = FirstLine(fmt::format("/proc/{}/stat", process));
   const std::size_t name_end = stat.rfind(')');
-  if (name_end == std::string::npos || name_end + 2 > stat.size()) return "";
+  if (name_end == std::string::npos || name_end + 2 > stat.size()) return {};
   const std::vector<std::string> fields = absl::StrSplit(stat.substr(name_end + 2), ' ');
-  if (fields.size() <= kStartField) return "";
+  if (fields.size() <= kStartField) return {};
   // What has ended and was not waited for yet does nothing any more.
-  const bool ended = fields[0] == "Z" || fields[0] == "X";
-  return ended ? "" : fields[kStartField];
+  if (fields[0] == "Z" || fields[0] == "X") return {.state = State::kEnded, .start = {}};
+  return {.state = State::kRuns, .start = fields[kStartField]};
 }
 
 }  // namespace
@@ -53,7 +64,7 @@ std::string StartOf(std::string_view process) {
 std::string LifeOfThisProcess() {
   const std::string surroundings = Surroundings();
   const std::string number = std::to_string(::getpid());
-  const std::string start = StartOf(number);
+  const std::string start = Look(number).start;
   if (surroundings.empty() || start.empty()) return "";
   return fmt::format("{}/{}/{}", surroundings, number, start);
 }
@@ -67,7 +78,17 @@ bool IsGone(std::string_view life) {
   const std::string_view number = life.substr(0, slash);
   int parsed = 0;
   if (!absl::SimpleAtoi(absl::string_view(number.data(), number.size()), &parsed)) return false;
-  return StartOf(number) != life.substr(slash + 1);
+  if (parsed <= 0) return false;
+  switch (const Seen seen = Look(number); seen.state) {
+    case State::kRuns:
+      return seen.start != life.substr(slash + 1);
+    case State::kEnded:
+      return true;
+    case State::kHidden:
+      // It may be another user's: only the kernel's own word counts then.
+      return ::kill(parsed, 0) != 0 && errno == ESRCH;
+  }
+  return false;
 }
 
 std::string HostName() {

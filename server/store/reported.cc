@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <iterator>
 #include <optional>
-#include <vector>
 
 #include "schema/json/text.h"
 
 namespace uplink::store {
 namespace {
 
-/// Robots that are asked for at a time.
-constexpr std::size_t kRobotsAtATime = 500;
-/// Open runs that are read: ten of each of the most robots there can be, in pages.
-constexpr std::uint32_t kRunsPerPage = 1000;
-constexpr std::size_t kRunPagesMax = 200;
+/// Open runs that are looked at of one robot, the newest: its series show those that were reported
+/// last (robot::kOpenRunsMax).
+constexpr std::uint32_t kRunsPerRobot = 100;
+static_assert(kRunsPerRobot >= robot::kOpenRunsMax);
+
+using Reports = std::map<std::string, robot::Reported>;
 
 void AddInfo(const storage::LatestRow& row, robot::Reported& reported) {
   const std::optional<double> uptime_s = json::NumberIn(row.body_json, "uptimeS");
@@ -30,38 +29,36 @@ void AddRun(const storage::MissionRunRow& row, robot::Reported& reported) {
   reported.open_runs.Put(robot::RunKey(row.mission_id, row.run_id), progress);
 }
 
-/// Every open run, the last one reported last.
-absl::StatusOr<std::vector<storage::MissionRunRow>> OpenRuns(storage::Reader& reader) {
-  std::vector<storage::MissionRunRow> runs;
+/// A robot's open runs, the last one reported last.
+absl::Status AddRuns(const std::string& ruri, storage::Reader& reader, Reports& reports) {
   storage::MissionsQuery query;
   query.open = true;
-  query.rows.page_size = kRunsPerPage;
-  for (std::size_t page = 0; page < kRunPagesMax; ++page) {
-    auto rows = reader.MissionRuns(query);
-    if (!rows.ok()) return rows.status();
-    std::ranges::move(rows->rows, std::back_inserter(runs));
-    if (rows->next_token.empty()) break;
-    query.rows.page_token = rows->next_token;
-  }
-  std::ranges::stable_sort(runs, {}, &storage::MissionRunRow::last_received_at);
-  return runs;
+  query.rows.ruri = ruri;
+  query.rows.page_size = kRunsPerRobot;
+  auto runs = reader.MissionRuns(query);
+  if (!runs.ok()) return runs.status();
+  if (runs->rows.empty()) return absl::OkStatus();
+  std::ranges::stable_sort(runs->rows, {}, &storage::MissionRunRow::last_received_at);
+  robot::Reported& reported = reports[ruri];
+  for (const storage::MissionRunRow& row : runs->rows) AddRun(row, reported);
+  return absl::OkStatus();
 }
 
 }  // namespace
 
 absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(
     std::span<const std::string> ruris, storage::Reader& reader) {
-  std::map<std::string, robot::Reported> reported;
+  Reports reported;
   for (std::span<const std::string> left = ruris; !left.empty();) {
-    const auto rows = reader.Latest(left.first(std::min(left.size(), kRobotsAtATime)),
-                                    1U << static_cast<unsigned>(storage::LatestKind::kAgentInfo));
+    const auto rows =
+        reader.Latest(left, 1U << static_cast<unsigned>(storage::LatestKind::kAgentInfo));
     if (!rows.ok()) return rows.status();
     for (const storage::LatestRow& row : rows->rows) AddInfo(row, reported[row.ruri]);
     left = left.subspan(std::clamp<std::size_t>(rows->complete, 1, left.size()));
   }
-  const auto runs = OpenRuns(reader);
-  if (!runs.ok()) return runs.status();
-  for (const storage::MissionRunRow& row : *runs) AddRun(row, reported[row.robot.ruri]);
+  for (const std::string& ruri : ruris) {
+    if (absl::Status read = AddRuns(ruri, reader, reported); !read.ok()) return read;
+  }
   return reported;
 }
 

@@ -12,7 +12,7 @@
 namespace uplink::store {
 
 /// What stored durable reports say of these robots now, by RURI: for their series. Robots of which
-/// nothing is stored are left out; others than these may be among them.
+/// nothing is stored are left out.
 ///
 /// Errors: of the reader.
 [[nodiscard]] absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(

@@ -38,7 +38,8 @@ absl::StatusOr<std::size_t> Restore::RestoreFirst(std::span<robot::Robot* const>
   std::map<std::string, storage::Epoch> holds;
   for (const robot::Robot* robot : robots) {
     ruris.push_back(robot->ruri());
-    // Before the read: what it shows is of this hold at least.
+    // Before the read: what it shows is of this hold at least. One that was lost meanwhile takes
+    // nothing.
     holds[robot->ruri()] = robot->state.held_since();
   }
   const auto live = reader_.LiveOf(ruris);

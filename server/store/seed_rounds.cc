@@ -36,8 +36,15 @@ void SeedRounds::Read() {
 }
 
 void SeedRounds::RestoreDue() {
-  // A store that is away is asked again by the next round; its own lines say that it is.
-  static_cast<void>(restore_.Run());
+  const absl::Status restored = restore_.Run();
+  if (restored.ok() != restores_) {
+    restores_ = restored.ok();
+    if (restores_) {
+      context_.logger.Info("restore_works_again", {});
+    } else {
+      context_.logger.Warn("restore_fails", {{"why", std::string(restored.message())}});
+    }
+  }
   if (restore_.left_out() == 0) return;
   context_.logger.Warn("live_state_left_out", {{"messages", restore_.left_out()},
                                                {"why", "this version does not pass them"}});

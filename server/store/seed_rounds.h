@@ -57,6 +57,8 @@ class SeedRounds final {
   Seed seed_;
   Restore restore_;
   std::atomic<bool> reading_{false};
+  /// As of the last time; on the thread of the jobs.
+  bool restores_ = true;
 };
 
 }  // namespace uplink::store

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kRenew =
     "INSERT INTO uplinkd.processes AS p (process, name, life, counter, released, renewed_at)"
     " VALUES ($1::uuid, $2::text, $3::text, 1, false, now()) ON CONFLICT (process) DO UPDATE SET"
-    " name = excluded.name, life = excluded.life, counter = p.counter + 1, released = false,"
+    " name = excluded.name, life = excluded.life, counter = p.counter + 1,"
     " renewed_at = now() RETURNING counter";
 // Once in the life of a process: those that left long ago.
 constexpr std::string_view kForget =
@@ -23,13 +23,15 @@ constexpr std::string_view kForget =
 constexpr std::string_view kRelease =
     "UPDATE uplinkd.processes SET released = true WHERE process = $1::uuid";
 constexpr std::string_view kRead =
-    "SELECT process, name, life, counter, released FROM uplinkd.processes"
-    " ORDER BY renewed_at DESC, process LIMIT $1::bigint";
+    "SELECT process, left(name, $2::int), left(life, $2::int), counter, released"
+    " FROM uplinkd.processes ORDER BY renewed_at DESC, process LIMIT $1::bigint";
 constexpr std::string_view kRobotsOfOthers =
     "SELECT r.ruri, r.fleet, r.owner, r.held_since, p.presence, p.changed_at,"
-    " greatest(p.changed_at, l.written_at) FROM uplinkd.robots AS r"
+    " greatest(p.changed_at, l.written_at), s.session, s.cursor_seq FROM uplinkd.robots AS r"
     " LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
+    " LEFT JOIN LATERAL (SELECT session, cursor_seq FROM uplinkd.sessions WHERE ruri = r.ruri"
+    " ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " WHERE r.owner <> $1::uuid AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
 
 }  // namespace
@@ -94,6 +96,7 @@ absl::Status PostgresLeases::Release() {
 absl::StatusOr<std::vector<Lease>> PostgresLeases::Read() {
   StoreCall read{kRead, {}};
   read.parameters.Int8(std::int64_t{kLeasesMax});
+  read.parameters.Int4(static_cast<std::int32_t>(kCardTextMax));
   const auto rows = impl_->Run(std::move(read), "read leases");
   if (!rows.ok()) return rows.status();
   std::vector<Lease> leases(static_cast<std::size_t>(rows->rows()));
@@ -124,6 +127,9 @@ absl::StatusOr<std::vector<ForeignRobot>> PostgresLeases::RobotsOfOthers(std::st
       robot.presence = StoredPresence{PresenceOf(rows->Int(row, 4)), rows->Time(row, 5)};
     }
     if (!rows->Null(row, 6)) robot.written_at = rows->Time(row, 6);
+    if (!rows->Null(row, 7)) {
+      robot.last_session = {rows->Uuid(row, 7), static_cast<model::Seq>(rows->Int(row, 8))};
+    }
   }
   return robots;
 }

@@ -82,7 +82,7 @@ std::vector<storage::AdoptResult> FakeDatabase::Adopt(
 void FakeDatabase::Renew(const ProcessId& process, const storage::ProcessCard& card) {
   const std::lock_guard lock(mutex_);
   storage::Lease& lease = leases_[process];
-  lease = {process, card, lease.counter + 1, false};
+  lease = {process, card, lease.counter + 1, lease.released};
 }
 
 void FakeDatabase::Release(const ProcessId& process) {
@@ -106,9 +106,17 @@ std::vector<storage::ForeignRobot> FakeDatabase::RobotsOfOthers(const ProcessId&
        row != robots_.end() && robots.size() < storage::kForeignRobotsMax; ++row) {
     const Robot& robot = row->second;
     if (robot.owner == process) continue;
-    storage::ForeignRobot foreign{
-        robot.id, robot.owner, robot.held_since, presence_.Last(row->first), {}};
+    storage::ForeignRobot foreign{.robot = robot.id,
+                                  .holder = robot.owner,
+                                  .held_since = robot.held_since,
+                                  .presence = presence_.Last(row->first)};
     if (foreign.presence) foreign.written_at = foreign.presence->since;
+    SystemTime used;
+    for (const auto& [id, session] : robot.sessions) {
+      if (foreign.last_session && session.last_used < used) continue;
+      foreign.last_session = {id, session.cursor};
+      used = session.last_used;
+    }
     robots.push_back(std::move(foreign));
   }
   return robots;

@@ -106,6 +106,18 @@ TEST_F(OpeningTest, AnEndedStreamTakesNothingFromWhoHasALease) {
   EXPECT_TRUE(inbox.idle());
 }
 
+TEST_F(OpeningTest, AStreamThatCameMeanwhileIsNotFencedByTheAnswerOfAnEndedOne) {
+  constexpr storage::ProcessId kElsewhere{2};
+  testing::FakeStore elsewhere(database, kElsewhere);
+  ASSERT_TRUE(elsewhere.OpenStreams(std::vector{OpenOf(robot_, 1).request}).ok());
+  database.Renew(kElsewhere, {});
+  Open(robot_, 2);
+  robot_.EndStreamForOneLook();
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), IsEmpty());
+}
+
 TEST_F(OpeningTest, AfterFailuresTheLaterHalfGoesBackAndComesNext) {
   std::deque<RecordingClient> clients;
   for (int i = 0; i < 5; ++i) Open(clients.emplace_back("rcan://" + std::to_string(i)));

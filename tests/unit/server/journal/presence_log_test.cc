@@ -102,6 +102,16 @@ TEST_F(PresenceLogTest, AChangeThatTheStoreHasByThenIsNone) {
   EXPECT_TRUE(log_.empty());
 }
 
+TEST_F(PresenceLogTest, NoChangeIsDatedBeforeTheOneBefore) {
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kUnknown, FromUnixMs(9)});
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(5));
+  EXPECT_EQ(log_.Take(1).front().at, FromUnixMs(9)) << "or it would never be the latest";
+  log_.Note(RobotOf("a"), Presence::kOffline, FromUnixMs(8));
+  EXPECT_EQ(log_.Take(1).front().at, FromUnixMs(9));
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(12));
+  EXPECT_EQ(log_.Take(1).front().at, FromUnixMs(12));
+}
+
 TEST_F(PresenceLogTest, NothingIsLeftOfARobotThatWasLost) {
   Note("a", Presence::kOnline);
   Note("b", Presence::kOnline);

@@ -45,7 +45,9 @@ class RecordingClient final : public robot::CommitClient {
     const std::lock_guard lock(mutex_);
     holds_.push_back(news);
   }
-  [[nodiscard]] bool HasStream() const override { return has_stream_.load(); }
+  [[nodiscard]] bool HasStream() const override {
+    return has_stream_.load() && !away_once_.exchange(false);
+  }
   robot::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
     return Note("opened " + std::to_string(open_id));
   }
@@ -80,6 +82,8 @@ class RecordingClient final : public robot::CommitClient {
     return std::exchange(holds_, {});
   }
   void EndStream() { has_stream_.store(false); }
+  /// The next look finds no stream, those after it do.
+  void EndStreamForOneLook() { away_once_.store(true); }
   [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
 
  private:
@@ -96,6 +100,7 @@ class RecordingClient final : public robot::CommitClient {
   std::vector<std::string> told_;
   std::vector<robot::HoldNews> holds_;
   std::atomic<bool> has_stream_{true};
+  mutable std::atomic<bool> away_once_{false};
 };
 
 /// A good durable record.

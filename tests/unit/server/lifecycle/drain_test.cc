@@ -39,8 +39,12 @@ class DrainTest : public ::testing::Test {
                                world_.clock.Advance(wait);
                                return streams_ == 0;
                              }},
-           .others = [this] { return others_; },
-           .release = [this] { lines_.emplace_back("release"); },
+           .leave =
+               [this] {
+                 lines_.emplace_back("leave");
+                 return others_;
+               },
+           .stop_adopting = [] {},
            .stop = [this] { lines_.emplace_back("stop"); },
            .timeout = std::chrono::seconds(20)})
         .Run();
@@ -58,14 +62,14 @@ class DrainTest : public ::testing::Test {
 TEST_F(DrainTest, EndsTheStreamsThenStops) {
   Run();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("draining streams=0 timeout_ms=20000"), "drain", "wait",
-                                  "stop", "release", HasSubstr("stopped")));
+                                  "leave", "stop", HasSubstr("stopped")));
 }
 
 TEST_F(DrainTest, TellsOfStreamsThatAreLeft) {
   streams_ = 3;
   Run();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("draining streams=3"), "drain", "wait",
-                                  HasSubstr("streams_left streams=3"), "stop", "release",
+                                  HasSubstr("streams_left streams=3"), "leave", "stop",
                                   HasSubstr("stopped")));
 }
 

@@ -124,6 +124,16 @@ TEST_F(PresenceTrackTest, WhatWasToldHereStandsAgainstWhatAnotherWrote) {
   EXPECT_THAT(changes_, SizeIs(1));
 }
 
+TEST_F(PresenceTrackTest, WhatWasHeardWithoutAChangeIsToldWhereTheStoreHasAnotherByThen) {
+  track_.Follow({Presence::kOnline, SystemTime()});
+  track_.TakeOver({Presence::kOnline, SystemTime()}, clock_.Steady());
+  Sign();
+  EXPECT_THAT(changes_, IsEmpty());
+  const SystemTime later = clock_.System() + std::chrono::hours(1);
+  track_.TakeOver({Presence::kUnknown, later}, clock_.Steady());
+  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, later)));
+}
+
 TEST_F(PresenceTrackTest, AnAdoptedRobotIsUnknownForItsGrace) {
   clock_.Advance(std::chrono::hours(5));
   const SteadyTime until = clock_.Steady() + std::chrono::hours(1);

@@ -370,6 +370,41 @@ TEST_F(RobotStateTest, AStreamMakesItOursToJudge) {
   EXPECT_EQ(All().presence, Presence::kOnline) << "who holds a robot follows nobody";
 }
 
+TEST_F(RobotStateTest, WhoGetsARobotBackOfWhichTheStoreHasNoPresenceJudgesIt) {
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  state_.Lose();
+  state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
+  EXPECT_EQ(All().presence, Presence::kOnline);
+  clock_.Advance(limits_.startup_grace + milliseconds(1));
+  EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
+  state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
+  EXPECT_EQ(All().presence, Presence::kOnline);
+}
+
+TEST_F(RobotStateTest, WhatIsReadForALostHoldIsNotTaken) {
+  state_.BeginHold({.since = 3, .was_known = true}, clock_.Steady(), clock_.System());
+  state_.Lose();
+  LiveBefore before;
+  PutInto(before.parts, model::StatusTelemetry{.unix_time_ms = kNow, .status = "old"});
+  Reported reported;
+  reported.booted_at = FromUnixMs(5);
+  for (const storage::Epoch read_under : {storage::Epoch{0}, storage::Epoch{3}}) {
+    state_.Restore(before, read_under);
+    state_.Restore(reported, read_under);
+  }
+  EXPECT_FALSE(All().parts.status);
+  state_.LookAt([](const StateView& view) { EXPECT_FALSE(view.reported.booted_at); });
+}
+
+TEST_F(RobotStateTest, NobodyElseIsFollowedWhileAStreamIsHere) {
+  state_.Claim(clock_.Steady());
+  state_.FollowHolder({.held_by = "b:1"}, {Presence::kOffline, FromUnixMs(kNow)});
+  EXPECT_FALSE(All().foreign.has_value()) << "the store is about to learn of the stream";
+  state_.EndClaim();
+  state_.FollowHolder({.held_by = "b:1"}, {Presence::kOffline, FromUnixMs(kNow)});
+  EXPECT_EQ(All().foreign->held_by, "b:1");
+}
+
 TEST_F(RobotStateTest, RunsThatEndedBeforeTheStoreWasReadStayEnded) {
   const auto report = [this](const std::string& run, model::MissionStatus status) {
     model::MissionRunStatus body;

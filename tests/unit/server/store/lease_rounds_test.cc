@@ -111,7 +111,7 @@ TEST_F(LeaseRoundsTest, ShowsWhatAnotherHoldsAsThatOneWroteIt) {
   EXPECT_EQ(Shown().presence_since, FromUnixMs(7));
   EXPECT_EQ(Shown().foreign->held_by, "b:2");
   EXPECT_EQ(Shown().foreign->written_at, FromUnixMs(7));
-  EXPECT_TRUE(rounds_->others());
+  EXPECT_EQ(probe_.others.value(), 1);
   for (int i = 0; i < 30; ++i) {
     RenewOther();
     Pass(std::chrono::seconds(5));
@@ -183,6 +183,78 @@ TEST_F(LeaseRoundsTest, ARobotThatWentElsewhereIsLetGo) {
   EXPECT_EQ(Shown().presence, model::Presence::kOnline);
 }
 
+TEST_F(LeaseRoundsTest, ShowsTheSessionThatTheHolderHas) {
+  OpenAtOther();
+  RenewOther();
+  rounds_->Round();
+  EXPECT_EQ(fleet_.Find(robot_->ruri)->sessions.View().session, model::SessionId());
+  EXPECT_EQ(fleet_.Find(robot_->ruri)->sessions.View().settled_seq, 0U);
+  storage::Batch batch;
+  batch.records = {{.robot = robot_,
+                    .seq = 7,
+                    .held_since = 1,
+                    .received_at = clock_.System(),
+                    .content = storage::QuarantineItem{}}};
+  ASSERT_TRUE(other_.Commit(batch).ok());
+  RenewOther();
+  Pass(kLookEvery);
+  EXPECT_EQ(fleet_.Find(robot_->ruri)->sessions.View().settled_seq, 7U);
+}
+
+TEST_F(LeaseRoundsTest, AFleetThatTheStoreDoesNotKnowYetStays) {
+  OpenAtOther();
+  robot::Robot& robot = **fleet_.FindOrAdmit({robot_->ruri, "new"});
+  journal_.Open(robot, 1, {.robot = robot.id(), .at = clock_.System()});
+  static_cast<void>(journal_.turns().Advance());
+  rounds_->Round();
+  EXPECT_EQ(robot.id()->fleet, "new");
+}
+
+TEST_F(LeaseRoundsTest, OfTwoThatLeaveAtOnceTheLastFindsNobody) {
+  RenewOther();
+  rounds_->Round();
+  EXPECT_EQ(probe_.others.value(), 1);
+  database_.Release(kOther);
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody) << "though it was there a moment ago";
+}
+
+TEST_F(LeaseRoundsTest, WhoLeavesAnotherLeavesTheRobotsToIt) {
+  RenewOther();
+  rounds_->Round();
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToOthers);
+}
+
+TEST_F(LeaseRoundsTest, ARobotThatIsOursByAnAnswerThatNeverCameIsJudgedAgain) {
+  OpenAtOther();
+  RenewOther();
+  rounds_->Round();
+  EXPECT_TRUE(Shown().foreign.has_value());
+  const storage::OpenRequest late{.robot = robot_, .at = clock_.System()};
+  ASSERT_TRUE(ours_.OpenStreams({&late, 1}).ok());
+  RenewOther();
+  Pass(2 * kLookEvery);
+  EXPECT_FALSE(Shown().foreign.has_value());
+  EXPECT_EQ(fleet_.Find(robot_->ruri)->state.held_since(), 3U - 1U);
+  EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+}
+
+TEST_F(LeaseRoundsTest, TheNameIsRenewedWithThePort) {
+  rounds_->Round();
+  rounds_->SetPort(9);
+  rounds_->Round();
+  EXPECT_EQ(database_.ReadLeases().front().card.name, HostName() + ":9");
+}
+
+TEST_F(LeaseRoundsTest, WhoStopsAdoptsNobody) {
+  OpenAtOther();
+  RenewOther();
+  database_.Release(kOther);
+  rounds_->StopAdopting();
+  Pass(std::chrono::seconds(20));
+  EXPECT_TRUE(Shown().foreign.has_value());
+  EXPECT_GT(probe_.renewed.value(), 1) << "its own lease stands until it is released";
+}
+
 TEST_F(LeaseRoundsTest, MoreRobotsThanThereMayBeAreLeftToTheirHolder) {
   for (const char* ruri : {"a", "b", "c", "d", "e"}) {
     ASSERT_TRUE(fleet_.FindOrAdmit({ruri, "f"}).ok());
@@ -198,14 +270,14 @@ TEST_F(LeaseRoundsTest, RunsOnAThreadOfItsOwnAndReleases) {
   EXPECT_TRUE(testing::Eventually([&] { return !database_.ReadLeases().empty(); }));
   rounds_->Stop();
   rounds_->Stop();
-  rounds_->Release();
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody);
   EXPECT_TRUE(database_.ReadLeases().front().released);
   EXPECT_THAT(lines_, IsEmpty());
 }
 
 TEST_F(LeaseRoundsTest, AReleaseThatFailsIsALine) {
   leases_->SetAway(true);
-  rounds_->Release();
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_not_released")));
 }
 
@@ -218,8 +290,7 @@ TEST_F(LeaseRoundsTest, AStoreThatOneProcessHasNeedsNone) {
   none.Round();
   none.Start();
   none.Stop();
-  none.Release();
-  EXPECT_FALSE(none.others());
+  EXPECT_EQ(none.Leave(), LeaseRounds::Left::kToNobody);
   EXPECT_EQ(probe_.renewed.value(), 0);
 }
 
