@@ -25,8 +25,14 @@ class Shards final {
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) const {
     Of(robot->ruri).NotePresence(robot, presence, at);
   }
-  void Adopt(AdoptEntry entry) const { Of(entry.request.robot->ruri).Adopt(std::move(entry)); }
-  void Lose(LossEntry entry) const { Of(entry.robot->ruri).Lose(std::move(entry)); }
+  void Adopt(AdoptEntry entry) const {
+    Journal& journal = Of(entry.request.robot->ruri);
+    journal.Adopt(std::move(entry));
+  }
+  void Lose(LossEntry entry) const {
+    Journal& journal = Of(entry.robot->ruri);
+    journal.Lose(std::move(entry));
+  }
 
   /// As Journal's, in all journals.
   void RequestCheckpoint() const {

@@ -34,7 +34,7 @@ class PostgresWarningTest : public ::testing::Test {
     EXPECT_TRUE(results.ok()) << results.status();
     return results.ok() ? results->front() : OpenResult();
   }
-  absl::StatusOr<std::vector<Outcome>> Commit(std::vector<model::Seq> numbers) {
+  absl::StatusOr<std::vector<Outcome>> Commit(const std::vector<model::Seq>& numbers) {
     Batch batch;
     for (const model::Seq seq : numbers) {
       model::Message message;

@@ -29,12 +29,12 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
        .read_robots = [&now] { now = "robots"; },
        .count_faults = [&now] { now = "faults"; },
        .ask_relay = [&now] { now = "relay"; }});
-  EXPECT_THAT(done, ElementsAre(Pair(std::chrono::seconds(1), "sweep"),
-                                Pair(std::chrono::seconds(5), "certificate"),
-                                Pair(std::chrono::seconds(1), "store"),
-                                Pair(milliseconds(500), "robots"),
-                                Pair(std::chrono::seconds(10), "faults"),
-                                Pair(std::chrono::seconds(2), "relay")));
+  EXPECT_THAT(done,
+              ElementsAre(Pair(std::chrono::seconds(1), "sweep"),
+                          Pair(std::chrono::seconds(5), "certificate"),
+                          Pair(std::chrono::seconds(1), "store"), Pair(milliseconds(500), "robots"),
+                          Pair(std::chrono::seconds(10), "faults"),
+                          Pair(std::chrono::seconds(2), "relay")));
 }
 
 }  // namespace
