@@ -71,8 +71,9 @@ class Beside(TwoServers):
         for robot in self.robots(A).values():
             self.assertEqual((robot["heldBy"], robot["heldByAtMs"]), ("", "0"))
         # Its parts follow what A checkpoints.
+        everybody = set(self.robots(A))
+        self.wait_for(lambda: set(self.sampled_at(B)) == everybody, "A's first checkpoint", B)
         first = self.sampled_at(B)
-        self.assertEqual(set(first), set(self.robots(A)))
         self.wait_for(lambda: all(at > first[ruri] for ruri, at in self.sampled_at(B).items()), "parts go on", B)
         self.watch(SPANS.after)
         self.assert_histories_are_true()
@@ -122,6 +123,11 @@ class Moves(TwoServers):
             "newer health of all devices", B,
         )  # fmt: skip
         newest = self.health(B)
+        # What B has not checkpointed when it loses a robot is lost with its live state.
+        self.wait_for(
+            lambda: all(self.health(A).get(device, 0) >= at for device, at in newest.items()),
+            "B's checkpoint is in the store, where A reads it", A,
+        )  # fmt: skip
         self.move(A)
         older = {device: at - newest[device] for device, at in self.health(A).items() if at < newest[device]}
         self.assertEqual(older, {}, "A shows what it had heard itself, which is older by so many ms")
