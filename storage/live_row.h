@@ -7,6 +7,7 @@
 #include <string>
 
 #include "schema/base/clock.h"
+#include "schema/model/ids.h"
 #include "storage/live_parts.h"
 
 namespace uplink::storage {
@@ -17,12 +18,22 @@ inline constexpr std::size_t kCheckpointBytesMax = std::size_t{4} * 1024 * 1024;
 /// Rows of one answer of Reader::Live.
 inline constexpr std::uint32_t kLiveRowsMax = 500;
 
+/// How far a session of a robot is settled, live messages included.
+struct SettledSession {
+  model::SessionId session;
+  model::Seq settled_seq = 0;
+
+  friend bool operator==(const SettledSession&, const SettledSession&) = default;
+};
+
 /// What a checkpoint keeps of a robot's live state. Whatever a write leaves unset stays as the
 /// store has it. A value.
 struct LiveRow {
   std::string ruri;
   std::optional<SystemTime> last_sign_of_life;
   std::optional<std::int64_t> clock_skew_ms;
+  /// Reader::Robots tells it; readings of live states leave it out.
+  std::optional<SettledSession> session;
   /// By LivePart; the bytes are the server's own, and mean nothing to a store.
   std::array<std::optional<std::string>, kLivePartKinds> parts;
 

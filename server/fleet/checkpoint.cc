@@ -13,6 +13,7 @@ void CountAsChanged(robot::Robot& robot, const storage::LiveRow& row) {
     changed.set(kind, row.parts[kind].has_value());
   }
   robot.state.PutBackChanges(changed);
+  if (row.session) robot.sessions.PutBackSettled();
 }
 
 }  // namespace
@@ -38,8 +39,10 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
     ++looked_at_;
     if (!sources_.writes(robot->ruri())) continue;
     const std::optional<robot::LiveChanges> changes = robot->state.TakeChanges();
-    if (!changes) continue;
-    rows.push_back(robot::ToRow(robot->ruri(), *changes));
+    const std::optional<storage::SettledSession> settled = robot->sessions.TakeSettled();
+    if (!changes && !settled) continue;
+    rows.push_back(robot::ToRow(robot->ruri(), changes ? *changes : robot::LiveChanges()));
+    rows.back().session = settled;
     bytes += storage::BytesOf(rows.back());
     round_bytes_ += storage::BytesOf(rows.back());
   }

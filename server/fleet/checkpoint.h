@@ -15,7 +15,8 @@ namespace uplink::fleet {
 /// Bytes of parts that one round writes; what is left goes first in the next.
 inline constexpr std::size_t kCheckpointRoundBytesMax = std::size_t{64} * 1024 * 1024;
 
-/// The live states of a fleet's robots, of those that one journal is to write.
+/// The live states of a fleet's robots, and how far their sessions are settled, of those that one
+/// journal is to write.
 ///
 /// Thread: as LiveSource.
 class Checkpoint final : public LiveSource {

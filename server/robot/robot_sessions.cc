@@ -162,14 +162,29 @@ const SessionMemory* RobotSessions::CurrentSession() const {
   return current_session_ ? sessions_.Find(*current_session_) : nullptr;
 }
 
-void RobotSessions::Restore(const LastSession& last) {
+void RobotSessions::Restore(const storage::SettledSession& last) {
   const std::lock_guard lock(mutex_);
   if (CurrentSession() == nullptr) last_session_ = last;
 }
 
+std::optional<storage::SettledSession> RobotSessions::TakeSettled() {
+  const std::lock_guard lock(mutex_);
+  const SessionMemory* memory = CurrentSession();
+  if (memory == nullptr) return std::nullopt;
+  const storage::SettledSession now{*current_session_, memory->numbers.through()};
+  if (now.settled_seq == 0 || settled_taken_ == now) return std::nullopt;
+  settled_taken_ = now;
+  return now;
+}
+
+void RobotSessions::PutBackSettled() {
+  const std::lock_guard lock(mutex_);
+  settled_taken_.reset();
+}
+
 void RobotSessions::Sweep(SteadyTime now, milliseconds idle) {
   const std::lock_guard lock(mutex_);
-  std::optional<LastSession> last;
+  std::optional<storage::SettledSession> last;
   if (const SessionMemory* memory = CurrentSession()) {
     last = {*current_session_, memory->numbers.through()};
   }
@@ -227,6 +242,7 @@ StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
     in_flight_.fetch_sub(waiting);
     sessions_.Clear();
     last_session_.reset();
+    settled_taken_.reset();
     opening_.Forget();
     generation_.fetch_add(1);
     takeover_.Supersede();

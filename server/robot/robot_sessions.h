@@ -21,6 +21,7 @@
 #include "server/robot/session_table.h"
 #include "server/robot/takeover.h"
 #include "server/robot/wake.h"
+#include "storage/live_row.h"
 
 namespace uplink::robot {
 
@@ -53,12 +54,6 @@ struct SessionView {
   /// Why the robot's stream is not read now, and since when it is not.
   HeldBack held_back = HeldBack::kNone;
   SystemTime held_back_since;
-};
-
-/// How far a session was when it was last looked at.
-struct LastSession {
-  model::SessionId session;
-  model::Seq settled_seq = 0;
 };
 
 /// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of
@@ -129,7 +124,12 @@ class RobotSessions final : public CommitClient {
   [[nodiscard]] SessionView View() const;
   /// What the store has of the robot's last session: View shows it while memory has none. It
   /// begins no session and numbers nothing.
-  void Restore(const LastSession& last);
+  void Restore(const storage::SettledSession& last);
+  /// The robot's session and how far it is settled, if that is news since the last call: for a
+  /// checkpoint. Nothing while no number is settled.
+  [[nodiscard]] std::optional<storage::SettledSession> TakeSettled();
+  /// What was taken could not be kept: it is news again.
+  void PutBackSettled();
   /// Forgets sessions that had no stream for `idle` and wait for nothing. View goes on to show the
   /// last one.
   void Sweep(SteadyTime now, milliseconds idle);
@@ -156,10 +156,11 @@ class RobotSessions final : public CommitClient {
   Pacing pacing_;
   /// The session of the robot's stream, or of its last one.
   std::optional<model::SessionId> current_session_;
+  std::optional<storage::SettledSession> settled_taken_;
   HeldBack held_back_ = HeldBack::kNone;
   SystemTime held_back_since_;
   /// For View alone, while the current session is not held.
-  std::optional<LastSession> last_session_;
+  std::optional<storage::SettledSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};
   std::atomic<std::size_t> gaps_in_flight_{0};
   std::atomic<std::uint64_t> generation_{1};

@@ -20,7 +20,7 @@ absl::Status Seed::Run(std::size_t robots_max) {
 void Seed::RestoreSession(const storage::RobotRow& row) const {
   robot::Robot* robot = context_.fleet.Find(row.robot.ruri);
   if (robot == nullptr || !row.last_session) return;
-  robot->sessions.Restore({row.last_session->session, row.last_session->cursor});
+  robot->sessions.Restore({row.last_session->session, row.last_session->settled_seq});
 }
 
 void Seed::Take(robot::Robot& robot, const storage::RobotRow& row) const {

@@ -14,8 +14,12 @@ namespace {
 
 constexpr std::string_view kDoing = "write a checkpoint";
 
-// The first parameters are the columns before the parts, then come the parts and the process.
+// The first parameters are the columns before the parts, then come the parts, the session with its
+// number, and the process.
 constexpr std::size_t kFirstPartParameter = 4;
+constexpr std::size_t kSessionParameter = kFirstPartParameter + kLivePartKinds;
+constexpr std::size_t kSettledParameter = kSessionParameter + 1;
+constexpr std::size_t kProcessParameter = kSettledParameter + 1;
 
 /// The columns of `live`, in order.
 constexpr SqlText Columns() {
@@ -27,22 +31,28 @@ constexpr SqlText Columns() {
 // What did not change keeps its bytes: those that the database stores apart are not even read. In
 // order of the keys, so that two processes do not lock each other out.
 constexpr SqlText UpsertSql() {
-  SqlText sql = {
-      "INSERT INTO uplinkd.live AS l (", Columns().view(),
-      ", written_at) SELECT u.*, now() FROM unnest($1::text[], $2::timestamptz[], $3::bigint[]"};
+  SqlText sql = {"INSERT INTO uplinkd.live AS l (", Columns().view(),
+                 ", session, settled_seq, written_at) SELECT u.*, now() FROM unnest($1::text[],"
+                 " $2::timestamptz[], $3::bigint[]"};
   for (std::size_t i = 0; i < kLivePartKinds; ++i) {
     sql.Add(", ");
     sql.AddParameter(kFirstPartParameter + i, "bytea[]");
   }
+  sql.Add(", ");
+  sql.AddParameter(kSessionParameter, "uuid[]");
+  sql.Add(", ");
+  sql.AddParameter(kSettledParameter, "bigint[]");
   sql.Add({") AS u (", Columns().view(),
-           ") JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = "});
-  sql.AddParameter(kFirstPartParameter + kLivePartKinds, "uuid");
+           ", session, settled_seq) JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = "});
+  sql.AddParameter(kProcessParameter, "uuid");
   // Whoever adopts a robot meanwhile waits, and then reads what was written.
   sql.Add(
       " ORDER BY u.ruri FOR SHARE OF r ON CONFLICT (ruri) DO UPDATE SET written_at = "
       "excluded.written_at,"
       " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
-      " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms)");
+      " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms),"
+      " session = coalesce(excluded.session, l.session),"
+      " settled_seq = coalesce(excluded.settled_seq, l.settled_seq)");
   for (const LivePartRow& part : kLiveParts) {
     sql.Add({", ", part.column, " = coalesce(excluded.", part.column, ", l.", part.column, ")"});
   }
@@ -91,6 +101,7 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
     Connection& connection, std::span<const LiveRow> rows, const ProcessId& process,
     const std::function<absl::Status()>& before_commit) {
   Array ruri{Type::kText}, last_sign{Type::kTime}, skew{Type::kInt8};
+  Array session{Type::kUuid}, settled{Type::kInt8};
   std::vector<Array> parts(kLivePartKinds, Array(Type::kBytes));
   for (const LiveRow& row : rows) {
     ruri.Text(row.ruri);
@@ -104,6 +115,13 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
     } else {
       skew.Null();
     }
+    if (row.session) {
+      session.Uuid(row.session->session);
+      settled.Int8(static_cast<std::int64_t>(row.session->settled_seq));
+    } else {
+      session.Null();
+      settled.Null();
+    }
     for (std::size_t kind = 0; kind < kLivePartKinds; ++kind) {
       if (row.parts[kind]) {
         parts[kind].Bytes(*row.parts[kind]);
@@ -116,6 +134,8 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
   calls.push_back({kBegin, {}});
   calls.push_back(StoreCallOf(kUpsert.view(), {&ruri, &last_sign, &skew}));
   for (Array& part : parts) calls.back().parameters.Add(std::move(part));
+  calls.back().parameters.Add(std::move(session));
+  calls.back().parameters.Add(std::move(settled));
   calls.back().parameters.Uuid(model::SessionId(process));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
   if (!results.ok()) return Decisive(results.status());

@@ -20,10 +20,12 @@ constexpr std::size_t kRobotsPerTrip = 16;
 // Commits touch a robot's sessions, not its own row.
 constexpr std::string_view kRobots =
     "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, s.last_used), p.presence,"
-    " p.changed_at, s.session, s.cursor_seq, r.owner"
+    " p.changed_at, s.session, greatest(s.cursor_seq,"
+    " CASE WHEN l.session = s.session THEN l.settled_seq END), r.owner"
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN LATERAL (SELECT session, cursor_seq, last_used FROM uplinkd.sessions"
     " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
+    " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
     " ORDER BY r.ruri LIMIT $1::bigint";
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"

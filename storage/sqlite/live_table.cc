@@ -15,16 +15,21 @@ std::string PartColumns() {
   return columns;
 }
 
+/// Behind those of the parts: session and settled_seq.
+constexpr std::size_t kSessionColumns = 2;
+
 // Only the holder's row of robots lets anything through.
 std::string UpsertSql() {
-  std::string sql =
-      "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms" + PartColumns() + ") SELECT ?1, ?3, ?4";
-  for (std::size_t i = 0; i < kLivePartKinds; ++i) sql += ", ?";
+  std::string sql = "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms" + PartColumns() +
+                    ", session, settled_seq) SELECT ?1, ?3, ?4";
+  for (std::size_t i = 0; i < kLivePartKinds + kSessionColumns; ++i) sql += ", ?";
   sql +=
       " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2)"
       " ON CONFLICT (ruri) DO UPDATE SET"
       " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
-      " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms)";
+      " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms),"
+      " session = coalesce(excluded.session, session),"
+      " settled_seq = coalesce(excluded.settled_seq, settled_seq)";
   for (const LivePartRow& part : kLiveParts) {
     const std::string column(part.column);
     sql.append(", ").append(column).append(" = coalesce(excluded.").append(column);
@@ -84,6 +89,14 @@ absl::StatusOr<bool> LiveTable::Upsert(const LiveRow& row, const ProcessId& proc
     if (part) blob.bytes = *part;
     upsert_->Bind(index++, blob);
   }
+  Blob session;
+  std::optional<std::int64_t> settled_seq;
+  if (row.session) {
+    session.bytes = row.session->session.AsBytes();
+    settled_seq = static_cast<std::int64_t>(row.session->settled_seq);
+  }
+  upsert_->Bind(index++, session);
+  BindNumber(*upsert_, index, settled_seq);
   return upsert_->Select().Next();
 }
 

@@ -46,11 +46,12 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
     // Commits touch a robot's sessions, not its own row.
     auto statement = database.Prepare(
         "SELECT r.ruri, r.fleet, r.first_seen_ms, max(r.last_seen_ms, coalesce(s.last_used_ms, 0)),"
-        " p.presence, p.at_ms, s.session, s.cursor, r.owner FROM robots AS r"
+        " p.presence, p.at_ms, s.session, CASE WHEN l.session = s.session THEN"
+        " max(s.cursor, l.settled_seq) ELSE s.cursor END, r.owner FROM robots AS r"
         " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
         " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
         " WHERE ruri = r.ruri ORDER BY last_used_ms DESC, session DESC LIMIT 1)"
-        " ORDER BY r.ruri LIMIT ?");
+        " LEFT JOIN live AS l ON l.ruri = r.ruri ORDER BY r.ruri LIMIT ?");
     if (!statement.ok()) return statement.status();
     Rows rows = (*statement)->Select(std::int64_t{robots_max});
     std::vector<RobotRow> robots;

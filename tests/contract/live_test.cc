@@ -53,6 +53,37 @@ TEST_P(LiveContract, KeepsAllPartsAsTheyCame) {
   EXPECT_THAT(Read(), ElementsAre(row));
 }
 
+TEST_P(LiveContract, RobotsAreListedWithTheirLastSessionAsFarAsACheckpointSaysItIsSettled) {
+  Open();
+  Commit({Good(5)});
+  const auto settled = [this] {
+    const auto rows = store_->reader().Robots(10);
+    EXPECT_TRUE(rows.ok() && rows->front().last_session) << rows.status();
+    return rows.ok() && rows->front().last_session ? rows->front().last_session->settled_seq : 0;
+  };
+  const auto checkpoint = [this](const model::SessionId& session, model::Seq seq,
+                                 std::uint8_t process = kProcess) {
+    LiveRow row;
+    row.ruri = robot_->ruri;
+    row.session = {session, seq};
+    Write({row}, process);
+  };
+  Write({Row()});
+  EXPECT_EQ(settled(), 5U) << "a checkpoint that says nothing of it";
+  checkpoint(session_, 9);
+  EXPECT_EQ(settled(), 9U);
+  EXPECT_THAT(Read(), ElementsAre(Row())) << "no part of the live state";
+  Write({Row("again")});
+  EXPECT_EQ(settled(), 9U) << "what a write leaves unset stays";
+  checkpoint(session_, 20, kOther);
+  EXPECT_EQ(settled(), 9U) << "another process has nothing to say";
+  Commit({Good(12)});
+  EXPECT_EQ(settled(), 12U) << "the cursor at least";
+  checkpoint(Session(9), 30);
+  EXPECT_EQ(settled(), 12U) << "of another session";
+  EXPECT_EQ(CursorNow(), 12U) << "what is new decides the cursor alone";
+}
+
 TEST_P(LiveContract, WhatDidNotChangeStays) {
   Open();
   LiveRow row = Row("first");

@@ -256,21 +256,21 @@ TEST_P(StoreContract, ListsRobotsWithTheSessionThatWasUsedLast) {
   Open();
   ASSERT_TRUE(last());
   EXPECT_EQ(last()->session, session_);
-  EXPECT_EQ(last()->cursor, 0) << "opened, and nothing committed yet";
+  EXPECT_EQ(last()->settled_seq, 0) << "opened, and nothing committed yet";
   commit(5, 7, 20);
   commit(3, 9, 10);
   EXPECT_EQ(last()->session, Session(5));
-  EXPECT_EQ(last()->cursor, 7);
+  EXPECT_EQ(last()->settled_seq, 7);
   commit(3, 12, 30);
   EXPECT_EQ(last()->session, Session(3));
-  EXPECT_EQ(last()->cursor, 12);
+  EXPECT_EQ(last()->settled_seq, 12);
   commit(4, 2, 30);
   EXPECT_EQ(last()->session, Session(4)) << "of two at one time, the one with the higher id";
   storage::OpenRequest request = Request();
   request.at = Time(40);
   Open(request);
   EXPECT_EQ(last()->session, session_) << "a stream uses its session as well";
-  EXPECT_EQ(last()->cursor, 0);
+  EXPECT_EQ(last()->settled_seq, 0);
 }
 
 }  // namespace

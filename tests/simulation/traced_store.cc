@@ -63,6 +63,10 @@ std::string TextOf(const storage::LiveRow& row) {
   std::string text = fmt::format("live {}", row.ruri);
   if (row.last_sign_of_life) text += fmt::format(" alive {}", UnixMs(*row.last_sign_of_life));
   if (row.clock_skew_ms) text += fmt::format(" skew {}", *row.clock_skew_ms);
+  if (row.session) {
+    text += fmt::format(" session {} settled {}", row.session->session.ToHex(),
+                        row.session->settled_seq);
+  }
   for (std::size_t part = 0; part < row.parts.size(); ++part) {
     if (!row.parts[part]) continue;
     text += fmt::format(" part {} {}", part, absl::BytesToHexString(*row.parts[part]));

@@ -155,6 +155,7 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
     kept.ruri = row.ruri;
     if (row.last_sign_of_life) kept.last_sign_of_life = row.last_sign_of_life;
     if (row.clock_skew_ms) kept.clock_skew_ms = row.clock_skew_ms;
+    if (row.session) robot->second.settled = row.session;
     for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
       if (row.parts[kind]) kept.parts[kind] = row.parts[kind];
     }

@@ -126,6 +126,8 @@ class FakeDatabase final {
     SystemTime first_seen;
     SystemTime last_seen;
     std::map<model::SessionId, Session> sessions;
+    /// As of the last checkpoint that told it.
+    std::optional<storage::SettledSession> settled;
     std::map<model::SessionId, SessionLog> logs;
     std::map<FaultKey, FakeEntry<storage::FaultRow>> faults_active;
     std::map<GapPlace, storage::GapRow> gaps;

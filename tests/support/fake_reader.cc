@@ -1,5 +1,6 @@
 #include "tests/support/fake_reader.h"
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -73,6 +74,10 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
       if (row.last_session && session.last_used < used) continue;
       row.last_session = {id, session.cursor};
       used = session.last_used;
+    }
+    if (row.last_session && robot.settled && robot.settled->session == row.last_session->session) {
+      row.last_session->settled_seq =
+          std::max(row.last_session->settled_seq, robot.settled->settled_seq);
     }
   }
   return rows;

@@ -81,6 +81,19 @@ TEST_F(CheckpointTest, WritesNothingBeforeWhatTheStoreHadWasRead) {
   EXPECT_THAT(Changed(), SizeIs(1));
 }
 
+TEST_F(CheckpointTest, HowFarTheSessionIsSettledIsAChange) {
+  robot::Robot& robot = Admit("rcan://a");
+  ASSERT_TRUE(robot.sessions.Begin(model::SessionId({1}), clock_.Steady()));
+  robot.sessions.AddSettled(model::SessionId({1}), 3);
+  const auto rows = Changed();
+  ASSERT_THAT(rows, SizeIs(1));
+  EXPECT_EQ(rows[0].session, (storage::SettledSession{model::SessionId({1}), 3}));
+  EXPECT_FALSE(rows[0].last_sign_of_life);
+  EXPECT_THAT(Changed(), IsEmpty());
+  checkpoint_.PutBack(rows);
+  EXPECT_EQ(Changed().at(0).session, rows[0].session);
+}
+
 TEST_F(CheckpointTest, SignsOfLifeAndTheClockAreChanges) {
   robot::Robot& robot = Admit("rcan://a");
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});

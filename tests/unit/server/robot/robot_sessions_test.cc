@@ -198,6 +198,23 @@ TEST_F(RobotSessionsTest, AFenceForgetsWhatWasShown) {
   EXPECT_EQ(fresh.View().settled_seq, 0U);
 }
 
+TEST_F(RobotSessionsTest, WhatIsSettledIsNewsOnce) {
+  EXPECT_FALSE(sessions_.TakeSettled()) << "nothing is settled";
+  sessions_.AddSettled(Id(1), 5);
+  const storage::SettledSession fifth{Id(1), 5};
+  EXPECT_EQ(sessions_.TakeSettled(), fifth);
+  EXPECT_FALSE(sessions_.TakeSettled());
+  sessions_.PutBackSettled();
+  EXPECT_EQ(sessions_.TakeSettled(), fifth);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 6), 1);
+  sessions_.AddSettled(Id(1), 7);
+  EXPECT_FALSE(sessions_.TakeSettled()) << "6 waits";
+  Settle(6, {});
+  EXPECT_EQ(sessions_.TakeSettled(), (storage::SettledSession{Id(1), 7}));
+  sessions_.OnFenced(ledger_);
+  EXPECT_FALSE(sessions_.TakeSettled());
+}
+
 TEST_F(RobotSessionsTest, ViewsShowWhatHoldsTheStreamBackAndSinceWhen) {
   EXPECT_EQ(sessions_.View().held_back, HeldBack::kNone);
   const SystemTime since = clock_.System();
