@@ -117,7 +117,9 @@ std::string SessionSettings(Purpose purpose, milliseconds statement_timeout) {
   // A batch looks rows up by their keys, however small a table was when the plan was made.
   settings +=
       " SET plan_cache_mode = force_generic_plan; SET enable_seqscan = off;"
-      " SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off;";
+      " SET enable_hashjoin = off; SET enable_mergejoin = off; SET jit = off;"
+      // The newest version of a key is met first, in the order of the index.
+      " SET enable_sort = off; SET enable_bitmapscan = off;";
   return settings;
 }
 

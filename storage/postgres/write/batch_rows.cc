@@ -10,12 +10,16 @@
 namespace uplink::storage::postgres {
 namespace {
 
+// By the whole key of the row, which the subquery looks for from the greatest part down.
 constexpr std::string_view kRaiseCursors =
-    "UPDATE uplinkd.sessions AS s SET cursor_seq = greatest(s.cursor_seq, u.cursor_seq),"
-    " last_used = greatest(s.last_used, u.last_used)"
+    "UPDATE uplinkd.sessions AS s SET cursor_seq = greatest(s.cursor_seq, old.to_seq),"
+    " last_used = greatest(s.last_used, old.used)"
+    " FROM (SELECT p.ruri, p.session, p.part, u.to_seq, u.used"
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::timestamptz[])"
-    " AS u (ruri, session, cursor_seq, last_used)"
-    " WHERE s.ruri = u.ruri AND s.session = u.session";
+    " AS u (ruri, session, to_seq, used) CROSS JOIN LATERAL (SELECT l.ruri, l.session, l.part"
+    " FROM uplinkd.sessions AS l WHERE l.ruri = u.ruri AND l.session = u.session"
+    " ORDER BY l.part DESC LIMIT 1) AS p) AS old"
+    " WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part";
 
 // The oldest payloads of each robot over its bound go; their rows stay.
 constexpr std::string_view kThinPayloads =

@@ -18,28 +18,34 @@ constexpr std::string_view kInsertRobots =
 constexpr std::string_view kLockRobots =
     "SELECT ruri, held_since FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
     " ORDER BY ruri FOR NO KEY UPDATE";
-// The server's own sessions have no robot.
+// The server's own sessions have no robot. A session's row is looked for from the greatest part
+// down (see the migration of session parts).
 constexpr std::string_view kInsertSessions =
     "INSERT INTO uplinkd.sessions (ruri, session, cursor_seq, last_used, first_entry)"
     " SELECT u.ruri, u.session, 0, u.used, (SELECT currval('uplinkd.batches') << 20)"
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::timestamptz[])"
     " AS u (ruri, session, held, used) LEFT JOIN uplinkd.robots AS r ON r.ruri = u.ruri"
-    " WHERE r.ruri IS NULL OR u.held >= r.held_since ON CONFLICT (ruri, session) DO NOTHING";
+    " LEFT JOIN LATERAL (SELECT l.part FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s ON true"
+    " WHERE s.part IS NULL AND (r.ruri IS NULL OR u.held >= r.held_since)"
+    " ON CONFLICT (ruri, session, part) DO NOTHING";
 constexpr std::string_view kReadSessions =
     "SELECT s.ruri, s.session, s.cursor_seq"
-    " FROM unnest($1::text[], $2::uuid[]) AS u (ruri, session)"
-    " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
-    " ORDER BY s.ruri, s.session FOR NO KEY UPDATE OF s";
+    " FROM unnest($1::text[], $2::uuid[]) AS u (ruri, session) CROSS JOIN LATERAL"
+    " (SELECT l.ruri, l.session, l.cursor_seq FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1"
+    " FOR NO KEY UPDATE) AS s";
 // All but $1 and the $2 that were used last go.
 constexpr std::string_view kTrimProcesses =
-    "DELETE FROM uplinkd.sessions AS s USING (SELECT session FROM uplinkd.sessions"
+    "DELETE FROM uplinkd.sessions AS s USING (SELECT session, part FROM uplinkd.sessions"
     " WHERE ruri = 'server' AND session <> $1::uuid"
     " ORDER BY last_used DESC, session DESC OFFSET $2::bigint) AS old"
-    " WHERE s.ruri = 'server' AND s.session = old.session";
+    " WHERE s.ruri = 'server' AND s.session = old.session AND s.part = old.part";
 constexpr std::string_view kReadQuarantined =
     "SELECT u.place, q.reason, q.field, q.detail"
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::int[]) AS u (ruri, session, seq, place)"
-    " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
+    " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
     " JOIN uplinkd.quarantine AS q ON q.ruri = u.ruri AND q.session = u.session AND q.seq = u.seq"
     " AND q.entry >= s.first_entry WHERE u.seq <= s.cursor_seq";
 std::string Text(const Result& result, int row, int column) {

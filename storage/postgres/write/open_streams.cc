@@ -27,33 +27,52 @@ constexpr std::string_view kOpenRobots =
     " WHERE NOT (r.ruri = ANY ($5::text[]) AND r.owner <> excluded.owner AND EXISTS (SELECT 1"
     " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"
     " RETURNING ruri, epoch, held_since";
+// A session's row is looked for from the greatest part down (see the migration of session parts).
+// The robots' rows are locked by then, so nobody adds the same session meanwhile.
 constexpr std::string_view kOpenSessions =
-    "INSERT INTO uplinkd.sessions AS s (ruri, session, cursor_seq, last_used, first_entry)"
-    " SELECT ruri, session, 0, used, (SELECT currval('uplinkd.batches') << 20)"
-    " FROM unnest($1::text[], $2::uuid[], $3::timestamptz[]) AS u (ruri, session, used)"
-    " WHERE EXISTS (SELECT 1 FROM uplinkd.robots AS r WHERE r.ruri = u.ruri AND r.owner = $4::uuid)"
-    " ON CONFLICT (ruri, session) DO UPDATE"
-    " SET last_used = greatest(s.last_used, excluded.last_used)"
-    " RETURNING ruri, cursor_seq";
+    "WITH u AS (SELECT * FROM unnest($1::text[], $2::uuid[], $3::timestamptz[])"
+    " AS u (ruri, session, used) WHERE EXISTS (SELECT 1 FROM uplinkd.robots AS r"
+    " WHERE r.ruri = u.ruri AND r.owner = $4::uuid)),"
+    " old AS MATERIALIZED (SELECT p.ruri, p.session, p.part, u.used FROM u CROSS JOIN LATERAL"
+    " (SELECT l.ruri, l.session, l.part FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS p),"
+    " touched AS (UPDATE uplinkd.sessions AS s SET last_used = greatest(s.last_used, old.used)"
+    " FROM old WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
+    " RETURNING s.ruri, s.cursor_seq),"
+    " made AS (INSERT INTO uplinkd.sessions (ruri, session, cursor_seq, last_used, first_entry)"
+    " SELECT u.ruri, u.session, 0, u.used, (SELECT currval('uplinkd.batches') << 20) FROM u"
+    " WHERE NOT EXISTS (SELECT FROM old WHERE old.ruri = u.ruri AND old.session = u.session)"
+    " RETURNING ruri, cursor_seq)"
+    " SELECT ruri, cursor_seq FROM touched UNION ALL SELECT ruri, cursor_seq FROM made";
 constexpr std::string_view kReadRejects =
     "SELECT u.ruri, q.seq, q.reason, q.field, q.detail"
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, settled)"
-    " JOIN uplinkd.sessions AS s ON s.ruri = u.ruri AND s.session = u.session"
+    " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
     " CROSS JOIN LATERAL (SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
     " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint) AS q"
     " ORDER BY u.ruri, q.seq";
-// Of each robot, the least recently used sessions over the bound that nobody holds.
+// Of each robot, the least recently used sessions over the bound that nobody holds. From one
+// session to the next by its key, so that dead versions of their rows are passed over.
 constexpr std::string_view kEvictSessions =
-    "DELETE FROM uplinkd.sessions AS s USING ("
-    "SELECT a.ruri, a.session, a.kept, row_number() OVER (PARTITION BY a.ruri"
-    " ORDER BY a.last_used, a.session) AS place FROM (SELECT p.ruri, p.session, p.last_used,"
-    " count(*) OVER (PARTITION BY p.ruri) AS kept FROM uplinkd.sessions AS p"
-    " WHERE p.ruri = ANY ($1::text[])) AS a WHERE a.kept > $4::bigint AND NOT EXISTS (SELECT 1"
-    " FROM unnest($2::text[], $3::uuid[]) AS held (ruri, session)"
+    "WITH RECURSIVE p AS (SELECT n.* FROM unnest($1::text[]) AS u (ruri) CROSS JOIN LATERAL"
+    " (SELECT l.ruri, l.session, l.part, l.last_used FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri ORDER BY l.session DESC, l.part DESC LIMIT 1) AS n"
+    " UNION ALL SELECT n.* FROM p CROSS JOIN LATERAL"
+    " (SELECT l.ruri, l.session, l.part, l.last_used FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = p.ruri AND l.session < p.session"
+    " ORDER BY l.session DESC, l.part DESC LIMIT 1) AS n)"
+    " DELETE FROM uplinkd.sessions AS s USING ("
+    "SELECT a.ruri, a.session, a.part, a.kept, row_number() OVER (PARTITION BY a.ruri"
+    " ORDER BY a.last_used, a.session) AS place FROM (SELECT p.ruri, p.session, p.part,"
+    " p.last_used,"
+    " count(*) OVER (PARTITION BY p.ruri) AS kept FROM p) AS a WHERE a.kept > $4::bigint"
+    " AND NOT EXISTS (SELECT 1 FROM unnest($2::text[], $3::uuid[]) AS held (ruri, session)"
     " WHERE held.ruri = a.ruri AND held.session = a.session) AND EXISTS (SELECT 1"
     " FROM uplinkd.robots AS r WHERE r.ruri = a.ruri AND r.owner = $5::uuid)) AS old"
-    " WHERE s.ruri = old.ruri AND s.session = old.session AND old.place <= old.kept - $4::bigint";
+    " WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
+    " AND old.place <= old.kept - $4::bigint";
 
 /// Requests of different robots, by RURI.
 using Wave = std::map<std::string_view, std::size_t>;

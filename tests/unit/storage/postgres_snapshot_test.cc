@@ -1,0 +1,123 @@
+// A transaction that somebody holds open keeps all dead versions of the cursors' rows.
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "schema/base/clock.h"
+#include "storage/postgres/link/connection.h"
+#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
+#include "storage/postgres/store.h"
+#include "tests/support/eventually.h"
+#include "tests/support/postgres_database.h"
+#include "tests/support/records.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+using testing::DatabaseContent;
+using testing::PostgresDatabase;
+using testing::PostgresShell;
+
+constexpr std::int64_t kNowMs = 1'763'683'200'000;
+
+class PostgresSnapshotTest : public ::testing::Test {
+ protected:
+  /// Opens the robot and commits so many batches of one message, from `first` on, by a connection
+  /// of its own.
+  void CommitMany(model::Seq first, int batches) {
+    StoreOptions options;
+    options.url = database_.url();
+    options.process = {1};
+    auto store = PostgresStore::Open(std::move(options), clock_);
+    ASSERT_TRUE(store.ok()) << store.status();
+    const OpenRequest request{robot_, session_, 0, FromUnixMs(kNowMs), {}};
+    const auto opened = (*store)->OpenStreams({&request, 1});
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    for (int i = 0; i < batches; ++i) {
+      model::Message message;
+      message.message = "hello";
+      Batch batch;
+      batch.records.push_back({robot_, session_, first + static_cast<model::Seq>(i),
+                               opened->front().held_since, FromUnixMs(kNowMs),
+                               test::RecordOf(message), "bytes", 5});
+      const auto outcomes = (*store)->Commit(batch);
+      ASSERT_TRUE(outcomes.ok()) << outcomes.status();
+      ASSERT_EQ(outcomes->front().kind, OutcomeKind::kStored);
+    }
+  }
+  /// Pages of the sessions and of their index that sessions of the server's role have read since
+  /// the database was made, as the server counts it when they end.
+  int PagesRead() {
+    EXPECT_TRUE(testing::Eventually([this] {
+      return shell_.Read(
+                 "SELECT count(*) FROM pg_stat_activity WHERE usename = 'uplinkd'"
+                 " AND datname = current_database()") == "0\n";
+    }));
+    return std::stoi(
+        shell_.Read("SELECT heap_blks_hit + heap_blks_read + idx_blks_hit + idx_blks_read"
+                    " FROM pg_statio_user_tables WHERE relname = 'sessions'"));
+  }
+
+  const SystemClock clock_{};
+  PostgresDatabase database_;
+  PostgresShell shell_ = database_.Shell();
+  const RobotRef robot_ =
+      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
+  const model::SessionId session_{{7}};
+};
+
+TEST_F(PostgresSnapshotTest, ACommitReadsNoMorePagesForDeadVersionsOfItsCursor) {
+  constexpr int kBatches = 100;
+  constexpr int kDead = 20'000;
+  CommitMany(1, kBatches);
+  const int fresh = PagesRead();
+  PostgresShell other = database_.Shell();
+  other.Run("BEGIN ISOLATION LEVEL REPEATABLE READ");
+  static_cast<void>(other.Read("SELECT 1"));
+  // As so many commits leave them, in the order of their numbers.
+  shell_.Run(
+      "DO $$ DECLARE at tid; BEGIN SELECT ctid INTO at FROM uplinkd.sessions"
+      " WHERE ruri = 'rcan://robots/a'; FOR i IN 1 .. " +
+      std::to_string(kDead) +
+      " LOOP UPDATE uplinkd.sessions SET cursor_seq = cursor_seq + 1 WHERE ctid = at"
+      " RETURNING ctid INTO at; END LOOP; END $$");
+  EXPECT_EQ(shell_.Read("SELECT cursor_seq FROM uplinkd.sessions WHERE ruri = 'rcan://robots/a'"),
+            std::to_string(kBatches + kDead) + "\n");
+  EXPECT_TRUE(testing::Eventually([this] {
+    shell_.Run("SELECT pg_stat_clear_snapshot()");
+    return shell_.Read(
+               "SELECT n_tup_upd >= 20000 FROM pg_stat_user_tables"
+               " WHERE relname = 'sessions'") == "t\n";
+  }));
+  const int before = PagesRead();
+  CommitMany(kBatches + kDead + 1, kBatches);
+  EXPECT_LE(PagesRead() - before, 2 * fresh);
+}
+
+TEST_F(PostgresSnapshotTest, TheStepKeepsCursorsAndRefusesTheOlderProgram) {
+  PostgresDatabase older(DatabaseContent::kEmpty);
+  ConnectionOptions options;
+  options.url = *ParseUrl(older.owner_url());
+  const auto owner = *Connection::Open(options, clock_);
+  const auto all = Migrations();
+  std::size_t step = 0;
+  while (std::string_view(all[step].name) != "0006_session_parts") ++step;
+  ASSERT_TRUE(Migrate(*owner, all.first(step)).ok());
+  PostgresShell shell = older.Shell();
+  shell.Run(
+      "INSERT INTO uplinkd.sessions VALUES"
+      " ('a', '07000000-0000-0000-0000-000000000000', 0, '2026-01-01', 3),"
+      " ('b', '07000000-0000-0000-0000-000000000000', 9007199254740991, '2026-01-02', 4)");
+  const std::string read =
+      "SELECT ruri, session, cursor_seq, last_used, first_entry FROM uplinkd.sessions ORDER BY 1";
+  const std::string kept = shell.Read(read);
+  ASSERT_TRUE(Migrate(*owner, all).ok());
+  EXPECT_EQ(shell.Read(read), kept);
+  EXPECT_TRUE(absl::IsFailedPrecondition(CheckSchema(*owner, all.first(step))));
+}
+
+}  // namespace
+}  // namespace uplink::storage::postgres
