@@ -136,6 +136,10 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kStoreCommitsInDoubt, "uplinkd_store_commits_in_doubt_total", kCounter, "commits",
      "Commits that the database answered with a warning: whether they are durable is unknown, and"
      " they are tried again."},
+    {kStoreOldestSnapshot, "uplinkd_store_oldest_snapshot_seconds", kGauge, "seconds",
+     "How long another transaction, a replication slot or a prepared transaction has kept the "
+     "database"
+     " from removing dead rows, as far as this process saw."},
     {kHttpRequests, "uplinkd_http_requests_total", kCounter, "requests",
      "HTTP requests that were answered.", kByRouteCode},
     {kHttpRequestSeconds, "uplinkd_http_request_seconds", kHistogram, "seconds",

@@ -75,6 +75,7 @@ enum class MetricId : std::uint8_t {
   kStoreUnsafe,
   kStoreClockOffset,
   kStoreCommitsInDoubt,
+  kStoreOldestSnapshot,
   kHttpRequests,
   kHttpRequestSeconds,
   kHttpConnections,

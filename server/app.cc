@@ -207,6 +207,7 @@ class App::Impl {
     };
     work.look_at_store = [this] { store_watch_.Look(); };
     work.read_robots = [this] { seed_rounds_.ReadOn(OnReads()); };
+    work.ask_for_snapshot = [this] { stores_.snapshot->AskOn(OnReads()); };
     work.count_faults = [this] {
       if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, *stores_.reader);
     };

@@ -11,6 +11,7 @@ Monitor::Monitor(const Sources& sources)
 
 Readiness Monitor::readiness() const {
   const journal::JournalLimits& limits = sources_.journal_limits;
+  const storage::StoreFacts store = sources_.store_facts();
   return ReadinessOf({
       .now = sources_.clock.System(),
       .draining = draining(),
@@ -18,7 +19,8 @@ Readiness Monitor::readiness() const {
       .certificate_fits = certificate_fits_.load(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing = sources_.journal_probe.store_failing.value() != 0,
-      .store_unsafe = sources_.store_facts().unsafe,
+      .store_unsafe = store.unsafe,
+      .store_old_snapshot = store.old_snapshot(),
       .relay_behind = liveness_.behind(),
       .journal_bytes = {sources_.journals.bytes(), limits.bytes_max},
       .journal_records = {sources_.journals.records(), limits.records_max},

@@ -37,6 +37,8 @@ struct ReadinessFacts {
   bool store_failing = false;
   /// What is acked may be lost when the power fails, and the operator accepted it.
   bool store_unsafe = false;
+  /// Something else has kept the store from cleaning up for long.
+  bool store_old_snapshot = false;
   /// Liveness::behind.
   bool relay_behind = false;
   Fill journal_bytes;
@@ -50,7 +52,8 @@ struct Readiness {
   /// Why a new stream would be refused: draining, certificate_expired, robots_max.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, store_unsafe,
-  /// journal_backlog, relay_behind, certificate_expiring, certificate_mismatch, descriptors.
+  /// store_old_snapshot, journal_backlog, relay_behind, certificate_expiring,
+  /// certificate_mismatch, descriptors.
   std::vector<std::string> degraded;
 
   [[nodiscard]] bool ready() const { return refuses.empty(); }

@@ -13,6 +13,8 @@ namespace {
 constexpr std::chrono::seconds kSweepEvery{1};
 constexpr std::chrono::seconds kStoreEvery{1};
 constexpr milliseconds kSeedEvery{500};
+/// One short statement. An age of minutes is what counts.
+constexpr std::chrono::seconds kSnapshotEvery{10};
 
 }  // namespace
 
@@ -22,6 +24,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(relay::kFilesRefresh, std::move(work.look_at_certificate));
   every(kStoreEvery, std::move(work.look_at_store));
   every(kSeedEvery, std::move(work.read_robots));
+  every(kSnapshotEvery, std::move(work.ask_for_snapshot));
   every(rcan::kFaultCountsEvery, std::move(work.count_faults));
   every(health::kHandshakeEvery, std::move(work.ask_relay));
 }

@@ -17,6 +17,8 @@ struct PeriodicWork {
   std::function<void()> look_at_store;
   /// Reads the robots, if the store was away at the start, and what those that became ours had.
   std::function<void()> read_robots;
+  /// Asks the store for the oldest snapshot.
+  std::function<void()> ask_for_snapshot;
   /// Counts the robots' active faults, for their series.
   std::function<void()> count_faults;
   /// Asks our own relay for a handshake.

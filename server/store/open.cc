@@ -66,7 +66,6 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
     opened.push_back(store->get());
     stores.writers.push_back(*std::move(store));
   }
-  stores.facts = [opened] { return FactsOf(opened); };
   auto leases = storage::postgres::PostgresLeases::Make(options, clock);
   if (!leases.ok()) return leases.status();
   stores.leases = *std::move(leases);
@@ -78,6 +77,13 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   reading.statement_timeout = std::min(reading.statement_timeout, config.store.timeout);
   auto reader = storage::postgres::PostgresReader::Open(reading, clock);
   if (!reader.ok()) return reader.status();
+  stores.snapshot =
+      std::make_unique<OldestSnapshot>([asked = reader->get()] { return asked->OldestSnapshot(); });
+  stores.facts = [opened, snapshot = stores.snapshot.get()] {
+    storage::StoreFacts facts = FactsOf(opened);
+    facts.oldest_snapshot = snapshot->age();
+    return facts;
+  };
   stores.reader = *std::move(reader);
   return stores;
 }

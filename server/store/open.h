@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/store/oldest_snapshot.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/store.h"
@@ -26,6 +27,8 @@ struct Stores {
   absl::Status away;
   /// As they are now. Any thread, while the writers live.
   std::function<storage::StoreFacts()> facts = [] { return storage::StoreFacts(); };
+  /// Part of the facts once it has asked; uses the reader.
+  std::unique_ptr<OldestSnapshot> snapshot = std::make_unique<OldestSnapshot>(nullptr);
 };
 
 /// Seed::Context::adopt_grace: a store without leases is this process's alone.

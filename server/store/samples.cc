@@ -8,6 +8,7 @@ void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page) {
   page.Add(kStoreUnsafe, facts.unsafe ? 1 : 0);
   page.Add(kStoreClockOffset, facts.clock_offset);
   page.Add(kStoreCommitsInDoubt, facts.commits_in_doubt);
+  page.Add(kStoreOldestSnapshot, facts.oldest_snapshot);
 }
 
 void AddSamples(const LeaseProbe& probe, metrics::Exposition& page) {

@@ -29,8 +29,21 @@ void Watch::LookAtFacts() {
   said_clock_ = differs;
 }
 
+void Watch::LookAtSnapshot(const storage::StoreFacts& facts) {
+  if (facts.old_snapshot() == said_snapshot_) return;
+  said_snapshot_ = facts.old_snapshot();
+  if (said_snapshot_) {
+    logger_.Warn("store_old_snapshot",
+                 {{"why", "another transaction keeps the database from removing dead rows"},
+                  {"age_ms", facts.oldest_snapshot.count()}});
+  } else {
+    logger_.Info("store_old_snapshot_gone", {});
+  }
+}
+
 void Watch::Look() {
   LookAtFacts();
+  LookAtSnapshot(sources_.facts());
   LogTurn(retention_, sources_.retention());
   LogTurn(checkpoints_, sources_.checkpoints());
   LogTurn(store_, sources_.store());

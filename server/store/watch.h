@@ -34,6 +34,7 @@ class Watch final {
     const char* works_again;
     bool works = true;
   };
+  void LookAtSnapshot(const storage::StoreFacts& facts);
   void LogTurn(Turn& turn, const absl::Status& status) const;
 
   const Sources sources_;
@@ -43,6 +44,7 @@ class Watch final {
   Turn store_{"store_fails", "store_works_again"};
   bool said_unsafe_ = false;
   bool said_clock_ = false;
+  bool said_snapshot_ = false;
 };
 
 }  // namespace uplink::store

@@ -97,6 +97,13 @@ absl::StatusOr<std::unique_ptr<PostgresReader>> PostgresReader::Open(const Reade
       new PostgresReader(std::make_unique<Pool>(options, link, clock)));
 }
 
+absl::StatusOr<milliseconds> PostgresReader::OldestSnapshot() {
+  const absl::StatusOr<Horizon> horizon =
+      pool_->With([](Connection& connection) { return ReadHorizon(connection); });
+  if (!horizon.ok()) return horizon.status();
+  return horizon_age_.Note(*horizon, pool_->clock().Steady());
+}
+
 absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robots_max) {
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<RobotRow>> {
     OwnedStoreCall call{std::string(kRobots), {}};

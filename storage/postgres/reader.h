@@ -11,6 +11,7 @@
 
 #include "schema/base/clock.h"
 #include "storage/postgres/defaults.h"
+#include "storage/postgres/horizon.h"
 #include "storage/reader.h"
 
 namespace uplink::storage::postgres {
@@ -62,10 +63,15 @@ class PostgresReader final : public Reader {
   [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
+  /// How long something in the database has held back the removal of dead row versions, as far as
+  /// the calls of this before could see (HorizonAge). One call at a time.
+  [[nodiscard]] absl::StatusOr<milliseconds> OldestSnapshot();
+
  private:
   class Pool;
   explicit PostgresReader(std::unique_ptr<Pool> pool);
   std::unique_ptr<Pool> pool_;
+  HorizonAge horizon_age_;
 };
 
 }  // namespace uplink::storage::postgres

@@ -4,7 +4,7 @@ import os
 import unittest
 import urllib.request
 
-from harness import BIN, Cluster, EndToEnd, Fleet, Server, mismatches, run, uplinkctl
+from harness import BIN, Cluster, EndToEnd, Fleet, Server, mismatches, run, uplinkctl, wait_until
 
 KILLS = 3
 
@@ -12,7 +12,7 @@ KILLS = 3
 class Schema(EndToEnd):
     def setUp(self):
         super().setUp()
-        self.cluster = Cluster(self.folder, "fsync = off").create()
+        self.cluster = Cluster(self.folder, "fsync = off\nmax_prepared_transactions = 1").create()
         self.open_things.append(self.cluster)
 
     def start_that_fails(self, *text, **environment):
@@ -56,6 +56,20 @@ class Schema(EndToEnd):
         with urllib.request.urlopen(f"http://{server.http}/metrics", timeout=10) as page:
             self.assertIn("uplinkd_store_unsafe 1\n", page.read().decode())
         self.assertEqual(server.terminate(30), 0)
+
+    def test_an_old_snapshot_is_seen(self):
+        self.cluster.migrate()
+        server = self.server("accept_unsafe = true").start()
+        self.cluster.sql("BEGIN; SELECT txid_current(); PREPARE TRANSACTION 'left'")
+
+        def age():
+            self.cluster.sql("SELECT txid_current()")  # a transaction that would be cleaned up after
+            return server.metric("uplinkd_store_oldest_snapshot_seconds")
+
+        wait_until(server.process, lambda: age() > 0, 60, "the prepared transaction is seen")
+        self.cluster.sql("ROLLBACK PREPARED 'left'")
+        wait_until(server.process, lambda: age() == 0, 60, "it is gone")
+        self.assertNotIn("store_old_snapshot", server.text(), "it was not that old")
 
     def test_a_read_only_database_is_refused(self):
         self.cluster.migrate()

@@ -19,6 +19,7 @@ class PostgresReader::Pool final {
  public:
   Pool(const ReaderOptions& options, const Link::Options& link, const Clock& clock);
 
+  [[nodiscard]] const Clock& clock() const { return clock_; }
   /// Runs `read` with a connection; waits for one.
   template <typename Read>
   auto With(const Read& read) -> decltype(read(std::declval<Connection&>())) {

@@ -104,7 +104,7 @@ TEST_F(PostgresSnapshotTest, TheStepKeepsCursorsAndRefusesTheOlderProgram) {
   const auto owner = *Connection::Open(options, clock_);
   const auto all = Migrations();
   std::size_t step = 0;
-  while (std::string_view(all[step].name) != "0006_session_parts") ++step;
+  while (std::string_view(all[step].name) != "0007_session_parts") ++step;
   ASSERT_TRUE(Migrate(*owner, all.first(step)).ok());
   PostgresShell shell = older.Shell();
   shell.Run(

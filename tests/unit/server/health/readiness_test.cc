@@ -58,6 +58,13 @@ TEST(Readiness, ReportsARelayThatIsBehind) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("relay_behind"));
 }
 
+TEST(Readiness, ReportsAStoreThatIsKeptFromCleaningUp) {
+  ReadinessFacts facts = Good();
+  facts.store_old_snapshot = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store_old_snapshot"));
+}
+
 TEST(Readiness, ReportsACertificateAWeekAhead) {
   ReadinessFacts facts = Good();
   facts.certificate_expiry = facts.now + kCertificateNotice;

@@ -67,6 +67,21 @@ TEST_F(WatchTest, RetentionAndCheckpointsHaveTurnsOfTheirOwn) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("checkpoint_works_again")));
 }
 
+TEST_F(WatchTest, TellsOnceThatAnOldSnapshotIsThereAndOnceThatItIsGone) {
+  facts_.oldest_snapshot = storage::kOldSnapshot;
+  watch_.Look();
+  EXPECT_THAT(lines_, IsEmpty());
+  facts_.oldest_snapshot += milliseconds(1);
+  watch_.Look();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_old_snapshot")));
+  facts_.oldest_snapshot = milliseconds(0);
+  watch_.Look();
+  watch_.Look();
+  EXPECT_THAT(lines_,
+              ElementsAre(HasSubstr("store_old_snapshot"), HasSubstr("store_old_snapshot_gone")));
+}
+
 TEST_F(WatchTest, TellsOnceThatTheStoreIsUnsafe) {
   facts_.unsafe = true;
   watch_.LookAtFacts();
