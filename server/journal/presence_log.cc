@@ -10,30 +10,19 @@ void PresenceLog::Hold(const std::string& ruri, storage::Epoch since,
                        const std::optional<storage::StoredPresence>& stored) {
   held_[ruri] = since;
   if (stored) handed_[ruri] = *stored;
-  const auto waits = unheld_.extract(ruri);
-  if (waits) Note(waits.mapped().robot, waits.mapped().presence, waits.mapped().at);
 }
 
 void PresenceLog::Lose(const std::string& ruri) {
   held_.erase(ruri);
   handed_.erase(ruri);
-  unheld_.erase(ruri);
   uncommitted_.fetch_sub(waiting_.erase(ruri));
   uncommitted_.fetch_sub(std::erase_if(
       put_back_, [&](const storage::PresenceItem& item) { return item.robot->ruri == ruri; }));
 }
 
-storage::Epoch PresenceLog::HeldSince(const std::string& ruri) const {
-  const auto held = held_.find(ruri);
-  return held == held_.end() ? 0 : held->second;
-}
-
 void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
   const auto held = held_.find(robot->ruri);
-  if (held == held_.end()) {
-    unheld_.insert_or_assign(robot->ruri, storage::PresenceItem{robot, presence, at, 0, 0});
-    return;
-  }
+  if (held == held_.end()) return;
   const auto handed = handed_.find(robot->ruri);
   if (handed != handed_.end() && handed->second.presence == presence) {
     uncommitted_.fetch_sub(waiting_.erase(robot->ruri));

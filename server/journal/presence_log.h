@@ -20,17 +20,15 @@ namespace uplink::journal {
 /// Thread: confined to its owner's lock; uncommitted() and CountCommitted: any thread.
 class PresenceLog final {
  public:
-  /// This process holds the robot since `since`, and the store has `stored` of it. What waited for
-  /// that may be handed over.
+  /// This process holds the robot since `since`, and the store has `stored` of it. Whoever judges
+  /// the robot notes then what it is, if that is another.
   void Hold(const std::string& ruri, storage::Epoch since,
             const std::optional<storage::StoredPresence>& stored);
   /// Another process holds the robot, and judges it: what waits is dropped, and what was put back.
   void Lose(const std::string& ruri);
-  /// The epoch since which the robot is held; 0 if it is not.
-  [[nodiscard]] storage::Epoch HeldSince(const std::string& ruri) const;
 
-  /// A change of a robot that is not held waits until it is. One that is dated before the last that
-  /// was handed over, or that its former holder wrote by another clock, gets the date of that: the
+  /// A change of a robot that is not held is dropped. One that is dated before the last that was
+  /// handed over, or that its former holder wrote by another clock, gets the date of that: the
   /// latest row is the one with the latest date.
   void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
 
@@ -52,8 +50,6 @@ class PresenceLog final {
  private:
   /// By RURI, so that a run repeats exactly.
   std::map<std::string, storage::PresenceItem> waiting_;
-  /// Of robots that are not held yet; one per robot.
-  std::map<std::string, storage::PresenceItem> unheld_;
   std::unordered_map<std::string, storage::Epoch> held_;
   /// Put back, in order.
   std::vector<storage::PresenceItem> put_back_;

@@ -6,9 +6,9 @@ Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   if (facts.last_sign_of_life && facts.now - *facts.last_sign_of_life <= limits.timeout) {
     return Presence::kOnline;
   }
-  const auto& taken_over = facts.taken_over;
-  if (taken_over && taken_over->presence == Presence::kOnline &&
-      facts.now - taken_over->at <= limits.timeout) {
+  const auto& claimed = facts.claimed;
+  if (claimed && claimed->presence == Presence::kOnline &&
+      facts.now - claimed->at <= limits.timeout) {
     return Presence::kOnline;
   }
   // Silence that we caused ourselves proves nothing.
@@ -16,7 +16,7 @@ Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   if (facts.held_back_until && facts.now - *facts.held_back_until <= limits.timeout) {
     return Presence::kUnknown;
   }
-  if (taken_over && taken_over->presence == Presence::kOffline) return Presence::kOffline;
+  if (claimed && claimed->presence == Presence::kOffline) return Presence::kOffline;
   if (!facts.last_sign_of_life && facts.unknown_until && facts.now <= *facts.unknown_until) {
     return Presence::kUnknown;
   }

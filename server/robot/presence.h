@@ -32,11 +32,11 @@ struct PresenceFacts {
   std::optional<SteadyTime> held_back_until;
   /// The robot came by a stream from a process that called it so, and was not heard here yet: when
   /// it came. Its online counts as a sign of life then; its offline lasts until one.
-  struct TakenOver {
+  struct Claimed {
     Presence presence = Presence::kUnknown;
     SteadyTime at;
   };
-  std::optional<TakenOver> taken_over;
+  std::optional<Claimed> claimed;
   /// It was adopted: until when it may be unheard and is unknown.
   std::optional<SteadyTime> unknown_until;
 };

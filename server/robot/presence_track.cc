@@ -10,8 +10,9 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
   Sign sign = Sign::kOlder;
   if (!last_sign_ || steady >= *last_sign_) {
     last_sign_ = steady;
+    online_until_ = steady + limits.timeout;
     last_sign_system_ = system;
-    taken_over_.reset();
+    claimed_.reset();
     sign = Sign::kLatest;
   }
   Reach(steady, system);
@@ -39,60 +40,54 @@ void PresenceTrack::Restore(std::optional<SystemTime> last_sign) {
   if (!last_sign_system_) last_sign_system_ = last_sign;
 }
 
-void PresenceTrack::TakeOver(const storage::StoredPresence& stored, SteadyTime now) {
+void PresenceTrack::Claim(const storage::StoredPresence& stored, SteadyTime now) {
   foreign_ = false;
   known_since_ = now;
-  if (!last_sign_ && !told_) {
-    taken_over_ = {stored.presence, now};
-    unknown_until_.reset();
-    presence_ = stored.presence;
-  }
-  GoOnFrom(stored);
+  if (HeardInTime(now)) return GoOnFrom(stored);
+  BeginFrom(stored);
+  claimed_ = {stored.presence, now};
 }
+
+bool PresenceTrack::HeardInTime(SteadyTime now) const { return last_sign_ && now <= online_until_; }
 
 void PresenceTrack::GoOnFrom(const storage::StoredPresence& stored) {
   if (presence_ == stored.presence) {
     since_ = stored.since;
-  } else if (!told_) {
-    // It was no change of what was shown here, and is one of what the store has by now.
+  } else {
+    // It was told before, but nobody wrote it before the store said whose the robot is.
     Change(presence_, std::max(since_, stored.since));
   }
+}
+
+void PresenceTrack::BeginFrom(const storage::StoredPresence& stored) {
+  last_sign_.reset();
+  claimed_.reset();
+  unknown_until_.reset();
+  presence_ = stored.presence;
+  since_ = stored.since;
 }
 
 void PresenceTrack::Adopt(const Adoption& adoption) {
   foreign_ = false;
   known_since_ = adoption.now;
-  if (last_sign_) {
-    if (adoption.stored) GoOnFrom(*adoption.stored);
-    return;
-  }
-  taken_over_.reset();
+  if (HeardInTime(adoption.now)) return GoOnFrom(adoption.stored);
+  BeginFrom(adoption.stored);
   unknown_until_ = adoption.unknown_until;
-  if (!told_ && adoption.stored) {
-    presence_ = adoption.stored->presence;
-    since_ = adoption.stored->since;
-  }
   if (presence_ != Presence::kUnknown) Change(Presence::kUnknown, adoption.system_now);
 }
 
 void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   foreign_ = true;
-  last_sign_.reset();
   last_sign_system_.reset();
   held_back_ = false;
   held_back_until_.reset();
   stream_held_back_until_.reset();
-  taken_over_.reset();
-  unknown_until_.reset();
-  told_ = false;
-  presence_ = stored.presence;
-  since_ = stored.since;
+  BeginFrom(stored);
 }
 
 void PresenceTrack::Change(Presence presence, SystemTime at) {
   presence_ = presence;
   since_ = at;
-  told_ = true;
   if (changed_) changed_(presence, at);
 }
 
@@ -110,7 +105,7 @@ void PresenceTrack::Update(const PresenceLimits& limits) {
                                         .last_sign_of_life = last_sign_,
                                         .held_back = held_back_,
                                         .held_back_until = held_back_until_,
-                                        .taken_over = taken_over_,
+                                        .claimed = claimed_,
                                         .unknown_until = unknown_until_},
                                        limits);
   if (presence != presence_) Change(presence, reached_system_);

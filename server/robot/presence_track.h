@@ -45,20 +45,21 @@ class PresenceTrack final {
 
   // --- Who judges ---
 
-  /// A stream of the robot is here, and another process judged it last. What was heard or told here
-  /// stands; before that the presence is what the other wrote, and no change.
-  void TakeOver(const storage::StoredPresence& stored, SteadyTime now);
+  /// A stream of the robot is here, and another process judged it last. What was heard here in time
+  /// stands. Else the presence is what the other wrote, and no change: whatever was told here came
+  /// to nobody's knowledge, and may be older than that.
+  void Claim(const storage::StoredPresence& stored, SteadyTime now);
   /// The robot's holder was over, and it is ours: unknown until it is heard, and at most until
-  /// `unknown_until`. What was heard here stands.
+  /// `unknown_until`. What was heard here in time stands.
   struct Adoption {
-    std::optional<storage::StoredPresence> stored;
+    storage::StoredPresence stored;
     SteadyTime unknown_until;
     SteadyTime now;
     SystemTime system_now;
   };
   void Adopt(const Adoption& adoption);
   /// Another process judges the robot, and wrote this. What was heard here is forgotten, and what
-  /// is told changes nothing until the robot is taken over or adopted.
+  /// is told changes nothing until the robot is claimed or adopted.
   void Follow(const storage::StoredPresence& stored);
 
   [[nodiscard]] Presence presence() const { return presence_; }
@@ -74,8 +75,12 @@ class PresenceTrack final {
   void Reach(SteadyTime steady, SystemTime system);
   void Update(const PresenceLimits& limits);
   void Change(Presence presence, SystemTime at);
-  /// The store has `stored`, and what was heard or told here stands.
+  /// A sign of life came here, and not too long ago.
+  [[nodiscard]] bool HeardInTime(SteadyTime now) const;
+  /// The store has `stored`, and what was heard here stands.
   void GoOnFrom(const storage::StoredPresence& stored);
+  /// The store has `stored`, and nothing was heard here.
+  void BeginFrom(const storage::StoredPresence& stored);
 
   const SteadyTime server_started_;
   SteadyTime known_since_;
@@ -87,16 +92,16 @@ class PresenceTrack final {
   SystemTime reached_system_;
   std::optional<SteadyTime> last_sign_;
   std::optional<SystemTime> last_sign_system_;
+  /// Means nothing without a last sign.
+  SteadyTime online_until_;
   bool held_back_ = false;
   /// Also until when the server itself stood still or was behind.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
-  std::optional<PresenceFacts::TakenOver> taken_over_;
+  std::optional<PresenceFacts::Claimed> claimed_;
   std::optional<SteadyTime> unknown_until_;
   /// Another process judges it.
   bool foreign_ = false;
-  /// A change was told since this process judges it.
-  bool told_ = false;
 };
 
 }  // namespace uplink::robot

@@ -91,7 +91,7 @@ void RobotState::Claim(SteadyTime now) {
   claimed_ = true;
   if (!foreign_) return;
   foreign_.reset();
-  presence_.TakeOver({presence_.presence(), presence_.since()}, now);
+  presence_.Claim({presence_.presence(), presence_.since()}, now);
 }
 
 void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now) {
@@ -99,14 +99,15 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
   foreign_.reset();
   held_since_ = news.since;
   needs_restore_ = news.was_known;
+  // Of a robot that the store has no presence of, nothing was ever told but that it is unknown.
+  const storage::StoredPresence stored =
+      news.presence.value_or(storage::StoredPresence{Presence::kUnknown, presence_.since()});
   switch (news.how) {
     case HoldBegan::kOpened:
-      presence_.TakeOver(
-          news.presence.value_or(storage::StoredPresence{presence_.presence(), presence_.since()}),
-          now);
+      presence_.Claim(stored, now);
       return;
     case HoldBegan::kAdopted:
-      presence_.Adopt({.stored = news.presence,
+      presence_.Adopt({.stored = stored,
                        .unknown_until = now + news.grace,
                        .now = now,
                        .system_now = system_now});

@@ -78,7 +78,7 @@ TEST_F(PresenceTrackTest, WhatAnEarlierLifeHeardIsKeptUntilASignComes) {
 
 TEST_F(PresenceTrackTest, WhoComesByAStreamStaysAsTheOtherProcessWroteItUntilItsTime) {
   const SystemTime since = clock_.System() - std::chrono::hours(2);
-  track_.TakeOver({Presence::kOnline, since}, clock_.Steady());
+  track_.Claim({Presence::kOnline, since}, clock_.Steady());
   EXPECT_EQ(track_.presence(), Presence::kOnline);
   EXPECT_EQ(track_.since(), since);
   clock_.Advance(limits_.timeout);
@@ -90,14 +90,14 @@ TEST_F(PresenceTrackTest, WhoComesByAStreamStaysAsTheOtherProcessWroteItUntilIts
 
 TEST_F(PresenceTrackTest, WhoComesByAStreamAndSaysNothingIsOfflineInTheEnd) {
   clock_.Advance(limits_.startup_grace);
-  track_.TakeOver({Presence::kOnline, clock_.System()}, clock_.Steady());
+  track_.Claim({Presence::kOnline, clock_.System()}, clock_.Steady());
   clock_.Advance(limits_.timeout + milliseconds(1));
   EXPECT_EQ(Sweep(), Presence::kOffline);
 }
 
 TEST_F(PresenceTrackTest, WhoWasOfflineElsewhereIsSoUntilItIsHeard) {
   const SystemTime since = clock_.System() - std::chrono::hours(2);
-  track_.TakeOver({Presence::kOffline, since}, clock_.Steady());
+  track_.Claim({Presence::kOffline, since}, clock_.Steady());
   EXPECT_EQ(Sweep(), Presence::kOffline) << "even within the grace of a start";
   EXPECT_EQ(track_.since(), since);
   EXPECT_THAT(changes_, IsEmpty());
@@ -108,36 +108,62 @@ TEST_F(PresenceTrackTest, WhoWasOfflineElsewhereIsSoUntilItIsHeard) {
 TEST_F(PresenceTrackTest, WhatWasHeardHereStandsAgainstWhatAnotherWrote) {
   Sign();
   const SystemTime since = clock_.System() - std::chrono::hours(2);
-  track_.TakeOver({Presence::kOffline, since}, clock_.Steady());
+  track_.Claim({Presence::kOffline, since}, clock_.Steady());
   EXPECT_EQ(track_.presence(), Presence::kOnline);
   EXPECT_NE(track_.since(), since);
-  track_.TakeOver({Presence::kOnline, since}, clock_.Steady());
+  track_.Claim({Presence::kOnline, since}, clock_.Steady());
   EXPECT_EQ(track_.since(), since) << "it was online all the time";
 }
 
-TEST_F(PresenceTrackTest, WhatWasToldHereStandsAgainstWhatAnotherWrote) {
-  track_.TakeOver({Presence::kOnline, SystemTime()}, clock_.Steady());
+TEST_F(PresenceTrackTest, WhatWasToldInVainGivesWayToWhatAnotherWroteMeanwhile) {
+  clock_.Advance(limits_.startup_grace);
+  Sign();
   clock_.Advance(limits_.timeout + milliseconds(1));
-  EXPECT_EQ(Sweep(), Presence::kUnknown) << "in the grace of a start";
-  track_.TakeOver({Presence::kOnline, SystemTime()}, clock_.Steady());
-  EXPECT_EQ(track_.presence(), Presence::kUnknown) << "the histories learn of this one";
-  EXPECT_THAT(changes_, SizeIs(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline) << "heard here, before the store said whose it is";
+  changes_.clear();
+  const SystemTime since = clock_.System() - milliseconds(1);
+  track_.Claim({Presence::kOnline, since}, clock_.Steady());
+  EXPECT_EQ(track_.presence(), Presence::kOnline) << "it was elsewhere meanwhile";
+  EXPECT_EQ(track_.since(), since);
+  EXPECT_THAT(changes_, IsEmpty());
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
+TEST_F(PresenceTrackTest, WhatWasHeardInTimeIsToldAgainOnceTheStoreSaysWhoseItIs) {
+  Sign();
+  changes_.clear();
+  clock_.Advance(limits_.timeout);
+  track_.Claim({Presence::kUnknown, SystemTime()}, clock_.Steady());
+  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, track_.since())));
+}
+
+TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasHeardTooLongAgoIsUnknownForItsGrace) {
+  clock_.Advance(limits_.startup_grace);
+  Sign();
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  track_.Adopt({.stored = {Presence::kOnline, SystemTime()},
+                .unknown_until = clock_.Steady() + std::chrono::hours(1),
+                .now = clock_.Steady(),
+                .system_now = clock_.System()});
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
 }
 
 TEST_F(PresenceTrackTest, WhatWasHeardWithoutAChangeIsToldWhereTheStoreHasAnotherByThen) {
   track_.Follow({Presence::kOnline, SystemTime()});
-  track_.TakeOver({Presence::kOnline, SystemTime()}, clock_.Steady());
+  track_.Claim({Presence::kOnline, SystemTime()}, clock_.Steady());
   Sign();
   EXPECT_THAT(changes_, IsEmpty());
   const SystemTime later = clock_.System() + std::chrono::hours(1);
-  track_.TakeOver({Presence::kUnknown, later}, clock_.Steady());
+  track_.Claim({Presence::kUnknown, later}, clock_.Steady());
   EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, later)));
 }
 
 TEST_F(PresenceTrackTest, AnAdoptedRobotIsUnknownForItsGrace) {
   clock_.Advance(std::chrono::hours(5));
   const SteadyTime until = clock_.Steady() + std::chrono::hours(1);
-  track_.Adopt({.stored = storage::StoredPresence{Presence::kOnline, SystemTime()},
+  track_.Adopt({.stored = {Presence::kOnline, SystemTime()},
                 .unknown_until = until,
                 .now = clock_.Steady(),
                 .system_now = clock_.System()});
@@ -152,7 +178,7 @@ TEST_F(PresenceTrackTest, AnAdoptedRobotIsUnknownForItsGrace) {
 
 TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasUnknownIsSoSinceThen) {
   const SystemTime since = clock_.System() - std::chrono::hours(2);
-  track_.Adopt({.stored = storage::StoredPresence{Presence::kUnknown, since},
+  track_.Adopt({.stored = {Presence::kUnknown, since},
                 .unknown_until = clock_.Steady(),
                 .now = clock_.Steady(),
                 .system_now = clock_.System()});
@@ -162,7 +188,7 @@ TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasUnknownIsSoSinceThen) {
 
 TEST_F(PresenceTrackTest, AnAdoptedRobotThatIsHeardHereIsOnline) {
   Sign();
-  track_.Adopt({.stored = storage::StoredPresence{Presence::kOffline, SystemTime()},
+  track_.Adopt({.stored = {Presence::kOffline, SystemTime()},
                 .unknown_until = clock_.Steady() + std::chrono::hours(1),
                 .now = clock_.Steady(),
                 .system_now = clock_.System()});

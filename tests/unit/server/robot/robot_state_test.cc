@@ -365,7 +365,8 @@ TEST_F(RobotStateTest, AStreamMakesItOursToJudge) {
   EXPECT_FALSE(All().foreign.has_value());
   EXPECT_EQ(All().presence_since, FromUnixMs(kNow - 9)) << "a stream changes nothing";
   EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOnline);
-  state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
+  const storage::StoredPresence stored{Presence::kOnline, FromUnixMs(kNow - 9)};
+  state_.BeginHold({.since = 3, .presence = stored}, clock_.Steady(), clock_.System());
   state_.FollowHolder({}, {Presence::kOffline, FromUnixMs(kNow)});
   EXPECT_EQ(All().presence, Presence::kOnline) << "who holds a robot follows nobody";
 }
@@ -374,7 +375,7 @@ TEST_F(RobotStateTest, WhoGetsARobotBackOfWhichTheStoreHasNoPresenceJudgesIt) {
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
   state_.Lose();
   state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
-  EXPECT_EQ(All().presence, Presence::kOnline);
+  EXPECT_EQ(All().presence, Presence::kUnknown) << "until it is heard";
   clock_.Advance(limits_.startup_grace + milliseconds(1));
   EXPECT_EQ(state_.Sweep(clock_.Steady(), clock_.System(), limits_), Presence::kOffline);
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
