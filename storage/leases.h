@@ -12,6 +12,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "storage/live_row.h"
 #include "storage/types.h"
 
 namespace uplink::storage {
@@ -47,8 +48,9 @@ struct ForeignRobot {
   ProcessId holder{};
   Epoch held_since = 0;
   std::optional<StoredPresence> presence;
-  /// The session that was used last.
-  std::optional<StoredSession> last_session;
+  /// Its session as its holder's last checkpoint has it; where none came since its last stream, the
+  /// session that was used last, with its cursor.
+  std::optional<SettledSession> last_session;
   /// When its presence or its live state was written last; nothing if neither was.
   std::optional<SystemTime> written_at;
 };

@@ -9,14 +9,13 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "storage/live_parts.h"
+#include "storage/types.h"
 
 namespace uplink::storage {
 
 /// Rows of one call of Store::Checkpoint, and their bytes: it must not hold up a commit.
 inline constexpr std::size_t kCheckpointRowsMax = 500;
 inline constexpr std::size_t kCheckpointBytesMax = std::size_t{4} * 1024 * 1024;
-/// Rows of one answer of Reader::Live.
-inline constexpr std::uint32_t kLiveRowsMax = 500;
 
 /// How far a session of a robot is settled, live messages included.
 struct SettledSession {
@@ -30,6 +29,8 @@ struct SettledSession {
 /// store has it. A value.
 struct LiveRow {
   std::string ruri;
+  /// The epoch since which the process held the robot that wrote this.
+  Epoch held_since = 0;
   std::optional<SystemTime> last_sign_of_life;
   std::optional<std::int64_t> clock_skew_ms;
   /// Reader::Robots tells it; readings of live states leave it out.

@@ -146,11 +146,8 @@ class Reader {
   };
   [[nodiscard]] virtual absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                           std::uint32_t kinds) = 0;
-  /// The live states that were checkpointed, by RURI, from the first that comes after `after` on:
-  /// at most kLiveRowsMax, and fewer where their bytes pass kPageBytesMax; none after the last.
-  [[nodiscard]] virtual absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) = 0;
-  /// The same of each of `ruris`, which ascend. Stops after the robot with which the bytes passed
-  /// kPageBytesMax.
+  /// The live states that were checkpointed of `ruris`, which ascend. Stops after the robot with
+  /// which the bytes passed kPageBytesMax.
   struct LiveRows {
     std::vector<LiveRow> rows;
     /// The number of `ruris` that were looked at; at least 1 if there is any.

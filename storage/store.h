@@ -83,8 +83,8 @@ class Store {
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
-  /// once. Passes over robots that another process holds, or that the store does not know: their
-  /// state is not ours to keep. Returns the places in `rows` of those, ascending.
+  /// once. Passes over robots that this process does not hold since LiveRow::held_since: their
+  /// state is not ours to keep, or not any more. Returns the places in `rows` of those, ascending.
   [[nodiscard]] virtual absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) = 0;
 };

@@ -80,13 +80,6 @@ struct StoredPresence {
   friend bool operator==(const StoredPresence&, const StoredPresence&) = default;
 };
 
-/// How far a session of a robot is stored.
-struct StoredSession {
-  model::SessionId session;
-  /// Its last committed durable number; 0 if there is none.
-  model::Seq cursor = 0;
-};
-
 /// A number whose payload lies in quarantine, and why.
 struct StoredReject {
   model::Seq seq = 0;
@@ -112,6 +105,14 @@ struct OpenResult {
   std::optional<StoredPresence> presence;
 };
 
+/// What is known of a holder that is over.
+enum class HolderEnd : std::uint8_t {
+  /// It gave its robots up, or is not there any more: no robot streams to it.
+  kEnded,
+  /// It was not heard of. It may live with its robots' streams, cut off from the store alone.
+  kSilent,
+};
+
 /// A robot whose holder is over: to be held by this process from now on.
 struct AdoptRequest {
   RobotRef robot;
@@ -119,6 +120,7 @@ struct AdoptRequest {
   ProcessId holder{};
   /// The counter of the holder's lease then; 0 if it had none.
   std::uint64_t lease_counter = 0;
+  HolderEnd end = HolderEnd::kEnded;
 };
 
 struct AdoptResult {
@@ -127,6 +129,9 @@ struct AdoptResult {
   std::optional<Epoch> held_since;
   /// As OpenResult's, of a robot that was adopted.
   std::optional<StoredPresence> presence;
+  /// kSilent if any of those who held it since its last OpenStream was: the robot may stream to
+  /// that one still.
+  HolderEnd end = HolderEnd::kEnded;
 };
 
 /// A rejected payload on its way to quarantine. It stands in its message's place and number.

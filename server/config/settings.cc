@@ -328,7 +328,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = kSecond,
      .max = 7 * kDay,
      .text =
-         "How long a robot that was taken over from another server is unknown instead of "
+         "How long a robot that was adopted from another server is unknown instead of "
          "offline while it is not heard, where that server may live and be cut off from the "
          "store alone. One that stopped in order, or is known to have ended, has startup_grace.",
      UPLINK_BIND(presence, PresenceConfig, adopted_grace)},

@@ -38,11 +38,14 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
     left_.pop_back();
     ++looked_at_;
     if (!sources_.writes(robot->ruri())) continue;
+    // Before what is taken: what another hold brought is not written under this one.
+    const storage::Epoch held_since = robot->state.held_since();
     const std::optional<robot::LiveChanges> changes = robot->state.TakeChanges();
     const std::optional<storage::SettledSession> settled = robot->sessions.TakeSettled();
     if (!changes && !settled) continue;
     rows.push_back(robot::ToRow(robot->ruri(), changes ? *changes : robot::LiveChanges()));
     rows.back().session = settled;
+    rows.back().held_since = held_since;
     bytes += storage::BytesOf(rows.back());
     round_bytes_ += storage::BytesOf(rows.back());
   }

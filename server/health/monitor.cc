@@ -21,6 +21,7 @@ Readiness Monitor::readiness() const {
       .store_failing = sources_.journal_probe.store_failing.value() != 0,
       .store_unsafe = store.unsafe,
       .store_old_snapshot = store.old_snapshot(),
+      .lease_failing = sources_.lease_failing(),
       .relay_behind = liveness_.behind(),
       .journal_bytes = {sources_.journals.bytes(), limits.bytes_max},
       .journal_records = {sources_.journals.records(), limits.records_max},

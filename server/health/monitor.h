@@ -29,6 +29,7 @@ class Monitor final {
     SystemTime certificate_expiry;
     /// As they are now.
     std::function<storage::StoreFacts()> store_facts = [] { return storage::StoreFacts(); };
+    std::function<bool()> lease_failing = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

@@ -18,6 +18,7 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
   if (facts.store_failing) readiness.degraded.emplace_back("store");
   if (facts.store_unsafe) readiness.degraded.emplace_back("store_unsafe");
   if (facts.store_old_snapshot) readiness.degraded.emplace_back("store_old_snapshot");
+  if (facts.lease_failing) readiness.degraded.emplace_back("lease");
   if (facts.journal_bytes.above(kBacklogPercent) || facts.journal_records.above(kBacklogPercent) ||
       facts.journal_oldest > kBacklogAge) {
     readiness.degraded.emplace_back("journal_backlog");

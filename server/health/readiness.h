@@ -39,6 +39,8 @@ struct ReadinessFacts {
   bool store_unsafe = false;
   /// Something else has kept the store from cleaning up for long.
   bool store_old_snapshot = false;
+  /// This process's lease cannot be renewed, or those of others cannot be read.
+  bool lease_failing = false;
   /// Liveness::behind.
   bool relay_behind = false;
   Fill journal_bytes;
@@ -52,7 +54,7 @@ struct Readiness {
   /// Why a new stream would be refused: draining, certificate_expired, robots_max.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, store_unsafe,
-  /// store_old_snapshot, journal_backlog, relay_behind, certificate_expiring,
+  /// store_old_snapshot, lease, journal_backlog, relay_behind, certificate_expiring,
   /// certificate_mismatch, descriptors.
   std::vector<std::string> degraded;
 

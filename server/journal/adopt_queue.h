@@ -11,12 +11,19 @@
 
 namespace uplink::journal {
 
+/// How long an adopted robot may be unheard before it counts as offline.
+struct AdoptGrace {
+  /// presence.startup_grace: no robot streams to a former holder.
+  milliseconds ended{0};
+  /// presence.adopted_grace: the robot may stream to one that fell silent.
+  milliseconds silent{0};
+};
+
 /// A robot whose holder is over.
 struct AdoptEntry {
   robot::CommitClient* client = nullptr;
   storage::AdoptRequest request;
-  /// HoldNews::grace.
-  milliseconds grace{0};
+  AdoptGrace grace;
 };
 
 /// A robot that another process holds since an epoch.
@@ -35,6 +42,7 @@ class AdoptQueue final {
  public:
   /// False if the robot waits to be adopted already.
   bool Push(AdoptEntry entry);
+  /// False if it waits to be let go already.
   bool Push(LossEntry entry);
 
   /// Takes the first ones, at most `most`. They may be pushed again from now on.

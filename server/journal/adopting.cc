@@ -1,6 +1,5 @@
 #include "server/journal/adopting.h"
 
-#include <iterator>
 #include <utility>
 
 #include "schema/base/check.h"
@@ -34,11 +33,9 @@ Step Adopting::Adopt() {
   context_.errors.NoteDuty(results.status());
   if (!results.ok()) {
     if (size_.Failed(adopting_.size())) {
-      const auto rest = adopting_.begin() + static_cast<std::ptrdiff_t>(size_.now());
-      for (auto entry = rest; entry != adopting_.end(); ++entry) {
-        context_.inbox.AdoptLater(std::move(*entry));
+      for (AdoptEntry& entry : TakeRest(adopting_, size_.now())) {
+        context_.inbox.AdoptLater(std::move(entry));
       }
-      adopting_.erase(rest, adopting_.end());
     }
     return Step::kFailed;
   }
@@ -48,12 +45,14 @@ Step Adopting::Adopt() {
   for (std::size_t i = 0; i < asked.size(); ++i) {
     const storage::AdoptResult& result = (*results)[i];
     if (!result.held_since) continue;
-    const Holds::Told told = holds_.Begin(*asked[i].client, asked[i].request.robot,
-                                          {.how = robot::HoldBegan::kAdopted,
-                                           .since = *result.held_since,
-                                           .presence = result.presence,
-                                           .was_known = true,
-                                           .grace = asked[i].grace});
+    const AdoptGrace& grace = asked[i].grace;
+    const Holds::Told told = holds_.Begin(
+        *asked[i].client, asked[i].request.robot,
+        {.how = robot::HoldBegan::kAdopted,
+         .since = *result.held_since,
+         .presence = result.presence,
+         .was_known = true,
+         .grace = result.end == storage::HolderEnd::kSilent ? grace.silent : grace.ended});
     if (told.begun) context_.probe.adopted.Add();
     if (told.interrupted) told.stream.Wake();
   }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <iterator>
+#include <vector>
 
 #include "server/journal/limits.h"
 
@@ -38,5 +40,14 @@ class CallSize final {
   /// Failures in a row; below zero: successes in a row.
   int in_a_row_ = 0;
 };
+
+/// Takes what a call holds beyond its first `kept` entries, for later calls.
+template <typename Entry>
+[[nodiscard]] std::vector<Entry> TakeRest(std::vector<Entry>& call, std::size_t kept) {
+  const auto rest = call.begin() + static_cast<std::ptrdiff_t>(kept);
+  std::vector<Entry> left(std::make_move_iterator(rest), std::make_move_iterator(call.end()));
+  call.erase(rest, call.end());
+  return left;
+}
 
 }  // namespace uplink::journal

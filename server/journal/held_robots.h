@@ -25,8 +25,8 @@ class HeldRobots final {
   };
   /// The store answered that the robot is ours since `since`.
   Hold Begin(robot::CommitClient& client, storage::Epoch since);
-  /// Another process holds it. False if it was not held.
-  bool Lose(robot::CommitClient& client) { return since_.erase(&client) != 0; }
+  /// Another process holds it.
+  void Lose(robot::CommitClient& client) { since_.erase(&client); }
 
   /// A robot's first OpenStream goes before its first records; what is void is only dropped.
   [[nodiscard]] bool MayCommit(const Origin& origin) const {

@@ -1,6 +1,5 @@
 #include "server/journal/opening.h"
 
-#include <iterator>
 #include <utility>
 
 #include "schema/base/check.h"
@@ -27,7 +26,9 @@ Step Opening::Open() {
   const auto results = context_.store.OpenStreams(requests);
   context_.errors.NoteCall(results.status());
   if (!results.ok()) {
-    if (size_.Failed(opening_.size())) LeaveRest();
+    if (size_.Failed(opening_.size())) {
+      context_.inbox.PutBackOpens(TakeRest(opening_, size_.now()));
+    }
     return Step::kFailed;
   }
   size_.Succeeded();
@@ -36,14 +37,6 @@ Step Opening::Open() {
   for (std::size_t i = 0; i < opened.size(); ++i) Tell(opened[i], (*results)[i]);
   context_.inbox.CountOpened(opened.size());
   return Step::kWorked;
-}
-
-void Opening::LeaveRest() {
-  const auto rest = opening_.begin() + static_cast<std::ptrdiff_t>(size_.now());
-  std::vector<OpenEntry> left(std::make_move_iterator(rest),
-                              std::make_move_iterator(opening_.end()));
-  opening_.erase(rest, opening_.end());
-  context_.inbox.PutBackOpens(std::move(left));
 }
 
 void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {

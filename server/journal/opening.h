@@ -32,7 +32,6 @@ class Opening final {
   [[nodiscard]] Step Open();
 
  private:
-  void LeaveRest();
   void Tell(const OpenEntry& open, const storage::OpenResult& result);
 
   const WriterContext context_;

@@ -1,5 +1,6 @@
 #include "server/robot/robot_sessions.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/robot/limits.h"
@@ -164,7 +165,10 @@ const SessionMemory* RobotSessions::CurrentSession() const {
 
 void RobotSessions::Restore(const storage::SettledSession& last) {
   const std::lock_guard lock(mutex_);
-  if (CurrentSession() == nullptr) last_session_ = last;
+  if (CurrentSession() != nullptr) return;
+  const model::Seq known =
+      last_session_ && last_session_->session == last.session ? last_session_->settled_seq : 0;
+  last_session_ = {last.session, std::max(known, last.settled_seq)};
 }
 
 std::optional<storage::SettledSession> RobotSessions::TakeSettled() {

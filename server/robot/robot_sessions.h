@@ -122,8 +122,8 @@ class RobotSessions final : public CommitClient {
   // --- Views and the sweep ---
 
   [[nodiscard]] SessionView View() const;
-  /// What the store has of the robot's last session: View shows it while memory has none. It
-  /// begins no session and numbers nothing.
+  /// What the store has of the robot's last session: View shows it while memory has none, as far
+  /// as any call said. It begins no session and numbers nothing.
   void Restore(const storage::SettledSession& last);
   /// The robot's session and how far it is settled, if that is news since the last call: for a
   /// checkpoint. Nothing while no number is settled.

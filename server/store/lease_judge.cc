@@ -36,10 +36,13 @@ void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases
     if (lease.process == rules_.self) continue;
     Update(known_.try_emplace(lease.process, Known{.same_since = now}).first->second, lease);
   }
+  first_look_ = false;
+}
+
+void LeaseJudge::ForgetUnasked() {
   std::erase_if(known_,
                 [](const auto& entry) { return !entry.second.lease && !entry.second.asked; });
   for (auto& [process, known] : known_) known.asked = false;
-  first_look_ = false;
 }
 
 void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {

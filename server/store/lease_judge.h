@@ -59,6 +59,9 @@ class LeaseJudge final {
   void NoteFailure() { looked_.reset(); }
   /// A look at `now` showed these leases.
   void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
+  /// Forgets processes without a lease that were not asked for since the last call: they hold no
+  /// robot.
+  void ForgetUnasked();
 
   struct Verdict {
     Over over = Over::kNo;
@@ -81,7 +84,7 @@ class LeaseJudge final {
     std::optional<SteadyTime> left_at;
     /// It had left when this process came, and its robots had nobody else to go to.
     bool left_before = false;
-    /// It was asked for since the last look: it holds a robot.
+    /// It was asked for since ForgetUnasked.
     bool asked = false;
   };
   void Update(Known& known, const storage::Lease& lease) const;

@@ -31,6 +31,11 @@ void LeaseRounds::Round() {
 }
 
 absl::Status LeaseRounds::Look() {
+  absl::Status looked = LookAtLeases();
+  return looked.ok() ? FollowRobots() : looked;
+}
+
+absl::Status LeaseRounds::LookAtLeases() {
   const SteadyTime began = context_.clock.Steady();
   if (!renewed_ || began - *renewed_ >= kRenewEvery || renews_now_.exchange(false)) {
     const storage::ProcessCard card{
@@ -43,45 +48,63 @@ absl::Status LeaseRounds::Look() {
   const auto leases = leases_->Read();
   if (!leases.ok()) return leases.status();
   // When the answer is here: what took long to come is older than it looks, and never younger.
-  judge_.NoteLook(context_.clock.Steady(), *leases);
+  looked_ = context_.clock.Steady();
+  judge_.NoteLook(looked_, *leases);
   context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));
-  return FollowRobots();
+  return absl::OkStatus();
 }
 
 absl::Status LeaseRounds::FollowRobots() {
   std::string after;
-  std::set<std::string> listed;
+  Listed listed;
   while (true) {
     const auto robots = leases_->RobotsOfOthers(after);
     if (!robots.ok()) return robots.status();
     if (robots->empty()) break;
-    for (const storage::ForeignRobot& foreign : *robots) {
-      Follow(foreign);
-      listed.insert(foreign.robot.ruri);
-    }
+    for (const storage::ForeignRobot& foreign : *robots) Follow(foreign, listed);
     after = robots->back().robot.ruri;
+    // A long list lets neither our own lease fall silent nor what is seen of the others.
+    if (context_.clock.Steady() - looked_ < kLookEvery) continue;
+    if (absl::Status looked = LookAtLeases(); !looked.ok()) return looked;
   }
+  judge_.ForgetUnasked();
+  LogEnded(listed);
   TakeUnlisted(listed);
   return absl::OkStatus();
 }
 
-void LeaseRounds::TakeUnlisted(const std::set<std::string>& listed) {
+void LeaseRounds::LogEnded(const Listed& listed) {
+  std::set<storage::ProcessId> over;
+  for (const auto& [process, ended] : listed.ended) {
+    over.insert(process);
+    if (over_.contains(process)) continue;
+    context_.logger.Warn("process_over", {{"process", ended.holder.name},
+                                          {"why", ToText(ended.holder.over)},
+                                          {"robots", ended.robots}});
+  }
+  over_ = std::move(over);
+}
+
+void LeaseRounds::TakeUnlisted(const Listed& listed) {
   if (!adopts_.load()) return;
+  // Whoever they were with until then may have been silent.
+  const milliseconds grace = context_.presence.adopted_grace;
   for (robot::Robot* robot : context_.fleet.All()) {
     bool foreign = false;
     robot->state.LookAt([&](const robot::StateView& view) { foreign = view.foreign; });
-    if (!foreign || robot->HasStream() || listed.contains(robot->ruri())) continue;
+    if (!foreign || robot->HasStream() || listed.robots.contains(robot)) continue;
     context_.journals.Adopt({.client = robot,
                              .request = {.robot = robot->id(), .holder = context_.process},
-                             .grace = context_.presence.adopted_grace});
+                             .grace = {.ended = grace, .silent = grace}});
   }
 }
 
-void LeaseRounds::Follow(const storage::ForeignRobot& foreign) {
+void LeaseRounds::Follow(const storage::ForeignRobot& foreign, Listed& listed) {
   // One more than limits.robots_max is not shown; the process that holds it has it.
   const auto admitted = context_.fleet.AdmitNew(foreign.robot);
   if (!admitted.ok()) return;
   robot::Robot& robot = *context_.fleet.Find(foreign.robot.ruri);
+  listed.robots.insert(&robot);
   const LeaseJudge::Verdict holder = judge_.Of(foreign.holder);
   const storage::Epoch held_since = robot.state.held_since();
   if (held_since >= foreign.held_since) return;  // it came here since this was read
@@ -92,26 +115,27 @@ void LeaseRounds::Follow(const storage::ForeignRobot& foreign) {
   // A stream of it is here, and the store is about to learn of that.
   if (robot.HasStream()) return;
   robot.SetFleet(foreign.robot.fleet);
-  if (foreign.last_session) {
-    robot.sessions.Restore({foreign.last_session->session, foreign.last_session->cursor});
-  }
+  if (foreign.last_session) robot.sessions.Restore(*foreign.last_session);
   const storage::StoredPresence presence = foreign.presence.value_or(
       storage::StoredPresence{model::Presence::kUnknown, robot.state.presence_since()});
   robot.state.FollowHolder({.held_by = holder.name, .written_at = foreign.written_at}, presence);
-  if (holder.over == Over::kNo) {
-    over_.erase(foreign.holder);
-    return;
-  }
-  if (over_.insert(foreign.holder).second) {
-    context_.logger.Warn("process_over", {{"process", holder.name}, {"why", ToText(holder.over)}});
-  }
-  if (!adopts_.load()) return;
-  const milliseconds grace = holder.over == Over::kSilent ? context_.presence.adopted_grace
-                                                          : context_.presence.startup_grace;
-  context_.journals.Adopt(
-      {.client = &robot,
-       .request = {.robot = robot.id(), .holder = foreign.holder, .lease_counter = holder.counter},
-       .grace = grace});
+  if (holder.over == Over::kNo) return;
+  Ended& ended = listed.ended.try_emplace(foreign.holder, Ended{.holder = holder}).first->second;
+  ++ended.robots;
+  if (adopts_.load()) Adopt(robot, foreign, holder);
+}
+
+void LeaseRounds::Adopt(robot::Robot& robot, const storage::ForeignRobot& foreign,
+                        const LeaseJudge::Verdict& holder) {
+  const auto end =
+      holder.over == Over::kSilent ? storage::HolderEnd::kSilent : storage::HolderEnd::kEnded;
+  context_.journals.Adopt({.client = &robot,
+                           .request = {.robot = robot.id(),
+                                       .holder = foreign.holder,
+                                       .lease_counter = holder.counter,
+                                       .end = end},
+                           .grace = {.ended = context_.presence.startup_grace,
+                                     .silent = context_.presence.adopted_grace}});
 }
 
 void LeaseRounds::NoteOutcome(const absl::Status& status) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <unordered_set>
 
 #include <absl/status/status.h>
 
@@ -76,12 +78,29 @@ class LeaseRounds final {
   void StopAdopting() { adopts_.store(false); }
 
  private:
+  /// A holder that is over, and how many robots of it this round saw.
+  struct Ended {
+    LeaseJudge::Verdict holder;
+    std::size_t robots = 0;
+  };
+  /// What one reading of the robots of others showed.
+  struct Listed {
+    /// Those that this process shows.
+    std::unordered_set<const robot::Robot*> robots;
+    std::map<storage::ProcessId, Ended> ended;
+  };
+
   absl::Status Look();
+  absl::Status LookAtLeases();
   absl::Status FollowRobots();
+  void Follow(const storage::ForeignRobot& foreign, Listed& listed);
+  /// The robot's holder is over: it becomes this process's.
+  void Adopt(robot::Robot& robot, const storage::ForeignRobot& foreign,
+             const LeaseJudge::Verdict& holder);
   /// Robots that were another's at the last look and are in nobody else's hands now: the store says
   /// that they are ours, by an answer that never came.
-  void TakeUnlisted(const std::set<std::string>& listed);
-  void Follow(const storage::ForeignRobot& foreign);
+  void TakeUnlisted(const Listed& listed);
+  void LogEnded(const Listed& listed);
   void NoteOutcome(const absl::Status& status);
   void Run(const std::stop_token& stop);
 
@@ -89,7 +108,8 @@ class LeaseRounds final {
   const Context context_;
   LeaseJudge judge_;
   std::optional<SteadyTime> renewed_;
-  /// Processes that are over and had robots when that was seen: each is a line of the log once.
+  SteadyTime looked_;
+  /// Processes that were over and had robots in the last round: each is a line of the log once.
   std::set<storage::ProcessId> over_;
   bool failing_ = false;
   std::atomic<std::uint16_t> port_{0};

@@ -20,7 +20,7 @@ absl::Status Seed::Run(std::size_t robots_max) {
 void Seed::RestoreSession(const storage::RobotRow& row) const {
   robot::Robot* robot = context_.fleet.Find(row.robot.ruri);
   if (robot == nullptr || !row.last_session) return;
-  robot->sessions.Restore({row.last_session->session, row.last_session->settled_seq});
+  robot->sessions.Restore(*row.last_session);
 }
 
 void Seed::Take(robot::Robot& robot, const storage::RobotRow& row) const {
@@ -28,9 +28,10 @@ void Seed::Take(robot::Robot& robot, const storage::RobotRow& row) const {
       {}, row.last_presence ? storage::StoredPresence{*row.last_presence, row.presence_since}
                             : storage::StoredPresence{model::Presence::kUnknown, row.first_seen});
   if (!context_.adopt_grace) return;
-  context_.journals.Adopt({.client = &robot,
-                           .request = {.robot = robot.id(), .holder = row.holder},
-                           .grace = *context_.adopt_grace});
+  context_.journals.Adopt(
+      {.client = &robot,
+       .request = {.robot = robot.id(), .holder = row.holder},
+       .grace = {.ended = *context_.adopt_grace, .silent = *context_.adopt_grace}});
 }
 
 }  // namespace uplink::store

@@ -5,6 +5,7 @@
 
 #include "storage/numbers.h"
 #include "storage/postgres/link/link.h"
+#include "storage/postgres/link_options.h"
 #include "storage/postgres/write/transaction.h"
 
 namespace uplink::storage::postgres {
@@ -27,10 +28,15 @@ constexpr std::string_view kRead =
     " FROM uplinkd.processes ORDER BY renewed_at DESC, process LIMIT $1::bigint";
 constexpr std::string_view kRobotsOfOthers =
     "SELECT r.ruri, r.fleet, r.owner, r.held_since, p.presence, p.changed_at,"
-    " greatest(p.changed_at, l.written_at), s.session, s.cursor_seq FROM uplinkd.robots AS r"
+    " greatest(p.changed_at, l.written_at), coalesce(s.session, l.session),"
+    " CASE WHEN s.session IS NULL OR s.session = l.session"
+    " THEN greatest(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END FROM uplinkd.robots AS r"
     " LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
-    " LEFT JOIN LATERAL (SELECT session, cursor_seq FROM uplinkd.sessions WHERE ruri = r.ruri"
+    // Looked for where no checkpoint since the last stream names one: there may be many dead
+    // versions of its row.
+    " LEFT JOIN LATERAL (SELECT session, cursor_seq FROM uplinkd.sessions"
+    " WHERE (l.session IS NULL OR l.written_at < r.last_seen) AND ruri = r.ruri"
     " ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " WHERE r.owner <> $1::uuid AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
 
@@ -59,18 +65,10 @@ PostgresLeases::~PostgresLeases() = default;
 
 absl::StatusOr<std::unique_ptr<PostgresLeases>> PostgresLeases::Make(const StoreOptions& options,
                                                                      const Clock& clock) {
-  absl::StatusOr<Url> url = ParseUrl(options.url);
-  if (!url.ok()) return url.status();
-  Link::Options link;
-  link.connection.url = *std::move(url);
-  link.connection.password_file = options.password_file;
-  link.connection.connect_timeout = options.connect_timeout;
-  link.connection.call_timeout = options.call_timeout;
-  link.connection.session_settings = SessionSettings(Purpose::kWrite, options.call_timeout);
-  link.connection.wants_writes = true;
-  link.accept_unsafe = options.accept_unsafe;
+  absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
+  if (!link.ok()) return link.status();
   return std::unique_ptr<PostgresLeases>(new PostgresLeases(
-      std::make_unique<Impl>(Impl{options.process, Link(std::move(link), clock), false})));
+      std::make_unique<Impl>(Impl{options.process, Link(*std::move(link), clock), false})));
 }
 
 absl::Status PostgresLeases::Renew(const ProcessCard& card) {

@@ -15,15 +15,16 @@ namespace {
 constexpr std::string_view kDoing = "write a checkpoint";
 
 // The first parameters are the columns before the parts, then come the parts, the session with its
-// number, and the process.
-constexpr std::size_t kFirstPartParameter = 4;
+// number, the process, and the number of the call.
+constexpr std::size_t kFirstPartParameter = 5;
 constexpr std::size_t kSessionParameter = kFirstPartParameter + kLivePartKinds;
 constexpr std::size_t kSettledParameter = kSessionParameter + 1;
 constexpr std::size_t kProcessParameter = kSettledParameter + 1;
+constexpr std::size_t kCallParameter = kProcessParameter + 1;
 
 /// The columns of `live`, in order.
 constexpr SqlText Columns() {
-  SqlText sql = {"ruri, last_sign_at, clock_skew_ms"};
+  SqlText sql = {"ruri, held_since, last_sign_at, clock_skew_ms"};
   for (const LivePartRow& part : kLiveParts) sql.Add({", ", part.column});
   return sql;
 }
@@ -32,8 +33,9 @@ constexpr SqlText Columns() {
 // order of the keys, so that two processes do not lock each other out.
 constexpr SqlText UpsertSql() {
   SqlText sql = {"INSERT INTO uplinkd.live AS l (", Columns().view(),
-                 ", session, settled_seq, written_at) SELECT u.*, now() FROM unnest($1::text[],"
-                 " $2::timestamptz[], $3::bigint[]"};
+                 ", session, settled_seq, call, written_at) SELECT u.*, "};
+  sql.AddParameter(kCallParameter, "bigint");
+  sql.Add(", now() FROM unnest($1::text[], $2::bigint[], $3::timestamptz[], $4::bigint[]");
   for (std::size_t i = 0; i < kLivePartKinds; ++i) {
     sql.Add(", ");
     sql.AddParameter(kFirstPartParameter + i, "bytea[]");
@@ -43,12 +45,13 @@ constexpr SqlText UpsertSql() {
   sql.Add(", ");
   sql.AddParameter(kSettledParameter, "bigint[]");
   sql.Add({") AS u (", Columns().view(),
-           ", session, settled_seq) JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = "});
+           ", session, settled_seq) JOIN uplinkd.robots AS r ON r.ruri = u.ruri"
+           " AND r.held_since = u.held_since AND r.owner = "});
   sql.AddParameter(kProcessParameter, "uuid");
   // Whoever adopts a robot meanwhile waits, and then reads what was written.
   sql.Add(
       " ORDER BY u.ruri FOR SHARE OF r ON CONFLICT (ruri) DO UPDATE SET written_at = "
-      "excluded.written_at,"
+      "excluded.written_at, held_since = excluded.held_since, call = excluded.call,"
       " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
       " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms),"
       " session = coalesce(excluded.session, l.session),"
@@ -56,13 +59,14 @@ constexpr SqlText UpsertSql() {
   for (const LivePartRow& part : kLiveParts) {
     sql.Add({", ", part.column, " = coalesce(excluded.", part.column, ", l.", part.column, ")"});
   }
-  sql.Add(" RETURNING ruri");
+  // One that was given up and runs late finds what came after it.
+  sql.Add(" WHERE (l.held_since, l.call) < (excluded.held_since, excluded.call) RETURNING l.ruri");
   return sql;
 }
 constexpr SqlText kUpsert = UpsertSql();
 
 // The lengths are known without reading the bytes.
-constexpr SqlText ReadSql(std::string_view which) {
+constexpr SqlText ReadSql() {
   SqlText sql = {"SELECT ", Columns().view(),
                  ", found FROM (SELECT *, count(*) OVER () AS found, sum(bytes) OVER (ORDER BY "
                  "ruri) - bytes AS before FROM ("
@@ -70,23 +74,23 @@ constexpr SqlText ReadSql(std::string_view which) {
   for (const LivePartRow& part : kLiveParts) {
     sql.Add({" + coalesce(octet_length(", part.column, "), 0)"});
   }
-  sql.Add({" AS bytes FROM uplinkd.live WHERE ", which,
-           " ORDER BY ruri LIMIT $2::bigint) AS p)"
-           " AS q WHERE before < $3::bigint ORDER BY ruri"});
+  sql.Add(
+      " AS bytes FROM uplinkd.live WHERE ruri = ANY ($1::text[])) AS p)"
+      " AS q WHERE before < $2::bigint ORDER BY ruri");
   return sql;
 }
-constexpr SqlText kRead = ReadSql("ruri > $1::text");
-constexpr SqlText kReadOf = ReadSql("ruri = ANY ($1::text[])");
+constexpr SqlText kReadOf = ReadSql();
 
-constexpr int kFirstPart = 3;
+constexpr int kFirstPart = 4;
 
 std::vector<LiveRow> LiveRowsOf(const Result& rows) {
   std::vector<LiveRow> live(static_cast<std::size_t>(rows.rows()));
   for (int row = 0; row < rows.rows(); ++row) {
     LiveRow& one = live[static_cast<std::size_t>(row)];
     one.ruri = rows.Bytes(row, 0);
-    if (!rows.Null(row, 1)) one.last_sign_of_life = rows.Time(row, 1);
-    if (!rows.Null(row, 2)) one.clock_skew_ms = rows.Int(row, 2);
+    one.held_since = static_cast<Epoch>(rows.Int(row, 1));
+    if (!rows.Null(row, 2)) one.last_sign_of_life = rows.Time(row, 2);
+    if (!rows.Null(row, 3)) one.clock_skew_ms = rows.Int(row, 3);
     for (std::size_t kind = 0; kind < kLivePartKinds; ++kind) {
       const int column = kFirstPart + static_cast<int>(kind);
       if (!rows.Null(row, column)) one.parts[kind] = rows.Bytes(row, column);
@@ -98,13 +102,14 @@ std::vector<LiveRow> LiveRowsOf(const Result& rows) {
 }  // namespace
 
 absl::StatusOr<std::vector<std::size_t>> WriteLive(
-    Connection& connection, std::span<const LiveRow> rows, const ProcessId& process,
+    Connection& connection, std::span<const LiveRow> rows, const LiveWriter& writer,
     const std::function<absl::Status()>& before_commit) {
-  Array ruri{Type::kText}, last_sign{Type::kTime}, skew{Type::kInt8};
+  Array ruri{Type::kText}, held_since{Type::kInt8}, last_sign{Type::kTime}, skew{Type::kInt8};
   Array session{Type::kUuid}, settled{Type::kInt8};
   std::vector<Array> parts(kLivePartKinds, Array(Type::kBytes));
   for (const LiveRow& row : rows) {
     ruri.Text(row.ruri);
+    held_since.Int8(static_cast<std::int64_t>(row.held_since));
     if (row.last_sign_of_life) {
       last_sign.Time(*row.last_sign_of_life);
     } else {
@@ -132,11 +137,12 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
   }
   std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
-  calls.push_back(StoreCallOf(kUpsert.view(), {&ruri, &last_sign, &skew}));
+  calls.push_back(StoreCallOf(kUpsert.view(), {&ruri, &held_since, &last_sign, &skew}));
   for (Array& part : parts) calls.back().parameters.Add(std::move(part));
   calls.back().parameters.Add(std::move(session));
   calls.back().parameters.Add(std::move(settled));
-  calls.back().parameters.Uuid(model::SessionId(process));
+  calls.back().parameters.Uuid(model::SessionId(writer.process));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(writer.call));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
   if (!results.ok()) return Decisive(results.status());
   const Result& answer = (*results)[1];
@@ -149,24 +155,12 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
   return passed_over;
 }
 
-absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection, std::string_view after) {
-  std::vector<StoreCall> calls;
-  calls.push_back({kRead.view(), {}});
-  calls.back().parameters.Text(after);
-  calls.back().parameters.Int8(std::int64_t{kLiveRowsMax});
-  calls.back().parameters.Int8(static_cast<std::int64_t>(kPageBytesMax));
-  const auto results = connection.Run(calls, "read");
-  if (!results.ok()) return results.status();
-  return LiveRowsOf(results->front());
-}
-
 absl::StatusOr<Reader::LiveRows> ReadLiveOf(Connection& connection,
                                             std::span<const std::string> ruris) {
   Array names{Type::kText};
   for (const std::string& ruri : ruris) names.Text(ruri);
   std::vector<StoreCall> calls;
   calls.push_back(StoreCallOf(kReadOf.view(), {&names}));
-  calls.back().parameters.Int8(static_cast<std::int64_t>(ruris.size()));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kPageBytesMax));
   const auto results = connection.Run(calls, "read");
   if (!results.ok()) return results.status();

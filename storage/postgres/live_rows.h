@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -16,14 +17,18 @@
 
 namespace uplink::storage::postgres {
 
+/// Who writes live states.
+struct LiveWriter {
+  ProcessId process{};
+  /// Counts its calls; of each robot all come from one writer. A call that comes after one with a
+  /// greater number of the same hold writes nothing.
+  std::uint64_t call = 0;
+};
+
 /// Store::Checkpoint, in one transaction and one round trip.
 [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> WriteLive(
-    Connection& connection, std::span<const LiveRow> rows, const ProcessId& process,
+    Connection& connection, std::span<const LiveRow> rows, const LiveWriter& writer,
     const std::function<absl::Status()>& before_commit);
-
-/// Reader::Live.
-[[nodiscard]] absl::StatusOr<std::vector<LiveRow>> ReadLive(Connection& connection,
-                                                            std::string_view after);
 
 /// Reader::LiveOf.
 [[nodiscard]] absl::StatusOr<Reader::LiveRows> ReadLiveOf(Connection& connection,

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "storage/numbers.h"
+#include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/read/lists.h"
 #include "storage/postgres/read/pages.h"
@@ -12,8 +13,6 @@
 namespace uplink::storage::postgres {
 namespace {
 
-/// How much longer than a statement may take its answer may.
-constexpr milliseconds kAnswerSlack{500};
 /// Robots of which the latest is read in one round trip: their bodies come at once.
 constexpr std::size_t kRobotsPerTrip = 16;
 
@@ -83,18 +82,10 @@ PostgresReader::~PostgresReader() = default;
 
 absl::StatusOr<std::unique_ptr<PostgresReader>> PostgresReader::Open(const ReaderOptions& options,
                                                                      const Clock& clock) {
-  absl::StatusOr<Url> url = ParseUrl(options.url);
-  if (!url.ok()) return url.status();
-  Link::Options link;
-  link.connection.url = *std::move(url);
-  link.connection.password_file = options.password_file;
-  link.connection.connect_timeout = options.connect_timeout;
-  // The server ends a statement first; this is for one that does not answer at all.
-  link.connection.call_timeout = options.statement_timeout + kAnswerSlack;
-  link.connection.session_settings = SessionSettings(Purpose::kRead, options.statement_timeout);
-  link.purpose = Purpose::kRead;
+  const absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
+  if (!link.ok()) return link.status();
   return std::unique_ptr<PostgresReader>(
-      new PostgresReader(std::make_unique<Pool>(options, link, clock)));
+      new PostgresReader(std::make_unique<Pool>(options, *link, clock)));
 }
 
 absl::StatusOr<milliseconds> PostgresReader::OldestSnapshot() {
@@ -166,10 +157,6 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
     }
     return latest;
   });
-}
-
-absl::StatusOr<std::vector<LiveRow>> PostgresReader::Live(std::string_view after) {
-  return pool_->With([&](Connection& connection) { return ReadLive(connection, after); });
 }
 
 absl::StatusOr<Reader::LiveRows> PostgresReader::LiveOf(std::span<const std::string> ruris) {

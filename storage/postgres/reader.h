@@ -60,7 +60,6 @@ class PostgresReader final : public Reader {
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
-  [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   /// How long something in the database has held back the removal of dead row versions, as far as

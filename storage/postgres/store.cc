@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "storage/postgres/link/link.h"
+#include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/adopt.h"
@@ -34,6 +35,8 @@ struct PostgresStore::Impl {
   std::atomic<bool> unsafe{false};
   std::atomic<std::int64_t> clock_offset_ms{0};
   std::atomic<std::uint64_t> commits_in_doubt{0};
+  // Calls of WriteLive.
+  std::uint64_t checkpoints = 0;
 
   Impl(StoreOptions given, Link to) : options(std::move(given)), link(std::move(to)) {}
 
@@ -50,20 +53,12 @@ PostgresStore::~PostgresStore() = default;
 
 absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions options,
                                                                    const Clock& clock) {
-  absl::StatusOr<Url> url = ParseUrl(options.url);
-  if (!url.ok()) return url.status();
-  Link::Options link;
-  link.connection.url = *std::move(url);
-  link.connection.password_file = options.password_file;
-  link.connection.connect_timeout = options.connect_timeout;
-  link.connection.call_timeout = options.call_timeout;
-  link.connection.session_settings = SessionSettings(Purpose::kWrite, options.call_timeout);
-  link.accept_unsafe = options.accept_unsafe;
-  link.connection.wants_writes = true;
-  link.migrate = options.migrate;
+  absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
+  if (!link.ok()) return link.status();
+  link->migrate = options.migrate;
   const bool connect = options.connect_now;
   auto store = std::unique_ptr<PostgresStore>(
-      new PostgresStore(std::make_unique<Impl>(std::move(options), Link(std::move(link), clock))));
+      new PostgresStore(std::make_unique<Impl>(std::move(options), Link(*std::move(link), clock))));
   absl::Status opened = absl::OkStatus();
   if (connect) opened = store->impl_->Connected().status();
   if (!opened.ok() && !IsWorthRetry(opened)) return opened;
@@ -146,7 +141,8 @@ absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
 absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {
   const StoreOptions& options = impl_->options;
   return With<std::vector<std::size_t>>([&](Connection& connection) {
-    return WriteLive(connection, rows, options.process, options.before_commit);
+    return WriteLive(connection, rows, {options.process, ++impl_->checkpoints},
+                     options.before_commit);
   });
 }
 

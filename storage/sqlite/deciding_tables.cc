@@ -27,13 +27,14 @@ absl::Status DecidingTables::Prepare(Database& database) {
                " last_seen_ms) VALUES (?1, ?2, 1, 1, ?3, ?4, ?4)"
                " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = epoch + 1,"
                " held_since = iif(owner = excluded.owner, held_since, epoch + 1),"
-               " owner = excluded.owner,"
+               " owner = excluded.owner, holder_silent = 0,"
                " last_seen_ms = max(last_seen_ms, excluded.last_seen_ms)"
                " RETURNING epoch, held_since");
   prepare.Into(adopt_robot_,
                "UPDATE robots SET epoch = epoch + (owner <> ?3),"
-               " held_since = iif(owner = ?3, held_since, epoch + 1), owner = ?3"
-               " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since");
+               " held_since = iif(owner = ?3, held_since, epoch + 1),"
+               " holder_silent = max(holder_silent, ?4 AND owner <> ?3), owner = ?3"
+               " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since, holder_silent");
   prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
   prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
   prepare.Into(insert_robot_,
@@ -78,14 +79,18 @@ absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request
   return OpenedRobot{Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
 }
 
-absl::StatusOr<std::optional<Epoch>> DecidingTables::AdoptRobot(const AdoptRequest& request,
-                                                                const ProcessId& process) {
-  Rows rows = adopt_robot_->Select(std::string_view(request.robot->ruri), BlobOf(request.holder),
-                                   BlobOf(process));
+absl::StatusOr<AdoptResult> DecidingTables::AdoptRobot(const AdoptRequest& request,
+                                                       const ProcessId& process) {
+  Rows rows =
+      adopt_robot_->Select(std::string_view(request.robot->ruri), BlobOf(request.holder),
+                           BlobOf(process), std::int64_t{request.end == HolderEnd::kSilent});
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();
-  if (!*found) return std::optional<Epoch>();
-  return std::optional<Epoch>(Unsigned(rows.Int(0)));
+  AdoptResult result;
+  if (!*found) return result;
+  result.held_since = Unsigned(rows.Int(0));
+  result.end = rows.Int(1) != 0 ? HolderEnd::kSilent : HolderEnd::kEnded;
+  return result;
 }
 
 absl::StatusOr<std::optional<StoredPresence>> DecidingTables::Presence(std::string_view ruri) {

@@ -42,10 +42,9 @@ class DecidingTables final {
 
   [[nodiscard]] absl::StatusOr<OpenedRobot> OpenRobot(const OpenRequest& request,
                                                       const ProcessId& process);
-  /// The epoch since which `process` holds the robot; nothing if the request's holder does not any
-  /// more.
-  [[nodiscard]] absl::StatusOr<std::optional<Epoch>> AdoptRobot(const AdoptRequest& request,
-                                                                const ProcessId& process);
+  /// All but the presence. No hold if the request's holder does not hold the robot any more.
+  [[nodiscard]] absl::StatusOr<AdoptResult> AdoptRobot(const AdoptRequest& request,
+                                                       const ProcessId& process);
   /// Nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<StoredPresence>> Presence(std::string_view ruri);
   /// Nothing if there is no such row.

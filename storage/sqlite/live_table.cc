@@ -15,17 +15,19 @@ std::string PartColumns() {
   return columns;
 }
 
-/// Behind those of the parts: session and settled_seq.
-constexpr std::size_t kSessionColumns = 2;
+constexpr int kFirstPartBound = 5;
+/// Behind those of the parts: session, settled_seq and held_since.
+constexpr std::size_t kLastColumns = 3;
 
 // Only the holder's row of robots lets anything through.
 std::string UpsertSql() {
   std::string sql = "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms" + PartColumns() +
-                    ", session, settled_seq) SELECT ?1, ?3, ?4";
-  for (std::size_t i = 0; i < kLivePartKinds + kSessionColumns; ++i) sql += ", ?";
+                    ", session, settled_seq, held_since) SELECT ?1, ?3, ?4";
+  for (std::size_t i = 0; i < kLivePartKinds + kLastColumns; ++i) sql += ", ?";
+  sql += " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2 AND held_since = ";
+  sql += "?" + std::to_string(kFirstPartBound + kLivePartKinds + kLastColumns - 1);
   sql +=
-      " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2)"
-      " ON CONFLICT (ruri) DO UPDATE SET"
+      ") ON CONFLICT (ruri) DO UPDATE SET held_since = excluded.held_since,"
       " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
       " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms),"
       " session = coalesce(excluded.session, session),"
@@ -38,19 +40,14 @@ std::string UpsertSql() {
   return sql + " RETURNING 1";
 }
 
-std::string ReadSql(std::string_view which) {
-  return "SELECT ruri, last_sign_ms, clock_skew_ms" + PartColumns() + " FROM live WHERE " +
-         std::string(which);
-}
-
-constexpr int kFirstPartBound = 5;
-constexpr int kFirstPartRead = 3;
+constexpr int kFirstPartRead = 4;
 
 LiveRow LiveRowOf(Rows& rows) {
   LiveRow row;
   row.ruri = rows.Bytes(0);
-  if (!rows.Null(1)) row.last_sign_of_life = FromUnixMs(rows.Int(1));
-  if (!rows.Null(2)) row.clock_skew_ms = rows.Int(2);
+  row.held_since = static_cast<Epoch>(rows.Int(1));
+  if (!rows.Null(2)) row.last_sign_of_life = FromUnixMs(rows.Int(2));
+  if (!rows.Null(3)) row.clock_skew_ms = rows.Int(3);
   int column = kFirstPartRead;
   for (std::optional<std::string>& part : row.parts) {
     if (!rows.Null(column)) part = rows.Bytes(column);
@@ -96,29 +93,15 @@ absl::StatusOr<bool> LiveTable::Upsert(const LiveRow& row, const ProcessId& proc
     settled_seq = static_cast<std::int64_t>(row.session->settled_seq);
   }
   upsert_->Bind(index++, session);
-  BindNumber(*upsert_, index, settled_seq);
+  BindNumber(*upsert_, index++, settled_seq);
+  upsert_->Bind(index, row.held_since);
   return upsert_->Select().Next();
-}
-
-absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database, std::string_view after) {
-  auto statement = database.Prepare(ReadSql("ruri > ? ORDER BY ruri LIMIT ?"));
-  if (!statement.ok()) return statement.status();
-  Rows rows = (*statement)->Select(after, std::int64_t{kLiveRowsMax});
-  std::vector<LiveRow> live;
-  std::size_t bytes = 0;
-  while (bytes < kPageBytesMax) {
-    const absl::StatusOr<bool> found = rows.Next();
-    if (!found.ok()) return found.status();
-    if (!*found) break;
-    live.push_back(LiveRowOf(rows));
-    bytes += rows.TextBytes();
-  }
-  return live;
 }
 
 absl::StatusOr<Reader::LiveRows> ReadLiveOf(Database& database,
                                             std::span<const std::string> ruris) {
-  auto statement = database.Prepare(ReadSql("ruri = ?"));
+  auto statement = database.Prepare("SELECT ruri, held_since, last_sign_ms, clock_skew_ms" +
+                                    PartColumns() + " FROM live WHERE ruri = ?");
   if (!statement.ok()) return statement.status();
   Reader::LiveRows live;
   std::size_t bytes = 0;

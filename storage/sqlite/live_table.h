@@ -3,7 +3,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -24,16 +23,13 @@ class LiveTable final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
-  /// False if `process` does not hold the robot: nothing was written then.
+  /// False if `process` does not hold the robot under the row's hold: nothing was written then.
   [[nodiscard]] absl::StatusOr<bool> Upsert(const LiveRow& row, const ProcessId& process);
 
  private:
   std::unique_ptr<Statement> upsert_;
 };
 
-/// Reader::Live.
-[[nodiscard]] absl::StatusOr<std::vector<LiveRow>> ReadLive(Database& database,
-                                                            std::string_view after);
 /// Reader::LiveOf.
 [[nodiscard]] absl::StatusOr<Reader::LiveRows> ReadLiveOf(Database& database,
                                                           std::span<const std::string> ruris);

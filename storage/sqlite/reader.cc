@@ -122,10 +122,6 @@ absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::str
   });
 }
 
-absl::StatusOr<std::vector<LiveRow>> SqliteReader::Live(std::string_view after) {
-  return pool_->With([&](Database& database) { return ReadLive(database, after); });
-}
-
 absl::StatusOr<Reader::LiveRows> SqliteReader::LiveOf(std::span<const std::string> ruris) {
   return pool_->With([&](Database& database) { return ReadLiveOf(database, ruris); });
 }

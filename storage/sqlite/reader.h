@@ -51,7 +51,6 @@ class SqliteReader final : public Reader {
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
-  [[nodiscard]] absl::StatusOr<std::vector<LiveRow>> Live(std::string_view after) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
  private:

@@ -154,13 +154,13 @@ absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
   return InTransaction<Results>([&]() -> absl::StatusOr<Results> {
     Results results(requests.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {
-      const auto held_since =
-          impl_->tables.deciding.AdoptRobot(requests[i], impl_->options.process);
-      if (!held_since.ok()) return held_since.status();
-      if (!*held_since) continue;
+      auto adopted = impl_->tables.deciding.AdoptRobot(requests[i], impl_->options.process);
+      if (!adopted.ok()) return adopted.status();
+      if (!adopted->held_since) continue;
       const auto presence = impl_->tables.deciding.Presence(requests[i].robot->ruri);
       if (!presence.ok()) return presence.status();
-      results[i] = {*held_since, *presence};
+      adopted->presence = *presence;
+      results[i] = *adopted;
     }
     return results;
   });

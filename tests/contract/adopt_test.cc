@@ -9,6 +9,7 @@ namespace {
 using model::Presence;
 using storage::AdoptRequest;
 using storage::AdoptResult;
+using storage::HolderEnd;
 using storage::OutcomeKind;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -84,6 +85,22 @@ TEST_P(AdoptContract, TellsThePresenceThatTheFormerHolderWrote) {
   EXPECT_EQ(Open().presence, online);
 }
 
+TEST_P(AdoptContract, RemembersASilentHolderUntilTheNextStream) {
+  Open();
+  AdoptRequest silent = Of(robot_);
+  silent.end = HolderEnd::kSilent;
+  EXPECT_EQ(Adopt({silent}, 3)[0].end, HolderEnd::kSilent);
+  AdoptRequest next = {robot_, storage::ProcessId{3}, 0};
+  EXPECT_EQ(Adopt({next}, 4)[0].end, HolderEnd::kSilent) << "of the first, though the second ended";
+  EXPECT_EQ(Adopt({next}, 4)[0].end, HolderEnd::kSilent) << "told again";
+  Open(Request(), 4);
+  next.holder = storage::ProcessId{4};
+  EXPECT_EQ(Adopt({next}, 5)[0].end, HolderEnd::kEnded);
+  next.holder = storage::ProcessId{9};
+  next.end = HolderEnd::kSilent;
+  EXPECT_EQ(Adopt({next}, 5)[0].end, HolderEnd::kEnded) << "its own since then";
+}
+
 TEST_P(AdoptContract, KeepsNothingThatFailsAndAllOfALostAnswer) {
   Open();
   store_->FailNextWrite(kOther);
@@ -99,12 +116,16 @@ TEST_P(AdoptContract, KeepsNothingThatFailsAndAllOfALostAnswer) {
   EXPECT_THAT(Commit({Good(2)}, kOther), ElementsAre(OutcomeKind::kStored));
 }
 
-TEST_P(AdoptContract, TakesOverTheCheckpoints) {
+TEST_P(AdoptContract, WhoAdoptedWritesTheCheckpoints) {
   Open();
   storage::LiveRow row;
   row.ruri = robot_->ruri;
   row.last_sign_of_life = Time();
-  ASSERT_TRUE(Adopt({Of(robot_)})[0].held_since.has_value());
+  row.held_since = held_since_;
+  const auto adopted = Adopt({Of(robot_)})[0].held_since;
+  ASSERT_TRUE(adopted.has_value());
+  EXPECT_THAT(*store_->Process(kOther).Checkpoint({&row, 1}), SizeIs(1)) << "of another hold";
+  row.held_since = *adopted;
   const std::vector<storage::LiveRow> rows = {row};
   EXPECT_THAT(*store_->Process(kProcess).Checkpoint(rows), SizeIs(1)) << "passed over";
   EXPECT_THAT(*store_->Process(kOther).Checkpoint(rows), IsEmpty());
@@ -236,6 +257,37 @@ TEST_P(LeaseContract, ListsTheRobotsOfOthers) {
   EXPECT_EQ(of_others->front().written_at, Time(7));
   EXPECT_THAT(*LeasesOf(kOther).RobotsOfOthers(robot_->ruri), IsEmpty());
   EXPECT_THAT(*LeasesOf(7).RobotsOfOthers(""), SizeIs(2));
+}
+
+TEST_P(LeaseContract, ListsTheRobotsOfOthersPageByPage) {
+  std::vector<storage::OpenRequest> requests(storage::kForeignRobotsMax + 1, Request());
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    requests[i].robot = Robot(std::to_string(10'000 + i));
+  }
+  ASSERT_TRUE(store_->Process(kOther).OpenStreams(requests).ok());
+  const auto first = LeasesOf(kProcess).RobotsOfOthers("");
+  ASSERT_TRUE(first.ok()) << first.status();
+  ASSERT_THAT(*first, SizeIs(storage::kForeignRobotsMax));
+  const auto rest = LeasesOf(kProcess).RobotsOfOthers(first->back().robot.ruri);
+  ASSERT_TRUE(rest.ok()) << rest.status();
+  ASSERT_THAT(*rest, SizeIs(1));
+  EXPECT_EQ(rest->front().robot, *requests.back().robot);
+  EXPECT_THAT(*LeasesOf(kProcess).RobotsOfOthers(rest->front().robot.ruri), IsEmpty());
+}
+
+TEST_P(LeaseContract, TellsTheSessionOfTheHoldersCheckpoint) {
+  Open(Request(), kOther);
+  Commit({Good(5)}, kOther);
+  const auto session = [this] {
+    const auto robots = LeasesOf(kProcess).RobotsOfOthers("");
+    EXPECT_TRUE(robots.ok() && robots->size() == 1 && robots->front().last_session);
+    return robots->front().last_session.value_or(storage::SettledSession());
+  };
+  EXPECT_EQ(session(), (storage::SettledSession{session_, 5})) << "before the first checkpoint";
+  storage::LiveRow row{.ruri = robot_->ruri, .held_since = held_since_};
+  row.session = {session_, 9};
+  EXPECT_THAT(*store_->Process(kOther).Checkpoint({&row, 1}), IsEmpty());
+  EXPECT_EQ(session(), (storage::SettledSession{session_, 9}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, LeaseContract, ::testing::Values(FakeKind(), PostgresKind()),

@@ -21,6 +21,7 @@ class LiveContract : public StoreContract {
   LiveRow Row(const std::string& motion = "m") const {
     LiveRow row;
     row.ruri = robot_->ruri;
+    row.held_since = held_since_;
     row.last_sign_of_life = Time();
     Part(row, LivePart::kMotion) = motion;
     return row;
@@ -35,11 +36,12 @@ class LiveContract : public StoreContract {
     const auto passed_over = PassedOver(rows, process);
     return rows.size() - passed_over.size();
   }
-  std::vector<LiveRow> Read(const std::string& after = "") {
-    auto rows = store_->reader().Live(after);
-    EXPECT_TRUE(rows.ok()) << rows.status();
-    return rows.ok() ? *std::move(rows) : std::vector<LiveRow>{};
+  storage::Reader::LiveRows ReadOf(const std::vector<std::string>& ruris) {
+    auto live = store_->reader().LiveOf(ruris);
+    EXPECT_TRUE(live.ok()) << live.status();
+    return live.ok() ? *std::move(live) : storage::Reader::LiveRows();
   }
+  std::vector<LiveRow> Read() { return ReadOf({robot_->ruri}).rows; }
 };
 
 TEST_P(LiveContract, KeepsAllPartsAsTheyCame) {
@@ -65,6 +67,7 @@ TEST_P(LiveContract, RobotsAreListedWithTheirLastSessionAsFarAsACheckpointSaysIt
                                  std::uint8_t process = kProcess) {
     LiveRow row;
     row.ruri = robot_->ruri;
+    row.held_since = held_since_;
     row.session = {session, seq};
     Write({row}, process);
   };
@@ -99,6 +102,7 @@ TEST_P(LiveContract, WhatDidNotChangeStays) {
   EXPECT_THAT(Read(), ElementsAre(changed));
   LiveRow nothing;
   nothing.ruri = robot_->ruri;
+  nothing.held_since = held_since_;
   EXPECT_EQ(Write({nothing}), 1U);
   EXPECT_THAT(Read(), ElementsAre(changed));
 }
@@ -107,6 +111,7 @@ TEST_P(LiveContract, ARobotWithoutASignOfLifeHasNone) {
   Open();
   LiveRow row;
   row.ruri = robot_->ruri;
+  row.held_since = held_since_;
   Write({row});
   EXPECT_THAT(Read(), ElementsAre(row));
 }
@@ -116,48 +121,51 @@ TEST_P(LiveContract, PassesOverRobotsThatAnotherProcessHolds) {
   Open();
   LiveRow unknown = Row();
   unknown.ruri = "rcan://robots/unknown";
-  EXPECT_THAT(PassedOver({unknown, Row("ours")}), ElementsAre(0U));
-  Open(Request(), kOther);
-  EXPECT_EQ(Write({Row("late")}), 0U);
-  EXPECT_THAT(Read(), ElementsAre(Row("ours")));
+  const LiveRow ours = Row("ours");
+  EXPECT_THAT(PassedOver({unknown, ours}), ElementsAre(0U));
+  const LiveRow late = Row("late");
+  held_since_ = Open(Request(), kOther).held_since;
+  EXPECT_EQ(Write({late}), 0U);
+  EXPECT_THAT(Read(), ElementsAre(ours));
   EXPECT_EQ(Write({Row("theirs")}, kOther), 1U);
   EXPECT_THAT(Read(), ElementsAre(Row("theirs")));
 }
 
-TEST_P(LiveContract, AnswersByRuriPageAfterPage) {
-  std::vector<LiveRow> rows;
-  for (int i = 0; i < 1'100; ++i) {
-    LiveRow row = Row(std::to_string(i));
-    row.ruri = Robot(std::to_string(10'000 + i))->ruri;
-    const storage::OpenRequest request{Robot(std::to_string(10'000 + i)), session_, 0, Time(), {}};
-    Open(request);
-    rows.push_back(row);
-  }
-  EXPECT_EQ(Write({rows.rbegin(), rows.rend()}), rows.size());
-  std::vector<LiveRow> read;
-  while (true) {
-    const std::vector<LiveRow> page = Read(read.empty() ? "" : read.back().ruri);
-    EXPECT_LE(page.size(), storage::kLiveRowsMax);
-    if (page.empty()) break;
-    read.insert(read.end(), page.begin(), page.end());
-  }
-  EXPECT_EQ(read, rows);
+TEST_P(LiveContract, PassesOverWhatIsOfAnEarlierHold) {
+  Open();
+  const LiveRow first = Row("first");
+  EXPECT_EQ(Write({first}), 1U);
+  held_since_ = Open(Request(), kOther).held_since;
+  const LiveRow theirs = Row("theirs");
+  EXPECT_EQ(Write({theirs}, kOther), 1U);
+  held_since_ = Open().held_since;
+  EXPECT_EQ(Write({first}), 0U) << "this process holds it again, since later";
+  EXPECT_THAT(Read(), ElementsAre(theirs));
+  EXPECT_EQ(Write({Row("again")}), 1U);
+  EXPECT_THAT(Read(), ElementsAre(Row("again")));
 }
 
-TEST_P(LiveContract, APageEndsWhereItsBytesAreMany) {
+TEST_P(LiveContract, AnAnswerEndsWhereItsBytesAreMany) {
   std::vector<LiveRow> rows;
-  for (const char* name : {"a", "b", "c"}) {
-    const storage::OpenRequest request{Robot(name), session_, 0, Time(), {}};
-    Open(request);
+  std::vector<std::string> ruris;
+  for (const char* name : {"a", "b", "c", "d"}) {
     LiveRow row = Row();
-    row.ruri = Robot(name)->ruri;
+    ruris.push_back(row.ruri = Robot(name)->ruri);
+    const storage::OpenRequest request{Robot(name), session_, 0, Time(), {}};
+    row.held_since = Open(request).held_since;
+    // The third has no state.
+    if (std::string_view(name) == "c") continue;
     Part(row, LivePart::kDirectives) = std::string(storage::kPageBytesMax / 2 + 1, 'd');
     rows.push_back(std::move(row));
   }
   for (const LiveRow& row : rows) Write({row});
-  EXPECT_THAT(Read(), SizeIs(2));
-  EXPECT_THAT(Read(rows[1].ruri), SizeIs(1));
-  EXPECT_THAT(Read(rows[2].ruri), IsEmpty());
+  const auto first = ReadOf(ruris);
+  EXPECT_THAT(first.rows, SizeIs(2));
+  EXPECT_EQ(first.complete, 2U);
+  const auto rest = ReadOf({ruris[2], ruris[3]});
+  EXPECT_THAT(rest.rows, ElementsAre(rows[2]));
+  EXPECT_EQ(rest.complete, 2U);
+  EXPECT_THAT(ReadOf({ruris[2]}).rows, IsEmpty());
 }
 
 TEST_P(LiveContract, HoldsAfterAReopening) {

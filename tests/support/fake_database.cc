@@ -73,8 +73,10 @@ std::vector<storage::AdoptResult> FakeDatabase::Adopt(
       if (lease != leases_.end() && lease->second.counter > requests[i].lease_counter) continue;
       robot->second.owner = process;
       robot->second.held_since = ++robot->second.epoch;
+      if (requests[i].end == storage::HolderEnd::kSilent) robot->second.end = requests[i].end;
     }
-    results[i] = {robot->second.held_since, presence_.Last(requests[i].robot->ruri)};
+    results[i] = {robot->second.held_since, presence_.Last(requests[i].robot->ruri),
+                  robot->second.end};
   }
   return results;
 }
@@ -111,9 +113,10 @@ std::vector<storage::ForeignRobot> FakeDatabase::RobotsOfOthers(const ProcessId&
                                   .held_since = robot.held_since,
                                   .presence = presence_.Last(row->first)};
     if (foreign.presence) foreign.written_at = foreign.presence->since;
+    foreign.last_session = robot.settled;
     SystemTime used;
     for (const auto& [id, session] : robot.sessions) {
-      if (foreign.last_session && session.last_used < used) continue;
+      if (robot.settled || (foreign.last_session && session.last_used < used)) continue;
       foreign.last_session = {id, session.cursor};
       used = session.last_used;
     }
@@ -147,12 +150,14 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
   for (std::size_t place = 0; place < rows.size(); ++place) {
     const storage::LiveRow& row = rows[place];
     const auto robot = robots_.find(row.ruri);
-    if (robot == robots_.end() || robot->second.owner != process) {
+    if (robot == robots_.end() || robot->second.owner != process ||
+        robot->second.held_since != row.held_since) {
       passed_over.push_back(place);
       continue;
     }
     storage::LiveRow& kept = live_[row.ruri];
     kept.ruri = row.ruri;
+    kept.held_since = row.held_since;
     if (row.last_sign_of_life) kept.last_sign_of_life = row.last_sign_of_life;
     if (row.clock_skew_ms) kept.clock_skew_ms = row.clock_skew_ms;
     if (row.session) robot->second.settled = row.session;
@@ -212,6 +217,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   }
   if (robot.epoch == 0) robot.first_seen = request.at;
   robot.id = *request.robot;
+  robot.end = storage::HolderEnd::kEnded;
   robot.last_seen = std::max(robot.last_seen, request.at);
   ++robot.epoch;
   if (robot.held_since == 0 || robot.owner != process) {

@@ -123,6 +123,8 @@ class FakeDatabase final {
     storage::Epoch epoch = 0;
     storage::Epoch held_since = 0;
     storage::ProcessId owner{};
+    /// Of those who held it since its last OpenStream.
+    storage::HolderEnd end = storage::HolderEnd::kEnded;
     SystemTime first_seen;
     SystemTime last_seen;
     std::map<model::SessionId, Session> sessions;

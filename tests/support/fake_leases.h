@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "storage/leases.h"
@@ -18,6 +20,8 @@ class FakeLeases final : public storage::Leases {
 
   /// Every call fails until false.
   void SetAway(bool away) { away_ = away; }
+  /// Called by each RobotsOfOthers, before its answer.
+  void OnList(std::function<void()> call) { on_list_ = std::move(call); }
 
   [[nodiscard]] absl::Status Renew(const storage::ProcessCard& card) override {
     if (away_) return Away();
@@ -35,6 +39,7 @@ class FakeLeases final : public storage::Leases {
   }
   [[nodiscard]] absl::StatusOr<std::vector<storage::ForeignRobot>> RobotsOfOthers(
       std::string_view after) override {
+    if (on_list_) on_list_();
     if (away_) return Away();
     return database_.RobotsOfOthers(process_, after);
   }
@@ -45,6 +50,7 @@ class FakeLeases final : public storage::Leases {
   FakeDatabase& database_;
   const storage::ProcessId process_;
   bool away_ = false;
+  std::function<void()> on_list_;
 };
 
 }  // namespace uplink::testing

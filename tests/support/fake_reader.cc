@@ -192,20 +192,6 @@ absl::StatusOr<FakeReader::LatestRows> FakeReader::Latest(std::span<const std::s
   return latest;
 }
 
-absl::StatusOr<std::vector<storage::LiveRow>> FakeReader::Live(std::string_view after) {
-  const std::lock_guard lock(database_.mutex_);
-  std::vector<storage::LiveRow> live;
-  std::size_t bytes = 0;
-  for (auto row = database_.live_.upper_bound(after);
-       row != database_.live_.end() && live.size() < storage::kLiveRowsMax &&
-       bytes < storage::kPageBytesMax;
-       ++row) {
-    bytes += storage::BytesOf(row->second);
-    live.push_back(row->second);
-  }
-  return live;
-}
-
 absl::StatusOr<storage::Reader::LiveRows> FakeReader::LiveOf(std::span<const std::string> ruris) {
   const std::lock_guard lock(database_.mutex_);
   LiveRows live;

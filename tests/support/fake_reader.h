@@ -32,7 +32,6 @@ class FakeReader final : public storage::Reader {
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
-  [[nodiscard]] absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
  private:

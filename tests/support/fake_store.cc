@@ -200,10 +200,6 @@ absl::StatusOr<storage::Reader::LatestRows> FakeStore::Latest(std::span<const st
   return FakeReader(database_).Latest(ruris, kinds);
 }
 
-absl::StatusOr<std::vector<storage::LiveRow>> FakeStore::Live(std::string_view after) {
-  return FakeReader(database_).Live(after);
-}
-
 absl::StatusOr<storage::Reader::LiveRows> FakeStore::LiveOf(std::span<const std::string> ruris) {
   return FakeReader(database_).LiveOf(ruris);
 }

@@ -63,7 +63,6 @@ class FakeStore final : public storage::Store, public storage::Reader {
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
-  [[nodiscard]] absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   // Faults; each set of orders is worked off before the next of its kind.

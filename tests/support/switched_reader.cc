@@ -67,11 +67,6 @@ absl::StatusOr<storage::Reader::LatestRows> SwitchedReader::Latest(
   return reader_.Latest(ruris.first(looked_at), kinds);
 }
 
-absl::StatusOr<std::vector<storage::LiveRow>> SwitchedReader::Live(std::string_view after) {
-  if (absl::Status here = Enter(); !here.ok()) return here;
-  return reader_.Live(after);
-}
-
 absl::StatusOr<storage::Reader::LiveRows> SwitchedReader::LiveOf(
     std::span<const std::string> ruris) {
   if (absl::Status here = Enter(); !here.ok()) return here;

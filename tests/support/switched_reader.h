@@ -36,7 +36,6 @@ class SwitchedReader final : public storage::Reader {
       std::span<const std::string> ruris) override;
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                     std::uint32_t kinds) override;
-  absl::StatusOr<std::vector<storage::LiveRow>> Live(std::string_view after) override;
   absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
   // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                       \

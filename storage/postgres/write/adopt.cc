@@ -24,7 +24,9 @@ constexpr std::string_view kAdopt =
     // The right sides see the row as it was.
     " UPDATE uplinkd.robots AS r SET epoch = r.epoch + (r.owner <> $4::uuid)::int,"
     " held_since = CASE WHEN r.owner = $4::uuid THEN r.held_since ELSE r.epoch + 1 END,"
-    " owner = $4::uuid FROM over WHERE r.ruri = over.ruri RETURNING r.ruri, r.held_since";
+    " holder_silent = r.holder_silent OR (r.owner <> $4::uuid AND r.ruri = ANY ($5::text[])),"
+    " owner = $4::uuid FROM over WHERE r.ruri = over.ruri"
+    " RETURNING r.ruri, r.held_since, r.holder_silent";
 
 }  // namespace
 
@@ -32,7 +34,7 @@ absl::StatusOr<std::vector<AdoptResult>> AdoptAll(
     Connection& connection, std::span<const AdoptRequest> requests, const ProcessId& process,
     const std::function<absl::Status()>& before_commit) {
   std::map<std::string_view, std::size_t> places;
-  Array ruri{Type::kText}, holder{Type::kUuid}, counter{Type::kInt8};
+  Array ruri{Type::kText}, holder{Type::kUuid}, counter{Type::kInt8}, silent{Type::kText};
   std::vector<std::string_view> ruris;
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const std::string_view name = requests[i].robot->ruri;
@@ -41,12 +43,14 @@ absl::StatusOr<std::vector<AdoptResult>> AdoptAll(
     ruri.Text(name);
     holder.Uuid(model::SessionId(requests[i].holder));
     counter.Int8(requests[i].lease_counter);
+    if (requests[i].end == HolderEnd::kSilent) silent.Text(name);
     ruris.push_back(name);
   }
   std::vector<StoreCall> calls = BeginCalls();
   const std::size_t first = calls.size();
   calls.push_back(StoreCallOf(kAdopt, {&ruri, &holder, &counter}));
   calls.back().parameters.Uuid(model::SessionId(process));
+  calls.back().parameters.Add(std::move(silent));
   calls.push_back(ReadPresenceCall(ruris));
   const auto answers = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
   if (!answers.ok()) return Decisive(answers.status());
@@ -58,7 +62,9 @@ absl::StatusOr<std::vector<AdoptResult>> AdoptAll(
   };
   const Result& adopted = (*answers)[first];
   for (int row = 0; row < adopted.rows(); ++row) {
-    result_of(adopted.Bytes(row, 0)).held_since = static_cast<Epoch>(adopted.Int(row, 1));
+    AdoptResult& result = result_of(adopted.Bytes(row, 0));
+    result.held_since = static_cast<Epoch>(adopted.Int(row, 1));
+    result.end = adopted.Bool(row, 2) ? HolderEnd::kSilent : HolderEnd::kEnded;
   }
   TakePresence((*answers)[first + 1], [&](std::string_view name, StoredPresence presence) {
     AdoptResult& result = result_of(name);

@@ -22,7 +22,8 @@ constexpr std::string_view kOpenRobots =
     " FROM unnest($1::text[], $2::text[], $3::timestamptz[]) AS u (ruri, fleet, seen_at)"
     " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = r.epoch + 1,"
     " held_since = CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE r.epoch + 1 END,"
-    " owner = excluded.owner, last_seen = greatest(r.last_seen, excluded.last_seen)"
+    " owner = excluded.owner, holder_silent = false, last_seen = greatest(r.last_seen, "
+    "excluded.last_seen)"
     // A stream that has ended ($5) takes its robot from nobody whose lease stands.
     " WHERE NOT (r.ruri = ANY ($5::text[]) AND r.owner <> excluded.owner AND EXISTS (SELECT 1"
     " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"

@@ -194,6 +194,7 @@ TEST_F(PostgresBatchTest, ACheckpointChangesItsRowInPlace) {
   Open(*store);
   LiveRow row;
   row.ruri = robot_->ruri;
+  row.held_since = 1;
   // Bytes that do not compress: PostgreSQL stores them apart.
   std::string& extras = row.parts[static_cast<std::size_t>(LivePart::kExtras)].emplace();
   std::mt19937 bytes;

@@ -70,7 +70,11 @@ TEST_F(CheckpointTest, TakesWhatChangedOnce) {
   const auto rows = Changed();
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_EQ(rows[0].ruri, "rcan://a");
+  EXPECT_EQ(rows[0].held_since, 0U) << "the store has not said so";
   EXPECT_THAT(Changed(), IsEmpty());
+  robot.OnHeld({.since = 7});
+  Apply(robot, Usage(2));
+  EXPECT_EQ(Changed().at(0).held_since, 7U);
 }
 
 TEST_F(CheckpointTest, WritesNothingBeforeWhatTheStoreHadWasRead) {

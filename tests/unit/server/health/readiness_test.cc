@@ -65,6 +65,13 @@ TEST(Readiness, ReportsAStoreThatIsKeptFromCleaningUp) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store_old_snapshot"));
 }
 
+TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
+  ReadinessFacts facts = Good();
+  facts.lease_failing = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("lease"));
+}
+
 TEST(Readiness, ReportsACertificateAWeekAhead) {
   ReadinessFacts facts = Good();
   facts.certificate_expiry = facts.now + kCertificateNotice;

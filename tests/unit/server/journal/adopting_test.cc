@@ -24,10 +24,10 @@ class AdoptingTest : public ::testing::Test, protected StepBench {
   void Former(RecordingClient& client) {
     ASSERT_TRUE(former_.OpenStreams(std::vector{OpenOf(client, 1).request}).ok());
   }
-  void Adopt(RecordingClient& client) {
+  void Adopt(RecordingClient& client, storage::HolderEnd end = storage::HolderEnd::kEnded) {
     inbox.Adopt({.client = &client,
-                 .request = {.robot = client.robot(), .holder = kFormer},
-                 .grace = milliseconds(9)});
+                 .request = {.robot = client.robot(), .holder = kFormer, .end = end},
+                 .grace = {.ended = milliseconds(9), .silent = milliseconds(99)}});
   }
 
   testing::FakeStore former_{database, kFormer};
@@ -55,6 +55,13 @@ TEST_F(AdoptingTest, HoldsWhatItAdoptedAndSaysHow) {
   EXPECT_THAT(robot_.Told(), IsEmpty());
   EXPECT_EQ(probe.adopted.value(), 1);
   EXPECT_EQ(adopting_.Advance(), std::nullopt);
+}
+
+TEST_F(AdoptingTest, TheRobotOfASilentHolderHasTheLongerGrace) {
+  Former(robot_);
+  Adopt(robot_, storage::HolderEnd::kSilent);
+  EXPECT_EQ(adopting_.Advance(), Step::kWorked);
+  EXPECT_EQ(robot_.Holds()[0].grace, milliseconds(99));
 }
 
 TEST_F(AdoptingTest, LeavesARobotThatCameElsewhereMeanwhile) {

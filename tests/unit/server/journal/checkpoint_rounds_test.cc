@@ -41,7 +41,7 @@ TEST_F(CheckpointRoundsTest, BeginsWhenItIsDueAndEndsWithTheLastRow) {
   EXPECT_EQ(rounds_.Advance(), std::nullopt);
   clock.Advance(milliseconds(1));
   EXPECT_EQ(rounds_.Advance(), Step::kWorked);
-  EXPECT_THAT(*store.Live(""), SizeIs(1));
+  EXPECT_THAT(store.LiveOf(std::vector<std::string>{"rcan://a"})->rows, SizeIs(1));
   EXPECT_EQ(rounds_.Advance(), Step::kWorked) << "it asks whether more is left";
   EXPECT_EQ(rounds_.Advance(), std::nullopt);
   EXPECT_EQ(rounds_.duty().due(), clock.Steady() + kEvery);

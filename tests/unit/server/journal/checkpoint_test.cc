@@ -24,7 +24,9 @@ class JournalCheckpoint : public ::testing::Test, protected JournalBench {
   }
   using JournalBench::Run;
 
-  std::vector<storage::LiveRow> Written() { return *store.Live(""); }
+  std::vector<storage::LiveRow> Written() {
+    return store.LiveOf(std::vector<std::string>{"rcan://a"})->rows;
+  }
 
   RecordingClient client_{"rcan://a"};
   ListedRows live_;

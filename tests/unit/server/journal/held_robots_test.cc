@@ -36,8 +36,9 @@ TEST_F(HeldRobotsTest, AnotherEpochMeansThatAnotherProcessHeldItBetween) {
 
 TEST_F(HeldRobotsTest, AHoldAfterALossIsAFirstOne) {
   EXPECT_EQ(held_.Begin(robot_, 3), Hold::kNew);
-  EXPECT_TRUE(held_.Lose(robot_));
-  EXPECT_FALSE(held_.Lose(robot_));
+  held_.Lose(robot_);
+  held_.Lose(robot_);
+  EXPECT_EQ(held_.Since(robot_), 0U);
   EXPECT_EQ(held_.Begin(robot_, 5), Hold::kNew);
 }
 

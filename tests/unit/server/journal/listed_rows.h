@@ -30,7 +30,8 @@ class ListedRows final : public fleet::LiveSource {
     rows.insert(rows.end(), given.begin(), given.end());
   }
   void PassedOver(const storage::LiveRow& row) override { passed_over.push_back(row.ruri); }
-  void Add(const std::string& ruri) { rows.emplace_back().ruri = ruri; }
+  /// Of a robot's first hold.
+  void Add(const std::string& ruri) { rows.push_back({.ruri = ruri, .held_since = 1}); }
 
   /// Of the next round.
   std::deque<storage::LiveRow> rows;

@@ -173,6 +173,16 @@ TEST_F(RobotSessionsTest, WhatTheStoreHasIsShownUntilAStreamBeginsAndNumbersNoth
   EXPECT_EQ(fresh.ResumeFrom(Id(7), begun->open_id, 3, 3).committed, 3U);
 }
 
+TEST_F(RobotSessionsTest, OfTwoAnswersOfTheStoreTheFurtherIsShown) {
+  RobotSessions fresh;
+  fresh.Restore({Id(7), 40});
+  fresh.Restore({Id(7), 39});
+  EXPECT_EQ(fresh.View().settled_seq, 40U);
+  fresh.Restore({Id(8), 2});
+  EXPECT_EQ(fresh.View().session, Id(8));
+  EXPECT_EQ(fresh.View().settled_seq, 2U) << "another session";
+}
+
 TEST_F(RobotSessionsTest, WhatIsHeldIsShownRatherThanWhatTheStoreHas) {
   sessions_.AddSettled(Id(1), 5);
   sessions_.Restore({Id(7), 40});

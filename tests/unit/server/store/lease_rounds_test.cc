@@ -24,6 +24,7 @@ using ::testing::IsEmpty;
 
 constexpr storage::ProcessId kSelf{1};
 constexpr storage::ProcessId kOther{2};
+constexpr storage::ProcessId kThird{3};
 
 /// This process and another one on one database; the other is played by the test.
 class LeaseRoundsTest : public ::testing::Test {
@@ -53,6 +54,16 @@ class LeaseRoundsTest : public ::testing::Test {
     batch.presence = {{robot_, presence, FromUnixMs(7), ++number_, opened->front().held_since}};
     ASSERT_TRUE(other_.Commit(batch).ok());
   }
+  /// A third process adopted it, since the other one fell silent, and stopped after that.
+  void AdoptAtThird() {
+    const storage::AdoptRequest request{
+        .robot = robot_, .holder = kOther, .end = storage::HolderEnd::kSilent};
+    const auto adopted = third_.Adopt({&request, 1});
+    ASSERT_TRUE(adopted.ok() && adopted->front().held_since);
+    database_.Renew(kThird, {.name = "c:3", .life = "there"});
+    rounds_->Round();
+    database_.Release(kThird);
+  }
   void RenewOther() { database_.Renew(kOther, {.name = "b:2", .life = "there"}); }
   void Pass(milliseconds time) {
     for (milliseconds passed{0}; passed < time; passed += kLookEvery) {
@@ -76,6 +87,7 @@ class LeaseRoundsTest : public ::testing::Test {
   testing::FakeDatabase database_;
   testing::FakeStore ours_{database_, kSelf};
   testing::FakeStore other_{database_, kOther};
+  testing::FakeStore third_{database_, kThird};
   const storage::RobotRef robot_ =
       std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
   model::Seq number_ = 0;
@@ -129,7 +141,7 @@ TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfASilentProcessAndCallsThemOfflineAfterA
   Pass(2 * kLookEvery);
   EXPECT_FALSE(Shown().foreign.has_value());
   EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_over process=b:2 why=silent")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_over process=b:2 why=silent robots=1")));
   EXPECT_EQ(journal_probe_.adopted.value(), 1);
   Pass(std::chrono::minutes(59));
   EXPECT_THAT(History(), ElementsAre(model::Presence::kUnknown, model::Presence::kOnline));
@@ -149,6 +161,45 @@ TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfAReleasedLeaseAndCallsThemOfflineAfterT
   EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
   Pass(std::chrono::minutes(2) + kLookEvery);
   EXPECT_EQ(Shown().presence, model::Presence::kOffline);
+}
+
+TEST_F(LeaseRoundsTest, AnAdoptionForSilenceStandsThoughTheAdopterStopped) {
+  OpenAtOther();
+  AdoptAtThird();
+  Pass(std::chrono::seconds(15));
+  EXPECT_EQ(journal_probe_.adopted.value(), 1);
+  Pass(std::chrono::minutes(59));
+  EXPECT_EQ(Shown().presence, model::Presence::kUnknown) << "it may stream to the silent one";
+  Pass(std::chrono::minutes(2));
+  EXPECT_EQ(Shown().presence, model::Presence::kOffline);
+}
+
+TEST_F(LeaseRoundsTest, ARobotThatStreamedSinceTheSilenceWasAtTheOneThatStopped) {
+  OpenAtOther();
+  AdoptAtThird();
+  const storage::OpenRequest request{.robot = robot_, .at = clock_.System()};
+  ASSERT_TRUE(third_.OpenStreams({&request, 1}).ok());
+  Pass(std::chrono::seconds(15));
+  EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+  Pass(std::chrono::minutes(2) + kLookEvery);
+  EXPECT_EQ(Shown().presence, model::Presence::kOffline);
+}
+
+TEST_F(LeaseRoundsTest, AListThatTakesLongKeepsTheLeasesInSight) {
+  std::vector<storage::OpenRequest> requests;
+  for (std::uint32_t i = 0; i <= storage::kForeignRobotsMax; ++i) {
+    requests.push_back({.robot = std::make_shared<const model::RobotId>(
+                            model::RobotId{"rcan://" + std::to_string(i), "f"}),
+                        .at = clock_.System()});
+  }
+  ASSERT_TRUE(other_.OpenStreams(requests).ok());
+  RenewOther();
+  leases_->OnList([this] { clock_.Advance(std::chrono::seconds(4)); });
+  rounds_->Round();
+  EXPECT_EQ(probe_.renewed.value(), 2) << "at the beginning, and eight seconds later";
+  for (int round = 0; round < 4; ++round) rounds_->Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_over process=b:2 why=silent robots=5")))
+      << "those that this process may show";
 }
 
 TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {

@@ -12,6 +12,7 @@
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 #include "tests/support/switched_reader.h"
+#include "tests/unit/server/store/known_robot.h"
 
 namespace uplink::store {
 namespace {
@@ -20,18 +21,9 @@ class RestoreTest : public ::testing::Test {
  protected:
   RestoreTest() {
     for (const char* ruri : {"rcan://a", "rcan://b"}) {
-      Know(ruri);
+      Know(store_, ruri, clock_.System());
       EXPECT_TRUE(fleet_.FindOrAdmit({ruri, "f"}).ok());
     }
-  }
-  void Know(const std::string& ruri) {
-    const storage::OpenRequest request{
-        std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
-        model::SessionId({1}),
-        0,
-        clock_.System(),
-        {}};
-    ASSERT_TRUE(store_.OpenStreams({&request, 1}).ok());
   }
   /// This process holds both from now on.
   void Begin(storage::Epoch since = 2) {
@@ -42,7 +34,9 @@ class RestoreTest : public ::testing::Test {
     changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
     changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = reboots};
     changes.last_sign_of_life = FromUnixMs(1'763'683'200'000);
-    return robot::ToRow(ruri, changes);
+    storage::LiveRow row = robot::ToRow(ruri, changes);
+    row.held_since = 1;
+    return row;
   }
   void Checkpoint(const storage::LiveRow& row) { ASSERT_TRUE(store_.Checkpoint({&row, 1}).ok()); }
   robot::StateSnapshot State(const std::string& ruri) {
@@ -119,8 +113,8 @@ TEST_F(RestoreTest, ARobotThatIsLostAgainHasNothingToRestore) {
 }
 
 TEST_F(RestoreTest, RobotsComeWithWhatTheirReportsSay) {
-  Know("rcan://a");
-  Know("rcan://b");
+  Know(store_, "rcan://a", clock_.System());
+  Know(store_, "rcan://b", clock_.System());
   const auto commit = [this](model::Seq seq, const model::Body& body) {
     const storage::OpenRequest open{
         std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),

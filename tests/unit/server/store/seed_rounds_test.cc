@@ -11,6 +11,7 @@
 
 #include "tests/support/kept_lines.h"
 #include "tests/support/server_world.h"
+#include "tests/unit/server/store/known_robot.h"
 
 namespace uplink::store {
 namespace {
@@ -21,13 +22,6 @@ using ::testing::IsEmpty;
 
 class SeedRoundsTest : public ::testing::Test {
  protected:
-  void Know(const std::string& ruri) {
-    const storage::OpenRequest request{
-        .robot = std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
-        .session = testing::ServerWorld::session(),
-        .at = world_.clock.System()};
-    ASSERT_TRUE(world_.store.OpenStreams({&request, 1}).ok());
-  }
   /// Keeps the job until the test runs it.
   bool Post(std::function<void()> job) {
     jobs_.push_back(std::move(job));
@@ -47,7 +41,7 @@ class SeedRoundsTest : public ::testing::Test {
 };
 
 TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
-  Know("rcan://a");
+  Know(world_.store, "rcan://a", world_.clock.System());
   EXPECT_TRUE(rounds_.Begin(absl::OkStatus()).ok());
   EXPECT_TRUE(rounds_.done());
   EXPECT_EQ(world_.fleet.size(), 1U);
@@ -57,7 +51,7 @@ TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
 }
 
 TEST_F(SeedRoundsTest, AStoreThatIsAwayIsReadLater) {
-  Know("rcan://a");
+  Know(world_.store, "rcan://a", world_.clock.System());
   EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
   EXPECT_FALSE(rounds_.done());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away why=gone")));
@@ -95,7 +89,8 @@ TEST_F(SeedRoundsTest, AJobThatIsNotTakenIsAskedForAgain) {
 }
 
 TEST_F(SeedRoundsTest, MoreRobotsThanThereMayBeEndTheStartAndAreALineLater) {
-  for (const char* ruri : {"a", "b", "c", "d", "e"}) Know(ruri);
+  for (const char* ruri : {"a", "b", "c", "d", "e"})
+    Know(world_.store, ruri, world_.clock.System());
   world_.AddRobot("another");
   EXPECT_FALSE(rounds_.Begin(absl::OkStatus()).ok());
   EXPECT_THAT(lines_, IsEmpty());

@@ -7,22 +7,13 @@
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 #include "tests/support/switched_reader.h"
+#include "tests/unit/server/store/known_robot.h"
 
 namespace uplink::store {
 namespace {
 
 class SeedTest : public ::testing::Test {
  protected:
-  void Know(const std::string& ruri) {
-    const storage::OpenRequest request{
-        std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
-        model::SessionId({1}),
-        0,
-        clock_.System(),
-        {}};
-    ASSERT_TRUE(store_.OpenStreams({&request, 1}).ok());
-  }
-
   robot::StateSnapshot State(const std::string& ruri) {
     return fleet_.Find(ruri)->state.Snapshot(robot::RobotState::Parts::kAll);
   }
@@ -41,7 +32,7 @@ class SeedTest : public ::testing::Test {
 };
 
 TEST_F(SeedTest, TakesTheRobotsOfTheStore) {
-  Know("rcan://a");
+  Know(store_, "rcan://a", clock_.System());
   EXPECT_FALSE(seed_.done());
   EXPECT_TRUE(seed_.Run(2).ok());
   EXPECT_TRUE(seed_.done());
@@ -49,7 +40,7 @@ TEST_F(SeedTest, TakesTheRobotsOfTheStore) {
 }
 
 TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
-  Know("rcan://a");
+  Know(store_, "rcan://a", clock_.System());
   reader_.SetAway(true);
   EXPECT_FALSE(seed_.Run(2).ok());
   EXPECT_FALSE(seed_.done());
@@ -60,14 +51,14 @@ TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
 }
 
 TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
-  Know("rcan://a");
+  Know(store_, "rcan://a", clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
   EXPECT_TRUE(seed_.Run(2).ok());
   EXPECT_EQ(fleet_.Find("rcan://a")->id()->fleet, "another");
 }
 
 TEST_F(SeedTest, RobotsComeWithTheirLastSession) {
-  Know("rcan://a");
+  Know(store_, "rcan://a", clock_.System());
   storage::Batch batch;
   batch.records.push_back(
       {.robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),
@@ -85,7 +76,7 @@ TEST_F(SeedTest, RobotsComeWithTheirLastSession) {
 }
 
 TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsItsSession) {
-  Know("rcan://a");
+  Know(store_, "rcan://a", clock_.System());
   const auto robot = fleet_.FindOrAdmit({"rcan://a", "f"});
   ASSERT_TRUE(robot.ok());
   ASSERT_TRUE((*robot)->sessions.Begin(model::SessionId({9}), clock_.Steady()));
@@ -94,8 +85,8 @@ TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsItsSession) {
 }
 
 TEST_F(SeedTest, ShowsARobotAsItsLastHolderWroteIt) {
-  Know("rcan://a");
-  Know("rcan://b");
+  Know(store_, "rcan://a", clock_.System());
+  Know(store_, "rcan://b", clock_.System());
   storage::Batch batch;
   batch.presence = {{std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "f"}),
                      model::Presence::kOnline, FromUnixMs(7), 1, 1}};
@@ -113,7 +104,7 @@ TEST_F(SeedTest, ShowsARobotAsItsLastHolderWroteIt) {
 }
 
 TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
-  Know("rcan://a");
+  Know(store_, "rcan://a", clock_.System());
   Seed seed({fleet_, journals_, reader_, std::chrono::minutes(2)});
   ASSERT_TRUE(seed.Run(2).ok());
   EXPECT_EQ(journal_.turns().Advance(), journal::Step::kWorked);
@@ -123,7 +114,7 @@ TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
 }
 
 TEST_F(SeedTest, MoreRobotsThanThereMayBeAreAnError) {
-  for (const char* ruri : {"rcan://a", "rcan://b"}) Know(ruri);
+  for (const char* ruri : {"rcan://a", "rcan://b"}) Know(store_, ruri, clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://c", "f"}).ok());
   EXPECT_FALSE(seed_.Run(2).ok());
   EXPECT_TRUE(seed_.done()) << "trying again would change nothing";

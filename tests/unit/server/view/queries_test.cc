@@ -48,13 +48,15 @@ TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   world_.AddRobot("rcan://b");
   world_.CommitPresence("rcan://a", model::Presence::kOnline);
   const storage::OpenRequest open{.robot = robot.id(), .at = world_.clock.System()};
-  ASSERT_TRUE(world_.store.OpenStreams({&open, 1}).ok());
+  const auto opened = world_.store.OpenStreams({&open, 1});
+  ASSERT_TRUE(opened.ok());
   robot::LiveChanges changes;
   changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
   changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = 7};
   changes.last_sign_of_life = FromUnixMs(9);
   changes.clock_skew_ms = 3;
-  const storage::LiveRow row = robot::ToRow("rcan://a", changes);
+  storage::LiveRow row = robot::ToRow("rcan://a", changes);
+  row.held_since = opened->front().held_since;
   ASSERT_TRUE(world_.store.Checkpoint({&row, 1}).ok());
   robot.state.FollowHolder({.held_by = "b:2", .written_at = FromUnixMs(8)},
                            {model::Presence::kOnline, FromUnixMs(6)});

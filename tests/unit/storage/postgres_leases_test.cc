@@ -1,0 +1,66 @@
+// Leases beyond what one answer holds.
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "storage/postgres/leases.h"
+#include "tests/support/postgres_database.h"
+
+namespace uplink::storage::postgres {
+namespace {
+
+class PostgresLeasesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    StoreOptions options;
+    options.url = database_.url();
+    options.process = {1};
+    auto leases = PostgresLeases::Make(options, clock_);
+    ASSERT_TRUE(leases.ok()) << leases.status();
+    leases_ = *std::move(leases);
+  }
+
+  const SystemClock clock_{};
+  testing::PostgresDatabase database_;
+  testing::PostgresShell shell_ = database_.Shell();
+  std::unique_ptr<PostgresLeases> leases_;
+};
+
+TEST_F(PostgresLeasesTest, OfTooManyThoseRenewedLastAreRead) {
+  shell_.Run(
+      "INSERT INTO uplinkd.processes SELECT gen_random_uuid(), i::text, 'life', 1, false,"
+      " now() - make_interval(secs => i) FROM generate_series(1, " +
+      std::to_string(kLeasesMax + 5) + ") AS i");
+  const auto leases = leases_->Read();
+  ASSERT_TRUE(leases.ok()) << leases.status();
+  ASSERT_EQ(leases->size(), kLeasesMax);
+  EXPECT_EQ(leases->front().card.name, "1");
+  EXPECT_EQ(leases->back().card.name, std::to_string(kLeasesMax));
+}
+
+TEST_F(PostgresLeasesTest, ALongCardIsCut) {
+  ASSERT_TRUE(
+      leases_->Renew({std::string(kCardTextMax + 1, 'n'), std::string(kCardTextMax, 'l')}).ok());
+  const auto leases = leases_->Read();
+  ASSERT_TRUE(leases.ok()) << leases.status();
+  ASSERT_EQ(leases->size(), 1U);
+  EXPECT_EQ(leases->front().card.name, std::string(kCardTextMax, 'n'));
+  EXPECT_EQ(leases->front().card.life, std::string(kCardTextMax, 'l'));
+}
+
+TEST_F(PostgresLeasesTest, TheFirstRenewalForgetsWhoLeftLongAgoAndHoldsNoRobot) {
+  shell_.Run(
+      "INSERT INTO uplinkd.processes SELECT gen_random_uuid(), name, 'life', 1, true, now() - age"
+      " FROM (VALUES ('old', interval '25 hours'), ('young', interval '23 hours'),"
+      " ('holds', interval '25 hours')) AS v (name, age)");
+  shell_.Run(
+      "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
+      " SELECT 'a', 'f', 1, 1, process, now(), now() FROM uplinkd.processes WHERE name = 'holds'");
+  ASSERT_TRUE(leases_->Renew({"self", "life"}).ok());
+  EXPECT_EQ(shell_.Read("SELECT string_agg(name, ',' ORDER BY name) FROM uplinkd.processes"),
+            "holds,self,young\n");
+}
+
+}  // namespace
+}  // namespace uplink::storage::postgres
