@@ -15,6 +15,8 @@ enum class Mutation : std::uint8_t {
   kSettleLost,
   /// A duplicate that was settled long ago gets no Ack.
   kDuplicateNotAcked,
+  /// A process that learns that another one holds a robot goes on to judge it.
+  kFenceKeepsState,
 };
 
 #ifdef UPLINK_MUTATIONS

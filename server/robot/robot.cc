@@ -3,6 +3,8 @@
 #include <memory>
 #include <utility>
 
+#include "server/robot/mutation.h"
+
 namespace uplink::robot {
 
 Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
@@ -21,7 +23,7 @@ void Robot::OnHeld(const HoldNews& news) {
 
 StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
   // First: whatever a stream still applies until it learns of this is not kept.
-  state.Lose();
+  if (!Planted(Mutation::kFenceKeepsState)) state.Lose();
   return sessions.OnFenced(ledger);
 }
 

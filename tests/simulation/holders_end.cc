@@ -1,0 +1,138 @@
+// What HoldersWorld promises: after each tick, and once everything had the time to settle.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tests/simulation/holders_world.h"
+
+namespace uplink::simulation {
+namespace {
+
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+/// Robots come back to a process, and processes to the store.
+constexpr seconds kCalm{40};
+/// The silence of a lease, the grace of a start, and the rounds between.
+constexpr seconds kSettles{30 + 120 + 30};
+constexpr seconds kSlack{15};
+
+robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
+  return robot.state.Snapshot(robot::RobotState::Parts::kNone);
+}
+
+}  // namespace
+
+void HoldersWorld::CheckHolds() {
+  for (const auto& [ruri, hold] : truth_.Holds()) {
+    for (const Place& place : places_) {
+      const robot::Robot* robot =
+          place.process == nullptr ? nullptr : place.process->fleet().Find(ruri);
+      if (robot == nullptr || robot->state.held_since() < hold.since) continue;
+      if (place.process->id() == hold.holder) continue;
+      truth_.Fail(fmt::format("{} believes that it holds {}", place.process->name(), ruri));
+    }
+  }
+}
+
+void HoldersWorld::Settle() {
+  settling_ = true;
+  const SteadyTime now = clock_.Steady();
+  truth_.Tell("troubles end");
+  for (Place& place : places_) {
+    place.still_until = place.unread_until = place.cut_until = now;
+    place.lost_percent = 0;
+    if (place.process == nullptr) place.starts_at = now;
+  }
+  Pass(kCalm);
+  for (Robot& robot : robots_) {
+    if (robot.link && random_.Percent(30)) FallSilent(robot, std::chrono::hours(10));
+  }
+  Pass(kSettles);
+  CheckEnd();
+  if (options_.seed % 4 != 0) return;
+  Pass(kHoldersAdoptedGrace);
+  CheckEnd();
+}
+
+void HoldersWorld::CheckEnd() {
+  if (!truth_.violation().empty()) return;
+  const auto holds = truth_.Holds();
+  for (const Robot& robot : robots_) {
+    const std::string& ruri = robot.id->ruri;
+    const auto hold = holds.find(ruri);
+    if (hold == holds.end()) continue;
+    const auto holder = std::ranges::find_if(places_, [&](const Place& place) {
+      return place.process != nullptr && place.process->id() == hold->second.holder;
+    });
+    if (holder == places_.end()) {
+      truth_.Fail(fmt::format("nobody adopted {}", ruri));
+      continue;
+    }
+    CheckEndOf(robot, *holder->process, hold->second.since);
+    CheckElsewhere(robot, *holder->process);
+    if (options_.trouble == HoldersOptions::Trouble::kAll) continue;
+    if (truth_.RowsOf(ruri).size() == robot.changes) continue;
+    truth_.Fail(fmt::format("{} has {} rows for {} changes", ruri, truth_.RowsOf(ruri).size(),
+                            robot.changes));
+  }
+}
+
+void HoldersWorld::CheckEndOf(const Robot& robot, HoldersProcess& holder, storage::Epoch since) {
+  const std::string& ruri = robot.id->ruri;
+  const robot::Robot& there = *holder.fleet().Find(ruri);
+  const robot::StateSnapshot shown = SnapshotOf(there);
+  if (there.state.held_since() != since || shown.foreign) {
+    truth_.Fail(fmt::format("{} does not know that it holds {}", holder.name(), ruri));
+  }
+  using model::Presence;
+  const bool streams = robot.speaks_at <= clock_.Steady() + kSlack;
+  if (streams && (!robot.link || PlaceOf(robot)->process.get() != &holder)) {
+    truth_.Fail(fmt::format("{} does not stream to {}, which holds it", ruri, holder.name()));
+  }
+  const bool right = streams ? shown.presence == Presence::kOnline
+                             : shown.presence == Presence::kOffline ||
+                                   (shown.presence == Presence::kUnknown && MayBeUnknown(ruri));
+  if (!right) {
+    truth_.Fail(fmt::format("{} is {} at {}", ruri, model::ToText(shown.presence), holder.name()));
+  }
+  const auto& rows = truth_.RowsOf(ruri);
+  const Presence last = rows.empty() ? Presence::kUnknown : rows.back().presence;
+  if (last != shown.presence) {
+    truth_.Fail(fmt::format("the last row of {} says {}, and {} says {}", ruri, model::ToText(last),
+                            holder.name(), model::ToText(shown.presence)));
+  }
+}
+
+bool HoldersWorld::MayBeUnknown(const std::string& ruri) {
+  const HoldersTruth::Began& began = truth_.BeganOf(ruri);
+  if (!began.adopted || clock_.Steady() > began.at + kHoldersAdoptedGrace + kSlack) return false;
+  // One of those before may live.
+  if (!began.ended_fresh || began.chained) return true;
+  // Nobody sees that a process was killed, if not from its own machine.
+  return *began.ended_fresh == HoldersTruth::End::kKilled && !places_[began.from[0] - 1U].seen;
+}
+
+void HoldersWorld::CheckElsewhere(const Robot& robot, const HoldersProcess& holder) {
+  const std::string& ruri = robot.id->ruri;
+  const auto& rows = truth_.RowsOf(ruri);
+  const model::Presence last = rows.empty() ? model::Presence::kUnknown : rows.back().presence;
+  for (const Place& place : places_) {
+    if (place.process == nullptr || place.process.get() == &holder) continue;
+    const robot::Robot* there = place.process->fleet().Find(ruri);
+    if (there == nullptr) {
+      truth_.Fail(fmt::format("{} does not know {}", place.process->name(), ruri));
+      continue;
+    }
+    const robot::StateSnapshot shown = SnapshotOf(*there);
+    if (shown.foreign && shown.foreign->held_by == holder.name() && shown.presence == last) {
+      continue;
+    }
+    truth_.Fail(fmt::format("{} shows {} as {} of {}", place.process->name(), ruri,
+                            model::ToText(shown.presence),
+                            shown.foreign ? shown.foreign->held_by : "itself"));
+  }
+}
+
+}  // namespace uplink::simulation

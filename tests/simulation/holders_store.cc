@@ -1,0 +1,126 @@
+#include "tests/simulation/holders_store.h"
+
+#include <limits>
+#include <utility>
+
+namespace uplink::simulation {
+
+HoldersStore::HoldersStore(Context context)
+    : context_(std::move(context)), store_(context_.database, context_.process) {}
+
+template <typename Call>
+auto HoldersStore::Pass(const Call& call) -> decltype(call()) {
+  const absl::Status lost = absl::UnavailableError("the simulation said so");
+  if (away_) return lost;
+  const bool fails = context_.random.Percent(lost_percent_);
+  if (fails && context_.random.Percent(50)) return lost;
+  auto answer = call();
+  if (fails) return lost;
+  return answer;
+}
+
+absl::StatusOr<std::vector<storage::OpenResult>> HoldersStore::OpenStreams(
+    std::span<const storage::OpenRequest> requests) {
+  std::vector<storage::OpenRequest> asked(requests.begin(), requests.end());
+  if (context_.fault == HoldersFault::kEndedStreamTakes) {
+    for (storage::OpenRequest& request : asked) request.stream = storage::StreamState::kOpen;
+  }
+  return Pass([&] {
+    const auto before = context_.truth.Holds();
+    auto results = store_.OpenStreams(asked);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      if (!(*results)[i].taken) continue;
+      context_.truth.OnOpened(context_.process, asked[i].robot->ruri, before, context_.has_stream);
+    }
+    return results;
+  });
+}
+
+absl::StatusOr<std::vector<storage::AdoptResult>> HoldersStore::Adopt(
+    std::span<const storage::AdoptRequest> requests) {
+  return Pass([&] {
+    auto before = context_.truth.Holds();
+    std::vector<storage::AdoptRequest> asked(requests.begin(), requests.end());
+    if (context_.fault == HoldersFault::kAdoptedWithoutCompare) {
+      for (storage::AdoptRequest& request : asked) {
+        request.holder = before[request.robot->ruri].holder;
+        request.lease_counter = std::numeric_limits<std::uint64_t>::max();
+      }
+    }
+    auto results = store_.Adopt(asked);
+    context_.truth.OnAdopted(context_.process, before);
+    if (context_.fault == HoldersFault::kSilenceForgotten) {
+      for (std::size_t i = 0; i < asked.size(); ++i) (*results)[i].end = asked[i].end;
+    }
+    return results;
+  });
+}
+
+absl::StatusOr<std::vector<storage::Outcome>> HoldersStore::Commit(const storage::Batch& batch) {
+  storage::Batch asked = batch;
+  if (context_.fault == HoldersFault::kHoldNotChecked) {
+    for (storage::PresenceItem& item : asked.presence) {
+      item.held_since = std::numeric_limits<storage::Epoch>::max();
+    }
+  }
+  return Pass([&] {
+    auto outcomes = store_.Commit(asked);
+    for (std::size_t i = 0; i < asked.presence.size(); ++i) {
+      if ((*outcomes)[asked.records.size() + i].kind != storage::OutcomeKind::kStored) continue;
+      context_.truth.OnWritten(context_.process, asked.presence[i]);
+    }
+    return outcomes;
+  });
+}
+
+absl::StatusOr<std::size_t> HoldersStore::Sweep(SystemTime now) {
+  return Pass([&] { return store_.Sweep(now); });
+}
+
+absl::StatusOr<std::size_t> HoldersStore::Retain(SystemTime now) {
+  return Pass([&] { return store_.Retain(now); });
+}
+
+absl::StatusOr<std::vector<std::size_t>> HoldersStore::Checkpoint(
+    std::span<const storage::LiveRow> rows) {
+  return Pass([&] { return store_.Checkpoint(rows); });
+}
+
+HoldersLeases::HoldersLeases(const HoldersStore& line, const HoldersStore::Context& context)
+    : line_(line), context_(context), leases_(context_.database, context_.process) {}
+
+testing::FakeLeases& HoldersLeases::Now() {
+  leases_.SetAway(line_.away());
+  return leases_;
+}
+
+absl::Status HoldersLeases::Renew(const storage::ProcessCard& /*card*/) {
+  absl::Status renewed = Now().Renew({.name = context_.name, .life = context_.name});
+  if (renewed.ok()) context_.truth.NoteRenewed(context_.process);
+  failed_ = failed_ || !renewed.ok();
+  return renewed;
+}
+
+absl::Status HoldersLeases::Release() {
+  absl::Status released = Now().Release();
+  context_.truth.NoteEnded(
+      context_.process, released.ok() ? HoldersTruth::End::kReleased : HoldersTruth::End::kKilled);
+  return released;
+}
+
+absl::StatusOr<std::vector<storage::Lease>> HoldersLeases::Read() {
+  auto leases = Now().Read();
+  failed_ = failed_ || !leases.ok();
+  if (!leases.ok() || !failed_ || context_.fault != HoldersFault::kOverAfterAFailedLook) {
+    return leases;
+  }
+  for (storage::Lease& lease : *leases) lease.released = true;
+  return leases;
+}
+
+absl::StatusOr<std::vector<storage::ForeignRobot>> HoldersLeases::RobotsOfOthers(
+    std::string_view after) {
+  return Now().RobotsOfOthers(after);
+}
+
+}  // namespace uplink::simulation

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "storage/leases.h"
+#include "storage/store.h"
+#include "tests/simulation/holders_truth.h"
+#include "tests/simulation/random.h"
+#include "tests/support/fake_leases.h"
+#include "tests/support/fake_store.h"
+
+namespace uplink::simulation {
+
+/// A fault that is planted into a run: one that the checks do not find shows that they check
+/// nothing.
+enum class HoldersFault : std::uint8_t {
+  kNone,
+  /// The store takes changes of presence from whoever sends them.
+  kHoldNotChecked,
+  /// After a failed look every other process counts as released.
+  kOverAfterAFailedLook,
+  /// A robot is adopted whoever holds it by then.
+  kAdoptedWithoutCompare,
+  /// A stream that has ended takes its robot like one that has not.
+  kEndedStreamTakes,
+  /// After a standstill robots are judged at once, though what they sent lies unread.
+  kStandstillJudges,
+  /// A process that stops calls its robots unknown though others take them over.
+  kStopsWithUnknown,
+  /// The robots of a process that may live are offline after the grace of a start.
+  kShortGrace,
+  /// That a holder fell silent is forgotten when its robots are adopted once more.
+  kSilenceForgotten,
+};
+
+/// The way of one process to the store: what is asked passes a planted fault, and answers can be
+/// lost. What arrives at the store is told to the truth.
+///
+/// Thread: confined to its caller.
+class HoldersStore final : public storage::Store {
+ public:
+  /// The references outlive it.
+  struct Context {
+    testing::FakeDatabase& database;
+    HoldersTruth& truth;
+    Random& random;
+    storage::ProcessId process{};
+    /// For people, and in place of where it runs: all processes of a simulation are one.
+    std::string name;
+    HoldersFault fault = HoldersFault::kNone;
+    /// Whether a stream of the robot is at this process.
+    HoldersTruth::HasStream has_stream;
+  };
+  explicit HoldersStore(Context context);
+
+  /// Every call fails until false.
+  void SetAway(bool away) { away_ = away; }
+  [[nodiscard]] bool away() const { return away_; }
+  /// So many of a hundred calls fail, half of them after they were carried out.
+  void SetLossy(std::uint32_t percent) { lost_percent_ = percent; }
+  [[nodiscard]] storage::Reader& reader() { return store_; }
+
+  [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
+      std::span<const storage::OpenRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::AdoptResult>> Adopt(
+      std::span<const storage::AdoptRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
+      const storage::Batch& batch) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
+      std::span<const storage::LiveRow> rows) override;
+
+ private:
+  /// Carries the call out, unless it is lost on its way; its answer may be.
+  template <typename Call>
+  auto Pass(const Call& call) -> decltype(call());
+
+  const Context context_;
+  testing::FakeStore store_;
+  bool away_ = false;
+  std::uint32_t lost_percent_ = 0;
+};
+
+/// The leases as one process has them, with the planted fault, told to the truth.
+class HoldersLeases final : public storage::Leases {
+ public:
+  /// Both outlive it.
+  HoldersLeases(const HoldersStore& line, const HoldersStore::Context& context);
+
+  [[nodiscard]] absl::Status Renew(const storage::ProcessCard& card) override;
+  [[nodiscard]] absl::Status Release() override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::Lease>> Read() override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ForeignRobot>> RobotsOfOthers(
+      std::string_view after) override;
+
+ private:
+  /// As the way to the store is now.
+  testing::FakeLeases& Now();
+
+  const HoldersStore& line_;
+  const HoldersStore::Context context_;
+  testing::FakeLeases leases_;
+  bool failed_ = false;
+};
+
+}  // namespace uplink::simulation

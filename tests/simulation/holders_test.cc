@@ -1,0 +1,106 @@
+// Presence with two or three server processes on one store (HoldersWorld).
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/simulation/holders_world.h"
+
+namespace uplink::simulation {
+namespace {
+
+using Trouble = HoldersOptions::Trouble;
+
+/// Lines of a failed run that are shown.
+constexpr std::size_t kLinesShown = 80;
+
+std::string TextOf(std::uint64_t seed, const HoldersResult& result) {
+  std::string text = fmt::format("seed {}: {}\n", seed, result.violation);
+  const std::size_t lines = result.lines.size();
+  for (std::size_t i = lines - std::min(lines, kLinesShown); i < lines; ++i) {
+    text += result.lines[i] + "\n";
+  }
+  return text;
+}
+
+/// Runs seeds from 1 on; the results are summed up.
+HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
+  HoldersResult sum;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const HoldersResult result = HoldersWorld({.seed = seed, .trouble = trouble}).Run();
+    EXPECT_EQ(result.violation, "") << TextOf(seed, result);
+    if (::testing::Test::HasFailure()) return sum;
+    sum.rows += result.rows;
+    sum.adoptions += result.adoptions;
+    sum.moves += result.moves;
+    sum.kills += result.kills;
+    sum.standstills += result.standstills;
+    sum.cuts += result.cuts;
+    sum.stops += result.stops;
+  }
+  return sum;
+}
+
+TEST(Holders, EachTrueChangeIsOneRowWhileNothingFails) {
+  constexpr std::uint64_t kSeeds = 60;
+  const HoldersResult sum = RunSeeds(kSeeds, Trouble::kNone);
+  EXPECT_GT(sum.moves, kSeeds * 5);
+  EXPECT_GT(sum.rows, kSeeds * 10);
+}
+
+TEST(Holders, RollingUpdatesChangeNobodysPresence) {
+  constexpr std::uint64_t kSeeds = 60;
+  const HoldersResult sum = RunSeeds(kSeeds, Trouble::kUpdates);
+  EXPECT_GT(sum.stops, kSeeds * 2);
+}
+
+TEST(Holders, NobodyIsFalselyOfflineAndEverythingSettlesAfterAnyTrouble) {
+  constexpr std::uint64_t kSeeds = 200;
+  const HoldersResult sum = RunSeeds(kSeeds, Trouble::kAll);
+  EXPECT_GT(sum.kills, kSeeds);
+  EXPECT_GT(sum.standstills, kSeeds);
+  EXPECT_GT(sum.cuts, kSeeds);
+  EXPECT_GT(sum.adoptions, kSeeds);
+  fmt::print(
+      "{} seeds: {} rows, {} adoptions, {} moves; {} kills, {} standstills, {} cuts, {} stops\n",
+      kSeeds, sum.rows, sum.adoptions, sum.moves, sum.kills, sum.standstills, sum.cuts, sum.stops);
+}
+
+TEST(Holders, ReplaysASeedToTheSameRow) {
+  const auto run = [] { return HoldersWorld({.seed = 7}).Run(); };
+  EXPECT_EQ(run().lines, run().lines);
+}
+
+/// Each planted fault must be found: a simulation that passes a broken server proves nothing.
+struct Canary {
+  HoldersFault fault = HoldersFault::kNone;
+  Trouble trouble = Trouble::kAll;
+};
+class HoldersCanary : public ::testing::TestWithParam<Canary> {};
+
+TEST_P(HoldersCanary, IsFound) {
+  constexpr std::uint64_t kSeedsMax = 1'000;
+  const auto [fault, trouble] = GetParam();
+  for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) {
+    const HoldersResult result =
+        HoldersWorld({.seed = seed, .trouble = trouble, .fault = fault}).Run();
+    if (result.violation.empty()) continue;
+    RecordProperty("violation", fmt::format("seed {}: {}", seed, result.violation));
+    return;
+  }
+  FAIL() << "no seed finds it";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Simulation, HoldersCanary,
+    ::testing::Values(Canary{HoldersFault::kHoldNotChecked},
+                      Canary{HoldersFault::kOverAfterAFailedLook},
+                      Canary{HoldersFault::kAdoptedWithoutCompare},
+                      Canary{HoldersFault::kEndedStreamTakes},
+                      Canary{HoldersFault::kStandstillJudges},
+                      Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
+                      Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kSilenceForgotten}));
+
+}  // namespace
+}  // namespace uplink::simulation

@@ -1,0 +1,169 @@
+// What goes wrong in HoldersWorld, and what robots do by themselves.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tests/simulation/holders_world.h"
+
+namespace uplink::simulation {
+
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+void HoldersWorld::Trouble() {
+  switch (options_.trouble) {
+    case HoldersOptions::Trouble::kNone:
+      break;
+    case HoldersOptions::Trouble::kUpdates:
+      if (random_.Below(100) == 0) Update();
+      break;
+    case HoldersOptions::Trouble::kAll:
+      if (random_.Below(60) == 0) AnyTrouble();
+      break;
+  }
+  for (Robot& robot : robots_) TroubleOf(robot);
+}
+
+void HoldersWorld::Update() {
+  // Others are there, and no robot is about to be silent for too long by it.
+  if (Ready().size() < places_.size()) return;
+  if (!std::ranges::all_of(robots_, [this](const Robot& robot) { return IsHeard(robot); })) return;
+  BeginStop(places_[random_.Below(places_.size())]);
+}
+
+void HoldersWorld::AnyTrouble() {
+  Place& place = places_[random_.Below(places_.size())];
+  switch (random_.Below(6)) {
+    case 0:
+      return Kill(place);
+    case 1:
+      return BeginStop(place);
+    case 2:
+      return StandStill(place);
+    case 3:
+      return Cut(place, random_.Percent(50) ? Between(seconds(3), seconds(40))
+                                            : Between(seconds(40), minutes(10)));
+    case 4: {
+      const milliseconds away = Between(seconds(3), minutes(2));
+      for (Place& each : places_) Cut(each, away);
+      return;
+    }
+    default:
+      place.lost_percent = static_cast<std::uint32_t>(random_.Below(3)) * 20;
+  }
+}
+
+bool HoldersWorld::IsHeard(const Robot& robot) const {
+  const SteadyTime now = clock_.Steady();
+  return robot.link && robot.heard_at && now - *robot.heard_at < seconds(2) &&
+         robot.speaks_at - now < seconds(2);
+}
+
+void HoldersWorld::TroubleOf(Robot& robot) {
+  if (!robot.link) return;
+  Place* place = PlaceOf(robot);
+  if (place == nullptr) return;
+  if (!Hears(*place)) {
+    // It is not answered, and may try another one.
+    if (random_.Below(60) == 0) Leave(robot, seconds(1));
+    return;
+  }
+  // What it does next comes after it was heard.
+  if (!IsHeard(robot)) return;
+  switch (random_.Below(300)) {
+    case 0:
+      if (options_.trouble != HoldersOptions::Trouble::kUpdates) {
+        FallSilent(robot, Between(seconds(20), seconds(120)));
+      }
+      return;
+    case 1:
+      return FallSilent(robot, Between(seconds(3), seconds(6)));
+    case 2: {
+      // While nobody reaches the store it stays where it is.
+      const std::vector<std::size_t> ready = Ready();
+      if (ready.empty() || !Reaches(places_[ready.front()])) return;
+      ++result_.moves;
+      return Leave(robot, Between(seconds(1), seconds(3)));
+    }
+    default:
+      return;
+  }
+}
+
+void HoldersWorld::FallSilent(Robot& robot, milliseconds time) {
+  const SteadyTime until = clock_.Steady() + time;
+  truth_.Tell(fmt::format("{} is silent for {} ms", robot.id->ruri, time.count()));
+  if (time > robot::PresenceLimits().timeout && !std::exchange(robot.silent, true)) {
+    ++robot.changes;
+  }
+  robot.speaks_at = until;
+  if (!random_.Percent(50)) return;
+  robot.connects_at = until;
+  Leave(robot, milliseconds(0));
+}
+
+void HoldersWorld::Start(Place& place) {
+  const auto index = static_cast<std::uint8_t>(&place - places_.data());
+  ++place.lives;
+  place.starts_at.reset();
+  place.lost_percent = 0;
+  place.process = std::make_unique<HoldersProcess>(HoldersProcess::Ground{
+      .clock = clock_,
+      .database = database_,
+      .truth = truth_,
+      .random = random_,
+      .fault = options_.fault,
+      .id = {static_cast<std::uint8_t>(index + 1), place.lives},
+      .name = fmt::format("{}.{}", index + 1, place.lives),
+      .is_gone = [this](std::string_view life) { return gone_.contains(life); }});
+  truth_.Tell("starts " + place.process->name());
+  place.process->store().SetAway(!Reaches(place));
+  place.process->Start();
+}
+
+void HoldersWorld::End(Place& place) {
+  if (place.seen) gone_.insert(place.process->name());
+  place.process.reset();
+  place.stops_at.reset();
+  place.unread_ends.clear();
+  place.still_until = place.unread_until = clock_.Steady();
+  place.starts_at = clock_.Steady() + Between(seconds(0), seconds(90));
+}
+
+void HoldersWorld::Kill(Place& place) {
+  if (place.process == nullptr) return;
+  ++result_.kills;
+  truth_.Tell("killed " + place.process->name());
+  truth_.NoteEnded(place.process->id(), HoldersTruth::End::kKilled);
+  End(place);
+}
+
+void HoldersWorld::BeginStop(Place& place) {
+  if (!Hears(place) || place.stops_at) return;
+  ++result_.stops;
+  truth_.Tell("stops " + place.process->name());
+  ReadEnds(place);
+  for (Robot& robot : robots_) {
+    if (robot.link && PlaceOf(robot) == &place) Leave(robot, Between(seconds(1), seconds(3)));
+  }
+  place.process->draining = true;
+  place.stops_at = clock_.Steady() + Between(seconds(1), seconds(5));
+}
+
+void HoldersWorld::StandStill(Place& place) {
+  if (place.process == nullptr || Stands(place)) return;
+  ++result_.standstills;
+  place.still_until = clock_.Steady() + (random_.Percent(50) ? Between(seconds(1), seconds(20))
+                                                             : Between(seconds(20), seconds(70)));
+  place.unread_until = place.still_until + Between(seconds(0), seconds(15));
+  truth_.Tell("stands still " + place.process->name());
+}
+
+void HoldersWorld::Cut(Place& place, milliseconds time) {
+  ++result_.cuts;
+  place.cut_until = std::max(place.cut_until, clock_.Steady() + time);
+  truth_.Tell(fmt::format("cut {} for {} ms", &place - places_.data() + 1, time.count()));
+}
+
+}  // namespace uplink::simulation

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/simulation/holders_process.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::simulation {
+
+struct HoldersOptions {
+  std::uint64_t seed = 1;
+  /// What happens before everything is to settle.
+  enum class Trouble : std::uint8_t {
+    /// Robots move and fall silent; each true change is one row.
+    kNone,
+    /// Processes stop in order and are followed by others; nobody's presence changes.
+    kUpdates,
+    /// Kills, standstills, processes that are cut off from the store, lost answers, and the above.
+    kAll,
+  };
+  Trouble trouble = Trouble::kAll;
+  HoldersFault fault = HoldersFault::kNone;
+};
+
+struct HoldersResult {
+  /// Empty if every promise was kept; else what was broken.
+  std::string violation;
+  /// What happened, for people.
+  std::vector<std::string> lines;
+  std::uint64_t rows = 0;
+  std::uint64_t adoptions = 0;
+  std::uint64_t moves = 0;
+  std::uint64_t kills = 0;
+  std::uint64_t standstills = 0;
+  std::uint64_t cuts = 0;
+  std::uint64_t stops = 0;
+};
+
+/// Two or three places for server processes on one store, and robots that stream to them: one
+/// seeded schedule of troubles, then a time in which everything must settle.
+///
+/// Each robot has one stream at most. It connects to a process that reaches the store, as one that
+/// does not is not ready; only while none reaches it, to any.
+///
+/// Thread: confined to its caller; nothing in it waits or reads a real clock.
+class HoldersWorld final {
+ public:
+  explicit HoldersWorld(const HoldersOptions& options);
+  HoldersResult Run();
+
+ private:
+  /// Where one life of a process follows the other.
+  struct Place {
+    std::unique_ptr<HoldersProcess> process;
+    std::uint8_t lives = 0;
+    /// Processes elsewhere see that one that ran here is gone.
+    bool seen = false;
+    std::optional<SteadyTime> starts_at;
+    /// It stands still until then; what was sent to it is unread until then.
+    SteadyTime still_until;
+    SteadyTime unread_until;
+    /// It cannot reach the store until then.
+    SteadyTime cut_until;
+    /// So many of a hundred calls of the store are lost.
+    std::uint32_t lost_percent = 0;
+    /// It stops in order: the streams have ended, and the rest does then.
+    std::optional<SteadyTime> stops_at;
+    /// Streams that ended, and that it has not read so.
+    struct UnreadEnd {
+      std::string ruri;
+      std::uint64_t stream = 0;
+      bool spoke = false;
+    };
+    std::vector<UnreadEnd> unread_ends;
+  };
+  struct Link {
+    std::size_t place = 0;
+    std::uint8_t life = 0;
+    std::uint64_t stream = 0;
+  };
+  struct Robot {
+    storage::RobotRef id;
+    std::optional<Link> link;
+    /// Times from which it connects, and says something next.
+    SteadyTime connects_at;
+    SteadyTime speaks_at;
+    /// It said something that its process has not read.
+    bool unread = false;
+    std::optional<SteadyTime> heard_at;
+    /// It is silent for long enough to be offline, or was not heard yet.
+    bool silent = true;
+    /// True changes of its presence.
+    std::uint64_t changes = 0;
+  };
+
+  // --- Time ---
+  void Pass(milliseconds time);
+  void Tick();
+  void StepOf(Place& place);
+  [[nodiscard]] bool Stands(const Place& place) const {
+    return clock_.Steady() < place.still_until;
+  }
+  /// It reads what robots send.
+  [[nodiscard]] bool Hears(const Place& place) const;
+  [[nodiscard]] bool Reaches(const Place& place) const {
+    return clock_.Steady() >= place.cut_until;
+  }
+
+  // --- Robots ---
+  void StepOf(Robot& robot);
+  void Speak(Robot& robot, Place& place);
+  void Connect(Robot& robot);
+  void Leave(Robot& robot, milliseconds pause);
+  /// Null if the life of the process to which it streamed has ended.
+  [[nodiscard]] Place* PlaceOf(const Robot& robot);
+  /// Places to which a robot may connect.
+  [[nodiscard]] std::vector<std::size_t> Ready() const;
+  void ReadEnds(Place& place);
+
+  // --- Troubles ---
+  void Trouble();
+  void AnyTrouble();
+  void Update();
+  /// It was heard just now, and is again soon.
+  [[nodiscard]] bool IsHeard(const Robot& robot) const;
+  void TroubleOf(Robot& robot);
+  void FallSilent(Robot& robot, milliseconds time);
+  void Start(Place& place);
+  void End(Place& place);
+  void Kill(Place& place);
+  void BeginStop(Place& place);
+  void StandStill(Place& place);
+  void Cut(Place& place, milliseconds time);
+
+  // --- Promises ---
+  void CheckHolds();
+  void Settle();
+  void CheckEnd();
+  void CheckEndOf(const Robot& robot, HoldersProcess& holder, storage::Epoch since);
+  void CheckElsewhere(const Robot& robot, const HoldersProcess& holder);
+  [[nodiscard]] bool MayBeUnknown(const std::string& ruri);
+
+  [[nodiscard]] milliseconds Between(milliseconds least, milliseconds most);
+
+  const HoldersOptions options_;
+  Random random_;
+  testing::ManualClock clock_;
+  testing::FakeDatabase database_;
+  HoldersTruth truth_;
+  HoldersResult result_;
+  std::vector<Place> places_;
+  std::vector<Robot> robots_;
+  std::set<std::string, std::less<>> gone_;
+  /// Troubles are over: robots do what they did last.
+  bool settling_ = false;
+};
+
+}  // namespace uplink::simulation
