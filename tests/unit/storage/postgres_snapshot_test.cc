@@ -48,9 +48,9 @@ class PostgresSnapshotTest : public ::testing::Test {
       ASSERT_EQ(outcomes->front().kind, OutcomeKind::kStored);
     }
   }
-  /// Pages of the sessions and of their index that sessions of the server's role have read since
-  /// the database was made, as the server counts it when they end.
-  int PagesRead() {
+  /// Pages of a table and of its index that sessions of the server's role have read since the
+  /// database was made, as the server counts it when they end.
+  int PagesRead(const std::string& table = "sessions") {
     EXPECT_TRUE(testing::Eventually([this] {
       return shell_.Read(
                  "SELECT count(*) FROM pg_stat_activity WHERE usename = 'uplinkd'"
@@ -58,7 +58,8 @@ class PostgresSnapshotTest : public ::testing::Test {
     }));
     return std::stoi(
         shell_.Read("SELECT heap_blks_hit + heap_blks_read + idx_blks_hit + idx_blks_read"
-                    " FROM pg_statio_user_tables WHERE relname = 'sessions'"));
+                    " FROM pg_statio_user_tables WHERE relname = '" +
+                    table + "'"));
   }
 
   const SystemClock clock_{};
@@ -95,6 +96,33 @@ TEST_F(PostgresSnapshotTest, ACommitReadsNoMorePagesForDeadVersionsOfItsCursor) 
   const int before = PagesRead();
   CommitMany(kBatches + kDead + 1, kBatches);
   EXPECT_LE(PagesRead() - before, 2 * fresh);
+}
+
+TEST_F(PostgresSnapshotTest, ACommitLooksForItsRobotsAloneHoweverManyThereAre) {
+  constexpr int kBatches = 100;
+  CommitMany(1, kBatches);
+  const int robots = PagesRead("robots");
+  const int sessions = PagesRead("sessions");
+  shell_.Run(
+      "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
+      " SELECT 'rcan://others/' || i, 'f', 1, 1, gen_random_uuid(), now(), now()"
+      " FROM generate_series(1, 5000) AS i");
+  shell_.Run(
+      "INSERT INTO uplinkd.sessions (ruri, session, cursor_seq, last_used, first_entry)"
+      " SELECT ruri, owner, 1, now(), 0 FROM uplinkd.robots WHERE ruri LIKE 'rcan://others/%'");
+  EXPECT_TRUE(testing::Eventually([this] {
+    shell_.Run("SELECT pg_stat_clear_snapshot()");
+    return shell_.Read(
+               "SELECT count(*) FROM pg_stat_user_tables WHERE n_tup_ins >= 5000"
+               " AND relname IN ('robots', 'sessions')") == "2\n";
+  }));
+  const int robots_before = PagesRead("robots");
+  const int sessions_before = PagesRead("sessions");
+  CommitMany(kBatches + 1, kBatches);
+  // Two levels more of each index, which a commit goes down a few times.
+  constexpr int kLevels = 8 * kBatches;
+  EXPECT_LE(PagesRead("robots") - robots_before, robots + kLevels);
+  EXPECT_LE(PagesRead("sessions") - sessions_before, sessions + kLevels);
 }
 
 TEST_F(PostgresSnapshotTest, TheStepKeepsCursorsAndRefusesTheOlderProgram) {
