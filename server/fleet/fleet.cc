@@ -69,6 +69,20 @@ std::vector<robot::Robot*> Fleet::Sorted() const {
   return robots;
 }
 
+void PresenceTally::Count(robot::Presence presence) {
+  switch (presence) {
+    case robot::Presence::kUnknown:
+      ++unknown;
+      break;
+    case robot::Presence::kOnline:
+      ++online;
+      break;
+    case robot::Presence::kOffline:
+      ++offline;
+      break;
+  }
+}
+
 PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
@@ -83,20 +97,10 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
     if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);
     const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, presence_);
-    if (!presence) {
-      ++counts.elsewhere;
-      continue;
-    }
-    switch (*presence) {
-      case robot::Presence::kUnknown:
-        ++counts.unknown;
-        break;
-      case robot::Presence::kOnline:
-        ++counts.online;
-        break;
-      case robot::Presence::kOffline:
-        ++counts.offline;
-        break;
+    if (presence) {
+      counts.Count(*presence);
+    } else {
+      counts.elsewhere.Count(robot->state.presence());
     }
   }
   if (stalled) return presence_counts();

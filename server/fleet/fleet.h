@@ -20,13 +20,19 @@
 
 namespace uplink::fleet {
 
-/// How many robots are of each presence, of those that this process judges.
-struct PresenceCounts {
+/// How many robots are of each presence.
+struct PresenceTally {
   std::int64_t unknown = 0;
   std::int64_t online = 0;
   std::int64_t offline = 0;
-  /// Those that another process holds.
-  std::int64_t elsewhere = 0;
+
+  void Count(robot::Presence presence);
+};
+
+/// The same of those that this process judges.
+struct PresenceCounts : PresenceTally {
+  /// Of those that another process holds, as that one wrote it.
+  PresenceTally elsewhere;
 };
 
 /// All robots by RURI, at most `robots_max`. Thread-safe.
@@ -63,7 +69,8 @@ class Fleet final {
   /// whose silence is too long is unknown, and so for presence.timeout after.
   enum class Hearing : std::uint8_t { kUpToDate, kBehind };
 
-  /// The periodic check: brings every robot's presence up to date, forgets sessions that have been
+  /// The periodic check: brings the presence of every robot that this process
+  /// judges up to date, forgets sessions that have been
   /// idle for `session_idle`, and counts.
   PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate);
   /// Whether the last sweep came late.

@@ -2,13 +2,21 @@
 
 namespace uplink::fleet {
 
+namespace {
+
+void AddTally(metrics::MetricId metric, const PresenceTally& tally, metrics::Exposition& page) {
+  page.Add(metric, tally.online, {"online"});
+  page.Add(metric, tally.offline, {"offline"});
+  page.Add(metric, tally.unknown, {"unknown"});
+}
+
+}  // namespace
+
 void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
   using enum metrics::MetricId;
   const PresenceCounts counts = fleet.presence_counts();
-  page.Add(kRobots, counts.online, {"online"});
-  page.Add(kRobots, counts.offline, {"offline"});
-  page.Add(kRobots, counts.unknown, {"unknown"});
-  page.Add(kRobotsElsewhere, counts.elsewhere);
+  AddTally(kRobots, counts, page);
+  AddTally(kRobotsElsewhere, counts.elsewhere, page);
   page.Add(kRobotsLimit, fleet.robots_max());
 }
 

@@ -129,7 +129,7 @@ TEST_F(LeaseRoundsTest, ShowsWhatAnotherHoldsAsThatOneWroteIt) {
     Pass(std::chrono::seconds(5));
   }
   EXPECT_THAT(History(), ElementsAre(model::Presence::kOnline)) << "and writes nothing of it";
-  EXPECT_EQ(fleet_.presence_counts().elsewhere, 1);
+  EXPECT_EQ(fleet_.presence_counts().elsewhere.online, 1);
 }
 
 TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfASilentProcessAndCallsThemOfflineAfterAnHour) {
@@ -232,6 +232,27 @@ TEST_F(LeaseRoundsTest, ARobotThatWentElsewhereIsLetGo) {
   Pass(kLookEvery);
   EXPECT_EQ(Shown().foreign->held_by, "b:2");
   EXPECT_EQ(Shown().presence, model::Presence::kOnline);
+}
+
+TEST_F(LeaseRoundsTest, WhoCannotRenewGoesOnUntilItsRobotsAreAdopted) {
+  robot::Robot& robot = **fleet_.FindOrAdmit(*robot_);
+  journal_.Open(robot, 1, {.robot = robot_, .at = clock_.System()});
+  Pass(kLookEvery);
+  leases_->SetAway(true);
+  Pass(kSilentMax);
+  EXPECT_EQ(probe_.failing.value(), 1);
+  EXPECT_EQ(robot.state.held_since(), 1U) << "nobody adopted it yet, and commits go on";
+  robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
+  Pass(kLookEvery);
+  EXPECT_THAT(History(), ElementsAre(model::Presence::kOnline));
+  const storage::AdoptRequest request{
+      .robot = robot_, .holder = kSelf, .lease_counter = 9, .end = storage::HolderEnd::kSilent};
+  ASSERT_TRUE(other_.Adopt({&request, 1})->front().held_since);
+  RenewOther();
+  leases_->SetAway(false);
+  Pass(2 * kLookEvery);
+  EXPECT_EQ(robot.state.held_since(), 0U);
+  EXPECT_EQ(Shown().foreign->held_by, "b:2");
 }
 
 TEST_F(LeaseRoundsTest, ShowsTheSessionThatTheHolderHas) {
