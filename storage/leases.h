@@ -17,7 +17,7 @@
 
 namespace uplink::storage {
 
-/// Rows of one answer of Leases::RobotsOfOthers, and leases of one of Renew.
+/// Rows of one answer of Leases::RobotsOfOthers, and leases of one of Read.
 inline constexpr std::uint32_t kForeignRobotsMax = 1'000;
 inline constexpr std::uint32_t kLeasesMax = 1'000;
 /// Characters of a card's texts that are read.
@@ -48,8 +48,8 @@ struct ForeignRobot {
   ProcessId holder{};
   Epoch held_since = 0;
   std::optional<StoredPresence> presence;
-  /// Its session as its holder's last checkpoint has it; where none came since its last stream, the
-  /// session that was used last, with its cursor.
+  /// Its session as its holder's last checkpoint has it; where none came since it holds the robot,
+  /// the session that was used last, with its cursor.
   std::optional<SettledSession> last_session;
   /// When its presence or its live state was written last; nothing if neither was.
   std::optional<SystemTime> written_at;

@@ -26,7 +26,7 @@ struct StoreFacts {
   /// Commits since the start that the database answered with a warning: whether they are durable
   /// was unknown, and they failed.
   std::uint64_t commits_in_doubt = 0;
-  /// How long something else has held back the removal of dead row versions.
+  /// How long something else has kept dead row versions from being removed.
   milliseconds oldest_snapshot{0};
 
   [[nodiscard]] bool old_snapshot() const { return oldest_snapshot > kOldSnapshot; }
@@ -51,7 +51,7 @@ class Store {
   [[nodiscard]] virtual absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) = 0;
 
-  /// Takes over robots whose holders are over, one answer per request, in one transaction. Each
+  /// Adopts robots whose holders are over, one answer per request, in one transaction. Each
   /// request names another robot. Of several processes that try, one succeeds; asked again, it is
   /// told its hold.
   [[nodiscard]] virtual absl::StatusOr<std::vector<AdoptResult>> Adopt(

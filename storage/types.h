@@ -68,7 +68,7 @@ struct OpenRequest {
   SystemTime at;
   /// Sessions that this process holds in memory; they are not evicted.
   std::vector<model::SessionId> sessions_held;
-  /// One that has ended takes its robot from no process whose lease stands.
+  /// One that has ended takes its robot from no process that has a lease and did not release it.
   StreamState stream = StreamState::kOpen;
 };
 
@@ -87,8 +87,8 @@ struct StoredReject {
 };
 
 struct OpenResult {
-  /// False: the stream had ended, and a process whose lease stands holds the robot. Nothing was
-  /// written, and nothing else is set.
+  /// False: the stream had ended, and a process that did not release its lease holds the robot.
+  /// Nothing was written, and nothing else is set.
   bool taken = true;
   /// The epoch of this stream.
   Epoch epoch = 0;

@@ -40,6 +40,8 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
     if (!sources_.writes(robot->ruri())) continue;
     // Before what is taken: what another hold brought is not written under this one.
     const storage::Epoch held_since = robot->state.held_since();
+    // Nobody would take it before the store says whose the robot is.
+    if (held_since == 0) continue;
     const std::optional<robot::LiveChanges> changes = robot->state.TakeChanges();
     const std::optional<storage::SettledSession> settled = robot->sessions.TakeSettled();
     if (!changes && !settled) continue;

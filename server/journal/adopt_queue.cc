@@ -4,6 +4,16 @@
 
 namespace uplink::journal {
 
+milliseconds AdoptGrace::Of(storage::HolderEnd end) const {
+  switch (end) {
+    case storage::HolderEnd::kEnded:
+      return ended;
+    case storage::HolderEnd::kSilent:
+      break;
+  }
+  return silent;
+}
+
 bool AdoptQueue::Push(AdoptEntry entry) {
   if (!adopting_.insert(entry.client).second) return false;
   adopts_.push_back(std::move(entry));

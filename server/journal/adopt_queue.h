@@ -17,6 +17,8 @@ struct AdoptGrace {
   milliseconds ended{0};
   /// presence.adopted_grace: the robot may stream to one that fell silent.
   milliseconds silent{0};
+
+  [[nodiscard]] milliseconds Of(storage::HolderEnd end) const;
 };
 
 /// A robot whose holder is over.

@@ -45,14 +45,12 @@ Step Adopting::Adopt() {
   for (std::size_t i = 0; i < asked.size(); ++i) {
     const storage::AdoptResult& result = (*results)[i];
     if (!result.held_since) continue;
-    const AdoptGrace& grace = asked[i].grace;
-    const Holds::Told told = holds_.Begin(
-        *asked[i].client, asked[i].request.robot,
-        {.how = robot::HoldBegan::kAdopted,
-         .since = *result.held_since,
-         .presence = result.presence,
-         .was_known = true,
-         .grace = result.end == storage::HolderEnd::kSilent ? grace.silent : grace.ended});
+    const Holds::Told told = holds_.Begin(*asked[i].client, asked[i].request.robot,
+                                          {.how = robot::HoldBegan::kAdopted,
+                                           .since = *result.held_since,
+                                           .presence = result.presence,
+                                           .was_known = true,
+                                           .grace = asked[i].grace.Of(result.end)});
     if (told.begun) context_.probe.adopted.Add();
     if (told.interrupted) told.stream.Wake();
   }

@@ -54,8 +54,8 @@ class Journal final {
               SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
 
-  /// A robot's presence changed: a record of the server's own, that is written once this process
-  /// holds the robot. It is in no count of this class but idle(), and holds no stream back: at most
+  /// A robot's presence changed: a record of the server's own, dropped if this process does not
+  /// hold the robot. It is in no count of this class but idle(), and holds no stream back: at most
   /// one per robot waits.
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
 

@@ -34,17 +34,23 @@ Step Opening::Open() {
   size_.Succeeded();
   UPLINK_CHECK(results->size() == opening_.size(), "the store answers every OpenStream");
   const std::vector<OpenEntry> opened = std::exchange(opening_, {});
-  for (std::size_t i = 0; i < opened.size(); ++i) Tell(opened[i], (*results)[i]);
-  context_.inbox.CountOpened(opened.size());
+  std::vector<OpenEntry> again;
+  for (std::size_t i = 0; i < opened.size(); ++i) {
+    const storage::OpenResult& result = (*results)[i];
+    // For a stream that came meanwhile, and may not have asked for itself: records may wait.
+    if (!result.taken && opened[i].client->HasStream()) {
+      again.push_back(opened[i]);
+    } else {
+      Tell(opened[i], result);
+    }
+  }
+  context_.inbox.CountOpened(opened.size() - again.size());
+  context_.inbox.PutBackOpens(std::move(again));
   return Step::kWorked;
 }
 
 void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
-  if (!result.taken) {
-    // A stream that came meanwhile has asked for itself, and takes what waits with it.
-    if (open.client->HasStream()) return;
-    return holds_.Lose(*open.client, open.request.robot).Wake();
-  }
+  if (!result.taken) return holds_.Lose(*open.client, open.request.robot).Wake();
   const Holds::Told told = holds_.Begin(*open.client, open.request.robot,
                                         {.how = robot::HoldBegan::kOpened,
                                          .since = result.held_since,

@@ -18,8 +18,8 @@
 
 namespace uplink::journal {
 
-/// The writer's side of a journal: decides whose turn it is. Opening, Committing and the duties do
-/// the steps.
+/// The writer's side of a journal: decides whose turn it is. Opening, Adopting, Committing and the
+/// duties do the steps.
 ///
 /// Thread: confined to the writer.
 class Turns final {
@@ -40,7 +40,8 @@ class Turns final {
   void WaitForWork(const std::stop_token& stop);
 
  private:
-  /// Opens streams or commits, alternately; nothing if nothing waits.
+  /// Lets robots change hands, opens streams or commits; the last two alternately. Nothing if
+  /// nothing waits.
   std::optional<Step> AdvanceWork();
   bool GatherOpens();
   /// Deletes what expired or what is too old; nothing if neither is due.

@@ -176,7 +176,7 @@ std::optional<storage::SettledSession> RobotSessions::TakeSettled() {
   const SessionMemory* memory = CurrentSession();
   if (memory == nullptr) return std::nullopt;
   const storage::SettledSession now{*current_session_, memory->numbers.through()};
-  if (now.settled_seq == 0 || settled_taken_ == now) return std::nullopt;
+  if (settled_taken_ == now) return std::nullopt;
   settled_taken_ = now;
   return now;
 }

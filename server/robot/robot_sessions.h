@@ -58,11 +58,11 @@ struct SessionView {
 
 /// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of
 /// each session), the Takeover (which stream is the robot's), the store's Opening and the Pacing.
-/// Outlives streams; as a CommitClient it learns of commits.
+/// Outlives streams, and learns of commits through its Robot.
 ///
 /// Thread: thread-safe by one mutex, never held across a call out. What only the robot's stream
 /// may call says so.
-class RobotSessions final : public CommitClient {
+class RobotSessions final {
  public:
   RobotSessions() = default;
 
@@ -126,7 +126,7 @@ class RobotSessions final : public CommitClient {
   /// as any call said. It begins no session and numbers nothing.
   void Restore(const storage::SettledSession& last);
   /// The robot's session and how far it is settled, if that is news since the last call: for a
-  /// checkpoint. Nothing while no number is settled.
+  /// checkpoint. Nothing while there is none.
   [[nodiscard]] std::optional<storage::SettledSession> TakeSettled();
   /// What was taken could not be kept: it is news again.
   void PutBackSettled();
@@ -134,16 +134,14 @@ class RobotSessions final : public CommitClient {
   /// last one.
   void Sweep(SteadyTime now, milliseconds idle);
 
-  // --- CommitClient ---
+  // --- What the journal tells, as CommitClient has it ---
 
-  /// Sessions are none of a hold's.
-  void OnHeld(const HoldNews& /*news*/) override {}
-  [[nodiscard]] bool HasStream() const override;
-  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override;
-  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) override;
-  StreamRef OnGapsWritten(std::size_t count) override;
-  StreamRef OnFenced(metrics::Ledger& ledger) override;
-  [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
+  [[nodiscard]] bool HasStream() const;
+  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result);
+  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
+  StreamRef OnGapsWritten(std::size_t count);
+  StreamRef OnFenced(metrics::Ledger& ledger);
+  [[nodiscard]] std::uint64_t generation() const { return generation_.load(); }
 
  private:
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.

@@ -89,6 +89,7 @@ void RobotState::StreamBegan() {
 void RobotState::Claim(SteadyTime now) {
   const std::lock_guard lock(mutex_);
   claimed_ = true;
+  if (claim_ended_unheld_) Forget();
   if (!foreign_) return;
   foreign_.reset();
   presence_.Claim({presence_.presence(), presence_.since()}, now);
@@ -97,6 +98,7 @@ void RobotState::Claim(SteadyTime now) {
 void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now) {
   const std::lock_guard lock(mutex_);
   foreign_.reset();
+  claim_ended_unheld_ = false;
   held_since_ = news.since;
   needs_restore_ = news.was_known;
   // Of a robot that the store has no presence of, nothing was ever told but that it is unknown.
@@ -117,17 +119,23 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
 
 void RobotState::EndClaim() {
   const std::lock_guard lock(mutex_);
+  claim_ended_unheld_ = claimed_ && held_since_ == 0;
   claimed_ = false;
 }
 
-void RobotState::Lose() {
-  const std::lock_guard lock(mutex_);
+void RobotState::Forget() {
   parts_ = {};
   parts_changed_.reset();
   reports_ = {};
   status_arrived_ = rcan_arrived_ = SteadyTime();
   signs_changed_ = false;
   clock_skew_ms_.reset();
+  claim_ended_unheld_ = false;
+}
+
+void RobotState::Lose() {
+  const std::lock_guard lock(mutex_);
+  Forget();
   held_since_ = 0;
   claimed_ = false;
   needs_restore_ = false;
@@ -138,6 +146,7 @@ void RobotState::Lose() {
 void RobotState::FollowHolder(Foreign foreign, const storage::StoredPresence& presence) {
   const std::lock_guard lock(mutex_);
   if (held_since_ != 0 || claimed_) return;
+  if (!foreign_) Forget();
   foreign_ = std::move(foreign);
   presence_.Follow(presence);
 }

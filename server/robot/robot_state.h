@@ -158,6 +158,9 @@ class RobotState final {
   }
 
  private:
+  /// What was heard and told here. Under the lock.
+  void Forget();
+
   mutable std::mutex mutex_;
   LiveParts parts_;
   LivePartSet parts_changed_;
@@ -176,6 +179,9 @@ class RobotState final {
   storage::Epoch held_since_ = 0;
   /// A stream of it is here.
   bool claimed_ = false;
+  /// A claim ended before the store said that the robot is ours. It may be elsewhere since: what
+  /// was heard then is not newer than what the store has.
+  bool claim_ended_unheld_ = false;
   bool needs_restore_ = false;
 };
 

@@ -33,8 +33,7 @@ class ReadGate final {
   void OnAnswer() { under_way_ = false; }
   [[nodiscard]] bool under_way() const { return under_way_; }
   /// Asks for the next frame, or waits for the end of what `by` names, which the robot's views show
-  /// meanwhile. `throttle_end` is set if it
-  /// is kMalformed.
+  /// meanwhile. `throttle_end` is set if it is kMalformed.
   void RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end);
 
   /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.

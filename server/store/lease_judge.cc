@@ -20,6 +20,18 @@ std::string_view ToText(Over over) {
   return "";
 }
 
+storage::HolderEnd EndOf(Over over) {
+  switch (over) {
+    case Over::kReleased:
+    case Over::kGone:
+      return storage::HolderEnd::kEnded;
+    case Over::kNo:
+    case Over::kSilent:
+      break;
+  }
+  return storage::HolderEnd::kSilent;
+}
+
 void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases) {
   const bool unbroken = looked_ && now - *looked_ <= kLookGapMax;
   looked_ = now_ = now;
@@ -36,7 +48,25 @@ void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases
     if (lease.process == rules_.self) continue;
     Update(known_.try_emplace(lease.process, Known{.same_since = now}).first->second, lease);
   }
+  for (auto& [process, known] : known_) {
+    if (unbroken && now - known.same_since >= kSilentMax) known.was_silent = true;
+  }
   first_look_ = false;
+}
+
+void LeaseJudge::NoteSign(const storage::ProcessId& process) {
+  const auto known = known_.find(process);
+  if (known == known_.end()) return;
+  known->second.same_since = now_;
+  known->second.was_silent = false;
+}
+
+void LeaseJudge::NoteWritten(const storage::ProcessId& process, SystemTime at) {
+  const auto known = known_.find(process);
+  if (known == known_.end()) return;
+  std::optional<SystemTime>& written = known->second.written;
+  if (written && at > *written) NoteSign(process);
+  written = std::max(at, written.value_or(at));
 }
 
 void LeaseJudge::ForgetUnasked() {
@@ -46,7 +76,13 @@ void LeaseJudge::ForgetUnasked() {
 }
 
 void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
-  if (!known.lease || known.lease->counter != lease.counter) known.same_since = now_;
+  const bool grew = known.lease && known.lease->counter != lease.counter;
+  if (grew || !known.lease) {
+    known.same_since = now_;
+    known.was_silent = false;
+    // A counter that grows is not of a process that has gone.
+    if (grew && !lease.released) known.left_at.reset();
+  }
   known.lease = lease;
   if (!lease.released && !rules_.is_gone(lease.card.life)) {
     known.left_at.reset();
@@ -68,16 +104,17 @@ LeaseJudge::Verdict LeaseJudge::Of(const storage::ProcessId& process) {
 }
 
 Over LeaseJudge::Judge(const Known& known) const {
-  if (known.left_at && (known.left_before || now_ - *known.left_at >= rules_.settle)) {
+  if (known.left_at && (known.left_before || now_ - *known.left_at >= rules_.time_to_move)) {
     return known.lease && known.lease->released ? Over::kReleased : Over::kGone;
   }
   if (now_ - known.same_since < kSilentMax) return Over::kNo;
-  return known.lease ? Over::kSilent : Over::kReleased;
+  return Over::kSilent;
 }
 
 std::size_t LeaseJudge::others() {
   return static_cast<std::size_t>(std::ranges::count_if(known_, [this](const auto& entry) {
-    return entry.second.lease && !entry.second.left_at && Judge(entry.second) == Over::kNo;
+    return entry.second.lease && !entry.second.left_at && !entry.second.was_silent &&
+           Judge(entry.second) == Over::kNo;
   }));
 }
 

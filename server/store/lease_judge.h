@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "schema/base/clock.h"
 #include "storage/leases.h"
@@ -27,14 +28,17 @@ inline constexpr std::chrono::seconds kLookGapMax{6};
 /// Whether a process still judges the robots that it holds, and why not.
 enum class Over : std::uint8_t {
   kNo,
-  /// It gave its robots up when it stopped, or never had a lease.
+  /// It gave its robots up when it stopped.
   kReleased,
   /// It ran on this machine and is not there any more.
   kGone,
-  /// It did not renew its lease. It may live, and be cut off from the store alone.
+  /// It did not renew its lease, or never had one. It may live, and be cut off from the store
+  /// alone.
   kSilent,
 };
 [[nodiscard]] std::string_view ToText(Over over);
+/// What that means for those who adopt its robots. Of a process that is over.
+[[nodiscard]] storage::HolderEnd EndOf(Over over);
 
 /// Judges the leases of the other processes by what repeated looks at the store show, on this
 /// process's own steady clock: no clock of another machine is compared.
@@ -49,7 +53,7 @@ class LeaseJudge final {
     storage::ProcessId self{};
     /// How long the robots of a process that was seen to stop may take to come by themselves
     /// (presence.timeout: until then they count as heard).
-    milliseconds settle{0};
+    milliseconds time_to_move{0};
     /// Whether a process that ran there is not there any more (process_life.h).
     std::function<bool(std::string_view life)> is_gone;
   };
@@ -59,6 +63,11 @@ class LeaseJudge final {
   void NoteFailure() { looked_.reset(); }
   /// A look at `now` showed these leases.
   void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
+  /// The process wrote to the store since the last look, or opened a stream: it lives, though its
+  /// lease may not show it.
+  void NoteSign(const storage::ProcessId& process);
+  /// A robot of the process was written at this time: a sign, if it is the latest that was noted.
+  void NoteWritten(const storage::ProcessId& process, SystemTime at);
   /// Forgets processes without a lease that were not asked for since the last call: they hold no
   /// robot.
   void ForgetUnasked();
@@ -72,7 +81,8 @@ class LeaseJudge final {
   };
   /// Of a process that holds a robot, as of the last look.
   [[nodiscard]] Verdict Of(const storage::ProcessId& process);
-  /// Other processes that are not over.
+  /// Other processes that are not over, as far as that can be told: one that was silent counts
+  /// again only after a sign of it.
   [[nodiscard]] std::size_t others();
 
  private:
@@ -84,6 +94,10 @@ class LeaseJudge final {
     std::optional<SteadyTime> left_at;
     /// It had left when this process came, and its robots had nobody else to go to.
     bool left_before = false;
+    /// It was silent for its time, and nothing came since.
+    bool was_silent = false;
+    /// The latest write of its robots that was noted.
+    std::optional<SystemTime> written;
     /// It was asked for since ForgetUnasked.
     bool asked = false;
   };

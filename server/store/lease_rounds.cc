@@ -13,7 +13,7 @@ LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context contex
     : leases_(std::move(leases)),
       context_(std::move(context)),
       judge_({.self = context_.process,
-              .settle = context_.presence.timeout,
+              .time_to_move = context_.presence.timeout,
               .is_gone = context_.is_gone}) {}
 
 LeaseRounds::~LeaseRounds() { Stop(); }
@@ -61,6 +61,10 @@ absl::Status LeaseRounds::FollowRobots() {
     const auto robots = leases_->RobotsOfOthers(after);
     if (!robots.ok()) return robots.status();
     if (robots->empty()) break;
+    // All of a page first: a holder that wrote of one robot judges the others too.
+    for (const storage::ForeignRobot& foreign : *robots) {
+      if (foreign.written_at) judge_.NoteWritten(foreign.holder, *foreign.written_at);
+    }
     for (const storage::ForeignRobot& foreign : *robots) Follow(foreign, listed);
     after = robots->back().robot.ruri;
     // A long list lets neither our own lease fall silent nor what is seen of the others.
@@ -109,6 +113,8 @@ void LeaseRounds::Follow(const storage::ForeignRobot& foreign, Listed& listed) {
   const storage::Epoch held_since = robot.state.held_since();
   if (held_since >= foreign.held_since) return;  // it came here since this was read
   if (held_since != 0) {
+    // It opened a stream of a robot that was ours.
+    judge_.NoteSign(foreign.holder);
     context_.journals.Lose({.client = &robot, .robot = robot.id(), .since = foreign.held_since});
     return;
   }
@@ -127,13 +133,11 @@ void LeaseRounds::Follow(const storage::ForeignRobot& foreign, Listed& listed) {
 
 void LeaseRounds::Adopt(robot::Robot& robot, const storage::ForeignRobot& foreign,
                         const LeaseJudge::Verdict& holder) {
-  const auto end =
-      holder.over == Over::kSilent ? storage::HolderEnd::kSilent : storage::HolderEnd::kEnded;
   context_.journals.Adopt({.client = &robot,
                            .request = {.robot = robot.id(),
                                        .holder = foreign.holder,
                                        .lease_counter = holder.counter,
-                                       .end = end},
+                                       .end = EndOf(holder.over)},
                            .grace = {.ended = context_.presence.startup_grace,
                                      .silent = context_.presence.adopted_grace}});
 }

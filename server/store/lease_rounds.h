@@ -35,7 +35,7 @@ namespace uplink::store {
 ///
 /// Errors:  of the store: the next round tries again, and no other process is called over for it.
 /// Thread:  constructed, started and stopped by main; Round by main before Start, then by a thread
-///          of its own; SetPort, others and StopAdopting from any.
+///          of its own; SetPort and StopAdopting from any.
 class LeaseRounds final {
  public:
   /// The references outlive it.
@@ -66,7 +66,7 @@ class LeaseRounds final {
   /// Ends the rounds. Idempotent.
   void Stop();
   enum class Left : std::uint8_t {
-    /// Another process's lease stands: it takes the robots over.
+    /// Another process is not over: it adopts the robots.
     kToOthers,
     kToNobody,
   };

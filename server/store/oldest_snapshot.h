@@ -11,7 +11,7 @@
 
 namespace uplink::store {
 
-/// How long something else has held back the store's cleaning, asked for again and again.
+/// How long something else has kept the store from cleaning up, asked for again and again.
 ///
 /// Thread: AskOn on one; age from any.
 class OldestSnapshot final {

@@ -28,7 +28,7 @@ struct Horizon {
 /// Errors: of Connection::Run.
 [[nodiscard]] absl::StatusOr<Horizon> ReadHorizon(Connection& connection);
 
-/// How long cleaning has been held back, from horizons that were read one after the other: since
+/// How long dead rows have been kept, from horizons that were read one after the other: since
 /// the first of them whose next transaction was newer than what is the oldest now. Confined to one
 /// thread at a time.
 class HorizonAge final {
@@ -37,7 +37,7 @@ class HorizonAge final {
   /// young by at most 1/64 of the longest that there was.
   static constexpr std::size_t kSeenMax = 256;
 
-  /// The age as of `now`, in steps of how often this is called; zero if nothing is held back that
+  /// The age as of `now`, in steps of how often this is called; zero if nothing is kept that
   /// was not there at the first call.
   milliseconds Note(const Horizon& horizon, SteadyTime now);
 

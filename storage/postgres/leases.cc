@@ -33,10 +33,10 @@ constexpr std::string_view kRobotsOfOthers =
     " THEN greatest(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END FROM uplinkd.robots AS r"
     " LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
-    // Looked for where no checkpoint since the last stream names one: there may be many dead
-    // versions of its row.
+    // Looked for where no checkpoint of the present hold names one: there may be many dead versions
+    // of its row.
     " LEFT JOIN LATERAL (SELECT session, cursor_seq FROM uplinkd.sessions"
-    " WHERE (l.session IS NULL OR l.written_at < r.last_seen) AND ruri = r.ruri"
+    " WHERE (l.session IS NULL OR l.held_since <> r.held_since) AND ruri = r.ruri"
     " ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " WHERE r.owner <> $1::uuid AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
 

@@ -15,14 +15,14 @@ namespace {
 constexpr std::string_view kDoing = "write a checkpoint";
 
 // The first parameters are the columns before the parts, then come the parts, the session with its
-// number, the process, and the number of the call.
+// number, the process, and the number of the store call.
 constexpr std::size_t kFirstPartParameter = 5;
 constexpr std::size_t kSessionParameter = kFirstPartParameter + kLivePartKinds;
 constexpr std::size_t kSettledParameter = kSessionParameter + 1;
 constexpr std::size_t kProcessParameter = kSettledParameter + 1;
-constexpr std::size_t kCallParameter = kProcessParameter + 1;
+constexpr std::size_t kStoreCallParameter = kProcessParameter + 1;
 
-/// The columns of `live`, in order.
+/// The columns of `live` that a reading wants, in order.
 constexpr SqlText Columns() {
   SqlText sql = {"ruri, held_since, last_sign_at, clock_skew_ms"};
   for (const LivePartRow& part : kLiveParts) sql.Add({", ", part.column});
@@ -33,8 +33,8 @@ constexpr SqlText Columns() {
 // order of the keys, so that two processes do not lock each other out.
 constexpr SqlText UpsertSql() {
   SqlText sql = {"INSERT INTO uplinkd.live AS l (", Columns().view(),
-                 ", session, settled_seq, call, written_at) SELECT u.*, "};
-  sql.AddParameter(kCallParameter, "bigint");
+                 ", session, settled_seq, store_call, written_at) SELECT u.*, "};
+  sql.AddParameter(kStoreCallParameter, "bigint");
   sql.Add(", now() FROM unnest($1::text[], $2::bigint[], $3::timestamptz[], $4::bigint[]");
   for (std::size_t i = 0; i < kLivePartKinds; ++i) {
     sql.Add(", ");
@@ -50,8 +50,8 @@ constexpr SqlText UpsertSql() {
   sql.AddParameter(kProcessParameter, "uuid");
   // Whoever adopts a robot meanwhile waits, and then reads what was written.
   sql.Add(
-      " ORDER BY u.ruri FOR SHARE OF r ON CONFLICT (ruri) DO UPDATE SET written_at = "
-      "excluded.written_at, held_since = excluded.held_since, call = excluded.call,"
+      " ORDER BY r.ruri FOR SHARE OF r ON CONFLICT (ruri) DO UPDATE SET written_at = "
+      "excluded.written_at, held_since = excluded.held_since, store_call = excluded.store_call,"
       " last_sign_at = coalesce(excluded.last_sign_at, l.last_sign_at),"
       " clock_skew_ms = coalesce(excluded.clock_skew_ms, l.clock_skew_ms),"
       " session = coalesce(excluded.session, l.session),"
@@ -60,7 +60,9 @@ constexpr SqlText UpsertSql() {
     sql.Add({", ", part.column, " = coalesce(excluded.", part.column, ", l.", part.column, ")"});
   }
   // One that was given up and runs late finds what came after it.
-  sql.Add(" WHERE (l.held_since, l.call) < (excluded.held_since, excluded.call) RETURNING l.ruri");
+  sql.Add(
+      " WHERE (l.held_since, l.store_call) < (excluded.held_since, excluded.store_call) RETURNING "
+      "l.ruri");
   return sql;
 }
 constexpr SqlText kUpsert = UpsertSql();
@@ -142,7 +144,7 @@ absl::StatusOr<std::vector<std::size_t>> WriteLive(
   calls.back().parameters.Add(std::move(session));
   calls.back().parameters.Add(std::move(settled));
   calls.back().parameters.Uuid(model::SessionId(writer.process));
-  calls.back().parameters.Int8(static_cast<std::int64_t>(writer.call));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(writer.store_call));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
   if (!results.ok()) return Decisive(results.status());
   const Result& answer = (*results)[1];

@@ -20,9 +20,9 @@ namespace uplink::storage::postgres {
 /// Who writes live states.
 struct LiveWriter {
   ProcessId process{};
-  /// Counts its calls; of each robot all come from one writer. A call that comes after one with a
-  /// greater number of the same hold writes nothing.
-  std::uint64_t call = 0;
+  /// Counts its store calls; of each robot all come from one writer. One that comes after one with
+  /// a greater number of the same hold writes nothing.
+  std::uint64_t store_call = 0;
 };
 
 /// Store::Checkpoint, in one transaction and one round trip.

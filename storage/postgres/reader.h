@@ -62,7 +62,7 @@ class PostgresReader final : public Reader {
                                                   std::uint32_t kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
-  /// How long something in the database has held back the removal of dead row versions, as far as
+  /// How long something in the database has kept dead row versions from being removed, as far as
   /// the calls of this before could see (HorizonAge). One call at a time.
   [[nodiscard]] absl::StatusOr<milliseconds> OldestSnapshot();
 

@@ -1,6 +1,6 @@
 """The crash campaign with two servers on one PostgreSQL, each killed in turn.
 
-Robots connect to either server by turns, and to the one that serves if the other does not. A server
+Robots connect to either server alternately, and to the one that serves if the other does not. A server
 that was killed comes back at once, or only before the next one is killed: the other one then has its
 robots, and those that do not come at once it adopts. All robots stream all the time, so no history
 of presence may say `offline`, and no row may repeat the one before.

@@ -141,7 +141,10 @@ bool HoldersProcess::Superseded(const std::string& ruri, std::uint64_t stream) {
 }
 
 void HoldersProcess::Close(const std::string& ruri, std::uint64_t stream) {
-  fleet_.Find(ruri)->sessions.Detach({.inbox = this, .stream = stream}, ground_.clock.Steady());
+  // As session::Attachment::Detach.
+  robot::Robot& robot = *fleet_.Find(ruri);
+  robot.sessions.Detach({.inbox = this, .stream = stream}, ground_.clock.Steady());
+  if (!robot.HasStream() && ground_.fault != HoldersFault::kClaimStays) robot.state.EndClaim();
   streams_.erase(ruri);
 }
 

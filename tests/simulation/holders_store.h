@@ -34,6 +34,8 @@ enum class HoldersFault : std::uint8_t {
   kStopsWithUnknown,
   /// The robots of a process that may live are offline after the grace of a start.
   kShortGrace,
+  /// A robot stays claimed when its stream has ended.
+  kClaimStays,
   /// That a holder fell silent is forgotten when its robots are adopted once more.
   kSilenceForgotten,
 };

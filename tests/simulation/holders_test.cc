@@ -100,7 +100,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Canary{HoldersFault::kEndedStreamTakes},
                       Canary{HoldersFault::kStandstillJudges},
                       Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
-                      Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kSilenceForgotten}));
+                      Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
+                      Canary{HoldersFault::kSilenceForgotten}));
 
 }  // namespace
 }  // namespace uplink::simulation

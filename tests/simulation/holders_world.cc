@@ -128,9 +128,13 @@ void HoldersWorld::StepOf(Robot& robot) {
   }
   if (!Hears(*place)) {
     if (now < robot.speaks_at) return;
-    // It is there, whether or not anybody reads that.
-    truth_.NoteSign(robot.id->ruri, place->process->id(),
-                    place->process->fleet().Find(robot.id->ruri)->state.held_since());
+    if (!robot.unread) robot.unread_since = now;
+    // It is there, whether or not anybody reads that; the process needs its time to notice that it
+    // does not.
+    if (now - robot.unread_since > health::kHandshakeEvery + health::kBehindAfter) {
+      truth_.NoteSign(robot.id->ruri, place->process->id(),
+                      place->process->fleet().Find(robot.id->ruri)->state.held_since());
+    }
     robot.unread = true;
     robot.speaks_at = now + kSpeaksEvery;
     return;

@@ -92,6 +92,8 @@ class HoldersWorld final {
     SteadyTime speaks_at;
     /// It said something that its process has not read.
     bool unread = false;
+    /// Of what was not read first.
+    SteadyTime unread_since;
     std::optional<SteadyTime> heard_at;
     /// It is silent for long enough to be offline, or was not heard yet.
     bool silent = true;

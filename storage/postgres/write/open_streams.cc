@@ -24,7 +24,7 @@ constexpr std::string_view kOpenRobots =
     " held_since = CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE r.epoch + 1 END,"
     " owner = excluded.owner, holder_silent = false, last_seen = greatest(r.last_seen, "
     "excluded.last_seen)"
-    // A stream that has ended ($5) takes its robot from nobody whose lease stands.
+    // A stream that has ended ($5) takes its robot from nobody who did not release its lease.
     " WHERE NOT (r.ruri = ANY ($5::text[]) AND r.owner <> excluded.owner AND EXISTS (SELECT 1"
     " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"
     " RETURNING ruri, epoch, held_since";
@@ -57,7 +57,8 @@ constexpr std::string_view kReadRejects =
 // Of each robot, the least recently used sessions over the bound that nobody holds. From one
 // session to the next by its key, so that dead versions of their rows are passed over.
 constexpr std::string_view kEvictSessions =
-    "WITH RECURSIVE p AS (SELECT n.* FROM unnest($1::text[]) AS u (ruri) CROSS JOIN LATERAL"
+    "WITH RECURSIVE p AS (SELECT n.* FROM unnest($1::text[]) AS u (ruri)"
+    " JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = $5::uuid CROSS JOIN LATERAL"
     " (SELECT l.ruri, l.session, l.part, l.last_used FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri ORDER BY l.session DESC, l.part DESC LIMIT 1) AS n"
     " UNION ALL SELECT n.* FROM p CROSS JOIN LATERAL"
@@ -70,8 +71,7 @@ constexpr std::string_view kEvictSessions =
     " p.last_used,"
     " count(*) OVER (PARTITION BY p.ruri) AS kept FROM p) AS a WHERE a.kept > $4::bigint"
     " AND NOT EXISTS (SELECT 1 FROM unnest($2::text[], $3::uuid[]) AS held (ruri, session)"
-    " WHERE held.ruri = a.ruri AND held.session = a.session) AND EXISTS (SELECT 1"
-    " FROM uplinkd.robots AS r WHERE r.ruri = a.ruri AND r.owner = $5::uuid)) AS old"
+    " WHERE held.ruri = a.ruri AND held.session = a.session)) AS old"
     " WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
     " AND old.place <= old.kept - $4::bigint";
 
@@ -115,6 +115,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
     held_ruri.Text(name);
     held_session.Uuid(request.session);
     for (const model::SessionId& held : request.sessions_held) {
+      if (held == request.session) continue;
       held_ruri.Text(name);
       held_session.Uuid(held);
     }

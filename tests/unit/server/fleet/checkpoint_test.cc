@@ -26,7 +26,12 @@ class CheckpointTest : public ::testing::Test {
   testing::ManualClock clock_;
   Fleet fleet_{clock_, 2'000, {}};
 
-  robot::Robot& Admit(const std::string& ruri) { return **fleet_.FindOrAdmit({ruri, "f"}); }
+  /// A robot that this process holds.
+  robot::Robot& Admit(const std::string& ruri) {
+    robot::Robot& robot = **fleet_.FindOrAdmit({ruri, "f"});
+    if (robot.state.held_since() == 0) robot.OnHeld({.since = 1});
+    return robot;
+  }
   static void Apply(robot::Robot& robot, const model::Body& body) {
     std::vector<model::Record> records;
     records.push_back(test::RecordOf(body));
@@ -70,10 +75,15 @@ TEST_F(CheckpointTest, TakesWhatChangedOnce) {
   const auto rows = Changed();
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_EQ(rows[0].ruri, "rcan://a");
-  EXPECT_EQ(rows[0].held_since, 0U) << "the store has not said so";
+  EXPECT_EQ(rows[0].held_since, 1U);
+  EXPECT_THAT(Changed(), IsEmpty());
+}
+
+TEST_F(CheckpointTest, WaitsUntilTheStoreSaysWhoseTheRobotIs) {
+  robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://a", "f"});
+  Apply(robot, Usage());
   EXPECT_THAT(Changed(), IsEmpty());
   robot.OnHeld({.since = 7});
-  Apply(robot, Usage(2));
   EXPECT_EQ(Changed().at(0).held_since, 7U);
 }
 

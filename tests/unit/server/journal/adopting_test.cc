@@ -100,6 +100,31 @@ TEST_F(AdoptingTest, AfterFailuresFewerAreTriedAtOnce) {
   EXPECT_EQ(probe.adopted.value(), 4);
 }
 
+TEST_F(AdoptingTest, AdoptsNoMoreInOneCallThanItsBound) {
+  std::deque<RecordingClient> clients;
+  for (std::size_t i = 0; i <= kAdoptsPerCallMax; ++i) {
+    Former(clients.emplace_back("rcan://" + std::to_string(i)));
+    Adopt(clients.back());
+  }
+  EXPECT_EQ(adopting_.Advance(), Step::kWorked);
+  EXPECT_EQ(probe.adopted.value(), static_cast<std::int64_t>(kAdoptsPerCallMax));
+  EXPECT_EQ(adopting_.Advance(), Step::kWorked);
+  EXPECT_EQ(probe.adopted.value(), static_cast<std::int64_t>(kAdoptsPerCallMax) + 1);
+}
+
+TEST_F(AdoptingTest, ARobotWaitsOnceHoweverOftenItIsNamed) {
+  Former(robot_);
+  Adopt(robot_);
+  Adopt(robot_);
+  EXPECT_EQ(adopting_.Advance(), Step::kWorked);
+  EXPECT_EQ(adopting_.Advance(), std::nullopt);
+  EXPECT_EQ(store.adopts(), 1U);
+  inbox.Lose({.client = &robot_, .robot = robot_.robot(), .since = 3});
+  inbox.Lose({.client = &robot_, .robot = robot_.robot(), .since = 3});
+  EXPECT_EQ(adopting_.Advance(), std::nullopt);
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
+}
+
 TEST_F(AdoptingTest, LetsGoOfWhatAnotherHoldsSince) {
   Hold(robot_);
   static_cast<void>(robot_.Holds());

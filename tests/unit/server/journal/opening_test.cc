@@ -116,6 +116,11 @@ TEST_F(OpeningTest, AStreamThatCameMeanwhileIsNotFencedByTheAnswerOfAnEndedOne) 
   static_cast<void>(opening_.Gather());
   EXPECT_EQ(opening_.Open(), Step::kWorked);
   EXPECT_THAT(robot_.Told(), IsEmpty());
+  EXPECT_FALSE(inbox.idle());
+  EXPECT_TRUE(opening_.Gather().opens) << "it is asked for again: records may wait for it";
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 2"));
+  EXPECT_TRUE(inbox.idle());
 }
 
 TEST_F(OpeningTest, AfterFailuresTheLaterHalfGoesBackAndComesNext) {

@@ -209,7 +209,9 @@ TEST_F(RobotSessionsTest, AFenceForgetsWhatWasShown) {
 }
 
 TEST_F(RobotSessionsTest, WhatIsSettledIsNewsOnce) {
-  EXPECT_FALSE(sessions_.TakeSettled()) << "nothing is settled";
+  EXPECT_FALSE(RobotSessions().TakeSettled()) << "there is none";
+  EXPECT_EQ(sessions_.TakeSettled(), (storage::SettledSession{Id(1), 0}));
+  EXPECT_FALSE(sessions_.TakeSettled());
   sessions_.AddSettled(Id(1), 5);
   const storage::SettledSession fifth{Id(1), 5};
   EXPECT_EQ(sessions_.TakeSettled(), fifth);

@@ -371,6 +371,29 @@ TEST_F(RobotStateTest, AStreamMakesItOursToJudge) {
   EXPECT_EQ(All().presence, Presence::kOnline) << "who holds a robot follows nobody";
 }
 
+TEST_F(RobotStateTest, WhatAStreamToldBeforeTheStoreKnewOfItIsNotNewerThanAnotherVisit) {
+  state_.Claim(clock_.Steady());
+  Apply({Extras({{.key = "old", .value = std::string("1")}})});
+  state_.EndClaim();
+  EXPECT_EQ(KeysOf(All().parts.extras.items()).size(), 1U) << "shown while nobody knows better";
+  state_.Claim(clock_.Steady());
+  EXPECT_TRUE(All().parts.extras.items().empty()) << "it may have been elsewhere since";
+  Apply({Extras({{.key = "new", .value = std::string("2")}})});
+  state_.BeginHold({.since = 9, .was_known = true}, clock_.Steady(), clock_.System());
+  EXPECT_THAT(KeysOf(All().parts.extras.items()), ElementsAre("new"));
+  state_.EndClaim();
+  state_.Claim(clock_.Steady());
+  EXPECT_THAT(KeysOf(All().parts.extras.items()), ElementsAre("new")) << "it is ours";
+}
+
+TEST_F(RobotStateTest, WhoFollowsAHolderForgetsWhatAStreamTold) {
+  state_.Claim(clock_.Steady());
+  Apply({Extras({{.key = "old", .value = std::string("1")}})});
+  state_.EndClaim();
+  state_.FollowHolder({.held_by = "b:2"}, {Presence::kOnline, FromUnixMs(kNow)});
+  EXPECT_TRUE(All().parts.extras.items().empty());
+}
+
 TEST_F(RobotStateTest, WhoGetsARobotBackOfWhichTheStoreHasNoPresenceJudgesIt) {
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
   state_.Lose();

@@ -37,6 +37,20 @@ TEST_F(AttachmentTest, ALaterStreamWaitsAndTheOneThatItReplacesIsWoken) {
   EXPECT_EQ(probe_.takeovers_total.value(), 1);
 }
 
+TEST_F(AttachmentTest, WithItsLastStreamTheRobotIsClaimedNoMore) {
+  const storage::StoredPresence stored{model::Presence::kOffline, SystemTime()};
+  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  robot_.robot().state.Claim({});
+  robot_.robot().state.FollowHolder({.held_by = "b:2"}, stored);
+  const auto shown = [this] {
+    return server_.robot().state.Snapshot(robot::RobotState::Parts::kNone).foreign;
+  };
+  EXPECT_FALSE(shown()) << "a stream of it is here";
+  robot_.Detach();
+  server_.robot().state.FollowHolder({.held_by = "b:2"}, stored);
+  EXPECT_TRUE(shown());
+}
+
 TEST_F(AttachmentTest, AStreamThatLeavesWakesTheOneThatWaits) {
   ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
   ASSERT_TRUE(other_.Attach(Terms(SessionOf(2))).ok());

@@ -36,9 +36,9 @@ class LeaseJudgeTest : public ::testing::Test {
 
   testing::ManualClock clock_;
   bool gone_ = false;
-  LeaseJudge judge_{{.self = kSelf, .settle = seconds(10), .is_gone = [this](std::string_view) {
-                       return gone_;
-                     }}};
+  LeaseJudge judge_{{.self = kSelf,
+                     .time_to_move = seconds(10),
+                     .is_gone = [this](std::string_view) { return gone_; }}};
 };
 
 TEST_F(LeaseJudgeTest, ACounterThatGrowsIsALife) {
@@ -62,6 +62,47 @@ TEST_F(LeaseJudgeTest, TheSameCounterForThirtySecondsIsTheEnd) {
   clock_.Advance(kLookEvery);
   Look({LeaseOf(kOther, 6)});
   EXPECT_EQ(Other(), Over::kNo) << "it renews and goes on";
+}
+
+TEST_F(LeaseJudgeTest, WhoWritesLivesThoughItsCounterStands) {
+  Look({LeaseOf(kOther, 5)});
+  for (int i = 0; i < 30; ++i) {
+    judge_.NoteWritten(kOther, FromUnixMs(i));
+    LookOn({LeaseOf(kOther, 5)}, kLookEvery);
+    EXPECT_EQ(Other(), Over::kNo) << i;
+  }
+  judge_.NoteWritten(kOther, FromUnixMs(29));
+  judge_.NoteWritten(kOther, FromUnixMs(3));
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax);
+  EXPECT_EQ(Other(), Over::kSilent) << "what was written before is no sign";
+  judge_.NoteSign(kOther);
+  EXPECT_EQ(Other(), Over::kNo);
+  EXPECT_EQ(judge_.others(), 1U);
+}
+
+TEST_F(LeaseJudgeTest, WhoWasSilentIsNobodyToLeaveRobotsToAfterAGap) {
+  Look({LeaseOf(kOther, 5)});
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax);
+  EXPECT_EQ(judge_.others(), 0U);
+  judge_.NoteFailure();
+  clock_.Advance(kLookEvery);
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_EQ(Other(), Over::kNo) << "its silence is counted anew";
+  EXPECT_EQ(judge_.others(), 0U);
+  clock_.Advance(kLookEvery);
+  Look({LeaseOf(kOther, 6)});
+  EXPECT_EQ(judge_.others(), 1U);
+}
+
+TEST_F(LeaseJudgeTest, ACounterThatGrowsIsOfNoProcessThatHasGone) {
+  Look({LeaseOf(kOther, 5)});
+  gone_ = true;
+  for (std::uint64_t counter = 6; counter < 20; ++counter) {
+    LookOn({LeaseOf(kOther, counter)}, kLookEvery);
+    EXPECT_EQ(Other(), Over::kNo) << "another namespace has the same number";
+  }
+  LookOn({LeaseOf(kOther, 19)}, seconds(10));
+  EXPECT_EQ(Other(), Over::kGone);
 }
 
 TEST_F(LeaseJudgeTest, ALookThatFailedBeginsTheTimeAnew) {
@@ -126,6 +167,12 @@ TEST_F(LeaseJudgeTest, WhoReleasedAndIsGoneReleased) {
   EXPECT_EQ(Other(), Over::kReleased);
 }
 
+TEST(OverTest, OnlyWhoIsKnownToHaveEndedHasEnded) {
+  EXPECT_EQ(EndOf(Over::kReleased), storage::HolderEnd::kEnded);
+  EXPECT_EQ(EndOf(Over::kGone), storage::HolderEnd::kEnded);
+  EXPECT_EQ(EndOf(Over::kSilent), storage::HolderEnd::kSilent);
+}
+
 TEST_F(LeaseJudgeTest, WhoHasNoLeaseAtAllIsOverAfterTheSameTime) {
   Look({LeaseOf(kSelf, 1)});
   EXPECT_EQ(Other(), Over::kNo) << "it may be about to take one";
@@ -136,7 +183,7 @@ TEST_F(LeaseJudgeTest, WhoHasNoLeaseAtAllIsOverAfterTheSameTime) {
       EXPECT_EQ(Other(), Over::kNo) << i;
     }
   }
-  EXPECT_EQ(Other(), Over::kReleased) << "nobody renews what is not there";
+  EXPECT_EQ(Other(), Over::kSilent) << "it may live, and never have reached its lease";
   EXPECT_EQ(judge_.Of(kOther).counter, 0U);
   EXPECT_EQ(judge_.Of(kOther).name, model::SessionId(kOther).ToHex());
 }

@@ -72,6 +72,24 @@ TEST_F(RestoreTest, RobotsComeWithTheirLastCheckpoint) {
   EXPECT_FALSE(restore_.due()) << "neither of them, though one had nothing";
 }
 
+TEST_F(RestoreTest, ManyAreRestoredAPortionAtATime) {
+  fleet::Fleet fleet{clock_, kRestoredAtOnceMax + 1, {}};
+  for (std::size_t i = 0; i <= kRestoredAtOnceMax; ++i) {
+    const std::string ruri = "rcan://many/" + std::to_string(1'000 + i);
+    Know(store_, ruri, clock_.System());
+    Checkpoint(Live(ruri, 4));
+    ASSERT_TRUE(fleet.FindOrAdmit({ruri, "f"}).ok());
+  }
+  for (robot::Robot* robot : fleet.All()) robot->OnHeld({.since = 2, .was_known = true});
+  Restore restore{fleet, reader_};
+  ASSERT_TRUE(restore.Run().ok());
+  EXPECT_FALSE(restore.due());
+  for (const robot::Robot* robot : fleet.All()) {
+    const auto state = robot->state.Snapshot(robot::RobotState::Parts::kAll);
+    ASSERT_TRUE(state.parts.usage) << robot->ruri();
+  }
+}
+
 TEST_F(RestoreTest, WhatItToldHereIsNewer) {
   Checkpoint(Live("rcan://a", 4));
   Begin();
