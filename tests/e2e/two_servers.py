@@ -97,6 +97,7 @@ class TwoServers(EndToEnd):
         self.fleets.append(self.keep(fleet))
         self.wait_for(lambda: self.streams(place) >= ROBOTS, "all stream", place)
         self.wait_until_all_are_online()
+        self.wait_for(self.all_are_stored_online, "the histories say so", place)
         return prefix
 
     # What the servers show.
@@ -116,6 +117,11 @@ class TwoServers(EndToEnd):
 
     def histories(self):
         return stored_histories(self.cluster)
+
+    def all_are_stored_online(self):
+        """A server shows a change before it is committed."""
+        histories = self.histories().values()
+        return len(histories) >= ROBOTS * len(self.fleets) and all(rows[-1:] == [ONLINE] for rows in histories)
 
     def pauses(self):
         """How often a robot may not have been heard: it moved, or a server said of itself that it stood
