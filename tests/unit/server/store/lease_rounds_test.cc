@@ -79,7 +79,8 @@ class LeaseRoundsTest : public ::testing::Test {
   }
   std::vector<model::Presence> History() {
     std::vector<model::Presence> history;
-    for (const auto& row : ours_.PresenceChanges({})->rows) history.push_back(row.presence);
+    const auto changes = ours_.PresenceChanges({});
+    for (const auto& row : changes->rows) history.push_back(row.presence);
     return history;
   }
 
