@@ -69,9 +69,8 @@ class Fleet final {
   /// whose silence is too long is unknown, and so for presence.timeout after.
   enum class Hearing : std::uint8_t { kUpToDate, kBehind };
 
-  /// The periodic check: brings the presence of every robot that this process
-  /// judges up to date, forgets sessions that have been
-  /// idle for `session_idle`, and counts.
+  /// The periodic check: brings the presence of every robot that this process judges up to date,
+  /// forgets sessions that have been idle for `session_idle`, and counts.
   PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate);
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_.load(); }
