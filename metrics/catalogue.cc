@@ -60,6 +60,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "1 while the lease cannot be renewed, or those of others cannot be read."},
     {kLeaseOthers, "uplinkd_lease_others", kGauge, "servers",
      "Other servers on the same store whose leases stand."},
+    {kLeaseOthersLate, "uplinkd_lease_others_late", kGauge, "servers",
+     "Other servers that may be cut off from the store: meanwhile a robot without a stream here is "
+     "unknown instead of offline."},
     {kStreams, "uplinkd_streams", kGauge, "streams", "Open streams."},
     {kStreamsOpened, "uplinkd_streams_opened_total", kCounter, "streams",
      "Streams that were opened."},

@@ -36,6 +36,7 @@ enum class MetricId : std::uint8_t {
   kLeaseRenewals,
   kLeaseFailing,
   kLeaseOthers,
+  kLeaseOthersLate,
   kStreams,
   kStreamsOpened,
   kStreamsHeldBack,

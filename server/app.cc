@@ -68,7 +68,7 @@ class App::Impl {
                   [this] { return lease_probe_.failing.value() != 0; }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
-                session_limits_.session_idle}),
+                session_limits_.session_idle, lease_probe_.others_unseen}),
         page_sources_(PageSourcesOf(PartsOfPage())),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
                         options_.logger}),

@@ -40,6 +40,8 @@ struct Lease {
   std::uint64_t counter = 0;
   /// It stopped in order and judges no robot any more.
   bool released = false;
+  /// How long ago the counter was raised, on the store's own clock.
+  std::chrono::seconds renewed_ago{0};
 };
 
 /// A robot that another process holds, as that one wrote it.

@@ -93,7 +93,9 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
   stood_still_.store(stalled);
   for (robot::Robot* robot : All()) {
-    if (stalled || hearing == Hearing::kBehind) robot->state.NoteStall(steady);
+    const bool unheard =
+        hearing == Hearing::kBehind || (hearing == Hearing::kHereAlone && !robot->HasStream());
+    if (stalled || unheard) robot->state.NoteStall(steady);
     if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);
     const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, presence_);

@@ -65,9 +65,15 @@ class Fleet final {
   /// server stood still. It judges nobody.
   static constexpr std::chrono::seconds kSweepLate{3};
 
-  /// Whether what robots sent has been read. While the server is behind nobody becomes offline:
-  /// whose silence is too long is unknown, and so for presence.timeout after.
-  enum class Hearing : std::uint8_t { kUpToDate, kBehind };
+  /// Whether what robots send comes to this process's knowledge. Of whom it would not, nobody
+  /// becomes offline: whose silence is too long is unknown, and so for presence.timeout after.
+  enum class Hearing : std::uint8_t {
+    kUpToDate,
+    /// Robots that left may stream to another process, which cannot reach the store and tell.
+    kHereAlone,
+    /// What robots sent has not been read.
+    kBehind,
+  };
 
   /// The periodic check: brings the presence of every robot that this process judges up to date,
   /// forgets sessions that have been idle for `session_idle`, and counts.

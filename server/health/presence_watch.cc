@@ -6,10 +6,15 @@ static_assert(
     kHandshakeEvery + kBehindAfter < robot::PresenceLimits{}.timeout,
     "a robot that reports often is not offline before the server knows that it is behind");
 
-void PresenceWatch::Sweep() {
+fleet::Fleet::Hearing PresenceWatch::Hears() const {
   using enum fleet::Fleet::Hearing;
+  if (sources_.liveness.behind()) return kBehind;
+  return sources_.others_unseen.value() > 0 ? kHereAlone : kUpToDate;
+}
+
+void PresenceWatch::Sweep() {
   const SteadyTime began = sources_.clock.Steady();
-  sources_.fleet.Sweep(sources_.session_idle, sources_.liveness.behind() ? kBehind : kUpToDate);
+  sources_.fleet.Sweep(sources_.session_idle, Hears());
   // The fleet says so, by the reading of the clock at which it would have judged: the process may
   // be stopped between any two readings.
   if (sources_.fleet.stood_still()) sources_.liveness.NoteStandstill();

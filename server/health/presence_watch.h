@@ -22,6 +22,8 @@ class PresenceWatch final {
     const log::Logger& logger;
     metrics::LatencyDistribution& sweep_seconds;
     milliseconds session_idle;
+    /// Not 0 while other processes on the store may hear robots and cannot tell.
+    const metrics::Cell& others_unseen;
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
@@ -36,6 +38,7 @@ class PresenceWatch final {
   void AskRelay(const Ask& ask);
 
  private:
+  [[nodiscard]] fleet::Fleet::Hearing Hears() const;
   void LogBehind();
 
   const Sources sources_;

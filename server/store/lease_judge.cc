@@ -32,9 +32,17 @@ storage::HolderEnd EndOf(Over over) {
   return storage::HolderEnd::kSilent;
 }
 
+void LeaseJudge::NoteFailure(SteadyTime now) {
+  looked_.reset();
+  blind_ = {.from = blind_ ? blind_->from : now, .to = now};
+}
+
+bool LeaseJudge::blind() const { return blind_ && blind_->to - blind_->from <= rules_.cut_off_max; }
+
 void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases) {
   const bool unbroken = looked_ && now - *looked_ <= kLookGapMax;
   looked_ = now_ = now;
+  blind_.reset();
   for (auto& [process, known] : known_) {
     if (!unbroken) known.same_since = now;
     const bool there = std::ranges::find(leases, process, &storage::Lease::process) != leases.end();
@@ -57,7 +65,7 @@ void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases
 void LeaseJudge::NoteSign(const storage::ProcessId& process) {
   const auto known = known_.find(process);
   if (known == known_.end()) return;
-  known->second.same_since = now_;
+  known->second.same_since = known->second.told_at = now_;
   known->second.was_silent = false;
 }
 
@@ -79,6 +87,7 @@ void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
   const bool grew = known.lease && known.lease->counter != lease.counter;
   if (grew || !known.lease) {
     known.same_since = now_;
+    known.told_at = now_ - lease.renewed_ago;
     known.was_silent = false;
     // A counter that grows is not of a process that has gone.
     if (grew && !lease.released) known.left_at.reset();
@@ -95,12 +104,14 @@ void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
 LeaseJudge::Verdict LeaseJudge::Of(const storage::ProcessId& process) {
   Known& known = known_.try_emplace(process, Known{.same_since = now_}).first->second;
   known.asked = true;
-  Verdict verdict{.over = Judge(known), .counter = 0, .name = model::SessionId(process).ToHex()};
-  if (known.lease) {
-    verdict.counter = known.lease->counter;
-    if (!known.lease->card.name.empty()) verdict.name = known.lease->card.name;
-  }
-  return verdict;
+  return {.over = Judge(known),
+          .counter = known.lease ? known.lease->counter : 0,
+          .name = NameOf(process, known)};
+}
+
+std::string LeaseJudge::NameOf(const storage::ProcessId& process, const Known& known) {
+  const bool named = known.lease && !known.lease->card.name.empty();
+  return named ? known.lease->card.name : model::SessionId(process).ToHex();
 }
 
 Over LeaseJudge::Judge(const Known& known) const {
@@ -109,6 +120,20 @@ Over LeaseJudge::Judge(const Known& known) const {
   }
   if (now_ - known.same_since < kSilentMax) return Over::kNo;
   return Over::kSilent;
+}
+
+bool LeaseJudge::IsLate(const Known& known) const {
+  if (!known.lease || known.left_at) return false;
+  const SteadyTime::duration silent = now_ - known.told_at;
+  return silent >= kLateAfter && silent <= rules_.cut_off_max;
+}
+
+std::map<storage::ProcessId, std::string> LeaseJudge::Late() const {
+  std::map<storage::ProcessId, std::string> late;
+  for (const auto& [process, known] : known_) {
+    if (IsLate(known)) late.emplace(process, NameOf(process, known));
+  }
+  return late;
 }
 
 std::size_t LeaseJudge::others() {

@@ -24,6 +24,8 @@ inline constexpr milliseconds kLookEvery{2'500};
 inline constexpr std::chrono::seconds kSilentMax{30};
 /// Looks that lie further apart prove nothing of the time between: it was we who did not look.
 inline constexpr std::chrono::seconds kLookGapMax{6};
+/// A process that told nothing for so long is late: a renewal of its lease did not come.
+inline constexpr std::chrono::seconds kLateAfter{7};
 
 /// Whether a process still judges the robots that it holds, and why not.
 enum class Over : std::uint8_t {
@@ -56,11 +58,14 @@ class LeaseJudge final {
     milliseconds time_to_move{0};
     /// Whether a process that ran there is not there any more (process_life.h).
     std::function<bool(std::string_view life)> is_gone;
+    /// How long a process that tells nothing may live, and be cut off from the store alone
+    /// (presence.adopted_grace).
+    milliseconds cut_off_max{0};
   };
   explicit LeaseJudge(Rules rules) : rules_(std::move(rules)) {}
 
-  /// A look failed: silence is counted anew from the next one.
-  void NoteFailure() { looked_.reset(); }
+  /// A look at `now` failed: silence is counted anew from the next one.
+  void NoteFailure(SteadyTime now);
   /// A look at `now` showed these leases.
   void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
   /// The process wrote to the store since the last look, or opened a stream: it lives, though its
@@ -84,12 +89,20 @@ class LeaseJudge final {
   /// Other processes that are not over, as far as that can be told: one that was silent counts
   /// again only after a sign of it.
   [[nodiscard]] std::size_t others();
+  /// Other processes that may live and hear robots of which they cannot tell, since they are late,
+  /// as of the last look. For people: the card's name by process.
+  [[nodiscard]] std::map<storage::ProcessId, std::string> Late() const;
+  /// Looks have failed since, for at most Rules::cut_off_max: any other process may hear robots,
+  /// one that came meanwhile too.
+  [[nodiscard]] bool blind() const;
 
  private:
   struct Known {
     std::optional<storage::Lease> lease;
     /// The first look of an unbroken row that showed this counter.
     SteadyTime same_since;
+    /// When it told the store last that it lives.
+    SteadyTime told_at;
     /// When it was first seen released or gone; nothing if it is neither.
     std::optional<SteadyTime> left_at;
     /// It had left when this process came, and its robots had nobody else to go to.
@@ -103,11 +116,19 @@ class LeaseJudge final {
   };
   void Update(Known& known, const storage::Lease& lease) const;
   [[nodiscard]] Over Judge(const Known& known) const;
+  [[nodiscard]] bool IsLate(const Known& known) const;
+  [[nodiscard]] static std::string NameOf(const storage::ProcessId& process, const Known& known);
 
   const Rules rules_;
   std::optional<SteadyTime> looked_;
   SteadyTime now_;
   bool first_look_ = true;
+  /// The first and the last of the looks that failed since one did not.
+  struct Blind {
+    SteadyTime from;
+    SteadyTime to;
+  };
+  std::optional<Blind> blind_;
   /// This is the first look, and no other process is there.
   bool came_alone_ = false;
   std::map<storage::ProcessId, Known> known_;

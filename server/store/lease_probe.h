@@ -12,6 +12,11 @@ struct LeaseProbe {
   metrics::Cell failing;
   /// Other processes whose leases stand, as of the last look.
   metrics::Cell others;
+  /// Other processes that may be cut off from the store, as of the last look (LeaseJudge::Late).
+  metrics::Cell others_late;
+  /// 1 while another process may hear robots of which this one cannot learn: it is late, or this
+  /// one cannot look.
+  metrics::Cell others_unseen;
 };
 
 }  // namespace uplink::store

@@ -14,7 +14,8 @@ LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context contex
       context_(std::move(context)),
       judge_({.self = context_.process,
               .time_to_move = context_.presence.timeout,
-              .is_gone = context_.is_gone}) {}
+              .is_gone = context_.is_gone,
+              .cut_off_max = context_.presence.adopted_grace}) {}
 
 LeaseRounds::~LeaseRounds() { Stop(); }
 
@@ -26,8 +27,19 @@ void LeaseRounds::SetPort(std::uint16_t port) {
 void LeaseRounds::Round() {
   if (leases_ == nullptr) return;
   const absl::Status looked = Look();
-  if (!looked.ok()) judge_.NoteFailure();
+  if (!looked.ok()) judge_.NoteFailure(context_.clock.Steady());
   NoteOutcome(looked);
+  NoteLate();
+}
+
+void LeaseRounds::NoteLate() {
+  auto late = judge_.Late();
+  context_.probe.others_late.Set(static_cast<std::int64_t>(late.size()));
+  context_.probe.others_unseen.Set(judge_.blind() || !late.empty() ? 1 : 0);
+  for (const auto& [process, name] : late) {
+    if (!late_.contains(process)) context_.logger.Warn("process_late", {{"process", name}});
+  }
+  late_ = std::move(late);
 }
 
 absl::Status LeaseRounds::Look() {

@@ -102,6 +102,7 @@ class LeaseRounds final {
   void TakeUnlisted(const Listed& listed);
   void LogEnded(const Listed& listed);
   void NoteOutcome(const absl::Status& status);
+  void NoteLate();
   void Run(const std::stop_token& stop);
 
   const std::unique_ptr<storage::Leases> leases_;
@@ -111,6 +112,8 @@ class LeaseRounds final {
   SteadyTime looked_;
   /// Processes that were over and had robots in the last round: each is a line of the log once.
   std::set<storage::ProcessId> over_;
+  /// Processes that were late in the last round: each is a line of the log once.
+  std::map<storage::ProcessId, std::string> late_;
   bool failing_ = false;
   std::atomic<std::uint16_t> port_{0};
   std::atomic<bool> adopts_{true};

@@ -15,6 +15,7 @@ void AddSamples(const LeaseProbe& probe, metrics::Exposition& page) {
   page.Add(kLeaseRenewals, probe.renewed);
   page.Add(kLeaseFailing, probe.failing.value());
   page.Add(kLeaseOthers, probe.others.value());
+  page.Add(kLeaseOthersLate, probe.others_late.value());
 }
 
 }  // namespace uplink::store

@@ -24,7 +24,8 @@ constexpr std::string_view kForget =
 constexpr std::string_view kRelease =
     "UPDATE uplinkd.processes SET released = true WHERE process = $1::uuid";
 constexpr std::string_view kRead =
-    "SELECT process, left(name, $2::int), left(life, $2::int), counter, released"
+    "SELECT process, left(name, $2::int), left(life, $2::int), counter, released,"
+    " greatest(0, extract(epoch FROM clock_timestamp() - renewed_at))::int8"
     " FROM uplinkd.processes ORDER BY renewed_at DESC, process LIMIT $1::bigint";
 constexpr std::string_view kRobotsOfOthers =
     "SELECT r.ruri, r.fleet, r.owner, r.held_since, p.presence, p.changed_at,"
@@ -104,6 +105,7 @@ absl::StatusOr<std::vector<Lease>> PostgresLeases::Read() {
     lease.card = {std::string(rows->Bytes(row, 1)), std::string(rows->Bytes(row, 2))};
     lease.counter = static_cast<std::uint64_t>(rows->Int(row, 3));
     lease.released = rows->Bool(row, 4);
+    lease.renewed_ago = std::chrono::seconds(rows->Int(row, 5));
   }
   return leases;
 }

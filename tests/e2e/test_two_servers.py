@@ -252,6 +252,21 @@ class Cuts(TwoServers):
         self.moves += 1
         self.assert_histories_are_true()
 
+    def test_robots_that_move_to_a_server_that_is_cut_off_are_not_offline(self):
+        self.stores[B].cut(Cut.BLACK_HOLE)
+        self.wait_for(lambda: " process_late " in self.servers[A].text(), "A misses the lease of B", A)
+        self.road.choose(B)
+        self.road.drop(A)
+        self.watch(SPANS.long_cut)
+        self.assertEqual(self.streams(A), 0)
+        self.assertIn(UNKNOWN, {robot["presence"] for robot in self.robots(A).values()})
+        self.stores[B].mend()
+        self.wait_until_all_are_online()
+        self.watch(SPANS.after)
+        # Each was adopted, or not heard by the server that holds it.
+        self.moves += 1
+        self.assert_histories_are_true()
+
     def test_a_store_that_is_away_for_both_ends_nobodys_lease(self):
         before = self.histories()
         self.cut([A, B], Cut.REFUSE, SPANS.away)

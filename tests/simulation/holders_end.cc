@@ -93,7 +93,7 @@ void HoldersWorld::CheckEndOf(const Robot& robot, HoldersProcess& holder, storag
   }
   const bool right = streams ? shown.presence == Presence::kOnline
                              : shown.presence == Presence::kOffline ||
-                                   (shown.presence == Presence::kUnknown && MayBeUnknown(ruri));
+                                   (shown.presence == Presence::kUnknown && MayBeUnknown(robot));
   if (!right) {
     truth_.Fail(fmt::format("{} is {} at {}", ruri, model::ToText(shown.presence), holder.name()));
   }
@@ -105,8 +105,19 @@ void HoldersWorld::CheckEndOf(const Robot& robot, HoldersProcess& holder, storag
   }
 }
 
-bool HoldersWorld::MayBeUnknown(const std::string& ruri) {
-  const HoldersTruth::Began& began = truth_.BeganOf(ruri);
+bool HoldersWorld::AnyLooksCut() const {
+  return std::ranges::any_of(database_.ReadLeases(), [this](const storage::Lease& lease) {
+    const bool lives = std::ranges::any_of(places_, [&](const Place& place) {
+      return place.process != nullptr && place.process->id() == lease.process;
+    });
+    return !lives && !lease.released && !gone_.contains(lease.card.life) &&
+           truth_.RenewedAgo(lease.process) <= kHoldersAdoptedGrace + kSlack;
+  });
+}
+
+bool HoldersWorld::MayBeUnknown(const Robot& robot) {
+  if (!robot.link && AnyLooksCut()) return true;
+  const HoldersTruth::Began& began = truth_.BeganOf(robot.id->ruri);
   if (!began.adopted || clock_.Steady() > began.at + kHoldersAdoptedGrace + kSlack) return false;
   // One of those before may live.
   if (!began.ended_fresh || began.chained) return true;

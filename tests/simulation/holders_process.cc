@@ -37,7 +37,9 @@ HoldersProcess::HoldersProcess(const Ground& ground)
                    .restored = [this] { return seed_.done(); }}),
       leases_(std::make_unique<HoldersLeases>(store_, ContextOfStore()), ContextOfLeases()),
       liveness_(ground_.clock, session_probe_),
-      watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle}) {
+      watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle,
+              ground_.fault == HoldersFault::kLateIsForgotten ? nobody_unseen_
+                                                              : lease_probe_.others_unseen}) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);

@@ -111,6 +111,12 @@ absl::Status HoldersLeases::Release() {
 absl::StatusOr<std::vector<storage::Lease>> HoldersLeases::Read() {
   auto leases = Now().Read();
   failed_ = failed_ || !leases.ok();
+  if (leases.ok()) {
+    for (storage::Lease& lease : *leases) {
+      lease.renewed_ago =
+          std::chrono::floor<std::chrono::seconds>(context_.truth.RenewedAgo(lease.process));
+    }
+  }
   if (!leases.ok() || !failed_ || context_.fault != HoldersFault::kOverAfterAFailedLook) {
     return leases;
   }

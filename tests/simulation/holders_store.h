@@ -38,6 +38,8 @@ enum class HoldersFault : std::uint8_t {
   kClaimStays,
   /// That a holder fell silent is forgotten when its robots are adopted once more.
   kSilenceForgotten,
+  /// Robots that may stream to a process that is cut off from the store are judged like others.
+  kLateIsForgotten,
 };
 
 /// The way of one process to the store: what is asked passes a planted fault, and answers can be

@@ -34,6 +34,7 @@ HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
     sum.rows += result.rows;
     sum.adoptions += result.adoptions;
     sum.moves += result.moves;
+    sum.moves_to_cut += result.moves_to_cut;
     sum.kills += result.kills;
     sum.standstills += result.standstills;
     sum.cuts += result.cuts;
@@ -62,6 +63,7 @@ TEST(Holders, NobodyIsFalselyOfflineAndEverythingSettlesAfterAnyTrouble) {
   EXPECT_GT(sum.standstills, kSeeds);
   EXPECT_GT(sum.cuts, kSeeds);
   EXPECT_GT(sum.adoptions, kSeeds);
+  EXPECT_GT(sum.moves_to_cut, kSeeds);
   fmt::print(
       "{} seeds: {} rows, {} adoptions, {} moves; {} kills, {} standstills, {} cuts, {} stops\n",
       kSeeds, sum.rows, sum.adoptions, sum.moves, sum.kills, sum.standstills, sum.cuts, sum.stops);
@@ -94,14 +96,13 @@ TEST_P(HoldersCanary, IsFound) {
 
 INSTANTIATE_TEST_SUITE_P(
     Simulation, HoldersCanary,
-    ::testing::Values(Canary{HoldersFault::kHoldNotChecked},
-                      Canary{HoldersFault::kOverAfterAFailedLook},
-                      Canary{HoldersFault::kAdoptedWithoutCompare},
-                      Canary{HoldersFault::kEndedStreamTakes},
-                      Canary{HoldersFault::kStandstillJudges},
-                      Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
-                      Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
-                      Canary{HoldersFault::kSilenceForgotten}));
+    ::testing::Values(
+        Canary{HoldersFault::kHoldNotChecked}, Canary{HoldersFault::kOverAfterAFailedLook},
+        Canary{HoldersFault::kAdoptedWithoutCompare}, Canary{HoldersFault::kEndedStreamTakes},
+        Canary{HoldersFault::kStandstillJudges},
+        Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
+        Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
+        Canary{HoldersFault::kSilenceForgotten}, Canary{HoldersFault::kLateIsForgotten}));
 
 }  // namespace
 }  // namespace uplink::simulation

@@ -162,6 +162,7 @@ void HoldersWorld::StandStill(Place& place) {
 
 void HoldersWorld::Cut(Place& place, milliseconds time) {
   ++result_.cuts;
+  if (Reaches(place)) place.cut_since = clock_.Steady();
   place.cut_until = std::max(place.cut_until, clock_.Steady() + time);
   truth_.Tell(fmt::format("cut {} for {} ms", &place - places_.data() + 1, time.count()));
 }

@@ -42,6 +42,16 @@ void HoldersTruth::NoteSign(const std::string& ruri, const storage::ProcessId& p
   robot.signs.push_back(clock_.System());
 }
 
+void HoldersTruth::NoteSignAtCut(const std::string& ruri, const storage::ProcessId& process) {
+  if (renewed_.contains(process)) robots_[ruri].signs.push_back(clock_.System());
+}
+
+milliseconds HoldersTruth::RenewedAgo(const storage::ProcessId& process) const {
+  const auto renewed = renewed_.find(process);
+  if (renewed == renewed_.end()) return milliseconds(0);
+  return std::chrono::duration_cast<milliseconds>(clock_.Steady() - renewed->second);
+}
+
 void HoldersTruth::OnOpened(const storage::ProcessId& process, const std::string& ruri,
                             const std::map<std::string, Hold>& before,
                             const HasStream& has_stream) {

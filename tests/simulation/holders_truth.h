@@ -20,10 +20,11 @@ namespace uplink::simulation {
 ///
 /// A sign of life counts for a robot if a process took it that the store would name as the robot's
 /// holder, or from which the present holder adopted the robot: a process that is cut off from the
-/// store goes on to hear, and its robots are not offline. These do not count, since nobody could
-/// know of them: what a process hears of a robot before the store has opened its stream, or after
-/// another process opened one; what it reads of a stream that has ended; what is heard by one whose
-/// adopter was adopted from in turn.
+/// store goes on to hear, and its robots are not offline. So does what a process hears that has
+/// been cut off for long enough and had a lease before, whoever holds the robot. These do not
+/// count, since nobody could know of them: what any other process hears of a robot before the store
+/// has opened its stream, or after another process opened one; what it reads of a stream that has
+/// ended; what is heard by one whose adopter was adopted from in turn.
 ///
 /// The time of a row is that of the judgement, however late it is written, so an OFFLINE row is
 /// held against the last sign before that time, with no tolerance: each step of the simulation has
@@ -51,6 +52,11 @@ class HoldersTruth final {
   /// A process took a sign of life of a robot that it holds since then, as far as it knows.
   void NoteSign(const std::string& ruri, const storage::ProcessId& process,
                 storage::Epoch held_since);
+  /// A process took one that has been cut off from the store for so long that the others know; if
+  /// they ever knew of it.
+  void NoteSignAtCut(const std::string& ruri, const storage::ProcessId& process);
+  /// How long ago the process renewed its lease; zero if it never did.
+  [[nodiscard]] milliseconds RenewedAgo(const storage::ProcessId& process) const;
 
   // --- What a process did to the store ---
 

@@ -13,6 +13,9 @@ constexpr milliseconds kTick{500};
 constexpr milliseconds kStep{1};
 constexpr std::chrono::seconds kSpeaksEvery{1};
 constexpr std::size_t kWritesMany = 50;
+/// A renewal was due, and the looks at it.
+constexpr milliseconds kKnownAsCut =
+    store::kLateAfter + store::kLookEvery + std::chrono::seconds(1);
 
 }  // namespace
 
@@ -107,6 +110,10 @@ void HoldersWorld::ReadEnds(Place& place) {
   }
 }
 
+bool HoldersWorld::IsKnownAsCut(const Place& place) const {
+  return !Reaches(place) && clock_.Steady() - place.cut_since >= kKnownAsCut;
+}
+
 HoldersWorld::Place* HoldersWorld::PlaceOf(const Robot& robot) {
   Place& place = places_[robot.link->place];
   return place.process != nullptr && place.lives == robot.link->life ? &place : nullptr;
@@ -149,6 +156,7 @@ void HoldersWorld::StepOf(Robot& robot) {
 void HoldersWorld::Speak(Robot& robot, Place& place) {
   const SteadyTime now = clock_.Steady();
   place.process->Hear(robot.id->ruri);
+  if (IsKnownAsCut(place)) truth_.NoteSignAtCut(robot.id->ruri, place.process->id());
   robot.unread = false;
   robot.heard_at = now;
   robot.speaks_at = std::max(robot.speaks_at, now + kSpeaksEvery);
@@ -162,15 +170,23 @@ std::vector<std::size_t> HoldersWorld::Ready() const {
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place& place = places_[i];
-    if (!Hears(place) || place.stops_at || !place.unread_ends.empty()) continue;
+    if (!Serves(place)) continue;
     (Reaches(place) ? reaching : others).push_back(i);
   }
   return reaching.empty() ? others : reaching;
 }
 
+bool HoldersWorld::Serves(const Place& place) const {
+  return Hears(place) && !place.stops_at && place.unread_ends.empty();
+}
+
 void HoldersWorld::Connect(Robot& robot) {
-  const std::vector<std::size_t> ready = Ready();
+  std::vector<std::size_t> ready = Ready();
+  for (std::size_t i = 0; i < places_.size() && random_.Percent(30); ++i) {
+    if (Serves(places_[i]) && IsKnownAsCut(places_[i])) ready = {i};
+  }
   if (ready.empty()) return;
+  if (IsKnownAsCut(places_[ready.front()])) ++result_.moves_to_cut;
   const std::size_t index = ready[random_.Below(ready.size())];
   Place& place = places_[index];
   robot.link = Link{index, place.lives, place.process->Open(robot.id)};

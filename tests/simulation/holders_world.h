@@ -36,6 +36,8 @@ struct HoldersResult {
   std::uint64_t rows = 0;
   std::uint64_t adoptions = 0;
   std::uint64_t moves = 0;
+  /// Streams that came to a process that is known as cut off.
+  std::uint64_t moves_to_cut = 0;
   std::uint64_t kills = 0;
   std::uint64_t standstills = 0;
   std::uint64_t cuts = 0;
@@ -46,7 +48,8 @@ struct HoldersResult {
 /// seeded schedule of troubles, then a time in which everything must settle.
 ///
 /// Each robot has one stream at most. It connects to a process that reaches the store, as one that
-/// does not is not ready; only while none reaches it, to any.
+/// does not is not ready; while none reaches it, to any; and at times to one that is known as cut
+/// off, past whatever asks for readiness.
 ///
 /// Thread: confined to its caller; nothing in it waits or reads a real clock.
 class HoldersWorld final {
@@ -66,6 +69,7 @@ class HoldersWorld final {
     SteadyTime still_until;
     SteadyTime unread_until;
     /// It cannot reach the store until then.
+    SteadyTime cut_since;
     SteadyTime cut_until;
     /// So many of a hundred calls of the store are lost.
     std::uint32_t lost_percent = 0;
@@ -113,6 +117,8 @@ class HoldersWorld final {
   [[nodiscard]] bool Reaches(const Place& place) const {
     return clock_.Steady() >= place.cut_until;
   }
+  /// It has not reached the store for so long that the others know that its lease is late.
+  [[nodiscard]] bool IsKnownAsCut(const Place& place) const;
 
   // --- Robots ---
   void StepOf(Robot& robot);
@@ -123,6 +129,8 @@ class HoldersWorld final {
   [[nodiscard]] Place* PlaceOf(const Robot& robot);
   /// Places to which a robot may connect.
   [[nodiscard]] std::vector<std::size_t> Ready() const;
+  /// It takes streams.
+  [[nodiscard]] bool Serves(const Place& place) const;
   void ReadEnds(Place& place);
 
   // --- Troubles ---
@@ -146,7 +154,9 @@ class HoldersWorld final {
   void CheckEnd();
   void CheckEndOf(const Robot& robot, HoldersProcess& holder, storage::Epoch since);
   void CheckElsewhere(const Robot& robot, const HoldersProcess& holder);
-  [[nodiscard]] bool MayBeUnknown(const std::string& ruri);
+  [[nodiscard]] bool MayBeUnknown(const Robot& robot);
+  /// The lease of a process that has ended still looks like that of one that is cut off.
+  [[nodiscard]] bool AnyLooksCut() const;
 
   [[nodiscard]] milliseconds Between(milliseconds least, milliseconds most);
 

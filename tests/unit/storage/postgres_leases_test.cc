@@ -1,4 +1,5 @@
 // Leases beyond what one answer holds.
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -37,6 +38,20 @@ TEST_F(PostgresLeasesTest, OfTooManyThoseRenewedLastAreRead) {
   ASSERT_EQ(leases->size(), kLeasesMax);
   EXPECT_EQ(leases->front().card.name, "1");
   EXPECT_EQ(leases->back().card.name, std::to_string(kLeasesMax));
+}
+
+TEST_F(PostgresLeasesTest, HowLongALeaseStandsIsToldByTheDatabasesClock) {
+  ASSERT_TRUE(leases_->Renew({"self", "life"}).ok());
+  shell_.Run(
+      "INSERT INTO uplinkd.processes SELECT gen_random_uuid(), name, 'life', 1, false, now() - ago"
+      " FROM (VALUES ('old', interval '100 s'), ('ahead', interval '-100 s')) AS v (name, ago)");
+  const auto leases = leases_->Read();
+  ASSERT_TRUE(leases.ok()) << leases.status();
+  ASSERT_EQ(leases->size(), 3U);
+  EXPECT_EQ((*leases)[0].card.name, "ahead");
+  EXPECT_EQ((*leases)[0].renewed_ago, std::chrono::seconds(0));
+  EXPECT_LT((*leases)[1].renewed_ago, std::chrono::seconds(90));
+  EXPECT_GE((*leases)[2].renewed_ago, std::chrono::seconds(100));
 }
 
 TEST_F(PostgresLeasesTest, ALongCardIsCut) {

@@ -1,5 +1,6 @@
 #include "server/health/presence_watch.h"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,6 +20,10 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+
+struct NoInbox final : robot::WakeInbox {
+  void Wake(std::uint64_t /*stream*/) override {}
+};
 
 class PresenceWatchTest : public ::testing::Test {
  protected:
@@ -48,12 +53,14 @@ class PresenceWatchTest : public ::testing::Test {
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_{clock_, 10, {.timeout = seconds(10), .startup_grace = milliseconds(0)}};
   Liveness liveness_{clock_, sessions_};
-  PresenceWatch watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_, std::chrono::hours(1)}};
+  metrics::Cell others_unseen_;
+  PresenceWatch watch_{
+      {clock_, fleet_, liveness_, logger_, sweep_seconds_, std::chrono::hours(1), others_unseen_}};
   std::vector<std::function<void(bool)>> waiting_;
 };
 
 TEST_F(PresenceWatchTest, ARobotIsOfflineOnlyWhileTheRelayAnswers) {
-  robot::Robot& robot = **fleet_.FindOrAdmit({"north", "rcan://a"});
+  robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://a", "north"});
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
   AskRelay();
   SweepFor(seconds(11));
@@ -100,7 +107,7 @@ TEST_F(PresenceWatchTest, ARefusedHandshakeIsNoAnswer) {
 TEST_F(PresenceWatchTest, AfterAStandstillNobodyIsOfflineUntilAHandshakeBegunAfterwardsIsAnswered) {
   for (const seconds standstill : {seconds(15), seconds(60)}) {
     lines_.clear();
-    robot::Robot& robot = **fleet_.FindOrAdmit({"north", "rcan://a"});
+    robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://a", "north"});
     robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
     SweepFor(seconds(1));
     AskRelay();
@@ -137,6 +144,38 @@ TEST_F(PresenceWatchTest, ASweepThatIsNoMoreThanThreeSecondsLateIsNoStandstill) 
   clock_.Advance(fleet::Fleet::kSweepLate + milliseconds(1));
   watch_.Sweep();
   EXPECT_TRUE(liveness_.behind());
+}
+
+TEST_F(PresenceWatchTest, WhoLeftMayStreamToAServerThatCannotTellAndIsNotOffline) {
+  const auto heard = [this](const char* ruri) {
+    robot::Robot& robot = **fleet_.FindOrAdmit({ruri, "north"});
+    robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+    return &robot;
+  };
+  const auto sweep = [this](seconds duration) {
+    AskRelay();
+    Answer(true);
+    SweepFor(duration);
+  };
+  robot::Robot* const gone = heard("rcan://gone");
+  for (int i = 0; i < 6; ++i) sweep(seconds(2));
+  ASSERT_EQ(gone->state.presence(), model::Presence::kOffline);
+
+  robot::Robot* const left = heard("rcan://left");
+  robot::Robot* const here = heard("rcan://here");
+  NoInbox inbox;
+  static_cast<void>(here->sessions.Attach({&inbox, 1}, clock_.Steady(), clock_.System()));
+  others_unseen_.Set(1);
+  for (int i = 0; i < 60; ++i) sweep(seconds(2));
+  EXPECT_EQ(left->state.presence(), model::Presence::kUnknown);
+  EXPECT_EQ(here->state.presence(), model::Presence::kOffline) << "it streams here, and is silent";
+  EXPECT_EQ(gone->state.presence(), model::Presence::kOffline) << "its silence was proven before";
+
+  others_unseen_.Set(0);
+  for (int i = 0; i < 5; ++i) sweep(seconds(2));
+  EXPECT_EQ(left->state.presence(), model::Presence::kUnknown) << "the other has time to tell";
+  sweep(seconds(1));
+  EXPECT_EQ(left->state.presence(), model::Presence::kOffline);
 }
 
 TEST_F(PresenceWatchTest, ARelayThatAnswersMakesNoLine) {

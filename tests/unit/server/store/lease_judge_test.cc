@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/manual_clock.h"
@@ -11,10 +12,14 @@ namespace uplink::store {
 namespace {
 
 using std::chrono::seconds;
+using ::testing::ElementsAre;
+using ::testing::Pair;
 
 constexpr storage::ProcessId kSelf{1};
 constexpr storage::ProcessId kOther{2};
 constexpr storage::ProcessId kThird{3};
+
+constexpr std::chrono::minutes kCutOffMax{10};
 
 class LeaseJudgeTest : public ::testing::Test {
  protected:
@@ -38,7 +43,8 @@ class LeaseJudgeTest : public ::testing::Test {
   bool gone_ = false;
   LeaseJudge judge_{{.self = kSelf,
                      .time_to_move = seconds(10),
-                     .is_gone = [this](std::string_view) { return gone_; }}};
+                     .is_gone = [this](std::string_view) { return gone_; },
+                     .cut_off_max = kCutOffMax}};
 };
 
 TEST_F(LeaseJudgeTest, ACounterThatGrowsIsALife) {
@@ -84,7 +90,7 @@ TEST_F(LeaseJudgeTest, WhoWasSilentIsNobodyToLeaveRobotsToAfterAGap) {
   Look({LeaseOf(kOther, 5)});
   LookOn({LeaseOf(kOther, 5)}, kSilentMax);
   EXPECT_EQ(judge_.others(), 0U);
-  judge_.NoteFailure();
+  judge_.NoteFailure(clock_.Steady());
   clock_.Advance(kLookEvery);
   Look({LeaseOf(kOther, 5)});
   EXPECT_EQ(Other(), Over::kNo) << "its silence is counted anew";
@@ -108,7 +114,7 @@ TEST_F(LeaseJudgeTest, ACounterThatGrowsIsOfNoProcessThatHasGone) {
 TEST_F(LeaseJudgeTest, ALookThatFailedBeginsTheTimeAnew) {
   Look({LeaseOf(kOther, 5)});
   LookOn({LeaseOf(kOther, 5)}, kSilentMax - kLookEvery);
-  judge_.NoteFailure();
+  judge_.NoteFailure(clock_.Steady());
   LookOn({LeaseOf(kOther, 5)}, kSilentMax);
   EXPECT_EQ(Other(), Over::kNo);
   LookOn({LeaseOf(kOther, 5)}, kLookEvery);
@@ -186,6 +192,71 @@ TEST_F(LeaseJudgeTest, WhoHasNoLeaseAtAllIsOverAfterTheSameTime) {
   EXPECT_EQ(Other(), Over::kSilent) << "it may live, and never have reached its lease";
   EXPECT_EQ(judge_.Of(kOther).counter, 0U);
   EXPECT_EQ(judge_.Of(kOther).name, model::SessionId(kOther).ToHex());
+}
+
+TEST_F(LeaseJudgeTest, WhoDoesNotRenewInTimeIsLateForAsLongAsItMayBeCutOff) {
+  Look({LeaseOf(kSelf, 1), LeaseOf(kOther, 5)});
+  clock_.Advance(kLateAfter - milliseconds(1));
+  Look({LeaseOf(kSelf, 1), LeaseOf(kOther, 5)});
+  EXPECT_TRUE(judge_.Late().empty());
+  clock_.Advance(milliseconds(1));
+  Look({LeaseOf(kSelf, 1), LeaseOf(kOther, 5)});
+  EXPECT_THAT(judge_.Late(), ElementsAre(Pair(kOther, "host:2")));
+  clock_.Advance(kCutOffMax - kLateAfter);
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_EQ(judge_.Late().size(), 1U);
+  clock_.Advance(milliseconds(1));
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_TRUE(judge_.Late().empty()) << "nobody waits for it for ever";
+}
+
+TEST_F(LeaseJudgeTest, WhoRenewsWritesOrEndsIsNotLate) {
+  const auto late = [this] {
+    Look({LeaseOf(kOther, 5)});
+    clock_.Advance(kLateAfter);
+    Look({LeaseOf(kOther, 5)});
+    return judge_.Late().size();
+  };
+  ASSERT_EQ(late(), 1U);
+  Look({LeaseOf(kOther, 6)});
+  EXPECT_TRUE(judge_.Late().empty()) << "it renewed";
+  ASSERT_EQ(late(), 1U);
+  judge_.NoteSign(kOther);
+  EXPECT_TRUE(judge_.Late().empty()) << "it wrote";
+  ASSERT_EQ(late(), 1U);
+  Look({LeaseOf(kOther, 5, true)});
+  EXPECT_TRUE(judge_.Late().empty()) << "it stopped";
+  ASSERT_EQ(late(), 1U);
+  gone_ = true;
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_TRUE(judge_.Late().empty()) << "it is not there";
+}
+
+TEST_F(LeaseJudgeTest, HowLongALeaseStoodBeforeIsAskedOfTheStore) {
+  storage::Lease lease = LeaseOf(kOther, 5);
+  lease.renewed_ago = kLateAfter;
+  Look({lease});
+  EXPECT_EQ(judge_.Late().size(), 1U);
+  lease = LeaseOf(kThird, 5);
+  lease.renewed_ago = kCutOffMax + seconds(1);
+  Look({lease});
+  EXPECT_TRUE(judge_.Late().empty()) << "it was over before this process came";
+}
+
+TEST_F(LeaseJudgeTest, IsBlindWhileItCannotLookAndNotForEver) {
+  Look({LeaseOf(kSelf, 1)});
+  EXPECT_FALSE(judge_.blind());
+  judge_.NoteFailure(clock_.Steady());
+  EXPECT_TRUE(judge_.blind());
+  clock_.Advance(kCutOffMax);
+  judge_.NoteFailure(clock_.Steady());
+  EXPECT_TRUE(judge_.blind());
+  clock_.Advance(milliseconds(1));
+  judge_.NoteFailure(clock_.Steady());
+  EXPECT_FALSE(judge_.blind());
+  Look({LeaseOf(kSelf, 1)});
+  judge_.NoteFailure(clock_.Steady());
+  EXPECT_TRUE(judge_.blind()) << "anew";
 }
 
 TEST_F(LeaseJudgeTest, OnesOwnLeaseIsNoOthers) {

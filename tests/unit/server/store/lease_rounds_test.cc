@@ -18,9 +18,11 @@
 namespace uplink::store {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr storage::ProcessId kSelf{1};
 constexpr storage::ProcessId kOther{2};
@@ -142,7 +144,8 @@ TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfASilentProcessAndCallsThemOfflineAfterA
   Pass(2 * kLookEvery);
   EXPECT_FALSE(Shown().foreign.has_value());
   EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_over process=b:2 why=silent robots=1")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late process=b:2"),
+                                  HasSubstr("process_over process=b:2 why=silent robots=1")));
   EXPECT_EQ(journal_probe_.adopted.value(), 1);
   Pass(std::chrono::minutes(59));
   EXPECT_THAT(History(), ElementsAre(model::Presence::kUnknown, model::Presence::kOnline));
@@ -199,7 +202,8 @@ TEST_F(LeaseRoundsTest, AListThatTakesLongKeepsTheLeasesInSight) {
   rounds_->Round();
   EXPECT_EQ(probe_.renewed.value(), 2) << "at the beginning, and eight seconds later";
   for (int round = 0; round < 4; ++round) rounds_->Round();
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_over process=b:2 why=silent robots=5")))
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late"),
+                                  HasSubstr("process_over process=b:2 why=silent robots=5")))
       << "those that this process may show";
 }
 
@@ -217,7 +221,8 @@ TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
   RenewOther();
   Pass(kSilentMax);
   EXPECT_TRUE(Shown().foreign.has_value());
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_fails"), HasSubstr("lease_works_again")));
+  EXPECT_THAT(lines_, Not(Contains(HasSubstr("process_over"))));
+  EXPECT_THAT(lines_, Contains(HasSubstr("lease_works_again")).Times(1));
   EXPECT_EQ(probe_.failing.value(), 0);
 }
 
@@ -309,6 +314,26 @@ TEST_F(LeaseRoundsTest, ARobotThatIsOursByAnAnswerThatNeverCameIsJudgedAgain) {
   EXPECT_FALSE(Shown().foreign.has_value());
   EXPECT_EQ(fleet_.Find(robot_->ruri)->state.held_since(), 3U - 1U);
   EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+}
+
+TEST_F(LeaseRoundsTest, AProcessThatIsLateIsCountedAndNamedOnce) {
+  RenewOther();
+  Pass(kLateAfter);
+  EXPECT_EQ(probe_.others_late.value(), 0);
+  Pass(kLookEvery);
+  EXPECT_EQ(probe_.others_late.value(), 1);
+  EXPECT_EQ(probe_.others_unseen.value(), 1);
+  Pass(kLateAfter);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late process=b:2")));
+  RenewOther();
+  Pass(kLookEvery);
+  EXPECT_EQ(probe_.others_late.value(), 0);
+  EXPECT_EQ(probe_.others_unseen.value(), 0);
+  leases_->SetAway(true);
+  Pass(kLookEvery);
+  EXPECT_EQ(probe_.others_late.value(), 0) << "its lease was in time when we looked";
+  EXPECT_EQ(probe_.others_unseen.value(), 1) << "nobody knows what it does now";
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late"), HasSubstr("lease_fails")));
 }
 
 TEST_F(LeaseRoundsTest, TheNameIsRenewedWithThePort) {
