@@ -48,6 +48,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Known robots that another server holds, by presence as that one wrote it.", kByPresence},
     {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
      "Robots that are admitted at most (limits.robots_max)."},
+    {kRobotsForgotten, "uplinkd_robots_forgotten_total", kCounter, "robots",
+     "Robots that left memory: not heard for fleet.forget_after, or for others at "
+     "limits.robots_max."},
     {kPresenceChanges, "uplinkd_presence_changes_total", kCounter, "changes",
      "Changes of presence that were stored, by what they led to.", kByPresence},
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",

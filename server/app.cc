@@ -11,6 +11,7 @@
 #include "metrics/page.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/forgetting.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
@@ -50,12 +51,22 @@ class App::Impl {
                lifecycle::PresenceLimitsOf(options_.config.presence)),
         stores_(std::move(stores)),
         writers_(stores_.writers, ContextOfWriters()),
+        forgetting_({.fleet = fleet_,
+                     .clock = options_.clock,
+                     .logger = options_.logger,
+                     .forget_after = options_.config.fleet.forget_after,
+                     .clock_vouched = [] { return true; },
+                     .release =
+                         [this](robot::Robot& robot) {
+                           journals_.Leave({.client = &robot, .robot = robot.id()});
+                         }}),
         seed_rounds_({fleet_, journals_, *stores_.reader, options_.logger,
                       options_.config.limits.robots_max,
                       store::AdoptGraceOf(stores_, options_.config.presence)}),
         leases_(std::move(stores_.leases),
                 {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
-                 options_.config.presence}),
+                 options_.config.presence, store::IsGone,
+                 [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
         store_watch_({.facts = stores_.facts,
                       .retention = [this] { return journals_.retain_error(); },
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
@@ -65,7 +76,8 @@ class App::Impl {
                   session_probe_.streams, options_.version}),
         monitor_({options_.clock, fleet_, journals_, journal_probe_, session_probe_,
                   journal_limits_, certificate_expiry, stores_.facts,
-                  [this] { return lease_probe_.failing.value() != 0; }}),
+                  [this] { return lease_probe_.failing.value() != 0; },
+                  [this] { return !seed_rounds_.done(); }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle, lease_probe_.others_unseen}),
@@ -113,8 +125,7 @@ class App::Impl {
             .process = options_.process,
             .random = options_.random,
             .limits = journal_limits_,
-            .checkpoint_every = options_.config.store.checkpoint,
-            .restored = [this] { return seed_rounds_.done(); }};
+            .checkpoint_every = options_.config.store.checkpoint};
   }
 
   lifecycle::Drain::Context ContextOfDrain() {
@@ -160,9 +171,9 @@ class App::Impl {
     fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                              SystemTime at) { journals_.NotePresence(robot, presence, at); });
     store_watch_.LookAtFacts();
-    absl::Status read = seed_rounds_.Begin(stores_.away);
-    if (read.ok() && stores_.away.ok()) leases_.Round();
-    return read;
+    seed_rounds_.Begin(stores_.away);
+    if (stores_.away.ok()) leases_.Round();
+    return absl::OkStatus();
   }
 
   absl::Status ListenForHttp() {
@@ -200,7 +211,9 @@ class App::Impl {
   [[nodiscard]] lifecycle::PeriodicWork WorkToDo() {
     lifecycle::PeriodicWork work;
     work.sweep = [this] {
-      if (!monitor_.draining()) watch_.Sweep();  // whom it sends away is not heard, and not offline
+      if (monitor_.draining()) return;  // whom it sends away is not heard, and not offline
+      watch_.Sweep();
+      forgetting_.Round();
     };
     work.look_at_certificate = [this] {
       const relay::FilesLook look = relay_->RefreshFiles();
@@ -262,6 +275,7 @@ class App::Impl {
   store::Stores stores_;
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();
+  fleet::Forgetting forgetting_;
   store::SeedRounds seed_rounds_;
   store::LeaseRounds leases_;
   store::Watch store_watch_;

@@ -76,6 +76,8 @@ struct Page {
 struct RobotRow {
   model::RobotId robot;
   SystemTime first_seen;
+  /// When it was heard last: it opened a stream, a message of it was committed, or a checkpoint
+  /// names a later sign of life.
   SystemTime last_seen;
   /// The last presence change that the store has.
   std::optional<model::Presence> last_presence;
@@ -123,8 +125,11 @@ class Reader {
  public:
   virtual ~Reader() = default;
 
-  /// Robots that ever opened a stream, by RURI, at most `robots_max`.
+  /// Robots that ever opened a stream, at most `robots_max`: those heard last first, of several at
+  /// one time by RURI.
   [[nodiscard]] virtual absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) = 0;
+  /// How many robots ever opened a stream.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> RobotCount() = 0;
 
   // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained) \

@@ -99,6 +99,11 @@ struct LimitsConfig {
   milliseconds connection_age_max{0};
 };
 
+struct FleetConfig {
+  /// Zero: never.
+  milliseconds forget_after = std::chrono::days(30);
+};
+
 struct PresenceConfig {
   milliseconds timeout = std::chrono::seconds(10);
   milliseconds startup_grace = std::chrono::minutes(2);
@@ -148,6 +153,7 @@ struct Config {
   IdentityConfig identity;
   StoreConfig store;
   JournalConfig journal;
+  FleetConfig fleet;
   LimitsConfig limits;
   PresenceConfig presence;
   ForwardConfig forward;

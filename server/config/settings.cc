@@ -55,12 +55,13 @@ constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 12> kSections = {{
+constexpr std::array<Section, 13> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
     {"store", "Where durable records go."},
     {"journal", "The queue between sessions and the store. Past a bound, streams are held back."},
+    {"fleet", "Which robots the server knows."},
     {"limits", "Bounds on what robots send and on what the server keeps of them."},
     {"presence", "When a robot counts as online or offline."},
     {"forward", "What robots report for others: shapes and objects."},
@@ -232,6 +233,17 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "Records of one transaction; at most journal.records_max.",
      UPLINK_BIND(journal, JournalConfig, batch_records_max)},
 
+    {.section = "fleet",
+     .key = "forget_after",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = 3650 * kDay,
+     .zero = "never",
+     .text =
+         "A robot without a stream for so long leaves memory, lists and series. The store keeps "
+         "what it has of it, and it is there again when it speaks.",
+     UPLINK_BIND(fleet, FleetConfig, forget_after)},
+
     {.section = "limits",
      .key = "payload_bytes_max",
      .kind = Kind::kBytes,
@@ -288,7 +300,10 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kCount,
      .min = 1,
      .max = 1'000'000,
-     .text = "Robots that the server holds state of; at it, streams of further robots are refused.",
+     .text =
+         "Robots that the server holds state of; at it the one that was silent for longest, "
+         "without a stream, leaves memory for one that speaks, and with none streams of further "
+         "robots are refused.",
      UPLINK_BIND(limits, LimitsConfig, robots_max)},
     {.section = "limits",
      .key = "session_idle",

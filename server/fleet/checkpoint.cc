@@ -21,7 +21,6 @@ void CountAsChanged(robot::Robot& robot, const storage::LiveRow& row) {
 void Checkpoint::BeginRound() {
   left_.clear();
   round_bytes_ = 0;
-  if (!sources_.restored()) return;
   left_ = sources_.fleet.All();
   if (left_.empty()) return;
   const auto first = static_cast<std::ptrdiff_t>(looked_at_ % left_.size());
@@ -34,7 +33,7 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
   std::size_t bytes = 0;
   while (!left_.empty() && rows.size() < rows_max && bytes < storage::kCheckpointBytesMax &&
          round_bytes_ < kCheckpointRoundBytesMax) {
-    robot::Robot* robot = left_.back();
+    const RobotPtr robot = std::move(left_.back());
     left_.pop_back();
     ++looked_at_;
     if (!sources_.writes(robot->ruri())) continue;
@@ -56,12 +55,12 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
 
 void Checkpoint::PutBack(std::span<const storage::LiveRow> rows) {
   for (const storage::LiveRow& row : rows) {
-    if (robot::Robot* robot = sources_.fleet.Find(row.ruri)) CountAsChanged(*robot, row);
+    if (const RobotPtr robot = sources_.fleet.Find(row.ruri)) CountAsChanged(*robot, row);
   }
 }
 
 void Checkpoint::PassedOver(const storage::LiveRow& row) {
-  robot::Robot* robot = sources_.fleet.Find(row.ruri);
+  const RobotPtr robot = sources_.fleet.Find(row.ruri);
   // With a stream here it is ours as soon as the store has opened that; else it went elsewhere.
   if (robot != nullptr && robot->sessions.View().connected) CountAsChanged(*robot, row);
 }

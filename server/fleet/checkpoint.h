@@ -25,8 +25,6 @@ class Checkpoint final : public LiveSource {
     const Fleet& fleet;
     /// Whether a robot, by its RURI, is this journal's.
     std::function<bool(std::string_view ruri)> writes;
-    /// Whether what the store had of the robots was read: before, nothing may be written over it.
-    std::function<bool()> restored;
   };
   /// The fleet outlives it.
   explicit Checkpoint(Sources sources) : sources_(std::move(sources)) {}
@@ -39,7 +37,7 @@ class Checkpoint final : public LiveSource {
  private:
   const Sources sources_;
   /// The robots of the round that were not looked at yet, the next one last.
-  std::vector<robot::Robot*> left_;
+  std::vector<RobotPtr> left_;
   std::size_t round_bytes_ = 0;
   /// How many robots earlier rounds looked at: each begins where the last one ended.
   std::size_t looked_at_ = 0;

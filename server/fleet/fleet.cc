@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,54 +20,119 @@ const Fleet::Shard& Fleet::ShardOf(std::string_view ruri) const {
   return shards_[std::hash<std::string_view>{}(ruri) % kShards];
 }
 
-absl::StatusOr<robot::Robot*> Fleet::FindOrAdmit(const model::RobotId& id) {
+absl::StatusOr<RobotPtr> Fleet::FindOrAdmit(const model::RobotId& id) {
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(id.ruri);
-  if (found == shard.robots.end()) return Admit(shard, id);
+  if (found == shard.robots.end()) {
+    if (!TakePlace() && !(MakeRoom() && TakePlace())) return Full();
+    return Admit(shard, id);
+  }
+  // It was there when somebody took its place: so many more there are, and kLeavingMax bounds them.
+  if (found->second->Stay()) leaving_.fetch_sub(1);
   found->second->SetFleet(id.fleet);
-  return found->second.get();
+  return found->second;
 }
 
-absl::StatusOr<robot::Robot*> Fleet::AdmitNew(const model::RobotId& id) {
+absl::StatusOr<RobotPtr> Fleet::AdmitNew(const model::RobotId& id) {
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   if (shard.robots.contains(id.ruri)) return nullptr;
+  if (!TakePlace()) return Full();
   return Admit(shard, id);
 }
 
-absl::StatusOr<robot::Robot*> Fleet::Admit(Shard& shard, const model::RobotId& id) {
-  if (size_.fetch_add(1) >= robots_max_) {
-    size_.fetch_sub(1);
-    return absl::ResourceExhaustedError(
-        fmt::format("the server admits no more than {} robots (limits.robots_max)", robots_max_));
-  }
-  auto robot = std::make_unique<robot::Robot>(std::make_shared<const model::RobotId>(id), started_,
-                                              clock_, changed_);
-  robot::Robot* admitted = robot.get();
-  shard.robots.emplace(id.ruri, std::move(robot));
-  const std::lock_guard lock(admitted_mutex_);
-  admitted_.push_back(admitted);
-  return admitted;
+bool Fleet::TakePlace() {
+  if (all_.fetch_add(1) < robots_max_ + leaving_.load()) return true;
+  all_.fetch_sub(1);
+  return false;
 }
 
-robot::Robot* Fleet::Find(std::string_view ruri) const {
+absl::Status Fleet::Full() const {
+  return absl::ResourceExhaustedError(
+      fmt::format("the server admits no more than {} robots (limits.robots_max)", robots_max_));
+}
+
+RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id) {
+  auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(id), started_,
+                                              clock_, changed_);
+  shard.robots.emplace(id.ruri, robot);
+  changes_.fetch_add(1);
+  const std::lock_guard lock(admitted_mutex_);
+  admitted_.push_back(robot);
+  return robot;
+}
+
+RobotPtr Fleet::Find(std::string_view ruri) const {
   const Shard& shard = ShardOf(ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(std::string(ruri));
-  return found == shard.robots.end() ? nullptr : found->second.get();
+  return found == shard.robots.end() ? nullptr : found->second;
 }
 
-std::vector<robot::Robot*> Fleet::All() const {
+std::vector<RobotPtr> Fleet::All() const {
   const std::lock_guard lock(admitted_mutex_);
   return admitted_;
 }
 
-std::vector<robot::Robot*> Fleet::Sorted() const {
-  std::vector<robot::Robot*> robots = All();
+std::vector<RobotPtr> Fleet::Sorted() const {
+  std::vector<RobotPtr> robots = All();
   std::ranges::sort(robots, {},
-                    [](const robot::Robot* robot) -> const std::string& { return robot->ruri(); });
+                    [](const RobotPtr& robot) -> const std::string& { return robot->ruri(); });
   return robots;
+}
+
+void Fleet::SetRoom(std::vector<std::weak_ptr<robot::Robot>> room) {
+  const std::lock_guard lock(room_mutex_);
+  room_ = std::move(room);
+}
+
+bool Fleet::MakeRoom() {
+  const std::lock_guard lock(room_mutex_);
+  while (!room_.empty()) {
+    const RobotPtr robot = room_.back().lock();
+    room_.pop_back();
+    if (robot != nullptr && robot->idle() && BeginLeaving(*robot)) return true;
+  }
+  return false;
+}
+
+bool Fleet::BeginLeaving(robot::Robot& robot) {
+  if (leaving_.load() >= kLeavingMax || !robot.BeginLeaving()) return false;
+  leaving_.fetch_add(1);
+  return true;
+}
+
+std::vector<RobotPtr> Fleet::Leaving() const {
+  std::vector<RobotPtr> leaving;
+  if (leaving_.load() == 0) return leaving;
+  const std::lock_guard lock(admitted_mutex_);
+  std::ranges::copy_if(admitted_, std::back_inserter(leaving),
+                       [](const RobotPtr& robot) { return robot->leaving(); });
+  return leaving;
+}
+
+std::vector<RobotPtr> Fleet::RemoveLeft() {
+  std::vector<RobotPtr> left = Leaving();
+  std::erase_if(left, [this](RobotPtr& robot) { return !Remove(robot); });
+  return left;
+}
+
+bool Fleet::Remove(const RobotPtr& robot) {
+  // The caller's, the shard's and the list's.
+  constexpr long kKeptByUs = 3;
+  Shard& shard = ShardOf(robot->ruri());
+  const std::lock_guard lock(shard.mutex);
+  const std::lock_guard admitted_lock(admitted_mutex_);
+  // Nobody can get at it while both locks are held; who has it already may go on with it.
+  if (!robot->left() || robot.use_count() != kKeptByUs) return false;
+  std::erase(admitted_, robot);
+  shard.robots.erase(robot->ruri());
+  leaving_.fetch_sub(1);
+  all_.fetch_sub(1);
+  changes_.fetch_add(1);
+  forgotten_.fetch_add(1);
+  return true;
 }
 
 void PresenceTally::Count(robot::Presence presence) {
@@ -92,7 +158,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   const SteadyTime last = last_sweep_.exchange(steady);
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
   stood_still_.store(stalled);
-  for (robot::Robot* robot : All()) {
+  for (const RobotPtr& robot : All()) {
     const bool unheard =
         hearing == Hearing::kBehind || (hearing == Hearing::kHereAlone && !robot->HasStream());
     if (stalled || unheard) robot->state.NoteStall(steady);

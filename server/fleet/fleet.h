@@ -35,7 +35,14 @@ struct PresenceCounts : PresenceTally {
   PresenceTally elsewhere;
 };
 
-/// All robots by RURI, at most `robots_max`. Thread-safe.
+/// A robot of the fleet: whoever keeps it for longer than a look keeps it alive.
+using RobotPtr = std::shared_ptr<robot::Robot>;
+
+/// Robots beyond `robots_max` that are on their way out of memory, at most: so many robots may come
+/// at once into a full fleet.
+inline constexpr std::size_t kLeavingMax = 1'024;
+
+/// All robots by RURI, at most `robots_max`, beside those that are leaving memory. Thread-safe.
 class Fleet final {
  public:
   Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence);
@@ -43,20 +50,37 @@ class Fleet final {
   /// Before the first robot and the first thread.
   void OnPresence(robot::PresenceChanged changed) { changed_ = std::move(changed); }
 
-  /// The robot, admitted if it is new; kResourceExhausted at robots_max.
-  [[nodiscard]] absl::StatusOr<robot::Robot*> FindOrAdmit(const model::RobotId& id);
-  /// The robot, admitted, or null if it is known already: then nothing of it changes. Errors: as
-  /// FindOrAdmit.
-  [[nodiscard]] absl::StatusOr<robot::Robot*> AdmitNew(const model::RobotId& id);
-  /// Null if it was never seen.
-  [[nodiscard]] robot::Robot* Find(std::string_view ruri) const;
+  /// The robot, which speaks; admitted if it is new, and no more leaving. At robots_max another one
+  /// leaves for it (SetRoom); kResourceExhausted if none can.
+  [[nodiscard]] absl::StatusOr<RobotPtr> FindOrAdmit(const model::RobotId& id);
+  /// The robot, admitted, or null if it is known already: then nothing of it changes.
+  /// kResourceExhausted at robots_max.
+  [[nodiscard]] absl::StatusOr<RobotPtr> AdmitNew(const model::RobotId& id);
+  /// Null if it is not known, or left.
+  [[nodiscard]] RobotPtr Find(std::string_view ruri) const;
   /// All robots, in the order in which they were admitted.
-  [[nodiscard]] std::vector<robot::Robot*> All() const;
+  [[nodiscard]] std::vector<RobotPtr> All() const;
   /// All robots by RURI.
-  [[nodiscard]] std::vector<robot::Robot*> Sorted() const;
-  [[nodiscard]] std::size_t size() const { return size_.load(); }
+  [[nodiscard]] std::vector<RobotPtr> Sorted() const;
+  /// Those that are leaving not counted.
+  [[nodiscard]] std::size_t size() const { return all_.load() - leaving_.load(); }
   [[nodiscard]] std::size_t robots_max() const { return robots_max_; }
-  [[nodiscard]] bool full() const { return size() >= robots_max_; }
+  /// Robots that left, since the start.
+  [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
+  /// Grows whenever a robot comes or goes.
+  [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
+
+  // --- Leaving memory ---
+
+  /// Who may leave for a robot that speaks at robots_max, the first to leave last. Those that are
+  /// not idle by then stay.
+  void SetRoom(std::vector<std::weak_ptr<robot::Robot>> room);
+  /// The robot is to leave, unless kLeavingMax do. False if it is leaving already, or may not.
+  bool BeginLeaving(robot::Robot& robot);
+  /// Those that are leaving, of whom the journal is to let go.
+  [[nodiscard]] std::vector<RobotPtr> Leaving() const;
+  /// Removes those of whom the journal let go, and whom nobody keeps. Returns them.
+  std::vector<RobotPtr> RemoveLeft();
 
   [[nodiscard]] const robot::PresenceLimits& presence_limits() const { return presence_; }
   [[nodiscard]] SteadyTime server_started() const { return started_; }
@@ -87,10 +111,17 @@ class Fleet final {
   static constexpr std::size_t kShards = 64;
   struct Shard {
     mutable std::mutex mutex;
-    std::unordered_map<std::string, std::unique_ptr<robot::Robot>> robots;
+    std::unordered_map<std::string, RobotPtr> robots;
   };
-  /// With the shard's lock held.
-  [[nodiscard]] absl::StatusOr<robot::Robot*> Admit(Shard& shard, const model::RobotId& id);
+  /// With the shard's lock held, and a place taken.
+  [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id);
+  /// False at robots_max.
+  bool TakePlace();
+  [[nodiscard]] absl::Status Full() const;
+  /// Another robot begins to leave. False if none can.
+  bool MakeRoom();
+  /// False if somebody keeps the robot, or it stays.
+  bool Remove(const RobotPtr& robot);
   [[nodiscard]] Shard& ShardOf(std::string_view ruri);
   [[nodiscard]] const Shard& ShardOf(std::string_view ruri) const;
 
@@ -103,10 +134,16 @@ class Fleet final {
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
   std::atomic<bool> stood_still_{false};
   std::array<Shard, kShards> shards_;
-  std::atomic<std::size_t> size_{0};
+  /// Places that are taken: admitted robots, and those that are about to be.
+  std::atomic<std::size_t> all_{0};
+  std::atomic<std::size_t> leaving_{0};
+  std::atomic<std::uint64_t> changes_{0};
+  std::atomic<std::uint64_t> forgotten_{0};
   mutable std::mutex admitted_mutex_;
-  /// In order. Robots are never forgotten, so it only grows.
-  std::vector<robot::Robot*> admitted_;
+  /// In order.
+  std::vector<RobotPtr> admitted_;
+  std::mutex room_mutex_;
+  std::vector<std::weak_ptr<robot::Robot>> room_;
   mutable std::mutex counts_mutex_;
   PresenceCounts counts_;
 };

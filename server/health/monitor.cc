@@ -18,7 +18,8 @@ Readiness Monitor::readiness() const {
       .certificate_expiry = certificate_expiry(),
       .certificate_fits = certificate_fits_.load(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
-      .store_failing = sources_.journal_probe.store_failing.value() != 0,
+      .store_failing =
+          sources_.journal_probe.store_failing.value() != 0 || sources_.robots_unread(),
       .store_unsafe = store.unsafe,
       .store_old_snapshot = store.old_snapshot(),
       .lease_failing = sources_.lease_failing(),

@@ -30,6 +30,8 @@ class Monitor final {
     /// As they are now.
     std::function<storage::StoreFacts()> store_facts = [] { return storage::StoreFacts(); };
     std::function<bool()> lease_failing = [] { return false; };
+    /// The robots that the store knows could not be read yet.
+    std::function<bool()> robots_unread = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

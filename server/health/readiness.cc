@@ -13,7 +13,6 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
   if (facts.draining) readiness.refuses.emplace_back("draining");
   const bool expired = facts.certificate_expiry <= facts.now;
   if (expired) readiness.refuses.emplace_back("certificate_expired");
-  if (facts.robots.used >= facts.robots.limit) readiness.refuses.emplace_back("robots_max");
 
   if (facts.store_failing) readiness.degraded.emplace_back("store");
   if (facts.store_unsafe) readiness.degraded.emplace_back("store_unsafe");
@@ -24,6 +23,7 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
     readiness.degraded.emplace_back("journal_backlog");
   }
   if (facts.relay_behind) readiness.degraded.emplace_back("relay_behind");
+  if (facts.robots.reaches(kRobotsPercent)) readiness.degraded.emplace_back("robots_max");
   if (!expired && facts.certificate_expiry - facts.now < kCertificateNotice) {
     readiness.degraded.emplace_back("certificate_expiring");
   }

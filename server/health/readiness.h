@@ -13,6 +13,8 @@ namespace uplink::health {
 /// older.
 inline constexpr std::size_t kBacklogPercent = 80;
 inline constexpr std::chrono::seconds kBacklogAge{60};
+/// A fleet is nearly full from this share of limits.robots_max on.
+inline constexpr std::size_t kRobotsPercent = 90;
 /// Descriptors count as short above this share of what the process may open.
 inline constexpr std::size_t kDescriptorsPercent = 90;
 /// A certificate is reported for so long before it expires.
@@ -24,6 +26,7 @@ struct Fill {
   std::size_t limit = 0;
 
   [[nodiscard]] bool above(std::size_t percent) const { return used * 100 > limit * percent; }
+  [[nodiscard]] bool reaches(std::size_t percent) const { return used * 100 >= limit * percent; }
 };
 
 /// All that readiness depends on. A value.
@@ -51,10 +54,10 @@ struct ReadinessFacts {
 
 /// What /readyz says. A value.
 struct Readiness {
-  /// Why a new stream would be refused: draining, certificate_expired, robots_max.
+  /// Why a known robot's new stream would be refused: draining, certificate_expired.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, store_unsafe,
-  /// store_old_snapshot, lease, journal_backlog, relay_behind, certificate_expiring,
+  /// store_old_snapshot, lease, journal_backlog, relay_behind, robots_max, certificate_expiring,
   /// certificate_mismatch, descriptors.
   std::vector<std::string> degraded;
 

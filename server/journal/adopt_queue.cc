@@ -15,21 +15,27 @@ milliseconds AdoptGrace::Of(storage::HolderEnd end) const {
 }
 
 bool AdoptQueue::Push(AdoptEntry entry) {
-  if (!adopting_.insert(entry.client).second) return false;
+  if (!adopting_.insert(entry.client.get()).second) return false;
   adopts_.push_back(std::move(entry));
   return true;
 }
 
 bool AdoptQueue::Push(LossEntry entry) {
-  if (!lost_.insert(entry.client).second) return false;
+  if (!lost_.insert(entry.client.get()).second) return false;
   losses_.push_back(std::move(entry));
+  return true;
+}
+
+bool AdoptQueue::Push(LeaveEntry entry) {
+  if (!leaving_.insert(entry.client.get()).second) return false;
+  leaves_.push_back(std::move(entry));
   return true;
 }
 
 std::vector<AdoptEntry> AdoptQueue::TakeAdopts(std::size_t most) {
   std::vector<AdoptEntry> taken;
   while (!adopts_.empty() && taken.size() < most) {
-    adopting_.erase(adopts_.front().client);
+    adopting_.erase(adopts_.front().client.get());
     taken.push_back(std::move(adopts_.front()));
     adopts_.pop_front();
   }
@@ -39,6 +45,11 @@ std::vector<AdoptEntry> AdoptQueue::TakeAdopts(std::size_t most) {
 std::vector<LossEntry> AdoptQueue::TakeLosses() {
   lost_.clear();
   return std::exchange(losses_, {});
+}
+
+std::vector<LeaveEntry> AdoptQueue::TakeLeaves() {
+  leaving_.clear();
+  return std::exchange(leaves_, {});
 }
 
 }  // namespace uplink::journal

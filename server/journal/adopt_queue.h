@@ -23,22 +23,28 @@ struct AdoptGrace {
 
 /// A robot whose holder is over.
 struct AdoptEntry {
-  robot::CommitClient* client = nullptr;
+  robot::ClientRef client;
   storage::AdoptRequest request;
   AdoptGrace grace;
 };
 
 /// A robot that another process holds since an epoch.
 struct LossEntry {
-  robot::CommitClient* client = nullptr;
+  robot::ClientRef client;
   storage::RobotRef robot;
   storage::Epoch since = 0;
 };
 
-/// What is told of robots that change hands: those to be adopted and those that were lost, in
-/// order, each robot at most once in either.
+/// A robot that is to leave memory (CommitClient::MayLeave).
+struct LeaveEntry {
+  robot::ClientRef client;
+  storage::RobotRef robot;
+};
+
+/// What is told of robots that change hands: those to be adopted, those that were lost and those
+/// that leave memory, in order, each robot at most once in each.
 ///
-/// Limits: two entries per robot (limits.robots_max).
+/// Limits: three entries per robot (limits.robots_max).
 /// Thread: confined to its owner's lock.
 class AdoptQueue final {
  public:
@@ -46,18 +52,23 @@ class AdoptQueue final {
   bool Push(AdoptEntry entry);
   /// False if it waits to be let go already.
   bool Push(LossEntry entry);
+  /// False if it waits to leave already.
+  bool Push(LeaveEntry entry);
 
   /// Takes the first ones, at most `most`. They may be pushed again from now on.
   [[nodiscard]] std::vector<AdoptEntry> TakeAdopts(std::size_t most);
   [[nodiscard]] std::vector<LossEntry> TakeLosses();
+  [[nodiscard]] std::vector<LeaveEntry> TakeLeaves();
 
-  [[nodiscard]] bool empty() const { return adopts_.empty() && losses_.empty(); }
+  [[nodiscard]] bool empty() const { return adopts_.empty() && losses_.empty() && leaves_.empty(); }
 
  private:
   std::deque<AdoptEntry> adopts_;
   std::unordered_set<robot::CommitClient*> adopting_;
   std::vector<LossEntry> losses_;
   std::unordered_set<robot::CommitClient*> lost_;
+  std::vector<LeaveEntry> leaves_;
+  std::unordered_set<robot::CommitClient*> leaving_;
 };
 
 }  // namespace uplink::journal

@@ -12,6 +12,7 @@ Adopting::Adopting(const WriterContext& context, Holds& holds)
 
 std::optional<Step> Adopting::Advance() {
   LetGo();
+  LetLeave();
   if (adopting_.empty()) adopting_ = context_.inbox.TakeAdopts(size_.now());
   if (adopting_.empty()) return std::nullopt;
   return Adopt();
@@ -22,6 +23,14 @@ void Adopting::LetGo() {
     const storage::Epoch held_since = holds_.robots().Since(*loss.client);
     if (held_since == 0 || held_since >= loss.since) continue;
     holds_.Lose(*loss.client, loss.robot).Wake();
+  }
+}
+
+void Adopting::LetLeave() {
+  for (const LeaveEntry& leave : context_.inbox.TakeLeaves()) {
+    if (!leave.client->MayLeave() || context_.inbox.PresenceWaits(leave.robot->ruri)) continue;
+    holds_.Lose(*leave.client, leave.robot).Wake();
+    leave.client->OnLeft();
   }
 }
 

@@ -27,6 +27,7 @@ class Adopting final {
 
  private:
   void LetGo();
+  void LetLeave();
   Step Adopt();
 
   const WriterContext context_;

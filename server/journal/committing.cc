@@ -60,7 +60,7 @@ Step Committing::Commit() {
 void Committing::DropVoid() {
   const GatheredBatch::Dropped dropped = batch_.DropVoid();
   // Their robots' next streams may be held back for them.
-  for (robot::CommitClient* client : dropped.gap_clients) client->OnGapsWritten(1).Wake();
+  for (const robot::ClientRef& client : dropped.gap_clients) client->OnGapsWritten(1).Wake();
   if (dropped.entries == 0) return;
   context_.inbox.Release(
       {.records = dropped.entries, .bytes = dropped.bytes, .batch_ended = batch_.entries() == 0});

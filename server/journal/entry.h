@@ -12,7 +12,7 @@ namespace uplink::journal {
 
 /// From which robot and when a record or gap came, and what it costs while it waits.
 struct Origin {
-  robot::CommitClient* client = nullptr;
+  robot::ClientRef client;
   /// The client's when the record's stream began.
   std::uint64_t generation = 0;
   SteadyTime arrived;

@@ -24,7 +24,7 @@ std::vector<Origin> DropVoidFrom(std::vector<Item>& items, std::vector<Origin>& 
       continue;
     }
     if (kept != i) {
-      origins[kept] = origins[i];
+      origins[kept] = std::move(origins[i]);
       items[kept] = std::move(items[i]);
     }
     ++kept;
@@ -39,7 +39,7 @@ void MoveRest(std::vector<Item>& items, std::vector<Origin>& origins, std::size_
               std::vector<Entry>& rest) {
   if (origins.size() <= keep) return;
   for (std::size_t i = keep; i < origins.size(); ++i) {
-    rest.push_back({.origin = origins[i], .item = std::move(items[i])});
+    rest.push_back({.origin = std::move(origins[i]), .item = std::move(items[i])});
   }
   origins.resize(keep);
   items.erase(items.begin() + static_cast<std::ptrdiff_t>(keep), items.end());
@@ -50,10 +50,10 @@ void MoveRest(std::vector<Item>& items, std::vector<Origin>& origins, std::size_
 void GatheredBatch::Add(Entry entry) {
   if (auto* record = std::get_if<storage::CommitRecord>(&entry.item)) {
     batch_.records.push_back(std::move(*record));
-    origins_.push_back(entry.origin);
+    origins_.push_back(std::move(entry.origin));
   } else {
     batch_.gaps.push_back(std::move(std::get<storage::GapItem>(entry.item)));
-    gap_origins_.push_back(entry.origin);
+    gap_origins_.push_back(std::move(entry.origin));
   }
 }
 

@@ -42,7 +42,7 @@ class GatheredBatch final {
     std::size_t entries = 0;
     std::size_t bytes = 0;
     /// Whose gaps were dropped, once per gap.
-    std::vector<robot::CommitClient*> gap_clients;
+    std::vector<robot::ClientRef> gap_clients;
   };
   /// Drops the records and gaps that became void.
   [[nodiscard]] Dropped DropVoid();

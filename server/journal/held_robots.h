@@ -30,7 +30,7 @@ class HeldRobots final {
 
   /// A robot's first OpenStream goes before its first records; what is void is only dropped.
   [[nodiscard]] bool MayCommit(const Origin& origin) const {
-    return since_.contains(origin.client) || origin.IsVoid();
+    return since_.contains(origin.client.get()) || origin.IsVoid();
   }
   /// 0 of a robot that is not held.
   [[nodiscard]] storage::Epoch Since(robot::CommitClient& client) const {

@@ -70,6 +70,14 @@ void Inbox::Lose(LossEntry entry) {
   work_.notify_one();
 }
 
+void Inbox::Leave(LeaveEntry entry) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!adopts_.Push(std::move(entry))) return;
+  }
+  work_.notify_one();
+}
+
 void Inbox::RequestCheckpoint() {
   {
     const std::lock_guard lock(mutex_);

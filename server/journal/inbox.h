@@ -39,6 +39,7 @@ class Inbox final {
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
   void Adopt(AdoptEntry entry);
   void Lose(LossEntry entry);
+  void Leave(LeaveEntry entry);
   void RequestCheckpoint();
 
   [[nodiscard]] bool HasRoom() const {

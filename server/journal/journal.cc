@@ -50,6 +50,8 @@ void Journal::Adopt(AdoptEntry entry) { inbox_.Adopt(std::move(entry)); }
 
 void Journal::Lose(LossEntry entry) { inbox_.Lose(std::move(entry)); }
 
+void Journal::Leave(LeaveEntry entry) { inbox_.Leave(std::move(entry)); }
+
 void Journal::CheckpointFrom(fleet::LiveSource& live, milliseconds every) {
   checkpoints_ = true;
   turns_->CheckpointFrom(live, every);

@@ -64,6 +64,9 @@ class Journal final {
   /// Another process holds the robot since an epoch: it is let go, unless this process holds it
   /// since a later one.
   void Lose(LossEntry entry);
+  /// The robot is to leave memory: unless something of it waits, the journal forgets it, and tells
+  /// it so. What is not done now is to be asked for again.
+  void Leave(LeaveEntry entry);
 
   /// The live states that this journal checkpoints each `every`, alternately with what waits.
   /// `live` outlives the journal.

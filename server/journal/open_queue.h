@@ -13,7 +13,7 @@ namespace uplink::journal {
 
 /// A stream that was asked for and is not open yet.
 struct OpenEntry {
-  robot::CommitClient* client = nullptr;
+  robot::ClientRef client;
   std::uint64_t open_id = 0;
   storage::OpenRequest request;
 };

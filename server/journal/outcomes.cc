@@ -45,13 +45,13 @@ ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes
     storage::Outcome outcome = OutcomeOf(origin, std::move(outcomes[i]));
     if (outcome.kind == storage::OutcomeKind::kFenced) {
       const auto client = [](const auto& fenced) { return fenced.first; };
-      if (std::ranges::find(sorted.fenced, origin.client, client) == sorted.fenced.end()) {
-        sorted.fenced.emplace_back(origin.client, batch.batch().records[i].robot);
+      if (std::ranges::find(sorted.fenced, origin.client.get(), client) == sorted.fenced.end()) {
+        sorted.fenced.emplace_back(origin.client.get(), batch.batch().records[i].robot);
       }
       continue;
     }
-    const auto [at, first] = index.try_emplace(origin.client, sorted.settled.size());
-    if (first) sorted.settled.emplace_back(origin.client, std::vector<robot::Settled>{});
+    const auto [at, first] = index.try_emplace(origin.client.get(), sorted.settled.size());
+    if (first) sorted.settled.emplace_back(origin.client.get(), std::vector<robot::Settled>{});
     sorted.settled[at->second].second.push_back(
         SettledOf(batch.batch().records[i], origin, std::move(outcome)));
   }

@@ -53,6 +53,13 @@ std::vector<storage::PresenceItem> PresenceLog::Take(std::size_t items_max) {
   return items;
 }
 
+bool PresenceLog::waits(const std::string& ruri) const {
+  return waiting_.contains(ruri) ||
+         std::ranges::any_of(put_back_, [&](const storage::PresenceItem& item) {
+           return item.robot->ruri == ruri;
+         });
+}
+
 void PresenceLog::PutBack(std::vector<storage::PresenceItem> items) {
   put_back_.insert(put_back_.begin(), std::make_move_iterator(items.begin()),
                    std::make_move_iterator(items.end()));

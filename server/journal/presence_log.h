@@ -41,6 +41,8 @@ class PresenceLog final {
   /// So many of those that were taken are committed.
   void CountCommitted(std::size_t count) { uncommitted_.fetch_sub(count); }
 
+  /// A change of the robot waits to be handed over, for the first time or again.
+  [[nodiscard]] bool waits(const std::string& ruri) const;
   /// No change may be handed over for the first time.
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
   /// How many changes may be handed over for the first time.

@@ -33,6 +33,10 @@ class Shards final {
     Journal& journal = Of(entry.robot->ruri);
     journal.Lose(std::move(entry));
   }
+  void Leave(LeaveEntry entry) const {
+    Journal& journal = Of(entry.robot->ruri);
+    journal.Leave(std::move(entry));
+  }
 
   /// As Journal's, in all journals.
   void RequestCheckpoint() const {

@@ -32,6 +32,16 @@ std::vector<LossEntry> WriterInbox::TakeLosses() {
   return inbox_.adopts_.TakeLosses();
 }
 
+std::vector<LeaveEntry> WriterInbox::TakeLeaves() {
+  const std::lock_guard lock(inbox_.mutex_);
+  return inbox_.adopts_.TakeLeaves();
+}
+
+bool WriterInbox::PresenceWaits(const std::string& ruri) const {
+  const std::lock_guard lock(inbox_.mutex_);
+  return inbox_.presence_.waits(ruri);
+}
+
 void WriterInbox::HoldPresence(const std::string& ruri, storage::Epoch since,
                                const std::optional<storage::StoredPresence>& stored) {
   const std::lock_guard lock(inbox_.mutex_);

@@ -41,10 +41,13 @@ class WriterInbox final {
   /// One that was taken, after those that wait.
   void AdoptLater(AdoptEntry entry);
   [[nodiscard]] std::vector<LossEntry> TakeLosses();
+  [[nodiscard]] std::vector<LeaveEntry> TakeLeaves();
   /// PresenceLog::Hold and Lose.
   void HoldPresence(const std::string& ruri, storage::Epoch since,
                     const std::optional<storage::StoredPresence>& stored);
   void LosePresence(const std::string& ruri);
+  /// PresenceLog::waits.
+  [[nodiscard]] bool PresenceWaits(const std::string& ruri) const;
 
   // --- Batches ---
 

@@ -46,7 +46,7 @@ void Drain::Run() {
 void Drain::EndPresence() {
   // Whoever takes a robot over goes on with its presence.
   if (context_.leave()) return;
-  for (const robot::Robot* robot : context_.fleet.Sorted()) {
+  for (const fleet::RobotPtr& robot : context_.fleet.Sorted()) {
     if (robot->state.held_since() == 0) continue;
     if (robot->state.presence() == model::Presence::kUnknown) continue;
     context_.journals.NotePresence(robot->id(), model::Presence::kUnknown, context_.clock.System());

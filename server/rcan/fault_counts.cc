@@ -9,7 +9,7 @@ namespace uplink::rcan {
 
 absl::Status FaultCounts::Refresh(const fleet::Fleet& fleet, storage::Reader& reader) {
   std::vector<std::string> ruris;
-  for (const robot::Robot* robot : fleet.All()) ruris.push_back(robot->ruri());
+  for (const fleet::RobotPtr& robot : fleet.All()) ruris.push_back(robot->ruri());
   auto counts = std::make_shared<Map>();
   for (std::span<const std::string> left = ruris; !left.empty();) {
     const std::size_t now = std::min(left.size(), kFaultCountsRobots);

@@ -1,6 +1,7 @@
 #include "server/rcan/scrape.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "metrics/gzip.h"
 #include "server/rcan/robot_series.h"
@@ -19,9 +20,19 @@ bool RobotScrape::wanted() const {
   return at != SteadyTime() && sources_.clock.Steady() - at < kScrapedWithin;
 }
 
-const std::vector<robot::Robot*>& RobotScrape::Robots() {
-  // Robots are never forgotten, so as many are the same ones.
-  if (robots_.size() != sources_.fleet.size()) robots_ = sources_.fleet.Sorted();
+const std::vector<std::weak_ptr<robot::Robot>>& RobotScrape::Robots() {
+  // First: a robot that comes meanwhile is a change that the next scrape sees.
+  const std::uint64_t changes = sources_.fleet.changes();
+  if (changes == fleet_changes_) return robots_;
+  fleet_changes_ = changes;
+  const std::vector<fleet::RobotPtr> robots = sources_.fleet.Sorted();
+  robots_.assign(robots.begin(), robots.end());
+  std::unordered_map<const robot::Robot*, std::size_t> room;
+  for (const fleet::RobotPtr& robot : robots) {
+    const auto known = room_.find(robot.get());
+    if (known != room_.end()) room.insert(*known);
+  }
+  room_ = std::move(room);
   return robots_;
 }
 
@@ -35,14 +46,16 @@ void RobotScrape::Fill() {
                              .faults = faults.get()};
   page_.Clear();
   std::size_t left_out = 0;
-  for (const robot::Robot* robot : Robots()) {
+  for (const std::weak_ptr<robot::Robot>& known : Robots()) {
+    const fleet::RobotPtr robot = known.lock();
+    if (robot == nullptr) continue;
     if (!fleets_.empty() && !fleets_.contains(robot->id()->fleet)) continue;
     page_.BeginRobot(robot->ruri());
     bool shown = false;
     robot->state.LookAt([&](const robot::StateView& view) {
       shown = AddRobot(robot->ruri(), view, series, page_);
     });
-    std::size_t& room = room_[robot];
+    std::size_t& room = room_[robot.get()];
     room = shown ? std::max(room, page_.robot_samples()) : page_.robot_samples();
     if (!page_.EndRobot(room)) ++left_out;
   }

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -54,7 +55,7 @@ class RobotScrape final {
  private:
   void Fill();
   void LogLeftOut(std::size_t robots);
-  [[nodiscard]] const std::vector<robot::Robot*>& Robots();
+  [[nodiscard]] const std::vector<std::weak_ptr<robot::Robot>>& Robots();
 
   const Sources sources_;
   const std::unordered_set<std::string> fleets_;
@@ -69,8 +70,9 @@ class RobotScrape final {
     SteadyTime at;
   };
   Shared last_;
-  /// By RURI; read again when there are more.
-  std::vector<robot::Robot*> robots_;
+  /// By RURI; read again when robots came or went.
+  std::vector<std::weak_ptr<robot::Robot>> robots_;
+  std::uint64_t fleet_changes_ = 0;
   /// The most samples that a robot ever had while its values are shown, so that who is left out
   /// does not change from scrape to scrape.
   std::unordered_map<const robot::Robot*, std::size_t> room_;

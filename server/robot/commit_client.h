@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -26,9 +27,9 @@ struct Settled {
 };
 
 /// A robot as the journal sees it: what is told when this process holds it, when its stream was
-/// opened or when its records are settled. Lives as long as the process. Called on the journal's
-/// writer thread, with no lock held.
-class CommitClient {
+/// opened or when its records are settled. Lives as long as anything of it waits in the journal
+/// (ClientRef). Called on the journal's writer thread, with no lock held.
+class CommitClient : public std::enable_shared_from_this<CommitClient> {
  public:
   virtual ~CommitClient() = default;
   /// The store says that this process holds the robot, and did not before (as far as the journal
@@ -36,6 +37,10 @@ class CommitClient {
   virtual void OnHeld(const HoldNews& news) = 0;
   /// A stream of the robot is here. Any thread.
   [[nodiscard]] virtual bool HasStream() const = 0;
+  /// The robot is to leave memory, and nothing stands against it.
+  [[nodiscard]] virtual bool MayLeave() const { return false; }
+  /// The journal knows the robot no more.
+  virtual void OnLeft() {}
   /// The stream `open_id` was opened. Returns the stream to wake.
   virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
   /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
@@ -49,6 +54,24 @@ class CommitClient {
   virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
   /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
+};
+
+/// A client of which something waits: keeps it alive. One that nobody shares must outlive it. A
+/// value.
+class ClientRef final {
+ public:
+  ClientRef() = default;
+  ClientRef(CommitClient* client)  // NOLINT(google-explicit-constructor): stands for it
+      : client_(client), kept_(client->weak_from_this().lock()) {}
+
+  [[nodiscard]] CommitClient* get() const { return client_; }
+  CommitClient* operator->() const { return client_; }
+  CommitClient& operator*() const { return *client_; }
+  friend bool operator==(const ClientRef& a, const ClientRef& b) { return a.client_ == b.client_; }
+
+ private:
+  CommitClient* client_ = nullptr;
+  std::shared_ptr<CommitClient> kept_;
 };
 
 }  // namespace uplink::robot

@@ -17,7 +17,33 @@ Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock
       ruri_(id->ruri),
       id_(std::move(id)) {}
 
+void Robot::NoteHeard(SystemTime at) {
+  const std::int64_t at_ms = UnixMs(at);
+  std::int64_t known = heard_at_ms_.load();
+  while (known < at_ms && !heard_at_ms_.compare_exchange_weak(known, at_ms)) {
+  }
+}
+
+bool Robot::BeginLeaving() {
+  Leaving stays = Leaving::kNo;
+  return leaving_.compare_exchange_strong(stays, Leaving::kAsked);
+}
+
+bool Robot::Stay() { return leaving_.exchange(Leaving::kNo) != Leaving::kNo; }
+
+bool Robot::MayLeave() const {
+  return leaving_.load() == Leaving::kAsked && idle() && state.presence() != Presence::kOnline;
+}
+
+void Robot::OnLeft() {
+  Leaving asked = Leaving::kAsked;
+  leaving_.compare_exchange_strong(asked, Leaving::kLeft);
+}
+
 void Robot::OnHeld(const HoldNews& news) {
+  // Of a stream that had ended: the journal is to let go of it once more.
+  Leaving left = Leaving::kLeft;
+  leaving_.compare_exchange_strong(left, Leaving::kAsked);
   state.BeginHold(news, clock_.Steady(), clock_.System());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -21,9 +22,9 @@ namespace uplink::robot {
 using PresenceChanged =
     std::function<void(const storage::RobotRef& robot, Presence presence, SystemTime at)>;
 
-/// One robot that this process knows. Never destroyed before the process ends, so plain pointers to
-/// it are safe on every thread. Its parts are thread-safe. As a CommitClient it passes on what the
-/// journal tells: to its sessions, and to its state what is news of its holder.
+/// One robot that this process knows. Shared: whoever keeps it beyond one look keeps it alive. Its
+/// parts are thread-safe. As a CommitClient it passes on what the journal tells: to its sessions,
+/// and to its state what is news of its holder.
 class Robot final : public CommitClient {
  public:
   /// `changed` outlives the robot.
@@ -35,10 +36,28 @@ class Robot final : public CommitClient {
   void SetFleet(std::string_view fleet);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
 
+  // --- Leaving memory ---
+
+  /// When a stream of it came or ended last, or what the store says of an earlier life.
+  [[nodiscard]] SystemTime heard_at() const { return FromUnixMs(heard_at_ms_.load()); }
+  /// Never goes back.
+  void NoteHeard(SystemTime at);
+  /// It has no stream, and nothing of it waits for the store.
+  [[nodiscard]] bool idle() const { return !HasStream() && sessions.in_flight() == 0; }
+  /// It is to leave memory once the journal has let go of it. False if that was asked before.
+  bool BeginLeaving();
+  /// It stays after all. False if it was not leaving.
+  bool Stay();
+  [[nodiscard]] bool leaving() const { return leaving_.load() != Leaving::kNo; }
+  /// The journal knows it no more.
+  [[nodiscard]] bool left() const { return leaving_.load() == Leaving::kLeft; }
+
   // --- CommitClient ---
 
   void OnHeld(const HoldNews& news) override;
   [[nodiscard]] bool HasStream() const override { return sessions.HasStream(); }
+  [[nodiscard]] bool MayLeave() const override;
+  void OnLeft() override;
   StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override {
     return sessions.OnOpened(open_id, result);
   }
@@ -53,8 +72,12 @@ class Robot final : public CommitClient {
   RobotSessions sessions;
 
  private:
+  enum class Leaving : std::uint8_t { kNo, kAsked, kLeft };
+
   const Clock& clock_;
   const std::string ruri_;
+  std::atomic<std::int64_t> heard_at_ms_{0};
+  std::atomic<Leaving> leaving_{Leaving::kNo};
   mutable std::mutex mutex_;
   storage::RobotRef id_;
 };

@@ -14,6 +14,7 @@ absl::StatusOr<robot::Standing> Attachment::Attach(HelloTerms terms) {
     return robot.status();
   }
   robot_ = *robot;
+  robot_->NoteHeard(context_.clock.System());
   const robot::Takeover::Attached attached =
       robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
   if (attached.took_over) context_.probe.takeovers_total.Add();
@@ -48,6 +49,7 @@ robot::Resume Attachment::Resume() {
 }
 
 void Attachment::Detach() {
+  robot_->NoteHeard(context_.clock.System());
   robot_->sessions.Detach(self_, context_.clock.Steady()).Wake();
   if (!robot_->HasStream()) robot_->state.EndClaim();
 }

@@ -51,7 +51,7 @@ class Attachment final {
   const SessionContext& context_;
   const robot::StreamRef self_;
   HelloTerms terms_;
-  robot::Robot* robot_ = nullptr;
+  fleet::RobotPtr robot_;
   std::uint64_t open_id_ = 0;
 };
 

@@ -105,21 +105,38 @@ void LeaseRounds::TakeUnlisted(const Listed& listed) {
   if (!adopts_.load()) return;
   // Whoever they were with until then may have been silent.
   const milliseconds grace = context_.presence.adopted_grace;
-  for (robot::Robot* robot : context_.fleet.All()) {
+  for (const fleet::RobotPtr& robot : context_.fleet.All()) {
     bool foreign = false;
     robot->state.LookAt([&](const robot::StateView& view) { foreign = view.foreign; });
-    if (!foreign || robot->HasStream() || listed.robots.contains(robot)) continue;
-    context_.journals.Adopt({.client = robot,
+    if (!foreign || robot->leaving() || robot->HasStream() || listed.robots.contains(robot.get()))
+      continue;
+    context_.journals.Adopt({.client = robot.get(),
                              .request = {.robot = robot->id(), .holder = context_.process},
                              .grace = {.ended = grace, .silent = grace}});
   }
 }
 
+fleet::RobotPtr LeaseRounds::FindOrAdmit(const storage::ForeignRobot& foreign) {
+  fleet::RobotPtr robot = context_.fleet.Find(foreign.robot.ruri);
+  const SystemTime heard_at = foreign.written_at.value_or(SystemTime());
+  if (robot == nullptr) {
+    if (foreign.written_at && context_.is_forgotten(heard_at)) return nullptr;
+    // One more than limits.robots_max is not shown; the process that holds it has it.
+    const auto admitted = context_.fleet.AdmitNew(foreign.robot);
+    if (!admitted.ok()) return nullptr;
+    // Null if it came by itself this very moment.
+    robot = *admitted != nullptr ? *admitted : context_.fleet.Find(foreign.robot.ruri);
+    if (robot != nullptr) robot->NoteHeard(context_.clock.System());
+  } else {
+    robot->NoteHeard(heard_at);
+  }
+  return robot;
+}
+
 void LeaseRounds::Follow(const storage::ForeignRobot& foreign, Listed& listed) {
-  // One more than limits.robots_max is not shown; the process that holds it has it.
-  const auto admitted = context_.fleet.AdmitNew(foreign.robot);
-  if (!admitted.ok()) return;
-  robot::Robot& robot = *context_.fleet.Find(foreign.robot.ruri);
+  const fleet::RobotPtr known = FindOrAdmit(foreign);
+  if (known == nullptr) return;
+  robot::Robot& robot = *known;
   listed.robots.insert(&robot);
   const LeaseJudge::Verdict holder = judge_.Of(foreign.holder);
   const storage::Epoch held_since = robot.state.held_since();

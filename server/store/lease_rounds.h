@@ -50,6 +50,8 @@ class LeaseRounds final {
     config::PresenceConfig presence;
     /// Whether the process that had a life is not there any more.
     std::function<bool(std::string_view life)> is_gone = IsGone;
+    /// Whether a robot that was heard last then is to be in memory no more.
+    std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
   };
   /// `leases` is null for a store that this process has alone: then there is nothing to do.
   LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context);
@@ -93,6 +95,8 @@ class LeaseRounds final {
   absl::Status Look();
   absl::Status LookAtLeases();
   absl::Status FollowRobots();
+  /// Null if it is not to be shown.
+  [[nodiscard]] fleet::RobotPtr FindOrAdmit(const storage::ForeignRobot& foreign);
   void Follow(const storage::ForeignRobot& foreign, Listed& listed);
   /// The robot's holder is over: it becomes this process's.
   void Adopt(robot::Robot& robot, const storage::ForeignRobot& foreign,

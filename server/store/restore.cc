@@ -12,19 +12,19 @@ namespace uplink::store {
 
 bool Restore::due() const {
   return std::ranges::any_of(
-      fleet_.All(), [](const robot::Robot* robot) { return robot->state.needs_restore(); });
+      fleet_.All(), [](const fleet::RobotPtr& robot) { return robot->state.needs_restore(); });
 }
 
-std::vector<robot::Robot*> Restore::Due() const {
-  std::vector<robot::Robot*> robots = fleet_.Sorted();
-  std::erase_if(robots, [](const robot::Robot* robot) { return !robot->state.needs_restore(); });
+std::vector<fleet::RobotPtr> Restore::Due() const {
+  std::vector<fleet::RobotPtr> robots = fleet_.Sorted();
+  std::erase_if(robots, [](const fleet::RobotPtr& robot) { return !robot->state.needs_restore(); });
   return robots;
 }
 
 absl::Status Restore::Run() {
   left_out_ = 0;
-  const std::vector<robot::Robot*> due = Due();
-  std::span<robot::Robot* const> left = due;
+  const std::vector<fleet::RobotPtr> due = Due();
+  std::span<const fleet::RobotPtr> left = due;
   while (!left.empty()) {
     const auto restored = RestoreFirst(left.first(std::min(left.size(), kRestoredAtOnceMax)));
     if (!restored.ok()) return restored.status();
@@ -33,10 +33,10 @@ absl::Status Restore::Run() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::size_t> Restore::RestoreFirst(std::span<robot::Robot* const> robots) {
+absl::StatusOr<std::size_t> Restore::RestoreFirst(std::span<const fleet::RobotPtr> robots) {
   std::vector<std::string> ruris;
   std::map<std::string, storage::Epoch> holds;
-  for (const robot::Robot* robot : robots) {
+  for (const fleet::RobotPtr& robot : robots) {
     ruris.push_back(robot->ruri());
     // Before the read: what it shows is of this hold at least. One that was lost meanwhile takes
     // nothing.
@@ -56,8 +56,8 @@ absl::StatusOr<std::size_t> Restore::RestoreFirst(std::span<robot::Robot* const>
     const auto hold = holds.find(ruri);
     if (hold != holds.end()) fleet_.Find(ruri)->state.Restore(std::move(before), hold->second);
   }
-  for (const robot::Robot* robot : robots.first(live->complete)) {
-    fleet_.Find(robot->ruri())->state.SetRestored(holds[robot->ruri()]);
+  for (const fleet::RobotPtr& robot : robots.first(live->complete)) {
+    robot->state.SetRestored(holds[robot->ruri()]);
   }
   return live->complete;
 }

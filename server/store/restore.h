@@ -33,9 +33,9 @@ class Restore final {
   [[nodiscard]] std::size_t left_out() const { return left_out_; }
 
  private:
-  [[nodiscard]] std::vector<robot::Robot*> Due() const;
+  [[nodiscard]] std::vector<fleet::RobotPtr> Due() const;
   /// Restores the first of `robots`; returns how many.
-  absl::StatusOr<std::size_t> RestoreFirst(std::span<robot::Robot* const> robots);
+  absl::StatusOr<std::size_t> RestoreFirst(std::span<const fleet::RobotPtr> robots);
 
   const fleet::Fleet& fleet_;
   storage::Reader& reader_;

@@ -1,29 +1,39 @@
 #include "server/store/seed.h"
 
+#include <algorithm>
+
 namespace uplink::store {
 
-absl::Status Seed::Run(std::size_t robots_max) {
+absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
   const auto rows = context_.reader.Robots(static_cast<std::uint32_t>(robots_max));
   if (!rows.ok()) return rows.status();
-  absl::Status admitted;
+  std::size_t known = rows->size();
+  if (known >= robots_max) {
+    const auto count = context_.reader.RobotCount();
+    if (!count.ok()) return count.status();
+    known = std::max(known, *count);
+  }
+  std::size_t taken = 0;
   for (const storage::RobotRow& row : *rows) {
     const auto robot = context_.fleet.AdmitNew(row.robot);
-    if (!robot.ok()) admitted = robot.status();
+    if (!robot.ok()) continue;
+    ++taken;
     RestoreSession(row);
     // One that has come by itself knows its fleet better than the row.
-    if (robot.ok() && *robot != nullptr) Take(**robot, row);
+    if (*robot != nullptr) Take(**robot, row);
   }
   done_.store(true);
-  return admitted;
+  return known - taken;
 }
 
 void Seed::RestoreSession(const storage::RobotRow& row) const {
-  robot::Robot* robot = context_.fleet.Find(row.robot.ruri);
+  const fleet::RobotPtr robot = context_.fleet.Find(row.robot.ruri);
   if (robot == nullptr || !row.last_session) return;
   robot->sessions.Restore(*row.last_session);
 }
 
 void Seed::Take(robot::Robot& robot, const storage::RobotRow& row) const {
+  robot.NoteHeard(row.last_seen);
   robot.state.FollowHolder(
       {}, row.last_presence ? storage::StoredPresence{*row.last_presence, row.presence_since}
                             : storage::StoredPresence{model::Presence::kUnknown, row.first_seen});

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
@@ -31,9 +31,9 @@ class Seed final {
   };
   explicit Seed(const Context& context) : context_(context) {}
 
-  /// Errors: of the reader, and then it may be run again; kResourceExhausted if the store knows
-  ///         more robots than `robots_max`.
-  [[nodiscard]] absl::Status Run(std::size_t robots_max);
+  /// Those that were heard last first, as many as there is room for. Returns how many were left
+  /// out: they are there when they speak. Errors: of the reader, and then it may be run again.
+  [[nodiscard]] absl::StatusOr<std::size_t> Run(std::size_t robots_max);
   [[nodiscard]] bool done() const { return done_.load(); }
 
  private:

@@ -5,14 +5,25 @@
 
 namespace uplink::store {
 
-absl::Status SeedRounds::Begin(absl::Status away) {
-  if (away.ok()) {
-    absl::Status seeded = seed_.Run(context_.robots_max);
-    if (!absl::IsUnavailable(seeded) && !absl::IsDeadlineExceeded(seeded)) return seeded;
-    away = std::move(seeded);
-  }
-  context_.logger.Warn("store_away", {{"why", std::string(away.message())}});
-  return absl::OkStatus();
+void SeedRounds::Begin(const absl::Status& away) {
+  if (!away.ok()) return LogUnread(away);
+  const auto left_out = seed_.Run(context_.robots_max);
+  if (!left_out.ok()) return LogUnread(left_out.status());
+  LogLeftOut(*left_out);
+}
+
+void SeedRounds::LogUnread(const absl::Status& why) {
+  const bool away = absl::IsUnavailable(why) || absl::IsDeadlineExceeded(why);
+  if (why == unread_) return;
+  unread_ = why;
+  context_.logger.Warn(away ? "store_away" : "robots_unread",
+                       {{"why", std::string(why.message())}});
+}
+
+void SeedRounds::LogLeftOut(std::size_t robots) {
+  if (robots == 0) return;
+  context_.logger.Warn("robots_left_out",
+                       {{"robots", robots}, {"robots_max", context_.robots_max}});
 }
 
 void SeedRounds::ReadOn(const std::function<bool(std::function<void()>)>& post) {
@@ -27,12 +38,10 @@ void SeedRounds::ReadOn(const std::function<bool(std::function<void()>)>& post) 
 }
 
 void SeedRounds::Read() {
-  const absl::Status read = seed_.Run(context_.robots_max);
-  if (read.ok()) {
-    context_.logger.Info("robots_read", {{"robots", context_.fleet.size()}});
-  } else if (seed_.done()) {
-    context_.logger.Error("robots_left_out", {{"why", std::string(read.message())}});
-  }
+  const auto left_out = seed_.Run(context_.robots_max);
+  if (!left_out.ok()) return LogUnread(left_out.status());
+  context_.logger.Info("robots_read", {{"robots", context_.fleet.size()}});
+  LogLeftOut(*left_out);
 }
 
 void SeedRounds::RestoreDue() {

@@ -41,23 +41,27 @@ class SeedRounds final {
   SeedRounds& operator=(const SeedRounds&) = delete;
 
   /// Takes the robots that the store knows into the fleet, unless it is away; `away` says why it
-  /// is. Errors: of the reader; more robots than there may be.
-  [[nodiscard]] absl::Status Begin(absl::Status away);
+  /// is. What cannot be read now is read by ReadOn.
+  void Begin(const absl::Status& away);
   /// Reads the robots, or what those that are ours had, by a job on a thread that may wait, if
   /// there is something to read and no such job is under way. `post` is false where it takes no job
   /// now.
   void ReadOn(const std::function<bool(std::function<void()>)>& post);
+  /// The robots were read; until then they cannot be, as the log says.
   [[nodiscard]] bool done() const { return seed_.done(); }
 
  private:
   void Read();
+  void LogLeftOut(std::size_t robots);
+  void LogUnread(const absl::Status& why);
   void RestoreDue();
 
   const Context context_;
   Seed seed_;
   Restore restore_;
   std::atomic<bool> reading_{false};
-  /// As of the last time; on the thread of the jobs.
+  /// As of the last time; on main, then on the thread of the jobs.
+  absl::Status unread_;
   bool restores_ = true;
 };
 

@@ -37,10 +37,9 @@ Writers::Writers(std::span<const std::unique_ptr<storage::Store>> stores, Contex
   if (context_.checkpoint_every == milliseconds(0)) return;
   for (const auto& journal : journals_) {
     checkpoints_.push_back(std::make_unique<fleet::Checkpoint>(fleet::Checkpoint::Sources{
-        .fleet = context_.fleet,
-        .writes = [this, writer = journal.get()](
-                      std::string_view ruri) { return &shards_.Of(ruri) == writer; },
-        .restored = context_.restored}));
+        .fleet = context_.fleet, .writes = [this, writer = journal.get()](std::string_view ruri) {
+          return &shards_.Of(ruri) == writer;
+        }}));
     journal->CheckpointFrom(*checkpoints_.back(), context_.checkpoint_every);
   }
 }

@@ -40,8 +40,6 @@ class Writers final {
     journal::JournalLimits limits;
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};
-    /// Whether the fleet has what the store knows: before, nothing is checkpointed. Any thread.
-    std::function<bool()> restored;
   };
   /// At least one store; they outlive it.
   Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context);

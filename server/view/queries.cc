@@ -118,7 +118,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
   }
   RobotsPage page;
   std::size_t bytes = 0;
-  for (const robot::Robot* robot : sources_.fleet.Sorted()) {
+  for (const fleet::RobotPtr& robot : sources_.fleet.Sorted()) {
     if (!Matches(*robot, query)) continue;
     ++page.total;
     if (robot->ruri() <= after) continue;
@@ -142,9 +142,10 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
 }
 
 absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
-  if (absl::Status known = CheckKnown(ruri); !known.ok()) return known;
+  const fleet::RobotPtr robot = sources_.fleet.Find(ruri);
+  if (robot == nullptr) return Unknown(ruri);
   std::vector<RobotView> one;
-  one.push_back(Look(*sources_.fleet.Find(ruri), robot::RobotState::Parts::kAll));
+  one.push_back(Look(*robot, robot::RobotState::Parts::kAll));
   // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
   if (FillActiveFaults(one)) {
     static_cast<void>(FillStored(one, PartSet::All()));
@@ -183,7 +184,7 @@ StatusView Queries::Status() const {
   status.version = sources_.version;
   status.started_at = started_at_;
   status.now = sources_.clock.System();
-  for (const robot::Robot* robot : sources_.fleet.Sorted()) {
+  for (const fleet::RobotPtr& robot : sources_.fleet.Sorted()) {
     switch (robot->state.presence()) {
       case robot::Presence::kUnknown:
         ++status.robots.unknown;
@@ -204,9 +205,9 @@ StatusView Queries::Status() const {
   return status;
 }
 
-absl::Status Queries::CheckKnown(const std::string& ruri) const {
-  if (sources_.fleet.Find(ruri) != nullptr) return absl::OkStatus();
-  return absl::NotFoundError(fmt::format("no robot with the RURI {} was ever seen", ruri));
+absl::Status Queries::Unknown(const std::string& ruri) {
+  return absl::NotFoundError(
+      fmt::format("no robot with the RURI {} was seen within fleet.forget_after", ruri));
 }
 
 absl::StatusOr<std::size_t> Queries::FillForeign(std::vector<RobotView>& robots) {
@@ -243,6 +244,8 @@ bool Queries::FillActiveFaults(std::vector<RobotView>& robots) {
   const auto counts = sources_.reader.ActiveFaultCounts(ruris);
 
   const std::lock_guard lock(mutex_);
+  // Those of robots that left go with the others, which are asked for again.
+  if (active_faults_.size() > 2 * sources_.fleet.robots_max()) active_faults_.clear();
   if (counts.ok()) {
     for (const std::string& ruri : ruris) active_faults_[ruri] = 0;
     for (const storage::ActiveFaults& count : *counts) active_faults_[count.ruri] = count.count;

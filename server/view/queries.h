@@ -80,7 +80,7 @@ struct StatusView {
 ///          was never seen; what the Reader says, where rows are asked for. Robots are answered
 ///          while the store is away too: their active faults are then the last that were read, and
 ///          one robot comes without its stored parts. A list that names such a part fails.
-/// Limits:  remembers one number per robot of the fleet.
+/// Limits:  remembers one number per robot, at most for twice as many as the fleet may have.
 /// Thread:  thread-safe; waits for the store, so never on the thread that serves probes.
 class Queries final {
  public:
@@ -103,13 +103,15 @@ class Queries final {
       const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
       const storage::HistoryQuery& query);
-  /// A list of storage::Reader of one robot, which query.ruri names: kNotFound if it was never
-  /// seen.
+  /// A list of storage::Reader of one robot, which query.ruri names. kNotFound if the list is empty
+  /// and the robot is not in memory: it was never seen, or forgotten.
   template <typename Row>
   [[nodiscard]] absl::StatusOr<storage::Page<Row>> History(storage::HistoryList<Row> list,
                                                            const storage::HistoryQuery& query) {
-    if (absl::Status known = CheckKnown(query.ruri); !known.ok()) return known;
-    return (sources_.reader.*list)(query);
+    auto page = (sources_.reader.*list)(query);
+    const bool empty = page.ok() && page->rows.empty();
+    if (empty && sources_.fleet.Find(query.ruri) == nullptr) return Unknown(query.ruri);
+    return page;
   }
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
       const storage::MissionsQuery& query);
@@ -122,7 +124,7 @@ class Queries final {
   [[nodiscard]] StatusView Status() const;
 
  private:
-  [[nodiscard]] absl::Status CheckKnown(const std::string& ruri) const;
+  [[nodiscard]] static absl::Status Unknown(const std::string& ruri);
   /// Reads the live parts of robots that other processes hold. Returns for how many of `robots`,
   /// from the first.
   [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots);

@@ -18,14 +18,16 @@ constexpr std::size_t kRobotsPerTrip = 16;
 
 // Commits touch a robot's sessions, not its own row.
 constexpr std::string_view kRobots =
-    "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, s.last_used), p.presence,"
+    "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, s.last_used, l.last_sign_at) AS"
+    " heard_at, p.presence,"
     " p.changed_at, s.session, greatest(s.cursor_seq,"
     " CASE WHEN l.session = s.session THEN l.settled_seq END), r.owner"
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN LATERAL (SELECT session, cursor_seq, last_used FROM uplinkd.sessions"
     " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
-    " ORDER BY r.ruri LIMIT $1::bigint";
+    " ORDER BY heard_at DESC, r.ruri LIMIT $1::bigint";
+constexpr std::string_view kRobotCount = "SELECT count(*) FROM uplinkd.robots";
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
     " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";
@@ -107,6 +109,14 @@ absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robot
       robots.push_back(RobotOf(*rows, row));
     }
     return robots;
+  });
+}
+
+absl::StatusOr<std::size_t> PostgresReader::RobotCount() {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::size_t> {
+    const auto rows = RunOne(connection, {std::string(kRobotCount), {}});
+    if (!rows.ok()) return rows.status();
+    return static_cast<std::size_t>(rows->Int(0, 0));
   });
 }
 

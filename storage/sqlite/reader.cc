@@ -45,13 +45,15 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<RobotRow>> {
     // Commits touch a robot's sessions, not its own row.
     auto statement = database.Prepare(
-        "SELECT r.ruri, r.fleet, r.first_seen_ms, max(r.last_seen_ms, coalesce(s.last_used_ms, 0)),"
+        "SELECT r.ruri, r.fleet, r.first_seen_ms, max(r.last_seen_ms, coalesce(s.last_used_ms, 0),"
+        " coalesce(l.last_sign_ms, 0)) AS heard_ms,"
         " p.presence, p.at_ms, s.session, CASE WHEN l.session = s.session THEN"
         " max(s.cursor, l.settled_seq) ELSE s.cursor END, r.owner FROM robots AS r"
         " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
         " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
         " WHERE ruri = r.ruri ORDER BY last_used_ms DESC, session DESC LIMIT 1)"
-        " LEFT JOIN live AS l ON l.ruri = r.ruri ORDER BY r.ruri LIMIT ?");
+        " LEFT JOIN live AS l ON l.ruri = r.ruri"
+        " ORDER BY heard_ms DESC, r.ruri LIMIT ?");
     if (!statement.ok()) return statement.status();
     Rows rows = (*statement)->Select(std::int64_t{robots_max});
     std::vector<RobotRow> robots;
@@ -61,6 +63,17 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
       if (!*found) return robots;
       robots.push_back(RobotOf(rows));
     }
+  });
+}
+
+absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
+  return pool_->With([](Database& database) -> absl::StatusOr<std::size_t> {
+    auto statement = database.Prepare("SELECT count(*) FROM robots");
+    if (!statement.ok()) return statement.status();
+    Rows rows = (*statement)->Select();
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    return static_cast<std::size_t>(rows.Int(0));
   });
 }
 

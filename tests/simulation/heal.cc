@@ -92,7 +92,7 @@ void World::CheckEnd() {
 }
 
 void World::CheckPresence() {
-  for (const robot::Robot* robot : server_->fleet().Sorted()) {
+  for (const fleet::RobotPtr& robot : server_->fleet().Sorted()) {
     const auto stored = recorder_.presence().find(robot->ruri());
     const model::Presence last =
         stored == recorder_.presence().end() ? model::Presence::kUnknown : stored->second;

@@ -27,7 +27,7 @@ robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
 void HoldersWorld::CheckHolds() {
   for (const auto& [ruri, hold] : truth_.Holds()) {
     for (const Place& place : places_) {
-      const robot::Robot* robot =
+      const fleet::RobotPtr robot =
           place.process == nullptr ? nullptr : place.process->fleet().Find(ruri);
       if (robot == nullptr || robot->state.held_since() < hold.since) continue;
       if (place.process->id() == hold.holder) continue;
@@ -131,7 +131,7 @@ void HoldersWorld::CheckElsewhere(const Robot& robot, const HoldersProcess& hold
   const model::Presence last = rows.empty() ? model::Presence::kUnknown : rows.back().presence;
   for (const Place& place : places_) {
     if (place.process == nullptr || place.process.get() == &holder) continue;
-    const robot::Robot* there = place.process->fleet().Find(ruri);
+    const fleet::RobotPtr there = place.process->fleet().Find(ruri);
     if (there == nullptr) {
       truth_.Fail(fmt::format("{} does not know {}", place.process->name(), ruri));
       continue;

@@ -32,9 +32,7 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       journal_(store_, {}, ground_.clock, ledger_, journal_probe_, ground_.id),
       seed_({fleet_, shards_, store_.reader(), std::nullopt}),
       restore_(fleet_, store_.reader()),
-      checkpoint_({.fleet = fleet_,
-                   .writes = [](std::string_view) { return true; },
-                   .restored = [this] { return seed_.done(); }}),
+      checkpoint_({.fleet = fleet_, .writes = [](std::string_view) { return true; }}),
       leases_(std::make_unique<HoldersLeases>(store_, ContextOfStore()), ContextOfLeases()),
       liveness_(ground_.clock, session_probe_),
       watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle,
@@ -164,7 +162,7 @@ void HoldersProcess::Stop() {
   // As lifecycle::Drain ends.
   const bool judges = leases_.Leave() == store::LeaseRounds::Left::kToNobody ||
                       ground_.fault == HoldersFault::kStopsWithUnknown;
-  for (const robot::Robot* robot : fleet_.Sorted()) {
+  for (const fleet::RobotPtr& robot : fleet_.Sorted()) {
     if (!judges || robot->state.held_since() == 0) continue;
     if (robot->state.presence() == model::Presence::kUnknown) continue;
     shards_.NotePresence(robot->id(), model::Presence::kUnknown, ground_.clock.System());

@@ -217,7 +217,7 @@ void World::Reap() {
 void World::Check() {
   CheckLaw();
   for (const auto& robot : robots_) {
-    robot::Robot* known = server_->fleet().Find(robot->agent.ruri());
+    const fleet::RobotPtr known = server_->fleet().Find(robot->agent.ruri());
     if (known != nullptr && known->state.held_back()) ++result_.held_back;
     if (known != nullptr &&
         known->sessions.in_flight() > limits_.session.in_flight_uplinks_max + 1) {

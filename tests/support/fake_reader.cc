@@ -58,7 +58,6 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
   const std::lock_guard lock(database_.mutex_);
   std::vector<storage::RobotRow> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
-    if (rows.size() == robots_max) break;
     storage::RobotRow& row = rows.emplace_back();
     row.robot = robot.id;
     row.first_seen = robot.first_seen;
@@ -80,7 +79,14 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
           std::max(row.last_session->settled_seq, robot.settled->settled_seq);
     }
   }
+  std::ranges::stable_sort(rows, std::greater(), &storage::RobotRow::last_seen);
+  if (rows.size() > robots_max) rows.resize(robots_max);
   return rows;
+}
+
+absl::StatusOr<std::size_t> FakeReader::RobotCount() {
+  const std::lock_guard lock(database_.mutex_);
+  return database_.robots_.size();
 }
 
 absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(const HistoryQuery& query) {

@@ -181,6 +181,8 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeStore::Robots(std::uint32_t r
   return FakeReader(database_).Robots(robots_max);
 }
 
+absl::StatusOr<std::size_t> FakeStore::RobotCount() { return FakeReader(database_).RobotCount(); }
+
 // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                      \
   absl::StatusOr<storage::Page<storage::Row>> FakeStore::Name(const storage::Query& query) { \

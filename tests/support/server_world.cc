@@ -52,7 +52,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
 }
 
 robot::Robot& ServerWorld::AddRobot(const std::string& ruri, const std::string& fleet_name) {
-  const absl::StatusOr<robot::Robot*> robot = fleet.FindOrAdmit({ruri, fleet_name});
+  const absl::StatusOr<fleet::RobotPtr> robot = fleet.FindOrAdmit({ruri, fleet_name});
   UPLINK_CHECK(robot.ok(), "the test's robots fit the fleet");
   return **robot;
 }
@@ -62,7 +62,7 @@ model::SessionId ServerWorld::session() {
 }
 
 storage::CommitRecord ServerWorld::Next(const std::string& ruri) {
-  robot::Robot* robot = fleet.Find(ruri);
+  const fleet::RobotPtr robot = fleet.Find(ruri);
   UPLINK_CHECK(robot != nullptr, "AddRobot comes first");
   const storage::OpenRequest open{.robot = robot->id(), .session = session(), .at = clock.System()};
   const auto opened = store.OpenStreams(std::span(&open, 1));

@@ -1,6 +1,7 @@
 #include "tests/support/switched_reader.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace uplink::testing {
 
@@ -11,12 +12,16 @@ absl::Status SwitchedReader::Enter() {
   changed_.notify_all();
   changed_.wait(lock, [this] { return !held_; });
   --inside_;
-  return away_ ? absl::UnavailableError("the test took the store away") : absl::OkStatus();
+  return fails_;
 }
 
 void SwitchedReader::SetAway(bool away) {
+  Fail(away ? absl::UnavailableError("the test took the store away") : absl::OkStatus());
+}
+
+void SwitchedReader::Fail(absl::Status status) {
   const std::lock_guard lock(mutex_);
-  away_ = away;
+  fails_ = std::move(status);
 }
 
 void SwitchedReader::SetLatestMax(std::size_t robots) {
@@ -48,6 +53,11 @@ int SwitchedReader::calls() const {
 absl::StatusOr<std::vector<storage::RobotRow>> SwitchedReader::Robots(std::uint32_t robots_max) {
   if (absl::Status here = Enter(); !here.ok()) return here;
   return reader_.Robots(robots_max);
+}
+
+absl::StatusOr<std::size_t> SwitchedReader::RobotCount() {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.RobotCount();
 }
 
 absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCounts(

@@ -22,6 +22,8 @@ class SwitchedReader final : public storage::Reader {
   explicit SwitchedReader(storage::Reader& reader) : reader_(reader) {}
 
   void SetAway(bool away);
+  /// Every call fails so until OK.
+  void Fail(absl::Status status);
   /// Latest looks at at most so many robots per call.
   void SetLatestMax(std::size_t robots);
   /// Calls wait until Release.
@@ -32,6 +34,7 @@ class SwitchedReader final : public storage::Reader {
   [[nodiscard]] int calls() const;
 
   absl::StatusOr<std::vector<storage::RobotRow>> Robots(std::uint32_t robots_max) override;
+  absl::StatusOr<std::size_t> RobotCount() override;
   absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
@@ -51,7 +54,7 @@ class SwitchedReader final : public storage::Reader {
   storage::Reader& reader_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool away_ = false;
+  absl::Status fails_;
   bool held_ = false;
   int calls_ = 0;
   int inside_ = 0;

@@ -57,12 +57,9 @@ class CheckpointTest : public ::testing::Test {
     return all;
   }
   Checkpoint::Sources Sources() {
-    return {.fleet = fleet_,
-            .writes = [](std::string_view /*ruri*/) { return true; },
-            .restored = [this] { return restored_; }};
+    return {.fleet = fleet_, .writes = [](std::string_view /*ruri*/) { return true; }};
   }
 
-  bool restored_ = true;
   Checkpoint checkpoint_{Sources()};
   schema::Judge judge_{robot::JudgeLimitsOfLive()};
 };
@@ -87,12 +84,15 @@ TEST_F(CheckpointTest, WaitsUntilTheStoreSaysWhoseTheRobotIs) {
   EXPECT_EQ(Changed().at(0).held_since, 7U);
 }
 
-TEST_F(CheckpointTest, WritesNothingBeforeWhatTheStoreHadWasRead) {
-  restored_ = false;
-  Apply(Admit("rcan://a"), Usage());
+TEST_F(CheckpointTest, WritesNothingOfARobotBeforeWhatTheStoreHadOfItWasRead) {
+  robot::Robot& known = **fleet_.FindOrAdmit({"rcan://known", "f"});
+  known.OnHeld({.since = 1, .was_known = true});
+  Apply(known, Usage());
+  Apply(Admit("rcan://new"), Usage());
+  EXPECT_EQ(Changed().at(0).ruri, "rcan://new") << "whatever cannot be read of others";
   EXPECT_THAT(Changed(), IsEmpty());
-  restored_ = true;
-  EXPECT_THAT(Changed(), SizeIs(1));
+  known.state.SetRestored(1);
+  EXPECT_EQ(Changed().at(0).ruri, "rcan://known");
 }
 
 TEST_F(CheckpointTest, HowFarTheSessionIsSettledIsAChange) {

@@ -80,12 +80,15 @@ TEST(Readiness, ReportsACertificateAWeekAhead) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("certificate_expiring"));
 }
 
-TEST(Readiness, RefusesAtTheLastRobot) {
+TEST(Readiness, AFleetThatIsNearlyFullIsDegradedAndStaysReady) {
   ReadinessFacts facts = Good();
-  facts.robots = {9, 10};
-  EXPECT_TRUE(ReadinessOf(facts).ready());
-  facts.robots = {10, 10};
-  EXPECT_THAT(ReadinessOf(facts).refuses, ElementsAre("robots_max"));
+  facts.robots = {89, 100};
+  EXPECT_THAT(ReadinessOf(facts).degraded, IsEmpty());
+  for (const std::size_t robots : {90U, 100U, 101U}) {
+    facts.robots = {robots, 100};
+    EXPECT_TRUE(ReadinessOf(facts).ready()) << robots;
+    EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("robots_max")) << robots;
+  }
 }
 
 TEST(Readiness, IsDegradedButReadyWithoutTheStore) {
@@ -128,8 +131,8 @@ TEST(Readiness, NamesEverythingAtOnce) {
   facts.store_failing = true;
   facts.descriptors = {1000, 1000};
   const Readiness readiness = ReadinessOf(facts);
-  EXPECT_THAT(readiness.refuses, ElementsAre("draining", "robots_max"));
-  EXPECT_THAT(readiness.degraded, ElementsAre("store", "descriptors"));
+  EXPECT_THAT(readiness.refuses, ElementsAre("draining"));
+  EXPECT_THAT(readiness.degraded, ElementsAre("store", "robots_max", "descriptors"));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ using ::testing::SizeIs;
 class ScrapeTest : public ::testing::Test {
  protected:
   robot::Robot& Robot(const std::string& ruri, const std::string& fleet_name = "default") {
-    robot::Robot* robot = *fleet_.FindOrAdmit({ruri, fleet_name});
+    const fleet::RobotPtr robot = *fleet_.FindOrAdmit({ruri, fleet_name});
     robot->state.SignOfLife(clock_.Steady(), clock_.System(), {});
     return *robot;
   }

@@ -277,7 +277,7 @@ void BenchServer::StoreAway() { store_.FailNext(1'000'000, testing::FailAt::kBef
 void BenchServer::StoreBack() { store_.Heal(); }
 
 robot::Robot& BenchServer::robot(std::string_view ruri) {
-  robot::Robot* const found = fleet_.Find(ruri);
+  const fleet::RobotPtr found = fleet_.Find(ruri);
   UPLINK_CHECK(found != nullptr, "the robot was never seen");
   return *found;
 }

@@ -83,7 +83,7 @@ class SessionThreads : public ::testing::TestWithParam<Bound> {
         fmt::format("the journal holds {} records, {} bytes, room {}\n", core_.journal.records(),
                     core_.journal.bytes(), core_.journal.HasRoom());
     for (const auto& agent : agents_) {
-      const robot::Robot* robot = core_.fleet.Find(agent->ruri());
+      const fleet::RobotPtr robot = core_.fleet.Find(agent->ruri());
       text += fmt::format("{}; in flight {}, held back {}\n", agent->State(),
                           robot == nullptr ? 0 : robot->sessions.in_flight(),
                           robot != nullptr && robot->state.held_back());

@@ -37,13 +37,16 @@ class LeaseRoundsTest : public ::testing::Test {
     auto leases = std::make_unique<testing::FakeLeases>(database_, kSelf);
     leases_ = leases.get();
     rounds_ = std::make_unique<LeaseRounds>(
-        std::move(leases), LeaseRounds::Context{.fleet = fleet_,
-                                                .journals = journals_,
-                                                .clock = clock_,
-                                                .logger = logger_,
-                                                .probe = probe_,
-                                                .process = kSelf,
-                                                .is_gone = [](std::string_view) { return false; }});
+        std::move(leases),
+        LeaseRounds::Context{
+            .fleet = fleet_,
+            .journals = journals_,
+            .clock = clock_,
+            .logger = logger_,
+            .probe = probe_,
+            .process = kSelf,
+            .is_gone = [](std::string_view) { return false; },
+            .is_forgotten = [this](SystemTime heard_at) { return heard_at < heard_since_; }});
     rounds_->SetPort(7443);
   }
 
@@ -93,6 +96,8 @@ class LeaseRoundsTest : public ::testing::Test {
   testing::FakeStore third_{database_, kThird};
   const storage::RobotRef robot_ =
       std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
+  /// Who was heard last before is forgotten.
+  SystemTime heard_since_;
   model::Seq number_ = 0;
   metrics::Ledger ledger_;
   journal::JournalProbe journal_probe_;
@@ -224,6 +229,28 @@ TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
   EXPECT_THAT(lines_, Not(Contains(HasSubstr("process_over"))));
   EXPECT_THAT(lines_, Contains(HasSubstr("lease_works_again")).Times(1));
   EXPECT_EQ(probe_.failing.value(), 0);
+}
+
+TEST_F(LeaseRoundsTest, WhoWasNotHeardAnywhereForTooLongIsNotShown) {
+  OpenAtOther();
+  heard_since_ = FromUnixMs(8);
+  rounds_->Round();
+  EXPECT_EQ(fleet_.Find(robot_->ruri), nullptr);
+  heard_since_ = FromUnixMs(7);
+  rounds_->Round();
+  ASSERT_NE(fleet_.Find(robot_->ruri), nullptr);
+  EXPECT_TRUE(Shown().foreign.has_value());
+}
+
+TEST_F(LeaseRoundsTest, ARobotThatLeavesIsNotTakenBack) {
+  OpenAtOther();
+  rounds_->Round();
+  const fleet::RobotPtr robot = fleet_.Find(robot_->ruri);
+  ASSERT_TRUE(fleet_.BeginLeaving(*robot));
+  const storage::AdoptRequest request{.robot = robot_, .holder = kOther};
+  ASSERT_TRUE(ours_.Adopt({&request, 1})->front().held_since);
+  Pass(std::chrono::seconds(10));
+  EXPECT_EQ(robot->state.held_since(), 0U) << "the store says that it is ours, and nobody asks";
 }
 
 TEST_F(LeaseRoundsTest, ARobotThatWentElsewhereIsLetGo) {

@@ -27,7 +27,8 @@ class RestoreTest : public ::testing::Test {
   }
   /// This process holds both from now on.
   void Begin(storage::Epoch since = 2) {
-    for (robot::Robot* robot : fleet_.All()) robot->OnHeld({.since = since, .was_known = true});
+    for (const fleet::RobotPtr& robot : fleet_.All())
+      robot->OnHeld({.since = since, .was_known = true});
   }
   static storage::LiveRow Live(const std::string& ruri, std::uint32_t reboots) {
     robot::LiveChanges changes;
@@ -80,11 +81,11 @@ TEST_F(RestoreTest, ManyAreRestoredAPortionAtATime) {
     Checkpoint(Live(ruri, 4));
     ASSERT_TRUE(fleet.FindOrAdmit({ruri, "f"}).ok());
   }
-  for (robot::Robot* robot : fleet.All()) robot->OnHeld({.since = 2, .was_known = true});
+  for (const fleet::RobotPtr& robot : fleet.All()) robot->OnHeld({.since = 2, .was_known = true});
   Restore restore{fleet, reader_};
   ASSERT_TRUE(restore.Run().ok());
   EXPECT_FALSE(restore.due());
-  for (const robot::Robot* robot : fleet.All()) {
+  for (const fleet::RobotPtr& robot : fleet.All()) {
     const auto state = robot->state.Snapshot(robot::RobotState::Parts::kAll);
     ASSERT_TRUE(state.parts.usage) << robot->ruri();
   }
@@ -124,7 +125,7 @@ TEST_F(RestoreTest, IsTriedAgainWhileTheStoreIsAway) {
 TEST_F(RestoreTest, ARobotThatIsLostAgainHasNothingToRestore) {
   Checkpoint(Live("rcan://a", 4));
   Begin();
-  for (robot::Robot* robot : fleet_.All()) robot->state.Lose();
+  for (const fleet::RobotPtr& robot : fleet_.All()) robot->state.Lose();
   EXPECT_FALSE(restore_.due());
   ASSERT_TRUE(restore_.Run().ok());
   EXPECT_FALSE(State("rcan://a").parts.usage);

@@ -42,7 +42,7 @@ class SeedRoundsTest : public ::testing::Test {
 
 TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
   Know(world_.store, "rcan://a", world_.clock.System());
-  EXPECT_TRUE(rounds_.Begin(absl::OkStatus()).ok());
+  rounds_.Begin(absl::OkStatus());
   EXPECT_TRUE(rounds_.done());
   EXPECT_EQ(world_.fleet.size(), 1U);
   EXPECT_THAT(lines_, IsEmpty());
@@ -52,7 +52,7 @@ TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
 
 TEST_F(SeedRoundsTest, AStoreThatIsAwayIsReadLater) {
   Know(world_.store, "rcan://a", world_.clock.System());
-  EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
+  rounds_.Begin(absl::UnavailableError("gone"));
   EXPECT_FALSE(rounds_.done());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away why=gone")));
   ReadOn();
@@ -64,7 +64,7 @@ TEST_F(SeedRoundsTest, AStoreThatIsAwayIsReadLater) {
 
 TEST_F(SeedRoundsTest, AStoreThatGoesAwayWhileItIsReadIsReadAgain) {
   world_.reader.SetAway(true);
-  EXPECT_TRUE(rounds_.Begin(absl::OkStatus()).ok());
+  rounds_.Begin(absl::OkStatus());
   EXPECT_FALSE(rounds_.done());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away")));
   ReadOn();
@@ -75,32 +75,59 @@ TEST_F(SeedRoundsTest, AStoreThatGoesAwayWhileItIsReadIsReadAgain) {
 }
 
 TEST_F(SeedRoundsTest, OneJobIsUnderWayAtATime) {
-  EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
+  rounds_.Begin(absl::UnavailableError("gone"));
   ReadOn();
   ReadOn();
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
 TEST_F(SeedRoundsTest, AJobThatIsNotTakenIsAskedForAgain) {
-  EXPECT_TRUE(rounds_.Begin(absl::UnavailableError("gone")).ok());
+  rounds_.Begin(absl::UnavailableError("gone"));
   rounds_.ReadOn([](const auto& /*job*/) { return false; });
   ReadOn();
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
-TEST_F(SeedRoundsTest, MoreRobotsThanThereMayBeEndTheStartAndAreALineLater) {
-  for (const char* ruri : {"a", "b", "c", "d", "e"})
-    Know(world_.store, ruri, world_.clock.System());
-  world_.AddRobot("another");
-  EXPECT_FALSE(rounds_.Begin(absl::OkStatus()).ok());
-  EXPECT_THAT(lines_, IsEmpty());
+TEST_F(SeedRoundsTest, OfMoreRobotsThanThereMayBeThoseHeardLastAreTakenAndTheRestIsALine) {
+  int age = 0;
+  for (const char* ruri : {"a", "b", "c", "d", "e", "f"}) {
+    Know(world_.store, ruri, world_.clock.System() + std::chrono::seconds(++age));
+  }
+  rounds_.Begin(absl::OkStatus());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robots_left_out robots=1 robots_max=5")));
+  EXPECT_EQ(world_.fleet.size(), 5U);
+  EXPECT_EQ(world_.fleet.Find("a"), nullptr);
+  EXPECT_NE(world_.fleet.Find("b"), nullptr);
+}
 
-  SeedRounds later({world_.fleet, world_.shards, world_.reader, logger_,
-                    testing::ServerWorld::kRobotsMax, std::nullopt});
-  EXPECT_TRUE(later.Begin(absl::UnavailableError("gone")).ok());
-  later.ReadOn([this](auto job) { return Post(std::move(job)); });
+TEST_F(SeedRoundsTest, ARobotThatCameMeanwhileHasItsPlaceWhenTheStoreIsReadLater) {
+  int age = 0;
+  for (const char* ruri : {"a", "b", "c", "d", "e"}) {
+    Know(world_.store, ruri, world_.clock.System() + std::chrono::seconds(++age));
+  }
+  rounds_.Begin(absl::UnavailableError("gone"));
+  world_.AddRobot("another");
+  ReadOn();
   jobs_.front()();
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away"), HasSubstr("robots_left_out")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away"), HasSubstr("robots_read robots=5"),
+                                  HasSubstr("robots_left_out robots=1")));
+  EXPECT_EQ(world_.fleet.Find("a"), nullptr);
+  EXPECT_NE(world_.fleet.Find("another"), nullptr);
+}
+
+TEST_F(SeedRoundsTest, WhyRobotsCannotBeReadIsALineOnce) {
+  world_.reader.Fail(absl::InternalError("no such column"));
+  rounds_.Begin(absl::OkStatus());
+  for (int i = 0; i < 3; ++i) {
+    ReadOn();
+    jobs_.back()();
+  }
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robots_unread why=\"no such column\"")));
+  EXPECT_FALSE(rounds_.done());
+  world_.reader.Fail(absl::OkStatus());
+  ReadOn();
+  jobs_.back()();
+  EXPECT_TRUE(rounds_.done());
 }
 
 }  // namespace

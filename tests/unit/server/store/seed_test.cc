@@ -113,10 +113,12 @@ TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
   EXPECT_TRUE(fleet_.Find("rcan://a")->state.needs_restore());
 }
 
-TEST_F(SeedTest, MoreRobotsThanThereMayBeAreAnError) {
+TEST_F(SeedTest, TellsHowManyRobotsItLeftOut) {
   for (const char* ruri : {"rcan://a", "rcan://b"}) Know(store_, ruri, clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://c", "f"}).ok());
-  EXPECT_FALSE(seed_.Run(2).ok());
+  const auto left_out = seed_.Run(2);
+  ASSERT_TRUE(left_out.ok());
+  EXPECT_EQ(*left_out, 1U);
   EXPECT_TRUE(seed_.done()) << "trying again would change nothing";
 }
 

@@ -24,13 +24,12 @@ class WritersTest : public ::testing::Test {
   }
 
   std::unique_ptr<Writers> Make() {
-    return std::make_unique<Writers>(stores_,
-                                     Writers::Context{.clock = clock_,
-                                                      .ledgers = ledgers_,
-                                                      .probe = probe_,
-                                                      .fleet = fleet_,
-                                                      .random = [] { return std::uint64_t{0}; },
-                                                      .restored = [] { return true; }});
+    return std::make_unique<Writers>(
+        stores_,
+        Writers::Context{
+            .clock = clock_, .ledgers = ledgers_, .probe = probe_, .fleet = fleet_, .random = [] {
+              return std::uint64_t{0};
+            }});
   }
 
   SystemClock clock_;

@@ -182,7 +182,19 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
             absl::StatusCode::kNotFound);
   EXPECT_EQ(world_.queries.History(&storage::Reader::PresenceChanges, query).status().code(),
             absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.reader.calls(), 0);
+}
+
+TEST_F(QueriesTest, HistoriesOfARobotThatLeftMemoryAreThereAsLongAsTheyHaveRows) {
+  storage::Batch batch;
+  batch.presence = {{std::make_shared<const model::RobotId>(model::RobotId{"rcan://gone", "f"}),
+                     model::Presence::kOffline, world_.clock.System(), 1, 1}};
+  ASSERT_TRUE(world_.store.Commit(batch).ok());
+  storage::HistoryQuery query;
+  query.ruri = "rcan://gone";
+  EXPECT_TRUE(world_.queries.History(&storage::Reader::PresenceChanges, query).ok());
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Robot("rcan://gone").status().code(), absl::StatusCode::kNotFound);
 }
 
 TEST_F(QueriesTest, StatusHoldsTheConservationTable) {
