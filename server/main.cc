@@ -52,7 +52,7 @@ int CheckConfig(const Flags& flags) {
       result.problems.push_back(std::move(problem));
     }
   }
-  for (const config::Problem& note : result.notes) {
+  for (const config::Note& note : result.notes) {
     fmt::print(stderr, "uplinkd: note: {}\n", config::ToText(note));
   }
   PrintProblems(result.problems);
@@ -98,8 +98,8 @@ int Serve(const Flags& flags) {
   logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
   if (!tickets.ok())
     logger.Warn("tls_tickets_are_sent", {{"error", std::string(tickets.message())}});
-  for (const config::Problem& note : loaded.notes) {
-    logger.Warn("setting_without_effect", {{"note", config::ToText(note)}});
+  for (const config::Note& note : loaded.notes) {
+    logger.Warn(note.event, {{"note", config::ToText(note)}});
   }
   std::mt19937_64 random(std::random_device{}());
   auto app = App::Start({.config = config,

@@ -11,6 +11,7 @@
 
 #include "schema/base/utf8.h"
 #include "server/config/relations.h"
+#include "server/config/service_variables.h"
 #include "server/config/settings.h"
 #include "server/config/value.h"
 
@@ -43,6 +44,10 @@ class Loader {
   void ReadEnvironment(const Environment& environment) {
     for (const auto& [name, text] : environment) {
       const Setting* const setting = FindByEnvironment(name);
+      if (setting == nullptr && IsServiceVariable(name)) {
+        ignored_.push_back(Shown(name));
+        continue;
+      }
       if (setting == nullptr) {
         problems_.push_back({std::string(kEnvironment), Shown(name),
                              "no setting has this variable (UPLINKD_<SECTION>_<KEY>)"});
@@ -66,7 +71,12 @@ class Loader {
     }
     LoadResult result;
     for (const auto& [key, where] : without_effect_) {
-      result.notes.push_back({where, key, "it is checked but has no effect in this version"});
+      result.notes.push_back({{where, key, "it is checked but has no effect in this version"},
+                              "setting_without_effect"});
+    }
+    if (!ignored_.empty()) {
+      result.notes.push_back(
+          {{std::string(kEnvironment), {}, IgnoredText(ignored_)}, "variables_ignored"});
     }
     result.readable = config_;
     if (problems_.empty()) {
@@ -197,6 +207,7 @@ class Loader {
   std::map<std::string, std::string> where_;
   std::map<std::string, std::string> without_effect_;
   std::set<std::string> bad_;
+  std::vector<std::string> ignored_;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace uplink::config {
 
-/// One thing that is wrong in a configuration, or, as a note, worth a line at start.
+/// One thing that is wrong in a configuration.
 struct Problem {
   /// `file:line`, or `environment`, or the file alone for what concerns no line.
   std::string where;
@@ -22,6 +22,12 @@ struct Problem {
   std::string text;
 
   friend bool operator==(const Problem&, const Problem&) = default;
+};
+
+/// What is not wrong, but worth a warning at start.
+struct Note : Problem {
+  /// The event of the log line.
+  std::string event;
 };
 
 /// `where: key: text`, as --check-config prints it.
@@ -41,8 +47,8 @@ struct LoadResult {
   std::optional<Config> readable;
   /// All of them, in the order of the file, then of the environment, then relations.
   std::vector<Problem> problems;
-  /// Keys that are set but have no effect in this version.
-  std::vector<Problem> notes;
+  /// Such as keys that are set but have no effect in this version.
+  std::vector<Note> notes;
 
   [[nodiscard]] bool ok() const { return config.has_value(); }
 };

@@ -25,7 +25,7 @@ int Check(const std::string& path) {
       problems.push_back(std::move(problem));
     }
   }
-  for (const config::Problem& note : result.notes) {
+  for (const config::Note& note : result.notes) {
     fmt::print(stderr, "note: {}\n", config::ToText(note));
   }
   for (const config::Problem& problem : problems) {

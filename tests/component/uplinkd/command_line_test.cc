@@ -57,6 +57,18 @@ TEST(CommandLine, CheckConfigSeesTheEnvironment) {
   EXPECT_THAT(ended.text, HasSubstr("environment: presence.timeout"));
 }
 
+TEST(CommandLine, TheVariablesOfAKubernetesServiceAreIgnored) {
+  const UplinkdFolder folder;
+  const std::vector<std::string> variables = {"UPLINKD_PORT=tcp://10.0.0.7:7443",
+                                              "UPLINKD_SERVICE_HOST=10.0.0.7"};
+  const Ended ended = RunToEnd(folder, {"--check-config"}, variables);
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.text, HasSubstr("note: environment: UPLINKD_PORT, UPLINKD_SERVICE_HOST"));
+  const auto server = folder.Start({}, variables);
+  EXPECT_TRUE(server->WaitFor("listening ")) << server->text();
+  EXPECT_THAT(server->text(), HasSubstr("warn variables_ignored note="));
+}
+
 TEST(CommandLine, PrintConfigShowsWhatIsEffective) {
   const UplinkdFolder folder;
   const Ended ended = RunToEnd(folder, {"--print-config"}, {"UPLINKD_PRESENCE_TIMEOUT=11s"});

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/config/settings.h"
 #include "tests/unit/server/config/minimal.h"
 
 namespace uplink::config {
@@ -118,6 +119,35 @@ TEST(ParseConfigTest, ReportsWhatTheEnvironmentHasWrong) {
               ElementsAre(IsProblem("environment", "limits.robots_max", "\"many\" is not allowed"),
                           IsProblem("environment", "UPLINKD_NO_SUCH", "no setting"),
                           IsProblem("environment", "UPLINKD_X", "no setting")));
+}
+
+// What Kubernetes sets in each container where a Service is named uplinkd.
+TEST(ParseConfigTest, IgnoresTheVariablesOfAServiceThatIsNamedUplinkdInOneNote) {
+  const LoadResult result = ParseWith("", {{"UPLINKD_PORT", "tcp://10.0.0.7:7443"},
+                                           {"UPLINKD_LIMITS_ROBOTS_MAX", "6"},
+                                           {"UPLINKD_PORT_7443_TCP", "tcp://10.0.0.7:7443"},
+                                           {"UPLINKD_PORT_7443_TCP_ADDR", "10.0.0.7"},
+                                           {"UPLINKD_SERVICE_HOST", "10.0.0.7"},
+                                           {"UPLINKD_SERVICE_PORT_RELAY", "7443"}});
+  ASSERT_THAT(result.problems, IsEmpty());
+  EXPECT_EQ(result.config->limits.robots_max, 6U);
+  EXPECT_THAT(result.notes,
+              ElementsAre(IsProblem("environment", "", "UPLINKD_PORT, UPLINKD_PORT_7443_TCP")));
+  EXPECT_THAT(result.notes, ElementsAre(IsProblem("environment", "", "and 2 more")));
+}
+
+TEST(ParseConfigTest, AVariableThatOnlyBeginsAsThoseOfAServiceIsAnError) {
+  const LoadResult result =
+      ParseWith("", {{"UPLINKD_PORTS", "1"}, {"UPLINKD_SERVICE", "1"}, {"UPLINKD_X_PORT", "1"}});
+  EXPECT_THAT(result.problems, SizeIs(3));
+  EXPECT_THAT(result.notes, IsEmpty());
+}
+
+TEST(ParseConfigTest, NoKeyHasTheNameOfAServicesVariable) {
+  for (const Setting& setting : Settings()) {
+    const std::string name = EnvironmentName(setting) + "_";
+    EXPECT_FALSE(name.starts_with("UPLINKD_PORT_") || name.starts_with("UPLINKD_SERVICE_")) << name;
+  }
 }
 
 TEST(ParseConfigTest, NotesKeysThatHaveNoEffectYet) {
