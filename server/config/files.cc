@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include "server/config/load.h"
+#include "server/identity/authorities.h"
 #include "server/identity/server_pair.h"
 
 namespace uplink::config {
@@ -65,6 +66,16 @@ bool CheckPem(const std::string& key, const std::string& path, std::string_view 
   return true;
 }
 
+/// Whether every certificate of the file can be read.
+void CheckAuthorities(const std::string& key, const std::string& path,
+                      std::vector<Problem>& problems) {
+  if (!CheckPem(key, path, "CERTIFICATE", problems) || path.empty()) return;
+  const auto authorities = identity::ReadPem(path);
+  const absl::Status good =
+      authorities.ok() ? identity::CheckAuthorities(*authorities) : authorities.status();
+  if (!good.ok()) problems.push_back({path, key, std::string(good.message())});
+}
+
 /// Whether a TLS server can serve with the two.
 void CheckPair(const TlsConfig& tls, std::vector<Problem>& problems) {
   if (tls.certificate_file.empty() || tls.key_file.empty()) return;
@@ -112,8 +123,8 @@ std::vector<Problem> ValidateFiles(const Config& config) {
   const bool certificate =
       CheckPem("tls.certificate_file", tls.certificate_file, "CERTIFICATE", problems);
   const bool key = CheckPem("tls.key_file", tls.key_file, "PRIVATE KEY", problems);
-  CheckPem("tls.client_ca_file", tls.client_ca_file, "CERTIFICATE", problems);
-  CheckPem("tls.operator_ca_file", tls.operator_ca_file, "CERTIFICATE", problems);
+  CheckAuthorities("tls.client_ca_file", tls.client_ca_file, problems);
+  CheckAuthorities("tls.operator_ca_file", tls.operator_ca_file, problems);
   if (certificate && key) CheckPair(tls, problems);
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);

@@ -56,14 +56,13 @@ absl::StatusOr<Key> ParseKey(const NamedPem& pem) {
 absl::StatusOr<NamedPem> ReadPem(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Unfit(fmt::format("{}: cannot be read", path));
-  std::string text(kPemBytesMax, '\0');
+  std::string text(kPemBytesMax + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kPemBytesMax) {
+    return Unfit(fmt::format("{}: is larger than {} bytes", path, kPemBytesMax));
+  }
   return NamedPem{path, std::move(text)};
-}
-
-absl::Status CheckCertificate(const NamedPem& certificate) {
-  return ParseCertificate(certificate).status();
 }
 
 absl::Status CheckServerPair(const NamedPem& certificate_pem, const NamedPem& key_pem) {

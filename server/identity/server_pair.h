@@ -17,18 +17,15 @@ struct NamedPem {
 /// Bytes of the largest PEM file that is read: some thousand certificates.
 inline constexpr std::size_t kPemBytesMax = std::size_t{4} * 1024 * 1024;
 
-/// Errors: kFailedPrecondition if the file cannot be read. Thread: any; blocks on the file.
+/// Errors: kFailedPrecondition if the file cannot be read, or is larger than kPemBytesMax.
+/// Thread: any; blocks on the file.
 [[nodiscard]] absl::StatusOr<NamedPem> ReadPem(const std::string& path);
-
-/// Whether the first certificate of the text can be read.
-///
-/// Errors: kFailedPrecondition with the name. Thread: pure; any thread, as those below.
-[[nodiscard]] absl::Status CheckCertificate(const NamedPem& certificate);
 
 /// Whether a TLS server can serve with the two: the certificate is one that a server may show, and
 /// the key is its own.
 ///
 /// Errors: kFailedPrecondition with a sentence that names the one that is invalid.
+/// Thread: pure; any thread, as that below.
 [[nodiscard]] absl::Status CheckServerPair(const NamedPem& certificate, const NamedPem& key);
 
 /// When the first certificate of the text expires.

@@ -6,6 +6,7 @@
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 
+#include "server/identity/authorities.h"
 #include "server/identity/server_pair.h"
 
 namespace uplink::relay {
@@ -15,7 +16,7 @@ using identity::NamedPem;
 
 absl::Status CheckTexts(const PemTexts& texts) {
   if (absl::Status status =
-          identity::CheckCertificate(NamedPem{"the client authority", texts.client_ca});
+          identity::CheckAuthorities(NamedPem{"the client authority", texts.client_ca});
       !status.ok()) {
     return status;
   }

@@ -8,6 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "server/identity/authorities.h"
 #include "server/identity/server_pair.h"
 
 namespace uplink::relay {
@@ -60,7 +61,7 @@ absl::Status ServedFiles::Refresh() {
   const std::array<std::string, kFiles> texts = {certificate->text, key->text, client_ca->text};
   if (texts == texts_) return absl::OkStatus();
   if (absl::Status fit = identity::CheckServerPair(*certificate, *key); !fit.ok()) return fit;
-  if (absl::Status good = identity::CheckCertificate(*client_ca); !good.ok()) return good;
+  if (absl::Status good = identity::CheckAuthorities(*client_ca); !good.ok()) return good;
   const auto expiry = identity::ExpiryOf(*certificate);
   if (!expiry.ok()) return expiry.status();
   if (absl::Status replaced = Replace(texts); !replaced.ok()) return replaced;

@@ -112,6 +112,26 @@ TEST_F(Refusals, FilesThatDoNotFitAreSaidAndTheLastGoodOnesServed) {
   EXPECT_TRUE(connects()) << process_->text();
 }
 
+TEST_F(Refusals, ABrokenAuthorityIsSaidAndTheLastGoodOnesServed) {
+  Serve();
+  const std::string good = folder_.authority().certificate();
+  const TestAuthority other("other");
+  std::string broken = good + other.certificate();
+  broken.replace(broken.rfind("\nMII"), 4, "\nXXX");
+  folder_.Write("ca.crt", broken);
+  ASSERT_TRUE(process_->WaitFor("certificate_mismatch")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("ca.crt: PEM block 2"));
+  process_->Signal(SIGHUP);
+  ASSERT_TRUE(process_->WaitFor("reload_refused")) << process_->text();
+  TestAgent agent(Channel(RobotSpec("rcan://a")));
+  EXPECT_TRUE(agent.Connect(model::SessionId()).has_value()) << process_->text();
+  const auto second = folder_.Start();
+  EXPECT_EQ(second->WaitForExit(), 2) << second->text();
+  EXPECT_THAT(second->text(), HasSubstr("tls.client_ca_file"));
+  folder_.Write("ca.crt", good + other.certificate());
+  ASSERT_TRUE(process_->WaitFor("certificate_fits_again")) << process_->text();
+}
+
 TEST_F(Refusals, AReloadThatChangesNothingIsNoWarning) {
   Serve();
   process_->Signal(SIGHUP);

@@ -100,6 +100,23 @@ TEST_F(ValidateFilesTest, FilesAreLookedAtBesideBadValues) {
   EXPECT_THAT(WithFiles(ParseConfig("[tls", "c", {})).problems, SizeIs(1));
 }
 
+TEST_F(ValidateFilesTest, ReadsEveryCertificateOfAnAuthorityFile) {
+  const testing::TestAuthority other("other");
+  const std::string good = authority_.certificate() + other.certificate();
+  std::string broken = good;
+  broken.replace(broken.rfind("\nMII"), 4, "\nXXX");
+  config_.tls.client_ca_file = Write("ca.crt", good);
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty());
+  config_.tls.client_ca_file = Write("ca.crt", broken);
+  config_.tls.operator_ca_file = Write("operators.crt", broken);
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(2));
+  EXPECT_EQ(problems[0].key, "tls.client_ca_file");
+  EXPECT_THAT(problems[0].text, HasSubstr("/ca.crt: PEM block 2"));
+  EXPECT_EQ(problems[1].key, "tls.operator_ca_file");
+  EXPECT_THAT(problems[1].text, HasSubstr("/operators.crt: PEM block 2"));
+}
+
 TEST_F(ValidateFilesTest, KnowsACertificateFromAKey) {
   std::swap(config_.tls.certificate_file, config_.tls.key_file);
   EXPECT_THAT(ValidateFiles(config_), SizeIs(2));

@@ -1,0 +1,135 @@
+#include "server/identity/authorities.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <fmt/core.h>
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+namespace uplink::identity {
+namespace {
+
+constexpr std::string_view kBegin = "-----BEGIN ";
+constexpr std::string_view kEnd = "-----END ";
+constexpr std::string_view kDashes = "-----";
+
+struct BioFree {
+  void operator()(BIO* bio) const { BIO_free(bio); }
+};
+struct X509Free {
+  void operator()(X509* certificate) const { X509_free(certificate); }
+};
+
+/// What is between the dashes of a line that begins or ends a block.
+std::optional<std::string_view> LabelOf(std::string_view line, std::string_view mark) {
+  if (!line.starts_with(mark) || !line.ends_with(kDashes)) return std::nullopt;
+  if (line.size() <= mark.size() + kDashes.size()) return std::nullopt;
+  return line.substr(mark.size(), line.size() - mark.size() - kDashes.size());
+}
+
+/// True for a line that was meant to begin or end a block and does not: a dash is missing, or
+/// something stands before it.
+bool IsDamagedMark(std::string_view line) {
+  if (line.find("CERTIFICATE-----") != std::string_view::npos) return true;
+  for (const std::string_view word : {"-BEGIN ", "-END "}) {
+    if (line.find(word) != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+bool IsCertificate(std::string_view label) {
+  return label == "CERTIFICATE" || label == "X509 CERTIFICATE" || label == "TRUSTED CERTIFICATE";
+}
+
+bool CanBeRead(std::string_view block) {
+  const std::unique_ptr<BIO, BioFree> bio(
+      BIO_new_mem_buf(block.data(), static_cast<int>(block.size())));
+  const std::unique_ptr<X509, X509Free> certificate(
+      PEM_read_bio_X509_AUX(bio.get(), nullptr, nullptr, nullptr));
+  ERR_clear_error();
+  return certificate != nullptr;
+}
+
+/// Goes through the lines of a text. Confined to one call.
+class Blocks final {
+ public:
+  explicit Blocks(const NamedPem& pem) : pem_(pem) {}
+
+  absl::Status Check() {
+    std::size_t at = 0;
+    while (at < pem_.text.size()) {
+      const std::size_t end = std::min(pem_.text.find('\n', at), pem_.text.size());
+      ++line_;
+      if (absl::Status good = TakeLine(at, end); !good.ok()) return good;
+      at = end + 1;
+    }
+    if (begun_) return Broken("it has no end");
+    if (certificates_ > 0) return absl::OkStatus();
+    return absl::FailedPreconditionError(fmt::format("{}: holds no PEM certificate", pem_.name));
+  }
+
+ private:
+  absl::Status TakeLine(std::size_t at, std::size_t end) {
+    std::string_view line = std::string_view(pem_.text).substr(at, end - at);
+    while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos) {
+      line.remove_suffix(1);
+    }
+    if (const auto label = LabelOf(line, kBegin)) {
+      if (begun_) return Broken("it has no end");
+      Begin(at);
+      label_ = *label;
+      return absl::OkStatus();
+    }
+    if (const auto label = LabelOf(line, kEnd)) {
+      if (!begun_) Begin(at);
+      return *label == label_ ? End(end) : Broken("its end does not fit its begin");
+    }
+    if (!IsDamagedMark(line)) return absl::OkStatus();
+    if (!begun_) Begin(at);
+    return Broken("the dashes around BEGIN or END are damaged");
+  }
+
+  void Begin(std::size_t at) {
+    begun_ = true;
+    begin_ = at;
+    begin_line_ = line_;
+    label_ = {};
+    ++number_;
+  }
+
+  absl::Status End(std::size_t end) {
+    begun_ = false;
+    if (!IsCertificate(label_)) return absl::OkStatus();
+    ++certificates_;
+    const auto block = std::string_view(pem_.text).substr(begin_, end - begin_);
+    return CanBeRead(block) ? absl::OkStatus() : Broken("it is no certificate that can be read");
+  }
+
+  [[nodiscard]] absl::Status Broken(std::string_view why) const {
+    return absl::FailedPreconditionError(fmt::format(
+        "{}: PEM block {}, from line {}, is broken: {}", pem_.name, number_, begin_line_, why));
+  }
+
+  const NamedPem& pem_;
+  std::size_t line_ = 0;
+  /// Of the block that is begun, or was last.
+  bool begun_ = false;
+  std::size_t begin_ = 0;
+  std::size_t begin_line_ = 0;
+  std::size_t number_ = 0;
+  std::string label_;
+  std::size_t certificates_ = 0;
+};
+
+}  // namespace
+
+absl::Status CheckAuthorities(const NamedPem& authorities) { return Blocks(authorities).Check(); }
+
+}  // namespace uplink::identity

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <absl/status/status.h>
+
+#include "server/identity/server_pair.h"
+
+namespace uplink::identity {
+
+/// Whether every certificate of the text can be read. TLS libraries stop at the first that cannot,
+/// or pass over a block whose first line is damaged, and say nothing: robots of the authorities
+/// behind it would be strangers. Blocks of other kinds, and text between blocks, count for nothing.
+///
+/// Errors: kFailedPrecondition with the name, and the broken block's number and line; also if there
+///         is no certificate at all.
+/// Thread: pure; any thread.
+[[nodiscard]] absl::Status CheckAuthorities(const NamedPem& authorities);
+
+}  // namespace uplink::identity

@@ -1,0 +1,84 @@
+#include "server/identity/authorities.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/certificates.h"
+
+namespace uplink::identity {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class AuthoritiesTest : public ::testing::Test {
+ protected:
+  /// What is said of the text; empty if it is good.
+  static std::string Said(const std::string& text) {
+    const absl::Status status = CheckAuthorities({"ca.crt", text});
+    EXPECT_TRUE(status.ok() || absl::IsFailedPrecondition(status)) << status;
+    return std::string(status.message());
+  }
+  static std::string With(std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  }
+
+  const testing::TestAuthority one_{"one"};
+  const testing::TestAuthority two_{"two"};
+  const std::string first_ = one_.certificate();
+  const std::string second_ = two_.certificate();
+};
+
+TEST_F(AuthoritiesTest, SeveralAreTaken) {
+  EXPECT_EQ(Said(first_), "");
+  EXPECT_EQ(Said(first_ + second_), "");
+}
+
+TEST_F(AuthoritiesTest, TextBetweenThemAndOtherBlocksCountForNothing) {
+  const std::string key = one_.Issue(testing::ServerSpec()).key;
+  EXPECT_EQ(Said("# the first\n=====\n" + first_ + "\n--- the END of one\n" + key + second_), "");
+}
+
+TEST_F(AuthoritiesTest, LinesMayEndAsOnWindows) {
+  std::string text;
+  for (const char c : first_ + second_) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_EQ(Said(text), "");
+}
+
+TEST_F(AuthoritiesTest, ABrokenOneIsNamedByItsNumberAndLine) {
+  const std::string damaged = With(second_, "\nMII", "\nXXX");
+  const auto lines = std::count(first_.begin(), first_.end(), '\n');
+  EXPECT_THAT(Said(first_ + damaged + first_),
+              AllOf(HasSubstr("ca.crt: PEM block 2, from line " + std::to_string(lines + 1)),
+                    HasSubstr("no certificate that can be read")));
+  EXPECT_THAT(Said(damaged), HasSubstr("PEM block 1, from line 1,"));
+}
+
+TEST_F(AuthoritiesTest, OneThatIsCutIsBroken) {
+  const std::string cut = second_.substr(0, second_.size() / 2);
+  EXPECT_THAT(Said(first_ + cut), AllOf(HasSubstr("block 2"), HasSubstr("has no end")));
+  EXPECT_THAT(Said(cut + "\n" + first_), AllOf(HasSubstr("block 1"), HasSubstr("has no end")));
+}
+
+TEST_F(AuthoritiesTest, OneWhoseDashesAreDamagedIsNotPassedOver) {
+  for (const char* begin : {"----BEGIN ", "-----BEGIN", " -----BEGIN ", "\xef\xbb\xbf-----BEGIN ",
+                            "BEGIN ", "--BEGIN "}) {
+    EXPECT_THAT(Said(first_ + With(second_, "-----BEGIN ", begin)), HasSubstr("block 2")) << begin;
+  }
+  EXPECT_THAT(Said(first_ + With(second_, "CERTIFICATE-----\n", "CERTIFICATE----\n")),
+              HasSubstr("block 2"));
+  EXPECT_THAT(Said(first_ + With(second_, "-----END ", "----END ")), HasSubstr("block 2"));
+  EXPECT_THAT(Said(first_ + With(second_, "-----END CERT", "-----END KEY")), HasSubstr("block 2"));
+  EXPECT_THAT(Said(first_ + "-----END CERTIFICATE-----\n"), HasSubstr("block 2"));
+}
+
+TEST_F(AuthoritiesTest, NoneAtAllIsAnError) {
+  EXPECT_EQ(Said(""), "ca.crt: holds no PEM certificate");
+  EXPECT_EQ(Said(one_.Issue(testing::ServerSpec()).key), "ca.crt: holds no PEM certificate");
+}
+
+}  // namespace
+}  // namespace uplink::identity
