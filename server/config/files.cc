@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 #include <sys/stat.h>
 
+#include "server/config/file_modes.h"
 #include "server/config/load.h"
 #include "server/identity/authorities.h"
 #include "server/identity/server_pair.h"
@@ -135,10 +136,17 @@ LoadResult WithFiles(LoadResult result) {
   if (!result.readable) return result;
   std::set<std::string> at_fault;
   for (const Problem& problem : result.problems) at_fault.insert(problem.key);
-  for (Problem& problem : ValidateFiles(*result.readable)) {
-    // An invalid key holds its default: what that names says nothing about the file.
-    if (!at_fault.contains(problem.key)) result.problems.push_back(std::move(problem));
-  }
+  // An invalid key holds its default: what that names says nothing about the file.
+  const auto add = [&at_fault](auto& to, auto& found) {
+    for (auto& each : found) {
+      if (!at_fault.contains(each.key)) to.push_back(std::move(each));
+    }
+  };
+  std::vector<Problem> found = ValidateFiles(*result.readable);
+  FileModes modes = CheckFileModes(*result.readable);
+  add(result.problems, found);
+  add(result.problems, modes.problems);
+  add(result.notes, modes.notes);
   if (!result.problems.empty()) result.config.reset();
   return result;
 }

@@ -70,7 +70,7 @@ inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 /// Opens, changes nothing.
 [[nodiscard]] std::vector<Problem> ValidateFiles(const Config& config);
 
-/// The result with the problems of ValidateFiles beside its own.
+/// The result with what ValidateFiles and CheckFileModes (file_modes.h) find beside its own.
 [[nodiscard]] LoadResult WithFiles(LoadResult result);
 
 /// A certificate that has expired. A server starts with it all the same, and says so in /readyz.

@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,6 +69,25 @@ TEST(CommandLine, TheVariablesOfAKubernetesServiceAreIgnored) {
   const auto server = folder.Start({}, variables);
   EXPECT_TRUE(server->WaitFor("listening ")) << server->text();
   EXPECT_THAT(server->text(), HasSubstr("warn variables_ignored note="));
+}
+
+TEST(CommandLine, AKeyThatEverybodyMayReadIsAWarningAndOneThatTheyMayWriteStopsTheStart) {
+  using std::filesystem::perms;
+  const UplinkdFolder folder;
+  std::filesystem::permissions(folder.Path("server.key"), perms{0644});
+  const Ended checked = RunToEnd(folder, {"--check-config"});
+  EXPECT_EQ(checked.code, 0);
+  EXPECT_THAT(checked.text, AllOf(HasSubstr("note: "), HasSubstr("tls.key_file")));
+  const auto server = folder.Start();
+  EXPECT_TRUE(server->WaitFor("listening ")) << server->text();
+  EXPECT_THAT(server->text(), HasSubstr("warn secret_readable note="));
+
+  std::filesystem::permissions(folder.Path("server.key"), perms{0646});
+  for (const Ended& ended : {RunToEnd(folder, {"--check-config"}), RunToEnd(folder, {})}) {
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.text, AllOf(HasSubstr("tls.key_file"), HasSubstr(folder.Path("server.key")),
+                                  HasSubstr("0646")));
+  }
 }
 
 TEST(CommandLine, PrintConfigShowsWhatIsEffective) {

@@ -1,0 +1,120 @@
+#include "server/config/file_modes.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "tests/support/temp_folder.h"
+
+namespace uplink::config {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class FileModesTest : public ::testing::Test {
+ protected:
+  FileModesTest() {
+    config_.tls.key_file = Make("s.key");
+    config_.store.url = "postgresql://u@db.example.org/d";
+    config_.store.password_file = Make("password");
+  }
+  [[nodiscard]] std::string Make(const std::string& name) const {
+    std::ofstream(folder_.File(name)) << "secret";
+    Change(folder_.File(name), 0600);
+    return folder_.File(name);
+  }
+  static void Change(const std::string& path, mode_t mode) {
+    ASSERT_EQ(::chmod(path.c_str(), mode), 0);
+  }
+  [[nodiscard]] FileModes Check() const { return CheckFileModes(config_); }
+
+  uplink::testing::TempFolder folder_;
+  Config config_;
+};
+
+TEST_F(FileModesTest, WhatTheOwnerAndTheGroupMayReadIsGood) {
+  for (const mode_t mode : {0400U, 0600U, 0440U, 0640U, 0700U}) {
+    Change(config_.tls.key_file, mode);
+    Change(config_.store.password_file, mode);
+    EXPECT_THAT(Check().problems, IsEmpty()) << mode;
+    EXPECT_THAT(Check().notes, IsEmpty()) << mode;
+  }
+}
+
+// As a secret of Kubernetes is by default.
+TEST_F(FileModesTest, WhatEverybodyMayReadIsNoted) {
+  Change(config_.tls.key_file, 0644);
+  Change(config_.store.password_file, 0444);
+  const FileModes modes = Check();
+  EXPECT_THAT(modes.problems, IsEmpty());
+  EXPECT_THAT(modes.notes,
+              ElementsAre(AllOf(Field(&Problem::key, "tls.key_file"),
+                                Field(&Problem::text,
+                                      AllOf(HasSubstr(config_.tls.key_file), HasSubstr("0644"))),
+                                Field(&Note::event, "secret_readable")),
+                          AllOf(Field(&Problem::key, "store.password_file"),
+                                Field(&Problem::text, HasSubstr("0444")))));
+}
+
+TEST_F(FileModesTest, WhatTheGroupMayWriteIsNoted) {
+  Change(config_.tls.key_file, 0660);
+  const FileModes modes = Check();
+  EXPECT_THAT(modes.problems, IsEmpty());
+  EXPECT_THAT(modes.notes, ElementsAre(AllOf(Field(&Problem::key, "tls.key_file"),
+                                             Field(&Note::event, "secret_writable"))));
+}
+
+TEST_F(FileModesTest, WhatEverybodyMayWriteIsAProblem) {
+  Change(config_.tls.key_file, 0666);
+  Change(config_.store.password_file, 0602);
+  const FileModes modes = Check();
+  EXPECT_THAT(modes.notes, IsEmpty());
+  EXPECT_THAT(modes.problems,
+              ElementsAre(AllOf(Field(&Problem::key, "tls.key_file"),
+                                Field(&Problem::text,
+                                      AllOf(HasSubstr(config_.tls.key_file), HasSubstr("0666")))),
+                          AllOf(Field(&Problem::key, "store.password_file"),
+                                Field(&Problem::text, HasSubstr("0602")))));
+}
+
+TEST_F(FileModesTest, ALinkIsJudgedByItsFile) {
+  const std::string link = folder_.File("link");
+  std::filesystem::create_symlink(config_.tls.key_file, link);
+  config_.tls.key_file = link;
+  EXPECT_THAT(Check().notes, IsEmpty()) << "a link's own mode is 0777";
+  Change(link, 0644);
+  EXPECT_THAT(Check().notes, ::testing::SizeIs(1));
+}
+
+TEST_F(FileModesTest, APasswordThatIsNotUsedIsNotJudged) {
+  Change(config_.store.password_file, 0666);
+  config_.store.url = "sqlite:///tmp/x.db";
+  EXPECT_THAT(Check().problems, IsEmpty());
+}
+
+TEST_F(FileModesTest, StandsBesideTheOtherProblemsOfFiles) {
+  const std::string text = fmt::format(
+      "[tls]\ncertificate_file = \"{0}/gone\"\nkey_file = \"{0}/s.key\"\n"
+      "client_ca_file = \"{0}/gone\"\n",
+      folder_.path());
+  Change(config_.tls.key_file, 0666);
+  EXPECT_THAT(WithFiles(ParseConfig(text, "c", {})).problems,
+              Contains(AllOf(Field(&Problem::key, "tls.key_file"),
+                             Field(&Problem::text, HasSubstr("may write")))));
+  Change(config_.tls.key_file, 0644);
+  EXPECT_THAT(WithFiles(ParseConfig(text, "c", {})).notes,
+              ElementsAre(Field(&Problem::key, "tls.key_file")));
+}
+
+}  // namespace
+}  // namespace uplink::config
