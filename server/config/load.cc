@@ -13,6 +13,7 @@
 #include "server/config/relations.h"
 #include "server/config/service_variables.h"
 #include "server/config/settings.h"
+#include "server/config/store_tls.h"
 #include "server/config/value.h"
 
 namespace uplink::config {
@@ -73,6 +74,10 @@ class Loader {
     for (const auto& [key, where] : without_effect_) {
       result.notes.push_back({{where, key, "it is checked but has no effect in this version"},
                               "setting_without_effect"});
+    }
+    if (auto text = UnverifiedStoreText(config_.store)) {
+      result.notes.push_back(
+          {{Where("store.url"), "store.url", *std::move(text)}, "store_unverified"});
     }
     if (!ignored_.empty()) {
       result.notes.push_back(

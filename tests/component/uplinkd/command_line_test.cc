@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Ended {
   int code = -1;
@@ -88,6 +89,18 @@ TEST(CommandLine, AKeyThatEverybodyMayReadIsAWarningAndOneThatTheyMayWriteStopsT
     EXPECT_THAT(ended.text, AllOf(HasSubstr("tls.key_file"), HasSubstr(folder.Path("server.key")),
                                   HasSubstr("0646")));
   }
+}
+
+TEST(CommandLine, CheckConfigNotesADatabaseThatNeedNotProveWhoItIs) {
+  const UplinkdFolder folder;
+  const std::string url = "UPLINKD_STORE_URL=postgresql://u@db.example.org/d";
+  const Ended noted = RunToEnd(folder, {"--check-config"}, {url, "PGSSLMODE=verify-ca"});
+  EXPECT_EQ(noted.code, 0);
+  EXPECT_THAT(noted.text, HasSubstr("note: environment: store.url: sslmode is verify-ca"));
+  // As libpq itself reads it.
+  const Ended good = RunToEnd(folder, {"--check-config"}, {url, "PGSSLMODE=verify-full"});
+  EXPECT_EQ(good.code, 0);
+  EXPECT_THAT(good.text, Not(HasSubstr("sslmode")));
 }
 
 TEST(CommandLine, PrintConfigShowsWhatIsEffective) {

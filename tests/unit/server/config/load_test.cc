@@ -161,6 +161,36 @@ TEST(ParseConfigTest, NotesKeysThatHaveNoEffectYet) {
   EXPECT_THAT(ParseWith("").notes, IsEmpty());
 }
 
+std::string NoteOfUrl(const std::string& url) {
+  const LoadResult result = ParseWith("[store]\nurl = \"" + url + "\"\n");
+  EXPECT_THAT(result.problems, IsEmpty()) << url;
+  return result.notes.empty() ? std::string() : ToText(result.notes.front());
+}
+
+TEST(ParseConfigTest, NotesADatabaseOverTheNetworkThatNeedNotProveWhoItIs) {
+  const std::string remote = "postgresql://u@db.example.org/d?sslmode=";
+  for (const std::string mode : {"disable", "allow", "prefer", "require", "verify-ca"}) {
+    EXPECT_THAT(
+        NoteOfUrl(remote + mode),
+        AllOf(HasSubstr("u.toml:6: store.url: sslmode is " + mode), HasSubstr("db.example.org")));
+  }
+  EXPECT_EQ(NoteOfUrl(remote + "verify-full"), "");
+  EXPECT_THAT(NoteOfUrl("postgresql://u@localhost,192.0.2.7/d?sslmode=require"),
+              HasSubstr("192.0.2.7"));
+  EXPECT_THAT(NoteOfUrl("postgresql://u@localhost/d?hostaddr=192.0.2.7&sslmode=require"),
+              HasSubstr("192.0.2.7"));
+  EXPECT_THAT(NoteOfUrl("postgresql://u@[2001:db8::1]/d?sslmode=require"),
+              HasSubstr("2001:db8::1"));
+}
+
+TEST(ParseConfigTest, ADatabaseOfThisMachineNeedNotProveWhoItIs) {
+  for (const char* place :
+       {"/d?host=/run/postgresql&", "%2Frun%2Fpostgresql/d?", "localhost/d?", "127.0.0.2:5433/d?",
+        "[::1]/d?", "127.0.0.1,localhost/d?", "db/d?hostaddr=127.0.0.1&"}) {
+    EXPECT_EQ(NoteOfUrl(std::string("postgresql://u@") + place + "sslmode=disable"), "") << place;
+  }
+}
+
 TEST(ParseConfigTest, ReadsListsFromTheFileAndTheEnvironment) {
   const LoadResult result =
       ParseWith("[rcan]\nfields = [\"robot_online\", \"acb_effort_nm\"]\nfleets = []\n",
