@@ -1,9 +1,13 @@
 #include "server/loop/handshake_probe.h"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -20,21 +24,58 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 using asio::ip::tcp;
 
+/// Where to ask, one after the other.
+using Targets = std::vector<tcp::endpoint>;
+
+/// True if there is nobody to ask: the machine lacks the address or its whole family, or nothing
+/// listens there. Whoever took the connection, or keeps us waiting for it, was asked.
+bool IsNobodyThere(const beast::error_code& error) {
+  using std::errc;
+  constexpr std::array kNobody = {
+      errc::address_family_not_supported,
+      errc::protocol_not_supported,
+      errc::address_not_available,
+      errc::network_unreachable,
+      errc::host_unreachable,
+      errc::connection_refused,
+      errc::permission_denied,
+      errc::operation_not_permitted,  // a rule of a firewall
+  };
+  return std::ranges::any_of(kNobody, [&](errc each) {
+    return error.value() == static_cast<int>(each) &&
+           error.category() == asio::error::system_category;
+  });
+}
+
 /// One handshake under way; keeps itself alive by its handlers.
 class Probe final : public std::enable_shared_from_this<Probe> {
  public:
-  Probe(asio::io_context& io, std::function<void(bool)> done)
-      : stream_(io), hello_(MakeClientHello()), done_(std::move(done)) {}
+  Probe(asio::io_context& io, Targets targets, std::function<void(bool)> done)
+      : stream_(io),
+        targets_(std::move(targets)),
+        hello_(MakeClientHello()),
+        done_(std::move(done)) {}
 
-  void Start(const tcp::endpoint& endpoint, milliseconds wait) {
-    stream_.expires_after(wait);
-    stream_.async_connect(endpoint, [self = shared_from_this()](beast::error_code error) {
-      if (error) return self->done_(false);
-      self->SendHello();
-    });
+  void Start(milliseconds wait) {
+    stream_.expires_after(wait);  // for all that follows
+    Connect(0);
   }
 
  private:
+  void Connect(std::size_t target) {
+    stream_.async_connect(targets_[target],
+                          [self = shared_from_this(), target](beast::error_code error) {
+                            if (!error) return self->SendHello();
+                            const std::size_t next = target + 1;
+                            if (next == self->targets_.size() || !IsNobodyThere(error)) {
+                              return self->done_(false);
+                            }
+                            // The socket belongs to the family that it was opened for.
+                            self->stream_.socket().close(error);
+                            self->Connect(next);
+                          });
+  }
+
   void SendHello() {
     asio::async_write(stream_, asio::buffer(hello_),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -51,25 +92,29 @@ class Probe final : public std::enable_shared_from_this<Probe> {
   }
 
   beast::tcp_stream stream_;
+  const Targets targets_;
   const std::string hello_;
   std::array<char, kServerHelloPrefix> answer_{};
   const std::function<void(bool)> done_;
 };
+
+/// A listener on [::] takes both families, and IPv4 alone where the machine has no IPv6.
+Targets TargetsOf(const asio::ip::address& address, std::uint16_t port) {
+  if (!address.is_unspecified()) return {{address, port}};
+  Targets targets;
+  if (address.is_v6()) targets.emplace_back(asio::ip::address_v6::loopback(), port);
+  targets.emplace_back(asio::ip::address_v4::loopback(), port);
+  return targets;
+}
 
 }  // namespace
 
 void ProbeHandshake(EventLoop& loop, const config::ListenAddress& address, milliseconds wait,
                     std::function<void(bool)> done) {
   beast::error_code error;
-  asio::ip::address target = asio::ip::make_address(address.host, error);
+  const asio::ip::address target = asio::ip::make_address(address.host, error);
   if (error) return done(false);
-  if (target.is_unspecified()) {
-    // A listener on [::] takes both families; the machine may have no IPv6, but then it bound none.
-    target = target.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
-                            : asio::ip::address(asio::ip::address_v4::loopback());
-  }
-  std::make_shared<Probe>(loop.io(), std::move(done))
-      ->Start(tcp::endpoint(target, address.port), wait);
+  std::make_shared<Probe>(loop.io(), TargetsOf(target, address.port), std::move(done))->Start(wait);
 }
 
 }  // namespace uplink::loop

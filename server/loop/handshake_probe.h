@@ -8,7 +8,9 @@
 namespace uplink::loop {
 
 /// Asks a TLS listener for a ServerHello and closes: `done(true)` if one came within `wait`, else
-/// `done(false)`, on the loop's thread. An unspecified address is asked by its loopback.
+/// `done(false)`, on the loop's thread. An unspecified address is asked by its loopback: `::` by
+/// `::1`, and by `127.0.0.1` where nobody is there (no IPv6, or nothing listens on it); `wait`
+/// holds for both together. A `::1` that takes the connection and does not answer is the answer.
 ///
 /// Thread: the loop's.
 void ProbeHandshake(EventLoop& loop, const config::ListenAddress& address, milliseconds wait,

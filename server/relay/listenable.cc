@@ -1,6 +1,7 @@
 #include "server/relay/listenable.h"
 
 #include <cerrno>
+#include <cstdint>
 #include <string>
 #include <system_error>
 
@@ -26,24 +27,35 @@ std::string TryBind(const addrinfo& info) {
   return reason;
 }
 
-}  // namespace
-
-absl::Status CheckListenable(const config::ListenAddress& address) {
-  const std::string text = config::ToText(address);
+/// What TryBind says of a literal address.
+std::string TryBind(const std::string& host, std::uint16_t port) {
   addrinfo hints{};
   hints.ai_flags = AI_PASSIVE | AI_NUMERICHOST | AI_NUMERICSERV;
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  const int error =
-      ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
-  if (error != 0) {
-    return absl::UnavailableError(
-        fmt::format("cannot listen on {}: {}", text, ::gai_strerror(error)));
-  }
-  const std::string reason = TryBind(*found);
+  const int error = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found);
+  if (error != 0) return ::gai_strerror(error);
+  std::string reason = TryBind(*found);
   ::freeaddrinfo(found);
+  return reason;
+}
+
+bool HasIpv6() {
+  const int descriptor = ::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return errno != EAFNOSUPPORT;
+  ::close(descriptor);
+  return true;
+}
+
+}  // namespace
+
+absl::Status CheckListenable(const config::ListenAddress& address) {
+  // gRPC listens on all of IPv4 then.
+  const bool only_ipv4 = address.host == "::" && !HasIpv6();
+  const std::string reason = TryBind(only_ipv4 ? "0.0.0.0" : address.host, address.port);
   if (reason.empty()) return absl::OkStatus();
-  return absl::UnavailableError(fmt::format("cannot listen on {}: {}", text, reason));
+  return absl::UnavailableError(
+      fmt::format("cannot listen on {}: {}", config::ToText(address), reason));
 }
 
 }  // namespace uplink::relay

@@ -7,6 +7,7 @@
 namespace uplink::relay {
 
 /// OK if the system lets us bind `address`, asked before gRPC, which says only that it failed.
+/// On a machine without IPv6 `::` stands for all of IPv4, as for gRPC.
 /// kUnavailable names the address and the system's reason.
 [[nodiscard]] absl::Status CheckListenable(const config::ListenAddress& address);
 

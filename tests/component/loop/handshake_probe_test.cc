@@ -1,5 +1,6 @@
 #include "server/loop/handshake_probe.h"
 
+#include <atomic>
 #include <future>
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "server/loop/client_hello.h"
@@ -29,6 +31,8 @@ class Listener {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
     EXPECT_EQ(listen(socket_, 4), 0);
+    const timeval deadline{20, 0};  // so that a test whom nobody asks fails
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &deadline, sizeof(deadline));
     socklen_t size = sizeof(address);
     EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
     port_ = ntohs(address.sin_port);
@@ -49,6 +53,25 @@ class Listener {
  private:
   int socket_;
   std::uint16_t port_ = 0;
+};
+
+/// Listens on ::1 and accepts nothing.
+class Ipv6Listener {
+ public:
+  explicit Ipv6Listener(std::uint16_t port) : socket_(socket(AF_INET6, SOCK_STREAM, 0)) {
+    sockaddr_in6 address{};
+    address.sin6_family = AF_INET6;
+    address.sin6_addr = in6addr_loopback;
+    address.sin6_port = htons(port);
+    bound_ = bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0 &&
+             listen(socket_, 4) == 0;
+  }
+  ~Ipv6Listener() { close(socket_); }
+  [[nodiscard]] bool bound() const { return bound_; }
+
+ private:
+  int socket_;
+  bool bound_ = false;
 };
 
 class HandshakeProbeTest : public ::testing::Test {
@@ -104,6 +127,36 @@ TEST_F(HandshakeProbeTest, AnUnspecifiedAddressIsAskedByItsLoopback) {
   const Listener listener;
   const std::jthread peer([&] { listener.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6}); });
   EXPECT_TRUE(Probe(listener.port(), std::chrono::seconds(10), "0.0.0.0"));
+}
+
+// As on a machine without IPv6, or where gRPC found none: the listener has IPv4 alone.
+TEST_F(HandshakeProbeTest, AnAnyAddressOfIpv6IsAskedByIpv4WhereNobodyListensOnIpv6) {
+  const Listener listener;
+  const std::jthread peer([&] { listener.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6}); });
+  EXPECT_TRUE(Probe(listener.port(), std::chrono::seconds(10), "::"));
+}
+
+TEST_F(HandshakeProbeTest, AnAnyAddressOfIpv6WithNobodyBehindItIsNone) {
+  std::uint16_t port = 0;
+  {
+    const Listener gone;
+    port = gone.port();
+  }
+  EXPECT_FALSE(Probe(port, std::chrono::seconds(10), "::"));
+}
+
+TEST_F(HandshakeProbeTest, AnIpv6ListenerThatSaysNothingIsNoneThoughIpv4WouldAnswer) {
+  const Listener answers;
+  const Ipv6Listener silent(answers.port());
+  if (!silent.bound()) return;  // without IPv6 nobody can keep silent there
+  std::atomic<bool> asked = false;
+  std::jthread peer([&] {
+    answers.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6});
+    asked = true;
+  });
+  EXPECT_FALSE(Probe(answers.port(), milliseconds(50), "::"));
+  EXPECT_FALSE(asked);
+  EXPECT_TRUE(Probe(answers.port())) << "so that the peer ends";
 }
 
 // OpenSSL's own server answers the hello, TLS 1.2 or 1.3.
