@@ -32,7 +32,7 @@ absl::Status CannotOpen(const std::string& path) {
 /// It must never open a file that is there: closing any descriptor of a file drops every POSIX lock
 /// that this process has on it, those of SQLite's other connections among them. Without its lock,
 /// the next foreign connection that closes takes itself for the last one and unlinks the WAL into
-/// which we go on committing.
+/// which we go on committing. (FileLock opens it before SQLite does, and closes it after.)
 absl::Status TryFile(const std::string& path, Access access) {
   if (access == Access::kWrite) {
     const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

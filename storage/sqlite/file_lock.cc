@@ -1,6 +1,8 @@
 #include "storage/sqlite/file_lock.h"
 
 #include <cerrno>
+#include <cstdint>
+#include <filesystem>
 #include <system_error>
 
 #include <absl/status/status.h>
@@ -10,24 +12,108 @@
 
 namespace uplink::storage::sqlite {
 
-absl::StatusOr<std::unique_ptr<FileLock>> FileLock::Take(const std::string& path) {
-  const std::string name = path + ".lock";
-  const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (descriptor < 0) {
-    return absl::FailedPreconditionError("cannot open " + name + ": " +
-                                         std::generic_category().message(errno));
-  }
-  std::unique_ptr<FileLock> lock(new FileLock(descriptor));
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return lock;
-  const int cause = errno;
-  if (cause == EWOULDBLOCK) {
-    return absl::FailedPreconditionError("store " + path + " is in use by another process, which" +
-                                         " holds " + name);
-  }
-  return absl::FailedPreconditionError("cannot lock " + name + ": " +
+class FileLock::Held final {
+ public:
+  explicit Held(int descriptor) : descriptor_(descriptor) {}
+  ~Held() { ::close(descriptor_); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+
+ private:
+  const int descriptor_;
+};
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Owner alone, as the store's file.
+constexpr mode_t kMode = 0600;
+/// The byte of the store's file that is locked: behind what SQLite can fill (2^48 bytes), and what
+/// it locks itself (about 2^30).
+constexpr off_t kLockedByte = off_t{1} << 62;
+
+absl::Status Failed(const char* doing, const std::string& name, int cause) {
+  return absl::FailedPreconditionError(std::string(doing) + " " + name + ": " +
                                        std::generic_category().message(cause));
 }
 
-FileLock::~FileLock() { ::close(descriptor_); }
+absl::Status InUse(const std::string& path, const std::string& what) {
+  return absl::FailedPreconditionError("store " + path + " is in use by another process, which" +
+                                       " holds " + what);
+}
+
+/// OK if the lock file is locked through the descriptor.
+absl::Status LockName(int descriptor, const std::string& name, const std::string& path) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return absl::OkStatus();
+  return errno == EWOULDBLOCK ? InUse(path, name) : Failed("cannot lock", name, errno);
+}
+
+/// By an open file description, not by a process: it lasts until the descriptor is closed, whatever
+/// SQLite closes meanwhile.
+absl::Status LockFile(int descriptor, const std::string& path) {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = kLockedByte;
+  lock.l_len = 1;
+  if (::fcntl(descriptor, F_OFD_SETLK, &lock) == 0) return absl::OkStatus();
+  // A kernel that has no such locks leaves those of the names.
+  if (errno == EINVAL) return absl::OkStatus();
+  if (errno == EAGAIN || errno == EACCES) return InUse(path, "it under this or another name");
+  return Failed("cannot lock", path, errno);
+}
+
+/// Also behind a link to what is not there. Nobody here has a file open that was not there, so the
+/// descriptor may be closed.
+absl::Status MakeIfMissing(const std::string& path) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) return absl::OkStatus();
+  const int made = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
+  if (made < 0) return Failed("cannot open", path, errno);
+  ::close(made);
+  return absl::OkStatus();
+}
+
+/// The path of the file that `path` leads to if that is a link; else nothing: links among the
+/// folders lead to the same lock file.
+std::string RealPath(const std::string& path) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) return {};
+  const fs::path given(path);
+  const fs::path folder = fs::canonical(given.has_parent_path() ? given.parent_path() : ".", error);
+  if (error || real == folder / given.filename()) return {};
+  return real.string();
+}
+
+}  // namespace
+
+FileLock::FileLock() = default;
+FileLock::~FileLock() = default;
+
+absl::StatusOr<std::unique_ptr<FileLock>> FileLock::Take(const std::string& path) {
+  std::unique_ptr<FileLock> lock(new FileLock());
+  const auto hold = [](std::unique_ptr<Held>& held, const std::string& name, int flags) {
+    const int descriptor = ::open(name.c_str(), O_RDWR | O_CLOEXEC | flags, kMode);
+    if (descriptor < 0) return Failed("cannot open", name, errno);
+    held = std::make_unique<Held>(descriptor);
+    return absl::OkStatus();
+  };
+  const auto hold_name = [&](std::unique_ptr<Held>& held, const std::string& name) {
+    absl::Status status = hold(held, name, O_CREAT);
+    return status.ok() ? LockName(held->descriptor(), name, path) : status;
+  };
+  absl::Status status = hold_name(lock->name_, path + ".lock");
+  if (status.ok()) status = MakeIfMissing(path);
+  const std::string real = status.ok() ? RealPath(path) : std::string();
+  if (!real.empty()) status = hold_name(lock->real_name_, real + ".lock");
+  // After the names: who is refused by one of them in this process must not open the file.
+  if (status.ok()) status = hold(lock->file_, path, 0);
+  if (status.ok()) status = LockFile(lock->file_->descriptor(), path);
+  if (!status.ok()) return status;
+  return lock;
+}
 
 }  // namespace uplink::storage::sqlite

@@ -7,11 +7,23 @@
 
 namespace uplink::storage::sqlite {
 
-/// Keeps a second writer away from a store: an exclusive lock on the file `<path>.lock`, which the
-/// kernel drops when the process ends, however it ends. The file itself stays. A resource.
+/// Keeps a second writer away from a store, by whatever name it comes, until this object goes or
+/// the process ends, however it ends. A resource.
+///
+/// Three locks, of which each sees what the others do not:
+/// - the file `<path>.lock`, by the path as it was given: earlier versions know this one alone;
+/// - `<real path>.lock`, if the path leads through a link to the file: so does who was given the
+///   real path, and who opens another file that was put in the place of ours;
+/// - a byte of the store's file itself, far behind its end: hard links and mounts of the same file.
+///
+/// The files of the first two stay. The descriptor of the third is closed here alone, after the
+/// database: closing one drops the locks that SQLite has on the file for this process. What reads
+/// in this process may be closed later; it writes nothing.
 class FileLock final {
  public:
-  /// Errors: kFailedPrecondition, naming the lock file, if it cannot be opened or if another
+  /// Makes the store's file, for its owner alone, if it is not there.
+  ///
+  /// Errors: kFailedPrecondition, naming the file, if one of them cannot be opened or if another
   ///         process holds it.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Take(const std::string& path);
 
@@ -20,8 +32,13 @@ class FileLock final {
   ~FileLock();
 
  private:
-  explicit FileLock(int descriptor) : descriptor_(descriptor) {}
-  const int descriptor_;
+  /// A descriptor that is closed with it.
+  class Held;
+
+  FileLock();
+  std::unique_ptr<Held> name_;
+  std::unique_ptr<Held> real_name_;
+  std::unique_ptr<Held> file_;
 };
 
 }  // namespace uplink::storage::sqlite

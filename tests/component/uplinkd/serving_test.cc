@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <span>
@@ -153,6 +154,17 @@ TEST_F(ServingTest, AStoreThatAnotherProcessHoldsStopsTheStart) {
   const auto second = folder_.Start();
   EXPECT_EQ(second->WaitForExit(), 1);
   EXPECT_THAT(second->text(), HasSubstr(folder_.Path("uplinkd.db")));
+}
+
+TEST_F(ServingTest, AStoreThatAnotherProcessHoldsByAnotherNameStopsTheStart) {
+  Serve();
+  std::filesystem::create_symlink(folder_.Path("uplinkd.db"), folder_.Path("link.db"));
+  std::filesystem::create_hard_link(folder_.Path("uplinkd.db"), folder_.Path("hard.db"));
+  for (const char* name : {"link.db", "hard.db"}) {
+    const auto second = folder_.Start({}, {"UPLINKD_STORE_URL=sqlite://" + folder_.Path(name)});
+    EXPECT_EQ(second->WaitForExit(), 1) << name;
+    EXPECT_THAT(second->text(), HasSubstr(folder_.Path(name) + " is in use")) << name;
+  }
 }
 
 TEST_F(ServingTest, APortThatIsTakenStopsTheStart) {

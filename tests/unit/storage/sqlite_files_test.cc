@@ -4,9 +4,12 @@
 #include <string_view>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/schema.h"
@@ -184,6 +187,80 @@ TEST_F(SqliteFiles, KeepsASecondWriterAwayUntilTheFirstIsGone) {
   EXPECT_TRUE(SqliteReader::Open(path_).ok()) << "a reader is no writer";
   first->reset();
   EXPECT_TRUE(Open().ok()) << Open();
+}
+
+/// Whether a second writer is kept away that comes by another name, and let in after the first.
+class SqliteOtherNames : public SqliteFiles {
+ protected:
+  void ExpectOneWriter(const std::string& first_name, const std::string& second_name) {
+    auto first = SqliteStore::Open(first_name, Options());
+    ASSERT_TRUE(first.ok()) << first.status();
+    const absl::Status second = SqliteStore::Open(second_name, Options()).status();
+    ExpectPrecondition(second);
+    EXPECT_THAT(Text(second), AllOf(HasSubstr(second_name), HasSubstr("in use")));
+    first->reset();
+    const absl::Status after = SqliteStore::Open(second_name, Options()).status();
+    EXPECT_TRUE(after.ok()) << after;
+  }
+  const std::string other_ = folder_.File("other.db");
+};
+
+TEST_F(SqliteOtherNames, OfALinkAndItsFile) {
+  Make();
+  std::filesystem::create_symlink(path_, other_);
+  ExpectOneWriter(path_, other_);
+  ExpectOneWriter(other_, path_);
+}
+
+TEST_F(SqliteOtherNames, OfTwoLinksToAFileThatIsNotThereYet) {
+  std::filesystem::create_symlink(path_, other_);
+  std::filesystem::create_symlink(path_, folder_.File("third.db"));
+  ExpectOneWriter(other_, folder_.File("third.db"));
+}
+
+TEST_F(SqliteOtherNames, OfALinkToTheFolder) {
+  std::filesystem::create_directory(folder_.File("data"));
+  std::filesystem::create_directory_symlink(folder_.File("data"), folder_.File("link"));
+  ExpectOneWriter(folder_.File("data/uplinkd.db"), folder_.File("link/uplinkd.db"));
+}
+
+TEST_F(SqliteOtherNames, OfARelativePath) {
+  Make();
+  ExpectOneWriter(path_, std::filesystem::relative(path_).string());
+}
+
+TEST_F(SqliteOtherNames, OfAHardLink) {
+  Make();
+  std::filesystem::create_hard_link(path_, other_);
+  ExpectOneWriter(path_, other_);
+}
+
+TEST_F(SqliteOtherNames, OfAnotherFileInTheSamePlace) {
+  auto first = SqliteStore::Open(path_, Options());
+  ASSERT_TRUE(first.ok()) << first.status();
+  std::filesystem::rename(path_, other_);
+  EXPECT_THAT(Text(Open()), HasSubstr("in use"));
+  std::ofstream(path_).put('x');
+  EXPECT_THAT(Text(Open()), HasSubstr("in use"));
+  EXPECT_THAT(Text(SqliteStore::Open(other_, Options()).status()), HasSubstr("in use"));
+}
+
+// A program before this one locks `<path>.lock` alone, by the path that it was given.
+TEST_F(SqliteOtherNames, OfAnEarlierProgram) {
+  Make();
+  std::filesystem::create_symlink(path_, other_);
+  const int held = ::open((path_ + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(::flock(held, LOCK_EX | LOCK_NB), 0);
+  EXPECT_THAT(Text(Open()), HasSubstr("in use"));
+  EXPECT_THAT(Text(SqliteStore::Open(other_, Options()).status()), HasSubstr("in use"));
+  ::close(held);
+  const auto first = SqliteStore::Open(other_, Options());
+  ASSERT_TRUE(first.ok()) << first.status();
+  for (const std::string& name : {path_, other_}) {
+    const int wanted = ::open((name + ".lock").c_str(), O_RDWR | O_CLOEXEC);
+    EXPECT_NE(::flock(wanted, LOCK_EX | LOCK_NB), 0) << name;
+    ::close(wanted);
+  }
 }
 
 TEST_F(SqliteFiles, RefusesAReaderWithoutAFile) {
