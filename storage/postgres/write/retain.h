@@ -14,6 +14,10 @@ namespace uplink::storage::postgres {
 /// away for a while.
 inline constexpr int kPartitionDaysBefore = 1;
 inline constexpr int kPartitionDaysAfter = 3;
+/// Days after its own today up to which the database makes partitions
+/// (migrations/postgres/0009_partition_bounds.sql).
+inline constexpr int kPartitionDaysAheadMax = 31;
+static_assert(kPartitionDaysAfter + 1 < kPartitionDaysAheadMax, "clocks may differ by a day");
 
 /// Store::Retain, in transactions of their own: partitions ahead; whole days that are too old are
 /// dropped; their rows in default partitions, closed runs and gaps are deleted. Returns partitions

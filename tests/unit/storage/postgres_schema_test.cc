@@ -7,6 +7,7 @@
 #include "schema/base/clock.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/schema.h"
+#include "storage/postgres/store.h"
 #include "tests/support/postgres_database.h"
 
 namespace uplink::storage::postgres {
@@ -147,6 +148,80 @@ TEST(PostgresPartitionsTest, ADayWithVeryManyRowsInTheDefaultStaysThere) {
   EXPECT_EQ(
       database.Shell().Read("SELECT DISTINCT tableoid::regclass FROM uplinkd.presence_changes"),
       "uplinkd.presence_changes_default\n");
+}
+
+/// What the server's role is told when it runs the statement.
+absl::Status Try(const PostgresDatabase& database, const std::string& sql) {
+  const SystemClock clock;
+  ConnectionOptions options;
+  options.url = *ParseUrl(database.url());
+  const auto connection = Connection::Open(options, clock);
+  if (!connection.ok()) return connection.status();
+  std::vector<StoreCall> calls;
+  calls.push_back({sql, {}});
+  return (*connection)->Run(calls, "try").status();
+}
+bool Refuses(const PostgresDatabase& database, const std::string& sql) {
+  return Try(database, sql).message().find("22023") != absl::string_view::npos;
+}
+// As the functions see it, who take ten minutes before midnight for the next day.
+const std::string kToday = "(now() AT TIME ZONE 'UTC')::date";
+const std::string kTodayOrTomorrow = "((now() + interval '10 minutes') AT TIME ZONE 'UTC')::date";
+
+TEST(PostgresPartitionsTest, DaysFarAheadAreNotMade) {
+  PostgresDatabase database;
+  const auto make = [](const std::string& first_day, const std::string& days) {
+    return "SELECT uplinkd.make_partitions(" + first_day + ", " + days + ")";
+  };
+  EXPECT_EQ(PostgresShell(database.url()).Read(make(kToday + " + 30", "2")), "12\n");
+  EXPECT_TRUE(Refuses(database, make(kTodayOrTomorrow + " + 32", "1")));
+  EXPECT_TRUE(Refuses(database, make(kTodayOrTomorrow + " + 2", "31")));
+  EXPECT_TRUE(Refuses(database, make("'infinity'", "1")));
+  EXPECT_TRUE(Refuses(database, make("'2999-01-01'", "1")));
+}
+
+TEST(PostgresPartitionsTest, DaysNearTodayAreNotDropped) {
+  PostgresDatabase database;
+  PostgresShell server(database.url());
+  const auto drop = [](const std::string& before) {
+    return "SELECT uplinkd.drop_partitions('messages', " + before + ")";
+  };
+  server.Run("SELECT uplinkd.make_partitions(" + kToday + " - 3, 5)");
+  EXPECT_TRUE(Refuses(database, drop(kTodayOrTomorrow)));
+  EXPECT_TRUE(Refuses(database, drop(kTodayOrTomorrow + " + 1")));
+  EXPECT_TRUE(Refuses(database, drop("'infinity'")));
+  EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('events', " + kToday + " - 2)"), "4\n");
+  // Three of the template, and the two days before yesterday.
+  EXPECT_EQ(server.Read(drop(kToday + " - 1")), "5\n");
+}
+
+// At the least that store.retention.history takes, and with all the days that it makes.
+TEST(PostgresPartitionsTest, AServerThatKeepsOneDayIsRefusedNothing) {
+  PostgresDatabase database;
+  const SystemClock clock;
+  StoreOptions options;
+  options.url = database.url();
+  options.rules.retain_history = std::chrono::days(1);
+  options.rules.retain_quarantine = std::chrono::days(1);
+  const auto store = PostgresStore::Open(options, clock);
+  ASSERT_TRUE(store.ok()) << store.status();
+  const auto erased = (*store)->Retain(clock.System());
+  EXPECT_TRUE(erased.ok()) << erased.status();
+}
+
+TEST_F(PostgresSchemaTest, ALaterStepThatReplacesAFunctionKeepsWhoMayRunItAndAsWhom) {
+  const auto owner = Owner();
+  ASSERT_TRUE(Migrate(*owner, Migrations().first(2)).ok());
+  ASSERT_TRUE(GrantTo(*owner, "uplinkd").ok());
+  PostgresShell shell = database_.Shell();
+  const std::string facts =
+      "SELECT p.proname, p.proowner::regrole, p.prosecdef, p.proconfig, p.proacl"
+      " FROM pg_proc AS p WHERE p.pronamespace = 'uplinkd'::regnamespace"
+      " AND p.proname IN ('make_partitions', 'drop_partitions') ORDER BY 1";
+  const std::string before = shell.Read(facts);
+  EXPECT_TRUE(before.find("search_path=uplinkd, pg_temp") != std::string::npos) << before;
+  ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
+  EXPECT_EQ(shell.Read(facts), before);
 }
 
 TEST(PostgresPartitionsTest, TheServersRoleMayDoNoMore) {
