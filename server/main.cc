@@ -12,6 +12,7 @@
 #include "schema/base/clock.h"
 #include "server/app.h"
 #include "server/config/load.h"
+#include "server/health/process.h"
 #include "server/identity/session_tickets.h"
 #include "server/lifecycle/from_config.h"
 #include "server/log/logger.h"
@@ -95,7 +96,9 @@ int Serve(const Flags& flags) {
   log::Logger logger(log::StandardError(), clock, lifecycle::LogFormatOf(config.log.format),
                      lifecycle::LogLevelOf(config.log.level));
   const relay::GrpcLog grpc_log(logger);
-  logger.Info("starting", {{"version", UPLINK_VERSION}, {"descriptors_max", descriptors}});
+  logger.Info("starting", {{"version", UPLINK_VERSION},
+                           {"descriptors_max", descriptors},
+                           {"memory_bytes_max", health::MemoryMax()}});
   if (!tickets.ok())
     logger.Warn("tls_tickets_are_sent", {{"error", std::string(tickets.message())}});
   for (const config::Note& note : loaded.notes) {

@@ -1,6 +1,5 @@
 #include "server/health/process.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +7,10 @@
 #include <system_error>
 
 #include <sys/resource.h>
+#include <sys/sysinfo.h>
 #include <unistd.h>
+
+#include "server/health/memory_limit.h"
 
 namespace uplink::health {
 namespace {
@@ -69,12 +71,9 @@ std::size_t DescriptorsMax() {
 }
 
 std::size_t MemoryMax() {
-  const auto machine = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
-                       static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  std::ifstream group("/sys/fs/cgroup/memory.max");
-  std::size_t limit = 0;
-  // The file says `max` where there is no limit; that does not read as a number.
-  return group >> limit && limit > 0 ? std::min(limit, machine) : machine;
+  struct sysinfo machine {};
+  if (sysinfo(&machine) != 0) return 0;
+  return MemoryLimit(GroupFiles(), std::size_t{machine.totalram} * machine.mem_unit);
 }
 
 std::size_t RaiseDescriptorsMax() {

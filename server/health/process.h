@@ -23,8 +23,8 @@ struct ProcessFigures {
 [[nodiscard]] std::size_t OpenDescriptors();
 [[nodiscard]] std::size_t DescriptorsMax();
 
-/// Memory that the process may use: the machine's, or its control group's (version 2) if that is
-/// less.
+/// Memory that the process may use: the machine's, or what its control groups leave it
+/// (memory_limit.h).
 [[nodiscard]] std::size_t MemoryMax();
 
 /// Raises the soft RLIMIT_NOFILE to the hard one; returns what holds then.
