@@ -69,9 +69,7 @@ constexpr SqlText ConflictSql(const Table& table) {
     if (column.update.empty()) updates.Add({"excluded.", column.name});
     updates.Add(column.update);
   }
-  SqlText sql = {" ON CONFLICT (", keys.view(), ") DO UPDATE SET ", updates.view()};
-  if (!table.only_if.empty()) sql.Add({" WHERE ", table.only_if});
-  return sql;
+  return {" ON CONFLICT (", keys.view(), ") DO UPDATE SET ", updates.view()};
 }
 
 /// The columns that a list reads, in order.

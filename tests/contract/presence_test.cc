@@ -216,6 +216,21 @@ TEST_P(PresenceContract, ForgetsTheSessionThatWasUsedLeastRecently) {
   EXPECT_EQ(written(), kWritten + 3) << "that one";
 }
 
+// The server's clock was set back between two changes, in one batch or in two.
+TEST_P(PresenceContract, FollowsTheOrderOfCommitsWhateverTheTimesSay) {
+  Open();
+  Commit(Changes({Change(1, Presence::kOnline, 50), Change(2, Presence::kOffline, 10)}));
+  EXPECT_EQ(Robots().at(0).last_presence, Presence::kOffline) << "within a batch";
+  EXPECT_EQ(Robots().at(0).presence_since, Time(10));
+  Commit(Changes({Change(3, Presence::kUnknown, 5)}));
+  EXPECT_EQ(Robots().at(0).last_presence, Presence::kUnknown) << "in a batch of its own";
+  EXPECT_EQ(Robots().at(0).presence_since, Time(5));
+  const storage::OpenResult opened = Open();
+  ASSERT_TRUE(opened.presence.has_value());
+  EXPECT_EQ(opened.presence->presence, Presence::kUnknown);
+  EXPECT_EQ(opened.presence->since, Time(5));
+}
+
 INSTANTIATE_TEST_SUITE_P(Stores, PresenceContract, EveryStore(), NameOfKind);
 
 }  // namespace

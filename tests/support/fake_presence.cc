@@ -22,8 +22,7 @@ std::vector<storage::Outcome> FakePresence::Write(const storage::Batch& batch,
     }
     session.cursor = item.number;
     changes_.push_back({item.at, ++entries, {*item.robot, item.presence, item.at}});
-    storage::PresenceRow& last = last_[item.robot->ruri];
-    if (last.at <= item.at) last = changes_.back().row;
+    last_[item.robot->ruri] = changes_.back().row;
   }
   session.last_used = entries;
   if (sessions_.size() > storage::kServerSessionsMax) {

@@ -73,7 +73,6 @@ inline constexpr Table<const PresenceItem*, Unlisted, 3> kLatestPresenceTable = 
          }},
         {"changed_at", Type::kTime, Role::kValue,
          [](Array& to, const PresenceItem* const& item) { to.Time(item->at); }},
-    }),
-    "t.changed_at <= excluded.changed_at"};
+    })};
 
 }  // namespace uplink::storage::postgres

@@ -67,8 +67,6 @@ struct Table {
   Writes writes = Writes::kInserts;
   Listed<Out> listed;
   std::array<Column<In, Out>, kColumns> columns;
-  /// SQL: when an upsert changes a row that is there; empty: always.
-  std::string_view only_if = {};
 };
 
 /// Types as SQL names them.

@@ -44,8 +44,7 @@ void PresenceRows::MoveInto(std::vector<StoreCall>& calls) const {
   AddInsert<kPresenceChangesTable>(changes_, calls);
   std::map<std::string_view, const PresenceItem*> last;
   for (const PresenceChange& change : changes_) {
-    const PresenceItem*& latest = last[change.item->robot->ruri];
-    if (latest == nullptr || latest->at <= change.item->at) latest = change.item;
+    last[change.item->robot->ruri] = change.item;
   }
   std::vector<const PresenceItem*> rows;
   rows.reserve(last.size());

@@ -71,7 +71,6 @@ inline constexpr Table<PresenceItem, Unlisted, 3> kLatestPresenceTable = {
            to.Int(static_cast<std::int64_t>(item.presence));
          }},
         {"at_ms", Role::kValue, [](Binder& to, const PresenceItem& item) { to.Time(item.at); }},
-    }),
-    "at_ms <= excluded.at_ms"};
+    })};
 
 }  // namespace uplink::storage::sqlite

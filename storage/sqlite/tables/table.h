@@ -107,8 +107,6 @@ struct Table {
   Writes writes = Writes::kInserts;
   Listed<Out> listed;
   std::array<Column<In, Out>, kColumns> columns;
-  /// SQL: when an upsert changes a row that is there; empty: always.
-  std::string_view only_if = {};
 };
 
 /// Writes one row. The parameters are the columns, in order.

@@ -31,8 +31,7 @@ constexpr auto kSampleColumns = std::to_array<Column<Sample, Unlisted>>({
      "count + excluded.count"},
 });
 constexpr Table<Sample, Unlisted, 4> kAdded = {"added", Writes::kInserts, {}, kSampleColumns};
-constexpr Table<Sample, Unlisted, 4> kUpserted = {
-    "upserted", Writes::kUpserts, {}, kSampleColumns, "seen <= excluded.seen"};
+constexpr Table<Sample, Unlisted, 4> kUpserted = {"upserted", Writes::kUpserts, {}, kSampleColumns};
 
 TEST(SqliteInsertSql, NamesEachColumnInTheOrderOfItsParameters) {
   EXPECT_EQ(InsertSql(kAdded).view(),
@@ -43,7 +42,7 @@ TEST(SqliteInsertSql, ReplacesTheValuesOfARowThatIsThereAndKeepsTheRest) {
   const std::string sql(InsertSql(kUpserted).view());
   EXPECT_TRUE(
       sql.ends_with(" ON CONFLICT (key) DO UPDATE SET seen = excluded.seen,"
-                    " count = count + excluded.count WHERE seen <= excluded.seen"))
+                    " count = count + excluded.count"))
       << sql;
 }
 
