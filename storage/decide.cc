@@ -64,7 +64,7 @@ absl::StatusOr<bool> Decider::MakeRoom(const PresentChange& change, KnownRobot& 
                                        const std::optional<std::int64_t>& there, SystemTime now) {
   const PresentKey& key = change.key;
   const PresentBound& bound = BoundOf(key.kind);
-  const std::int64_t now_ms = UnixMs(now);
+  const std::int64_t now_ms = bound.expires ? ExpiredByMs(now, rules_) : 0;
   if (there && !IsExpired(*there, now_ms)) return true;
   std::optional<std::size_t>& count = robot.counts[static_cast<std::size_t>(key.kind)];
   if (there) {

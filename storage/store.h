@@ -74,12 +74,14 @@ class Store {
 
   /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
   /// kSweepRowsMax of each. Returns how many went; more may be left when it is as many as that.
+  /// None while nobody vouches for `now` (StoreRules.clock).
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Sweep(SystemTime now) = 0;
 
   /// Keeps the histories to StoreRules: deletes what arrived before the first day that is to be
   /// kept, at most kRetainRowsMax rows of each kind, and makes room for the days to come. Mission
   /// runs go when they are closed and their last report is as old. Returns how much went, in rows
-  /// or in whole partitions; more may be left when it is kRetainRowsMax or more.
+  /// or in whole partitions; more may be left when it is kRetainRowsMax or more. While nobody
+  /// vouches for `now` (StoreRules.clock) nothing is deleted.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot

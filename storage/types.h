@@ -16,6 +16,7 @@
 #include "schema/model/presence.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "storage/clock_trust.h"
 
 namespace uplink::storage {
 
@@ -176,6 +177,9 @@ struct StoreRules {
   milliseconds retain_history{std::chrono::days(90)};
   /// The same of quarantine, and of gaps.
   milliseconds retain_quarantine{std::chrono::days(14)};
+  /// Who vouches for the civil clock; outlives the store. While nobody does, nothing is deleted for
+  /// its age or its expiry, and nothing has expired for an upsert.
+  const ClockTrust* clock = nullptr;
 };
 
 /// The presence of a robot changed: a record that the server makes itself.

@@ -114,6 +114,7 @@ absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
 }
 
 absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
+  if (!Vouches(impl_->options.rules.clock, now)) return 0;
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
   const StoreOptions& options = impl_->options;
   return With<std::size_t>([&](Connection& connection) -> absl::StatusOr<std::size_t> {
@@ -135,7 +136,7 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
 absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
   const absl::StatusOr<Connection*> connection = impl_->Connected();
   if (!connection.ok()) return connection.status();
-  return RetainRows(**connection, now, impl_->options.rules, impl_->options.clock_offset_max);
+  return RetainRows(**connection, now, impl_->options.rules);
 }
 
 absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {

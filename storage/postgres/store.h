@@ -32,9 +32,6 @@ struct StoreOptions {
   milliseconds connect_timeout{5'000};
   /// How long one call of the store may take at most.
   milliseconds call_timeout = kCallTimeoutDefault;
-  /// Nothing is dropped for its age while the server's clock and the time that Retain is told
-  /// differ by more than this: one of them is wrong, and what is dropped is gone.
-  milliseconds clock_offset_max{std::chrono::days(1)};
   /// Called in each write transaction right before its commit; what is not OK rolls it back and is
   /// the answer. For tests.
   std::function<absl::Status()> before_commit;

@@ -184,6 +184,7 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
 }
 
 absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
+  if (!Vouches(impl_->options.rules.clock, now)) return 0;
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
   return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
     std::size_t swept = 0;
@@ -198,6 +199,7 @@ absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
 
 absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {
   const StoreRules& rules = impl_->options.rules;
+  if (!Vouches(rules.clock, now)) return 0;
   return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
     std::size_t erased = 0;
     if (const auto kept = FirstDayKept(now, rules.retain_history)) {

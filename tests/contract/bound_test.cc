@@ -95,6 +95,20 @@ TEST_P(BoundContract, GivesThePlacesOfExpiredOnesAway) {
   });
 }
 
+TEST_P(BoundContract, GivesNoPlaceAwayByAClockThatNobodyVouchesFor) {
+  ForEachKind([this](const PresentKind& kind) {
+    Fill(kind, kind.per_robot_max, 3);
+    trust_.Set(false);
+    EXPECT_THAT(Commit({Upsert(kind, "more", 1'000)}), ElementsAre(OutcomeKind::kRefused));
+    EXPECT_EQ(Count(kind), kind.per_robot_max);
+    EXPECT_THAT(Commit({Upsert(kind, "0", 1'000)}), ElementsAre(OutcomeKind::kStored))
+        << "an update always passes";
+    EXPECT_EQ(Count(kind), kind.per_robot_max);
+    trust_.Set(true);
+    EXPECT_THAT(Commit({Upsert(kind, "more", 1'000)}), ElementsAre(OutcomeKind::kStored));
+  });
+}
+
 TEST_P(BoundContract, LeavesExpiredOnesBelowTheBound) {
   ForEachKind([this](const PresentKind& kind) {
     Commit({Upsert(kind, "old", 0, 1'000), Upsert(kind, "new", 2'000)});

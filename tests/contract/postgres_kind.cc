@@ -85,8 +85,6 @@ class PostgresUnderTest final : public StoreUnderTest {
     options.url = database_.url();
     options.process = {number};
     options.rules = rules_;
-    // The suite's time stands still, long ago.
-    options.clock_offset_max = std::chrono::days(36'500);
     options.before_commit = [&one] { return Take(one.fail_before); };
     options.after_commit = [&one] { return Take(one.fail_after); };
     auto opened = storage::postgres::PostgresStore::Open(std::move(options), clock_);

@@ -7,6 +7,7 @@
 
 #include "tests/contract/present_kinds.h"
 #include "tests/contract/store_contract.h"
+#include "tests/support/fake_trust.h"
 
 namespace uplink::testing {
 
@@ -17,9 +18,12 @@ class PresentContract : public StoreContract {
   static constexpr std::int64_t kLongMs = 1'000'000'000;
 
   void ForEachKind(const std::function<void(const PresentKind& kind)>& test) {
+    storage::StoreRules rules;
+    rules.clock = &trust_;
     for (const PresentKind& kind : PresentKinds()) {
       SCOPED_TRACE(kind.name);
-      Fresh();
+      trust_.Set(true);
+      Fresh(rules);
       numbers_ = 0;
       test(kind);
     }
@@ -64,6 +68,8 @@ class PresentContract : public StoreContract {
     return count;
   }
 
+  /// Vouches for the clock, unless the test says otherwise.
+  FakeTrust trust_;
   model::Seq numbers_ = 0;
 };
 

@@ -165,6 +165,30 @@ TEST_P(PresentContract, SweepsWhatExpiredLongEnoughAgo) {
   });
 }
 
+TEST_P(PresentContract, SweepsNothingByAClockThatNobodyVouchesFor) {
+  ForEachKind([this](const PresentKind& kind) {
+    Commit({Upsert(kind, "a", 0, 1'000)});
+    storage::Store& store = store_->Process(kProcess);
+    trust_.Set(false);
+    EXPECT_EQ(*store.Sweep(Time(100 * kKeptMs)), 0U);
+    EXPECT_EQ(Count(kind), 1U);
+    trust_.Set(true);
+    EXPECT_EQ(*store.Sweep(Time(100 * kKeptMs)), 1U);
+  });
+}
+
+TEST_P(PresentContract, NothingHasExpiredWhereNobodyVouchesForTheClock) {
+  ForEachKind([this](const PresentKind& kind) {
+    Commit({Upsert(kind, "a", 0, 1'000), Upsert(kind, "b", 1)});
+    trust_.Set(false);
+    // Without a word on the clock, `a` would be a new entry, before `b`.
+    Commit({Upsert(kind, "a", 2'000)});
+    EXPECT_THAT(Ids(kind, 2'000), ElementsAre("b", "a")) << "in a batch of its own";
+    Commit({Upsert(kind, "c", 3'000, 4'000), Upsert(kind, "d", 3'001), Upsert(kind, "c", 5'000)});
+    EXPECT_THAT(Ids(kind, 5'000), ElementsAre("d", "c", "b", "a")) << "within one batch";
+  });
+}
+
 TEST_P(PresentContract, SweepsBothKindsInOneCall) {
   Open();
   std::vector<storage::CommitRecord> records;

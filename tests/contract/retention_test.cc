@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/contract/store_contract.h"
+#include "tests/support/fake_trust.h"
 
 /// What goes for its age: whole days, UTC, of arrival.
 namespace uplink::testing {
@@ -149,6 +150,19 @@ TEST_P(RetentionContract, AReplayAcrossMidnightIsOneRow) {
                           storage::OutcomeKind::kStored));
   EXPECT_THAT(Messages(), SizeIs(2));
   EXPECT_THAT(History(), SizeIs(1));
+}
+
+TEST_P(RetentionContract, AClockThatNobodyVouchesForDeletesNothing) {
+  FakeTrust trust(false);
+  storage::StoreRules rules;
+  rules.clock = &trust;
+  Fresh(rules);
+  CommitOneOfEach(0, "a");
+  EXPECT_EQ(Retain(100 * kDayMs), 0U);
+  EXPECT_THAT(Counts(), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1));
+  trust.Set(true);
+  EXPECT_GT(Retain(100 * kDayMs), 0U);
+  EXPECT_THAT(Counts(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, RetentionContract, EveryStore(), NameOfKind);

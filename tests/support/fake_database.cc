@@ -296,7 +296,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
   bool quarantined = true;
   if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
     WriteQuarantine(robot, session, record, item->rejection);
-  } else if (std::optional<Rejection> refusal = Refusal(transaction.rules, robot, record)) {
+  } else if (std::optional<Rejection> refusal = Refusal(transaction, robot, record)) {
     WriteQuarantine(robot, session, record, *refusal);
     outcome = {OutcomeKind::kRefused, std::move(refusal)};
   } else {
@@ -309,7 +309,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
   return outcome;
 }
 
-std::optional<Rejection> FakeDatabase::Refusal(const FakeRules& rules, const Robot& robot,
+std::optional<Rejection> FakeDatabase::Refusal(const Transaction& transaction, const Robot& robot,
                                                const CommitRecord& record) const {
   const auto& good = std::get<Record>(record.content);
   UPLINK_CHECK(good.durable(), "a live record reached the store");
@@ -319,8 +319,10 @@ std::optional<Rejection> FakeDatabase::Refusal(const FakeRules& rules, const Rob
       !robot.faults_active.contains({fault->fault_id, fault->source})) {
     return storage::TooManyActiveFaults();
   }
-  if (std::optional<Rejection> refusal = kinds_.Refusal(record)) return refusal;
-  if (rules.refuse) return rules.refuse(record);
+  if (std::optional<Rejection> refusal = kinds_.Refusal(record, transaction.store_rules)) {
+    return refusal;
+  }
+  if (transaction.rules.refuse) return transaction.rules.refuse(record);
   return std::nullopt;
 }
 

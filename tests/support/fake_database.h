@@ -149,7 +149,7 @@ class FakeDatabase final {
   Robot& RobotOf(const storage::RobotRef& id, storage::Epoch held_since, SystemTime at,
                  const storage::ProcessId& process);
   storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
-  std::optional<model::Rejection> Refusal(const FakeRules& rules, const Robot& robot,
+  std::optional<model::Rejection> Refusal(const Transaction& transaction, const Robot& robot,
                                           const storage::CommitRecord& record) const;
   void WriteRecord(const Transaction& transaction, Robot& robot,
                    const storage::CommitRecord& record);

@@ -20,16 +20,17 @@ const model::Body& BodyOf(const CommitRecord& record) {
 
 }  // namespace
 
-std::optional<model::Rejection> FakeKinds::Refusal(const CommitRecord& record) const {
+std::optional<model::Rejection> FakeKinds::Refusal(const CommitRecord& record,
+                                                   const storage::StoreRules& rules) const {
   const std::string& ruri = record.robot->ruri;
-  const SystemTime now = record.received_at;
+  const std::int64_t now_ms = storage::ExpiredByMs(record.received_at, rules);
   const auto* shape = std::get_if<model::ShapeOp>(&BodyOf(record));
-  if (shape != nullptr && shape->upsert() != nullptr && !shapes_.Takes(ruri, shape->id(), now)) {
+  if (shape != nullptr && shape->upsert() != nullptr && !shapes_.Takes(ruri, shape->id(), now_ms)) {
     return storage::TooManyShapes();
   }
   const auto* object = std::get_if<model::ObjectOp>(&BodyOf(record));
   if (object != nullptr && object->upsert() != nullptr &&
-      !objects_.Takes(ruri, object->id(), now)) {
+      !objects_.Takes(ruri, object->id(), now_ms)) {
     return storage::TooManyObjects();
   }
   return std::nullopt;
@@ -116,7 +117,8 @@ void FakeKinds::WriteShape(const Target& target, const model::ShapeOp& shape) {
   row.max_z_m = upsert.max_z_m;
   row.level_id = upsert.level_id;
   row.received_at = target.record.received_at;
-  shapes_.Upsert(shape.id(), {row.received_at, target.entry, std::move(row)});
+  const std::int64_t now_ms = storage::ExpiredByMs(row.received_at, target.rules);
+  shapes_.Upsert(shape.id(), {row.received_at, target.entry, std::move(row)}, now_ms);
 }
 
 void FakeKinds::WriteObject(const Target& target, const model::ObjectOp& object) {
@@ -138,7 +140,8 @@ void FakeKinds::WriteObject(const Target& target, const model::ObjectOp& object)
   row.sampled_at_ms = upsert.unix_time_ms;
   row.received_at = target.record.received_at;
   row.expires_at_ms = storage::ExpiryOf(upsert, row.received_at, target.rules);
-  objects_.Upsert(object.id(), {row.received_at, target.entry, std::move(row)});
+  const std::int64_t now_ms = storage::ExpiredByMs(row.received_at, target.rules);
+  objects_.Upsert(object.id(), {row.received_at, target.entry, std::move(row)}, now_ms);
 }
 
 void FakeKinds::WriteLatest(const Target& target, LatestKind kind, std::string body_json) {
@@ -147,7 +150,7 @@ void FakeKinds::WriteLatest(const Target& target, LatestKind kind, std::string b
 }
 
 std::size_t FakeKinds::Sweep(SystemTime now) {
-  const SystemTime then = now - storage::kExpiredKept;
+  const std::int64_t then = UnixMs(now - storage::kExpiredKept);
   return shapes_.Sweep(then, storage::kSweepRowsMax) + objects_.Sweep(then, storage::kSweepRowsMax);
 }
 

@@ -26,7 +26,8 @@ class FakeKinds final {
   using LatestRows = std::map<std::pair<std::string, storage::LatestKind>, storage::LatestRow>;
 
   /// Why a bound refuses the record; nothing if none does.
-  [[nodiscard]] std::optional<model::Rejection> Refusal(const storage::CommitRecord& record) const;
+  [[nodiscard]] std::optional<model::Rejection> Refusal(const storage::CommitRecord& record,
+                                                        const storage::StoreRules& rules) const;
 
   /// Writes a good record that no bound refuses; a fault is none of ours. `entry` is above that of
   /// all rows before.

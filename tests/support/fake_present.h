@@ -48,22 +48,23 @@ class FakePresent final {
 
   explicit FakePresent(std::size_t per_robot_max) : per_robot_max_(per_robot_max) {}
 
+  // `now_ms`: by when an entry must have expired to be over (storage::ExpiredByMs).
+
   /// False if an upsert of `id` would be one more than the bound.
-  [[nodiscard]] bool Takes(std::string_view ruri, std::string_view id, SystemTime now) const {
+  [[nodiscard]] bool Takes(std::string_view ruri, std::string_view id, std::int64_t now_ms) const {
     const auto robot = robots_.find(ruri);
     if (robot == robots_.end()) return true;
     const Rows& rows = robot->second;
     return rows.size() < per_robot_max_ || rows.contains(id) ||
-           std::ranges::any_of(rows, [now](const auto& row) { return Expired(row, now); });
+           std::ranges::any_of(rows, [now_ms](const auto& row) { return Expired(row, now_ms); });
   }
 
   /// Only if Takes. An id that is there keeps its place; one that has expired becomes a new entry.
-  void Upsert(const std::string& id, FakeEntry<Row> entry) {
-    const SystemTime now = entry.row.received_at;
+  void Upsert(const std::string& id, FakeEntry<Row> entry, std::int64_t now_ms) {
     Rows& rows = robots_[entry.row.robot.ruri];
     const auto found = rows.find(id);
     if (found != rows.end()) {
-      if (!Expired(*found, now)) {
+      if (!Expired(*found, now_ms)) {
         entry.at = found->second.at;
         entry.entry = found->second.entry;
       }
@@ -71,7 +72,7 @@ class FakePresent final {
       return;
     }
     if (rows.size() >= per_robot_max_) {
-      std::erase_if(rows, [now](const auto& row) { return Expired(row, now); });
+      std::erase_if(rows, [now_ms](const auto& row) { return Expired(row, now_ms); });
     }
     rows.emplace(id, std::move(entry));
   }
@@ -84,7 +85,7 @@ class FakePresent final {
   }
 
   /// Deletes the longest expired of those that were so at `then`. Returns how many.
-  std::size_t Sweep(SystemTime then, std::size_t rows_max) {
+  std::size_t Sweep(std::int64_t then, std::size_t rows_max) {
     std::vector<std::tuple<std::int64_t, std::string, std::string>> expired;
     for (const auto& [ruri, rows] : robots_) {
       for (const auto& row : rows) {
@@ -100,8 +101,8 @@ class FakePresent final {
   [[nodiscard]] const std::map<std::string, Rows, std::less<>>& robots() const { return robots_; }
 
  private:
-  static bool Expired(const typename Rows::value_type& row, SystemTime now) {
-    return storage::IsExpired(row.second.row.expires_at_ms, UnixMs(now));
+  static bool Expired(const typename Rows::value_type& row, std::int64_t now_ms) {
+    return storage::IsExpired(row.second.row.expires_at_ms, now_ms);
   }
 
   const std::size_t per_robot_max_;

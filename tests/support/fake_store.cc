@@ -42,7 +42,8 @@ absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::B
 absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
   Fate fate = Begin({&sweep_order_}, sweeps_);
   if (fate.fail_before) return std::move(fate.status);
-  const std::size_t swept = database_.Sweep(now);
+  const bool vouched = storage::Vouches(store_rules_.clock, now);
+  const std::size_t swept = vouched ? database_.Sweep(now) : 0;
   if (fate.fail_after) return std::move(fate.status);
   return swept;
 }
@@ -50,7 +51,8 @@ absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
 absl::StatusOr<std::size_t> FakeStore::Retain(SystemTime now) {
   Fate fate = Begin({&retain_order_}, retains_);
   if (fate.fail_before) return std::move(fate.status);
-  const std::size_t erased = database_.Retain(now, store_rules_);
+  const bool vouched = storage::Vouches(store_rules_.clock, now);
+  const std::size_t erased = vouched ? database_.Retain(now, store_rules_) : 0;
   if (fate.fail_after) return std::move(fate.status);
   return erased;
 }

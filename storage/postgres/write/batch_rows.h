@@ -55,9 +55,9 @@ class BatchRows final {
   AddedRows added_;
   /// The texts of mission reports.
   std::deque<std::string> report_texts_;
-  PresentRows<model::Fault> faults_{PresentKind::kFault};
-  PresentRows<model::ReportedShape> shapes_{PresentKind::kShape};
-  PresentRows<model::Object> objects_{PresentKind::kObject};
+  PresentRows<model::Fault> faults_{PresentKind::kFault, rules_};
+  PresentRows<model::ReportedShape> shapes_{PresentKind::kShape, rules_};
+  PresentRows<model::Object> objects_{PresentKind::kObject, rules_};
   MissionRunRows runs_;
   LatestRows latest_;
   PresenceRows presence_;

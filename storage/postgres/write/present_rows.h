@@ -23,13 +23,15 @@ namespace uplink::storage::postgres {
 template <typename Body>
 class PresentRows final {
  public:
-  explicit PresentRows(PresentKind kind) : kind_(kind) {}
+  /// `rules` outlives this.
+  PresentRows(PresentKind kind, const StoreRules& rules) : kind_(kind), rules_(rules) {}
 
   void Upsert(const CommitRecord& record, const Body& body, const PresentChange& change,
               std::int32_t place) {
     State& state = states_[{change.key.ruri, change.key.id, change.key.source}];
     Upserted<Body>& upserted = state.upserted;
-    const std::int64_t now_ms = UnixMs(record.received_at);
+    const std::int64_t now_ms =
+        BoundOf(kind_).expires ? ExpiredByMs(record.received_at, rules_) : 0;
     if (upserted.record != nullptr && IsExpired(upserted.expires_ms, now_ms)) {
       state.goes_if_expired_ms = kAlways;
       upserted.record = nullptr;
@@ -92,6 +94,7 @@ class PresentRows final {
   }
 
   const PresentKind kind_;
+  const StoreRules& rules_;
   std::map<std::tuple<std::string_view, std::string_view, std::string_view>, State> states_;
 };
 

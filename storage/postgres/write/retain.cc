@@ -131,23 +131,17 @@ absl::Status MakePartitions(Connection& connection, SystemTime now) {
   return absl::OkStatus();
 }
 
-absl::Status CheckClock(Connection& connection, SystemTime now, milliseconds offset_max) {
+/// The database's own clock.
+absl::StatusOr<SystemTime> DatabaseTime(Connection& connection) {
   std::vector<StoreCall> calls;
   calls.push_back({kNow, {}});
   const auto answer = connection.Run(calls, kDoing);
   if (!answer.ok()) return answer.status();
-  const milliseconds offset = answer->front().Time(0, 0) - now;
-  if (offset <= offset_max && -offset <= offset_max) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      "postgresql " + connection.where() + ": its clock and ours differ by " +
-      std::to_string(std::chrono::duration_cast<std::chrono::seconds>(offset).count()) +
-      " s: nothing is dropped for its age until they agree");
+  return answer->front().Time(0, 0);
 }
 
 absl::StatusOr<std::size_t> EraseAll(Connection& connection, SystemTime now,
-                                     const StoreRules& rules, milliseconds clock_offset_max) {
-  absl::Status agreed = CheckClock(connection, now, clock_offset_max);
-  if (!agreed.ok()) return agreed;
+                                     const StoreRules& rules) {
   std::size_t erased = 0;
   if (const auto kept = FirstDayKept(now, rules.retain_history)) {
     const auto history = EraseLists<Retained::kAsHistory>(connection, *kept);
@@ -171,11 +165,18 @@ absl::Status Told(const Connection& connection, const absl::Status& status) {
 }  // namespace
 
 absl::StatusOr<std::size_t> RetainRows(Connection& connection, SystemTime now,
-                                       const StoreRules& rules, milliseconds clock_offset_max) {
+                                       const StoreRules& rules) {
+  if (!Vouches(rules.clock, now)) {
+    const absl::StatusOr<SystemTime> today = DatabaseTime(connection);
+    if (!today.ok()) return Told(connection, today.status());
+    const absl::Status made = MakePartitions(connection, *today);
+    if (!made.ok()) return Told(connection, made);
+    return 0;
+  }
   const absl::Status made = MakePartitions(connection, now);
   if (connection.broken()) return made;
   // What cannot be made keeps nothing from being dropped.
-  auto erased = EraseAll(connection, now, rules, clock_offset_max);
+  auto erased = EraseAll(connection, now, rules);
   if (!erased.ok()) return Told(connection, erased.status());
   if (!made.ok()) return Told(connection, made);
   return erased;

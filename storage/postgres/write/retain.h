@@ -23,10 +23,9 @@ static_assert(kPartitionDaysAfter + 1 < kPartitionDaysAheadMax, "clocks may diff
 /// dropped; their rows in default partitions, closed runs and gaps are deleted. Returns partitions
 /// plus rows.
 ///
-/// Errors: kFailedPrecondition while `now` is further from the server's clock than
-///         `clock_offset_max`; partitions are made all the same.
+/// While nobody vouches for our clock nothing is deleted, and the partitions are those of the
+/// database's own days: by ours they might lie years ahead.
 [[nodiscard]] absl::StatusOr<std::size_t> RetainRows(Connection& connection, SystemTime now,
-                                                     const StoreRules& rules,
-                                                     milliseconds clock_offset_max);
+                                                     const StoreRules& rules);
 
 }  // namespace uplink::storage::postgres

@@ -9,6 +9,7 @@
 #include "schema/base/clock.h"
 #include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
+#include "tests/support/fake_trust.h"
 #include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
 
@@ -25,6 +26,7 @@ class PostgresBatchTest : public ::testing::Test {
     StoreOptions options;
     options.url = database_.url();
     options.process = {process};
+    options.rules.clock = &trust_;
     auto opened = PostgresStore::Open(std::move(options), clock_);
     EXPECT_TRUE(opened.ok()) << opened.status();
     return *std::move(opened);
@@ -56,6 +58,7 @@ class PostgresBatchTest : public ::testing::Test {
 
   static constexpr std::int64_t kNowMs = 1'763'683'200'000;
   const SystemClock clock_{};
+  testing::FakeTrust trust_;
   PostgresDatabase database_;
   const RobotRef robot_ =
       std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
@@ -164,15 +167,31 @@ TEST_F(PostgresBatchTest, AFullDiskIsToldAndNothingIsKept) {
   EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
 }
 
-TEST_F(PostgresBatchTest, NothingGoesForItsAgeByAClockThatIsWrong) {
+TEST_F(PostgresBatchTest, AClockThatNobodyVouchesForMakesThePartitionsOfTheDatabasesDays) {
   const auto store = Store(1);
   const Epoch held = Open(*store).held_since;
   ASSERT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
-  // The day of the row ended long before this, and the server's clock says that it is not yet so
-  // late.
-  const auto wrong = store->Retain(clock_.System() + std::chrono::days(1000));
-  EXPECT_TRUE(absl::IsFailedPrecondition(wrong.status())) << wrong.status();
+  trust_.Set(false);
+  const SystemTime jumped = clock_.System() + std::chrono::days(1000);
+  const auto partitions = [&](const std::string& from) {
+    return database_.Shell().Read(
+        "SELECT count(*) FROM pg_class WHERE relname ~ '^messages_[0-9]+$' AND to_date(right("
+        "relname, 8), 'YYYYMMDD') >= (now() AT TIME ZONE 'UTC')::date + " +
+        from);
+  };
+  database_.Shell().Run(
+      "DO $$ BEGIN EXECUTE format('DROP TABLE uplinkd.messages_%s', to_char((now() AT TIME ZONE"
+      " 'UTC')::date + 2, 'YYYYMMDD')); END $$");
+  ASSERT_EQ(partitions("0"), "3\n");
+  const auto retained = store->Retain(jumped);
+  ASSERT_TRUE(retained.ok()) << retained.status();
+  EXPECT_EQ(*retained, 0U);
+  EXPECT_EQ(partitions("0"), "4\n") << "made again";
+  EXPECT_EQ(partitions("4"), "0\n") << "and none of the days of the jump";
   EXPECT_EQ(database_.Shell().Read("SELECT count(*) FROM uplinkd.messages"), "1\n");
+  trust_.Set(true);
+  EXPECT_TRUE(store->Retain(jumped).ok());
+  EXPECT_EQ(database_.Shell().Read("SELECT count(*) FROM uplinkd.messages"), "0\n");
 }
 
 TEST_F(PostgresBatchTest, ADeadlockIsTriedAgain) {
