@@ -3,6 +3,7 @@
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
+#include "storage/postgres/clock_marks.h"
 #include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
 #include "storage/postgres/store.h"
@@ -47,11 +48,24 @@ class PostgresUnderTest final : public StoreUnderTest {
     return leases.get();
   }
 
+  storage::ClockMarks* clock_marks() override {
+    static_cast<void>(Process(1));  // makes the schema
+    if (marks_ == nullptr) {
+      storage::postgres::StoreOptions options;
+      options.url = database_.url();
+      auto made = storage::postgres::PostgresClockMarks::Make(options, clock_);
+      UPLINK_CHECK(made.ok(), made.status().ToString());
+      marks_ = *std::move(made);
+    }
+    return marks_.get();
+  }
+
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
   void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
 
   void Reopen() override {
     reader_ = nullptr;
+    marks_ = nullptr;
     leases_.clear();
     processes_.clear();
   }
@@ -99,6 +113,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   std::map<std::uint8_t, One> processes_;
   std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresLeases>> leases_;
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
+  std::unique_ptr<storage::postgres::PostgresClockMarks> marks_;
 };
 
 }  // namespace

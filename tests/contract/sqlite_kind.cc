@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/store.h"
 #include "tests/contract/store_under_test.h"
@@ -31,6 +32,16 @@ class SqliteUnderTest final : public StoreUnderTest {
     return *reader_;
   }
 
+  storage::ClockMarks* clock_marks() override {
+    if (marks_ == nullptr) {
+      static_cast<void>(Process(1));  // makes the file
+      auto opened = storage::sqlite::SqliteClockMarks::Open(path_);
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      marks_ = *std::move(opened);
+    }
+    return marks_.get();
+  }
+
   storage::Leases* LeasesOf(std::uint8_t /*number*/) override { return nullptr; }
 
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
@@ -38,6 +49,7 @@ class SqliteUnderTest final : public StoreUnderTest {
 
   void Reopen() override {
     reader_ = nullptr;
+    marks_ = nullptr;
     processes_.clear();
   }
 
@@ -81,6 +93,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   const std::string path_ = folder_.File("uplinkd.db");
   std::map<std::uint8_t, One> processes_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
+  std::unique_ptr<storage::sqlite::SqliteClockMarks> marks_;
 };
 
 }  // namespace

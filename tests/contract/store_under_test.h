@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "storage/clock_marks.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/store.h"
@@ -22,6 +23,10 @@ class StoreUnderTest {
   virtual storage::Reader& reader() = 0;
   /// The leases as process `number` has them; null for a store that one process has at a time.
   virtual storage::Leases* LeasesOf(std::uint8_t number) = 0;
+
+  /// The mark of the clock, as an operator or a server has it beside the writers; null for the
+  /// fake, which has none.
+  virtual storage::ClockMarks* clock_marks() = 0;
 
   /// The next write of the process fails after its work and before its commit: nothing is kept.
   virtual void FailNextWrite(std::uint8_t number) = 0;

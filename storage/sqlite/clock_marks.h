@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "storage/clock_marks.h"
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/statement.h"
+
+namespace uplink::storage::sqlite {
+
+/// The mark in an SQLite file. It is one short write beside the store's writer, and takes no lock
+/// but SQLite's own, so that an operator may set it while a server runs.
+///
+/// Errors:  of Open, kFailedPrecondition, naming the path: no file, not ours, not this program's
+///          schema version. Of the calls, as in ClockMarks.
+/// Thread:  as in ClockMarks.
+class SqliteClockMarks final : public ClockMarks {
+ public:
+  /// How long a call waits for another writer of the file.
+  static constexpr milliseconds kBusyTimeout{5'000};
+
+  /// The file must be there and migrated; nothing is created.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteClockMarks>> Open(
+      const std::string& path);
+  SqliteClockMarks(const SqliteClockMarks&) = delete;
+  SqliteClockMarks& operator=(const SqliteClockMarks&) = delete;
+
+  [[nodiscard]] absl::StatusOr<ClockReading> Read() override;
+  [[nodiscard]] absl::Status Set(SystemTime mark) override;
+  [[nodiscard]] absl::Status SetIfEmpty(SystemTime mark) override;
+
+ private:
+  explicit SqliteClockMarks(std::unique_ptr<Database> database) : database_(std::move(database)) {}
+
+  std::unique_ptr<Database> database_;
+  std::unique_ptr<Statement> read_, set_, set_if_empty_;
+};
+
+}  // namespace uplink::storage::sqlite
