@@ -68,6 +68,8 @@ struct RelayContext {
   schema::JudgeLimits judge_limits;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.
   log::RateLimited* refusals = nullptr;
+  /// As SessionContext's.
+  const storage::ClockTrust* clock_trust = nullptr;
 };
 
 }  // namespace uplink::relay

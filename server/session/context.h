@@ -9,6 +9,7 @@
 #include "server/session/frame_view.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
+#include "storage/clock_trust.h"
 
 namespace uplink::session {
 
@@ -30,6 +31,8 @@ struct SessionContext {
   schema::Judge& judge;
   const SessionLimits& limits;
   IntakeScratch& scratch;
+  /// Who vouches for the civil clock; null: somebody does.
+  const storage::ClockTrust* clock_trust = nullptr;
 };
 
 }  // namespace uplink::session

@@ -148,7 +148,7 @@ void Intake::Accept(const UplinkView& uplink, model::Record& record, Processed& 
     numbers_.AddSettled(uplink.seq);
     return AddLive(std::move(record));
   }
-  if (ExpiredOnArrival(record.body(), received_at_)) {
+  if (ExpiredOnArrival(record.body(), received_at_, context_.clock_trust)) {
     numbers_.AddSettled(uplink.seq);
     return CountSuperseded();
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/fake_trust.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::session {
@@ -21,17 +22,24 @@ model::Body ObjectUntil(std::int64_t at_ms) {
 
 TEST(ExpiryTest, AnUpsertHasExpiredOnceItsTimeHasCome) {
   const SystemTime now = testing::ManualClock().System();
-  EXPECT_TRUE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now));
-  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now) + 1), now));
-  EXPECT_TRUE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now));
-  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now) + 1), now));
+  EXPECT_TRUE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now, nullptr));
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now) + 1), now, nullptr));
+  EXPECT_TRUE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now, nullptr));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now) + 1), now, nullptr));
+}
+
+TEST(ExpiryTest, NothingHasExpiredByAClockThatNobodyVouchesFor) {
+  const SystemTime now = testing::ManualClock().System();
+  const testing::FakeTrust trust(false);
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now, &trust));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now, &trust));
 }
 
 TEST(ExpiryTest, WithoutAnExpiryNothingExpires) {
   const SystemTime now = testing::ManualClock().System();
-  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(0), now));
-  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(0), now));
-  EXPECT_FALSE(ExpiredOnArrival(model::Fault(), now));
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(0), now, nullptr));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(0), now, nullptr));
+  EXPECT_FALSE(ExpiredOnArrival(model::Fault(), now, nullptr));
 }
 
 }  // namespace

@@ -78,6 +78,18 @@ TEST_F(KindsTest, AnUpsertThatExpiredOnArrivalIsSuperseded) {
   EXPECT_THAT(stream_.Said(), ElementsAre("ack 2 judged 2"));
 }
 
+TEST_F(KindsTest, AnUpsertThatExpiredOnArrivalIsStoredWhereNobodyVouchesForTheClock) {
+  const std::int64_t now = UnixMs(clock_.System());
+  server().clock_trust().Set(false);
+  stream_.Send(BatchFrame({{1, ObjectThatExpires(now)}, {2, ShapeThatExpires(now)}}));
+  server().Commit();
+  EXPECT_EQ(server().counts().superseded, 0U);
+  EXPECT_THAT(Stored(1), ElementsAre(1, 2));
+  server().clock_trust().Set(true);
+  stream_.Send(BatchFrame({{3, ObjectThatExpires(now)}}));
+  EXPECT_EQ(server().counts().superseded, 1U);
+}
+
 TEST_F(KindsTest, AnUpsertThatExpiresLaterOrNeverIsStored) {
   const std::int64_t now = UnixMs(clock_.System());
   stream_.Send(BatchFrame({{1, ObjectThatExpires(now + 1)},

@@ -213,7 +213,8 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .ledger = ledger_,
                                .judge = judge_,
                                .limits = limits_.session,
-                               .scratch = scratch_};
+                               .scratch = scratch_,
+                               .clock_trust = &clock_trust_};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
                                               robot::StreamRef{.inbox = this, .stream = id});

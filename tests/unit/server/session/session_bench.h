@@ -17,6 +17,7 @@
 #include "server/journal/step.h"
 #include "server/session/session.h"
 #include "tests/support/fake_store.h"
+#include "tests/support/fake_trust.h"
 #include "tests/support/manual_clock.h"
 
 /// Scripts for sessions: the real core on the store in memory, moved by hand, without threads.
@@ -142,12 +143,14 @@ class BenchServer final : public robot::WakeInbox {
   [[nodiscard]] journal::Journal& journal() { return journal_; }
   [[nodiscard]] testing::FakeStore& store() { return store_; }
   [[nodiscard]] SessionProbe& probe() { return probe_; }
+  [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
   [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
 
  private:
   testing::ManualClock& clock_;
   const BenchLimits limits_;
   testing::FakeStore store_;
+  testing::FakeTrust clock_trust_;
   metrics::LedgerBook book_;
   SessionProbe probe_;
   journal::JournalProbe journal_probe_;
