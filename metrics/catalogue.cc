@@ -146,6 +146,10 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "How long another transaction, a replication slot or a prepared transaction has kept the "
      "database"
      " from removing dead rows, as far as this process saw."},
+    {kClockVouched, "uplinkd_clock_vouched", kGauge, "0 or 1",
+     "1 while the civil clock is vouched for; 0: nothing is deleted until it is."},
+    {kClockAhead, "uplinkd_clock_ahead_seconds", kGauge, "seconds",
+     "By how much civil time ran ahead of the monotonic clock since the start."},
     {kHttpRequests, "uplinkd_http_requests_total", kCounter, "requests",
      "HTTP requests that were answered.", kByRouteCode},
     {kHttpRequestSeconds, "uplinkd_http_request_seconds", kHistogram, "seconds",

@@ -78,6 +78,8 @@ enum class MetricId : std::uint8_t {
   kStoreClockOffset,
   kStoreCommitsInDoubt,
   kStoreOldestSnapshot,
+  kClockVouched,
+  kClockAhead,
   kHttpRequests,
   kHttpRequestSeconds,
   kHttpConnections,

@@ -32,6 +32,7 @@
 #include "server/page_sources.h"
 #include "server/rcan/scrape.h"
 #include "server/relay/server.h"
+#include "server/store/clock_rounds.h"
 #include "server/store/lease_rounds.h"
 #include "server/store/open.h"
 #include "server/store/seed_rounds.h"
@@ -51,15 +52,11 @@ class App::Impl {
                lifecycle::PresenceLimitsOf(options_.config.presence)),
         stores_(std::move(stores)),
         writers_(stores_.writers, ContextOfWriters()),
-        forgetting_({.fleet = fleet_,
-                     .clock = options_.clock,
-                     .logger = options_.logger,
-                     .forget_after = options_.config.fleet.forget_after,
-                     .clock_vouched = [] { return true; },
-                     .release =
-                         [this](robot::Robot& robot) {
-                           journals_.Leave({.client = &robot, .robot = robot.id()});
-                         }}),
+        forgetting_({fleet_, options_.clock, options_.logger, options_.config.fleet.forget_after,
+                     [this] { return stores_.clock->vouched(); },
+                     [this](robot::Robot& robot) {
+                       journals_.Leave({&robot, robot.id()});
+                     }}),
         seed_rounds_({fleet_, journals_, *stores_.reader, options_.logger,
                       options_.config.limits.robots_max,
                       store::AdoptGraceOf(stores_, options_.config.presence)}),
@@ -67,6 +64,8 @@ class App::Impl {
                 {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
                  options_.config.presence, store::IsGone,
                  [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
+        clock_rounds_({options_.clock, *stores_.marks, *stores_.clock, options_.logger,
+                       options_.kernel_clock_synchronised}),
         store_watch_({.facts = stores_.facts,
                       .retention = [this] { return journals_.retain_error(); },
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
@@ -77,11 +76,15 @@ class App::Impl {
         monitor_({options_.clock, fleet_, journals_, journal_probe_, session_probe_,
                   journal_limits_, certificate_expiry, stores_.facts,
                   [this] { return lease_probe_.failing.value() != 0; },
-                  [this] { return !seed_rounds_.done(); }}),
+                  [this] { return !seed_rounds_.done(); }, stores_.clock.get()}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle, lease_probe_.others_unseen}),
-        page_sources_(PageSourcesOf(PartsOfPage())),
+        page_sources_(PageSourcesOf(
+            {options_.clock, options_.version, ledgers_, session_probe_, fleet_, sweep_seconds_,
+             journals_, journal_limits_, journal_probe_, stores_, lease_probe_, http_probe_,
+             options_.config.http.connections_max, rcan_probe_, options_.config.rcan.series_max,
+             monitor_, relay_probe_, options_.handshakes_failed})),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
                         options_.logger}),
         site_({queries_, monitor_,
@@ -146,31 +149,11 @@ class App::Impl {
             .timeout = options_.config.drain.timeout};
   }
 
-  [[nodiscard]] PageParts PartsOfPage() {
-    return {options_.clock,
-            options_.version,
-            ledgers_,
-            session_probe_,
-            fleet_,
-            sweep_seconds_,
-            journals_,
-            journal_limits_,
-            journal_probe_,
-            stores_,
-            lease_probe_,
-            http_probe_,
-            options_.config.http.connections_max,
-            rcan_probe_,
-            options_.config.rcan.series_max,
-            monitor_,
-            relay_probe_,
-            options_.handshakes_failed};
-  }
-
   absl::Status ReadRobots() {
     fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                              SystemTime at) { journals_.NotePresence(robot, presence, at); });
     store_watch_.LookAtFacts();
+    if (stores_.away.ok()) clock_rounds_.Round();
     seed_rounds_.Begin(stores_.away);
     if (stores_.away.ok()) leases_.Round();
     return absl::OkStatus();
@@ -191,7 +174,7 @@ class App::Impl {
     auto relay = relay::RelayServer::Start(
         lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_});
+         lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_, stores_.clock.get()});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     leases_.SetPort(relay_->port());
@@ -222,6 +205,7 @@ class App::Impl {
     work.look_at_store = [this] { store_watch_.Look(); };
     work.read_robots = [this] { seed_rounds_.ReadOn(OnReads()); };
     work.ask_for_snapshot = [this] { stores_.snapshot->AskOn(OnReads()); };
+    work.look_at_clock = [this] { clock_rounds_.LookOn(OnReads()); };
     work.count_faults = [this] {
       if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, *stores_.reader);
     };
@@ -278,6 +262,7 @@ class App::Impl {
   fleet::Forgetting forgetting_;
   store::SeedRounds seed_rounds_;
   store::LeaseRounds leases_;
+  store::ClockRounds clock_rounds_;
   store::Watch store_watch_;
   view::Queries queries_;
   health::Monitor monitor_;

@@ -34,6 +34,8 @@ class App final {
     std::function<config::LoadResult()> read_config;
     log::Logger& logger;
     const Clock& clock;
+    /// Whether the kernel calls its civil clock synchronised. Any thread.
+    std::function<bool()> kernel_clock_synchronised;
     /// Drawn anew for each life of the process.
     storage::ProcessId process{};
     /// Evenly drawn numbers, for the backoff's jitter; called by one thread at a time.

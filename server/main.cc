@@ -19,6 +19,7 @@
 #include "server/process_setup.h"
 #include "server/relay/environment.h"
 #include "server/relay/grpc_log.h"
+#include "server/store/kernel_clock.h"
 
 namespace uplink {
 namespace {
@@ -109,6 +110,7 @@ int Serve(const Flags& flags) {
                          .read_config = [path = flags.config_file] { return Load(path); },
                          .logger = logger,
                          .clock = clock,
+                         .kernel_clock_synchronised = store::KernelClockSynchronised,
                          .process = DrawProcessId(),
                          .random = [&random] { return random(); },
                          .version = UPLINK_VERSION,

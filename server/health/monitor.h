@@ -10,6 +10,7 @@
 #include "server/health/readiness.h"
 #include "server/journal/shards.h"
 #include "server/session/probe.h"
+#include "storage/clock_trust.h"
 #include "storage/store.h"
 
 namespace uplink::health {
@@ -32,6 +33,8 @@ class Monitor final {
     std::function<bool()> lease_failing = [] { return false; };
     /// The robots that the store knows could not be read yet.
     std::function<bool()> robots_unread = [] { return false; };
+    /// Who vouches for the civil clock; null: somebody does.
+    const storage::ClockTrust* clock_trust = nullptr;
   };
   explicit Monitor(const Sources& sources);
 

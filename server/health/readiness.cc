@@ -17,6 +17,7 @@ Readiness ReadinessOf(const ReadinessFacts& facts) {
   if (facts.store_failing) readiness.degraded.emplace_back("store");
   if (facts.store_unsafe) readiness.degraded.emplace_back("store_unsafe");
   if (facts.store_old_snapshot) readiness.degraded.emplace_back("store_old_snapshot");
+  if (facts.clock_not_vouched) readiness.degraded.emplace_back("clock");
   if (facts.lease_failing) readiness.degraded.emplace_back("lease");
   if (facts.journal_bytes.above(kBacklogPercent) || facts.journal_records.above(kBacklogPercent) ||
       facts.journal_oldest > kBacklogAge) {

@@ -42,6 +42,8 @@ struct ReadinessFacts {
   bool store_unsafe = false;
   /// Something else has kept the store from cleaning up for long.
   bool store_old_snapshot = false;
+  /// Nobody vouches for the civil clock: nothing is deleted.
+  bool clock_not_vouched = false;
   /// This process's lease cannot be renewed, or those of others cannot be read.
   bool lease_failing = false;
   /// Liveness::behind.
@@ -57,8 +59,8 @@ struct Readiness {
   /// Why a known robot's new stream would be refused: draining, certificate_expired.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, store_unsafe,
-  /// store_old_snapshot, lease, journal_backlog, relay_behind, robots_max, certificate_expiring,
-  /// certificate_mismatch, descriptors.
+  /// store_old_snapshot, clock, lease, journal_backlog, relay_behind, robots_max,
+  /// certificate_expiring, certificate_mismatch, descriptors.
   std::vector<std::string> degraded;
 
   [[nodiscard]] bool ready() const { return refuses.empty(); }

@@ -15,6 +15,8 @@ constexpr std::chrono::seconds kStoreEvery{1};
 constexpr milliseconds kSeedEvery{500};
 /// One short statement. An age of minutes is what counts.
 constexpr std::chrono::seconds kSnapshotEvery{10};
+/// An operator who confirmed the clock waits for no more.
+constexpr std::chrono::seconds kClockEvery{5};
 
 }  // namespace
 
@@ -25,6 +27,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(kStoreEvery, std::move(work.look_at_store));
   every(kSeedEvery, std::move(work.read_robots));
   every(kSnapshotEvery, std::move(work.ask_for_snapshot));
+  every(kClockEvery, std::move(work.look_at_clock));
   every(rcan::kFaultCountsEvery, std::move(work.count_faults));
   every(health::kHandshakeEvery, std::move(work.ask_relay));
 }

@@ -3,34 +3,42 @@
 #include <algorithm>
 #include <utility>
 
+#include "storage/postgres/clock_marks.h"
 #include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
 #include "storage/postgres/store.h"
+#include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/store.h"
 
 namespace uplink::store {
 namespace {
 
-storage::StoreRules RulesOf(const config::Config& config) {
+storage::StoreRules RulesOf(const config::Config& config, const VouchedClock& clock) {
   storage::StoreRules rules;
+  rules.clock = &clock;
   rules.object_ttl = config.forward.object_ttl;
   rules.retain_history = config.store.retain_history;
   rules.retain_quarantine = config.store.retain_quarantine;
   return rules;
 }
 
-absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::ProcessId& process) {
+absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::ProcessId& process,
+                                  const Clock& clock) {
+  Stores stores;
+  stores.clock = std::make_unique<VouchedClock>(clock);
   const std::string path = config::SqlitePath(config.store);
   storage::sqlite::StoreOptions options;
   options.process = process;
-  options.rules = RulesOf(config);
+  options.rules = RulesOf(config, *stores.clock);
   options.migrate = config.store.migrate;
   auto store = storage::sqlite::SqliteStore::Open(path, options);
   if (!store.ok()) return store.status();
   auto reader = storage::sqlite::SqliteReader::Open(path);
   if (!reader.ok()) return reader.status();
-  Stores stores;
+  auto marks = storage::sqlite::SqliteClockMarks::Open(path);
+  if (!marks.ok()) return marks.status();
+  stores.marks = *std::move(marks);
   stores.writers.push_back(*std::move(store));
   stores.reader = *std::move(reader);
   return stores;
@@ -46,16 +54,17 @@ storage::StoreFacts FactsOf(const std::vector<const storage::postgres::PostgresS
 
 absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage::ProcessId& process,
                                     const Clock& clock) {
+  Stores stores;
+  stores.clock = std::make_unique<VouchedClock>(clock);
   storage::postgres::StoreOptions options;
   options.url = config.store.url;
   options.password_file = config.store.password_file;
   options.process = process;
-  options.rules = RulesOf(config);
+  options.rules = RulesOf(config, *stores.clock);
   options.migrate = config.store.migrate;
   options.accept_unsafe = config.store.accept_unsafe;
   options.connect_timeout = config.store.timeout;
   options.call_timeout = config.store.timeout;
-  Stores stores;
   std::vector<const storage::postgres::PostgresStore*> opened;
   for (std::size_t shard = 0; shard < config.store.shards; ++shard) {
     auto store = storage::postgres::PostgresStore::Open(options, clock);
@@ -69,6 +78,9 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   auto leases = storage::postgres::PostgresLeases::Make(options, clock);
   if (!leases.ok()) return leases.status();
   stores.leases = *std::move(leases);
+  auto marks = storage::postgres::PostgresClockMarks::Make(options, clock);
+  if (!marks.ok()) return marks.status();
+  stores.marks = *std::move(marks);
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;
@@ -99,7 +111,7 @@ std::optional<milliseconds> AdoptGraceOf(const Stores& stores,
 absl::StatusOr<Stores> OpenStores(const config::Config& config, const storage::ProcessId& process,
                                   const Clock& clock) {
   return config::IsPostgres(config.store) ? OpenPostgres(config, process, clock)
-                                          : OpenSqlite(config, process);
+                                          : OpenSqlite(config, process, clock);
 }
 
 }  // namespace uplink::store

@@ -11,6 +11,8 @@
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/store/oldest_snapshot.h"
+#include "server/store/vouched_clock.h"
+#include "storage/clock_marks.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/store.h"
@@ -19,6 +21,9 @@ namespace uplink::store {
 
 /// The store that the configuration names: a writer per shard, and the query side.
 struct Stores {
+  /// The judgement of the civil clock, which the writers go by, and the mark that it rests on.
+  std::unique_ptr<VouchedClock> clock;
+  std::unique_ptr<storage::ClockMarks> marks;
   std::vector<std::unique_ptr<storage::Store>> writers;
   std::unique_ptr<storage::Reader> reader;
   /// Null for a store that one process has at a time.

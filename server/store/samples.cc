@@ -11,6 +11,11 @@ void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page) {
   page.Add(kStoreOldestSnapshot, facts.oldest_snapshot);
 }
 
+void AddSamples(const VouchedClock& clock, metrics::Exposition& page) {
+  page.Add(kClockVouched, clock.vouched() ? 1 : 0);
+  page.Add(kClockAhead, clock.ahead());
+}
+
 void AddSamples(const LeaseProbe& probe, metrics::Exposition& page) {
   page.Add(kLeaseRenewals, probe.renewed);
   page.Add(kLeaseFailing, probe.failing.value());

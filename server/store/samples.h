@@ -2,12 +2,15 @@
 
 #include "metrics/exposition.h"
 #include "server/store/lease_probe.h"
+#include "server/store/vouched_clock.h"
 #include "storage/store.h"
 
 namespace uplink::store {
 
 /// What is known of what lies behind the store, for a page of metrics. Any thread.
 void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page);
+/// Whether the civil clock is vouched for, and by how much it jumped. Any thread.
+void AddSamples(const VouchedClock& clock, metrics::Exposition& page);
 /// What its leases told. Any thread.
 void AddSamples(const LeaseProbe& probe, metrics::Exposition& page);
 

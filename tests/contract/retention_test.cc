@@ -89,8 +89,8 @@ TEST_P(RetentionContract, ZeroKeepsAllForEver) {
   rules.retain_history = milliseconds(0);
   rules.retain_quarantine = milliseconds(0);
   Fresh(rules);
-  CommitOneOfEach(0, "a");
-  EXPECT_EQ(Retain(10'000 * kDayMs), 0U);
+  CommitOneOfEach(-10'000 * kDayMs, "a");
+  EXPECT_EQ(Retain(0), 0U);
   EXPECT_THAT(Counts(), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1));
 }
 

@@ -15,6 +15,7 @@
 #include "server/relay/probe.h"
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
+#include "server/store/vouched_clock.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
@@ -65,6 +66,7 @@ class ServerWorld {
   http::HttpProbe http_probe;
   rcan::RcanProbe rcan_probe;
   relay::RelayProbe relay_probe;
+  store::VouchedClock vouched_clock{clock};
   store::LeaseProbe lease_probe;
   metrics::Cell handshakes_failed;
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};

@@ -83,12 +83,12 @@ TEST_F(PostgresSchemaTest, ANewerOrAnotherSchemaIsRefused) {
 
 TEST_F(PostgresSchemaTest, AFailedStepLeavesTheStepsBefore) {
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0009_broken", "sum",
+  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0011_broken", "sum",
                         "CREATE TABLE half (a int); SELECT nothing_of_this_name();"});
   const auto owner = Owner();
   const auto steps = Migrate(*owner, migrations);
   EXPECT_FALSE(steps.ok());
-  EXPECT_TRUE(steps.status().message().find("0009_broken") != absl::string_view::npos);
+  EXPECT_TRUE(steps.status().message().find("0011_broken") != absl::string_view::npos);
   EXPECT_EQ(*SchemaVersion(*owner), static_cast<std::int64_t>(Migrations().size()));
   EXPECT_EQ(database_.Shell().Read("SELECT to_regclass('uplinkd.half')"), "\n");
 }
@@ -106,7 +106,7 @@ TEST_F(PostgresSchemaTest, LaterStepsAreGrantedToWhoWasGranted) {
   ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
   ASSERT_TRUE(GrantTo(*owner, "uplinkd").ok());
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0009_more", "sum",
+  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0011_more", "sum",
                         "CREATE TABLE more (a int);"});
   ASSERT_TRUE(Migrate(*owner, migrations).ok());
   PostgresShell(database_.url()).Run("INSERT INTO uplinkd.more VALUES (1)");

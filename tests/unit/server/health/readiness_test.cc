@@ -51,6 +51,13 @@ TEST(Readiness, ReportsFilesThatAreNotServed) {
   EXPECT_THAT(ReadinessOf(facts).all(), ElementsAre("draining", "certificate_mismatch"));
 }
 
+TEST(Readiness, ReportsAClockThatNobodyVouchesFor) {
+  ReadinessFacts facts = Good();
+  facts.clock_not_vouched = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("clock"));
+}
+
 TEST(Readiness, ReportsARelayThatIsBehind) {
   ReadinessFacts facts = Good();
   facts.relay_behind = true;

@@ -1,0 +1,89 @@
+#include "server/store/clock_rounds.h"
+
+#include <string>
+#include <utility>
+
+namespace uplink::store {
+namespace {
+
+const char* NameOf(Voucher voucher) {
+  switch (voucher) {
+    case Voucher::kNobody:
+      return "nobody";
+    case Voucher::kMark:
+      return "mark";
+    case Voucher::kKernel:
+      return "kernel";
+  }
+  return "";
+}
+
+}  // namespace
+
+ClockRounds::ClockRounds(Context context)
+    : context_(std::move(context)), mark_from_(ClockPair::Of(context_.clock)) {}
+
+void ClockRounds::Round() {
+  Read();
+  const ClockPair now = ClockPair::Of(context_.clock);
+  const ClockFacts facts = FactsAt(now);
+  const Voucher voucher = reading_ ? VoucherOf(facts) : Voucher::kNobody;
+  context_.trust.Note(voucher != Voucher::kNobody, now);
+  Tell(voucher, facts);
+  MoveMark(facts, now);
+}
+
+void ClockRounds::LookOn(const std::function<bool(std::function<void()>)>& post) {
+  if (looking_.exchange(true)) return;
+  const bool posted = post([this] {
+    Round();
+    looking_.store(false);
+  });
+  // Where the queue of reads is full, the next look asks again.
+  if (!posted) looking_.store(false);
+}
+
+void ClockRounds::Read() {
+  if (!reading_ && !context_.marks.SetIfEmpty(context_.clock.System()).ok()) return;
+  auto reading = context_.marks.Read();
+  if (!reading.ok()) return;
+  reading_ = *std::move(reading);
+  read_at_ = context_.clock.Steady();
+}
+
+ClockFacts ClockRounds::FactsAt(const ClockPair& now) const {
+  ClockFacts facts{.now = now.system, .kernel_synchronised = context_.kernel_synchronised()};
+  if (!reading_) return facts;
+  facts.mark = reading_->mark;
+  if (reading_->database) {
+    facts.database =
+        *reading_->database + std::chrono::duration_cast<milliseconds>(now.steady - read_at_);
+  }
+  return facts;
+}
+
+void ClockRounds::MoveMark(const ClockFacts& facts, const ClockPair& now) {
+  if (now.steady - mark_from_.steady < kMarkEvery) return;
+  const milliseconds ahead = now.AheadSince(mark_from_);
+  mark_from_ = now;
+  const bool together = ahead <= kAdvanceTolerance && -ahead <= kAdvanceTolerance;
+  if (!reading_ || !together || !MayMoveMark(facts)) return;
+  // Where it fails, the next one comes in a minute.
+  static_cast<void>(context_.marks.Set(now.system));
+}
+
+void ClockRounds::Tell(Voucher voucher, const ClockFacts& facts) {
+  const bool was_vouched = told_.value_or(Voucher::kMark) != Voucher::kNobody;
+  told_ = voucher;
+  if ((voucher != Voucher::kNobody) == was_vouched) return;
+  if (voucher != Voucher::kNobody) {
+    context_.logger.Info("clock_vouched", {{"by", NameOf(voucher)}});
+    return;
+  }
+  const std::string why =
+      reading_ ? WhyNobodyVouches(facts) : std::string("the store has not been read yet");
+  context_.logger.Warn("clock_not_vouched",
+                       {{"why", why}, {"and", "nothing is deleted until it is"}});
+}
+
+}  // namespace uplink::store
