@@ -9,6 +9,7 @@
 #include "storage/postgres/admin.h"
 #include "storage/postgres/link/url.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/store_clock.h"
 
 namespace uplink::ctl {
 namespace {
@@ -20,10 +21,12 @@ struct Arguments {
   std::string url;
   std::string password_file;
   std::string grant_to;
+  bool confirm = false;
+  bool yes = false;
 };
 
 /// The store that is named on the command line, or else by the server's configuration.
-absl::StatusOr<AdminOptions> Target(const Arguments& arguments) {
+absl::StatusOr<AdminOptions> AnyTarget(const Arguments& arguments) {
   AdminOptions options{arguments.url, arguments.password_file};
   if (options.url.empty()) {
     const config::LoadResult read =
@@ -36,11 +39,23 @@ absl::StatusOr<AdminOptions> Target(const Arguments& arguments) {
     options.url = read.readable->store.url;
     if (options.password_file.empty()) options.password_file = read.readable->store.password_file;
   }
-  if (!storage::postgres::IsPostgresUrl(options.url)) {
+  return options;
+}
+
+absl::StatusOr<AdminOptions> Target(const Arguments& arguments) {
+  absl::StatusOr<AdminOptions> options = AnyTarget(arguments);
+  if (!options.ok()) return options;
+  if (!storage::postgres::IsPostgresUrl(options->url)) {
     return absl::InvalidArgumentError(
         "the store is not PostgreSQL: the server migrates an SQLite file when it starts");
   }
   return options;
+}
+
+int Clock(const Arguments& arguments) {
+  const absl::StatusOr<AdminOptions> target = AnyTarget(arguments);
+  if (!target.ok()) return ExitOf(target.status());
+  return StoreClock({target->url, target->password_file, arguments.confirm, arguments.yes});
 }
 
 int Migrate(const Arguments& arguments) {
@@ -75,14 +90,16 @@ int Status(const Arguments& arguments) {
 }  // namespace
 
 void AddStore(CLI::App& app, Action& action) {
-  CLI::App* const noun = app.add_subcommand("store", "The PostgreSQL store's schema");
+  CLI::App* const noun =
+      app.add_subcommand("store", "The store: its schema, and the clock that it trusts");
   noun->require_subcommand(1);
   const auto arguments = std::make_shared<Arguments>();
   const auto add = [&](const char* name, const char* text) {
     CLI::App* const verb = noun->add_subcommand(name, text);
     CLI::Option_group* const target = verb->add_option_group("target");
     target->add_option("--config", arguments->config, "The server's configuration file");
-    target->add_option("--url", arguments->url, "postgresql://owner@host:port/database");
+    target->add_option("--url", arguments->url,
+                       "postgresql://owner@host:port/database, or sqlite:///path");
     target->require_option(1);
     verb->add_option("--password-file", arguments->password_file,
                      "A file whose first line is the password");
@@ -94,6 +111,12 @@ void AddStore(CLI::App& app, Action& action) {
   migrate->callback([arguments, &action] { action = [arguments] { return Migrate(*arguments); }; });
   CLI::App* const status = add("status", "Show the server and the schema; 1 if steps are missing");
   status->callback([arguments, &action] { action = [arguments] { return Status(*arguments); }; });
+  CLI::App* const clock =
+      add("clock", "Show whether this machine's clock is vouched for; 1 if it is not");
+  clock->add_flag("--confirm", arguments->confirm,
+                  "Vouch for it: the store's mark becomes this machine's time");
+  clock->add_flag("--yes", arguments->yes, "Do not ask first");
+  clock->callback([arguments, &action] { action = [arguments] { return Clock(*arguments); }; });
 }
 
 }  // namespace uplink::ctl
