@@ -1,10 +1,7 @@
 #include "server/app.h"
 
-#include <optional>
 #include <utility>
 #include <vector>
-
-#include <signal.h>
 
 #include "metrics/cells.h"
 #include "metrics/ledger.h"
@@ -12,20 +9,19 @@
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
+#include "server/groundwork.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
 #include "server/health/process.h"
 #include "server/http/read_thread.h"
-#include "server/http/server.h"
 #include "server/http/site.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
 #include "server/lifecycle/periodic.h"
 #include "server/lifecycle/reload.h"
 #include "server/lifecycle/start.h"
-#include "server/lifecycle/stop_signal.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
@@ -44,8 +40,9 @@ namespace uplink {
 
 class App::Impl {
  public:
-  Impl(Options options, SystemTime certificate_expiry, store::Stores stores)
+  Impl(Options options, Groundwork& ground, SystemTime certificate_expiry, store::Stores stores)
       : options_(std::move(options)),
+        ground_(ground),
         journal_limits_(lifecycle::JournalLimitsOf(options_.config.journal)),
         session_limits_(lifecycle::SessionLimitsOf(options_.config, options_.version)),
         fleet_(options_.clock, options_.config.limits.robots_max,
@@ -82,16 +79,14 @@ class App::Impl {
                 session_limits_.session_idle, lease_probe_.others_unseen}),
         page_sources_(PageSourcesOf(
             {options_.clock, options_.version, ledgers_, session_probe_, fleet_, sweep_seconds_,
-             journals_, journal_limits_, journal_probe_, stores_, lease_probe_, http_probe_,
-             options_.config.http.connections_max, rcan_probe_, options_.config.rcan.series_max,
-             monitor_, relay_probe_, options_.handshakes_failed})),
+             journals_, journal_limits_, journal_probe_, stores_, lease_probe_,
+             ground_.http_probe(), options_.config.http.connections_max, rcan_probe_,
+             options_.config.rcan.series_max, monitor_, relay_probe_, options_.handshakes_failed})),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
                         options_.logger}),
         site_({queries_, monitor_,
                [this](auto format) { return metrics::PageText(page_sources_, format); },
                robots_scrape_}),
-        loop_(options_.logger),
-        stop_signal_(options_.logger),
         reload_(options_.config, options_.read_config, options_.logger) {}
 
   ~Impl() { Stop(); }
@@ -102,20 +97,19 @@ class App::Impl {
     leases_.SetPort(options_.config.listen.relay.port);
     absl::Status started =
         lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
-                          .listen_for_http = [this] { return ListenForHttp(); },
                           .start_writers = [this] { writers_.Start(); },
                           .listen_for_robots = [this] { return ListenForRobots(); },
-                          .start_loop = [this] { StartLoop(); }});
+                          .begin_work = [this] { BeginWork(); }});
     if (!started.ok()) return started;
     options_.logger.Info("listening", {{"relay", config::ToText(RelayAddress())},
-                                       {"http", config::ToText(http_->bound())},
+                                       {"http", config::ToText(ground_.http_address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
     return absl::OkStatus();
   }
 
   void Run() {
-    stop_signal_.Wait();
+    ground_.stop_signal().Wait();
     lifecycle::Drain(ContextOfDrain()).Run();
   }
 
@@ -138,7 +132,7 @@ class App::Impl {
             .fleet = fleet_,
             .journals = journals_,
             .monitor = monitor_,
-            .signal = stop_signal_,
+            .signal = ground_.stop_signal(),
             .transport = {.streams = [this] { return relay_->streams(); },
                           .drain = [this](milliseconds wait) { relay_->Drain(wait); },
                           .wait_for_streams =
@@ -159,17 +153,6 @@ class App::Impl {
     return absl::OkStatus();
   }
 
-  absl::Status ListenForHttp() {
-    reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
-    scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
-    auto http = http::HttpServer::Listen(
-        {loop_.io(), site_, *reads_, *scrapes_, http_probe_, options_.clock},
-        {options_.config.listen.http, options_.config.http.connections_max});
-    if (!http.ok()) return http.status();
-    http_ = *std::move(http);
-    return absl::OkStatus();
-  }
-
   absl::Status ListenForRobots() {
     auto relay = relay::RelayServer::Start(
         lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
@@ -177,18 +160,21 @@ class App::Impl {
          lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_, stores_.clock.get()});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
+    fleet_.BeginListening();
+    monitor_.liveness().BeginListening();
     leases_.SetPort(relay_->port());
     leases_.Start();
     return absl::OkStatus();
   }
 
-  void StartLoop() {
-    lifecycle::DoPeriodically(
-        [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
-        WorkToDo());
-    loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });
-    loop_.OnSignals({SIGHUP}, [this](int) { reload_.Run(); });
-    loop_.Start();
+  void BeginWork() {
+    ground_.Open(site_);
+    loop_.Post([this] {
+      lifecycle::DoPeriodically(
+          [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
+          WorkToDo());
+    });
+    ground_.OnReload([this] { reload_.Run(); });
   }
 
   [[nodiscard]] lifecycle::PeriodicWork WorkToDo() {
@@ -219,7 +205,7 @@ class App::Impl {
 
   /// To the thread that may wait for the store.
   std::function<bool(std::function<void()>)> OnReads() {
-    return [this](auto job) { return reads_->TryPost(std::move(job)); };
+    return [this](auto job) { return ground_.reads().TryPost(std::move(job)); };
   }
 
   void Stop() {
@@ -231,11 +217,8 @@ class App::Impl {
       leases_.Stop();
       writers_.Stop();
     };
-    steps.stop_loop = [this] { loop_.Stop(); };
-    steps.end_readers = [this] {
-      scrapes_.reset();
-      reads_.reset();
-    };
+    steps.stop_loop = [this] { ground_.StopLoop(); };
+    steps.end_readers = [this] { ground_.EndReaders(); };
     lifecycle::Stop(steps);
   }
 
@@ -244,6 +227,9 @@ class App::Impl {
   }
 
   Options options_;
+  Groundwork& ground_;
+  loop::EventLoop& loop_ = ground_.loop();
+  rcan::RcanProbe& rcan_probe_ = ground_.rcan_probe();
   const journal::JournalLimits journal_limits_;
   const session::SessionLimits session_limits_;
   metrics::LedgerBook ledgers_;
@@ -251,8 +237,6 @@ class App::Impl {
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;
   relay::RelayProbe relay_probe_;
-  http::HttpProbe http_probe_;
-  rcan::RcanProbe rcan_probe_;
   store::LeaseProbe lease_probe_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
@@ -272,26 +256,26 @@ class App::Impl {
   rcan::FaultCounts fault_counts_{options_.clock};
   rcan::RobotScrape robots_scrape_;
   http::Site site_;
-  loop::EventLoop loop_;
-  lifecycle::StopSignal stop_signal_;
   lifecycle::Reload reload_;
-  std::optional<http::ReadThread> reads_;
-  std::optional<http::ReadThread> scrapes_;
-  std::unique_ptr<http::HttpServer> http_;
   std::unique_ptr<relay::RelayServer> relay_;
 };
 
-App::App(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+App::App(std::unique_ptr<Groundwork> ground, std::unique_ptr<Impl> impl)
+    : ground_(std::move(ground)), impl_(std::move(impl)) {}
 App::~App() = default;
 
 absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
-  const auto expiry = health::CertificateExpiry(options.config.tls.certificate_file);
+  const config::Config& config = options.config;
+  const auto expiry = health::CertificateExpiry(config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
-  auto stores = store::OpenStores(options.config, options.process, options.clock);
+  auto ground = std::make_unique<Groundwork>(
+      Groundwork::Context{options.clock, options.logger, config.listen.http, config.http});
+  if (absl::Status began = ground->Begin(); !began.ok()) return began;
+  auto stores = store::OpenStores(config, options.process, options.clock);
   if (!stores.ok()) return stores.status();
-  auto impl = std::make_unique<Impl>(std::move(options), *expiry, *std::move(stores));
+  auto impl = std::make_unique<Impl>(std::move(options), *ground, *expiry, *std::move(stores));
   if (absl::Status started = impl->Start(); !started.ok()) return started;
-  return std::unique_ptr<App>(new App(std::move(impl)));
+  return std::unique_ptr<App>(new App(std::move(ground), std::move(impl)));
 }
 
 void App::Run() { impl_->Run(); }

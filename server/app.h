@@ -21,6 +21,8 @@ class Cell;
 
 namespace uplink {
 
+class Groundwork;
+
 /// The server: constructs the components and connects them. The only place that knows them all;
 /// lifecycle/ says in which order they start and stop.
 ///
@@ -45,8 +47,8 @@ class App final {
     const metrics::Cell& handshakes_failed;
   };
 
-  /// Opens the store, reads the fleet, then serves robots and HTTP, and logs `listening` with the
-  /// addresses that were really bound.
+  /// Answers probes, opens the store, reads the fleet, then serves robots and the rest of HTTP, and
+  /// logs `listening` with the addresses that were really bound.
   ///
   /// Errors: of the store, the listeners and the certificate, each naming its file or address;
   ///         nothing is left running.
@@ -61,7 +63,9 @@ class App final {
 
  private:
   class Impl;
-  explicit App(std::unique_ptr<Impl> impl);
+  App(std::unique_ptr<Groundwork> ground, std::unique_ptr<Impl> impl);
+  /// Outlives the rest.
+  std::unique_ptr<Groundwork> ground_;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -18,6 +18,8 @@ std::size_t SetUpProcess(const config::Config& config) {
   std::signal(SIGPIPE, SIG_IGN);
   // A limit on the size of files is an error of the write, as a full disk is.
   std::signal(SIGXFSZ, SIG_IGN);
+  // A reload while the server starts is none: the configuration was just read.
+  std::signal(SIGHUP, SIG_IGN);
   return health::RaiseDescriptorsMax();
 }
 

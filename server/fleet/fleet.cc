@@ -54,8 +54,8 @@ absl::Status Fleet::Full() const {
 }
 
 RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id) {
-  auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(id), started_,
-                                              clock_, changed_);
+  auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(id),
+                                              started_.load(), clock_, changed_);
   shard.robots.emplace(id.ruri, robot);
   changes_.fetch_add(1);
   const std::lock_guard lock(admitted_mutex_);
@@ -147,6 +147,12 @@ void PresenceTally::Count(robot::Presence presence) {
       ++offline;
       break;
   }
+}
+
+void Fleet::BeginListening() {
+  const SteadyTime now = clock_.Steady();
+  started_.store(now);
+  for (const RobotPtr& robot : All()) robot->state.BeginListening(now);
 }
 
 PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {

@@ -83,7 +83,9 @@ class Fleet final {
   std::vector<RobotPtr> RemoveLeft();
 
   [[nodiscard]] const robot::PresenceLimits& presence_limits() const { return presence_; }
-  [[nodiscard]] SteadyTime server_started() const { return started_; }
+  /// The relay listens from now on: `presence.startup_grace` begins, and the silence of robots that
+  /// are known already. Before the first sweep.
+  void BeginListening();
 
   /// A sweep is due each second; one that comes later than this after the last shows that the
   /// server stood still. It judges nobody.
@@ -128,7 +130,8 @@ class Fleet final {
   const Clock& clock_;
   const std::size_t robots_max_;
   const robot::PresenceLimits presence_;
-  const SteadyTime started_;
+  /// When the relay began to listen; before that, when the fleet was made.
+  std::atomic<SteadyTime> started_;
   robot::PresenceChanged changed_;
   /// Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};

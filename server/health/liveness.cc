@@ -8,6 +8,11 @@ Liveness::Liveness(const Clock& clock, const session::SessionProbe& sessions)
       last_(clock.Steady()),
       streams_seen_(sessions.streams_total.value()) {}
 
+void Liveness::BeginListening() {
+  const std::lock_guard lock(mutex_);
+  last_ = clock_.Steady();
+}
+
 void Liveness::NoteAsked() {
   const std::lock_guard lock(mutex_);
   if (!asked_) asked_ = clock_.Steady();

@@ -30,6 +30,8 @@ class Liveness final {
  public:
   Liveness(const Clock& clock, const session::SessionProbe& sessions);
 
+  /// The listener is there from now on: its silence counts from here.
+  void BeginListening();
   /// The background handshake begins. While none is answered it counts from the first.
   void NoteAsked();
   /// The listener answered a ClientHello.

@@ -8,6 +8,12 @@ std::vector<std::string> Readiness::all() const {
   return words;
 }
 
+Readiness StartingReadiness() {
+  Readiness readiness;
+  readiness.refuses.emplace_back("starting");
+  return readiness;
+}
+
 Readiness ReadinessOf(const ReadinessFacts& facts) {
   Readiness readiness;
   if (facts.draining) readiness.refuses.emplace_back("draining");

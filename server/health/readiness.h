@@ -56,7 +56,7 @@ struct ReadinessFacts {
 
 /// What /readyz says. A value.
 struct Readiness {
-  /// Why a known robot's new stream would be refused: draining, certificate_expired.
+  /// Why a known robot's new stream would be refused: starting, draining, certificate_expired.
   std::vector<std::string> refuses;
   /// What does not work as it should, though streams are taken: store, store_unsafe,
   /// store_old_snapshot, clock, lease, journal_backlog, relay_behind, robots_max,
@@ -68,6 +68,8 @@ struct Readiness {
   [[nodiscard]] std::vector<std::string> all() const;
 };
 
+/// Before there is anything to depend on: a pure function.
+[[nodiscard]] Readiness StartingReadiness();
 /// A pure function.
 [[nodiscard]] Readiness ReadinessOf(const ReadinessFacts& facts);
 

@@ -73,7 +73,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     method_ = MethodOf(message.method());
     version_ = message.version();
     keep_alive_ = message.keep_alive();
-    Resolved resolved = context_->server.site.Resolve(
+    Resolved resolved = context_->server.entrance.Resolve(
         {method_, std::string(message.target()), std::string(message[bhttp::field::accept]),
          std::string(message[bhttp::field::accept_encoding])});
     route_ = resolved.route;

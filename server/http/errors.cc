@@ -66,6 +66,8 @@ Response TooBusy() {
   return Answer(503, {"UNAVAILABLE", "too many requests wait for the store; try again"});
 }
 
+Response Starting() { return Answer(503, {"UNAVAILABLE", "the server starts; try again"}); }
+
 Response BadRequest(int status, std::string_view message) {
   return Answer(status, {"INVALID_ARGUMENT", message});
 }

@@ -19,6 +19,8 @@ namespace uplink::http {
 [[nodiscard]] Response MethodNotAllowed();
 /// 503: too many requests wait already.
 [[nodiscard]] Response TooBusy();
+/// 503: there is no store yet, and no robot.
+[[nodiscard]] Response Starting();
 /// A request that is not HTTP as we take it: `status` is 400, 413 or 431.
 [[nodiscard]] Response BadRequest(int status, std::string_view message);
 

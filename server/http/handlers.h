@@ -39,6 +39,10 @@ struct RoutedRequest {
 [[nodiscard]] Response GetMetrics(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request);
 
+/// The two probes while the server starts: it lives, and is not ready.
+[[nodiscard]] Response StartingLivez();
+[[nodiscard]] Response StartingReadyz();
+
 // api.cc: what is held in memory.
 [[nodiscard]] Response GetStatus(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);

@@ -20,6 +20,22 @@ std::optional<BadParameter> NoParameters(const std::string& query) {
   return Parameters(query).Problem();
 }
 
+Response LivezResponse(int status, milliseconds age) {
+  Response response;
+  response.status = status;
+  response.body = fmt::format(R"({{"relayLastHandshakeSeconds":{}}})",
+                              std::chrono::duration_cast<std::chrono::seconds>(age).count());
+  return response;
+}
+
+Response ReadyzResponse(const health::Readiness& readiness) {
+  Response response;
+  response.status = readiness.ready() ? 200 : 503;
+  response.body = readiness.ready() ? view::WordsJson("degraded", readiness.degraded)
+                                    : view::WordsJson("refuses", readiness.refuses);
+  return response;
+}
+
 /// The head of a scrape.
 Response ScrapeResponse(metrics::Format format, metrics::Coding coding) {
   Response response;
@@ -33,23 +49,18 @@ Response ScrapeResponse(metrics::Format format, metrics::Coding coding) {
 
 Response GetLivez(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
-  const auto age =
-      std::chrono::duration_cast<std::chrono::seconds>(sources.monitor.liveness().age());
-  Response response;
-  response.status = sources.monitor.liveness().alive() ? 200 : 503;
-  response.body = fmt::format(R"({{"relayLastHandshakeSeconds":{}}})", age.count());
-  return response;
+  health::Liveness& liveness = sources.monitor.liveness();
+  return LivezResponse(liveness.alive() ? 200 : 503, liveness.age());
 }
 
 Response GetReadyz(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
-  const health::Readiness readiness = sources.monitor.readiness();
-  Response response;
-  response.status = readiness.ready() ? 200 : 503;
-  response.body = readiness.ready() ? view::WordsJson("degraded", readiness.degraded)
-                                    : view::WordsJson("refuses", readiness.refuses);
-  return response;
+  return ReadyzResponse(sources.monitor.readiness());
 }
+
+Response StartingLivez() { return LivezResponse(200, milliseconds(0)); }
+
+Response StartingReadyz() { return ReadyzResponse(health::StartingReadiness()); }
 
 Response GetMetrics(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);

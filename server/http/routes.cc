@@ -1,9 +1,12 @@
 #include "server/http/routes.h"
 
 #include <array>
+#include <optional>
+#include <utility>
 
 #include "server/http/handlers.h"
 #include "server/http/rows.h"
+#include "server/http/target.h"
 
 namespace uplink::http {
 namespace {
@@ -34,6 +37,14 @@ constexpr auto kRoutes = std::to_array<Route>({
 std::span<const Route> Routes() { return kRoutes; }
 
 RouteId OtherRoute() { return {kRoutes.size()}; }
+
+FoundRoute FindRoute(std::string_view path) {
+  for (std::size_t place = 0; place < kRoutes.size(); ++place) {
+    std::optional<PathMatch> match = MatchPath(kRoutes[place].pattern, path);
+    if (match) return {RouteId{place}, std::move(match->segment)};
+  }
+  return {};
+}
 
 std::size_t RouteIds() { return kRoutes.size() + 1; }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "server/http/message.h"
@@ -37,6 +38,13 @@ struct RouteId {
 [[nodiscard]] RouteId OtherRoute();
 /// The number of ids: one per route, and one for all other paths together.
 [[nodiscard]] std::size_t RouteIds();
+/// The route of an encoded path, and its decoded `{}` segment. A value.
+struct FoundRoute {
+  RouteId id = OtherRoute();
+  std::string segment;
+};
+/// OtherRoute() for a path that is none of ours.
+[[nodiscard]] FoundRoute FindRoute(std::string_view path);
 /// The label of a route's requests in the metrics.
 [[nodiscard]] std::string_view RouteName(RouteId route);
 

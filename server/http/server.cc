@@ -41,7 +41,10 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
     return error;
   }
 
-  [[nodiscard]] tcp::endpoint local() const { return acceptor_.local_endpoint(); }
+  [[nodiscard]] config::ListenAddress bound() const {
+    const tcp::endpoint endpoint = acceptor_.local_endpoint();
+    return {endpoint.address().to_string(), endpoint.port()};
+  }
 
   void Accept() {
     acceptor_.async_accept([self = shared_from_this()](error_code error, tcp::socket socket) {
@@ -82,16 +85,13 @@ absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Context& co
     return absl::UnavailableError(fmt::format("listen.http: {} cannot be bound: {}",
                                               config::ToText(options.address), error.message()));
   }
+  auto server = std::unique_ptr<HttpServer>(new HttpServer(listener));
   listener->Accept();
-  return std::unique_ptr<HttpServer>(new HttpServer(std::move(listener)));
+  return server;
 }
 
-HttpServer::HttpServer(std::shared_ptr<Listener> listener) : listener_(std::move(listener)) {}
+HttpServer::HttpServer(std::shared_ptr<Listener> listener)
+    : listener_(std::move(listener)), bound_(listener_->bound()) {}
 HttpServer::~HttpServer() = default;
-
-config::ListenAddress HttpServer::bound() const {
-  const tcp::endpoint endpoint = listener_->local();
-  return {endpoint.address().to_string(), endpoint.port()};
-}
 
 }  // namespace uplink::http

@@ -8,9 +8,9 @@
 
 #include "schema/base/clock.h"
 #include "server/config/address.h"
+#include "server/http/entrance.h"
 #include "server/http/probe.h"
 #include "server/http/read_thread.h"
-#include "server/http/site.h"
 
 namespace boost::asio {
 class io_context;
@@ -41,7 +41,7 @@ class HttpServer final {
   struct Context {
     /// One thread runs it: the loop.
     boost::asio::io_context& io;
-    const Site& site;
+    const Entrance& entrance;
     ReadThread& reads;
     /// Where the robots' scrapes are written.
     ReadThread& scrapes;
@@ -58,13 +58,14 @@ class HttpServer final {
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  /// The address with the port that was really bound.
-  [[nodiscard]] config::ListenAddress bound() const;
+  /// The address with the port that was really bound. Any thread.
+  [[nodiscard]] const config::ListenAddress& bound() const { return bound_; }
 
  private:
   class Listener;
   explicit HttpServer(std::shared_ptr<Listener> listener);
   std::shared_ptr<Listener> listener_;
+  const config::ListenAddress bound_;
 };
 
 }  // namespace uplink::http

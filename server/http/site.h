@@ -15,6 +15,9 @@ struct Resolved {
   std::function<Response()> run;
 };
 
+/// An answer that is there already.
+[[nodiscard]] Resolved AtOnce(RouteId route, Response response);
+
 /// Which route answers a request (routes.cc lists them); no sockets. Thread-safe after its making.
 class Site final {
  public:

@@ -4,10 +4,9 @@ namespace uplink::lifecycle {
 
 absl::Status Start(const StartSteps& steps) {
   if (absl::Status read = steps.read_robots(); !read.ok()) return read;
-  if (absl::Status listens = steps.listen_for_http(); !listens.ok()) return listens;
   steps.start_writers();
   if (absl::Status listens = steps.listen_for_robots(); !listens.ok()) return listens;
-  steps.start_loop();
+  steps.begin_work();
   return absl::OkStatus();
 }
 

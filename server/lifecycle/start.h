@@ -6,18 +6,17 @@
 
 namespace uplink::lifecycle {
 
-/// The steps of the way up, once all parts are constructed and connected.
+/// The steps of the way up, once all parts are constructed and connected. HTTP listens already, and
+/// answers that the server starts.
 struct StartSteps {
   /// Takes over the robots that the store knows; one that is away is waited for later.
   std::function<absl::Status()> read_robots;
-  /// Answers probes, scrapes and queries from now on.
-  std::function<absl::Status()> listen_for_http;
   /// Commits what comes from now on.
   std::function<void()> start_writers;
   /// Admits robots from now on.
   std::function<absl::Status()> listen_for_robots;
-  /// Does what is due, and hears signals, from now on.
-  std::function<void()> start_loop;
+  /// Answers scrapes and queries, and does what is due, from now on.
+  std::function<void()> begin_work;
 };
 
 /// Starts the server, in the order of the steps: whatever a step lets in, those before it can take.

@@ -10,6 +10,10 @@ void StopSignal::OnSignal(int signal) {
     std::_Exit(1);
   }
   stopping_ = true;
+  if (!started_.load()) {
+    logger_.Info("stopped_while_starting", {{"signal", signal}});
+    std::_Exit(0);
+  }
   stop_.release();
 }
 

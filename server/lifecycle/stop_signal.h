@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <semaphore>
 
 #include "schema/base/clock.h"
@@ -8,14 +9,18 @@
 namespace uplink::lifecycle {
 
 /// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once.
+/// While the server starts the first does that, with 0: nothing is under way that a drain would
+/// settle.
 ///
-/// Thread: OnSignal on one thread (the loop's); Wait and Pause on another (main).
+/// Thread: OnSignal on one thread (the loop's); the rest on another (main).
 class StopSignal final {
  public:
   explicit StopSignal(const log::Logger& logger) : logger_(logger) {}
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
+  /// The server has started: from now on somebody waits.
+  void NoteStarted() { started_.store(true); }
   /// The signal came. The second time the process ends with 1.
   void OnSignal(int signal);
   /// Waits for the first signal.
@@ -26,6 +31,7 @@ class StopSignal final {
 
  private:
   const log::Logger& logger_;
+  std::atomic<bool> started_{false};
   bool stopping_ = false;
   std::binary_semaphore stop_{0};
 };

@@ -17,7 +17,8 @@ namespace uplink::loop {
 /// presence sweep, of the background handshake.
 ///
 /// Jobs run on the loop's thread, must be short, and must not throw.
-/// Thread: Every and OnSignals before Start; Stop by the owner. The rest: any thread.
+/// Thread: Every and OnSignals before Start, or on the loop's; Stop by the owner. The rest: any
+/// thread.
 class EventLoop final {
  public:
   explicit EventLoop(const log::Logger& logger);
@@ -26,7 +27,8 @@ class EventLoop final {
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
 
-  /// Runs `job` at Start and then after each `interval`; a late run does not shorten the next.
+  /// Runs `job` at once, or at Start, and then after each `interval`; a late run does not shorten
+  /// the next.
   void Every(milliseconds interval, std::function<void()> job);
   /// Runs `job` with the number of each of these signals from now on.
   void OnSignals(const std::vector<int>& signals, std::function<void(int)> job);

@@ -4,6 +4,11 @@
 
 namespace uplink::robot {
 
+void PresenceTrack::BeginListening(SteadyTime now) {
+  server_started_ = now;
+  known_since_ = std::max(known_since_, now);
+}
+
 PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
                                            const PresenceLimits& limits) {
   if (foreign_) return Sign::kOlder;

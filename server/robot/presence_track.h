@@ -27,6 +27,9 @@ class PresenceTrack final {
         changed_(std::move(changed)),
         since_(system_now) {}
 
+  /// The relay listens from now on: until then no robot could be heard, and none counts as silent.
+  void BeginListening(SteadyTime now);
+
   /// What a sign of life was beside those before it.
   enum class Sign : std::uint8_t { kLatest, kOlder };
   /// A sign of life that arrived at this time. It may have waited since: presence is judged at the
@@ -82,7 +85,7 @@ class PresenceTrack final {
   /// The store has `stored`, and nothing was heard here.
   void BeginFrom(const storage::StoredPresence& stored);
 
-  const SteadyTime server_started_;
+  SteadyTime server_started_;
   SteadyTime known_since_;
   const Changed changed_;
   Presence presence_ = Presence::kUnknown;

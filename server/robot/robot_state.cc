@@ -64,6 +64,11 @@ void RobotState::SignOfLife(SteadyTime steady, SystemTime system, const Presence
   }
 }
 
+void RobotState::BeginListening(SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  presence_.BeginListening(now);
+}
+
 void RobotState::SetReading(Reading reading, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   presence_.SetReading(reading, now);

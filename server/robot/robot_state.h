@@ -79,6 +79,8 @@ class RobotState final {
              PresenceChanged changed = {})
       : presence_(server_started, known_since, system_now, std::move(changed)) {}
 
+  /// As PresenceTrack's.
+  void BeginListening(SteadyTime now);
   /// Applies live records in order. All must be live kinds. `arrived` is kept of a status, to tell
   /// which of two sources of a value is fresher.
   void Apply(std::vector<model::Record>& records, SteadyTime arrived);

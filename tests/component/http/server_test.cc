@@ -29,6 +29,7 @@ class HttpServerTest : public ::testing::Test {
     http::HttpProbe& probe = world_.http_probe;
     reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
     scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
+    entrance_.Open(world_.site);
   }
   ~HttpServerTest() override {
     world_.reader.Release();
@@ -40,7 +41,7 @@ class HttpServerTest : public ::testing::Test {
   std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
                       std::size_t connections_max = kConnectionsMax) {
     auto server =
-        HttpServer::Listen({loop_.io(), world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
+        HttpServer::Listen({loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
                            {{host, 0}, connections_max, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -81,6 +82,7 @@ class HttpServerTest : public ::testing::Test {
 
   testing::ServerWorld world_;
   SystemClock clock_;
+  Entrance entrance_;
   loop::EventLoop loop_{world_.logger};
   std::optional<ReadThread> reads_;
   std::optional<ReadThread> scrapes_;
@@ -263,7 +265,7 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
   const auto second =
-      HttpServer::Listen({loop_.io(), world_.site, *reads_, *scrapes_, world_.http_probe, clock_},
+      HttpServer::Listen({loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
                          {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),

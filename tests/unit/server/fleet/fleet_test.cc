@@ -80,6 +80,33 @@ TEST_F(FleetTest, SweepCountsPresence) {
   EXPECT_EQ(fleet.presence_counts().offline, 1);
 }
 
+TEST_F(FleetTest, TheGraceOfAStartBeginsWhenRobotsCanConnect) {
+  Fleet fleet(clock_, 100, {});
+  Admit(fleet, "rcan://stored");
+  clock_.Advance(fleet.presence_limits().startup_grace * 2);  // the store is slow to answer
+  fleet.BeginListening();
+  EXPECT_EQ(fleet.Sweep(kIdle).unknown, 1);
+  Admit(fleet, "rcan://came");
+  for (milliseconds passed{0}; passed < fleet.presence_limits().startup_grace;
+       passed += seconds(1)) {
+    clock_.Advance(seconds(1));
+    EXPECT_EQ(fleet.Sweep(kIdle).unknown, 2) << passed.count();
+  }
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(fleet.Sweep(kIdle).offline, 2);
+}
+
+TEST_F(FleetTest, WithoutAGraceARobotIsSilentOnlySinceItCouldConnect) {
+  Fleet fleet(clock_, 100, {.timeout = seconds(10), .startup_grace = seconds(0)});
+  Admit(fleet, "rcan://stored");
+  clock_.Advance(seconds(60));
+  fleet.BeginListening();
+  clock_.Advance(seconds(2));
+  EXPECT_EQ(fleet.Sweep(kIdle).unknown, 1);
+  clock_.Advance(seconds(3));
+  EXPECT_EQ(fleet.Sweep(kIdle).unknown, 1);
+}
+
 TEST_F(FleetTest, ARobotThatIsNewHasATimeoutToBeHeard) {
   Fleet fleet(clock_, 100, {});
   clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));

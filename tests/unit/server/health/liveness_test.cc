@@ -29,6 +29,16 @@ TEST_F(LivenessTest, AHandshakeBringsItBack) {
   EXPECT_EQ(liveness_.age(), milliseconds(0));
 }
 
+TEST_F(LivenessTest, ASlowStartTakesNothingFromItsMinute) {
+  clock_.Advance(kAliveMax * 2);
+  liveness_.BeginListening();
+  EXPECT_TRUE(liveness_.alive());
+  clock_.Advance(kAliveMax);
+  EXPECT_TRUE(liveness_.alive());
+  clock_.Advance(milliseconds(1));
+  EXPECT_FALSE(liveness_.alive());
+}
+
 TEST_F(LivenessTest, AStreamThatOpensCountsOnce) {
   clock_.Advance(kAliveMax * 2);
   sessions_.streams_total.Add();

@@ -26,6 +26,11 @@ TEST(Readiness, IsReadyAndWholeByDefault) {
   EXPECT_THAT(readiness.degraded, IsEmpty());
 }
 
+TEST(Readiness, IsNotReadyWhileTheServerStarts) {
+  EXPECT_FALSE(StartingReadiness().ready());
+  EXPECT_THAT(StartingReadiness().refuses, ElementsAre("starting"));
+}
+
 TEST(Readiness, RefusesWhileDraining) {
   ReadinessFacts facts = Good();
   facts.draining = true;

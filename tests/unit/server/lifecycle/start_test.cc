@@ -16,10 +16,9 @@ class StartTest : public ::testing::Test {
  protected:
   absl::Status Run() {
     return Start({.read_robots = [this] { return Do("robots"); },
-                  .listen_for_http = [this] { return Do("http"); },
                   .start_writers = [this] { done_.emplace_back("writers"); },
                   .listen_for_robots = [this] { return Do("relay"); },
-                  .start_loop = [this] { done_.emplace_back("loop"); }});
+                  .begin_work = [this] { done_.emplace_back("work"); }});
   }
   absl::Status Do(const std::string& step) {
     done_.emplace_back(step);
@@ -32,7 +31,7 @@ class StartTest : public ::testing::Test {
 
 TEST_F(StartTest, WhateverIsLetInFindsWhatTakesIt) {
   EXPECT_TRUE(Run().ok());
-  EXPECT_THAT(done_, ElementsAre("robots", "http", "writers", "relay", "loop"));
+  EXPECT_THAT(done_, ElementsAre("robots", "writers", "relay", "work"));
 }
 
 TEST_F(StartTest, NothingIsBegunWhereTheRobotsCannotBeRead) {
@@ -41,16 +40,10 @@ TEST_F(StartTest, NothingIsBegunWhereTheRobotsCannotBeRead) {
   EXPECT_THAT(done_, ElementsAre("robots"));
 }
 
-TEST_F(StartTest, NothingIsWrittenWhereHttpCannotListen) {
-  fails_ = "http";
-  EXPECT_EQ(Run(), absl::UnavailableError("http"));
-  EXPECT_THAT(done_, ElementsAre("robots", "http"));
-}
-
-TEST_F(StartTest, TheLoopDoesNotStartWhereTheRelayCannotListen) {
+TEST_F(StartTest, NobodyIsJudgedWhereTheRelayCannotListen) {
   fails_ = "relay";
   EXPECT_EQ(Run(), absl::UnavailableError("relay"));
-  EXPECT_THAT(done_, ElementsAre("robots", "http", "writers", "relay"));
+  EXPECT_THAT(done_, ElementsAre("robots", "writers", "relay"));
 }
 
 TEST(StopTest, TheWritersOutliveTheStreamsAndHttpOutlivesTheWriters) {

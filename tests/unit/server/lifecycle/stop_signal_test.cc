@@ -19,18 +19,25 @@ class StopSignalTest : public ::testing::Test {
   StopSignal signal_{logger_};
 };
 
+TEST_F(StopSignalTest, OneDuringTheStartEndsTheProcessWithZero) {
+  EXPECT_EXIT(signal_.OnSignal(SIGTERM), ::testing::ExitedWithCode(0), "");
+}
+
 TEST_F(StopSignalTest, TheFirstEndsTheWait) {
+  signal_.NoteStarted();
   const std::jthread loop([this] { signal_.OnSignal(SIGTERM); });
   signal_.Wait();
 }
 
 TEST_F(StopSignalTest, APauseEndsByItself) {
+  signal_.NoteStarted();
   signal_.OnSignal(SIGTERM);
   signal_.Wait();
   signal_.Pause(milliseconds(1));
 }
 
 TEST_F(StopSignalTest, TheSecondEndsTheProcessWithOne) {
+  signal_.NoteStarted();
   signal_.OnSignal(SIGTERM);
   EXPECT_EXIT(signal_.OnSignal(SIGINT), ::testing::ExitedWithCode(1), "");
 }

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/http/entrance.h"
+#include "server/http/probe.h"
+#include "server/http/read_thread.h"
+#include "server/lifecycle/stop_signal.h"
+#include "server/log/logger.h"
+#include "server/loop/event_loop.h"
+#include "server/rcan/probe.h"
+
+namespace uplink::http {
+class HttpServer;
+}
+
+namespace uplink {
+
+/// What runs from the first second on, before there is a store: the event loop, signals that stop
+/// the process, and HTTP, which answers that the server starts until there is a site.
+///
+/// Thread: main. Whatever else uses the loop or the threads that may wait must live until Stop and
+/// EndReaders.
+class Groundwork final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    log::Logger& logger;
+    config::ListenAddress address;
+    config::HttpConfig http;
+  };
+  explicit Groundwork(Context context);
+  ~Groundwork();
+  Groundwork(const Groundwork&) = delete;
+  Groundwork& operator=(const Groundwork&) = delete;
+
+  /// Listens for HTTP and hears signals from now on. Logs `http_listening` with the address that
+  /// was really bound. Errors: as HttpServer::Listen.
+  [[nodiscard]] absl::Status Begin();
+  /// The server has started: the site answers, and a signal begins a drain.
+  void Open(const http::Site& site);
+  /// What SIGHUP does, on the loop's thread; at once if one came before. The job's parts live until
+  /// StopLoop.
+  void OnReload(std::function<void()> reload);
+
+  void StopLoop() { loop_.Stop(); }
+  /// Drops what waits for the threads that may wait, and ends them.
+  void EndReaders();
+
+  [[nodiscard]] loop::EventLoop& loop() { return loop_; }
+  [[nodiscard]] lifecycle::StopSignal& stop_signal() { return stop_signal_; }
+  /// For what may wait for the store. Until EndReaders.
+  [[nodiscard]] http::ReadThread& reads() { return *reads_; }
+  [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
+  [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
+  [[nodiscard]] config::ListenAddress http_address() const;
+
+ private:
+  const Context context_;
+  http::HttpProbe http_probe_;
+  rcan::RcanProbe rcan_probe_;
+  http::Entrance entrance_;
+  lifecycle::StopSignal stop_signal_;
+  // Confined to the loop's thread.
+  std::function<void()> reload_;
+  bool reload_asked_ = false;
+  std::optional<http::ReadThread> reads_;
+  std::optional<http::ReadThread> scrapes_;
+  loop::EventLoop loop_;
+  std::unique_ptr<http::HttpServer> http_;
+};
+
+}  // namespace uplink
