@@ -17,6 +17,7 @@ constexpr std::array<std::string_view, 1> kByCode{"code"};
 constexpr std::array<std::string_view, 1> kByPresence{"presence"};
 constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
 constexpr std::array<std::string_view, 1> kByCause{"cause"};
+constexpr std::array<std::string_view, 1> kByShard{"shard"};
 constexpr std::array<std::string_view, 1> kByVersion{"version"};
 
 constexpr auto kSpecs = std::to_array<MetricSpec>({
@@ -113,6 +114,16 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Bytes at which streams are held back (journal.bytes_max)."},
     {kJournalOldestSeconds, "uplinkd_journal_oldest_seconds", kGauge, "seconds",
      "Age of the oldest record that waits; 0 if none does."},
+    {kJournalShardRecords, "uplinkd_journal_shard_records", kGauge, "records",
+     "Records that wait for a commit, by the shard that writes them (store.shards).", kByShard},
+    {kJournalShardRecordsLimit, "uplinkd_journal_shard_records_limit", kGauge, "records",
+     "Records of one shard at which the streams of its robots are held back."},
+    {kJournalShardBytes, "uplinkd_journal_shard_bytes", kGauge, "bytes",
+     "Bytes of the records that wait for a commit, by shard.", kByShard},
+    {kJournalShardBytesLimit, "uplinkd_journal_shard_bytes_limit", kGauge, "bytes",
+     "Bytes of one shard at which the streams of its robots are held back."},
+    {kJournalShardOldestSeconds, "uplinkd_journal_shard_oldest_seconds", kGauge, "seconds",
+     "Age of the oldest record that waits, by shard; 0 if none does.", kByShard},
     {kStoreCommitSeconds, "uplinkd_store_commit_seconds", kHistogram, "seconds",
      "Duration of a commit."},
     {kStoreCommitRecords, "uplinkd_store_commit_records", kHistogram, "records",
@@ -187,6 +198,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
      "Unix time at which the server's certificate expires."},
     {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},
+    {kDegraded, "uplinkd_degraded", kGauge, "0 or 1",
+     "1 while /readyz has the word in degraded; each word that there is has its series.",
+     kByReason},
     {kBuildInfo, "uplinkd_build_info", kGauge, "1", "Version of the server.", kByVersion},
     {kProcessStartTime, "process_start_time_seconds", kGauge, "seconds",
      "Unix time at which the server started."},

@@ -10,7 +10,8 @@ Monitor::Monitor(const Sources& sources)
       certificate_expiry_ms_(UnixMs(sources.certificate_expiry)) {}
 
 Readiness Monitor::readiness() const {
-  const journal::JournalLimits& limits = sources_.journal_limits;
+  const journal::JournalLimits share =
+      journal::ShareOf(sources_.journal_limits, sources_.journals.all().size());
   const storage::StoreFacts store = sources_.store_facts();
   return ReadinessOf({
       .now = sources_.clock.System(),
@@ -25,8 +26,8 @@ Readiness Monitor::readiness() const {
       .clock_not_vouched = sources_.clock_trust != nullptr && !sources_.clock_trust->vouched(),
       .lease_failing = sources_.lease_failing(),
       .relay_behind = liveness_.behind(),
-      .journal_bytes = {sources_.journals.bytes(), limits.bytes_max},
-      .journal_records = {sources_.journals.records(), limits.records_max},
+      .journal_bytes = {sources_.journals.bytes_worst(), share.bytes_max},
+      .journal_records = {sources_.journals.records_worst(), share.records_max},
       .journal_oldest = sources_.journals.oldest(sources_.clock.Steady()),
       .descriptors = {OpenDescriptors(), DescriptorsMax()},
   });

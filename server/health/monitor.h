@@ -25,6 +25,7 @@ class Monitor final {
     const journal::Shards& journals;
     const journal::JournalProbe& journal_probe;
     const session::SessionProbe& sessions;
+    /// Of all journals together.
     journal::JournalLimits journal_limits;
     /// At start; NoteCertificate follows a rotation.
     SystemTime certificate_expiry;

@@ -1,6 +1,41 @@
 #include "server/health/readiness.h"
 
+#include <array>
+
 namespace uplink::health {
+namespace {
+
+using Facts = ReadinessFacts;
+
+bool Expired(const Facts& facts) { return facts.certificate_expiry <= facts.now; }
+
+bool HasBacklog(const Facts& facts) {
+  return facts.journal_bytes.above(kBacklogPercent) ||
+         facts.journal_records.above(kBacklogPercent) || facts.journal_oldest > kBacklogAge;
+}
+
+bool Expires(const Facts& facts) {
+  return !Expired(facts) && facts.certificate_expiry - facts.now < kCertificateNotice;
+}
+
+constexpr auto kDegradedWords = std::to_array<DegradedWord>({
+    {"store", [](const Facts& facts) { return facts.store_failing; }},
+    {"store_unsafe", [](const Facts& facts) { return facts.store_unsafe; }},
+    {"store_old_snapshot", [](const Facts& facts) { return facts.store_old_snapshot; }},
+    {"clock", [](const Facts& facts) { return facts.clock_not_vouched; }},
+    {"lease", [](const Facts& facts) { return facts.lease_failing; }},
+    {"journal_backlog", HasBacklog},
+    {"relay_behind", [](const Facts& facts) { return facts.relay_behind; }},
+    {"robots_max", [](const Facts& facts) { return facts.robots.reaches(kRobotsPercent); }},
+    {"certificate_expiring", Expires},
+    {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
+    {"descriptors",
+     [](const Facts& facts) { return facts.descriptors.above(kDescriptorsPercent); }},
+});
+
+}  // namespace
+
+std::span<const DegradedWord> DegradedWords() { return kDegradedWords; }
 
 std::vector<std::string> Readiness::all() const {
   std::vector<std::string> words = refuses;
@@ -17,25 +52,11 @@ Readiness StartingReadiness() {
 Readiness ReadinessOf(const ReadinessFacts& facts) {
   Readiness readiness;
   if (facts.draining) readiness.refuses.emplace_back("draining");
-  const bool expired = facts.certificate_expiry <= facts.now;
-  if (expired) readiness.refuses.emplace_back("certificate_expired");
+  if (Expired(facts)) readiness.refuses.emplace_back("certificate_expired");
 
-  if (facts.store_failing) readiness.degraded.emplace_back("store");
-  if (facts.store_unsafe) readiness.degraded.emplace_back("store_unsafe");
-  if (facts.store_old_snapshot) readiness.degraded.emplace_back("store_old_snapshot");
-  if (facts.clock_not_vouched) readiness.degraded.emplace_back("clock");
-  if (facts.lease_failing) readiness.degraded.emplace_back("lease");
-  if (facts.journal_bytes.above(kBacklogPercent) || facts.journal_records.above(kBacklogPercent) ||
-      facts.journal_oldest > kBacklogAge) {
-    readiness.degraded.emplace_back("journal_backlog");
+  for (const DegradedWord& degraded : kDegradedWords) {
+    if (degraded.holds(facts)) readiness.degraded.emplace_back(degraded.word);
   }
-  if (facts.relay_behind) readiness.degraded.emplace_back("relay_behind");
-  if (facts.robots.reaches(kRobotsPercent)) readiness.degraded.emplace_back("robots_max");
-  if (!expired && facts.certificate_expiry - facts.now < kCertificateNotice) {
-    readiness.degraded.emplace_back("certificate_expiring");
-  }
-  if (!facts.certificate_fits) readiness.degraded.emplace_back("certificate_mismatch");
-  if (facts.descriptors.above(kDescriptorsPercent)) readiness.degraded.emplace_back("descriptors");
   return readiness;
 }
 

@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -48,6 +50,7 @@ struct ReadinessFacts {
   bool lease_failing = false;
   /// Liveness::behind.
   bool relay_behind = false;
+  /// Of the shard of the journal that is fullest.
   Fill journal_bytes;
   Fill journal_records;
   milliseconds journal_oldest{0};
@@ -58,15 +61,22 @@ struct ReadinessFacts {
 struct Readiness {
   /// Why a known robot's new stream would be refused: starting, draining, certificate_expired.
   std::vector<std::string> refuses;
-  /// What does not work as it should, though streams are taken: store, store_unsafe,
-  /// store_old_snapshot, clock, lease, journal_backlog, relay_behind, robots_max,
-  /// certificate_expiring, certificate_mismatch, descriptors.
+  /// What does not work as it should, though streams are taken: of DegradedWords().
   std::vector<std::string> degraded;
 
   [[nodiscard]] bool ready() const { return refuses.empty(); }
   /// Both, what refuses first.
   [[nodiscard]] std::vector<std::string> all() const;
 };
+
+/// A word of Readiness::degraded, and whether the facts say it. Immutable.
+struct DegradedWord {
+  std::string_view word;
+  bool (*holds)(const ReadinessFacts&);
+};
+/// All of them, in their order in `degraded`: the only list. Each is a value of the label of
+/// uplinkd_degraded as well.
+[[nodiscard]] std::span<const DegradedWord> DegradedWords();
 
 /// Before there is anything to depend on: a pure function.
 [[nodiscard]] Readiness StartingReadiness();

@@ -1,5 +1,9 @@
 #include "server/health/samples.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "server/health/process.h"
 
 namespace uplink::health {
@@ -17,6 +21,10 @@ void AddSamples(Monitor& monitor, metrics::Exposition& page) {
   page.Add(kStandstills, monitor.liveness().standstills());
   page.Add(kCertificateExpiry, UnixSeconds(monitor.certificate_expiry()));
   page.Add(kDraining, monitor.draining() ? 1 : 0);
+  const std::vector<std::string> degraded = monitor.readiness().degraded;
+  for (const DegradedWord& each : DegradedWords()) {
+    page.Add(kDegraded, std::ranges::count(degraded, each.word), {each.word});
+  }
 }
 
 void AddSweepSamples(const metrics::LatencyDistribution& sweep_seconds, metrics::Exposition& page) {

@@ -17,7 +17,7 @@ struct ProcessStart {
 
 // What health knows, for a page of metrics. Any thread.
 
-/// Whether the relay answers, the certificate, the drain.
+/// Whether the relay answers, the certificate, the drain, and each word of `degraded`.
 void AddSamples(Monitor& monitor, metrics::Exposition& page);
 /// How long the sweeps of presence took.
 void AddSweepSamples(const metrics::LatencyDistribution& sweep_seconds, metrics::Exposition& page);

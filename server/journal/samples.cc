@@ -1,12 +1,33 @@
 #include "server/journal/samples.h"
 
+#include <chrono>
 #include <cstddef>
+#include <string>
 
 #include "schema/model/presence.h"
 
 namespace uplink::journal {
 
 using enum metrics::MetricId;
+
+namespace {
+
+void AddShardSamples(const Shards& journals, const JournalLimits& limits, SteadyTime now,
+                     metrics::Exposition& page) {
+  const JournalLimits share = ShareOf(limits, journals.all().size());
+  page.Add(kJournalShardRecordsLimit, share.records_max);
+  page.Add(kJournalShardBytesLimit, share.bytes_max);
+  for (std::size_t place = 0; place < journals.all().size(); ++place) {
+    const Journal& journal = *journals.all()[place];
+    const std::string shard = std::to_string(place);
+    page.Add(kJournalShardRecords, journal.records(), {shard});
+    page.Add(kJournalShardBytes, journal.bytes(), {shard});
+    page.Add(kJournalShardOldestSeconds, std::chrono::duration<double>(journal.oldest(now)).count(),
+             {shard});
+  }
+}
+
+}  // namespace
 
 void AddSamples(const Shards& journals, const JournalLimits& limits, SteadyTime now,
                 metrics::Exposition& page) {
@@ -15,6 +36,7 @@ void AddSamples(const Shards& journals, const JournalLimits& limits, SteadyTime 
   page.Add(kJournalBytes, journals.bytes());
   page.Add(kJournalBytesLimit, limits.bytes_max);
   page.Add(kJournalOldestSeconds, journals.oldest(now));
+  AddShardSamples(journals, limits, now, page);
 }
 
 void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {

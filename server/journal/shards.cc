@@ -28,6 +28,18 @@ std::size_t Shards::bytes() const {
   return sum;
 }
 
+std::size_t Shards::records_worst() const {
+  std::size_t most = 0;
+  for (const Journal* journal : journals_) most = std::max(most, journal->records());
+  return most;
+}
+
+std::size_t Shards::bytes_worst() const {
+  std::size_t most = 0;
+  for (const Journal* journal : journals_) most = std::max(most, journal->bytes());
+  return most;
+}
+
 milliseconds Shards::oldest(SteadyTime now) const {
   milliseconds oldest{0};
   for (const Journal* journal : journals_) oldest = std::max(oldest, journal->oldest(now));

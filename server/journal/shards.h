@@ -47,6 +47,9 @@ class Shards final {
   [[nodiscard]] std::size_t records() const;
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] milliseconds oldest(SteadyTime now) const;
+  /// Of the journal that holds most.
+  [[nodiscard]] std::size_t records_worst() const;
+  [[nodiscard]] std::size_t bytes_worst() const;
   [[nodiscard]] bool idle() const;
   /// The first error that a journal's store told last; OK if none did.
   [[nodiscard]] absl::Status last_error() const;

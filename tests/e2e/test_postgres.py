@@ -54,7 +54,11 @@ class Schema(EndToEnd):
         self.assertIn("store_unsafe", server.text())
         self.assertIn("store_unsafe", server.get("/readyz")["degraded"])
         with urllib.request.urlopen(f"http://{server.http}/metrics", timeout=10) as page:
-            self.assertIn("uplinkd_store_unsafe 1\n", page.read().decode())
+            text = page.read().decode()
+        self.assertIn("uplinkd_store_unsafe 1\n", text)
+        self.assertIn('uplinkd_degraded{reason="store_unsafe"} 1\n', text)
+        self.assertIn('uplinkd_degraded{reason="journal_backlog"} 0\n', text)
+        self.assertIn('uplinkd_journal_shard_oldest_seconds{shard="0"} ', text)
         self.assertEqual(server.terminate(30), 0)
 
     def test_an_old_snapshot_is_seen(self):

@@ -1,5 +1,9 @@
 #include "server/health/readiness.h"
 
+#include <set>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,6 +86,21 @@ TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
   facts.lease_failing = true;
   EXPECT_TRUE(ReadinessOf(facts).ready());
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("lease"));
+}
+
+TEST(Readiness, EveryWordIsOnceInItsList) {
+  ReadinessFacts bad = Good();
+  bad.store_failing = bad.store_unsafe = bad.store_old_snapshot = true;
+  bad.lease_failing = bad.relay_behind = true;
+  bad.journal_oldest = kBacklogAge + milliseconds(1);
+  bad.robots = {10, 10};
+  bad.certificate_expiry = bad.now + milliseconds(1);
+  bad.certificate_fits = false;
+  bad.descriptors = {1000, 1000};
+  std::vector<std::string> words;
+  for (const DegradedWord& each : DegradedWords()) words.emplace_back(each.word);
+  EXPECT_EQ(ReadinessOf(bad).degraded, words) << "a word that no fact of this test brings about";
+  EXPECT_EQ(std::set<std::string>(words.begin(), words.end()).size(), words.size());
 }
 
 TEST(Readiness, ReportsACertificateAWeekAhead) {

@@ -47,6 +47,28 @@ TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
   EXPECT_NE(text.find("uplinkd_http_reads_waiting_limit 64\n"), std::string::npos);
 }
 
+TEST(Scrape, EveryWordOfDegradedHasItsSeries) {
+  testing::ServerWorld world;
+  std::string text = world.ScrapeText();
+  for (const health::DegradedWord& each : health::DegradedWords()) {
+    const std::string line = "uplinkd_degraded{reason=\"" + std::string(each.word) + "\"} 0\n";
+    EXPECT_NE(text.find(line), std::string::npos) << each.word;
+  }
+  world.journal_probe.store_failing.Set(1);
+  text = world.ScrapeText();
+  EXPECT_NE(text.find("uplinkd_degraded{reason=\"store\"} 1\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_degraded{reason=\"lease\"} 0\n"), std::string::npos);
+}
+
+TEST(Scrape, EachShardOfTheJournalHasItsFigures) {
+  const testing::ServerWorld world;
+  const std::string text = world.ScrapeText();
+  EXPECT_NE(text.find("uplinkd_journal_shard_records{shard=\"0\"} 0\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_journal_shard_bytes{shard=\"0\"} 0\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_journal_shard_oldest_seconds{shard=\"0\"} 0\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_journal_shard_bytes_limit 268435456\n"), std::string::npos);
+}
+
 TEST(Scrape, CountsWhatTheJournalStoredAndSwept) {
   testing::ServerWorld world;
   world.journal_probe.presence_changes[static_cast<std::size_t>(model::Presence::kOffline)].Add(3);

@@ -38,6 +38,19 @@ TEST(ShardsTest, FiguresAreThoseOfAllJournals) {
   EXPECT_FALSE(shards.idle());
 }
 
+TEST(ShardsTest, TheWorstIsTheFullestJournal) {
+  JournalBench a;
+  JournalBench b;
+  const Shards shards({&a.journal, &b.journal});
+  EXPECT_EQ(shards.records_worst(), 0U);
+  RecordingClient client("rcan://a");
+  a.Append(client, 1, "1234");
+  b.Append(client, 1, "1234");
+  b.Append(client, 2, "12345678");
+  EXPECT_EQ(shards.records_worst(), 2U);
+  EXPECT_EQ(shards.bytes_worst(), b.journal.bytes());
+}
+
 TEST(ShardsTest, TheErrorOfAnyJournalIsTold) {
   JournalBench a;
   JournalBench b;
