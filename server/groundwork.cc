@@ -11,6 +11,7 @@ namespace uplink {
 
 Groundwork::Groundwork(Context context)
     : context_(std::move(context)),
+      entrance_(http::KnownHosts(context_.http.hosts)),
       stop_signal_(context_.logger),
       loop_(context_.logger) {
   reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);

@@ -131,6 +131,8 @@ struct RcanConfig {
 };
 
 struct HttpConfig {
+  /// Names under which /api may be asked for, beside addresses and localhost; without a port.
+  std::vector<std::string> hosts;
   /// Connections held at once; a further one is closed at accept.
   std::size_t connections_max = 128;
 };

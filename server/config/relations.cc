@@ -17,6 +17,8 @@ namespace {
 constexpr std::string_view kSqliteScheme = "sqlite://";
 /// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
 constexpr std::size_t kSubsystemBytesMax = 32;
+/// Of a name in the DNS.
+constexpr std::size_t kHostBytesMax = 253;
 /// Longest part of a wrong name that a problem repeats.
 constexpr std::size_t kShownBytesMax = 100;
 
@@ -126,6 +128,20 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
   }
 }
 
+void CheckHttp(const HttpConfig& http, Breaches& breaches) {
+  for (const std::string& host : http.hosts) {
+    const bool name = std::ranges::all_of(host, [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+             c == '-' || c == '.' || c == '_';
+    });
+    if (name && !host.empty() && host.size() <= kHostBytesMax) continue;
+    breaches.Add("http", "hosts",
+                 fmt::format("\"{}\" is no host name; names stand without scheme and port, such as "
+                             "\"uplink.example.org\"",
+                             PrintableUtf8(host, kShownBytesMax)));
+  }
+}
+
 }  // namespace
 
 bool IsPostgres(const StoreConfig& store) { return storage::postgres::IsPostgresUrl(store.url); }
@@ -152,6 +168,7 @@ std::vector<Breach> CheckRelations(const Config& config) {
   CheckJournal(config.journal, breaches);
   CheckLimits(config.limits, breaches);
   CheckRcan(config.rcan, breaches);
+  CheckHttp(config.http, breaches);
   return breaches.Take();
 }
 

@@ -420,6 +420,13 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 10'000,
      .text = "Connections held at once; a further one is closed at accept.",
      UPLINK_BIND(http, HttpConfig, connections_max)},
+    {.section = "http",
+     .key = "hosts",
+     .kind = Kind::kList,
+     .text = "Names under which /api may be asked for, beside addresses and localhost, without a "
+             "port: those that a proxy in front passes on as Host. Probes and scrapes are answered "
+             "under any name.",
+     UPLINK_BIND(http, HttpConfig, hosts)},
 
     {.section = "log",
      .key = "format",

@@ -67,15 +67,23 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
  private:
+  [[nodiscard]] Request ToRequest() const {
+    const auto& message = parser_->get();
+    Request request{method_, std::string(message.target()),
+                    std::string(message[bhttp::field::accept]),
+                    std::string(message[bhttp::field::accept_encoding])};
+    const std::size_t hosts = message.count(bhttp::field::host);
+    if (hosts == 1) request.host = std::string(message[bhttp::field::host]);
+    request.host_required = version_ >= 11 || hosts > 1;
+    return request;
+  }
+
   void OnRequest() {
     started_ = context_->server.clock.Steady();
-    const auto& message = parser_->get();
-    method_ = MethodOf(message.method());
-    version_ = message.version();
-    keep_alive_ = message.keep_alive();
-    Resolved resolved = context_->server.entrance.Resolve(
-        {method_, std::string(message.target()), std::string(message[bhttp::field::accept]),
-         std::string(message[bhttp::field::accept_encoding])});
+    method_ = MethodOf(parser_->get().method());
+    version_ = parser_->get().version();
+    keep_alive_ = parser_->get().keep_alive();
+    Resolved resolved = context_->server.entrance.Resolve(ToRequest());
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
     ReadThread& thread =

@@ -19,8 +19,15 @@ Response AnswerOfStart(const Request& request, std::string_view path) {
 
 Resolved Entrance::Resolve(const Request& request) const {
   const std::string_view path = SplitTarget(request.target).path;
+  const RouteId route = FindRoute(path).id;
+  if (request.host_required && !request.host) {
+    return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
+  }
+  if (!IsMonitoring(route) && request.host && !hosts_.Has(*request.host)) {
+    return AtOnce(route, MisdirectedRequest());
+  }
   const Site* site = site_.load();
-  if (site == nullptr) return AtOnce(FindRoute(path).id, AnswerOfStart(request, path));
+  if (site == nullptr) return AtOnce(route, AnswerOfStart(request, path));
   return site->Resolve(request);
 }
 

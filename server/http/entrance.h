@@ -1,19 +1,24 @@
 #pragma once
 
 #include <atomic>
+#include <utility>
 
+#include "server/http/known_hosts.h"
 #include "server/http/message.h"
 #include "server/http/site.h"
 
 namespace uplink::http {
 
-/// What a request meets before the site: while the server starts there is none, and then /livez
-/// says that the process lives, /readyz that it is `starting`, and everything else is 503.
+/// What a request meets before the site:
+/// - one of HTTP/1.1 names its host; 400 else;
+/// - data are shown under known hosts alone (421), probes and scrapes under any;
+/// - while the server starts there is no site: /livez says that the process lives, /readyz that it
+///   is `starting`, and everything else is 503.
 ///
 /// Thread: thread-safe. The site outlives it.
 class Entrance final {
  public:
-  Entrance() = default;
+  explicit Entrance(KnownHosts hosts = KnownHosts()) : hosts_(std::move(hosts)) {}
   Entrance(const Entrance&) = delete;
   Entrance& operator=(const Entrance&) = delete;
 
@@ -24,6 +29,7 @@ class Entrance final {
   [[nodiscard]] Resolved Resolve(const Request& request) const;
 
  private:
+  const KnownHosts hosts_;
   std::atomic<const Site*> site_{nullptr};
 };
 

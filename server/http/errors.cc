@@ -68,6 +68,12 @@ Response TooBusy() {
 
 Response Starting() { return Answer(503, {"UNAVAILABLE", "the server starts; try again"}); }
 
+Response MisdirectedRequest() {
+  return Answer(421, {"INVALID_ARGUMENT",
+                      "the host of this request is neither an address nor localhost, and not one "
+                      "of http.hosts"});
+}
+
 Response BadRequest(int status, std::string_view message) {
   return Answer(status, {"INVALID_ARGUMENT", message});
 }

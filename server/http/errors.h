@@ -21,6 +21,8 @@ namespace uplink::http {
 [[nodiscard]] Response TooBusy();
 /// 503: there is no store yet, and no robot.
 [[nodiscard]] Response Starting();
+/// 421: the data are not shown under this name.
+[[nodiscard]] Response MisdirectedRequest();
 /// A request that is not HTTP as we take it: `status` is 400, 413 or 431.
 [[nodiscard]] Response BadRequest(int status, std::string_view message);
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,10 @@ struct Request {
   /// The headers Accept and Accept-Encoding; empty: none.
   std::string accept{};
   std::string accept_encoding{};
+  /// The header Host; nothing: there is none, or there are several.
+  std::optional<std::string> host{};
+  /// HTTP/1.1: a request without it is none.
+  bool host_required = false;
 };
 
 inline constexpr std::string_view kJson = "application/json";

@@ -46,6 +46,12 @@ FoundRoute FindRoute(std::string_view path) {
   return {};
 }
 
+bool IsMonitoring(RouteId route) {
+  if (route.index >= kRoutes.size()) return false;
+  const Lane lane = kRoutes[route.index].lane;
+  return lane == Lane::kIo || lane == Lane::kScrape;
+}
+
 std::size_t RouteIds() { return kRoutes.size() + 1; }
 
 std::string_view RouteName(RouteId route) {

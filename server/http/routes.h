@@ -45,6 +45,8 @@ struct FoundRoute {
 };
 /// OtherRoute() for a path that is none of ours.
 [[nodiscard]] FoundRoute FindRoute(std::string_view path);
+/// A probe or a scrape: it shows no data of the store, and is answered under any name.
+[[nodiscard]] bool IsMonitoring(RouteId route);
 /// The label of a route's requests in the metrics.
 [[nodiscard]] std::string_view RouteName(RouteId route);
 

@@ -41,7 +41,7 @@ void RawConnection::Send(const std::string& bytes) {
 }
 
 void RawConnection::SendGet(const std::string& target) {
-  Send("GET " + target + " HTTP/1.1\r\nHost: test\r\n\r\n");
+  Send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
 }
 
 bool RawConnection::ReadMore() {

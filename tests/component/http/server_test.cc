@@ -23,7 +23,7 @@ using testing::RawConnection;
 
 class HttpServerTest : public ::testing::Test {
  protected:
-  static constexpr std::size_t kConnectionsMax = 4;
+  static constexpr std::size_t kConnectionsMax = 16;
 
   HttpServerTest() {
     http::HttpProbe& probe = world_.http_probe;
@@ -40,9 +40,9 @@ class HttpServerTest : public ::testing::Test {
 
   std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
                       std::size_t connections_max = kConnectionsMax) {
-    auto server =
-        HttpServer::Listen({loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
-                           {{host, 0}, connections_max, wait});
+    auto server = HttpServer::Listen(
+        {loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
+        {{host, 0}, connections_max, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     loop_.Start();
@@ -82,7 +82,7 @@ class HttpServerTest : public ::testing::Test {
 
   testing::ServerWorld world_;
   SystemClock clock_;
-  Entrance entrance_;
+  Entrance entrance_{KnownHosts({"uplink.example.org"})};
   loop::EventLoop loop_{world_.logger};
   std::optional<ReadThread> reads_;
   std::optional<ReadThread> scrapes_;
@@ -103,8 +103,8 @@ TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
 TEST_F(HttpServerTest, AnswersRequestsThatCameTogetherInOrder) {
   RawConnection connection(Serve());
   connection.Send(
-      "GET /api/v1/status HTTP/1.1\r\nHost: t\r\n\r\n"
-      "GET /readyz HTTP/1.1\r\nHost: t\r\nConnection: close\r\n\r\n");
+      "GET /api/v1/status HTTP/1.1\r\nHost: localhost\r\n\r\n"
+      "GET /readyz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_THAT(connection.Read()->body, HasSubstr("startedAtMs"));
   EXPECT_THAT(connection.Read()->body, HasSubstr("degraded"));
   EXPECT_TRUE(connection.AtEnd());
@@ -112,7 +112,7 @@ TEST_F(HttpServerTest, AnswersRequestsThatCameTogetherInOrder) {
 
 TEST_F(HttpServerTest, HeadHasTheLengthAndNoBody) {
   RawConnection connection(Serve());
-  connection.Send("HEAD /readyz HTTP/1.1\r\nHost: t\r\n\r\n");
+  connection.Send("HEAD /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   const std::optional<RawAnswer> head = connection.Read(RawConnection::Body::kNone);
   ASSERT_TRUE(head);
   EXPECT_EQ(head->status, 200);
@@ -124,7 +124,7 @@ TEST_F(HttpServerTest, HeadHasTheLengthAndNoBody) {
 
 TEST_F(HttpServerTest, OtherMethodsNameTheAllowedOnes) {
   RawConnection connection(Serve());
-  connection.Send("POST /api/v1/robots HTTP/1.1\r\nHost: t\r\nContent-Length: 2\r\n\r\nhi");
+  connection.Send("POST /api/v1/robots HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n\r\nhi");
   const std::optional<RawAnswer> answer = connection.Read();
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->status, 405);
@@ -136,7 +136,8 @@ TEST_F(HttpServerTest, OtherMethodsNameTheAllowedOnes) {
 TEST_F(HttpServerTest, RefusesHeadersPastTheirBoundAndCloses) {
   const std::uint16_t port = Serve();
   const auto request = [](std::size_t bytes) {
-    return "GET /readyz HTTP/1.1\r\nHost: t\r\nX-Fill: " + std::string(bytes, 'x') + "\r\n\r\n";
+    return "GET /readyz HTTP/1.1\r\nHost: localhost\r\nX-Fill: " + std::string(bytes, 'x') +
+           "\r\n\r\n";
   };
   RawConnection within(port);
   within.Send(request(kHeaderBytesMax - 100));
@@ -150,7 +151,7 @@ TEST_F(HttpServerTest, RefusesHeadersPastTheirBoundAndCloses) {
 TEST_F(HttpServerTest, RefusesABodyPastItsBoundAndCloses) {
   const std::uint16_t port = Serve();
   const auto request = [](std::size_t bytes) {
-    return "GET /readyz HTTP/1.1\r\nHost: t\r\nContent-Length: " + std::to_string(bytes) +
+    return "GET /readyz HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(bytes) +
            "\r\n\r\n" + std::string(bytes, 'x');
   };
   RawConnection within(port);
@@ -191,6 +192,28 @@ TEST_F(HttpServerTest, ClosesAConnectionPastTheBoundAtOnce) {
   EXPECT_EQ(world_.http_probe.connections_refused.value(), 1);
   held.front()->SendGet("/readyz");
   EXPECT_EQ(held.front()->Read()->status, 200);
+}
+
+TEST_F(HttpServerTest, DataAreShownUnderKnownHostsAlone) {
+  const std::uint16_t port = Serve();
+  const auto status = [&](const std::string& target, const std::string& host) {
+    RawConnection connection(port);
+    connection.Send("GET " + target + " HTTP/1.1\r\n" + host + "\r\n");
+    const std::optional<RawAnswer> answer = connection.Read();
+    return answer ? answer->status : 0;
+  };
+  EXPECT_EQ(status("/api/v1/status", "Host: 127.0.0.1:" + std::to_string(port) + "\r\n"), 200);
+  EXPECT_EQ(status("/api/v1/status", "Host: uplink.example.org\r\n"), 200);
+  EXPECT_EQ(status("/api/v1/status", "Host: rebound.example\r\n"), 421);
+  EXPECT_EQ(status("/", "Host: rebound.example\r\n"), 421);
+  EXPECT_EQ(status("/readyz", "Host: uplinkd.monitoring.svc\r\n"), 200);
+  EXPECT_EQ(status("/metrics", "Host: uplinkd.monitoring.svc\r\n"), 200);
+  EXPECT_EQ(status("/api/v1/status", ""), 400);
+  EXPECT_EQ(status("/livez", ""), 400);
+  EXPECT_EQ(status("/livez", "Host: a\r\nHost: b\r\n"), 400);
+  RawConnection old(port);
+  old.Send("GET /api/v1/status HTTP/1.0\r\n\r\n");
+  EXPECT_EQ(old.Read()->status, 200) << "HTTP/1.0 knows no Host";
 }
 
 TEST_F(HttpServerTest, ASlowReadDoesNotStallProbes) {
@@ -264,9 +287,9 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
-  const auto second =
-      HttpServer::Listen({loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
-                         {{"127.0.0.1", port}, 1});
+  const auto second = HttpServer::Listen(
+      {loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
+      {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),
               HasSubstr("127.0.0.1:" + std::to_string(port)));

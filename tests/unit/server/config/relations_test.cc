@@ -95,6 +95,17 @@ TEST(RelationsTest, TheSubsystemNamesNoSeriesTwice) {
   }
 }
 
+TEST(RelationsTest, HostsAreNamesWithoutSchemeAndPort) {
+  const std::string longest(253, 'a');
+  EXPECT_EQ(OneProblem("[http]\nhosts = [\"uplink.example.org\", \"" + longest + "\"]\n"), "");
+  for (const std::string& host :
+       {std::string("https://uplink.example.org"), std::string("uplink.example.org:443"),
+        std::string("*.example.org"), std::string(254, 'a')}) {
+    EXPECT_THAT(OneProblem("[http]\nhosts = [\"" + host + "\"]\n"), HasSubstr("http.hosts"))
+        << host;
+  }
+}
+
 TEST(RelationsTest, ABadValueIsNotReportedTwice) {
   EXPECT_THAT(ParseWith("[store]\nurl = 5\n").problems, SizeIs(1));
 }

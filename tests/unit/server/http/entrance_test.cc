@@ -16,8 +16,15 @@ class EntranceTest : public ::testing::Test {
     return entrance_.Resolve({method, target});
   }
 
+  [[nodiscard]] int StatusUnder(const std::string& host, const std::string& target) const {
+    Request request{Method::kGet, target};
+    request.host = host;
+    request.host_required = true;
+    return entrance_.Resolve(request).run().status;
+  }
+
   testing::ServerWorld world_;
-  Entrance entrance_;
+  Entrance entrance_{KnownHosts({"uplink.example.org"})};
 };
 
 TEST_F(EntranceTest, WhileTheServerStartsItLivesAndIsNotReady) {
@@ -49,6 +56,35 @@ TEST_F(EntranceTest, TheSiteAnswersOnceItIsThere) {
   EXPECT_EQ(Ask("/api/v1/status").run().status, 200);
   EXPECT_EQ(Ask("/nowhere").run().status, 404);
   EXPECT_EQ(Ask("/readyz", Method::kOther).run().status, 405);
+}
+
+TEST_F(EntranceTest, DataAreShownUnderKnownHostsAlone) {
+  for (const char* target :
+       {"/api/v1/status", "/api/v1/robots", "/api/v1/robots/a/events", "/", "/nowhere"}) {
+    EXPECT_EQ(StatusUnder("rebound.example:7480", target), 421) << target << " while it starts";
+  }
+  entrance_.Open(world_.site);
+  for (const char* target :
+       {"/api/v1/status", "/api/v1/robots", "/api/v1/robots/a/events", "/", "/nowhere"}) {
+    EXPECT_EQ(StatusUnder("rebound.example:7480", target), 421) << target;
+    EXPECT_NE(StatusUnder("127.0.0.1:7480", target), 421) << target;
+    EXPECT_NE(StatusUnder("uplink.example.org", target), 421) << target;
+  }
+}
+
+TEST_F(EntranceTest, ProbesAndScrapesAreAnsweredUnderAnyName) {
+  entrance_.Open(world_.site);
+  for (const char* target : {"/livez", "/readyz", "/metrics", "/metrics/robots"}) {
+    EXPECT_EQ(StatusUnder("uplinkd.monitoring.svc:7480", target), 200) << target;
+  }
+}
+
+TEST_F(EntranceTest, ARequestThatNeedsAHostAndHasNoneIs400) {
+  entrance_.Open(world_.site);
+  Request request{Method::kGet, "/livez"};
+  EXPECT_EQ(entrance_.Resolve(request).run().status, 200) << "HTTP/1.0";
+  request.host_required = true;
+  EXPECT_EQ(entrance_.Resolve(request).run().status, 400);
 }
 
 }  // namespace

@@ -1,0 +1,51 @@
+#include "server/http/known_hosts.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <arpa/inet.h>
+
+namespace uplink::http {
+namespace {
+
+std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return lower;
+}
+
+bool IsAddress(int family, const std::string& text) {
+  in6_addr place{};  // room for either family
+  return inet_pton(family, text.c_str(), &place) == 1;
+}
+
+/// `:7480`, or nothing.
+bool IsPort(std::string_view text) {
+  return text.empty() || (text.front() == ':' && std::ranges::all_of(text.substr(1), [](char c) {
+                            return c >= '0' && c <= '9';
+                          }));
+}
+
+}  // namespace
+
+KnownHosts::KnownHosts(std::vector<std::string> names)
+    : names_([&names] {
+        std::ranges::transform(names, names.begin(), LowerCase);
+        return std::move(names);
+      }()) {}
+
+bool KnownHosts::Has(std::string_view host) const {
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    return end != std::string_view::npos && IsPort(host.substr(end + 1)) &&
+           IsAddress(AF_INET6, std::string(host.substr(1, end - 1)));
+  }
+  const std::size_t colon = std::min(host.find(':'), host.size());
+  if (!IsPort(host.substr(colon))) return false;
+  const std::string name = LowerCase(host.substr(0, colon));
+  return name == "localhost" || IsAddress(AF_INET, name) || std::ranges::count(names_, name) > 0;
+}
+
+}  // namespace uplink::http

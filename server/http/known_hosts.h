@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace uplink::http {
+
+/// By which names the server's data may be asked for. A page of another site whose name its owner
+/// lets lead to our address (DNS rebinding) gets nothing: a browser asks under that name then.
+/// Immutable.
+class KnownHosts final {
+ public:
+  /// `names`: http.hosts.
+  explicit KnownHosts(std::vector<std::string> names = {});
+
+  /// Whether the value of a Host header is an address (`192.0.2.7`, `[::1]:7480`), `localhost` or
+  /// one of the names; with or without a port.
+  [[nodiscard]] bool Has(std::string_view host) const;
+
+ private:
+  /// In lower case.
+  const std::vector<std::string> names_;
+};
+
+}  // namespace uplink::http
