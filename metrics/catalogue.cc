@@ -170,6 +170,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "HTTP connections that are held at most (http.connections_max)."},
     {kHttpConnectionsRefused, "uplinkd_http_connections_refused_total", kCounter, "connections",
      "HTTP connections that were closed at accept because the limit was reached."},
+    {kHttpConnectionsGivenUp, "uplinkd_http_connections_given_up_total", kCounter, "connections",
+     "HTTP connections without a request under way that were closed, because further ones came."},
     {kHttpReadsWaiting, "uplinkd_http_reads_waiting", kGauge, "requests",
      "API requests that wait for the thread that reads."},
     {kHttpReadsWaitingLimit, "uplinkd_http_reads_waiting_limit", kGauge, "requests",

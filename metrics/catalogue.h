@@ -90,6 +90,7 @@ enum class MetricId : std::uint8_t {
   kHttpConnections,
   kHttpConnectionsLimit,
   kHttpConnectionsRefused,
+  kHttpConnectionsGivenUp,
   kHttpReadsWaiting,
   kHttpReadsWaitingLimit,
   kHttpReadsRefused,

@@ -133,7 +133,7 @@ struct RcanConfig {
 struct HttpConfig {
   /// Names under which /api may be asked for, beside addresses and localhost; without a port.
   std::vector<std::string> hosts;
-  /// Connections held at once; a further one is closed at accept.
+  /// Connections held at once, those that are kept for probes and scrapes included.
   std::size_t connections_max = 128;
 };
 

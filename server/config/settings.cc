@@ -416,9 +416,11 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "http",
      .key = "connections_max",
      .kind = Kind::kCount,
-     .min = 1,
+     .min = 8,
      .max = 10'000,
-     .text = "Connections held at once; a further one is closed at accept.",
+     .text = "Connections held at once. The last four answer probes and scrapes alone; past them "
+             "the one that has been idle for longest gives way, and if none is, a further one is "
+             "closed at accept.",
      UPLINK_BIND(http, HttpConfig, connections_max)},
     {.section = "http",
      .key = "hosts",

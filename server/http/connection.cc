@@ -37,21 +37,27 @@ Method MethodOf(bhttp::verb verb) {
   return Method::kOther;
 }
 
-class Connection final : public std::enable_shared_from_this<Connection> {
+class Connection final : public PlaceHolder, public std::enable_shared_from_this<Connection> {
  public:
   Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket)
       : context_(std::move(context)), stream_(std::move(socket)) {
-    context_->connections.fetch_add(1);
+    place_ = context_->places.Take(*this, context_->server.clock.Steady());
     context_->server.probe.connections.Add(1);
   }
-  ~Connection() {
-    context_->connections.fetch_sub(1);
+  ~Connection() override {
+    if (place_) context_->places.Leave(*place_);
     context_->server.probe.connections.Add(-1);
   }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
+  void GiveWay() override {
+    place_.reset();
+    stream_.close();
+  }
+
   void ReadRequest() {
+    Note(Places::State::kIdle);
     parser_.emplace();
     parser_->header_limit(kHeaderBytesMax);
     parser_->body_limit(kBodyBytesMax);
@@ -67,6 +73,10 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
  private:
+  void Note(Places::State state) {
+    if (place_) Places::Note(*place_, state, context_->server.clock.Steady());
+  }
+
   [[nodiscard]] Request ToRequest() const {
     const auto& message = parser_->get();
     Request request{method_, std::string(message.target()),
@@ -75,6 +85,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     const std::size_t hosts = message.count(bhttp::field::host);
     if (hosts == 1) request.host = std::string(message[bhttp::field::host]);
     request.host_required = version_ >= 11 || hosts > 1;
+    request.monitoring_only = place_ && (*place_)->monitoring_only;
     return request;
   }
 
@@ -83,6 +94,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     method_ = MethodOf(parser_->get().method());
     version_ = parser_->get().version();
     keep_alive_ = parser_->get().keep_alive();
+    Note(Places::State::kBusy);
     Resolved resolved = context_->server.entrance.Resolve(ToRequest());
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
@@ -143,6 +155,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   void Answer(Response answer) {
+    if (answer.closes) keep_alive_ = false;
+    Note(Places::State::kAnswering);
     const auto took = context_->server.clock.Steady() - started_;
     context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
     context_->server.probe.CountRequest(route_, answer.status);
@@ -175,6 +189,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   void Close() {
+    Note(Places::State::kIdle);
     beast::error_code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
     stream_.expires_after(kLingerWait);
@@ -194,6 +209,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   using Shared = bhttp::response<bhttp::span_body<const char>>;
 
   const std::shared_ptr<ConnectionContext> context_;
+  /// Nothing once it gave way.
+  std::optional<Places::Handle> place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<bhttp::request_parser<bhttp::string_body>> parser_;

@@ -23,8 +23,9 @@ Resolved Entrance::Resolve(const Request& request) const {
   if (request.host_required && !request.host) {
     return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
   }
-  if (!IsMonitoring(route) && request.host && !hosts_.Has(*request.host)) {
-    return AtOnce(route, MisdirectedRequest());
+  if (!IsMonitoring(route)) {
+    if (request.host && !hosts_.Has(*request.host)) return AtOnce(route, MisdirectedRequest());
+    if (request.monitoring_only) return AtOnce(route, TooManyConnections());
   }
   const Site* site = site_.load();
   if (site == nullptr) return AtOnce(route, AnswerOfStart(request, path));

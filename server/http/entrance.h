@@ -12,6 +12,7 @@ namespace uplink::http {
 /// What a request meets before the site:
 /// - one of HTTP/1.1 names its host; 400 else;
 /// - data are shown under known hosts alone (421), probes and scrapes under any;
+/// - on a connection that is kept for probes and scrapes, others get 503;
 /// - while the server starts there is no site: /livez says that the process lives, /readyz that it
 ///   is `starting`, and everything else is 503.
 ///

@@ -74,6 +74,12 @@ Response MisdirectedRequest() {
                       "of http.hosts"});
 }
 
+Response TooManyConnections() {
+  Response response = Answer(503, {"UNAVAILABLE", "too many connections; try again"});
+  response.closes = true;
+  return response;
+}
+
 Response BadRequest(int status, std::string_view message) {
   return Answer(status, {"INVALID_ARGUMENT", message});
 }

@@ -23,6 +23,8 @@ struct Request {
   std::optional<std::string> host{};
   /// HTTP/1.1: a request without it is none.
   bool host_required = false;
+  /// The connection is kept for probes and scrapes.
+  bool monitoring_only = false;
 };
 
 inline constexpr std::string_view kJson = "application/json";
@@ -40,6 +42,8 @@ struct Response {
   std::string_view coding{};
   /// The answer depends on Accept and Accept-Encoding.
   bool varies = false;
+  /// The connection ends after it.
+  bool closes = false;
 
   [[nodiscard]] std::string_view content() const {
     return shared_body != nullptr ? std::string_view(*shared_body) : std::string_view(body);

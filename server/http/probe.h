@@ -21,6 +21,7 @@ struct HttpProbe {
   metrics::LatencyDistribution request_seconds{metrics::kLatencyBoundsSeconds};
   metrics::Cell connections;
   metrics::Cell connections_refused;
+  metrics::Cell connections_given_up;
   metrics::Cell reads_waiting;
   metrics::Cell reads_refused;
   /// Scrapes of robots that wait for their thread.

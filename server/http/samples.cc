@@ -17,6 +17,7 @@ void AddSamples(const HttpProbe& probe, std::size_t connections_max, metrics::Ex
   page.Add(kHttpConnections, probe.connections);
   page.Add(kHttpConnectionsLimit, connections_max);
   page.Add(kHttpConnectionsRefused, probe.connections_refused);
+  page.Add(kHttpConnectionsGivenUp, probe.connections_given_up);
   page.Add(kHttpReadsWaiting, probe.reads_waiting);
   page.Add(kHttpReadsWaitingLimit, kReadsWaitingMax);
   page.Add(kHttpReadsRefused, probe.reads_refused);

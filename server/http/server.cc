@@ -24,8 +24,7 @@ using boost::system::error_code;
 class HttpServer::Listener final : public std::enable_shared_from_this<HttpServer::Listener> {
  public:
   Listener(const Context& context, const Options& options)
-      : context_(std::make_shared<ConnectionContext>(context, options.request_wait)),
-        connections_max_(options.connections_max),
+      : context_(std::make_shared<ConnectionContext>(context, options)),
         acceptor_(context.io),
         pause_(context.io) {}
 
@@ -50,18 +49,30 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
     acceptor_.async_accept([self = shared_from_this()](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (error) return self->Rest();
-      if (self->context_->connections.load() >= self->connections_max_) {
-        self->context_->server.probe.connections_refused.Add();
-        error_code ignored;
-        socket.close(ignored);
-      } else {
-        ServeConnection(self->context_, std::move(socket));
-      }
+      self->Admit(std::move(socket));
       self->Accept();
     });
   }
 
  private:
+  void Admit(tcp::socket socket) {
+    const HttpServer::Context& server = context_->server;
+    switch (context_->places.MakeRoom(server.clock.Steady())) {
+      case Places::Room::kNone: {
+        server.probe.connections_refused.Add();
+        error_code ignored;
+        socket.close(ignored);
+        return;
+      }
+      case Places::Room::kGivenWay:
+        server.probe.connections_given_up.Add();
+        break;
+      case Places::Room::kFree:
+        break;
+    }
+    ServeConnection(context_, std::move(socket));
+  }
+
   void Rest() {
     pause_.expires_after(kAcceptPause);
     pause_.async_wait([self = shared_from_this()](error_code error) {
@@ -70,7 +81,6 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   }
 
   const std::shared_ptr<ConnectionContext> context_;
-  const std::size_t connections_max_;
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
 };

@@ -28,13 +28,14 @@ inline constexpr std::chrono::seconds kAnswerWait{30};
 /// After a failed accept (no descriptors) the listener rests for so long.
 inline constexpr std::chrono::milliseconds kAcceptPause{100};
 
-/// The HTTP/1.1 listener: bounded connections with keep-alive on one event loop.
+/// The HTTP/1.1 listener: bounded connections (Places) with keep-alive on one event loop.
 ///
 /// Thread: made and destroyed by the loop's owner while the loop does not run.
 class HttpServer final {
  public:
   struct Options {
     config::ListenAddress address;
+    /// Over kMonitoringPlaces.
     std::size_t connections_max = 0;
     milliseconds request_wait = kRequestWait;
   };

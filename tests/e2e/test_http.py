@@ -7,6 +7,7 @@ import unittest
 
 from harness import EndToEnd
 
+CONNECTIONS = 16
 
 
 def connect(server):
@@ -36,6 +37,30 @@ class Names(EndToEnd):
             self.assertEqual(ask(server, "/api/v1/status", host)[0], 200, host)
         for target in ("/livez", "/readyz", "/metrics", "/metrics/robots"):
             self.assertEqual(ask(server, target, "uplinkd.monitoring.svc")[0], 200, target)
+
+
+class Connections(EndToEnd):
+    def test_idle_clients_shut_no_probe_out(self):
+        server = self.server(f"[http]\nconnections_max = {CONNECTIONS}").start()
+        with contextlib.ExitStack() as held:
+            idle = [held.enter_context(contextlib.closing(connect(server))) for _ in range(CONNECTIONS)]
+            for end in idle:
+                end.sendall(b"GET /api/v1/rob")  # and no more of it
+            for target in ("/livez", "/readyz", "/metrics") * 3:
+                self.assertEqual(ask(server, target)[0], 200, target)
+            self.assertGreater(server.metric("uplinkd_http_connections_given_up_total"), 0)
+            self.assertEqual(server.metric("uplinkd_http_connections_refused_total"), 0)
+
+    def test_clients_that_are_served_shut_no_probe_out(self):
+        server = self.server(f"[http]\nconnections_max = {CONNECTIONS}").start()
+        with contextlib.ExitStack() as held:
+            for _ in range(CONNECTIONS - 4):
+                end = held.enter_context(contextlib.closing(connect(server)))
+                end.sendall(b"GET /api/v1/status HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                self.assertIn(b" 200 ", end.recv(1 << 16))
+            status, body = ask(server, "/api/v1/status")
+            self.assertEqual((status, json.loads(body)["error"]["code"]), (503, "UNAVAILABLE"))
+            self.assertEqual(ask(server, "/readyz")[0], 200)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/http/places.h"
 #include "server/loop/event_loop.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
@@ -179,19 +180,59 @@ TEST_F(HttpServerTest, ClosesAConnectionThatSendsNoWholeRequest) {
   EXPECT_TRUE(connection.AtEnd());
 }
 
-TEST_F(HttpServerTest, ClosesAConnectionPastTheBoundAtOnce) {
+TEST_F(HttpServerTest, TheLastFourConnectionsAnswerProbesAndScrapesAlone) {
   const std::uint16_t port = Serve();
   std::vector<std::unique_ptr<RawConnection>> held;
-  for (std::size_t i = 0; i < kConnectionsMax; ++i) {
+  for (std::size_t i = 0; i < kConnectionsMax - kMonitoringPlaces; ++i) {
     held.push_back(std::make_unique<RawConnection>(port));
-    held.back()->SendGet("/readyz");
+    held.back()->SendGet("/api/v1/status");
     ASSERT_EQ(held.back()->Read()->status, 200);
   }
-  RawConnection past(port);
-  EXPECT_TRUE(past.AtEnd());
-  EXPECT_EQ(world_.http_probe.connections_refused.value(), 1);
-  held.front()->SendGet("/readyz");
+  RawConnection client(port);
+  client.SendGet("/api/v1/status");
+  const std::optional<RawAnswer> refused = client.Read();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->status, 503);
+  EXPECT_THAT(refused->head, HasSubstr("Connection: close\r\n"));
+  EXPECT_THAT(refused->body, HasSubstr("too many connections"));
+  EXPECT_TRUE(client.AtEnd());
+  RawConnection probe(port);
+  for (const char* target : {"/livez", "/readyz", "/metrics", "/metrics/robots"}) {
+    probe.SendGet(target);
+    EXPECT_EQ(probe.Read()->status, 200) << target;
+  }
+  held.front()->SendGet("/api/v1/status");
   EXPECT_EQ(held.front()->Read()->status, 200);
+}
+
+TEST_F(HttpServerTest, IdleConnectionsGiveWayToAProbe) {
+  const std::uint16_t port = Serve();
+  std::vector<std::unique_ptr<RawConnection>> idle;
+  for (std::size_t i = 0; i < kConnectionsMax; ++i) {
+    idle.push_back(std::make_unique<RawConnection>(port));
+    idle.back()->Send("GET /api");  // and no more of it
+  }
+  ASSERT_TRUE(testing::Eventually(
+      [&] { return world_.http_probe.connections.value() == static_cast<int>(kConnectionsMax); }));
+  EXPECT_EQ(HttpGet(port, "/livez").status, 200);
+  EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
+  EXPECT_GE(world_.http_probe.connections_given_up.value(), 1);
+  EXPECT_EQ(world_.http_probe.connections_refused.value(), 0);
+  EXPECT_TRUE(idle.front()->AtEnd()) << "the first has waited for longest";
+}
+
+TEST_F(HttpServerTest, RequestsThatWaitForTheStoreShutNoProbeOut) {
+  const std::uint16_t port = Serve();
+  world_.reader.Hold();
+  std::vector<std::unique_ptr<RawConnection>> slow;
+  for (std::size_t i = 0; i < kConnectionsMax; ++i) {
+    slow.push_back(std::make_unique<RawConnection>(port));
+    slow.back()->SendGet("/api/v1/faults");
+  }
+  ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(HttpGet(port, "/readyz").status, 200);
+  world_.reader.Release();
+  EXPECT_EQ(slow.front()->Read()->status, 200) << "none that is answered gives way";
 }
 
 TEST_F(HttpServerTest, DataAreShownUnderKnownHostsAlone) {

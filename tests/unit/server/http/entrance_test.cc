@@ -87,5 +87,20 @@ TEST_F(EntranceTest, ARequestThatNeedsAHostAndHasNoneIs400) {
   EXPECT_EQ(entrance_.Resolve(request).run().status, 400);
 }
 
+TEST_F(EntranceTest, AConnectionForMonitoringShowsNothingElse) {
+  entrance_.Open(world_.site);
+  Request request{Method::kGet, "/api/v1/status"};
+  request.monitoring_only = true;
+  const Response refused = entrance_.Resolve(request).run();
+  EXPECT_EQ(refused.status, 503);
+  EXPECT_TRUE(refused.closes);
+  for (const char* target : {"/livez", "/readyz", "/metrics", "/metrics/robots"}) {
+    request.target = target;
+    const Response response = entrance_.Resolve(request).run();
+    EXPECT_EQ(response.status, 200) << target;
+    EXPECT_FALSE(response.closes);
+  }
+}
+
 }  // namespace
 }  // namespace uplink::http

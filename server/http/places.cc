@@ -1,0 +1,60 @@
+#include "server/http/places.h"
+
+#include <algorithm>
+
+namespace uplink::http {
+namespace {
+
+/// Who gives way first: whoever waits for a request before whoever is answered.
+bool GivesWayBefore(const Places::Place& a, const Places::Place& b) {
+  if (a.state != b.state) return a.state == Places::State::kIdle;
+  return a.since < b.since;
+}
+
+bool MayGiveWay(const Places::Place& place, SteadyTime now) {
+  switch (place.state) {
+    case Places::State::kIdle:
+      return true;
+    case Places::State::kBusy:
+      return false;
+    case Places::State::kAnswering:
+      return now - place.since > kSlowAnswer;
+  }
+  return false;
+}
+
+}  // namespace
+
+Places::Room Places::MakeRoom(SteadyTime now) {
+  if (taken_.size() < places_) return Room::kFree;
+  Handle first = taken_.end();
+  for (Handle place = taken_.begin(); place != taken_.end(); ++place) {
+    if (!MayGiveWay(*place, now)) continue;
+    if (first == taken_.end() || GivesWayBefore(*place, *first)) first = place;
+  }
+  if (first == taken_.end()) return Room::kNone;
+  PlaceHolder* holder = first->holder;
+  Leave(first);
+  holder->GiveWay();
+  return Room::kGivenWay;
+}
+
+Places::Handle Places::Take(PlaceHolder& holder, SteadyTime now) {
+  const bool monitoring_only = others_ + kMonitoringPlaces >= places_;
+  if (!monitoring_only) ++others_;
+  return taken_.insert(
+      taken_.end(),
+      {.holder = &holder, .state = State::kIdle, .since = now, .monitoring_only = monitoring_only});
+}
+
+void Places::Leave(Handle place) {
+  if (!place->monitoring_only) --others_;
+  taken_.erase(place);
+}
+
+void Places::Note(Handle place, State state, SteadyTime now) {
+  place->state = state;
+  place->since = now;
+}
+
+}  // namespace uplink::http

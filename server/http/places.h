@@ -1,0 +1,69 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+
+#include "schema/base/clock.h"
+
+namespace uplink::http {
+
+/// Connections that are kept for probes and scrapes, of http.connections_max.
+inline constexpr std::size_t kMonitoringPlaces = 4;
+/// Whose peer takes an answer for longer than this gives way to a further connection.
+inline constexpr std::chrono::seconds kSlowAnswer{1};
+
+/// A connection that holds a place.
+class PlaceHolder {
+ public:
+  virtual ~PlaceHolder() = default;
+  /// Ends the connection at once. It has left already.
+  virtual void GiveWay() = 0;
+};
+
+/// The places of a listener's connections. The last kMonitoringPlaces of them answer probes and
+/// scrapes alone, so that other clients cannot take them; and where all are taken, the connection
+/// that has had no request under way for longest gives way to a further one, else the one whose
+/// peer has taken its answer for longest. Confined to one thread.
+class Places final {
+ public:
+  /// What a connection does.
+  enum class State : std::uint8_t {
+    /// It waits for a request, or for the rest of one.
+    kIdle,
+    /// Its request is answered.
+    kBusy,
+    /// Its peer takes an answer.
+    kAnswering,
+  };
+  struct Place {
+    PlaceHolder* holder = nullptr;
+    State state = State::kIdle;
+    SteadyTime since;
+    /// It answers probes and scrapes alone.
+    bool monitoring_only = false;
+  };
+  using Handle = std::list<Place>::iterator;
+
+  /// `places`: over kMonitoringPlaces.
+  explicit Places(std::size_t places) : places_(places) {}
+  Places(const Places&) = delete;
+  Places& operator=(const Places&) = delete;
+
+  /// Whether there is a place; somebody gives way for it if that can be.
+  enum class Room : std::uint8_t { kFree, kGivenWay, kNone };
+  [[nodiscard]] Room MakeRoom(SteadyTime now);
+  /// After MakeRoom found some.
+  [[nodiscard]] Handle Take(PlaceHolder& holder, SteadyTime now);
+  void Leave(Handle place);
+  static void Note(Handle place, State state, SteadyTime now);
+
+ private:
+  const std::size_t places_;
+  /// Of those that are not for monitoring only.
+  std::size_t others_ = 0;
+  std::list<Place> taken_;
+};
+
+}  // namespace uplink::http

@@ -1,0 +1,96 @@
+#include "server/http/places.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/manual_clock.h"
+
+namespace uplink::http {
+namespace {
+
+using State = Places::State;
+using Room = Places::Room;
+
+struct Holder final : PlaceHolder {
+  void GiveWay() override { gave_way = true; }
+  bool gave_way = false;
+};
+
+class PlacesTest : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kPlaces = kMonitoringPlaces + 2;
+
+  Room MakeRoom() { return places_.MakeRoom(clock_.Steady()); }
+  /// Takes all places, a second apart.
+  void Fill() {
+    for (Holder& holder : holders_) {
+      ASSERT_EQ(MakeRoom(), Room::kFree);
+      taken_.push_back(places_.Take(holder, clock_.Steady()));
+      clock_.Advance(std::chrono::seconds(1));
+    }
+  }
+  void Note(std::size_t place, State state) { Places::Note(taken_[place], state, clock_.Steady()); }
+
+  testing::ManualClock clock_;
+  Places places_{kPlaces};
+  std::array<Holder, kPlaces> holders_;
+  std::vector<Places::Handle> taken_;
+};
+
+TEST_F(PlacesTest, TheLastFourAreForMonitoringOnly) {
+  Fill();
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    EXPECT_EQ(taken_[i]->monitoring_only, i >= kPlaces - kMonitoringPlaces) << i;
+  }
+}
+
+TEST_F(PlacesTest, APlaceThatIsFreeAgainIsForAnything) {
+  Fill();
+  places_.Leave(taken_[0]);
+  EXPECT_EQ(MakeRoom(), Room::kFree);
+  EXPECT_FALSE(places_.Take(holders_[0], clock_.Steady())->monitoring_only);
+}
+
+TEST_F(PlacesTest, AFreePlaceForMonitoringStaysOne) {
+  Fill();
+  places_.Leave(taken_[5]);
+  EXPECT_EQ(MakeRoom(), Room::kFree);
+  EXPECT_TRUE(places_.Take(holders_[5], clock_.Steady())->monitoring_only);
+}
+
+TEST_F(PlacesTest, WhoHasBeenIdleForLongestGivesWay) {
+  Fill();
+  Note(0, State::kBusy);
+  Note(1, State::kIdle);  // again, and later than the others
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  for (std::size_t i = 0; i < kPlaces; ++i) EXPECT_EQ(holders_[i].gave_way, i == 2) << i;
+  EXPECT_EQ(MakeRoom(), Room::kFree) << "its place is free at once";
+}
+
+TEST_F(PlacesTest, WhoTakesAnAnswerSlowlyGivesWayAfterTheIdle) {
+  Fill();
+  for (std::size_t i = 0; i < kPlaces; ++i) Note(i, State::kBusy);
+  Note(3, State::kAnswering);
+  clock_.Advance(kSlowAnswer);
+  EXPECT_EQ(MakeRoom(), Room::kNone) << "not slow yet";
+  clock_.Advance(milliseconds(1));
+  Note(4, State::kIdle);
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  EXPECT_TRUE(holders_[4].gave_way);
+  static_cast<void>(places_.Take(holders_[4], clock_.Steady()));
+  Note(3, State::kAnswering);
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
+}
+
+TEST_F(PlacesTest, WhoIsAnsweredNeverGivesWay) {
+  Fill();
+  for (std::size_t i = 0; i < kPlaces; ++i) Note(i, State::kBusy);
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_EQ(MakeRoom(), Room::kNone);
+}
+
+}  // namespace
+}  // namespace uplink::http
