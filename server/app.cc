@@ -69,7 +69,7 @@ class App::Impl {
                       .store = [this] { return journals_.last_error(); }},
                      options_.logger),
         queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_,
-                  session_probe_.streams, options_.version}),
+                  session_probe_.streams, options_.version, OnReads()}),
         monitor_({options_.clock, fleet_, journals_, journal_probe_, session_probe_,
                   journal_limits_, certificate_expiry, stores_.facts,
                   [this] { return lease_probe_.failing.value() != 0; },
@@ -86,7 +86,7 @@ class App::Impl {
                         options_.logger}),
         site_({queries_, monitor_,
                [this](auto format) { return metrics::PageText(page_sources_, format); },
-               robots_scrape_}),
+               robots_scrape_, options_.logger}),
         reload_(options_.config, options_.read_config, options_.logger) {}
 
   ~Impl() { Stop(); }

@@ -14,6 +14,7 @@ Groundwork::Groundwork(Context context)
       entrance_(http::KnownHosts(context_.http.hosts)),
       stop_signal_(context_.logger),
       loop_(context_.logger) {
+  memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
   reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
   scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
 }
@@ -25,7 +26,7 @@ Groundwork::~Groundwork() {
 
 absl::Status Groundwork::Begin() {
   auto http = http::HttpServer::Listen(
-      {loop_.io(), entrance_, *reads_, *scrapes_, http_probe_, context_.clock},
+      {loop_.io(), entrance_, *memory_, *reads_, *scrapes_, http_probe_, context_.clock},
       {context_.address, context_.http.connections_max});
   if (!http.ok()) return http.status();
   http_ = *std::move(http);
@@ -53,6 +54,7 @@ void Groundwork::OnReload(std::function<void()> reload) {
 
 void Groundwork::EndReaders() {
   scrapes_.reset();
+  memory_.reset();
   reads_.reset();
 }
 

@@ -72,6 +72,7 @@ class Groundwork final {
   // Confined to the loop's thread.
   std::function<void()> reload_;
   bool reload_asked_ = false;
+  std::optional<http::ReadThread> memory_;
   std::optional<http::ReadThread> reads_;
   std::optional<http::ReadThread> scrapes_;
   loop::EventLoop loop_;

@@ -46,6 +46,11 @@ Response GetStatus(const Sources& sources, const RoutedRequest& request) {
   return JsonResponse(view::ToJson(sources.queries.Status(), sources.monitor.readiness().all()));
 }
 
+bool RobotsReadStore(const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  return ReadParts(parameters).AnyStored();
+}
+
 Response GetRobots(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   view::RobotsQuery query;

@@ -89,6 +89,19 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     return request;
   }
 
+  [[nodiscard]] ReadThread& ThreadOf(Lane lane) const {
+    switch (lane) {
+      case Lane::kMemory:
+        return context_->server.memory;
+      case Lane::kScrape:
+        return context_->server.scrapes;
+      case Lane::kIo:
+      case Lane::kRead:
+        break;
+    }
+    return context_->server.reads;
+  }
+
   void OnRequest() {
     started_ = context_->server.clock.Steady();
     method_ = MethodOf(parser_->get().method());
@@ -98,8 +111,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     Resolved resolved = context_->server.entrance.Resolve(ToRequest());
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
-    ReadThread& thread =
-        resolved.lane == Lane::kScrape ? context_->server.scrapes : context_->server.reads;
+    ReadThread& thread = ThreadOf(resolved.lane);
 
     stream_.expires_never();  // the answer's time is the store's
     const bool taken =

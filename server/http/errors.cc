@@ -9,24 +9,37 @@
 namespace uplink::http {
 namespace {
 
+constexpr std::string_view kPageToken = "pageToken";
+
 struct Kind {
   int status;
   std::string_view code;
+  /// What the client sees; empty: the status's own message, which is ours.
+  std::string_view text;
 };
 
-Kind KindOf(absl::StatusCode code) {
+/// What names a parameter comes from us; else it is the store's word on a value.
+bool NamesParameter(std::string_view message) {
+  return message.starts_with(kPageToken) || message.starts_with("pageSize");
+}
+
+Kind KindOf(absl::StatusCode code, std::string_view message) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
-      return {400, "INVALID_ARGUMENT"};
+      return {400, "INVALID_ARGUMENT",
+              NamesParameter(message) ? "" : "the store cannot look for such a text"};
     case absl::StatusCode::kNotFound:
-      return {404, "NOT_FOUND"};
+      return {404, "NOT_FOUND", ""};
+    case absl::StatusCode::kDeadlineExceeded:
+      return {504, "DEADLINE_EXCEEDED",
+              "the read reached its limit (on PostgreSQL store.timeout, and 5 s at most); ask for "
+              "less, or try again"};
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kAborted:
     case absl::StatusCode::kResourceExhausted:
-    case absl::StatusCode::kDeadlineExceeded:
-      return {503, "UNAVAILABLE"};
+      return {503, "UNAVAILABLE", "the store cannot be asked now; try again"};
     default:  // a foreign enumeration: every other code is a fault of ours or the store's
-      return {500, "INTERNAL"};
+      return {500, "INTERNAL", "the server or its store failed; its log says how"};
   }
 }
 
@@ -40,11 +53,15 @@ Response Answer(int status, const view::ErrorText& text) {
 }  // namespace
 
 Response ErrorResponse(const absl::Status& status) {
-  constexpr std::string_view kPageToken = "pageToken";
   const std::string message(status.message());
-  const Kind kind = KindOf(status.code());
-  const bool token = kind.status == 400 && message.starts_with(kPageToken);
-  return Answer(kind.status, {kind.code, message, token ? kPageToken : std::string_view()});
+  const Kind kind = KindOf(status.code(), message);
+  if (kind.text.empty()) {
+    const bool token = message.starts_with(kPageToken);
+    return Answer(kind.status, {kind.code, message, token ? kPageToken : std::string_view()});
+  }
+  Response response = Answer(kind.status, {kind.code, kind.text});
+  response.cause = message.empty() ? std::string(kind.code) : message;
+  return response;
 }
 
 Response ErrorResponse(const BadParameter& problem) {

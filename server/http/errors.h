@@ -10,7 +10,9 @@
 namespace uplink::http {
 
 /// The answer for a failure: kInvalidArgument is 400 (a message that begins with `pageToken` names
-/// that field), kNotFound 404, what is worth a retry 503 UNAVAILABLE, anything else 500.
+/// that field), kNotFound 404, kDeadlineExceeded 504, what is worth a retry 503 UNAVAILABLE,
+/// anything else 500. What the store said of itself stays in Response::cause: a client sees a text
+/// per kind.
 [[nodiscard]] Response ErrorResponse(const absl::Status& status);
 [[nodiscard]] Response ErrorResponse(const BadParameter& problem);
 /// 404 for a path that is none of ours.

@@ -6,6 +6,7 @@
 #include "metrics/format.h"
 #include "server/health/monitor.h"
 #include "server/http/message.h"
+#include "server/log/logger.h"
 #include "server/rcan/scrape.h"
 #include "server/view/queries.h"
 
@@ -20,6 +21,8 @@ struct Sources {
   std::function<std::string(metrics::Format)> metrics;
   /// On the lane of scrapes alone.
   rcan::RobotScrape& robots;
+  /// Told what failed; clients are told of what kind it is.
+  const log::Logger& logger;
 };
 
 /// A request whose path was found. A value.
@@ -45,6 +48,8 @@ struct RoutedRequest {
 
 // api.cc: what is held in memory.
 [[nodiscard]] Response GetStatus(const Sources& sources, const RoutedRequest& request);
+/// Whether the list wants parts that only the store has.
+[[nodiscard]] bool RobotsReadStore(const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetRobot(const Sources& sources, const RoutedRequest& request);
 

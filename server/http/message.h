@@ -44,6 +44,8 @@ struct Response {
   bool varies = false;
   /// The connection ends after it.
   bool closes = false;
+  /// What really failed, for the log alone.
+  std::string cause{};
 
   [[nodiscard]] std::string_view content() const {
     return shared_body != nullptr ? std::string_view(*shared_body) : std::string_view(body);

@@ -20,6 +20,7 @@ struct ThreadKind {
   const char* name;
   int nice;
 };
+inline constexpr ThreadKind kMemoryThread{"http-memory", 0};
 inline constexpr ThreadKind kReadThread{"http-read", 0};
 /// Scrapes of robots give way to the robots.
 inline constexpr ThreadKind kScrapeThread{"http-scrape", 10};

@@ -13,9 +13,10 @@ namespace uplink::http {
 struct RoutedRequest;
 struct Sources;
 
-/// Which thread answers: probes and our own scrape at once, on the io thread; what may wait for the
-/// store on the thread that reads; the robots' scrape on one of its own.
-enum class Lane : std::uint8_t { kIo, kRead, kScrape };
+/// Which thread answers: probes and our own scrape at once, on the io thread; what is in memory on
+/// a thread that waits for the store a moment at most; what may wait for it on the thread that
+/// reads; the robots' scrape on one of its own.
+enum class Lane : std::uint8_t { kIo, kMemory, kRead, kScrape };
 
 /// A path and what answers it. Immutable.
 struct Route {
@@ -25,6 +26,8 @@ struct Route {
   std::string_view name;
   Lane lane;
   Response (*handler)(const Sources&, const RoutedRequest&);
+  /// Of Lane::kMemory: whether this request is one of Lane::kRead; null: none is.
+  bool (*reads_store)(const RoutedRequest&) = nullptr;
 };
 
 /// All paths: the only list of them.

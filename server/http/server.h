@@ -43,6 +43,8 @@ class HttpServer final {
     /// One thread runs it: the loop.
     boost::asio::io_context& io;
     const Entrance& entrance;
+    /// What is in memory, and waits for the store a moment at most.
+    ReadThread& memory;
     ReadThread& reads;
     /// Where the robots' scrapes are written.
     ReadThread& scrapes;

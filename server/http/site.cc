@@ -13,7 +13,7 @@ Resolved AtOnce(RouteId route, Response response) {
   return {route, Lane::kIo, [answer = std::move(response)] { return answer; }};
 }
 
-Site::Site(Sources sources) : sources_(std::move(sources)) {}
+Site::Site(Sources sources) : sources_(std::move(sources)), failures_(sources_.logger) {}
 
 Resolved Site::Resolve(const Request& request) const {
   const Target target = SplitTarget(request.target);
@@ -23,14 +23,24 @@ Resolved Site::Resolve(const Request& request) const {
   const Route& route = Routes()[found.id.index];
   RoutedRequest routed{std::move(found.segment), std::string(target.query),
                        FormatFor(request.accept), CodingFor(request.accept_encoding)};
-  return {found.id, route.lane, [this, handler = route.handler, routed = std::move(routed)] {
-            // What a library throws under a handler (memory) ends here.
-            try {
-              return handler(sources_, routed);
-            } catch (const std::exception& error) {
-              return ErrorResponse(absl::InternalError(error.what()));
-            }
-          }};
+  const bool reads = route.reads_store != nullptr && route.reads_store(routed);
+  return {found.id, reads ? Lane::kRead : route.lane,
+          [this, &route, routed = std::move(routed)] { return Run(route, routed); }};
+}
+
+Response Site::Run(const Route& route, const RoutedRequest& request) const {
+  Response response;
+  // What a library throws under a handler (memory) ends here.
+  try {
+    response = route.handler(sources_, request);
+  } catch (const std::exception& error) {
+    response = ErrorResponse(absl::InternalError(error.what()));
+  }
+  if (!response.cause.empty()) {
+    failures_.Write(log::Level::kWarn, "http_answer_failed",
+                    {{"route", route.name}, {"status", response.status}, {"why", response.cause}});
+  }
+  return response;
 }
 
 }  // namespace uplink::http

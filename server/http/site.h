@@ -5,6 +5,7 @@
 #include "server/http/handlers.h"
 #include "server/http/message.h"
 #include "server/http/routes.h"
+#include "server/log/rate_limited.h"
 
 namespace uplink::http {
 
@@ -30,7 +31,11 @@ class Site final {
   [[nodiscard]] Resolved Resolve(const Request& request) const;
 
  private:
+  /// Answers, and logs what failed.
+  [[nodiscard]] Response Run(const Route& route, const RoutedRequest& request) const;
+
   const Sources sources_;
+  mutable log::RateLimited failures_;
 };
 
 }  // namespace uplink::http

@@ -17,6 +17,8 @@ constexpr std::array<std::string_view, kParts> kNames = {"agentInfo", "settings"
 
 }  // namespace
 
+bool PartSet::AnyStored() const { return (bits_ << storage::kLivePartKinds).any(); }
+
 bool PartSet::AnyLive() const { return (bits_ >> storage::kLatestKinds).any(); }
 
 bool PartSet::AnyLarge() const {

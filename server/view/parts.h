@@ -51,6 +51,8 @@ class PartSet {
   void Add(Part part) { bits_.set(static_cast<std::size_t>(part)); }
   [[nodiscard]] bool Has(Part part) const { return bits_.test(static_cast<std::size_t>(part)); }
 
+  /// Whether the store alone has one of them.
+  [[nodiscard]] bool AnyStored() const;
   /// Whether one of them lies in the robot's live state.
   [[nodiscard]] bool AnyLive() const;
   /// Whether one of them is live and large: many items, by key or joint.

@@ -1,6 +1,7 @@
 #include "server/view/queries.h"
 
 #include <algorithm>
+#include <memory>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -9,7 +10,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
-#include "server/robot/live_bytes.h"
+#include "server/view/foreign_parts.h"
 #include "server/view/page_token.h"
 
 namespace uplink::view {
@@ -107,7 +108,16 @@ bool Matches(const robot::Robot& robot, const RobotsQuery& query) {
 }  // namespace
 
 Queries::Queries(Sources sources)
-    : sources_(std::move(sources)), started_at_(sources_.clock.System()) {}
+    : sources_(std::move(sources)),
+      started_at_(sources_.clock.System()),
+      brief_look_(sources_.to_store_thread) {}
+
+/// One look into the store: what is asked for, and what came.
+struct Queries::Lookup {
+  std::vector<std::string> ruris;
+  std::vector<std::string> foreign;
+  absl::StatusOr<storage::Reader::LiveRows> live = absl::UnavailableError("not read");
+};
 
 absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
   std::string after;
@@ -128,6 +138,10 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
     } else if (page.next_token.empty()) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }
+  }
+  if (!query.parts.AnyStored()) {
+    FillBriefly(page, query.parts);
+    return page;
   }
   if (query.parts.AnyLive()) {
     // While the store is away these robots come without parts: the others must be seen.
@@ -210,51 +224,53 @@ absl::Status Queries::Unknown(const std::string& ruri) {
       fmt::format("no robot with the RURI {} was seen within fleet.forget_after", ruri));
 }
 
+void Queries::FillBriefly(RobotsPage& page, const PartSet& parts) {
+  if (page.robots.empty()) return;
+  auto look = std::make_shared<Lookup>();
+  look->ruris = RurisOf(page.robots);
+  if (parts.AnyLive()) look->foreign = ForeignOf(page.robots);
+  const bool in_time = brief_look_.Run([this, look] {
+    static_cast<void>(ReadActiveFaults(look->ruris));
+    if (!look->foreign.empty()) look->live = sources_.reader.LiveOf(look->foreign);
+  });
+  // One that is late is written meanwhile: it is not looked at.
+  if (in_time && look->live.ok()) {
+    EndPageAfter(PutForeign(look->foreign, *look->live, page.robots), page);
+  }
+  FillKnownFaults(page.robots);
+}
+
 absl::StatusOr<std::size_t> Queries::FillForeign(std::vector<RobotView>& robots) {
-  std::vector<std::string> ruris;
-  std::unordered_map<std::string_view, robot::StateSnapshot*> by_ruri;
-  for (RobotView& robot : robots) {
-    if (!robot.state.foreign) continue;
-    ruris.push_back(robot.id.ruri);
-    by_ruri.emplace(robot.id.ruri, &robot.state);
-  }
-  if (ruris.empty()) return robots.size();
-  const auto live = sources_.reader.LiveOf(ruris);
+  const std::vector<std::string> foreign = ForeignOf(robots);
+  if (foreign.empty()) return robots.size();
+  const auto live = sources_.reader.LiveOf(foreign);
   if (!live.ok()) return live.status();
-  UPLINK_CHECK(live->complete >= 1 && live->complete <= ruris.size(),
-               "the store looks at one robot at least");
-  schema::Judge judge(robot::JudgeLimitsOfLive());
-  for (const storage::LiveRow& row : live->rows) {
-    const auto state = by_ruri.find(row.ruri);
-    if (state == by_ruri.end()) continue;
-    robot::LiveRead read = robot::FromRow(row, judge);
-    state->second->parts = std::move(read.before.parts);
-    state->second->last_sign_of_life = read.before.last_sign_of_life;
-    state->second->clock_skew_ms = read.before.clock_skew_ms;
-  }
-  if (live->complete == ruris.size()) return robots.size();
-  const auto next = std::ranges::find(robots, ruris[live->complete],
-                                      [](const RobotView& robot) { return robot.id.ruri; });
-  return static_cast<std::size_t>(next - robots.begin());
+  return PutForeign(foreign, *live, robots);
 }
 
 bool Queries::FillActiveFaults(std::vector<RobotView>& robots) {
-  const std::vector<std::string> ruris = RurisOf(robots);
-  if (ruris.empty()) return true;
-  const auto counts = sources_.reader.ActiveFaultCounts(ruris);
+  const bool read = robots.empty() || ReadActiveFaults(RurisOf(robots));
+  FillKnownFaults(robots);
+  return read;
+}
 
+bool Queries::ReadActiveFaults(const std::vector<std::string>& ruris) {
+  const auto counts = sources_.reader.ActiveFaultCounts(ruris);
+  if (!counts.ok()) return false;
   const std::lock_guard lock(mutex_);
   // Those of robots that left go with the others, which are asked for again.
   if (active_faults_.size() > 2 * sources_.fleet.robots_max()) active_faults_.clear();
-  if (counts.ok()) {
-    for (const std::string& ruri : ruris) active_faults_[ruri] = 0;
-    for (const storage::ActiveFaults& count : *counts) active_faults_[count.ruri] = count.count;
-  }
+  for (const std::string& ruri : ruris) active_faults_[ruri] = 0;
+  for (const storage::ActiveFaults& count : *counts) active_faults_[count.ruri] = count.count;
+  return true;
+}
+
+void Queries::FillKnownFaults(std::vector<RobotView>& robots) {
+  const std::lock_guard lock(mutex_);
   for (RobotView& robot : robots) {
     const auto known = active_faults_.find(robot.id.ruri);
     if (known != active_faults_.end()) robot.active_faults = known->second;
   }
-  return counts.ok();
 }
 
 absl::StatusOr<std::size_t> Queries::FillStored(std::vector<RobotView>& robots,

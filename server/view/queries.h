@@ -18,6 +18,7 @@
 #include "server/journal/shards.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
+#include "server/view/brief_look.h"
 #include "server/view/parts.h"
 #include "storage/reader.h"
 
@@ -79,9 +80,12 @@ struct StatusView {
 /// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
 ///          was never seen; what the Reader says, where rows are asked for. Robots are answered
 ///          while the store is away too: their active faults are then the last that were read, and
-///          one robot comes without its stored parts. A list that names such a part fails.
+///          one robot comes without its stored parts. A list that names such a part fails; one that
+///          does not waits for the store for kBriefLookWait at most, and is then as if it were
+///          away.
 /// Limits:  remembers one number per robot, at most for twice as many as the fleet may have.
-/// Thread:  thread-safe; waits for the store, so never on the thread that serves probes.
+/// Thread:  thread-safe; all but Status wait for the store, so never on the thread that serves
+///          probes. Outlives the store's thread.
 class Queries final {
  public:
   struct Sources {
@@ -93,6 +97,8 @@ class Queries final {
     /// Streams that are open now.
     const metrics::Cell& streams;
     std::string version;
+    /// To the thread that may wait for the store; empty: callers wait themselves.
+    BriefLook::Post to_store_thread{};
   };
   explicit Queries(Sources sources);
 
@@ -124,12 +130,20 @@ class Queries final {
   [[nodiscard]] StatusView Status() const;
 
  private:
+  struct Lookup;
+
   [[nodiscard]] static absl::Status Unknown(const std::string& ruri);
+  /// Fills what the store adds to a list without stored parts, as far as it answers soon.
+  void FillBriefly(RobotsPage& page, const PartSet& parts);
   /// Reads the live parts of robots that other processes hold. Returns for how many of `robots`,
   /// from the first.
   [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots);
   /// False if the store could not say and the numbers are the last that were read.
   bool FillActiveFaults(std::vector<RobotView>& robots);
+  /// Reads the numbers for the next FillKnownFaults. False if the store could not say.
+  bool ReadActiveFaults(const std::vector<std::string>& ruris);
+  /// The numbers that were last read.
+  void FillKnownFaults(std::vector<RobotView>& robots);
   /// Fills the stored parts that `parts` wants. Returns for how many of `robots`, from the first.
   [[nodiscard]] absl::StatusOr<std::size_t> FillStored(std::vector<RobotView>& robots,
                                                        const PartSet& parts);
@@ -138,6 +152,7 @@ class Queries final {
   const SystemTime started_at_;
   std::mutex mutex_;
   std::unordered_map<std::string, std::int64_t> active_faults_;
+  BriefLook brief_look_;
 };
 
 }  // namespace uplink::view

@@ -3,10 +3,12 @@
 import contextlib
 import json
 import socket
+import subprocess
 import unittest
 
-from harness import EndToEnd
+from harness import Cluster, EndToEnd, Server, wait_until
 
+WAIT_SECONDS = 30
 CONNECTIONS = 16
 
 
@@ -61,6 +63,55 @@ class Connections(EndToEnd):
             status, body = ask(server, "/api/v1/status")
             self.assertEqual((status, json.loads(body)["error"]["code"]), (503, "UNAVAILABLE"))
             self.assertEqual(ask(server, "/readyz")[0], 200)
+
+
+class SlowReads(EndToEnd):
+    """A lock on a table that one list reads, and nothing else."""
+
+    LOCK = "BEGIN; LOCK TABLE uplinkd.events IN ACCESS EXCLUSIVE MODE; SELECT pg_sleep(60); COMMIT;"
+
+    def setUp(self):
+        super().setUp()
+        self.cluster = Cluster(self.folder).create().migrate()
+        self.open_things.append(self.cluster)
+        server = Server(self.folder, 'timeout = "2s"', self.cluster.url("uplinkd"))
+        self.open_things.append(server)
+        self.server_ = server.start()
+
+    def locked(self):
+        held = "relation = 'uplinkd.events'::regclass AND mode = 'AccessExclusiveLock' AND granted"
+        return self.cluster.sql(f"SELECT count(*) FROM pg_locks WHERE {held}") != "0"
+
+    def test_a_read_at_its_limit_is_504_and_nobody_waits_behind_it(self):
+        server = self.server_
+        holder = subprocess.Popen(
+            ["psql", "-X", "-q", "-c", self.LOCK, self.cluster.url("postgres")], stdout=subprocess.DEVNULL
+        )
+        try:
+            wait_until(server.process, self.locked, WAIT_SECONDS, "the table is locked")
+            slow = connect(server)
+            slow.sendall(
+                b"GET /api/v1/robots/rcan%3A%2F%2Fa/events HTTP/1.1\r\n"
+                b"Host: localhost\r\nConnection: close\r\n\r\n"
+            )
+            for target in ("/api/v1/status", "/api/v1/robots"):
+                self.assertEqual(ask(server, target)[0], 200, target)
+            slow.setblocking(False)
+            with self.assertRaises(BlockingIOError, msg="the slow read is answered already"):
+                slow.recv(1)
+            slow.settimeout(WAIT_SECONDS)
+            answer = b""
+            while part := slow.recv(1 << 16):
+                answer += part
+            slow.close()
+            self.assertIn(b" 504 ", answer.split(b"\r\n")[0])
+            self.assertIn(b"store.timeout", answer)
+            self.assertNotIn(self.cluster.place["folder"].encode(), answer)
+            self.assertNotIn(b"57014", answer)
+            self.assertIn("http_answer_failed", server.text())
+        finally:
+            holder.kill()
+            holder.wait(WAIT_SECONDS)
 
 
 if __name__ == "__main__":

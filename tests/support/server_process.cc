@@ -101,8 +101,8 @@ std::optional<std::uint16_t> PortIn(std::string_view text, std::string_view key)
 }
 
 std::optional<Ports> WaitForPorts(ServerProcess& process) {
-  if (!process.WaitFor("listening ") || !process.WaitFor("version=")) return std::nullopt;
-  const std::string line = process.text().substr(process.text().find("listening "));
+  if (!process.WaitFor(" listening ") || !process.WaitFor("version=")) return std::nullopt;
+  const std::string line = process.text().substr(process.text().find(" listening "));
   const auto relay = PortIn(line, "relay");
   const auto http = PortIn(line, "http");
   if (!relay || !http) return std::nullopt;

@@ -19,14 +19,19 @@ ServerWorld::ServerWorld()
     : logger(std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError),
       journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
               storage::ProcessId{1}),
-      queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9"}),
+      queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9",
+               [this](auto job) {
+                 if (to_store_thread) return to_store_thread(std::move(job));
+                 job();
+                 return true;
+               }}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),
       robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
       site({queries, monitor,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
-            robots_scrape}) {}
+            robots_scrape, logger}) {}
 
 ServerWorld::~ServerWorld() = default;
 

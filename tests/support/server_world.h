@@ -75,6 +75,8 @@ class ServerWorld {
   fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
   journal::Journal journal;
   journal::Shards shards{{&journal}};
+  /// Where lists look into the store briefly; empty: on the thread that asks.
+  view::BriefLook::Post to_store_thread;
   view::Queries queries;
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;

@@ -28,21 +28,24 @@ class HttpServerTest : public ::testing::Test {
 
   HttpServerTest() {
     http::HttpProbe& probe = world_.http_probe;
+    memory_.emplace(probe.reads_waiting, probe.reads_refused, kMemoryThread);
     reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
     scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
+    world_.to_store_thread = [this](auto job) { return reads_->TryPost(std::move(job)); };
     entrance_.Open(world_.site);
   }
   ~HttpServerTest() override {
     world_.reader.Release();
     loop_.Stop();
     scrapes_.reset();
+    memory_.reset();
     reads_.reset();
   }
 
   std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
                       std::size_t connections_max = kConnectionsMax) {
     auto server = HttpServer::Listen(
-        {loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
+        {loop_.io(), entrance_, *memory_, *reads_, *scrapes_, world_.http_probe, clock_},
         {{host, 0}, connections_max, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -85,6 +88,7 @@ class HttpServerTest : public ::testing::Test {
   SystemClock clock_;
   Entrance entrance_{KnownHosts({"uplink.example.org"})};
   loop::EventLoop loop_{world_.logger};
+  std::optional<ReadThread> memory_;
   std::optional<ReadThread> reads_;
   std::optional<ReadThread> scrapes_;
   std::unique_ptr<HttpServer> server_;
@@ -257,6 +261,20 @@ TEST_F(HttpServerTest, DataAreShownUnderKnownHostsAlone) {
   EXPECT_EQ(old.Read()->status, 200) << "HTTP/1.0 knows no Host";
 }
 
+TEST_F(HttpServerTest, StatusAndRobotsNeverWaitBehindASlowRead) {
+  world_.AddRobot("rcan://a");
+  const std::uint16_t port = Serve();
+  world_.reader.Hold();
+  RawConnection slow(port);
+  slow.SendGet("/api/v1/faults");
+  ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
+  EXPECT_EQ(HttpGet(port, "/api/v1/status").status, 200);
+  EXPECT_THAT(HttpGet(port, "/api/v1/robots").body, HasSubstr(R"("ruri":"rcan://a")"));
+  EXPECT_THAT(HttpGet(port, "/api/v1/robots?parts=health").body, HasSubstr(R"("total":"1")"));
+  world_.reader.Release();
+  EXPECT_EQ(slow.Read()->status, 200);
+}
+
 TEST_F(HttpServerTest, ASlowReadDoesNotStallProbes) {
   const std::uint16_t port = Serve();
   world_.reader.Hold();
@@ -279,7 +297,7 @@ TEST_F(HttpServerTest, ReadsPastTheirBoundAre503) {
   slow.SendGet("/api/v1/faults");
   ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
   for (std::size_t i = 0; i < kReadsWaitingMax; ++i) ASSERT_TRUE(reads_->TryPost([] {}));
-  const RawAnswer refused = HttpGet(port, "/api/v1/robots");
+  const RawAnswer refused = HttpGet(port, "/api/v1/missions");
   EXPECT_EQ(refused.status, 503);
   EXPECT_THAT(refused.body, HasSubstr("UNAVAILABLE"));
 }
@@ -329,7 +347,7 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
   const auto second = HttpServer::Listen(
-      {loop_.io(), entrance_, *reads_, *scrapes_, world_.http_probe, clock_},
+      {loop_.io(), entrance_, *memory_, *reads_, *scrapes_, world_.http_probe, clock_},
       {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),

@@ -68,7 +68,7 @@ TEST(CommandLine, TheVariablesOfAKubernetesServiceAreIgnored) {
   EXPECT_EQ(ended.code, 0);
   EXPECT_THAT(ended.text, HasSubstr("note: environment: UPLINKD_PORT, UPLINKD_SERVICE_HOST"));
   const auto server = folder.Start({}, variables);
-  EXPECT_TRUE(server->WaitFor("listening ")) << server->text();
+  EXPECT_TRUE(server->WaitFor(" listening ")) << server->text();
   EXPECT_THAT(server->text(), HasSubstr("warn variables_ignored note="));
 }
 
@@ -80,7 +80,7 @@ TEST(CommandLine, AKeyThatEverybodyMayReadIsAWarningAndOneThatTheyMayWriteStopsT
   EXPECT_EQ(checked.code, 0);
   EXPECT_THAT(checked.text, AllOf(HasSubstr("note: "), HasSubstr("tls.key_file")));
   const auto server = folder.Start();
-  EXPECT_TRUE(server->WaitFor("listening ")) << server->text();
+  EXPECT_TRUE(server->WaitFor(" listening ")) << server->text();
   EXPECT_THAT(server->text(), HasSubstr("warn secret_readable note="));
 
   std::filesystem::permissions(folder.Path("server.key"), perms{0646});

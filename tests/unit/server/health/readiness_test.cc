@@ -91,7 +91,7 @@ TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
 TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
   bad.store_failing = bad.store_unsafe = bad.store_old_snapshot = true;
-  bad.lease_failing = bad.relay_behind = true;
+  bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
   bad.journal_oldest = kBacklogAge + milliseconds(1);
   bad.robots = {10, 10};
   bad.certificate_expiry = bad.now + milliseconds(1);

@@ -201,10 +201,32 @@ TEST_F(SiteTest, ProbesAndScrapesNeverWaitForTheStore) {
     EXPECT_NE(Get(target).status, 500);
   }
   EXPECT_EQ(world_.reader.calls(), 0);
-  for (const char* target : {"/api/v1/robots", "/api/v1/faults", "/api/v1/robots/a",
-                             "/api/v1/robots/a/presence", "/api/v1/missions", "/api/v1/objects"}) {
+  for (const char* target :
+       {"/api/v1/faults", "/api/v1/robots/a", "/api/v1/robots/a/presence", "/api/v1/missions",
+        "/api/v1/objects", "/api/v1/robots?parts=motion,settings"}) {
     EXPECT_EQ(world_.site.Resolve({Method::kGet, target}).lane, Lane::kRead) << target;
   }
+}
+
+TEST_F(SiteTest, WhatIsInMemoryIsNotAnsweredByTheThreadThatReads) {
+  for (const char* target : {"/api/v1/status", "/api/v1/robots", "/api/v1/robots?parts=health",
+                             "/api/v1/robots?parts=nonsense"}) {
+    EXPECT_EQ(world_.site.Resolve({Method::kGet, target}).lane, Lane::kMemory) << target;
+  }
+}
+
+TEST_F(SiteTest, TheLogHasWhatAClientIsNotTold) {
+  world_.AddRobot("rcan://a");
+  world_.reader.Fail(absl::InternalError("postgresql db.internal:5432: SELECT broke"));
+  const Response response = Get("/api/v1/faults");
+  EXPECT_EQ(response.status, 500);
+  EXPECT_THAT(response.body, Not(HasSubstr("db.internal")));
+  EXPECT_THAT(response.cause, HasSubstr("SELECT broke"));
+  world_.reader.Fail(absl::DeadlineExceededError("57014"));
+  EXPECT_EQ(Get("/api/v1/faults").status, 504);
+  EXPECT_EQ(Get("/api/v1/robots?parts=settings").status, 504);
+  world_.reader.Fail(absl::OkStatus());
+  EXPECT_EQ(Get("/api/v1/faults").status, 200);
 }
 
 }  // namespace

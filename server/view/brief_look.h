@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+
+#include "schema/base/clock.h"
+
+namespace uplink::view {
+
+/// How long an answer from memory waits for what the store could add to it.
+inline constexpr std::chrono::milliseconds kBriefLookWait{250};
+
+/// Looks into the store for whoever may wait a moment only: the look runs on a thread that may wait
+/// for the store, and while one takes longer than the wait, nobody waits for a further one.
+///
+/// Thread: thread-safe. A look that is under way may end after it.
+class BriefLook final {
+ public:
+  /// To the thread that may wait; false if it takes no job now. Empty: the look runs at once, on
+  /// the caller's thread.
+  using Post = std::function<bool(std::function<void()>)>;
+  explicit BriefLook(Post post, milliseconds wait = kBriefLookWait);
+  BriefLook(const BriefLook&) = delete;
+  BriefLook& operator=(const BriefLook&) = delete;
+
+  /// Runs `look`, which owns what it touches; true if it ended in time.
+  [[nodiscard]] bool Run(std::function<void()> look);
+
+ private:
+  struct State;
+  const Post post_;
+  const milliseconds wait_;
+  const std::shared_ptr<State> state_;
+};
+
+}  // namespace uplink::view

@@ -1,0 +1,44 @@
+#include "server/view/foreign_parts.h"
+
+#include <algorithm>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "server/robot/live_bytes.h"
+
+namespace uplink::view {
+
+std::vector<std::string> ForeignOf(const std::vector<RobotView>& robots) {
+  std::vector<std::string> ruris;
+  for (const RobotView& robot : robots) {
+    if (robot.state.foreign) ruris.push_back(robot.id.ruri);
+  }
+  return ruris;
+}
+
+std::size_t PutForeign(const std::vector<std::string>& foreign,
+                       const storage::Reader::LiveRows& live, std::vector<RobotView>& robots) {
+  UPLINK_CHECK(live.complete >= 1 && live.complete <= foreign.size(),
+               "the store looks at one robot at least");
+  std::unordered_map<std::string_view, robot::StateSnapshot*> by_ruri;
+  for (RobotView& robot : robots) {
+    if (robot.state.foreign) by_ruri.emplace(robot.id.ruri, &robot.state);
+  }
+  schema::Judge judge(robot::JudgeLimitsOfLive());
+  for (const storage::LiveRow& row : live.rows) {
+    const auto state = by_ruri.find(row.ruri);
+    if (state == by_ruri.end()) continue;
+    robot::LiveRead read = robot::FromRow(row, judge);
+    state->second->parts = std::move(read.before.parts);
+    state->second->last_sign_of_life = read.before.last_sign_of_life;
+    state->second->clock_skew_ms = read.before.clock_skew_ms;
+  }
+  if (live.complete == foreign.size()) return robots.size();
+  const auto next = std::ranges::find(robots, foreign[live.complete],
+                                      [](const RobotView& robot) { return robot.id.ruri; });
+  return static_cast<std::size_t>(next - robots.begin());
+}
+
+}  // namespace uplink::view

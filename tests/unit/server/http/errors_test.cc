@@ -1,0 +1,51 @@
+#include "server/http/errors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::http {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kTelling =
+    "postgresql db.internal:5432: list faults: relation \"uplinkd.faults\" (42P01)";
+
+TEST(Errors, NameNeitherStatementNorHostAndKeepTheCauseForTheLog) {
+  for (const absl::StatusCode code :
+       {absl::StatusCode::kUnavailable, absl::StatusCode::kAborted, absl::StatusCode::kInternal,
+        absl::StatusCode::kResourceExhausted, absl::StatusCode::kDeadlineExceeded,
+        absl::StatusCode::kInvalidArgument, absl::StatusCode::kOutOfRange,
+        absl::StatusCode::kUnknown}) {
+    const Response response = ErrorResponse(absl::Status(code, kTelling));
+    EXPECT_GE(response.status, 400);
+    EXPECT_THAT(response.body, Not(HasSubstr("db.internal"))) << code;
+    EXPECT_THAT(response.body, Not(HasSubstr("42P01"))) << code;
+    EXPECT_EQ(response.cause, kTelling) << code;
+  }
+}
+
+TEST(Errors, WhatWeSayOfARequestIsShownWhole) {
+  const Response token = ErrorResponse(absl::InvalidArgumentError("pageToken is not one of ours"));
+  EXPECT_EQ(token.status, 400);
+  EXPECT_THAT(token.body, HasSubstr("pageToken is not one of ours"));
+  EXPECT_THAT(token.body, HasSubstr(R"("field":"pageToken")"));
+  EXPECT_EQ(token.cause, "");
+  EXPECT_THAT(ErrorResponse(absl::NotFoundError("no robot a")).body, HasSubstr("no robot a"));
+}
+
+TEST(Errors, AReadAtItsLimitIs504AndNamesIt) {
+  const Response response = ErrorResponse(absl::DeadlineExceededError("57014"));
+  EXPECT_EQ(response.status, 504);
+  EXPECT_THAT(response.body, HasSubstr(R"("code":"DEADLINE_EXCEEDED")"));
+  EXPECT_THAT(response.body, HasSubstr("store.timeout"));
+}
+
+TEST(Errors, AStoreThatIsAwayIs503) {
+  EXPECT_EQ(ErrorResponse(absl::UnavailableError("x")).status, 503);
+  EXPECT_EQ(ErrorResponse(absl::InternalError("x")).status, 500);
+}
+
+}  // namespace
+}  // namespace uplink::http
