@@ -22,6 +22,7 @@
 #include "server/lifecycle/periodic.h"
 #include "server/lifecycle/reload.h"
 #include "server/lifecycle/start.h"
+#include "server/lifecycle/supervisor.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
@@ -105,11 +106,13 @@ class App::Impl {
                                        {"http", config::ToText(ground_.http_address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
+    lifecycle::Supervisor::NoteReady();
     return absl::OkStatus();
   }
 
   void Run() {
     ground_.stop_signal().Wait();
+    lifecycle::Supervisor::NoteStopping();
     lifecycle::Drain(ContextOfDrain()).Run();
   }
 
@@ -200,6 +203,7 @@ class App::Impl {
         loop::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
       });
     };
+    work.feed_watchdog = [this] { watchdog_.Beat(); };
     return work;
   }
 
@@ -252,6 +256,7 @@ class App::Impl {
   health::Monitor monitor_;
   health::CertificateWatch certificate_watch_;
   health::PresenceWatch watch_;
+  const lifecycle::Watchdog watchdog_{{.alive = [this] { return monitor_.liveness().alive(); }}};
   const std::vector<metrics::PageSource> page_sources_;
   rcan::FaultCounts fault_counts_{options_.clock};
   rcan::RobotScrape robots_scrape_;

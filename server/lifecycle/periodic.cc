@@ -13,6 +13,8 @@ namespace {
 constexpr std::chrono::seconds kSweepEvery{1};
 constexpr std::chrono::seconds kStoreEvery{1};
 constexpr milliseconds kSeedEvery{500};
+/// A third of the unit's WatchdogSec.
+constexpr std::chrono::seconds kFeedEvery{10};
 /// One short statement. An age of minutes is what counts.
 constexpr std::chrono::seconds kSnapshotEvery{10};
 /// An operator who confirmed the clock waits for no more.
@@ -30,6 +32,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(kClockEvery, std::move(work.look_at_clock));
   every(rcan::kFaultCountsEvery, std::move(work.count_faults));
   every(health::kHandshakeEvery, std::move(work.ask_relay));
+  every(kFeedEvery, std::move(work.feed_watchdog));
 }
 
 }  // namespace uplink::lifecycle

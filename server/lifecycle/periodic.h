@@ -25,6 +25,8 @@ struct PeriodicWork {
   std::function<void()> count_faults;
   /// Asks our own relay for a handshake.
   std::function<void()> ask_relay;
+  /// Tells the service manager that the server is well.
+  std::function<void()> feed_watchdog;
 };
 
 /// Has each done at its interval: `every` is given both, and does it at once and then again and

@@ -1,3 +1,4 @@
+#include <array>
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -8,10 +9,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include "schema/base/check.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
 #include "storage/sqlite/store.h"
+#include "tests/support/eventually.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/uplinkd_folder.h"
@@ -52,6 +59,46 @@ TEST_F(ServingTest, AnswersProbesAndStopsCleanly) {
   EXPECT_EQ(process_->WaitForExit(), 0);
   EXPECT_THAT(process_->text(), HasSubstr("draining"));
   EXPECT_THAT(process_->text(), HasSubstr("stopped"));
+}
+
+/// The socket at which a service manager hears its services.
+class ManagerSocket final {
+ public:
+  explicit ManagerSocket(const std::string& path)
+      : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    UPLINK_CHECK(path.size() < sizeof(address.sun_path), path);
+    path.copy(address.sun_path, path.size());
+    const timeval patience{.tv_sec = kPatience.count() / 1000, .tv_usec = 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+    const auto* bound = reinterpret_cast<const sockaddr*>(&address);
+    UPLINK_CHECK(::bind(socket_, bound, sizeof(address)) == 0, path);
+  }
+  ~ManagerSocket() { ::close(socket_); }
+  ManagerSocket(const ManagerSocket&) = delete;
+  ManagerSocket& operator=(const ManagerSocket&) = delete;
+
+  /// What a service said next; empty if nothing came in time.
+  [[nodiscard]] std::string Next() const {
+    std::array<char, 256> said{};
+    const ssize_t size = ::recv(socket_, said.data(), said.size(), 0);
+    return size < 0 ? std::string() : std::string(said.data(), static_cast<std::size_t>(size));
+  }
+
+ private:
+  const int socket_;
+};
+
+TEST_F(ServingTest, TellsTheServiceManagerThatItIsReadyAndWellAndThatItStops) {
+  const ManagerSocket manager(folder_.Path("notify"));
+  Serve({"NOTIFY_SOCKET=" + folder_.Path("notify")});
+  EXPECT_EQ(manager.Next(), "READY=1");
+  EXPECT_EQ(manager.Next(), "WATCHDOG=1");
+  EXPECT_EQ(manager.Next(), "WATCHDOG=1");
+  process_->Signal(SIGTERM);
+  EXPECT_EQ(process_->WaitForExit(), 0);
+  EXPECT_EQ(manager.Next(), "STOPPING=1");
 }
 
 TEST_F(ServingTest, SigintDrainsToo) {

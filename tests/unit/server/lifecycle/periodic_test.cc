@@ -30,14 +30,16 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
        .ask_for_snapshot = [&now] { now = "snapshot"; },
        .look_at_clock = [&now] { now = "clock"; },
        .count_faults = [&now] { now = "faults"; },
-       .ask_relay = [&now] { now = "relay"; }});
+       .ask_relay = [&now] { now = "relay"; },
+       .feed_watchdog = [&now] { now = "watchdog"; }});
   EXPECT_THAT(
       done,
       ElementsAre(
           Pair(std::chrono::seconds(1), "sweep"), Pair(std::chrono::seconds(5), "certificate"),
           Pair(std::chrono::seconds(1), "store"), Pair(milliseconds(500), "robots"),
           Pair(std::chrono::seconds(10), "snapshot"), Pair(std::chrono::seconds(5), "clock"),
-          Pair(std::chrono::seconds(10), "faults"), Pair(std::chrono::seconds(2), "relay")));
+          Pair(std::chrono::seconds(10), "faults"), Pair(std::chrono::seconds(2), "relay"),
+          Pair(std::chrono::seconds(10), "watchdog")));
 }
 
 }  // namespace
