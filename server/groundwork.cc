@@ -36,7 +36,7 @@ absl::Status Groundwork::Begin() {
     if (reload_) reload_();
   });
   loop_.Start();
-  context_.logger.Info("http_listening", {{"http", config::ToText(http_address())}});
+  context_.logger.Info("probes_answered", {{"http", config::ToText(http_address())}});
   return absl::OkStatus();
 }
 

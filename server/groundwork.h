@@ -42,7 +42,7 @@ class Groundwork final {
   Groundwork(const Groundwork&) = delete;
   Groundwork& operator=(const Groundwork&) = delete;
 
-  /// Listens for HTTP and hears signals from now on. Logs `http_listening` with the address that
+  /// Listens for HTTP and hears signals from now on. Logs `probes_answered` with the address that
   /// was really bound. Errors: as HttpServer::Listen.
   [[nodiscard]] absl::Status Begin();
   /// The server has started: the site answers, and a signal begins a drain.

@@ -11,7 +11,7 @@ import urllib.request
 from harness import LISTENING, Cluster, EndToEnd, Server, wait_until
 from tcp_proxy import Cut, TcpProxy
 
-HTTP_LISTENING = re.compile(r' http_listening http="?([^ "\s]+)"?')
+PROBES_ANSWERED = re.compile(r' probes_answered http="?([^ "\s]+)"?')
 WAIT_SECONDS = 30
 
 
@@ -39,7 +39,7 @@ class Starting(EndToEnd):
                 stdout=log, stderr=subprocess.STDOUT,
             )  # fmt: skip
         found = wait_until(
-            server.process, lambda: HTTP_LISTENING.search(server.text()), WAIT_SECONDS, "HTTP listens"
+            server.process, lambda: PROBES_ANSWERED.search(server.text()), WAIT_SECONDS, "HTTP listens"
         )
         server.http = found.group(1)
         return server
