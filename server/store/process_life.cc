@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -32,7 +33,8 @@ std::string FirstLine(const std::string& path) {
 
 /// What two processes have in common that see the same numbers of processes; empty if unknown.
 std::string Surroundings() {
-  const std::string boot = FirstLine("/proc/sys/kernel/random/boot_id");
+  const std::string boot =
+      BootId(FirstLine("/proc/sys/kernel/random/boot_id"), ::getenv(kBootIdVariable));
   std::error_code error;
   const auto numbers = std::filesystem::read_symlink("/proc/self/ns/pid", error);
   if (boot.empty() || error) return "";
@@ -60,6 +62,13 @@ Seen Look(std::string_view process) {
 }
 
 }  // namespace
+
+std::string BootId(std::string_view from_kernel, const char* from_manager) {
+  std::string boot(from_kernel);
+  if (boot.empty() && from_manager != nullptr) boot = from_manager;
+  std::erase(boot, '-');
+  return boot;
+}
 
 std::string LifeOfThisProcess() {
   const std::string surroundings = Surroundings();

@@ -205,7 +205,8 @@ class Files(unittest.TestCase):
             path.write_text(unit.replace("/usr/bin/uplinkd", str(BIN / "uplinkd")), encoding="utf-8")
             done = run("systemd-analyze", "verify", "--man=no", path)
             self.assertEqual(done.stdout + done.stderr, "")
-        for bound in ("WatchdogSec=30", "MemoryMax=75%", "TasksMax=512", "LimitCORE=0", "PrivateUsers=yes"):
+        for bound in ("WatchdogSec=30", "MemoryMax=75%", "TasksMax=512", "LimitCORE=0", "PrivateUsers=yes",
+                      "ProcSubset=pid", "Environment=UPLINK_BOOT_ID=%b"):  # fmt: skip
             self.assertIn(f"\n{bound}\n", unit)
 
     def test_its_user_is_made(self):

@@ -32,6 +32,13 @@ TEST(ProcessLife, IsTheSameAtEachCallAndNotGone) {
   EXPECT_FALSE(IsGone(LifeOfThisProcess()));
 }
 
+TEST(ProcessLife, TheBootHasOneNameWhoeverTells) {
+  EXPECT_EQ(BootId("0b6a-11", nullptr), "0b6a11");
+  EXPECT_EQ(BootId("0b6a-11", "ffff"), "0b6a11") << "the kernel knows best";
+  EXPECT_EQ(BootId("", "0b6a11"), "0b6a11") << "/proc hides it";
+  EXPECT_EQ(BootId("", nullptr), "");
+}
+
 TEST(ProcessLife, AProcessThatEndedIsGone) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
