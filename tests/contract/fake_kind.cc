@@ -24,6 +24,7 @@ class FakeUnderTest final : public StoreUnderTest {
     return leases.get();
   }
   storage::ClockMarks* clock_marks() override { return nullptr; }
+  storage::RobotRemoval* removal() override { return nullptr; }
   void FailNextWrite(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kBefore); }
   void LoseNextAnswer(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kAfter); }
 

@@ -6,6 +6,7 @@
 #include "storage/postgres/clock_marks.h"
 #include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
+#include "storage/postgres/robot_removal.h"
 #include "storage/postgres/store.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/postgres_database.h"
@@ -60,12 +61,25 @@ class PostgresUnderTest final : public StoreUnderTest {
     return marks_.get();
   }
 
+  storage::RobotRemoval* removal() override {
+    static_cast<void>(Process(1));  // makes the schema
+    if (removal_ == nullptr) {
+      storage::postgres::StoreOptions options;
+      options.url = database_.url();
+      auto made = storage::postgres::PostgresRobotRemoval::Make(options, clock_);
+      UPLINK_CHECK(made.ok(), made.status().ToString());
+      removal_ = *std::move(made);
+    }
+    return removal_.get();
+  }
+
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
   void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
 
   void Reopen() override {
     reader_ = nullptr;
     marks_ = nullptr;
+    removal_ = nullptr;
     leases_.clear();
     processes_.clear();
   }
@@ -114,6 +128,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresLeases>> leases_;
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
   std::unique_ptr<storage::postgres::PostgresClockMarks> marks_;
+  std::unique_ptr<storage::postgres::PostgresRobotRemoval> removal_;
 };
 
 }  // namespace

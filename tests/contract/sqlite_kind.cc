@@ -4,6 +4,7 @@
 #include "schema/base/check.h"
 #include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/reader.h"
+#include "storage/sqlite/robot_removal.h"
 #include "storage/sqlite/store.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/sqlite_shell.h"
@@ -42,6 +43,16 @@ class SqliteUnderTest final : public StoreUnderTest {
     return marks_.get();
   }
 
+  storage::RobotRemoval* removal() override {
+    if (removal_ == nullptr) {
+      static_cast<void>(Process(1));  // makes the file
+      auto opened = storage::sqlite::SqliteRobotRemoval::Open(path_);
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      removal_ = *std::move(opened);
+    }
+    return removal_.get();
+  }
+
   storage::Leases* LeasesOf(std::uint8_t /*number*/) override { return nullptr; }
 
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
@@ -50,6 +61,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   void Reopen() override {
     reader_ = nullptr;
     marks_ = nullptr;
+    removal_ = nullptr;
     processes_.clear();
   }
 
@@ -94,6 +106,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   std::map<std::uint8_t, One> processes_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
   std::unique_ptr<storage::sqlite::SqliteClockMarks> marks_;
+  std::unique_ptr<storage::sqlite::SqliteRobotRemoval> removal_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "storage/clock_marks.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
+#include "storage/robot_removal.h"
 #include "storage/store.h"
 
 namespace uplink::testing {
@@ -27,6 +28,8 @@ class StoreUnderTest {
   /// The mark of the clock, as an operator or a server has it beside the writers; null for the
   /// fake, which has none.
   virtual storage::ClockMarks* clock_marks() = 0;
+  /// What takes robots out of it, beside the writers; null for the fake.
+  virtual storage::RobotRemoval* removal() = 0;
 
   /// The next write of the process fails after its work and before its commit: nothing is kept.
   virtual void FailNextWrite(std::uint8_t number) = 0;
