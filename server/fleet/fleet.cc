@@ -97,8 +97,8 @@ bool Fleet::MakeRoom() {
   return false;
 }
 
-bool Fleet::BeginLeaving(robot::Robot& robot) {
-  if (leaving_.load() >= kLeavingMax || !robot.BeginLeaving()) return false;
+bool Fleet::BeginLeaving(robot::Robot& robot, robot::Robot::LeaveWhen when) {
+  if (leaving_.load() >= kLeavingMax || !robot.BeginLeaving(when)) return false;
   leaving_.fetch_add(1);
   return true;
 }

@@ -76,7 +76,8 @@ class Fleet final {
   /// not idle by then stay.
   void SetRoom(std::vector<std::weak_ptr<robot::Robot>> room);
   /// The robot is to leave, unless kLeavingMax do. False if it is leaving already, or may not.
-  bool BeginLeaving(robot::Robot& robot);
+  bool BeginLeaving(robot::Robot& robot,
+                    robot::Robot::LeaveWhen when = robot::Robot::LeaveWhen::kNotOnline);
   /// Those that are leaving, of whom the journal is to let go.
   [[nodiscard]] std::vector<RobotPtr> Leaving() const;
   /// Removes those of whom the journal let go, and whom nobody keeps. Returns them.

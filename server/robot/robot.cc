@@ -24,15 +24,20 @@ void Robot::NoteHeard(SystemTime at) {
   }
 }
 
-bool Robot::BeginLeaving() {
+bool Robot::BeginLeaving(LeaveWhen when) {
+  if (when == LeaveWhen::kAtOnce) leaves_at_once_.store(true);
   Leaving stays = Leaving::kNo;
   return leaving_.compare_exchange_strong(stays, Leaving::kAsked);
 }
 
-bool Robot::Stay() { return leaving_.exchange(Leaving::kNo) != Leaving::kNo; }
+bool Robot::Stay() {
+  leaves_at_once_.store(false);
+  return leaving_.exchange(Leaving::kNo) != Leaving::kNo;
+}
 
 bool Robot::MayLeave() const {
-  return leaving_.load() == Leaving::kAsked && idle() && state.presence() != Presence::kOnline;
+  if (leaving_.load() != Leaving::kAsked || !idle()) return false;
+  return leaves_at_once_.load() || state.presence() != Presence::kOnline;
 }
 
 void Robot::OnLeft() {

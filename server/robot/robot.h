@@ -44,8 +44,13 @@ class Robot final : public CommitClient {
   void NoteHeard(SystemTime at);
   /// It has no stream, and nothing of it waits for the store.
   [[nodiscard]] bool idle() const { return !HasStream() && sessions.in_flight() == 0; }
+  enum class LeaveWhen : std::uint8_t {
+    /// Once it is not online any more.
+    kNotOnline,
+    kAtOnce,
+  };
   /// It is to leave memory once the journal has let go of it. False if that was asked before.
-  bool BeginLeaving();
+  bool BeginLeaving(LeaveWhen when = LeaveWhen::kNotOnline);
   /// It stays after all. False if it was not leaving.
   bool Stay();
   [[nodiscard]] bool leaving() const { return leaving_.load() != Leaving::kNo; }
@@ -78,6 +83,7 @@ class Robot final : public CommitClient {
   const std::string ruri_;
   std::atomic<std::int64_t> heard_at_ms_{0};
   std::atomic<Leaving> leaving_{Leaving::kNo};
+  std::atomic<bool> leaves_at_once_{false};
   mutable std::mutex mutex_;
   storage::RobotRef id_;
 };

@@ -35,6 +35,12 @@ StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
   return takeover_.Detach(stream);
 }
 
+StreamRef RobotSessions::EndStream() {
+  const std::lock_guard lock(mutex_);
+  takeover_.End();
+  return takeover_.current();
+}
+
 std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId& session,
                                                          SteadyTime now) {
   const std::lock_guard lock(mutex_);

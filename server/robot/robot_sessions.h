@@ -74,6 +74,8 @@ class RobotSessions final {
   [[nodiscard]] Standing StandingOf(StreamRef stream) const;
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
+  /// The robot's stream is to end. Returns it, to be woken; none if there is none.
+  StreamRef EndStream();
 
   // --- The robot's stream ---
 

@@ -11,7 +11,7 @@ Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime
   Attached attached;
   if (!current_) {
     current_ = stream;
-    current_superseded_ = false;
+    current_standing_ = Standing::kCurrent;
     connected_since_ = system_now;
     return attached;
   }
@@ -20,7 +20,7 @@ Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime
   attached.contested = AddTakeover(now);
   attached.to_wake.push_back(current_);
   if (next_) attached.to_wake.push_back(next_);
-  current_superseded_ = true;
+  current_standing_ = Standing::kSuperseded;
   next_ = stream;
   next_since_ = system_now;
   return attached;
@@ -39,9 +39,7 @@ bool Takeover::AddTakeover(SteadyTime now) {
 }
 
 Standing Takeover::StandingOf(StreamRef stream) const {
-  if (stream == current_) {
-    return current_superseded_ ? Standing::kSuperseded : Standing::kCurrent;
-  }
+  if (stream == current_) return current_standing_;
   return stream == next_ ? Standing::kWaiting : Standing::kSuperseded;
 }
 
@@ -52,13 +50,17 @@ StreamRef Takeover::Detach(StreamRef stream) {
   }
   if (stream != current_) return {};
   current_ = std::exchange(next_, {});
-  current_superseded_ = false;
+  current_standing_ = Standing::kCurrent;
   if (current_) connected_since_ = next_since_;
   return current_;
 }
 
 void Takeover::Supersede() {
-  if (current_) current_superseded_ = true;
+  if (current_) current_standing_ = Standing::kSuperseded;
+}
+
+void Takeover::End() {
+  if (current_ && current_standing_ == Standing::kCurrent) current_standing_ = Standing::kEnded;
 }
 
 void Takeover::Sweep(SteadyTime now) {

@@ -17,6 +17,8 @@ enum class Standing : std::uint8_t {
   kWaiting,
   /// A newer stream took over, or another process holds the robot: it must stop and Detach.
   kSuperseded,
+  /// It was ended on request: it must stop and Detach.
+  kEnded,
 };
 
 /// Which stream is the robot's: a newer one replaces the older, which must confirm its end first.
@@ -42,6 +44,8 @@ class Takeover final {
   StreamRef Detach(StreamRef stream);
   /// Another process holds the robot: the current stream must stop.
   void Supersede();
+  /// The current stream is to stop, though nothing takes its place.
+  void End();
   /// Lets old takeovers go, so that a robot that calmed down is contested no more.
   void Sweep(SteadyTime now);
 
@@ -59,8 +63,8 @@ class Takeover final {
   StreamRef current_;
   /// Waits for the current one to confirm its end.
   StreamRef next_;
-  /// The current stream must stop: superseded by next_, or by another process.
-  bool current_superseded_ = false;
+  /// Anything but kCurrent: it must stop.
+  Standing current_standing_ = Standing::kCurrent;
   bool contested_ = false;
   SystemTime connected_since_;
   SystemTime next_since_;

@@ -154,7 +154,7 @@ void Session::EndWhenSettled() {
   if (state_ != State::kSettling || intake_->pending()) return;
   if (robot_.waiting() > 0) return;
   // Another process took the robot, and what waited with it: the wake that is on its way ends this.
-  if (robot_.standing() == robot::Standing::kSuperseded) return;
+  if (robot_.standing() != robot::Standing::kCurrent) return;
   if (!last_ack_queued_) {
     last_ack_queued_ = true;
     outgoing_.MakeAckDue();
@@ -191,6 +191,8 @@ void Session::OnWake() {
     case robot::Standing::kSuperseded:
       context_.probe.superseded_total.Add();
       return Finish(absl::AbortedError("superseded"));
+    case robot::Standing::kEnded:
+      return Finish(absl::UnavailableError("an operator ended the stream"));
     case robot::Standing::kWaiting:
       return;
     case robot::Standing::kCurrent:

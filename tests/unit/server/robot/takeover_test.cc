@@ -78,6 +78,20 @@ TEST_F(RobotTakeoverTest, AnotherProcessSupersedesTheCurrentStream) {
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
 }
 
+TEST_F(RobotTakeoverTest, AStreamThatIsEndedOnRequestMakesRoomForTheNext) {
+  takeover_.End();
+  EXPECT_EQ(Attach(1).standing, Standing::kCurrent) << "there was none to end";
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kCurrent);
+  takeover_.End();
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kEnded);
+  EXPECT_EQ(Attach(2).standing, Standing::kWaiting);
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
+  takeover_.End();
+  EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded) << "it was told so already";
+  takeover_.Detach(Stream(1));
+  EXPECT_EQ(takeover_.StandingOf(Stream(2)), Standing::kCurrent);
+}
+
 TEST_F(RobotTakeoverTest, MoreThanTheLimitInAMinuteIsContestedUntilASweepAfterIt) {
   Attach(0);
   for (std::uint32_t i = 1; i <= kTakeoversPerMinuteMax; ++i) EXPECT_FALSE(Attach(i).contested);

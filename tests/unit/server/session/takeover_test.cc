@@ -25,6 +25,20 @@ TEST_F(TakeoverTest, TheNewerStreamWaitsUntilTheOlderHasConfirmed) {
   EXPECT_EQ(server().probe().superseded_total.value(), 1);
 }
 
+TEST_F(TakeoverTest, AStreamThatAnOperatorEndsLeavesWhatItTookToCommit) {
+  BenchStream& stream = server().Connect(SessionOf(1));
+  static_cast<void>(stream.Said());
+  stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
+  server().robot().sessions.EndStream().Wake();
+  server().DeliverWakes();
+  EXPECT_EQ(stream.end(), "UNAVAILABLE: an operator ended the stream");
+  EXPECT_EQ(server().probe().superseded_total.value(), 0);
+  server().Commit();
+  EXPECT_THAT(Stored(1), ElementsAre(1));
+  BenchStream& next = server().Connect(SessionOf(1));
+  EXPECT_THAT(next.Said(), ElementsAre("welcome 2", "ack 2 judged 2"));
+}
+
 TEST_F(TakeoverTest, TheSameSessionGoesOnInTheSameWindow) {
   BenchStream& older = server().Connect(SessionOf(1));
   older.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
