@@ -30,6 +30,7 @@
 #include "server/rcan/scrape.h"
 #include "server/relay/server.h"
 #include "server/store/clock_rounds.h"
+#include "server/store/forget_rounds.h"
 #include "server/store/lease_rounds.h"
 #include "server/store/open.h"
 #include "server/store/seed_rounds.h"
@@ -62,6 +63,8 @@ class App::Impl {
                 {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
                  options_.config.presence, store::IsGone,
                  [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
+        forget_rounds_({fleet_, journals_, options_.clock, options_.logger, *stores_.removal,
+                        options_.process, store::RowsRuleOf(options_.config), *stores_.clock}),
         clock_rounds_({options_.clock, *stores_.marks, *stores_.clock, options_.logger,
                        options_.kernel_clock_synchronised}),
         store_watch_({.facts = stores_.facts,
@@ -171,6 +174,7 @@ class App::Impl {
   }
 
   void BeginWork() {
+    forget_rounds_.Start();
     ground_.Open(site_);
     loop_.Post([this] {
       lifecycle::DoPeriodically(
@@ -219,6 +223,7 @@ class App::Impl {
     };
     steps.stop_writers = [this] {
       leases_.Stop();
+      forget_rounds_.Stop();
       writers_.Stop();
     };
     steps.stop_loop = [this] { ground_.StopLoop(); };
@@ -250,6 +255,7 @@ class App::Impl {
   fleet::Forgetting forgetting_;
   store::SeedRounds seed_rounds_;
   store::LeaseRounds leases_;
+  store::ForgetRounds forget_rounds_;
   store::ClockRounds clock_rounds_;
   store::Watch store_watch_;
   view::Queries queries_;

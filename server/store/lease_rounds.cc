@@ -105,15 +105,24 @@ void LeaseRounds::TakeUnlisted(const Listed& listed) {
   if (!adopts_.load()) return;
   // Whoever they were with until then may have been silent.
   const milliseconds grace = context_.presence.adopted_grace;
+  std::map<std::string, int> unlisted;
   for (const fleet::RobotPtr& robot : context_.fleet.All()) {
     bool foreign = false;
     robot->state.LookAt([&](const robot::StateView& view) { foreign = view.foreign; });
     if (!foreign || robot->leaving() || robot->HasStream() || listed.robots.contains(robot.get()))
       continue;
+    const auto before = unlisted_.find(robot->ruri());
+    const int looks = before == unlisted_.end() ? 1 : before->second + 1;
+    unlisted.emplace(robot->ruri(), looks);
+    if (looks > kUnlistedLooksMax) {
+      context_.fleet.BeginLeaving(*robot, robot::Robot::LeaveWhen::kAtOnce);
+      continue;
+    }
     context_.journals.Adopt({.client = robot.get(),
                              .request = {.robot = robot->id(), .holder = context_.process},
                              .grace = {.ended = grace, .silent = grace}});
   }
+  unlisted_ = std::move(unlisted);
 }
 
 fleet::RobotPtr LeaseRounds::FindOrAdmit(const storage::ForeignRobot& foreign) {

@@ -30,6 +30,10 @@
 
 namespace uplink::store {
 
+/// A robot that another process held, that is in nobody's list, and that the store did not give to
+/// us in so many looks has no row any more.
+inline constexpr int kUnlistedLooksMax = 4;
+
 /// Keeps this process's lease, and follows what other processes hold: shows their robots as they
 /// wrote them, lets go of robots that went to them, and adopts the robots of those that are over.
 ///
@@ -102,7 +106,8 @@ class LeaseRounds final {
   void Adopt(robot::Robot& robot, const storage::ForeignRobot& foreign,
              const LeaseJudge::Verdict& holder);
   /// Robots that were another's at the last look and are in nobody else's hands now: the store says
-  /// that they are ours, by an answer that never came.
+  /// that they are ours, by an answer that never came, or they have no row any more: then they
+  /// leave memory.
   void TakeUnlisted(const Listed& listed);
   void LogEnded(const Listed& listed);
   void NoteOutcome(const absl::Status& status);
@@ -118,6 +123,8 @@ class LeaseRounds final {
   std::set<storage::ProcessId> over_;
   /// Processes that were late in the last round: each is a line of the log once.
   std::map<storage::ProcessId, std::string> late_;
+  /// In how many looks, one after the other, a robot was in nobody's list; by RURI.
+  std::map<std::string, int> unlisted_;
   bool failing_ = false;
   std::atomic<std::uint16_t> port_{0};
   std::atomic<bool> adopts_{true};

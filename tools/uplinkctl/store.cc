@@ -10,6 +10,7 @@
 #include "storage/postgres/link/url.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/store_clock.h"
+#include "tools/uplinkctl/store_forget.h"
 
 namespace uplink::ctl {
 namespace {
@@ -23,6 +24,8 @@ struct Arguments {
   std::string grant_to;
   bool confirm = false;
   bool yes = false;
+  std::string ruri;
+  bool end_stream = false;
 };
 
 /// The store that is named on the command line, or else by the server's configuration.
@@ -58,6 +61,13 @@ int Clock(const Arguments& arguments) {
   return StoreClock({target->url, target->password_file, arguments.confirm, arguments.yes});
 }
 
+int Forget(const Arguments& arguments) {
+  const absl::StatusOr<AdminOptions> target = AnyTarget(arguments);
+  if (!target.ok()) return ExitOf(target.status());
+  return StoreForget(
+      {target->url, target->password_file, arguments.ruri, arguments.end_stream, arguments.yes});
+}
+
 int Migrate(const Arguments& arguments) {
   const absl::StatusOr<AdminOptions> target = Target(arguments);
   if (!target.ok()) return ExitOf(target.status());
@@ -90,8 +100,8 @@ int Status(const Arguments& arguments) {
 }  // namespace
 
 void AddStore(CLI::App& app, Action& action) {
-  CLI::App* const noun =
-      app.add_subcommand("store", "The store: its schema, and the clock that it trusts");
+  CLI::App* const noun = app.add_subcommand(
+      "store", "The store: its schema, its robots, and the clock that it trusts");
   noun->require_subcommand(1);
   const auto arguments = std::make_shared<Arguments>();
   const auto add = [&](const char* name, const char* text) {
@@ -116,6 +126,13 @@ void AddStore(CLI::App& app, Action& action) {
   clock->add_flag("--confirm", arguments->confirm,
                   "Vouch for it: the store's mark becomes this machine's time");
   clock->add_flag("--yes", arguments->yes, "Do not ask first");
+  CLI::App* const forget =
+      add("forget", "Delete all that the store has of a robot; 1 if the robot stays");
+  forget->add_option("ruri", arguments->ruri, "The robot: rcan://...")->required();
+  forget->add_flag("--end-stream", arguments->end_stream,
+                   "End the robot's stream first, and wait for its records");
+  forget->add_flag("--yes", arguments->yes, "Do not ask first");
+  forget->callback([arguments, &action] { action = [arguments] { return Forget(*arguments); }; });
   clock->callback([arguments, &action] { action = [arguments] { return Clock(*arguments); }; });
 }
 

@@ -1,9 +1,8 @@
 #include "tools/uplinkctl/store_clock.h"
 
-#include <cstdio>
-#include <iostream>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <absl/status/statusor.h>
@@ -17,6 +16,7 @@
 #include "storage/postgres/link/url.h"
 #include "storage/sqlite/clock_marks.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/question.h"
 
 namespace uplink::ctl {
 namespace {
@@ -74,13 +74,8 @@ store::Voucher Show(const store::ClockFacts& facts) {
   return voucher;
 }
 
-/// Whoever answers anything but `yes` is asked for nothing else.
-bool Asked() {
-  fmt::print("Is this machine's time right? Whatever is too old by it will be deleted. yes/no: ");
-  static_cast<void>(std::fflush(stdout));
-  std::string answer;
-  return std::getline(std::cin, answer) && answer == "yes";
-}
+constexpr std::string_view kQuestion =
+    "Is this machine's time right? Whatever is too old by it will be deleted.";
 
 }  // namespace
 
@@ -92,7 +87,7 @@ int StoreClock(const StoreClockRequest& request) {
   if (!facts.ok()) return ExitOf(facts.status());
   const store::Voucher voucher = Show(*facts);
   if (!request.confirm) return voucher == store::Voucher::kNobody ? kExitFailed : kExitDone;
-  if (!request.yes && !Asked()) {
+  if (!request.yes && !SaysYes(kQuestion)) {
     fmt::print("nothing was changed\n");
     return kExitFailed;
   }

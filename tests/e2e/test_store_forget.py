@@ -1,0 +1,123 @@
+"""`uplinkctl store forget` beside real servers, on both stores."""
+
+import subprocess
+import unittest
+
+from harness import BIN, Cluster, EndToEnd, Fleet, Server, uplinkctl, wait_until
+
+DEADLINE_SECONDS = 60
+ROBOTS = 3
+SETTINGS = """
+[presence]
+timeout = "2s"
+startup_grace = "0"
+"""
+
+
+class StoreForget(EndToEnd):
+    def keep(self, thing):
+        self.open_things.append(thing)
+        return thing
+
+    def robots(self, server, query=""):
+        answer = server.get(f"/api/v1/robots?pageSize=1000{query}") or {}
+        return {robot["ruri"]: robot for robot in answer.get("robots", [])}
+
+    def wait_for(self, server, condition, what):
+        return wait_until(server.process, condition, DEADLINE_SECONDS, f"{what}\n{server.text()[-2000:]}", 0.1)
+
+    def stream(self, server, seed=1):
+        fleet = self.keep(Fleet(server, "--robots", ROBOTS, "--ruri-prefix", "rcan://forget", "--seed", seed))
+        server.wait_for_status(lambda status: status["streams"] == str(ROBOTS), DEADLINE_SECONDS, "all stream")
+        self.wait_for(server, lambda: len(self.robots(server, "&presence=online")) == ROBOTS, "all are heard")
+        return fleet
+
+    def forget(self, *arguments, code=0):
+        return uplinkctl("store", "forget", "--url", self.url, *arguments, code=code)
+
+    def rows_of(self, ruri):
+        """The tables that have rows of it, as uplinkctl names them."""
+        done = subprocess.run([BIN / "uplinkctl", "store", "forget", "--url", self.url, ruri], input="no\n",
+                              capture_output=True, text=True, check=False, timeout=60)  # fmt: skip
+        self.assertEqual(done.returncode, 1, done.stderr)
+        lines = done.stdout.splitlines()
+        return [line.split()[0] for line in lines if line.startswith("  ")], done
+
+    def a_robot_is_forgotten(self, server):
+        fleet = self.stream(server)
+        ruris = sorted(self.robots(server))
+        done = self.forget("--yes", ruris[0], code=1)
+        self.assertIn("has a stream", done.stderr)
+        self.assertIn(ruris[0], self.robots(server))
+        fleet.finish()
+        server.wait_for_status(lambda status: status["streams"] == "0", DEADLINE_SECONDS, "all left")
+
+        # Asked first, and a no changes nothing.
+        tables, done = self.rows_of(ruris[0])
+        self.assertIn("nothing was deleted", done.stdout)
+        for table in ("robots", "sessions", "latest", "presence_changes"):
+            self.assertIn(table, tables)
+        self.assertIn(ruris[0], self.robots(server))
+        others, _ = self.rows_of(ruris[1])
+
+        self.assertIn("forgotten", self.forget("--yes", ruris[0]).stdout)
+        self.wait_for(server, lambda: sorted(self.robots(server)) == ruris[1:], "the server follows")
+        self.assertIn("forget_answered", server.text())
+        self.assertIn("nothing of", self.forget("--yes", ruris[0], code=1).stderr)
+        self.assertEqual(self.rows_of(ruris[1])[0], others)
+
+        # It is there again when it speaks, as a new one; what it sends is stored once.
+        fleet = self.stream(server, seed=2)
+        self.assertEqual(sorted(self.robots(server)), ruris)
+        return fleet, ruris
+
+    def test_a_robot_is_forgotten_beside_a_server_on_sqlite(self):
+        server = self.server(SETTINGS).start()
+        self.url = server.store_url
+        fleet, ruris = self.a_robot_is_forgotten(server)
+        # With its stream, which ends; the others do not notice, and it comes back.
+        self.assertIn("forgotten", self.forget("--yes", "--end-stream", ruris[2]).stdout)
+        server.wait_for_status(lambda status: status["streams"] == str(ROBOTS), DEADLINE_SECONDS, "it is back")
+        self.assertEqual(sorted(self.robots(server)), ruris)
+        fleet.finish()
+        self.assertEqual(server.terminate(DEADLINE_SECONDS), 0)
+        # Without a server.
+        self.assertIn("no server", self.forget("--yes", ruris[1]).stdout)
+        server.start()
+        self.assertEqual(sorted(self.robots(server)), [ruris[0], ruris[2]])
+
+    def test_a_robot_is_forgotten_beside_two_servers_on_postgres(self):
+        cluster = self.keep(Cluster(self.folder).create().migrate())
+        self.url = cluster.url("uplinkd")
+        servers = []
+        for name in "AB":
+            folder = self.folder / name
+            folder.mkdir()
+            if servers:
+                (folder / "pki").symlink_to(servers[0].pki)
+            servers.append(self.keep(Server(folder, SETTINGS, cluster.url("uplinkd"))).start())
+        fleet, ruris = self.a_robot_is_forgotten(servers[0])
+        self.wait_for(servers[1], lambda: sorted(self.robots(servers[1])) == ruris, "the other shows them")
+        fleet.finish()
+        servers[0].wait_for_status(lambda status: status["streams"] == "0", DEADLINE_SECONDS, "all left")
+        self.assertIn("forgotten", self.forget("--yes", ruris[1]).stdout)
+        for server in servers:
+            self.wait_for(server, lambda server=server: ruris[1] not in self.robots(server), "both follow")
+        # The holder is gone: nobody need be asked.
+        self.assertEqual(servers[1].terminate(DEADLINE_SECONDS), 0)
+        self.assertEqual(servers[0].terminate(DEADLINE_SECONDS), 0)
+        self.assertIn("no server", self.forget("--yes", ruris[0]).stdout)
+        servers[1].start()
+        self.assertEqual(sorted(self.robots(servers[1])), [ruris[2]])
+
+    def test_wrong_use_is_named(self):
+        self.url = "mysql://a"
+        self.assertIn("sqlite:///", self.forget("--yes", "rcan://a", code=2).stderr)
+        self.url = f"sqlite://{self.folder}/none.db"
+        self.assertIn("none.db", self.forget("--yes", "rcan://a", code=1).stderr)
+        self.assertFalse((self.folder / "none.db").exists())
+        self.assertIn("ruri", self.forget(code=2).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

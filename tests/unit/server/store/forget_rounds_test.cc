@@ -1,0 +1,241 @@
+#include "server/store/forget_rounds.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/journal/turns.h"
+#include "tests/support/fake_robot_removal.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::store {
+namespace {
+
+using storage::ForgetAnswer;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+constexpr storage::ProcessId kSelf{1};
+constexpr storage::ProcessId kOther{2};
+constexpr storage::Epoch kEpoch = 7;
+
+/// The stream of the test's robot.
+struct Inbox final : robot::WakeInbox {
+  void Wake(std::uint64_t /*stream*/) override { ++woken; }
+  int woken = 0;
+};
+
+class ForgetRoundsTest : public ::testing::Test {
+ protected:
+  ForgetRoundsTest() {
+    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                             SystemTime at) { journals_.NotePresence(robot, presence, at); });
+    trust_.Note(true, ClockPair::Of(clock_));
+  }
+
+  /// A stream of the robot came, and it was heard.
+  void Come() {
+    const auto robot = fleet_.FindOrAdmit({kRuri, "f"});
+    ASSERT_TRUE(robot.ok());
+    static_cast<void>((*robot)->sessions.Attach(stream_, clock_.Steady(), clock_.System()));
+    const auto begun = (*robot)->sessions.Begin(model::SessionId({1}), clock_.Steady());
+    (*robot)->state.Claim(clock_.Steady());
+    journal_.Open(
+        **robot, begun->open_id,
+        {.robot = (*robot)->id(), .session = model::SessionId({1}), .at = clock_.System()});
+    Write();
+    (*robot)->state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  }
+  void Go() {
+    const fleet::RobotPtr robot = Shown();
+    robot->sessions.Detach(stream_, clock_.Steady());
+    robot->state.EndClaim();
+  }
+  [[nodiscard]] fleet::RobotPtr Shown() const { return fleet_.Find(kRuri); }
+  void Write() {
+    while (journal_.turns().Advance() == journal::Step::kWorked) {
+    }
+  }
+  void Ask(bool end_stream, std::optional<storage::ProcessId> owner = kSelf) {
+    static_cast<void>(removal_.Ask(kRuri, end_stream));
+    if (owner) removal_.pending.back().hold = storage::RobotHold{*owner, kEpoch};
+  }
+  /// What was answered after so many rounds at most.
+  storage::AnsweredForget AnswerIn(int rounds) {
+    for (int i = 0; i < rounds && removal_.answers.empty(); ++i) {
+      rounds_.Round();
+      Write();
+    }
+    return removal_.answers.empty() ? storage::AnsweredForget() : removal_.answers.begin()->second;
+  }
+
+  static constexpr const char* kRuri = "rcan://r";
+  testing::ManualClock clock_;
+  testing::FakeDatabase database_;
+  testing::FakeStore store_{database_, kSelf};
+  metrics::Ledger ledger_;
+  journal::JournalProbe probe_;
+  fleet::Fleet fleet_{clock_, 5, {}};
+  journal::Journal journal_{store_, {}, clock_, ledger_, probe_, kSelf};
+  journal::Shards journals_{{&journal_}};
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  Inbox inbox_;
+  const robot::StreamRef stream_{&inbox_, 1};
+  testing::FakeRobotRemoval removal_;
+  VouchedClock trust_{clock_};
+  ForgetRounds rounds_{{.fleet = fleet_,
+                        .journals = journals_,
+                        .clock = clock_,
+                        .logger = logger_,
+                        .removal = removal_,
+                        .process = kSelf,
+                        .rows = {.forget_after = std::chrono::hours(24),
+                                 .retain_history = std::chrono::hours(72),
+                                 .retain_quarantine = std::chrono::hours(48)},
+                        .trust = trust_}};
+};
+
+TEST_F(ForgetRoundsTest, ARobotWithoutAStreamLeavesMemoryAndThatIsAnswered) {
+  Come();
+  Go();
+  Ask(false);
+  const storage::AnsweredForget answer = AnswerIn(5);
+  EXPECT_EQ(answer.answer, ForgetAnswer::kLetGo);
+  EXPECT_EQ(answer.epoch, kEpoch);
+  EXPECT_EQ(Shown(), nullptr);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_answered ruri=rcan://r answer=let_go")));
+  const auto changes = store_.PresenceChanges({});
+  EXPECT_EQ(changes->rows.front().presence, model::Presence::kUnknown)
+      << "should it stay in the store, it is not online there for ever";
+}
+
+TEST_F(ForgetRoundsTest, OneThatIsNotInMemoryIsLetGoAtOnce) {
+  Ask(false);
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
+}
+
+TEST_F(ForgetRoundsTest, AStreamIsARefusal) {
+  Come();
+  Ask(false);
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kHasStream);
+  EXPECT_NE(Shown(), nullptr);
+  EXPECT_FALSE(Shown()->leaving());
+  EXPECT_EQ(Shown()->sessions.StandingOf(stream_), robot::Standing::kCurrent);
+}
+
+TEST_F(ForgetRoundsTest, AStreamIsEndedIfThatIsAsked) {
+  Come();
+  Ask(true);
+  EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
+  EXPECT_EQ(Shown()->sessions.StandingOf(stream_), robot::Standing::kEnded);
+  EXPECT_GT(inbox_.woken, 0);
+  Go();
+  EXPECT_EQ(AnswerIn(5).answer, ForgetAnswer::kLetGo);
+  EXPECT_EQ(Shown(), nullptr);
+}
+
+TEST_F(ForgetRoundsTest, WhatWaitsForTheStoreIsARefusalOrIsWaitedFor) {
+  Come();
+  Go();
+  Shown()->sessions.AddGap();
+  Ask(true);
+  EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
+  EXPECT_NE(Shown(), nullptr);
+  removal_.pending.clear();
+  Ask(false);
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kRecordsWait);
+  removal_.pending.clear();
+  removal_.answers.clear();
+  Shown()->sessions.OnGapsWritten(1);
+  Ask(false);
+  EXPECT_EQ(AnswerIn(5).answer, ForgetAnswer::kLetGo);
+}
+
+TEST_F(ForgetRoundsTest, TheRobotOfAnotherProcessIsNotOursToLetGo) {
+  Come();
+  Go();
+  Ask(false, kOther);
+  EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
+  EXPECT_NE(Shown(), nullptr);
+}
+
+TEST_F(ForgetRoundsTest, ARobotWhoseRowIsGoneIsFollowed) {
+  Come();
+  Go();
+  Ask(false, std::nullopt);
+  static_cast<void>(removal_.Finish(1));
+  for (int i = 0; i < 4; ++i) {
+    rounds_.Round();
+    Write();
+  }
+  EXPECT_EQ(Shown(), nullptr);
+}
+
+TEST_F(ForgetRoundsTest, ARobotThatIsThereAgainStays) {
+  Come();
+  Ask(false, std::nullopt);
+  static_cast<void>(removal_.Finish(1));
+  for (int i = 0; i < 4; ++i) rounds_.Round();
+  EXPECT_NE(Shown(), nullptr) << "it has a stream, and is about to have a row";
+  Go();
+  removal_.pending.front().hold = storage::RobotHold{kSelf, kEpoch + 1};
+  for (int i = 0; i < 4; ++i) rounds_.Round();
+  EXPECT_NE(Shown(), nullptr) << "it has a row";
+}
+
+TEST_F(ForgetRoundsTest, AStoreThatIsAwayIsAskedAgain) {
+  Ask(false);
+  removal_.status = absl::UnavailableError("away");
+  EXPECT_EQ(rounds_.Round(), kLookForForgottenEvery);
+  EXPECT_THAT(removal_.answers, IsEmpty());
+  removal_.status = absl::OkStatus();
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
+}
+
+TEST_F(ForgetRoundsTest, RowsOfSilentRobotsGoOnceNothingOfThemIsKept) {
+  Come();
+  removal_.silent = {{"rcan://gone", 3}, {kRuri, 4}};
+  clock_.Advance(std::chrono::seconds(1));
+  rounds_.Round();
+  EXPECT_THAT(removal_.removed, ElementsAre(Pair("rcan://gone", 3))) << "not one in memory";
+  EXPECT_EQ(removal_.silent_until, clock_.System() - std::chrono::hours(72 + 24));
+  removal_.removed.clear();
+  clock_.Advance(std::chrono::minutes(59));
+  rounds_.Round();
+  EXPECT_THAT(removal_.removed, IsEmpty());
+  clock_.Advance(std::chrono::minutes(1));
+  rounds_.Round();
+  EXPECT_THAT(removal_.removed, ElementsAre(Pair("rcan://gone", 3)));
+}
+
+TEST_F(ForgetRoundsTest, NoRowGoesByAClockThatNobodyVouchesFor) {
+  trust_.Note(false, ClockPair::Of(clock_));
+  removal_.silent = {{"rcan://gone", 3}};
+  rounds_.Round();
+  EXPECT_THAT(removal_.removed, IsEmpty());
+  trust_.Note(true, ClockPair::Of(clock_));
+  rounds_.Round();
+  EXPECT_THAT(removal_.removed, ElementsAre(Pair("rcan://gone", 3)));
+}
+
+TEST(RowsRule, RobotsKeepTheirRowsWhileAnythingIsKeptForEver) {
+  const std::chrono::hours day{24};
+  const SystemTime now = FromUnixMs(1'763'683'200'000);
+  EXPECT_EQ((RowsRule{day * 30, day * 90, day * 14}.Until(now)), now - day * 91);
+  EXPECT_EQ((RowsRule{day * 300, day * 90, day * 14}.Until(now)), now - day * 301);
+  EXPECT_EQ((RowsRule{milliseconds(0), day, day}.Until(now)), std::nullopt);
+  EXPECT_EQ((RowsRule{day, milliseconds(0), day}.Until(now)), std::nullopt);
+  EXPECT_EQ((RowsRule{day, day, milliseconds(0)}.Until(now)), std::nullopt);
+}
+
+}  // namespace
+}  // namespace uplink::store
