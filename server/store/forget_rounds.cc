@@ -31,7 +31,7 @@ const char* NameOf(ForgetAnswer answer) {
 milliseconds ForgetRounds::Round() {
   RemoveSilent();
   const auto pending = context_.removal.Pending();
-  if (!pending.ok()) return kLookForForgottenEvery;
+  if (!pending.ok()) return kLookAgainEvery;
   bool under_way = false;
   for (const storage::PendingForget& asked : *pending) {
     if (LookAt(asked) == Look::kUnderWay) under_way = true;

@@ -25,6 +25,8 @@ namespace uplink::store {
 inline constexpr milliseconds kLookForForgottenEvery{400};
 /// The same while one is on its way out.
 inline constexpr milliseconds kLookAtLeavingEvery{50};
+/// The same while the store does not answer.
+inline constexpr milliseconds kLookAgainEvery{2'500};
 /// How often rows are looked for of robots that were silent for longer than anything is kept.
 inline constexpr std::chrono::hours kRemoveSilentEvery{1};
 

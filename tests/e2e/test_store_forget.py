@@ -117,6 +117,8 @@ class StoreForget(EndToEnd):
         self.assertIn("none.db", self.forget("--yes", "rcan://a", code=1).stderr)
         self.assertFalse((self.folder / "none.db").exists())
         self.assertIn("ruri", self.forget(code=2).stderr)
+        # What the servers number their own records by is no robot.
+        self.assertIn("no RURI", self.forget("--yes", "server", code=2).stderr)
 
 
 if __name__ == "__main__":

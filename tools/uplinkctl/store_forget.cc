@@ -32,6 +32,7 @@ using storage::ForgetAnswer;
 /// what waits is committed first.
 constexpr std::chrono::seconds kAnswerWait{20};
 constexpr milliseconds kLookEvery{100};
+constexpr std::string_view kRuriPrefix = "rcan://";
 
 /// A store, and what else is known of who serves it.
 struct Target {
@@ -176,6 +177,11 @@ absl::Status Forget(Target& target, const StoreForgetRequest& request,
 }  // namespace
 
 int StoreForget(const StoreForgetRequest& request) {
+  // The store has rows of the servers' own beside those of robots.
+  if (!request.ruri.starts_with(kRuriPrefix)) {
+    return ExitOf(absl::InvalidArgumentError(
+        fmt::format("{} is no RURI: a robot's begins with {}", request.ruri, kRuriPrefix)));
+  }
   const SystemClock clock;
   absl::StatusOr<Target> target = Open(request, clock);
   if (!target.ok()) return ExitOf(target.status());

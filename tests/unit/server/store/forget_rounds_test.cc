@@ -195,7 +195,7 @@ TEST_F(ForgetRoundsTest, ARobotThatIsThereAgainStays) {
 TEST_F(ForgetRoundsTest, AStoreThatIsAwayIsAskedAgain) {
   Ask(false);
   removal_.status = absl::UnavailableError("away");
-  EXPECT_EQ(rounds_.Round(), kLookForForgottenEvery);
+  EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
   EXPECT_THAT(removal_.answers, IsEmpty());
   removal_.status = absl::OkStatus();
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
