@@ -15,16 +15,15 @@ bool RaiseCursor(KnownSession& session, model::Seq number, SystemTime at) {
   return true;
 }
 
-absl::StatusOr<bool> Decider::IsFenced(const Hold& hold) {
-  const absl::StatusOr<KnownRobot*> robot = known_.Robot(hold);
-  if (!robot.ok()) return robot.status();
-  return hold.held_since < (*robot)->held_since;
+absl::StatusOr<bool> Decider::IsFenced(const RobotRef& robot, Epoch held_since) {
+  const absl::StatusOr<KnownRobot*> known = known_.Robot(robot->ruri);
+  if (!known.ok()) return known.status();
+  return *known == nullptr || held_since < (*known)->held_since;
 }
 
 absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record) {
   UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
-  const absl::StatusOr<bool> fenced =
-      IsFenced({*record.robot, record.held_since, record.received_at});
+  const absl::StatusOr<bool> fenced = IsFenced(record.robot, record.held_since);
   if (!fenced.ok()) return fenced.status();
   if (*fenced) return Outcome{OutcomeKind::kFenced, std::nullopt};
   const absl::StatusOr<KnownSession*> session = known_.Session(record);
@@ -43,9 +42,9 @@ absl::StatusOr<Ruling> Decider::Judge(const CommitRecord& record) {
   ruling.change = PresentChangeOf(record, rules_);
   if (!ruling.change) return ruling;
   const PresentKey& key = ruling.change->key;
-  const absl::StatusOr<KnownRobot*> robot =
-      known_.Robot({*record.robot, record.held_since, record.received_at});
+  const absl::StatusOr<KnownRobot*> robot = known_.Robot(record.robot->ruri);
   if (!robot.ok()) return robot.status();
+  UPLINK_CHECK(*robot != nullptr, "a record of an unknown robot is fenced");
   const absl::StatusOr<std::optional<std::int64_t>> there = known_.ExpiryOf(key);
   if (!there.ok()) return there.status();
   ruling.was_present = there->has_value();
@@ -88,15 +87,15 @@ absl::StatusOr<bool> Decider::MakeRoom(const PresentChange& change, KnownRobot& 
 }
 
 absl::StatusOr<bool> Decider::Takes(const GapItem& gap) {
-  const absl::StatusOr<bool> fenced = IsFenced({*gap.robot, gap.held_since, gap.seen_at});
+  const absl::StatusOr<bool> fenced = IsFenced(gap.robot, gap.held_since);
   if (!fenced.ok()) return fenced.status();
   return !*fenced;
 }
 
 absl::StatusOr<OutcomeKind> Decider::Decide(const PresenceItem& item, KnownSession& session) {
-  const absl::StatusOr<std::optional<Epoch>> held_since = known_.HeldSince(item.robot->ruri);
-  if (!held_since.ok()) return held_since.status();
-  if (*held_since && item.held_since < **held_since) return OutcomeKind::kFenced;
+  const absl::StatusOr<bool> fenced = IsFenced(item.robot, item.held_since);
+  if (!fenced.ok()) return fenced.status();
+  if (*fenced) return OutcomeKind::kFenced;
   return RaiseCursor(session, item.number, item.at) ? OutcomeKind::kStored
                                                     : OutcomeKind::kDuplicate;
 }

@@ -32,13 +32,6 @@ struct KnownSession {
   SystemTime last_used;
 };
 
-/// Under which hold a record, or a gap, is committed.
-struct Hold {
-  const model::RobotId& robot;
-  Epoch held_since = 0;
-  SystemTime at;
-};
-
 /// What a store knows of the robots of a batch, as far as a decision asks for it. Each answer takes
 /// in what was decided before in the same batch: a store writes a record, or notes it, before the
 /// next one is decided.
@@ -51,12 +44,9 @@ class Known {
   Known& operator=(const Known&) = delete;
   virtual ~Known() = default;
 
-  /// A robot that the store does not know is entered as the hold says. The answer is valid for the
-  /// whole batch.
-  [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(const Hold& hold) = 0;
-  /// Since when the robot is held; nothing if the store does not know it.
-  [[nodiscard]] virtual absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) = 0;
-  /// Of a record whose robot was asked for. The answer is valid until the next call.
+  /// Null if the store does not know the robot. The answer is valid for the whole batch.
+  [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) = 0;
+  /// Of a record whose robot was asked for, and is known. The answer is valid until the next call.
   [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
   /// Why the record's number lies in quarantine; nothing if it does not.
   [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
@@ -94,6 +84,7 @@ struct Ruling {
 /// it asks for the next:
 ///
 /// 1. Look: the record is fenced, or was there before: that is its outcome, and nothing is written.
+///    Nobody holds a robot that the store does not know: what comes of it is fenced.
 /// 2. Otherwise it is new, and the session's cursor is its number now. A QuarantineItem goes to
 ///    quarantine and is stored.
 /// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
@@ -110,14 +101,14 @@ class Decider final {
   [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
   /// Of a good record that Look found new. What it lets pass counts from now on.
   [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
-  /// Whether the gap is to be written: false if another process holds the robot.
+  /// Whether the gap is to be written: false if it is fenced.
   [[nodiscard]] absl::StatusOr<bool> Takes(const GapItem& gap);
-  /// What becomes of a change of presence; kStored is to be written. `session` numbers it. One of a
-  /// robot that the store lost is taken.
+  /// What becomes of a change of presence; kStored is to be written. `session` numbers it.
   [[nodiscard]] absl::StatusOr<OutcomeKind> Decide(const PresenceItem& item, KnownSession& session);
 
  private:
-  absl::StatusOr<bool> IsFenced(const Hold& hold);
+  /// True if this process does not hold the robot since then, or not any more.
+  absl::StatusOr<bool> IsFenced(const RobotRef& robot, Epoch held_since);
   /// True if there is room for an upsert of the entry; it is counted then. `there` is when the
   /// entry that is there expires.
   absl::StatusOr<bool> MakeRoom(const PresentChange& change, KnownRobot& robot,

@@ -51,7 +51,8 @@ inline constexpr std::size_t kServerSessionsMax = 256;
 /// One life of one server process: 16 random bytes drawn at its start.
 using ProcessId = std::array<std::uint8_t, 16>;
 
-/// Counts the streams that were ever opened for a robot, by all processes; from 1.
+/// Drawn from the store's one sequence whenever a robot's stream is opened or it is adopted: from
+/// 1, never the same twice, and of one robot ever greater, even if its row went in between.
 using Epoch = std::uint64_t;
 
 /// A robot's identity, shared by all records of the robot. Immutable.
@@ -60,7 +61,7 @@ using RobotRef = std::shared_ptr<const model::RobotId>;
 /// Whether the stream that asked for an OpenStream is still there.
 enum class StreamState : std::uint8_t { kOpen, kEnded };
 
-/// A stream begins: raise the robot's epoch, read the session's cursor.
+/// A stream begins: draw the robot's next epoch, read the session's cursor.
 struct OpenRequest {
   RobotRef robot;
   model::SessionId session;
@@ -91,6 +92,8 @@ struct OpenResult {
   /// False: the stream had ended, and a process that did not release its lease holds the robot.
   /// Nothing was written, and nothing else is set.
   bool taken = true;
+  /// The store had a row of the robot before.
+  bool was_known = false;
   /// The epoch of this stream.
   Epoch epoch = 0;
   /// The epoch since which this process holds the robot without interruption. If it differs from
@@ -212,7 +215,8 @@ enum class OutcomeKind : std::uint8_t {
   kDuplicate,
   /// Not kept, now or (for a number at or below the cursor) earlier: its quarantine row says why.
   kRefused,
-  /// Another process holds the robot: nothing of the record was looked at.
+  /// This process does not hold the robot since then: another one does, or its row is gone. Nothing
+  /// of the record was looked at.
   kFenced,
 };
 

@@ -55,7 +55,7 @@ void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
                                         {.how = robot::HoldBegan::kOpened,
                                          .since = result.held_since,
                                          .presence = result.presence,
-                                         .was_known = result.epoch > 1});
+                                         .was_known = result.was_known});
   const robot::StreamRef stream =
       told.interrupted ? told.stream : open.client->OnOpened(open.open_id, result);
   stream.Wake();

@@ -108,8 +108,7 @@ absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
   const StoreOptions& options = impl_->options;
   return With<std::vector<Outcome>>([&](Connection& connection) {
-    return BatchCommit(connection, batch, options.process, options.rules, options.before_commit)
-        .Run();
+    return BatchCommit(connection, batch, options.rules, options.before_commit).Run();
   });
 }
 

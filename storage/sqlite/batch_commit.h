@@ -33,12 +33,11 @@ enum class Isolation : std::uint8_t {
 /// Thread: confined to the thread of its database.
 class BatchCommit final {
  public:
-  BatchCommit(Database& database, Tables& tables, const ProcessId& process, const StoreRules& rules,
-              Isolation isolation)
+  BatchCommit(Database& database, Tables& tables, const StoreRules& rules, Isolation isolation)
       : database_(database),
         tables_(tables),
         isolation_(isolation),
-        known_(tables, process, next_entry_),
+        known_(tables, next_entry_),
         decider_(known_, rules),
         writer_(tables, next_entry_) {}
 

@@ -7,24 +7,15 @@
 
 namespace uplink::storage::sqlite {
 
-absl::StatusOr<KnownRobot*> BatchKnown::Robot(const Hold& hold) {
-  const auto found = robots_.find(hold.robot.ruri);
+absl::StatusOr<KnownRobot*> BatchKnown::Robot(std::string_view ruri) {
+  const auto found = robots_.find(ruri);
   if (found != robots_.end()) return &found->second.known;
-  absl::StatusOr<std::optional<Epoch>> stored = tables_.deciding.HeldSince(hold.robot.ruri);
+  const absl::StatusOr<std::optional<Epoch>> stored = tables_.deciding.HeldSince(ruri);
   if (!stored.ok()) return stored.status();
-  if (!stored->has_value()) {
-    absl::Status inserted =
-        tables_.deciding.InsertRobot(hold.robot, hold.held_since, hold.at, process_);
-    if (!inserted.ok()) return inserted;
-    *stored = hold.held_since;
-  }
-  BatchRobot& robot = robots_[hold.robot.ruri];
+  if (!stored->has_value()) return nullptr;
+  BatchRobot& robot = robots_[ruri];
   robot.known.held_since = **stored;
   return &robot.known;
-}
-
-absl::StatusOr<std::optional<Epoch>> BatchKnown::HeldSince(std::string_view ruri) {
-  return tables_.deciding.HeldSince(ruri);
 }
 
 absl::StatusOr<KnownSession*> BatchKnown::Session(const CommitRecord& record) {

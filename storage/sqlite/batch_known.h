@@ -40,11 +40,10 @@ class BatchKnown final : public Known {
   using Robots = std::unordered_map<std::string_view, BatchRobot>;
 
   /// `next_entry` is the batch's count as it stands at each call.
-  BatchKnown(Tables& tables, const ProcessId& process, const EntryNumber& next_entry)
-      : tables_(tables), process_(process), next_entry_(next_entry) {}
+  BatchKnown(Tables& tables, const EntryNumber& next_entry)
+      : tables_(tables), next_entry_(next_entry) {}
 
-  [[nodiscard]] absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override;
-  [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) override;
+  [[nodiscard]] absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) override;
@@ -55,13 +54,12 @@ class BatchKnown final : public Known {
   [[nodiscard]] absl::StatusOr<std::size_t> DeleteExpired(PresentKind kind, std::string_view ruri,
                                                           std::int64_t now_ms) override;
 
-  /// A robot that was asked for.
+  /// A robot that was asked for, and is known.
   [[nodiscard]] BatchRobot& robot(std::string_view ruri) { return robots_.find(ruri)->second; }
   [[nodiscard]] const Robots& robots() const { return robots_; }
 
  private:
   Tables& tables_;
-  const ProcessId& process_;
   const EntryNumber& next_entry_;
   Robots robots_;
 };

@@ -21,25 +21,23 @@ absl::Status DecidingTables::Prepare(Database& database) {
   Preparer prepare(database);
   prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");
   prepare.Into(set_next_entry_, "UPDATE entries SET next_entry = ? WHERE id = 0");
+  prepare.Into(draw_epoch_, "UPDATE epochs SET last = last + 1 WHERE id = 0 RETURNING last");
   // The right sides of an update see the row as it was.
   prepare.Into(open_robot_,
                "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms,"
-               " last_seen_ms) VALUES (?1, ?2, 1, 1, ?3, ?4, ?4)"
-               " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = epoch + 1,"
-               " held_since = iif(owner = excluded.owner, held_since, epoch + 1),"
+               " last_seen_ms) VALUES (?1, ?2, ?5, ?5, ?3, ?4, ?4)"
+               " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = excluded.epoch,"
+               " held_since = iif(owner = excluded.owner, held_since, excluded.epoch),"
                " owner = excluded.owner, holder_silent = 0,"
                " last_seen_ms = max(last_seen_ms, excluded.last_seen_ms)"
                " RETURNING epoch, held_since");
   prepare.Into(adopt_robot_,
-               "UPDATE robots SET epoch = epoch + (owner <> ?3),"
-               " held_since = iif(owner = ?3, held_since, epoch + 1),"
+               "UPDATE robots SET epoch = iif(owner = ?3, epoch, ?5),"
+               " held_since = iif(owner = ?3, held_since, ?5),"
                " holder_silent = max(holder_silent, ?4 AND owner <> ?3), owner = ?3"
                " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since, holder_silent");
   prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
   prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
-  prepare.Into(insert_robot_,
-               "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms,"
-               " last_seen_ms) VALUES (?1, ?2, ?3, ?3, ?4, ?5, ?5)");
   prepare.Into(open_session_,
                "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
                " VALUES (?, ?, 0, ?, ?) ON CONFLICT (ruri, session) DO UPDATE"
@@ -68,22 +66,36 @@ absl::StatusOr<EntryNumber> DecidingTables::NextEntry() {
 
 absl::Status DecidingTables::SetNextEntry(EntryNumber next) { return set_next_entry_->Run(next); }
 
+absl::StatusOr<Epoch> DecidingTables::DrawEpoch() {
+  Rows rows = draw_epoch_->Select();
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return absl::InternalError("the store's count of epochs is gone");
+  return Unsigned(rows.Int(0));
+}
+
 absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request,
                                                       const ProcessId& process) {
+  const absl::StatusOr<std::optional<Epoch>> known = HeldSince(request.robot->ruri);
+  if (!known.ok()) return known.status();
+  const absl::StatusOr<Epoch> epoch = DrawEpoch();
+  if (!epoch.ok()) return epoch.status();
   Rows rows = open_robot_->Select(std::string_view(request.robot->ruri),
                                   std::string_view(request.robot->fleet), BlobOf(process),
-                                  UnixMs(request.at));
+                                  UnixMs(request.at), *epoch);
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();
   UPLINK_CHECK(*found, "an upsert returns its row");
-  return OpenedRobot{Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
+  return OpenedRobot{known->has_value(), Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
 }
 
 absl::StatusOr<AdoptResult> DecidingTables::AdoptRobot(const AdoptRequest& request,
                                                        const ProcessId& process) {
-  Rows rows =
-      adopt_robot_->Select(std::string_view(request.robot->ruri), BlobOf(request.holder),
-                           BlobOf(process), std::int64_t{request.end == HolderEnd::kSilent});
+  const absl::StatusOr<Epoch> epoch = DrawEpoch();
+  if (!epoch.ok()) return epoch.status();
+  Rows rows = adopt_robot_->Select(std::string_view(request.robot->ruri), BlobOf(request.holder),
+                                   BlobOf(process), std::int64_t{request.end == HolderEnd::kSilent},
+                                   *epoch);
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();
   AdoptResult result;
@@ -107,12 +119,6 @@ absl::StatusOr<std::optional<Epoch>> DecidingTables::HeldSince(std::string_view 
   if (!found.ok()) return found.status();
   if (!*found) return std::optional<Epoch>();
   return std::optional<Epoch>(Unsigned(rows.Int(0)));
-}
-
-absl::Status DecidingTables::InsertRobot(const model::RobotId& robot, Epoch held_since,
-                                         SystemTime at, const ProcessId& process) {
-  return insert_robot_->Run(std::string_view(robot.ruri), std::string_view(robot.fleet), held_since,
-                            BlobOf(process), UnixMs(at));
 }
 
 absl::StatusOr<SessionCursor> DecidingTables::OpenSession(const OpenRequest& request,

@@ -19,6 +19,8 @@ namespace uplink::storage::sqlite {
 
 /// A robot's row after a stream was opened.
 struct OpenedRobot {
+  /// The row was there before.
+  bool was_known = false;
   Epoch epoch = 0;
   Epoch held_since = 0;
 };
@@ -49,9 +51,6 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<std::optional<StoredPresence>> Presence(std::string_view ruri);
   /// Nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri);
-  /// For a robot that the store lost.
-  [[nodiscard]] absl::Status InsertRobot(const model::RobotId& robot, Epoch held_since,
-                                         SystemTime at, const ProcessId& process);
 
   /// Creates the row if there is none; `next_entry` is its first then.
   [[nodiscard]] absl::StatusOr<SessionCursor> OpenSession(const OpenRequest& request,
@@ -66,8 +65,11 @@ class DecidingTables final {
   [[nodiscard]] absl::Status DeleteSession(std::string_view ruri, const model::SessionId& session);
 
  private:
-  std::unique_ptr<Statement> next_entry_, set_next_entry_, open_robot_, adopt_robot_, presence_,
-      held_since_, insert_robot_, open_session_, find_session_, raise_cursor_, sessions_,
+  /// One that was never given, above all that were.
+  [[nodiscard]] absl::StatusOr<Epoch> DrawEpoch();
+
+  std::unique_ptr<Statement> next_entry_, set_next_entry_, draw_epoch_, open_robot_, adopt_robot_,
+      presence_, held_since_, open_session_, find_session_, raise_cursor_, sessions_,
       delete_session_;
 };
 

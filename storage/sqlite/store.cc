@@ -106,6 +106,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   if (!session.ok()) return session.status();
 
   OpenResult result;
+  result.was_known = robot->was_known;
   result.epoch = robot->epoch;
   result.held_since = robot->held_since;
   result.cursor = session->cursor;
@@ -169,8 +170,7 @@ absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
     return InTransaction<std::vector<Outcome>>([&] {
-      return BatchCommit(*impl_->database, impl_->tables, impl_->options.process,
-                         impl_->options.rules, isolation)
+      return BatchCommit(*impl_->database, impl_->tables, impl_->options.rules, isolation)
           .Write(batch);
     });
   };

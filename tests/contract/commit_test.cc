@@ -102,6 +102,7 @@ TEST_P(StoreContract, KeepsACursorForEachRobotAndSession) {
   Open();
   storage::CommitRecord other_session = Good(5);
   other_session.session = Session(2);
+  OpenAlso({Robot("b")});
   storage::CommitRecord other_robot = Good(3);
   other_robot.robot = Robot("b");
   EXPECT_THAT(Commit({Good(9), other_session, other_robot}), Each(OutcomeKind::kStored));
@@ -171,13 +172,46 @@ TEST_P(StoreContract, KeepsOddTextsAsTheyAre) {
   EXPECT_THAT(History(query), SizeIs(0));
 }
 
-TEST_P(StoreContract, CommitsForARobotThatTheStoreLost) {
+TEST_P(StoreContract, FencesWhatIsCommittedForARobotThatHasNoRow) {
   held_since_ = 40;
-  EXPECT_THAT(Commit({Good(3)}), ElementsAre(OutcomeKind::kStored));
+  storage::Batch batch;
+  batch.records = {Good(3, Fault("f")), Bad(4)};
+  batch.gaps = {Gap(1, 2)};
+  for (const Outcome& outcome : Commit(batch)) EXPECT_EQ(outcome.kind, OutcomeKind::kFenced);
+  EXPECT_EQ(*store_->reader().RobotCount(), 0U) << "a batch makes no robot";
   const storage::OpenResult result = Open();
-  EXPECT_EQ(result.cursor, 3);
-  EXPECT_EQ(result.held_since, 40);
-  EXPECT_EQ(result.epoch, 41);
+  EXPECT_FALSE(result.was_known);
+  EXPECT_EQ(result.cursor, 0);
+  EXPECT_THAT(result.rejects, SizeIs(0));
+  EXPECT_THAT(History(), SizeIs(0));
+  EXPECT_THAT(Active(), SizeIs(0));
+  EXPECT_THAT(Quarantine(), SizeIs(0));
+  EXPECT_THAT(Gaps(), SizeIs(0));
+}
+
+TEST_P(StoreContract, FencesWhatIsCommittedForARobotWhoseRowWent) {
+  Open();
+  Commit({Good(1, Fault("f"))});
+  storage::OpenRequest of_other_robot = Request();
+  of_other_robot.robot = Robot("b");
+  const storage::Epoch hold = held_since_;
+  const storage::Epoch hold_of_other = Open(of_other_robot).held_since;
+  held_since_ = hold;
+  store_->DeleteRobotRow(robot_->ruri);
+  storage::CommitRecord other = Of(Robot("b"), Good(1, Fault("f")));
+  other.held_since = hold_of_other;
+  // Of what it has already, and of what is new; the rest of the batch goes on.
+  EXPECT_THAT(Commit({Good(1, Fault("f")), other, Good(2, Fault("g"))}),
+              ElementsAre(OutcomeKind::kFenced, OutcomeKind::kStored, OutcomeKind::kFenced));
+  CommitGaps({Gap(3, 4)});
+  EXPECT_THAT(Gaps(), SizeIs(0));
+  EXPECT_THAT(History(), SizeIs(2));
+  EXPECT_EQ(*store_->reader().RobotCount(), 1U);
+  const storage::OpenResult result = Open();
+  EXPECT_GT(result.held_since, hold);
+  EXPECT_EQ(result.cursor, 1) << "its session stayed";
+  EXPECT_THAT(Commit({Good(1, Fault("f")), Good(2, Fault("g"))}),
+              ElementsAre(OutcomeKind::kDuplicate, OutcomeKind::kStored));
 }
 
 }  // namespace

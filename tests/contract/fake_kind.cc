@@ -29,6 +29,7 @@ class FakeUnderTest final : public StoreUnderTest {
   void LoseNextAnswer(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kAfter); }
 
   void Reopen() override { stores_.clear(); }
+  void DeleteRobotRow(const std::string& ruri) override { database_.DeleteRobotRow(ruri); }
 
   void RefuseFault(const std::string& fault_id) override {
     rules_.refuse =

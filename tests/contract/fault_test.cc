@@ -69,6 +69,7 @@ TEST_P(StoreContract, KeysActiveFaultsByRobotFaultAndSource) {
   other_source.source = "arm";
   model::Fault no_source = Fault("f");
   no_source.source = "";
+  OpenAlso({Robot("b")});
   storage::CommitRecord other_robot = Good(1, Fault("f"));
   other_robot.robot = Robot("b");
   Commit({Good(1, Fault("f")), Good(2, other_source), Good(3, no_source), other_robot});
@@ -108,6 +109,7 @@ TEST_P(StoreContract, CountsActiveFaultsBySeverity) {
 
 TEST_P(StoreContract, BoundsTheActiveFaultsOfARobot) {
   Open();
+  OpenAlso({Robot("b")});
   std::vector<storage::CommitRecord> raises;
   model::Seq seq = 0;
   for (std::size_t i = 1; i < storage::kActiveFaultsPerRobotMax; ++i) {

@@ -78,6 +78,7 @@ TEST_P(LatestContract, KeepsEmptyOnes) {
 TEST_P(LatestContract, AnswersForSomeRobotsAndKinds) {
   Open();
   const auto robot_b = Robot("b");
+  OpenAlso({robot_b, Robot("c")});
   Commit({Good(1, Agent("a")), Good(2, test::SampleSettings()), Of(robot_b, Good(1, Agent("b"))),
           Of(robot_b, Good(2, test::SampleCapabilities())), Of(Robot("c"), Good(1, Agent("c")))});
   const auto agents_of = [&](const std::vector<std::string>& ruris) {
@@ -107,9 +108,12 @@ TEST_P(LatestContract, AnswersForAThousandRobots) {
   std::vector<std::string> ruris;
   const model::Record good = test::RecordOf(Agent("1"));
   Open();
-  for (int i = 0; i < 1'000; ++i) {
-    records.push_back(Of(Robot("r" + std::to_string(i)), With(1, good)));
-    ruris.push_back(records.back().robot->ruri);
+  std::vector<storage::RobotRef> robots;
+  for (int i = 0; i < 1'000; ++i) robots.push_back(Robot("r" + std::to_string(i)));
+  OpenAlso(robots);
+  for (const storage::RobotRef& robot : robots) {
+    records.push_back(Of(robot, With(1, good)));
+    ruris.push_back(robot->ruri);
   }
   Commit(std::move(records));
   const auto latest = Latest(ruris);

@@ -55,6 +55,17 @@ TEST_P(LiveContract, KeepsAllPartsAsTheyCame) {
   EXPECT_THAT(Read(), ElementsAre(row));
 }
 
+TEST_P(LiveContract, PassesOverARobotThatHasNoRow) {
+  Open();
+  EXPECT_EQ(Write({Row("first")}), 1U);
+  store_->DeleteRobotRow(robot_->ruri);
+  EXPECT_THAT(PassedOver({Row("second")}), ElementsAre(0U));
+  EXPECT_EQ(*store_->reader().RobotCount(), 0U);
+  EXPECT_THAT(Read(), ElementsAre(Row("first")));
+  Open();
+  EXPECT_EQ(Write({Row("third")}), 1U);
+}
+
 TEST_P(LiveContract, RobotsAreListedWithTheirLastSessionAsFarAsACheckpointSaysItIsSettled) {
   Open();
   Commit({Good(5)});

@@ -1,3 +1,5 @@
+#include <set>
+
 #include <gmock/gmock.h>
 
 #include "tests/contract/store_contract.h"
@@ -11,22 +13,76 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
-TEST_P(StoreContract, CountsEpochsFromOneAndKeepsTheHoldOfOneProcess) {
+TEST_P(StoreContract, RaisesTheEpochAndKeepsTheHoldOfOneProcess) {
   const OpenResult first = Open();
-  EXPECT_EQ(first.epoch, 1);
-  EXPECT_EQ(first.held_since, 1);
+  EXPECT_GE(first.epoch, 1) << "0 is no epoch";
+  EXPECT_EQ(first.held_since, first.epoch);
   EXPECT_EQ(first.cursor, 0);
   EXPECT_TRUE(first.rejects_complete);
   const OpenResult second = Open();
-  EXPECT_EQ(second.epoch, 2);
-  EXPECT_EQ(second.held_since, 1);
+  EXPECT_GT(second.epoch, first.epoch);
+  EXPECT_EQ(second.held_since, first.held_since);
 }
 
-TEST_P(StoreContract, CountsEpochsARobot) {
-  Open();
+TEST_P(StoreContract, NeverGivesAnEpochTwice) {
+  std::vector<storage::OpenRequest> requests;
+  for (const char* name : {"a", "b", "c"}) {
+    requests.push_back(Request());
+    requests.back().robot = Robot(name);
+  }
+  std::vector<storage::Epoch> epochs;
+  const auto open_all = [&](std::uint8_t process) {
+    const auto results = store_->Process(process).OpenStreams(requests);
+    ASSERT_TRUE(results.ok()) << results.status();
+    for (const OpenResult& result : *results) epochs.push_back(result.epoch);
+  };
+  open_all(kProcess);
+  open_all(kProcess);
+  open_all(kOther);
+  std::vector<storage::AdoptRequest> adopts;
+  for (const storage::OpenRequest& request : requests) {
+    adopts.push_back({request.robot, storage::ProcessId{kOther}, 0});
+  }
+  const auto adopted = store_->Process(3).Adopt(adopts);
+  ASSERT_TRUE(adopted.ok()) << adopted.status();
+  for (const storage::AdoptResult& result : *adopted) {
+    epochs.push_back(result.held_since.value_or(0));
+  }
+  ASSERT_THAT(epochs, SizeIs(12));
+  EXPECT_THAT(std::set<storage::Epoch>(epochs.begin(), epochs.end()), SizeIs(12));
+  for (std::size_t i = requests.size(); i < epochs.size(); ++i) {
+    EXPECT_GT(epochs[i], epochs[i - requests.size()]) << "of one robot a later one is greater";
+  }
+}
+
+TEST_P(StoreContract, SaysWhetherItKnewTheRobot) {
+  EXPECT_FALSE(Open().was_known);
+  EXPECT_TRUE(Open().was_known);
+  EXPECT_TRUE(Open(Request(), kOther).was_known);
   storage::OpenRequest other = Request();
   other.robot = Robot("b");
-  EXPECT_EQ(Open(other).epoch, 1);
+  EXPECT_FALSE(Open(other).was_known) << "another's epochs say nothing of it";
+  const std::vector<storage::OpenRequest> both = {other, Request()};
+  const auto results = store_->Process(kProcess).OpenStreams(both);
+  ASSERT_TRUE(results.ok()) << results.status();
+  for (const OpenResult& result : *results) EXPECT_TRUE(result.was_known);
+  store_->DeleteRobotRow(robot_->ruri);
+  EXPECT_FALSE(Open().was_known) << "its row is new, whatever else there is of it";
+}
+
+TEST_P(StoreContract, FencesWhoHeldARobotBeforeItsRowWentAndCameAnew) {
+  const OpenResult stale = Open();
+  Commit({Good(1, Fault("f"))});
+  const storage::CommitRecord of_stale = Good(2, Fault("g"));
+  store_->DeleteRobotRow(robot_->ruri);
+  const OpenResult anew = Open(Request(), kOther);
+  EXPECT_GT(anew.held_since, stale.held_since);
+  EXPECT_EQ(anew.held_since, anew.epoch);
+  EXPECT_EQ(anew.cursor, 1) << "its session stayed";
+  EXPECT_THAT(Commit({of_stale}), ElementsAre(OutcomeKind::kFenced));
+  EXPECT_THAT(History(), SizeIs(1));
+  EXPECT_THAT(Commit({Good(2, Fault("g"))}, kOther), ElementsAre(OutcomeKind::kStored));
+  EXPECT_GT(Open().held_since, anew.held_since) << "and so it goes on";
 }
 
 TEST_P(StoreContract, AnswersEachRequestOfACallInOrder) {
@@ -36,19 +92,23 @@ TEST_P(StoreContract, AnswersEachRequestOfACallInOrder) {
   const auto results = store_->Process(kProcess).OpenStreams(requests);
   ASSERT_TRUE(results.ok()) << results.status();
   ASSERT_THAT(*results, SizeIs(3));
-  EXPECT_EQ((*results)[0].epoch, 1);
-  EXPECT_EQ((*results)[1].epoch, 1);
-  EXPECT_EQ((*results)[2].epoch, 2);
+  EXPECT_EQ((*results)[0].held_since, (*results)[0].epoch);
+  EXPECT_EQ((*results)[1].held_since, (*results)[1].epoch);
+  EXPECT_NE((*results)[0].epoch, (*results)[1].epoch);
+  EXPECT_GT((*results)[2].epoch, (*results)[0].epoch);
+  EXPECT_EQ((*results)[2].held_since, (*results)[0].held_since);
+  EXPECT_FALSE((*results)[0].was_known);
+  EXPECT_FALSE((*results)[1].was_known);
   EXPECT_TRUE(store_->Process(kProcess).OpenStreams({}).ok());
 }
 
 TEST_P(StoreContract, TellsAProcessThatAnotherHadTheRobotInBetween) {
   const OpenResult first = Open();
   const OpenResult between = Open(Request(), kOther);
-  EXPECT_EQ(between.epoch, 2);
-  EXPECT_EQ(between.held_since, 2);
+  EXPECT_GT(between.epoch, first.epoch);
+  EXPECT_EQ(between.held_since, between.epoch);
   const OpenResult again = Open();
-  EXPECT_EQ(again.held_since, 3);
+  EXPECT_GT(again.held_since, between.held_since);
   EXPECT_NE(again.held_since, first.held_since);
 }
 
@@ -89,12 +149,13 @@ TEST_P(StoreContract, KeepsNothingOfAnOpenThatFails) {
   const storage::OpenRequest request = Request();
   EXPECT_EQ(store_->Process(kProcess).OpenStreams({&request, 1}).status().code(),
             absl::StatusCode::kUnavailable);
-  EXPECT_EQ(Open().epoch, 1);
+  const OpenResult first = Open();
+  EXPECT_FALSE(first.was_known);
   store_->LoseNextAnswer(kProcess);
   EXPECT_FALSE(store_->Process(kProcess).OpenStreams({&request, 1}).ok());
   const OpenResult result = Open();
-  EXPECT_EQ(result.epoch, 3);
-  EXPECT_EQ(result.held_since, 1);
+  EXPECT_GT(result.epoch, first.epoch);
+  EXPECT_EQ(result.held_since, first.held_since);
 }
 
 TEST_P(StoreContract, ReturnsTheRejectsAboveWhatIsSettled) {

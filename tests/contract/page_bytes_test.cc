@@ -122,10 +122,12 @@ TEST_P(PageBytesContract, BoundTheLatestAfterAWholeRobot) {
   const model::Record agent = test::RecordOf(test::SampleAgentInfo());
   const std::size_t body_bytes = json::Text(capabilities).size();
   const std::size_t robots = kPageBytesMax / body_bytes + 8;
+  std::vector<storage::RobotRef> all;
+  for (std::size_t i = 0; i < robots; ++i) all.push_back(Robot(std::to_string(i)));
+  OpenAlso(all);
   std::vector<storage::CommitRecord> records;
   std::vector<std::string> ruris;
-  for (std::size_t i = 0; i < robots; ++i) {
-    const auto robot = Robot(std::to_string(i));
+  for (const storage::RobotRef& robot : all) {
     records.push_back(Of(robot, With(1, good)));
     records.push_back(Of(robot, With(2, agent)));
     ruris.push_back(robot->ruri);

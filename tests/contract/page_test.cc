@@ -91,6 +91,7 @@ TEST_P(StoreContract, GivesNoTokenWithTheLastPage) {
 
 TEST_P(StoreContract, FiltersByRobotFleetAndTime) {
   Open();
+  OpenAlso({Robot("b"), Robot("c")});
   const auto put = [this](const storage::RobotRef& robot, std::int64_t at) {
     storage::CommitRecord record = Good(static_cast<model::Seq>(at), Fault("f"));
     storage::CommitRecord bad = Bad(static_cast<model::Seq>(at) + 100'000);

@@ -84,6 +84,10 @@ class PostgresUnderTest final : public StoreUnderTest {
     processes_.clear();
   }
 
+  void DeleteRobotRow(const std::string& ruri) override {
+    database_.Shell().Run("DELETE FROM uplinkd.robots WHERE ruri = '" + ruri + "'");
+  }
+
   void RefuseFault(const std::string& fault_id) override {
     PostgresShell shell = database_.Shell();
     // The report is in the history by then, so that it shows whether that is taken back.

@@ -161,12 +161,18 @@ TEST_P(PresenceContract, ShowsInTheListOfRobotsAsTheLastPresenceAlone) {
   EXPECT_EQ(Robots().at(0).presence_since, Time(70));
 }
 
-TEST_P(PresenceContract, IsKeptOfARobotThatTheStoreLost) {
-  Commit(Changes({Change(1, Presence::kOnline)}));
-  EXPECT_THAT(Listed(), SizeIs(1));
-  EXPECT_THAT(Robots(), IsEmpty());
+TEST_P(PresenceContract, IsRefusedOfARobotThatHasNoRow) {
+  held_since_ = 40;
+  EXPECT_EQ(Commit(Changes({Change(1, Presence::kOnline)})).at(0).kind, OutcomeKind::kFenced);
   Open();
-  EXPECT_EQ(Robots().at(0).last_presence, Presence::kOnline);
+  EXPECT_EQ(Commit(Changes({Change(2, Presence::kOnline)})).at(0).kind, OutcomeKind::kStored);
+  store_->DeleteRobotRow(robot_->ruri);
+  EXPECT_EQ(Commit(Changes({Change(3, Presence::kOffline)})).at(0).kind, OutcomeKind::kFenced);
+  EXPECT_THAT(Listed(), ElementsAre(Presence::kOnline));
+  EXPECT_THAT(Robots(), IsEmpty());
+  const storage::OpenResult opened = Open();
+  ASSERT_TRUE(opened.presence.has_value()) << "what was kept of it before";
+  EXPECT_EQ(opened.presence->presence, Presence::kOnline);
 }
 
 TEST_P(PresenceContract, TakesNoneOfARobotsSessions) {

@@ -177,6 +177,7 @@ TEST_P(ReportContract, KeepsTheNameThatWasGivenLast) {
 
 TEST_P(ReportContract, TellsRunsApartByRobotMissionAndRun) {
   Open();
+  OpenAlso({Robot("b")});
   EXPECT_THAT(Commit({Good(1, Report("m1", "r1")), At(1, Good(2, Report("m2", "r1"))),
                       At(2, Good(3, Report("m1", "r2"))), At(3, Good(4, Report("", "r1"))),
                       At(4, StoreContract::Of(Robot("b"), Good(1, Report("m1", "r1")))),

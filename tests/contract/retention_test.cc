@@ -80,7 +80,7 @@ TEST_P(RetentionContract, KeepsWholeDaysOfEachHistory) {
   EXPECT_EQ(CursorNow(), last_);
   const auto robots = store_->reader().Robots(10);
   ASSERT_TRUE(robots.ok()) << robots.status();
-  ASSERT_THAT(*robots, SizeIs(1));
+  ASSERT_THAT(*robots, SizeIs(3)) << "those of Fresh";
   EXPECT_EQ(robots->front().last_presence, model::Presence::kOnline);
 }
 

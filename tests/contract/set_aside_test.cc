@@ -62,6 +62,7 @@ TEST_P(StoreContract, RefusesASecondCopyOfARejectedNumberInOneBatch) {
 
 TEST_P(StoreContract, DropsTheOldestPayloadsPastTheBoundAndKeepsTheirRows) {
   Open();
+  OpenAlso({Robot("b")});
   std::vector<storage::CommitRecord> records;
   for (model::Seq seq = 1; seq <= storage::kQuarantinePayloadsPerRobotMax; ++seq) {
     records.push_back(Bad(seq));

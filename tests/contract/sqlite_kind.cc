@@ -65,6 +65,10 @@ class SqliteUnderTest final : public StoreUnderTest {
     processes_.clear();
   }
 
+  void DeleteRobotRow(const std::string& ruri) override {
+    SqliteShell(path_).Run("DELETE FROM robots WHERE ruri = '" + ruri + "'");
+  }
+
   void RefuseFault(const std::string& fault_id) override {
     static_cast<void>(Process(1));
     // The report is in the history by then, so that it shows whether that is taken back.

@@ -1,5 +1,7 @@
 #include "tests/contract/store_contract.h"
 
+#include <algorithm>
+
 namespace uplink::testing {
 
 StoreContract::StoreContract() : store_(GetParam().make({})), robot_(Robot()) {}
@@ -69,10 +71,21 @@ storage::OpenResult StoreContract::Open(const storage::OpenRequest& request, std
   return results->front();
 }
 
+void StoreContract::OpenAlso(const std::vector<storage::RobotRef>& robots) {
+  std::vector<storage::OpenRequest> requests(robots.size(), Request());
+  for (std::size_t i = 0; i < robots.size(); ++i) requests[i].robot = robots[i];
+  const auto results = store_->Process(kProcess).OpenStreams(requests);
+  ASSERT_TRUE(results.ok()) << results.status();
+  for (const storage::OpenResult& result : *results) {
+    held_since_ = std::max(held_since_, result.held_since);
+  }
+}
+
 void StoreContract::Fresh(const storage::StoreRules& rules) {
   store_ = nullptr;
   store_ = GetParam().make(rules);
   Open();
+  OpenAlso({Robot("b"), Robot("c")});
 }
 
 std::vector<storage::Outcome> StoreContract::Commit(const storage::Batch& batch,

@@ -56,7 +56,11 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   storage::OpenResult Open(const storage::OpenRequest& request, std::uint8_t process = kProcess);
   storage::OpenResult Open() { return Open(Request()); }
 
-  /// An empty database, and a stream of the fixture's robot.
+  /// Opens streams of other robots, too. The hold of the records that follow then stands for all,
+  /// being the greatest.
+  void OpenAlso(const std::vector<storage::RobotRef>& robots);
+
+  /// An empty database, and streams of the fixture's robot and of the robots b and c.
   void Fresh(const storage::StoreRules& rules = {});
 
   std::vector<storage::Outcome> Commit(const storage::Batch& batch,

@@ -35,6 +35,8 @@ class StoreUnderTest {
   virtual void FailNextWrite(std::uint8_t number) = 0;
   /// The next write of the process is kept, and its answer is an error.
   virtual void LoseNextAnswer(std::uint8_t number) = 0;
+  /// The robot's row in `robots` goes, by another hand than a process's; all else of it stays.
+  virtual void DeleteRobotRow(const std::string& ruri) = 0;
   /// The database itself refuses raises of this fault.
   virtual void RefuseFault(const std::string& fault_id) = 0;
   /// Ends every connection and makes new ones: what is there afterwards lay in the database.

@@ -50,10 +50,9 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   for (const CommitRecord& record : batch.records) {
     outcomes.push_back(CommitOne(transaction, record));
   }
-  for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
+  for (const GapItem& gap : batch.gaps) WriteGap(gap);
   const auto is_fenced = [this](const storage::PresenceItem& item) {
-    const auto robot = robots_.find(item.robot->ruri);
-    return robot != robots_.end() && item.held_since < robot->second.held_since;
+    return IsFenced(item.robot, item.held_since);
   };
   std::ranges::move(presence_.Write(batch, entries_, is_fenced, rules.presence_without_cursor),
                     std::back_inserter(outcomes));
@@ -65,18 +64,17 @@ std::vector<storage::AdoptResult> FakeDatabase::Adopt(
   const std::lock_guard lock(mutex_);
   std::vector<storage::AdoptResult> results(requests.size());
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    const auto robot = robots_.find(requests[i].robot->ruri);
-    if (robot == robots_.end()) continue;
-    if (robot->second.owner != process) {
-      if (robot->second.owner != requests[i].holder) continue;
+    Robot* const robot = FindRobot(requests[i].robot->ruri);
+    if (robot == nullptr) continue;
+    if (robot->owner != process) {
+      if (robot->owner != requests[i].holder) continue;
       const auto lease = leases_.find(requests[i].holder);
       if (lease != leases_.end() && lease->second.counter > requests[i].lease_counter) continue;
-      robot->second.owner = process;
-      robot->second.held_since = ++robot->second.epoch;
-      if (requests[i].end == storage::HolderEnd::kSilent) robot->second.end = requests[i].end;
+      robot->owner = process;
+      robot->held_since = robot->epoch = DrawEpoch(*robot);
+      if (requests[i].end == storage::HolderEnd::kSilent) robot->end = requests[i].end;
     }
-    results[i] = {robot->second.held_since, presence_.Last(requests[i].robot->ruri),
-                  robot->second.end};
+    results[i] = {robot->held_since, presence_.Last(requests[i].robot->ruri), robot->end};
   }
   return results;
 }
@@ -107,7 +105,7 @@ std::vector<storage::ForeignRobot> FakeDatabase::RobotsOfOthers(const ProcessId&
   for (auto row = robots_.upper_bound(after);
        row != robots_.end() && robots.size() < storage::kForeignRobotsMax; ++row) {
     const Robot& robot = row->second;
-    if (robot.owner == process) continue;
+    if (robot.epoch == 0 || robot.owner == process) continue;
     storage::ForeignRobot foreign{.robot = robot.id,
                                   .holder = robot.owner,
                                   .held_since = robot.held_since,
@@ -149,9 +147,8 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
   std::vector<std::size_t> passed_over;
   for (std::size_t place = 0; place < rows.size(); ++place) {
     const storage::LiveRow& row = rows[place];
-    const auto robot = robots_.find(row.ruri);
-    if (robot == robots_.end() || robot->second.owner != process ||
-        robot->second.held_since != row.held_since) {
+    Robot* const robot = FindRobot(row.ruri);
+    if (robot == nullptr || robot->owner != process || robot->held_since != row.held_since) {
       passed_over.push_back(place);
       continue;
     }
@@ -160,7 +157,7 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
     kept.held_since = row.held_since;
     if (row.last_sign_of_life) kept.last_sign_of_life = row.last_sign_of_life;
     if (row.clock_skew_ms) kept.clock_skew_ms = row.clock_skew_ms;
-    if (row.session) robot->second.settled = row.session;
+    if (row.session) robot->settled = row.session;
     for (std::size_t kind = 0; kind < storage::kLivePartKinds; ++kind) {
       if (row.parts[kind]) kept.parts[kind] = row.parts[kind];
     }
@@ -215,12 +212,13 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
     result.taken = false;
     return result;
   }
-  if (robot.epoch == 0) robot.first_seen = request.at;
+  const bool was_known = robot.epoch != 0;
+  if (!was_known) robot.first_seen = robot.last_seen = request.at;
   robot.id = *request.robot;
   robot.end = storage::HolderEnd::kEnded;
   robot.last_seen = std::max(robot.last_seen, request.at);
-  ++robot.epoch;
-  if (robot.held_since == 0 || robot.owner != process) {
+  robot.epoch = DrawEpoch(robot);
+  if (!was_known || robot.owner != process) {
     robot.owner = process;
     robot.held_since = robot.epoch;
   }
@@ -228,6 +226,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   session.last_used = std::max(session.last_used, request.at);
 
   OpenResult result;
+  result.was_known = was_known;
   result.epoch = robot.epoch;
   result.held_since = robot.held_since;
   result.presence = presence_.Last(request.robot->ruri);
@@ -262,25 +261,39 @@ void FakeDatabase::EvictSessions(Robot& robot, const OpenRequest& request) {
   }
 }
 
-FakeDatabase::Robot& FakeDatabase::RobotOf(const storage::RobotRef& id, storage::Epoch held_since,
-                                           SystemTime at, const ProcessId& process) {
-  const auto found = robots_.find(id->ruri);
-  if (found != robots_.end()) return found->second;
-  Robot& robot = robots_[id->ruri];
-  robot.id = *id;
-  robot.epoch = held_since;
-  robot.held_since = held_since;
-  robot.owner = process;
-  robot.first_seen = at;
-  robot.last_seen = at;
-  return robot;
+FakeDatabase::Robot* FakeDatabase::FindRobot(std::string_view ruri) {
+  const auto found = robots_.find(ruri);
+  return found == robots_.end() || found->second.epoch == 0 ? nullptr : &found->second;
+}
+
+bool FakeDatabase::IsFenced(const storage::RobotRef& robot, storage::Epoch held_since) {
+  const Robot* const known = FindRobot(robot->ruri);
+  return known == nullptr || held_since < known->held_since;
+}
+
+storage::Epoch FakeDatabase::DrawEpoch(const Robot& robot) {
+  return epochs_in_each_row_ ? robot.epoch + 1 : ++epochs_;
+}
+
+void FakeDatabase::DeleteRobotRow(std::string_view ruri) {
+  const std::lock_guard lock(mutex_);
+  Robot* const robot = FindRobot(ruri);
+  if (robot == nullptr) return;
+  robot->epoch = robot->held_since = 0;
+  robot->owner = {};
+  robot->end = storage::HolderEnd::kEnded;
 }
 
 Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitRecord& record) {
   UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
-  Robot& robot = RobotOf(record.robot, record.held_since, record.received_at, transaction.process);
-  if (record.held_since < robot.held_since) return {OutcomeKind::kFenced, std::nullopt};
-
+  if (transaction.rules.batches_make_robots && FindRobot(record.robot->ruri) == nullptr) {
+    Robot& made = robots_[record.robot->ruri];
+    made.id = *record.robot;
+    made.epoch = made.held_since = record.held_since;
+    made.owner = transaction.process;
+  }
+  if (IsFenced(record.robot, record.held_since)) return {OutcomeKind::kFenced, std::nullopt};
+  Robot& robot = *FindRobot(record.robot->ruri);
   Session& session = robot.sessions[record.session];
   if (record.seq <= session.cursor) {
     if (transaction.rules.allow_cursor_lowering) session.cursor = record.seq;
@@ -371,9 +384,9 @@ void FakeDatabase::WriteQuarantine(Robot& robot, Session& session, const CommitR
   }
 }
 
-void FakeDatabase::WriteGap(const ProcessId& process, const GapItem& gap) {
-  Robot& robot = RobotOf(gap.robot, gap.held_since, gap.seen_at, process);
-  if (gap.held_since < robot.held_since) return;
+void FakeDatabase::WriteGap(const GapItem& gap) {
+  if (IsFenced(gap.robot, gap.held_since)) return;
+  Robot& robot = *FindRobot(gap.robot->ruri);
   const GapPlace place{gap.seen_at, ++entries_};
   const auto [known, fresh] = robot.gap_places.try_emplace({gap.session, gap.first}, place);
   if (!fresh) {

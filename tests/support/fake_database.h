@@ -56,6 +56,9 @@ struct FakeRules {
   /// A mutation: changes of presence are written whatever their number. A test that claims to watch
   /// them must fail with it.
   bool presence_without_cursor = false;
+  /// A mutation: a batch makes the row of a robot that has none. A test that claims to watch those
+  /// must fail with it.
+  bool batches_make_robots = false;
 };
 
 /// The durable rows behind FakeStores: what a kill of a process leaves. Several FakeStores share
@@ -89,6 +92,13 @@ class FakeDatabase final {
   [[nodiscard]] std::vector<storage::ForeignRobot> RobotsOfOthers(const storage::ProcessId& process,
                                                                   std::string_view after) const;
 
+  // What an operator, or a restored copy, does to the rows.
+  /// The robot's row in `robots` goes; all else of it stays.
+  void DeleteRobotRow(std::string_view ruri);
+  /// A mutation: a robot's epochs count from 1 in each life of its row, as if there were no
+  /// sequence. A test that claims to watch holds must fail with it.
+  void CountEpochsInEachRow() { epochs_in_each_row_ = true; }
+
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.
   [[nodiscard]] std::optional<model::Seq> Cursor(std::string_view ruri,
@@ -120,6 +130,7 @@ class FakeDatabase final {
   using GapPlace = std::pair<SystemTime, std::uint64_t>;
   struct Robot {
     model::RobotId id;
+    /// 0 while there is no row of it in `robots`.
     storage::Epoch epoch = 0;
     storage::Epoch held_since = 0;
     storage::ProcessId owner{};
@@ -146,8 +157,11 @@ class FakeDatabase final {
   storage::OpenResult OpenOne(const storage::ProcessId& process,
                               const storage::OpenRequest& request);
   static void EvictSessions(Robot& robot, const storage::OpenRequest& request);
-  Robot& RobotOf(const storage::RobotRef& id, storage::Epoch held_since, SystemTime at,
-                 const storage::ProcessId& process);
+  /// Null while there is no row of it in `robots`.
+  Robot* FindRobot(std::string_view ruri);
+  /// True if nobody holds the robot since then, or not any more.
+  [[nodiscard]] bool IsFenced(const storage::RobotRef& robot, storage::Epoch held_since);
+  [[nodiscard]] storage::Epoch DrawEpoch(const Robot& robot);
   storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
   std::optional<model::Rejection> Refusal(const Transaction& transaction, const Robot& robot,
                                           const storage::CommitRecord& record) const;
@@ -158,7 +172,7 @@ class FakeDatabase final {
                        const model::Rejection& rejection);
   std::size_t EraseQuarantine(SystemTime until);
   std::size_t EraseGaps(SystemTime until);
-  void WriteGap(const storage::ProcessId& process, const storage::GapItem& gap);
+  void WriteGap(const storage::GapItem& gap);
   [[nodiscard]] const SessionLog* FindLog(std::string_view ruri,
                                           const model::SessionId& session) const;
 
@@ -173,6 +187,8 @@ class FakeDatabase final {
   std::vector<Application> applications_;
   std::uint64_t entries_ = 0;
   std::uint64_t transactions_ = 0;
+  storage::Epoch epochs_ = 0;
+  bool epochs_in_each_row_ = false;
 };
 
 }  // namespace uplink::testing

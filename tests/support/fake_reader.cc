@@ -58,6 +58,7 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
   const std::lock_guard lock(database_.mutex_);
   std::vector<storage::RobotRow> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
+    if (robot.epoch == 0) continue;
     storage::RobotRow& row = rows.emplace_back();
     row.robot = robot.id;
     row.first_seen = robot.first_seen;
@@ -86,7 +87,8 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
 
 absl::StatusOr<std::size_t> FakeReader::RobotCount() {
   const std::lock_guard lock(database_.mutex_);
-  return database_.robots_.size();
+  return static_cast<std::size_t>(std::ranges::count_if(
+      database_.robots_, [](const auto& robot) { return robot.second.epoch != 0; }));
 }
 
 absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(const HistoryQuery& query) {

@@ -104,6 +104,8 @@ void ServerWorld::CommitBody(const std::string& ruri, const model::Body& body) {
 }
 
 void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presence) {
+  // A batch makes no robot.
+  if (database.EpochOf(ruri) == 0) static_cast<void>(Next(ruri));
   storage::Batch batch;
   batch.presence_session = session();
   batch.presence.push_back({.robot = fleet.Find(ruri)->id(),

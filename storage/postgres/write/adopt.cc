@@ -21,9 +21,11 @@ constexpr std::string_view kAdopt =
     " WHERE r.owner = $4::uuid OR (r.owner = u.holder AND NOT EXISTS (SELECT 1"
     " FROM uplinkd.processes AS p WHERE p.process = u.holder AND p.counter > u.counter))"
     " ORDER BY r.ruri FOR NO KEY UPDATE OF r)"
-    // The right sides see the row as it was.
-    " UPDATE uplinkd.robots AS r SET epoch = r.epoch + (r.owner <> $4::uuid)::int,"
-    " held_since = CASE WHEN r.owner = $4::uuid THEN r.held_since ELSE r.epoch + 1 END,"
+    // The right sides see the row as it was, and the epoch is drawn as in open_streams.cc.
+    " UPDATE uplinkd.robots AS r SET (epoch, held_since) = (SELECT"
+    " CASE WHEN r.owner = $4::uuid THEN r.epoch ELSE d.epoch END,"
+    " CASE WHEN r.owner = $4::uuid THEN r.held_since ELSE d.epoch END"
+    " FROM (SELECT greatest(nextval('uplinkd.epochs'), r.epoch + 1) AS epoch) AS d),"
     " holder_silent = r.holder_silent OR (r.owner <> $4::uuid AND r.ruri = ANY ($5::text[])),"
     " owner = $4::uuid FROM over WHERE r.ruri = over.ruri"
     " RETURNING r.ruri, r.held_since, r.holder_silent";

@@ -138,7 +138,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   absl::Status begun = Begin(connection_, kDoing);
   if (!begun.ok()) return begun;
-  absl::StatusOr<KnownRows> known = ReadKnown(connection_, Whole(), process_, rules_);
+  absl::StatusOr<KnownRows> known = ReadKnown(connection_, Whole(), rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
   Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, rows);
@@ -205,7 +205,7 @@ absl::Status BatchCommit::Isolate(const Slice& slice, const absl::Status& cause,
 
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteSlice(
     const Slice& slice, const std::optional<DatabaseRefusal>& refusal) {
-  absl::StatusOr<KnownRows> known = ReadKnown(connection_, slice, process_, rules_);
+  absl::StatusOr<KnownRows> known = ReadKnown(connection_, slice, rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
   Outcomes outcomes = DecideSlice(slice, *known, rules_, refusal, rows);

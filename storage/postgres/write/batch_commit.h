@@ -27,13 +27,9 @@ class BatchCommit final {
  public:
   /// `before_commit`, if set, is asked before each COMMIT is sent; what is not OK rolls back and is
   /// the answer. For tests.
-  BatchCommit(Connection& connection, const Batch& batch, const ProcessId& process,
-              const StoreRules& rules, const std::function<absl::Status()>& before_commit)
-      : connection_(connection),
-        batch_(batch),
-        process_(process),
-        rules_(rules),
-        before_commit_(before_commit) {}
+  BatchCommit(Connection& connection, const Batch& batch, const StoreRules& rules,
+              const std::function<absl::Status()>& before_commit)
+      : connection_(connection), batch_(batch), rules_(rules), before_commit_(before_commit) {}
 
   /// Errors: as Store::Commit. kAborted where transactions stood in each other's way.
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Run();
@@ -57,7 +53,6 @@ class BatchCommit final {
 
   Connection& connection_;
   const Batch& batch_;
-  const ProcessId& process_;
   const StoreRules& rules_;
   const std::function<absl::Status()>& before_commit_;
 };

@@ -24,13 +24,9 @@ class KnownByRows final : public Known {
  public:
   KnownByRows(KnownRows& known, BatchRows& rows) : known_(known), rows_(rows) {}
 
-  absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override {
-    return &known_.robots[hold.robot.ruri];
-  }
-  absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) override {
+  absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) override {
     const auto robot = known_.robots.find(ruri);
-    if (robot == known_.robots.end()) return std::optional<Epoch>();
-    return std::optional(robot->second.held_since);
+    return robot == known_.robots.end() ? nullptr : &robot->second;
   }
   absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     return &known_.sessions[{record.robot->ruri, record.session}];

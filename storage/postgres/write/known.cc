@@ -1,6 +1,7 @@
 #include "storage/postgres/write/known.h"
 
 #include <algorithm>
+#include <set>
 #include <vector>
 
 #include "storage/postgres/tables/present_sql.h"
@@ -10,11 +11,7 @@
 namespace uplink::storage::postgres {
 namespace {
 
-constexpr std::string_view kInsertRobots =
-    "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
-    " SELECT ruri, fleet, held, held, $5::uuid, seen_at, seen_at"
-    " FROM unnest($1::text[], $2::text[], $3::bigint[], $4::timestamptz[])"
-    " AS u (ruri, fleet, held, seen_at) ON CONFLICT (ruri) DO NOTHING";
+// A batch makes no robot: one that has no row is held by nobody.
 constexpr std::string_view kLockRobots =
     "SELECT ruri, held_since FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
     " ORDER BY ruri FOR NO KEY UPDATE";
@@ -27,7 +24,7 @@ constexpr std::string_view kInsertSessions =
     " AS u (ruri, session, held, used) LEFT JOIN uplinkd.robots AS r ON r.ruri = u.ruri"
     " LEFT JOIN LATERAL (SELECT l.part FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s ON true"
-    " WHERE s.part IS NULL AND (r.ruri IS NULL OR u.held >= r.held_since)"
+    " WHERE s.part IS NULL AND (u.ruri = 'server' OR u.held >= r.held_since)"
     " ON CONFLICT (ruri, session, part) DO NOTHING";
 constexpr std::string_view kReadSessions =
     "SELECT s.ruri, s.session, s.cursor_seq"
@@ -74,40 +71,15 @@ class Reads final {
   std::vector<Take> takes_;
 };
 
-void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
-  struct First {
-    const RobotRef* robot;
-    Epoch held_since;
-    SystemTime at;
-  };
-  std::map<std::string_view, First> robots;
-  for (const CommitRecord& record : slice.records()) {
-    robots.try_emplace(record.robot->ruri,
-                       First{&record.robot, record.held_since, record.received_at});
-  }
+void ReadRobots(const Slice& slice, KnownRows& known, Reads& reads) {
+  std::set<std::string_view> robots;
+  for (const CommitRecord& record : slice.records()) robots.insert(record.robot->ruri);
   if (slice.with_rest) {
-    for (const GapItem& gap : slice.batch->gaps) {
-      robots.try_emplace(gap.robot->ruri, First{&gap.robot, gap.held_since, gap.seen_at});
-    }
+    for (const GapItem& gap : slice.batch->gaps) robots.insert(gap.robot->ruri);
+    for (const PresenceItem& item : slice.batch->presence) robots.insert(item.robot->ruri);
   }
-  Array ruri{Type::kText}, fleet{Type::kText}, held{Type::kInt8}, at{Type::kTime};
   Array locked{Type::kText};
-  for (const auto& [name, first] : robots) {
-    ruri.Text(name);
-    fleet.Text((*first.robot)->fleet);
-    held.Int8(first.held_since);
-    at.Time(first.at);
-    locked.Text(name);
-  }
-  // A change of presence makes no robot.
-  if (slice.with_rest) {
-    for (const PresenceItem& item : slice.batch->presence) {
-      if (!robots.contains(item.robot->ruri)) locked.Text(item.robot->ruri);
-    }
-  }
-  StoreCall insert = StoreCallOf(kInsertRobots, {&ruri, &fleet, &held, &at});
-  insert.parameters.Uuid(model::SessionId(process));
-  reads.Add(std::move(insert));
+  for (const std::string_view ruri : robots) locked.Text(ruri);
   reads.Add(StoreCallOf(kLockRobots, {&locked}), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
       known.robots[Text(rows, row, 0)].held_since = static_cast<Epoch>(rows.Int(row, 1));
@@ -203,7 +175,10 @@ void ReadPresent(PresentKind kind, Named& named, KnownRows& known, Reads& reads)
   reads.Add(std::move(read), take_entries);
   reads.Add(StoreCallOf(sql.count.view(), {&counted}), [&known, index](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
-      known.robots[Text(rows, row, 0)].counts[index] = static_cast<std::size_t>(rows.Int(row, 1));
+      const auto robot = known.robots.find(rows.Bytes(row, 0));
+      // Rows of one that has none itself.
+      if (robot == known.robots.end()) continue;
+      robot->second.counts[index] = static_cast<std::size_t>(rows.Int(row, 1));
     }
   });
   const PresentBound& bound = BoundOf(kind);
@@ -232,10 +207,10 @@ void ReadAllPresent(const Slice& slice, const StoreRules& rules, KnownRows& know
 }  // namespace
 
 absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
-                                    const ProcessId& process, const StoreRules& rules) {
+                                    const StoreRules& rules) {
   KnownRows known;
   Reads reads;
-  ReadRobots(slice, process, known, reads);
+  ReadRobots(slice, known, reads);
   ReadSessions(slice, known, reads);
   ReadQuarantined(slice, known, reads);
   ReadAllPresent(slice, rules, known, reads);

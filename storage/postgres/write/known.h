@@ -48,7 +48,7 @@ struct KnownRows {
   using Entries = std::map<Entry, std::int64_t, EntryOrder>;
   using Number = std::tuple<std::string, model::SessionId, model::Seq>;
 
-  /// Each with the counts of the kinds that the slice names of it.
+  /// Those that have a row, each with the counts of the kinds that the slice names of it.
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
   /// Why a number lies in quarantine: of those that the slice names.
@@ -66,10 +66,9 @@ struct KnownRows {
   std::deque<std::string> kept;
 };
 
-/// Locks the rows of the slice's robots and sessions, making those that are missing, and reads what
-/// it touches. Within an open transaction; also draws the transaction's number.
+/// Locks the rows of the slice's robots and sessions, making those of sessions that are missing,
+/// and reads what it touches. Within an open transaction; also draws the transaction's number.
 [[nodiscard]] absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
-                                                  const ProcessId& process,
                                                   const StoreRules& rules);
 
 }  // namespace uplink::storage::postgres

@@ -15,19 +15,30 @@ namespace {
 
 constexpr std::string_view kDoing = "open streams";
 
-// The right sides of an update see the row as it was.
+// Epochs are drawn for each row alone, and with its lock held, so that of two that open a robot the
+// later has the greater one. A new row is locked by being there: it is made with epoch 0, which
+// says that it is new, and draws in the statement after. The right sides of an update see the row
+// as it was; they name it in what draws, which would otherwise be done once for all rows. The epoch
+// is above the row's last even where the sequence is not: logical replication leaves sequences
+// behind.
 constexpr std::string_view kOpenRobots =
     "INSERT INTO uplinkd.robots AS r (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
-    " SELECT ruri, fleet, 1, 1, $4::uuid, seen_at, seen_at"
+    " SELECT ruri, fleet, 0, 0, $4::uuid, seen_at, seen_at"
     " FROM unnest($1::text[], $2::text[], $3::timestamptz[]) AS u (ruri, fleet, seen_at)"
-    " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = r.epoch + 1,"
-    " held_since = CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE r.epoch + 1 END,"
+    " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet,"
+    " (epoch, held_since) = (SELECT d.epoch,"
+    " CASE WHEN r.owner = excluded.owner THEN r.held_since ELSE d.epoch END"
+    " FROM (SELECT greatest(nextval('uplinkd.epochs'), r.epoch + 1) AS epoch) AS d),"
     " owner = excluded.owner, holder_silent = false, last_seen = greatest(r.last_seen, "
     "excluded.last_seen)"
     // A stream that has ended ($5) takes its robot from nobody who did not release its lease.
     " WHERE NOT (r.ruri = ANY ($5::text[]) AND r.owner <> excluded.owner AND EXISTS (SELECT 1"
     " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"
     " RETURNING ruri, epoch, held_since";
+constexpr std::string_view kNumberNewRobots =
+    "UPDATE uplinkd.robots AS r SET (epoch, held_since) = (SELECT d.epoch, d.epoch"
+    " FROM (SELECT greatest(nextval('uplinkd.epochs'), r.epoch + 1) AS epoch) AS d)"
+    " WHERE r.ruri = ANY ($1::text[]) AND r.epoch = 0 RETURNING r.ruri, r.epoch";
 // A session's row is looked for from the greatest part down (see the migration of session parts).
 // The robots' rows are locked by then, so nobody adds the same session meanwhile.
 constexpr std::string_view kOpenSessions =
@@ -92,7 +103,7 @@ std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
 
 std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,
                                const ProcessId& process) {
-  Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime};
+  Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime}, new_ruri{Type::kText};
   Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime};
   Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
   Array ended{Type::kText}, evict_ruri{Type::kText}, held_ruri{Type::kText},
@@ -102,6 +113,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
     const OpenRequest& request = requests[index];
     ruris.push_back(name);
     ruri.Text(name);
+    new_ruri.Text(name);
     fleet.Text(request.robot->fleet);
     at.Time(request.at);
     if (request.stream == StreamState::kEnded) ended.Text(name);
@@ -124,6 +136,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.push_back(StoreCallOf(kOpenRobots, {&ruri, &fleet, &at}));
   calls.back().parameters.Uuid(model::SessionId(process));
   calls.back().parameters.Add(std::move(ended));
+  calls.push_back(StoreCallOf(kNumberNewRobots, {&new_ruri}));
   calls.push_back({kNextBatch, {}});
   calls.push_back(StoreCallOf(kOpenSessions, {&session_ruri, &session, &used}));
   calls.back().parameters.Uuid(model::SessionId(process));
@@ -150,16 +163,22 @@ void Take(const Wave& wave, std::span<const Result> answers, std::vector<OpenRes
     result.taken = true;
     result.epoch = static_cast<Epoch>(robots.Int(row, 1));
     result.held_since = static_cast<Epoch>(robots.Int(row, 2));
+    result.was_known = result.epoch != 0;
   }
-  const Result& sessions = answers[2];
+  const Result& numbered = answers[1];
+  for (int row = 0; row < numbered.rows(); ++row) {
+    OpenResult& result = result_of(numbered, row);
+    result.epoch = result.held_since = static_cast<Epoch>(numbered.Int(row, 1));
+  }
+  const Result& sessions = answers[3];
   for (int row = 0; row < sessions.rows(); ++row) {
     result_of(sessions, row).cursor = static_cast<model::Seq>(sessions.Int(row, 1));
   }
-  TakePresence(answers[5], [&](std::string_view name, StoredPresence presence) {
+  TakePresence(answers[6], [&](std::string_view name, StoredPresence presence) {
     OpenResult& result = results[wave.find(name)->second];
     if (result.taken) result.presence = presence;
   });
-  const Result& rejects = answers[3];
+  const Result& rejects = answers[4];
   for (int row = 0; row < rejects.rows(); ++row) {
     OpenResult& result = result_of(rejects, row);
     if (result.rejects.size() == kOpenRejectsMax) {

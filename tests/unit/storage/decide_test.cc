@@ -30,15 +30,10 @@ class PlainKnown final : public Known {
  public:
   using Entry = std::tuple<PresentKind, std::string, std::string, std::string>;
 
-  absl::StatusOr<KnownRobot*> Robot(const Hold& hold) override {
+  absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) override {
     if (!failure.ok()) return failure;
-    return &robots.try_emplace(hold.robot.ruri, KnownRobot{hold.held_since, {}}).first->second;
-  }
-  absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri) override {
-    if (!failure.ok()) return failure;
-    const auto robot = robots.find(std::string(ruri));
-    if (robot == robots.end()) return std::optional<Epoch>();
-    return std::optional(robot->second.held_since);
+    const auto robot = robots.find(ruri);
+    return robot == robots.end() ? nullptr : &robot->second;
   }
   absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     asked.emplace_back("session");
@@ -93,6 +88,8 @@ class PlainKnown final : public Known {
 
 class Decide : public ::testing::Test {
  protected:
+  Decide() { known_.robots["rcan://r"].held_since = 1; }
+
   CommitRecord Good(model::Seq seq, const model::Body& body) const {
     return {robot_, {}, seq, 1, FromUnixMs(kNowMs), test::RecordOf(body), "bytes", 5};
   }
@@ -117,9 +114,15 @@ class Decide : public ::testing::Test {
   Decider decider_{known_, rules_};
 };
 
-TEST_F(Decide, EntersARobotThatTheStoreDoesNotKnowAsItsRecordsSay) {
-  EXPECT_EQ(Kind(Note(1)), OutcomeKind::kStored);
-  EXPECT_EQ(known_.robots["rcan://r"].held_since, 1U);
+TEST_F(Decide, FencesWhateverComesOfARobotThatTheStoreDoesNotKnow) {
+  known_.robots.clear();
+  EXPECT_EQ(Kind(Note(1)), OutcomeKind::kFenced);
+  EXPECT_FALSE(*decider_.Takes({robot_, {}, 1, 2, 1, FromUnixMs(kNowMs)}));
+  KnownSession session;
+  EXPECT_EQ(*decider_.Decide({robot_, model::Presence::kOnline, FromUnixMs(kNowMs), 1, 3}, session),
+            OutcomeKind::kFenced);
+  EXPECT_THAT(known_.asked, IsEmpty());
+  EXPECT_THAT(known_.robots, IsEmpty()) << "and makes none";
 }
 
 TEST_F(Decide, FencesARecordOfAnOlderHoldAndLooksAtNothingOfIt) {
@@ -143,7 +146,7 @@ TEST_F(Decide, TakesAGapOfTheHoldAndDropsOneOfAnOlderHold) {
 TEST_F(Decide, LetsTheHolderAloneChangeThePresence) {
   KnownSession session;
   PresenceItem item{robot_, model::Presence::kOnline, FromUnixMs(kNowMs), 1, 3};
-  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kStored) << "of a robot that was lost";
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kStored);
   EXPECT_EQ(session.cursor, 1U);
   EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kDuplicate);
   known_.robots["rcan://r"].held_since = 4;
@@ -353,6 +356,7 @@ TEST_P(DecideBound, CountsARobotForItself) {
   known_.more[GetParam().kind] = 0;
   CommitRecord other = Good(1, GetParam().upsert("there", kNever));
   other.robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://s", "f"});
+  known_.robots["rcan://s"].held_since = 1;
   EXPECT_FALSE(decider_.Judge(other)->refusal);
 }
 

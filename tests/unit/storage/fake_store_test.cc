@@ -17,13 +17,25 @@ using ::testing::ElementsAre;
 
 class FakeStoreFaults : public ::testing::Test {
  protected:
+  /// At least that of any stream that a test opens.
+  static constexpr storage::Epoch kHold = 100;
+
+  FakeStoreFaults() { Open(store_); }
+
+  void Open(FakeStore& store) const {
+    const storage::OpenRequest request{robot_, Other(), 0, FromUnixMs(1), {}};
+    EXPECT_TRUE(store.OpenStreams({&request, 1}).ok());
+  }
+  /// A session that no test looks at.
+  static model::SessionId Other() { return model::SessionId({9}); }
+
   storage::Batch Numbers(model::Seq first, model::Seq last) const {
     storage::Batch batch;
     for (model::Seq seq = first; seq <= last; ++seq) {
       model::Message message;
       message.message = "m";
       batch.records.push_back(
-          {robot_, session_, seq, 1, FromUnixMs(1), test::RecordOf(message), "", 0});
+          {robot_, session_, seq, kHold, FromUnixMs(1), test::RecordOf(message), "", 0});
     }
     return batch;
   }
@@ -99,7 +111,7 @@ TEST_F(FakeStoreFaults, KeepsOrdersForSweepsFromTheOthers) {
 
 TEST_F(FakeStoreFaults, ShowsTheCursorOfPresenceUnderTheServersName) {
   storage::Batch batch;
-  batch.presence = {{robot_, model::Presence::kOnline, FromUnixMs(1), 4}};
+  batch.presence = {{robot_, model::Presence::kOnline, FromUnixMs(1), 4, kHold}};
   batch.presence_session = session_;
   EXPECT_EQ(database_.Cursor(storage::kServerRuri, session_), std::nullopt);
   ASSERT_TRUE(store_.Commit(batch).ok());
@@ -114,6 +126,7 @@ TEST_F(FakeStoreFaults, StoresTwiceOnlyWhenTheCursorMayBeLowered) {
     FakeRules rules;
     rules.allow_cursor_lowering = lowering;
     store.SetRules(rules);
+    Open(store);
     for (const auto& batch : {Numbers(1, 5), Numbers(2, 3), Numbers(4, 5)}) {
       ASSERT_TRUE(store.Commit(batch).ok());
     }

@@ -69,7 +69,7 @@ TEST_F(PostgresBatchTest, ABatchWithoutTroubleIsWrittenAtOnce) {
   const auto store = Store(1);
   const Epoch held = Open(*store).held_since;
   // What the other ways need first is taken away.
-  database_.Shell().Run("REVOKE INSERT ON uplinkd.robots FROM uplinkd");
+  database_.Shell().Run("REVOKE INSERT ON uplinkd.sessions FROM uplinkd");
   EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held), Note(2, held)}))),
             (std::vector{OutcomeKind::kStored, OutcomeKind::kStored}));
   // A duplicate needs the look, which fails now: so the first went without.
@@ -210,10 +210,9 @@ TEST_F(PostgresBatchTest, ADeadlockIsTriedAgain) {
 
 TEST_F(PostgresBatchTest, ACheckpointChangesItsRowInPlace) {
   const auto store = Store(1);
-  Open(*store);
   LiveRow row;
   row.ruri = robot_->ruri;
-  row.held_since = 1;
+  row.held_since = Open(*store).held_since;
   // Bytes that do not compress: PostgreSQL stores them apart.
   std::string& extras = row.parts[static_cast<std::size_t>(LivePart::kExtras)].emplace();
   std::mt19937 bytes;

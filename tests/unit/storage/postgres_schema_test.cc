@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -113,6 +115,29 @@ TEST_F(PostgresSchemaTest, LaterStepsAreGrantedToWhoWasGranted) {
   EXPECT_EQ(database_.Shell().Read("SELECT has_table_privilege('uplinkd',"
                                    " 'uplinkd.schema_migrations', 'INSERT')"),
             "f\n");
+}
+
+TEST_F(PostgresSchemaTest, EpochsBeginAboveAllThatRowsNameAndAServersRoleMayDrawThem) {
+  const auto owner = Owner();
+  const auto step = std::ranges::find_if(Migrations(), [](const Migration& migration) {
+    return std::string_view(migration.name).ends_with("_epochs");
+  });
+  ASSERT_NE(step, Migrations().end());
+  const auto before = static_cast<std::size_t>(step - Migrations().begin());
+  ASSERT_TRUE(Migrate(*owner, Migrations().first(before)).ok());
+  ASSERT_TRUE(GrantTo(*owner, "uplinkd").ok());
+  database_.Shell().Run(
+      "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
+      " SELECT 'rcan://' || n, 'f', n, 1, '07000000-0000-0000-0000-000000000000', now(), now()"
+      " FROM generate_series(1, 41) AS n;"
+      "INSERT INTO uplinkd.live (ruri, held_since) VALUES ('rcan://gone', 57)");
+  ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
+  PostgresShell server(database_.url());
+  EXPECT_EQ(server.Read("SELECT nextval('uplinkd.epochs')"), "58\n");
+  EXPECT_EQ(database_.Shell().Read("SELECT has_sequence_privilege('uplinkd', 'uplinkd.epochs',"
+                                   " 'UPDATE')"),
+            "f\n")
+      << "it draws, and sets nothing back";
 }
 
 TEST(PostgresPartitionsTest, TheServersRoleMakesAndDropsDays) {

@@ -141,6 +141,43 @@ TEST_F(JournalTest, ALostAnswerIsAskedForWithTheSameBatch) {
   EXPECT_THAT(bench.Stored(robot_), ElementsAre(1, 2, 3));
 }
 
+TEST_F(JournalTest, ARecordOfALostRobotEndsItsStreamAndIsTakenAfterTheNextOpen) {
+  JournalBench bench;
+  bench.Open(robot_);
+  bench.Open(other_);
+  bench.Append(robot_, 1);
+  bench.Run();
+  bench.database.DeleteRobotRow(robot_.robot()->ruri);
+  bench.Append(robot_, 2);
+  bench.Append(other_, 1);
+  bench.Run();
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 1", "settled 1", "fenced"));
+  EXPECT_THAT(other_.Told(), ElementsAre("opened 1", "settled 1")) << "the rest of the batch";
+  EXPECT_THAT(bench.Stored(robot_), ElementsAre(1));
+  EXPECT_EQ(bench.database.EpochOf(robot_.robot()->ruri), 0U) << "it was not made anew";
+  bench.Open(robot_, 2);
+  bench.Append(robot_, 2);
+  bench.Run();
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 2", "settled 2"));
+  EXPECT_THAT(bench.Stored(robot_), ElementsAre(1, 2));
+}
+
+TEST_F(JournalTest, AStaleHoldOfARobotThatCameAnewElsewhereIsFenced) {
+  JournalBench bench;
+  testing::FakeStore elsewhere(bench.database, storage::ProcessId{2});
+  bench.Open(robot_);
+  for (std::uint64_t i = 2; i <= 5; ++i) bench.Open(robot_, i);
+  bench.Run();
+  bench.database.DeleteRobotRow(robot_.robot()->ruri);
+  const storage::OpenRequest request{.robot = robot_.robot(), .session = JournalBench::kSession};
+  ASSERT_FALSE(elsewhere.OpenStreams({&request, 1})->front().was_known);
+  static_cast<void>(robot_.Told());
+  bench.Append(robot_, 1);
+  bench.Run();
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
+  EXPECT_THAT(bench.Stored(robot_), IsEmpty());
+}
+
 TEST_F(JournalTest, OpensGoAheadOfABatchThatFailed) {
   JournalBench bench;
   bench.Open(robot_);

@@ -101,6 +101,29 @@ TEST_F(FencingTest, TheRobotCanComeBack) {
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 3));
 }
 
+TEST_F(FencingTest, ARobotWhoseRowWentComesBackByItselfAndNothingIsLost) {
+  BenchStream& stream = mine_.Connect(SessionOf(1));
+  stream.Send(BatchFrame({{1, Fault()}}));
+  mine_.Commit();
+  EXPECT_EQ(stream.Said().back(), "ack 1 judged 1");
+  database_.DeleteRobotRow(kRobot);
+  stream.Send(BatchFrame({{2, Fault()}, {5, BadFault()}, {6, Motion()}}));
+  mine_.Commit();
+  EXPECT_EQ(stream.end(), "ABORTED: superseded");
+  EXPECT_THAT(Stored(1), ElementsAre(1));
+  EXPECT_EQ(database_.EpochOf(kRobot), 0U) << "a batch makes no robot";
+  EXPECT_EQ(mine_.counts().superseded, 2U);
+  EXPECT_EQ(mine_.counts().in_flight, 0);
+  // What was not acked is sent again, as after any end of a stream.
+  BenchStream& back = mine_.Connect(SessionOf(1), 1, 1);
+  EXPECT_THAT(back.Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+  back.Send(BatchFrame({{2, Fault()}, {5, BadFault()}}));
+  mine_.Commit();
+  EXPECT_THAT(back.Said(), ElementsAre("reject 5 missing_field faultId", "ack 5 judged 5"));
+  EXPECT_THAT(Stored(1), ElementsAre(1, 2));
+  EXPECT_EQ(mine_.counts().stored, 2U);
+}
+
 TEST_F(FencingTest, AHalfClosedStreamDoesNotEndOkWithoutItsRecords) {
   BenchStream& stream = mine_.Connect(SessionOf(1));
   stream.StopReading();

@@ -35,11 +35,13 @@ class RestoreTest : public ::testing::Test {
     changes.changed.set(static_cast<std::size_t>(storage::LivePart::kUsage));
     changes.parts.usage = model::UsageTelemetry{.unix_time_ms = 5, .reboot_count = reboots};
     changes.last_sign_of_life = FromUnixMs(1'763'683'200'000);
-    storage::LiveRow row = robot::ToRow(ruri, changes);
-    row.held_since = 1;
-    return row;
+    return robot::ToRow(ruri, changes);
   }
-  void Checkpoint(const storage::LiveRow& row) { ASSERT_TRUE(store_.Checkpoint({&row, 1}).ok()); }
+  /// Under the robot's hold in the store.
+  void Checkpoint(storage::LiveRow row) {
+    row.held_since = database_.EpochOf(row.ruri);
+    ASSERT_TRUE(store_.Checkpoint({&row, 1}).ok());
+  }
   robot::StateSnapshot State(const std::string& ruri) {
     return fleet_.Find(ruri)->state.Snapshot(robot::RobotState::Parts::kAll);
   }
