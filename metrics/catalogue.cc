@@ -55,7 +55,7 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kPresenceChanges, "uplinkd_presence_changes_total", kCounter, "changes",
      "Changes of presence that were stored, by what they led to.", kByPresence},
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",
-     "Changes of presence that the store refused: another server held the robot."},
+     "Changes of presence that the store refused: the server did not hold the robot."},
     {kRobotsAdopted, "uplinkd_robots_adopted_total", kCounter, "robots",
      "Robots that were adopted, since the server that held them was over."},
     {kLeaseRenewals, "uplinkd_lease_renewals_total", kCounter, "renewals",

@@ -73,6 +73,8 @@ void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
     metrics::Cell& written =
         context_.probe.presence_changes[static_cast<std::size_t>(items[i].presence)];
     (refused ? context_.probe.presence_refused : written).Add();
+    // Nobody else may say so: a robot that sends live messages alone commits nothing.
+    if (refused) holds_.LoseSince(items[i].robot, items[i].held_since).Wake();
   }
   context_.inbox.CountPresenceCommitted(items.size());
   batch_.ClearPresence();

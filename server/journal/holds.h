@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <unordered_map>
+
 #include "server/journal/held_robots.h"
 #include "server/journal/writer_context.h"
 #include "server/robot/commit_client.h"
@@ -28,14 +31,19 @@ class Holds final {
   /// The store answered that the robot is ours.
   Told Begin(robot::CommitClient& client, const storage::RobotRef& robot,
              const robot::HoldNews& news);
-  /// Another process holds the robot. Returns the stream to wake.
+  /// This process does not hold the robot: another one does, or the store lost it. Returns the
+  /// stream to wake.
   robot::StreamRef Lose(robot::CommitClient& client, const storage::RobotRef& robot);
+  /// The same of a hold that began then; nothing if the robot is held since later, or not at all.
+  robot::StreamRef LoseSince(const storage::RobotRef& robot, storage::Epoch since);
 
   [[nodiscard]] const HeldRobots& robots() const { return robots_; }
 
  private:
   const WriterContext context_;
   HeldRobots robots_;
+  /// Those that are held, by RURI. A robot leaves memory only when it is not (Adopting::LetLeave).
+  std::unordered_map<std::string, robot::CommitClient*> clients_;
 };
 
 }  // namespace uplink::journal

@@ -87,6 +87,30 @@ TEST_F(CommittingTest, ChangesOfPresenceAreDoneWithTheCommit) {
   EXPECT_THAT(robot_.Told(), IsEmpty());
 }
 
+TEST_F(CommittingTest, ARefusedChangeOfPresenceEndsTheHold) {
+  database.DeleteRobotRow(robot_.robot()->ruri);
+  inbox.NotePresence(robot_.robot(), model::Presence::kOnline, clock.System());
+  Commit();
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced")) << "its stream opens it anew";
+  EXPECT_EQ(wakes_.wakes(1), 1);
+  EXPECT_EQ(holds.robots().Since(robot_), 0U);
+  EXPECT_EQ(probe.presence_refused.value(), 1);
+  EXPECT_TRUE(inbox.idle());
+}
+
+TEST_F(CommittingTest, ARefusedChangeOfAnEarlierHoldEndsNothing) {
+  inbox.NotePresence(robot_.robot(), model::Presence::kOnline, clock.System());
+  ASSERT_TRUE(committing_.Gather());
+  database.DeleteRobotRow(robot_.robot()->ruri);
+  Hold(robot_);
+  const storage::Epoch since = holds.robots().Since(robot_);
+  static_cast<void>(robot_.Told());
+  ASSERT_EQ(committing_.Commit(), Step::kWorked);
+  EXPECT_EQ(probe.presence_refused.value(), 1);
+  EXPECT_THAT(robot_.Told(), IsEmpty());
+  EXPECT_EQ(holds.robots().Since(robot_), since);
+}
+
 TEST_F(CommittingTest, WhatBecameVoidIsDroppedAndMakesRoom) {
   Append(robot_, 1);
   AppendGap(robot_, 2);
