@@ -12,16 +12,23 @@ namespace uplink::simulation {
 /// The fake store on a database that outlives the processes. It can refuse records for good.
 class FakeBackend final : public Backend {
  public:
-  /// Planted faults: a cursor that may be lowered; changes of presence that no cursor guards.
-  enum class Cursor : std::uint8_t { kTrue, kMayFall, kNoneForPresence };
-  explicit FakeBackend(Cursor cursor = Cursor::kTrue) : cursor_(cursor) {}
+  /// Planted faults: a cursor that may be lowered; changes of presence that no cursor guards; rows
+  /// of robots that batches make.
+  enum class Fault : std::uint8_t {
+    kNone,
+    kCursorMayFall,
+    kNoCursorForPresence,
+    kBatchesMakeRobots
+  };
+  explicit FakeBackend(Fault fault = Fault::kNone) : fault_(fault) {}
 
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
   storage::Reader& Rows() override { return *store_; }
+  void DeleteRobotRow(const std::string& ruri) override { database_.DeleteRobotRow(ruri); }
 
  private:
-  const Cursor cursor_;
+  const Fault fault_;
   testing::FakeDatabase database_;
   std::unique_ptr<testing::FakeStore> store_;
 };

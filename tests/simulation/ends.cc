@@ -22,8 +22,14 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
   switch (code) {
     case absl::StatusCode::kOk:
       return half_closed.has_value();
-    case absl::StatusCode::kAborted:
-      return server_->NewestOf(stream.ruri()) > id;
+    case absl::StatusCode::kAborted: {
+      if (server_->NewestOf(stream.ruri()) > id) return true;
+      // It was fenced, or finds that its robot is held anew.
+      std::uint64_t& deletions = deletions_[stream.ruri()];
+      if (deletions == 0) return false;
+      --deletions;
+      return true;
+    }
     case absl::StatusCode::kUnavailable:
       return server_->draining ||
              (half_closed && clock_.Steady() - *half_closed >= limits_.session.drain_timeout);
@@ -40,11 +46,12 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
 std::string ToText(const RunResult& result) {
   const metrics::UplinkCounts& uplinks = result.uplinks;
   std::string text = fmt::format(
-      "violation {}\nsteps {}\nkills {}\nbreaks {}\nheld back {}\nreceived {}\nstored {}\n"
+      "violation {}\nsteps {}\nkills {}\nbreaks {}\ndeletions {}\nheld back {}\nreceived "
+      "{}\nstored {}\n"
       "applied {}\nsuperseded {}\nduplicate {}\nrejected {}\nin flight {}\nmissing {}\n",
-      result.violation, result.steps, result.kills, result.breaks, result.held_back,
-      uplinks.received, uplinks.stored, uplinks.applied, uplinks.superseded, uplinks.duplicate,
-      uplinks.rejected, uplinks.in_flight, uplinks.missing);
+      result.violation, result.steps, result.kills, result.breaks, result.deletions,
+      result.held_back, uplinks.received, uplinks.stored, uplinks.applied, uplinks.superseded,
+      uplinks.duplicate, uplinks.rejected, uplinks.in_flight, uplinks.missing);
   const auto add_all = [&text](const char* name, const auto& counts) {
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] > 0) text += fmt::format("{} {}: {}\n", name, i, counts[i]);

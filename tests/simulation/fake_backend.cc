@@ -22,8 +22,9 @@ std::optional<model::Rejection> RefuseMarked(const storage::CommitRecord& record
 storage::Store& FakeBackend::Reopen(const storage::ProcessId& process) {
   store_ = std::make_unique<testing::FakeStore>(database_, process);
   store_->SetRules({.refuse = RefuseMarked,
-                    .allow_cursor_lowering = cursor_ == Cursor::kMayFall,
-                    .presence_without_cursor = cursor_ == Cursor::kNoneForPresence});
+                    .allow_cursor_lowering = fault_ == Fault::kCursorMayFall,
+                    .presence_without_cursor = fault_ == Fault::kNoCursorForPresence,
+                    .batches_make_robots = fault_ == Fault::kBatchesMakeRobots});
   return *store_;
 }
 

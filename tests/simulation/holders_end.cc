@@ -72,7 +72,7 @@ void HoldersWorld::CheckEnd() {
     }
     CheckEndOf(robot, *holder->process, hold->second.since);
     CheckElsewhere(robot, *holder->process);
-    if (options_.trouble == HoldersOptions::Trouble::kAll) continue;
+    if (AnyMayCome()) continue;
     if (truth_.RowsOf(ruri).size() == robot.changes) continue;
     truth_.Fail(fmt::format("{} has {} rows for {} changes", ruri, truth_.RowsOf(ruri).size(),
                             robot.changes));

@@ -40,6 +40,8 @@ enum class HoldersFault : std::uint8_t {
   kSilenceForgotten,
   /// Robots that may stream to a process that is cut off from the store are judged like others.
   kLateIsForgotten,
+  /// A robot's epochs begin anew with its row.
+  kEpochsInEachRow,
 };
 
 /// The way of one process to the store: what is asked passes a planted fault, and answers can be

@@ -39,6 +39,7 @@ HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
     sum.standstills += result.standstills;
     sum.cuts += result.cuts;
     sum.stops += result.stops;
+    sum.deletions += result.deletions;
   }
   return sum;
 }
@@ -67,6 +68,13 @@ TEST(Holders, NobodyIsFalselyOfflineAndEverythingSettlesAfterAnyTrouble) {
   fmt::print(
       "{} seeds: {} rows, {} adoptions, {} moves; {} kills, {} standstills, {} cuts, {} stops\n",
       kSeeds, sum.rows, sum.adoptions, sum.moves, sum.kills, sum.standstills, sum.cuts, sum.stops);
+}
+
+TEST(Holders, RowsOfRobotsThatAreDeletedComeAnewUnderTheirLastHolder) {
+  constexpr std::uint64_t kSeeds = 100;
+  const HoldersResult sum = RunSeeds(kSeeds, Trouble::kRows);
+  EXPECT_GT(sum.deletions, kSeeds);
+  EXPECT_GT(sum.kills, kSeeds);
 }
 
 TEST(Holders, ReplaysASeedToTheSameRow) {
@@ -102,7 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
         Canary{HoldersFault::kStandstillJudges},
         Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
         Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
-        Canary{HoldersFault::kSilenceForgotten}, Canary{HoldersFault::kLateIsForgotten}));
+        Canary{HoldersFault::kSilenceForgotten}, Canary{HoldersFault::kLateIsForgotten},
+        Canary{HoldersFault::kEpochsInEachRow, Trouble::kRows}));
 
 }  // namespace
 }  // namespace uplink::simulation

@@ -19,6 +19,7 @@ void HoldersWorld::Trouble() {
       if (random_.Below(100) == 0) Update();
       break;
     case HoldersOptions::Trouble::kAll:
+    case HoldersOptions::Trouble::kRows:
       if (random_.Below(60) == 0) AnyTrouble();
       break;
   }
@@ -34,7 +35,7 @@ void HoldersWorld::Update() {
 
 void HoldersWorld::AnyTrouble() {
   Place& place = places_[random_.Below(places_.size())];
-  switch (random_.Below(6)) {
+  switch (random_.Below(options_.trouble == HoldersOptions::Trouble::kRows ? 7 : 6)) {
     case 0:
       return Kill(place);
     case 1:
@@ -49,6 +50,8 @@ void HoldersWorld::AnyTrouble() {
       for (Place& each : places_) Cut(each, away);
       return;
     }
+    case 6:
+      return DeleteRow(robots_[random_.Below(robots_.size())]);
     default:
       place.lost_percent = static_cast<std::uint32_t>(random_.Below(3)) * 20;
   }
@@ -158,6 +161,13 @@ void HoldersWorld::StandStill(Place& place) {
                                                              : Between(seconds(20), seconds(70)));
   place.unread_until = place.still_until + Between(seconds(0), seconds(15));
   truth_.Tell("stands still " + place.process->name());
+}
+
+void HoldersWorld::DeleteRow(const Robot& robot) {
+  if (database_.EpochOf(robot.id->ruri) == 0) return;
+  ++result_.deletions;
+  truth_.Tell(fmt::format("the row of {} is deleted", robot.id->ruri));
+  database_.DeleteRobotRow(robot.id->ruri);
 }
 
 void HoldersWorld::Cut(Place& place, milliseconds time) {

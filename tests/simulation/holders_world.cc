@@ -23,6 +23,7 @@ HoldersWorld::HoldersWorld(const HoldersOptions& options)
     : options_(options),
       random_(options.seed),
       truth_(clock_, database_, robot::PresenceLimits().timeout) {
+  if (options_.fault == HoldersFault::kEpochsInEachRow) database_.CountEpochsInEachRow();
   places_.resize(2 + random_.Below(2));
   for (Place& place : places_) {
     place.seen = random_.Percent(50);
@@ -95,7 +96,7 @@ void HoldersWorld::StepOf(Place& place) {
     return;
   }
   std::size_t writes = kWritesMany;
-  if (options_.trouble == HoldersOptions::Trouble::kAll && !settling_ && random_.Percent(30)) {
+  if (AnyMayCome() && !settling_ && random_.Percent(30)) {
     writes = random_.Below(4);
   }
   place.process->Step(writes, Hears(place));

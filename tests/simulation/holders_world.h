@@ -23,6 +23,8 @@ struct HoldersOptions {
     kUpdates,
     /// Kills, standstills, processes that are cut off from the store, lost answers, and the above.
     kAll,
+    /// Deleted rows of robots, and all the above.
+    kRows,
   };
   Trouble trouble = Trouble::kAll;
   HoldersFault fault = HoldersFault::kNone;
@@ -42,6 +44,8 @@ struct HoldersResult {
   std::uint64_t standstills = 0;
   std::uint64_t cuts = 0;
   std::uint64_t stops = 0;
+  /// Rows of robots that another hand deleted.
+  std::uint64_t deletions = 0;
 };
 
 /// Two or three places for server processes on one store, and robots that stream to them: one
@@ -137,6 +141,9 @@ class HoldersWorld final {
   void Trouble();
   void AnyTrouble();
   void Update();
+  [[nodiscard]] bool AnyMayCome() const {
+    return options_.trouble >= HoldersOptions::Trouble::kAll;
+  }
   /// It was heard just now, and is again soon.
   [[nodiscard]] bool IsHeard(const Robot& robot) const;
   void TroubleOf(Robot& robot);
@@ -147,6 +154,7 @@ class HoldersWorld final {
   void BeginStop(Place& place);
   void StandStill(Place& place);
   void Cut(Place& place, milliseconds time);
+  void DeleteRow(const Robot& robot);
 
   // --- Promises ---
   void CheckHolds();

@@ -12,16 +12,16 @@ using robot::Mutation;
 /// Seeds within which a planted fault must show.
 constexpr std::uint64_t kSeedsMax = 500;
 
-RunResult RunSeed(std::uint64_t seed, FakeBackend::Cursor cursor = FakeBackend::Cursor::kTrue) {
+RunResult RunSeed(std::uint64_t seed, FakeBackend::Fault fault = FakeBackend::Fault::kNone) {
   const Payloads payloads;
-  FakeBackend backend(cursor);
+  FakeBackend backend(fault);
   return World(payloads, backend, {.seed = seed, .steps = 400}).Run();
 }
 
 /// 0 if every seed passes.
-std::uint64_t FirstFailingSeed(FakeBackend::Cursor cursor = FakeBackend::Cursor::kTrue) {
+std::uint64_t FirstFailingSeed(FakeBackend::Fault fault = FakeBackend::Fault::kNone) {
   for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) {
-    if (!RunSeed(seed, cursor).violation.empty()) return seed;
+    if (!RunSeed(seed, fault).violation.empty()) return seed;
   }
   return 0;
 }
@@ -55,11 +55,15 @@ INSTANTIATE_TEST_SUITE_P(Simulation, PlantedFault,
                                            Mutation::kSettleLost, Mutation::kDuplicateNotAcked));
 
 TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
-  EXPECT_NE(FirstFailingSeed(FakeBackend::Cursor::kMayFall), 0U);
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kCursorMayFall), 0U);
 }
 
 TEST(UnplantedSwitch, ChangesOfPresenceThatNoCursorGuardsAreFound) {
-  EXPECT_NE(FirstFailingSeed(FakeBackend::Cursor::kNoneForPresence), 0U);
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kNoCursorForPresence), 0U);
+}
+
+TEST(UnplantedSwitch, BatchesThatMakeRobotsAreFound) {
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kBatchesMakeRobots), 0U);
 }
 
 TEST(UnplantedSwitch, NothingPlantedIsNothingFound) { EXPECT_EQ(FirstFailingSeed(), 0U); }

@@ -19,8 +19,26 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
                              requests[i].session.ToHex(), (*results)[i].cursor, durable.cursor));
     }
   }
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const bool first =
+        rows_.insert_or_assign(requests[i].robot->ruri, (*results)[i].held_since).second;
+    if ((*results)[i].was_known != first) continue;
+    violation_(fmt::format("a row of {} was {}", requests[i].robot->ruri,
+                           first ? "known, and there was none" : "new, and there was one"));
+  }
   if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
   return results;
+}
+
+bool Recorder::OnRowDeleted(const std::string& ruri) { return rows_.erase(ruri) > 0; }
+
+void Recorder::CheckHold(const std::string& ruri, storage::Epoch held_since,
+                         storage::OutcomeKind outcome) {
+  const auto row = rows_.find(ruri);
+  const bool held = row != rows_.end() && held_since >= row->second;
+  if (held && outcome == storage::OutcomeKind::kFenced) violation_("one process alone was fenced");
+  if (held || outcome == storage::OutcomeKind::kFenced) return;
+  violation_(fmt::format("{} is not held, and something of it was taken", ruri));
 }
 
 absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
@@ -38,7 +56,7 @@ absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Ba
   auto outcomes = store_->Commit(batch);
   if (!outcomes.ok()) return outcomes;
   for (std::size_t i = 0; i < batch.records.size(); ++i) Note(batch.records[i], (*outcomes)[i]);
-  NotePresence(batch);
+  NotePresence(batch, std::span(*outcomes).subspan(batch.records.size()));
   if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
   return outcomes;
 }
@@ -62,14 +80,18 @@ absl::StatusOr<std::vector<std::size_t>> Recorder::Checkpoint(
   return store_->Checkpoint(rows);
 }
 
-void Recorder::NotePresence(const storage::Batch& batch) {
+void Recorder::NotePresence(const storage::Batch& batch,
+                            std::span<const storage::Outcome> outcomes) {
   model::Seq& cursor = presence_cursors_[batch.presence_session];
-  for (const storage::PresenceItem& item : batch.presence) {
+  for (std::size_t i = 0; i < batch.presence.size(); ++i) {
+    const storage::PresenceItem& item = batch.presence[i];
+    CheckHold(item.robot->ruri, item.held_since, outcomes[i].kind);
     if (item.number <= cursor) continue;
     if (item.number != cursor + 1) {
       violation_(fmt::format("change of presence {} follows {}", item.number, cursor));
     }
     cursor = item.number;
+    if (outcomes[i].kind == storage::OutcomeKind::kFenced) continue;
     const auto [last, first] = presence_.try_emplace(item.robot->ruri, item.presence);
     if (!first && last->second == item.presence) {
       violation_(fmt::format("{} is {} twice in a row", item.robot->ruri, ToText(item.presence)));
@@ -80,6 +102,7 @@ void Recorder::NotePresence(const storage::Batch& batch) {
 }
 
 void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome& outcome) {
+  CheckHold(record.robot->ruri, record.held_since, outcome.kind);
   DurableSession& durable = sessions_[{record.robot->ruri, record.session}];
   const bool quarantined = std::holds_alternative<storage::QuarantineItem>(record.content);
   switch (outcome.kind) {
@@ -109,7 +132,6 @@ void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome&
       }
       return;
     case storage::OutcomeKind::kFenced:
-      violation_("one process alone was fenced");
       return;
   }
   durable.cursor = std::max(durable.cursor, record.seq);

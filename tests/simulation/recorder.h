@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,8 @@ class Recorder final : public storage::Store {
   void FailNext(StoreFault fault) { fault_ = fault; }
   /// Every call fails before it is applied, until false.
   void SetAway(bool away) { away_ = away; }
+  /// The robot's row in the store is about to be deleted; false if it has none.
+  bool OnRowDeleted(const std::string& ruri);
 
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
       std::span<const storage::OpenRequest> requests) override;
@@ -73,13 +76,18 @@ class Recorder final : public storage::Store {
 
  private:
   void Note(const storage::CommitRecord& record, const storage::Outcome& outcome);
-  void NotePresence(const storage::Batch& batch);
+  void NotePresence(const storage::Batch& batch, std::span<const storage::Outcome> outcomes);
+  /// Nothing is to be taken while the robot has no row, and nothing to be fenced that was committed
+  /// under the hold that the server was told.
+  void CheckHold(const std::string& ruri, storage::Epoch held_since, storage::OutcomeKind outcome);
 
   const Violation violation_;
   storage::Store* store_ = nullptr;
   StoreFault fault_ = StoreFault::kNone;
   bool away_ = false;
   std::map<std::pair<std::string, model::SessionId>, DurableSession> sessions_;
+  /// Robots that have a row in the store, with the hold in it.
+  std::map<std::string, storage::Epoch> rows_;
   std::map<model::SessionId, model::Seq> presence_cursors_;
   std::map<std::string, model::Presence> presence_;
   std::map<std::string, std::vector<model::Presence>> presence_history_;

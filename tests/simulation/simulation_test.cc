@@ -14,6 +14,7 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   const Payloads payloads;
   metrics::UplinkCounts uplinks;
   std::uint64_t kills = 0;
+  std::uint64_t deletions = 0;
   std::uint64_t held_back = 0;
   std::map<absl::StatusCode, std::uint64_t> ends;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -23,6 +24,7 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
     ASSERT_EQ(result.violation, "");
     uplinks += result.uplinks;
     kills += result.kills;
+    deletions += result.deletions;
     held_back += result.held_back;
     for (const auto& [code, count] : result.ends) ends[code] += count;
   }
@@ -34,15 +36,17 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   EXPECT_GT(uplinks.duplicate, kSeeds);
   EXPECT_GT(uplinks.missing, kSeeds);
   EXPECT_GT(kills, kSeeds / 10);
+  EXPECT_GT(deletions, kSeeds / 10);
   EXPECT_GT(held_back, kSeeds);
   EXPECT_GT(ends[absl::StatusCode::kOk], kSeeds / 10);
   EXPECT_GT(ends[absl::StatusCode::kAborted], kSeeds / 10);
   EXPECT_GT(ends[absl::StatusCode::kUnavailable], kSeeds / 10);
   fmt::print(
       "{} seeds: stored {} applied {} superseded {} duplicate {} rejected {} missing {}; "
-      "{} kills, held back after {} steps; ended OK {} ABORTED {} UNAVAILABLE {}\n",
+      "{} kills, {} rows deleted, held back after {} steps; ended OK {} ABORTED {} UNAVAILABLE "
+      "{}\n",
       kSeeds, uplinks.stored, uplinks.applied, uplinks.superseded, uplinks.duplicate,
-      uplinks.rejected, uplinks.missing, kills, held_back, ends[absl::StatusCode::kOk],
+      uplinks.rejected, uplinks.missing, kills, deletions, held_back, ends[absl::StatusCode::kOk],
       ends[absl::StatusCode::kAborted], ends[absl::StatusCode::kUnavailable]);
 }
 

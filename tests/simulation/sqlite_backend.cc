@@ -30,6 +30,10 @@ storage::Store& SqliteBackend::Reopen(const storage::ProcessId& process) {
   return *store_;
 }
 
+void SqliteBackend::DeleteRobotRow(const std::string& ruri) {
+  testing::SqliteShell(Path()).Run(fmt::format("DELETE FROM robots WHERE ruri = '{}'", ruri));
+}
+
 storage::Reader& SqliteBackend::Rows() {
   auto opened = storage::sqlite::SqliteReader::Open(Path());
   UPLINK_CHECK(opened.ok(), opened.status().ToString());

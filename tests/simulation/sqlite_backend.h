@@ -17,6 +17,7 @@ class SqliteBackend final : public Backend {
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
   storage::Reader& Rows() override;
+  void DeleteRobotRow(const std::string& ruri) override;
 
  private:
   [[nodiscard]] std::string Path() const;

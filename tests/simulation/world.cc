@@ -169,6 +169,14 @@ void World::FaultStep() {
     }
     return;
   }
+  if (pick < 45) {
+    const std::string& ruri = robots_[random_.Below(robots_.size())]->agent.ruri();
+    if (!recorder_.OnRowDeleted(ruri)) return;
+    backend_.DeleteRobotRow(ruri);
+    ++deletions_[ruri];
+    ++result_.deletions;
+    return;
+  }
   if (pick < 75) {
     return recorder_.FailNext(random_.Percent(50) ? StoreFault::kBefore : StoreFault::kAfter);
   }
@@ -190,6 +198,7 @@ void World::Kill() {
   ++result_.kills;
   result_.uplinks += server_->counts().uplinks;
   server_.reset();
+  deletions_.clear();
   for (const auto& robot : robots_) {
     robot->agent.Disconnected();
     robot->stream.reset();

@@ -30,6 +30,8 @@ class Backend {
   virtual std::optional<std::string> Compare(const Recorder& recorder) = 0;
   /// Reads what lies in the store that was opened last; until the next Reopen.
   virtual storage::Reader& Rows() = 0;
+  /// Another hand deletes the robot's row in `robots`; all else of it stays.
+  virtual void DeleteRobotRow(const std::string& ruri) = 0;
 };
 
 struct RunOptions {
@@ -47,6 +49,8 @@ struct RunResult {
   metrics::UplinkCounts uplinks;
   std::uint64_t kills = 0;
   std::uint64_t breaks = 0;
+  /// Rows of robots that were deleted.
+  std::uint64_t deletions = 0;
   /// Steps after which a robot's stream was held back.
   std::uint64_t held_back = 0;
   /// Streams that the server ended, by status.
@@ -109,6 +113,8 @@ class World final {
   std::unique_ptr<SimServer> server_;
   std::vector<std::unique_ptr<Robot>> robots_;
   bool away_ = false;
+  /// Deletions of a robot's row that have ended no stream of it yet: each may end one.
+  std::map<std::string, std::uint64_t> deletions_;
 };
 
 }  // namespace uplink::simulation
