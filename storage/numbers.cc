@@ -2,6 +2,13 @@
 
 namespace uplink::storage {
 
+RunClosed RunClosedOf(std::int64_t column) {
+  for (const RunClosed closed : {RunClosed::kNot, RunClosed::kForBound}) {
+    if (static_cast<std::int64_t>(closed) == column) return closed;
+  }
+  return RunClosed::kForAge;
+}
+
 model::Presence PresenceOf(std::int64_t column) {
   for (const model::Presence presence : {model::Presence::kOnline, model::Presence::kOffline}) {
     if (static_cast<std::int64_t>(presence) == column) return presence;

@@ -5,6 +5,7 @@
 #include "schema/model/enum_text.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
+#include "storage/rows.h"
 
 // How enumerations stand in columns, in every store.
 namespace uplink::storage {
@@ -20,6 +21,9 @@ template <model::WireEnum E>
 [[nodiscard]] E MemberOf(std::int64_t column) {
   return static_cast<E>(static_cast<std::uint16_t>(column));
 }
+
+/// kForAge for a number that this program does not know: a newer one closed the run.
+[[nodiscard]] RunClosed RunClosedOf(std::int64_t column);
 
 /// kUnknown for a number that no presence has.
 [[nodiscard]] model::Presence PresenceOf(std::int64_t column);

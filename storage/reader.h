@@ -46,7 +46,8 @@ struct MissionsQuery {
   HistoryQuery rows;
   std::string mission_id;
   std::string run_id;
-  /// Only runs whose latest status is not terminal; no meaning for their reports.
+  /// Only runs whose latest status is not terminal and that the server did not close; no meaning
+  /// for their reports.
   bool open = false;
 };
 
@@ -138,6 +139,10 @@ class Reader {
 #undef UPLINK_LIST
   // NOLINTEND(bugprone-macro-parentheses)
 
+  /// How many rows of a robot's quarantine went for its bound, by reason, ascending; reasons for
+  /// which none did are left out.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<DroppedRow>> QuarantineDropped(
+      const std::string& ruri) = 0;
   /// The number of active faults of each of `ruris`; robots without any may be left out.
   [[nodiscard]] virtual absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) = 0;

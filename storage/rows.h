@@ -33,6 +33,14 @@ struct QuarantineRow {
   std::uint64_t payload_bytes = 0;
 };
 
+/// Rows of a robot's quarantine that went for its bound, for one reason.
+struct DroppedRow {
+  model::RejectReason reason = model::RejectReason::kMalformed;
+  std::uint64_t count = 0;
+
+  friend bool operator==(const DroppedRow&, const DroppedRow&) = default;
+};
+
 struct GapRow {
   model::RobotId robot;
   model::SessionId session;
@@ -58,6 +66,15 @@ struct MessageRow {
   SystemTime received_at;
 };
 
+/// Why the server closed a run that its robot had left open. The numbers stand in columns.
+enum class RunClosed : std::uint8_t {
+  kNot = 0,
+  /// kOpenRunsPerRobotMax others were reported later.
+  kForBound = 1,
+  /// It was not reported for kOpenRunAgeMax.
+  kForAge = 2,
+};
+
 /// One run of a mission: (robot, mission_id, run_id). Stands in lists by its first arrival, so that
 /// a run that goes on keeps its place.
 struct MissionRunRow {
@@ -73,6 +90,10 @@ struct MissionRunRow {
   SystemTime last_received_at;
   /// Reports so far.
   std::uint64_t updates = 0;
+  /// Nothing of the report is changed by that, and the next report undoes it.
+  RunClosed closed = RunClosed::kNot;
+  /// Unix milliseconds; 0 if it was not.
+  std::int64_t closed_at_ms = 0;
 };
 
 /// One report of a run.

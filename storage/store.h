@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -70,7 +71,9 @@ class Store {
   /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and
   /// AgentInfo of a robot and the present shapes and objects by id follow commit order, never a
   /// robot's clock. An upsert of a shape or object that would be one more than the bound is
-  /// refused; deletes always pass. Upserts count and expire by `received_at`.
+  /// refused; deletes always pass. Upserts count and expire by `received_at`. A report that leaves
+  /// a robot with more open runs than kOpenRunsPerRobotMax closes those that were reported least
+  /// recently, in order of the commits.
   [[nodiscard]] virtual absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) = 0;
 
   /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
@@ -78,11 +81,27 @@ class Store {
   /// None while nobody vouches for `now` (StoreRules.clock).
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Sweep(SystemTime now) = 0;
 
+  /// Closes mission runs that were left open and not reported for kOpenRunAgeMax before `now`, at
+  /// most kSweepRowsMax. Returns how many; more may be left when it is as many as that. None while
+  /// nobody vouches for `now` (StoreRules.clock).
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> CloseRuns(SystemTime now) = 0;
+
+  /// How many mission runs Commit closed for kOpenRunsPerRobotMax since the last call.
+  [[nodiscard]] virtual std::size_t TakeRunsClosed() = 0;
+
+  /// Brings the quarantine of these robots to kQuarantineRowsPerRobotMax, as far as rows may go: of
+  /// each the oldest of sessions that are not kept, then the oldest at or below what the Hellos of
+  /// their sessions said is settled; no other, however many there are. At most kTrimRowsMax of a
+  /// robot per call. How many went for which reason stays (Reader::QuarantineDropped). Goes by no
+  /// clock.
+  [[nodiscard]] virtual absl::StatusOr<Trimmed> TrimQuarantine(
+      std::span<const std::string> ruris) = 0;
+
   /// Keeps the histories to StoreRules: deletes what arrived before the first day that is to be
   /// kept, at most kRetainRowsMax rows of each kind, and makes room for the days to come. Mission
-  /// runs go when they are closed and their last report is as old. Returns how much went, in rows
-  /// or in whole partitions; more may be left when it is kRetainRowsMax or more. While nobody
-  /// vouches for `now` (StoreRules.clock) nothing is deleted.
+  /// runs go when they have ended, or were closed, and their last report is as old. Returns how
+  /// much went, in rows or in whole partitions; more may be left when it is kRetainRowsMax or more.
+  /// While nobody vouches for `now` (StoreRules.clock) nothing is deleted.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot

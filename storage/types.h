@@ -38,6 +38,18 @@ inline constexpr std::size_t kRetainRowsMax = 1'000;
 inline constexpr std::size_t kQuarantinePayloadsPerRobotMax = 1'000;
 /// Quarantined numbers that one OpenStream returns; with more, the answer is not complete.
 inline constexpr std::size_t kOpenRejectsMax = 16'384;
+/// Rows of one robot's quarantine that the store keeps, but for those that a Hello may still ask
+/// for. At as many above Hello.settled_seq a stream ends: more would be read for each Welcome.
+inline constexpr std::size_t kQuarantineRowsPerRobotMax = 10'000;
+static_assert(kQuarantineRowsPerRobotMax < kOpenRejectsMax,
+              "what one session may have unconfirmed is told whole by one OpenStream");
+/// Rows that one call of Store::TrimQuarantine deletes of one robot.
+inline constexpr std::size_t kTrimRowsMax = 1'000;
+/// Open mission runs of one robot; one more closes the one that was reported least recently.
+inline constexpr std::size_t kOpenRunsPerRobotMax = 1'000;
+/// An open mission run that was not reported for so long is closed: as long as a robot may be
+/// silent before it is forgotten (fleet.forget_after).
+inline constexpr std::chrono::days kOpenRunAgeMax{30};
 /// Ranges of skipped numbers that the store lists for one robot; the oldest go.
 inline constexpr std::size_t kGapsPerRobotMax = 10'000;
 
@@ -136,6 +148,14 @@ struct AdoptResult {
   /// kSilent if any of those who held it since its last OpenStream was: the robot may stream to
   /// that one still.
   HolderEnd end = HolderEnd::kEnded;
+};
+
+/// What TrimQuarantine did.
+struct Trimmed {
+  /// Rows that went; index: RejectReason.
+  std::array<std::size_t, model::kRejectReasons + 1> dropped{};
+  /// Places in the request of robots of which kTrimRowsMax rows went: there may be more.
+  std::vector<std::size_t> unfinished;
 };
 
 /// A rejected payload on its way to quarantine. It stands in its message's place and number.

@@ -31,6 +31,8 @@ constexpr std::string_view kRobotCount = "SELECT count(*) FROM uplinkd.robots";
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
     " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";
+constexpr std::string_view kQuarantineDropped =
+    "SELECT reason, count FROM uplinkd.quarantine_dropped WHERE ruri = $1::text ORDER BY reason";
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
@@ -117,6 +119,21 @@ absl::StatusOr<std::size_t> PostgresReader::RobotCount() {
     const auto rows = RunOne(connection, {std::string(kRobotCount), {}});
     if (!rows.ok()) return rows.status();
     return static_cast<std::size_t>(rows->Int(0, 0));
+  });
+}
+
+absl::StatusOr<std::vector<DroppedRow>> PostgresReader::QuarantineDropped(const std::string& ruri) {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<DroppedRow>> {
+    OwnedStoreCall call{std::string(kQuarantineDropped), {}};
+    call.parameters.Text(ruri);
+    const auto rows = RunOne(connection, std::move(call));
+    if (!rows.ok()) return rows.status();
+    std::vector<DroppedRow> dropped;
+    for (int row = 0; row < rows->rows(); ++row) {
+      dropped.push_back(
+          {ReasonOf(rows->Int(row, 0)), static_cast<std::uint64_t>(rows->Int(row, 1))});
+    }
+    return dropped;
   });
 }
 

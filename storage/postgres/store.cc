@@ -10,7 +10,9 @@
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/adopt.h"
 #include "storage/postgres/write/batch_commit.h"
+#include "storage/postgres/write/open_runs.h"
 #include "storage/postgres/write/open_streams.h"
+#include "storage/postgres/write/quarantine_bound.h"
 #include "storage/postgres/write/retain.h"
 #include "storage/postgres/write/transaction.h"
 
@@ -35,6 +37,8 @@ struct PostgresStore::Impl {
   std::atomic<bool> unsafe{false};
   std::atomic<std::int64_t> clock_offset_ms{0};
   std::atomic<std::uint64_t> commits_in_doubt{0};
+  // By Commit, since TakeRunsClosed was asked last.
+  std::size_t runs_closed = 0;
   // Calls of WriteLive.
   std::uint64_t checkpoints = 0;
 
@@ -108,7 +112,10 @@ absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
   const StoreOptions& options = impl_->options;
   return With<std::vector<Outcome>>([&](Connection& connection) {
-    return BatchCommit(connection, batch, options.rules, options.before_commit).Run();
+    BatchCommit commit(connection, batch, options.rules, options.before_commit);
+    auto outcomes = commit.Run();
+    if (outcomes.ok()) impl_->runs_closed += commit.runs_closed();
+    return outcomes;
   });
 }
 
@@ -129,6 +136,21 @@ absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
         RunAndCommitFor(connection, std::move(calls), "sweep", options.before_commit);
     if (!results.ok()) return results.status();
     return (*results)[1].written() + (*results)[2].written();
+  });
+}
+
+absl::StatusOr<std::size_t> PostgresStore::CloseRuns(SystemTime now) {
+  if (!Vouches(impl_->options.rules.clock, now)) return 0;
+  return With<std::size_t>([&](Connection& connection) {
+    return CloseOldRuns(connection, now, impl_->options.before_commit);
+  });
+}
+
+std::size_t PostgresStore::TakeRunsClosed() { return std::exchange(impl_->runs_closed, 0); }
+
+absl::StatusOr<Trimmed> PostgresStore::TrimQuarantine(std::span<const std::string> ruris) {
+  return With<Trimmed>([&](Connection& connection) {
+    return postgres::TrimQuarantine(connection, ruris, impl_->options.before_commit);
   });
 }
 

@@ -1,9 +1,11 @@
 #include "storage/sqlite/batch_commit.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "storage/open_run.h"
 #include "storage/refusal.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/presence_writer.h"
@@ -62,6 +64,10 @@ absl::StatusOr<BatchCommit::Refusal> BatchCommit::WriteRecord(const CommitRecord
   if (ruling->refusal) return std::move(ruling->refusal);
   absl::Status written = writer_.Write(record, *ruling);
   if (!written.ok()) return written;
+  if (LeavesRunOpen(record)) {
+    std::optional<SystemTime>& reported = known_.robot(record.robot->ruri).run_reported;
+    reported = std::max(reported.value_or(record.received_at), record.received_at);
+  }
   return Refusal();
 }
 
@@ -110,6 +116,10 @@ absl::Status BatchCommit::Finish() {
     if (status.ok() && robot.quarantined_payload) status = tables_.set_aside.ThinPayloads(ruri);
     if (status.ok() && robot.gaps) status = tables_.set_aside.TrimGaps(ruri);
     if (!status.ok()) return status;
+    if (!robot.run_reported) continue;
+    const auto closed = tables_.open_runs.CloseOver(ruri, *robot.run_reported);
+    if (!closed.ok()) return closed.status();
+    runs_closed_ += *closed;
   }
   return absl::OkStatus();
 }

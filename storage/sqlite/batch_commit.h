@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -42,6 +43,8 @@ class BatchCommit final {
         writer_(tables, next_entry_) {}
 
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Write(const Batch& batch);
+  /// How many mission runs it closed for their bound.
+  [[nodiscard]] std::size_t runs_closed() const { return runs_closed_; }
 
  private:
   using Refusal = std::optional<model::Rejection>;
@@ -63,6 +66,7 @@ class BatchCommit final {
   BatchKnown known_;
   Decider decider_;
   KindWriter writer_;
+  std::size_t runs_closed_ = 0;
 };
 
 }  // namespace uplink::storage::sqlite

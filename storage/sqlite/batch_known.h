@@ -29,6 +29,8 @@ struct BatchRobot {
   /// Whether the batch put a payload of it into quarantine, and whether it wrote gaps of it.
   bool quarantined_payload = false;
   bool gaps = false;
+  /// The latest arrival of a report that left its run open.
+  std::optional<SystemTime> run_reported;
 };
 
 /// What the file says, read row by row as decisions ask for it; robots and sessions once per

@@ -40,8 +40,9 @@ absl::Status DecidingTables::Prepare(Database& database) {
   prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
   prepare.Into(open_session_,
                "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
-               " VALUES (?, ?, 0, ?, ?) ON CONFLICT (ruri, session) DO UPDATE"
-               " SET last_used_ms = max(last_used_ms, excluded.last_used_ms)"
+               " VALUES (?1, ?2, 0, ?3, ?4) ON CONFLICT (ruri, session) DO UPDATE"
+               " SET last_used_ms = max(last_used_ms, excluded.last_used_ms),"
+               " settled_seq = max(settled_seq, min(?5, cursor))"
                " RETURNING cursor, first_entry");
   prepare.Into(find_session_,
                "SELECT cursor, first_entry FROM sessions WHERE ruri = ? AND session = ?");
@@ -124,7 +125,7 @@ absl::StatusOr<std::optional<Epoch>> DecidingTables::HeldSince(std::string_view 
 absl::StatusOr<SessionCursor> DecidingTables::OpenSession(const OpenRequest& request,
                                                           EntryNumber next_entry) {
   Rows rows = open_session_->Select(std::string_view(request.robot->ruri), BlobOf(request.session),
-                                    UnixMs(request.at), next_entry);
+                                    UnixMs(request.at), next_entry, request.settled_seq);
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();
   UPLINK_CHECK(*found, "an upsert returns its row");

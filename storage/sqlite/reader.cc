@@ -77,6 +77,22 @@ absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
   });
 }
 
+absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const std::string& ruri) {
+  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<DroppedRow>> {
+    auto statement = database.Prepare(
+        "SELECT reason, count FROM quarantine_dropped WHERE ruri = ? ORDER BY reason");
+    if (!statement.ok()) return statement.status();
+    Rows rows = (*statement)->Select(std::string_view(ruri));
+    std::vector<DroppedRow> dropped;
+    while (true) {
+      const absl::StatusOr<bool> found = rows.Next();
+      if (!found.ok()) return found.status();
+      if (!*found) return dropped;
+      dropped.push_back({ReasonOf(rows.Int(0)), static_cast<std::uint64_t>(rows.Int(1))});
+    }
+  });
+}
+
 absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<ActiveFaults>> {

@@ -21,6 +21,8 @@ struct SqliteStore::Impl {
   std::unique_ptr<Statement> begin;
   std::unique_ptr<Statement> commit;
   Tables tables;
+  /// Since TakeRunsClosed was asked last.
+  std::size_t runs_closed = 0;
 };
 
 SqliteStore::SqliteStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -169,10 +171,15 @@ absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
 
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
-    return InTransaction<std::vector<Outcome>>([&] {
-      return BatchCommit(*impl_->database, impl_->tables, impl_->options.rules, isolation)
-          .Write(batch);
+    std::size_t runs_closed = 0;
+    auto written = InTransaction<std::vector<Outcome>>([&] {
+      BatchCommit commit(*impl_->database, impl_->tables, impl_->options.rules, isolation);
+      auto outcomes = commit.Write(batch);
+      runs_closed = commit.runs_closed();
+      return outcomes;
     });
+    if (written.ok()) impl_->runs_closed += runs_closed;
+    return written;
   };
   absl::StatusOr<std::vector<Outcome>> outcomes = write(Isolation::kTogether);
   if (!absl::IsInvalidArgument(outcomes.status())) return outcomes;
@@ -195,6 +202,18 @@ absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
     }
     return swept;
   });
+}
+
+absl::StatusOr<std::size_t> SqliteStore::CloseRuns(SystemTime now) {
+  if (!Vouches(impl_->options.rules.clock, now)) return 0;
+  return InTransaction<std::size_t>(
+      [&] { return impl_->tables.open_runs.CloseOld(now - kOpenRunAgeMax, now); });
+}
+
+std::size_t SqliteStore::TakeRunsClosed() { return std::exchange(impl_->runs_closed, 0); }
+
+absl::StatusOr<Trimmed> SqliteStore::TrimQuarantine(std::span<const std::string> ruris) {
+  return InTransaction<Trimmed>([&] { return impl_->tables.quarantine_bound.Trim(ruris); });
 }
 
 absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {

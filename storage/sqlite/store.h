@@ -56,6 +56,9 @@ class SqliteStore final : public Store {
       std::span<const AdoptRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
+  [[nodiscard]] std::size_t TakeRunsClosed() override;
+  [[nodiscard]] absl::StatusOr<Trimmed> TrimQuarantine(std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) override;

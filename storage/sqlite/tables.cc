@@ -9,6 +9,8 @@ absl::Status Tables::Prepare(Database& database) {
   for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
     if (status.ok()) status = present_rows(kind).Prepare(database, kind);
   }
+  if (status.ok()) status = open_runs.Prepare(database);
+  if (status.ok()) status = quarantine_bound.Prepare(database);
   if (status.ok()) status = retention.Prepare(database);
   if (status.ok()) status = live.Prepare(database);
   return status;

@@ -9,7 +9,9 @@
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/deciding_tables.h"
 #include "storage/sqlite/live_table.h"
+#include "storage/sqlite/open_runs.h"
 #include "storage/sqlite/present_rows.h"
+#include "storage/sqlite/quarantine_bound.h"
 #include "storage/sqlite/retention_tables.h"
 #include "storage/sqlite/set_aside_tables.h"
 #include "storage/sqlite/table_writers.h"
@@ -23,6 +25,8 @@ struct Tables {
   TableWriters rows;
   /// By PresentKind.
   std::array<PresentRows, kPresentKinds> present;
+  OpenRuns open_runs;
+  QuarantineBound quarantine_bound;
   RetentionTables retention;
   LiveTable live;
 

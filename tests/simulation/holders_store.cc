@@ -77,6 +77,18 @@ absl::StatusOr<std::size_t> HoldersStore::Sweep(SystemTime now) {
   return Pass([&] { return store_.Sweep(now); });
 }
 
+absl::StatusOr<std::size_t> HoldersStore::CloseRuns(SystemTime now) {
+  if (away_) return absl::UnavailableError("the line is cut");
+  return store_.CloseRuns(now);
+}
+
+std::size_t HoldersStore::TakeRunsClosed() { return store_.TakeRunsClosed(); }
+
+absl::StatusOr<storage::Trimmed> HoldersStore::TrimQuarantine(std::span<const std::string> ruris) {
+  if (away_) return absl::UnavailableError("the line is cut");
+  return store_.TrimQuarantine(ruris);
+}
+
 absl::StatusOr<std::size_t> HoldersStore::Retain(SystemTime now) {
   return Pass([&] { return store_.Retain(now); });
 }

@@ -69,6 +69,18 @@ absl::StatusOr<std::size_t> Recorder::Sweep(SystemTime now) {
   return deleted;
 }
 
+absl::StatusOr<std::size_t> Recorder::CloseRuns(SystemTime now) {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->CloseRuns(now);
+}
+
+std::size_t Recorder::TakeRunsClosed() { return store_->TakeRunsClosed(); }
+
+absl::StatusOr<storage::Trimmed> Recorder::TrimQuarantine(std::span<const std::string> ruris) {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->TrimQuarantine(ruris);
+}
+
 absl::StatusOr<std::size_t> Recorder::Retain(SystemTime now) {
   if (away_) return absl::UnavailableError("ordered");
   return store_->Retain(now);

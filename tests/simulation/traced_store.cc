@@ -129,6 +129,21 @@ absl::StatusOr<std::size_t> TracedStore::Sweep(SystemTime now) {
                 [this](std::size_t rows) { trace_.Add(fmt::format("swept {}", rows)); });
 }
 
+absl::StatusOr<std::size_t> TracedStore::CloseRuns(SystemTime now) {
+  trace_.Add(fmt::format("store CloseRuns at {}", UnixMs(now)));
+  return Traced(trace_, store_.CloseRuns(now),
+                [this](std::size_t rows) { trace_.Add(fmt::format("closed {}", rows)); });
+}
+
+std::size_t TracedStore::TakeRunsClosed() { return store_.TakeRunsClosed(); }
+
+absl::StatusOr<storage::Trimmed> TracedStore::TrimQuarantine(std::span<const std::string> ruris) {
+  trace_.Add(fmt::format("store TrimQuarantine of {}", fmt::join(ruris, " ")));
+  return Traced(trace_, store_.TrimQuarantine(ruris), [this](const storage::Trimmed& trimmed) {
+    trace_.Add(fmt::format("dropped {}", fmt::join(trimmed.dropped, " ")));
+  });
+}
+
 absl::StatusOr<std::size_t> TracedStore::Retain(SystemTime now) {
   trace_.Add(fmt::format("store Retain at {}", UnixMs(now)));
   return Traced(trace_, store_.Retain(now),

@@ -25,6 +25,10 @@ class TracedStore final : public storage::Store {
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
+  [[nodiscard]] std::size_t TakeRunsClosed() override;
+  [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(
+      std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <tuple>
 #include <variant>
 
 #include "schema/base/check.h"
@@ -166,23 +167,61 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
 }
 
 std::size_t FakeDatabase::EraseQuarantine(SystemTime until) {
-  const std::vector<FakeEntry<storage::QuarantineRow>> before = quarantine_;
-  const std::size_t erased = EraseBefore(quarantine_, until, storage::kRetainRowsMax);
-  std::set<std::uint64_t> kept;
-  for (const auto& row : quarantine_) kept.insert(row.entry);
-  for (const auto& row : before) {
-    if (kept.contains(row.entry)) continue;
+  std::set<std::uint64_t> gone;
+  for (const auto& [at, entry] : OldestBefore(quarantine_, until, storage::kRetainRowsMax)) {
+    gone.insert(entry);
+  }
+  EraseQuarantineRows(gone);
+  return gone.size();
+}
+
+void FakeDatabase::EraseQuarantineRows(const std::set<std::uint64_t>& gone) {
+  for (const auto& row : quarantine_) {
+    if (!gone.contains(row.entry)) continue;
     auto& sessions = robots_[row.row.robot.ruri].sessions;
     const auto session = sessions.find(row.row.session);
-    if (session != sessions.end()) session->second.rejects.erase(row.row.seq);
+    if (session != sessions.end() && row.entry >= session->second.first_entry) {
+      session->second.rejects.erase(row.row.seq);
+    }
   }
+  std::erase_if(quarantine_, [&gone](const auto& row) { return gone.contains(row.entry); });
   for (auto& [ruri, robot] : robots_) robot.payload_rows.clear();
   for (std::size_t i = 0; i < quarantine_.size(); ++i) {
-    auto& rows = robots_[quarantine_[i].row.robot.ruri].payload_rows;
-    rows.push_back(i);
-    if (rows.size() > storage::kQuarantinePayloadsPerRobotMax) rows.pop_front();
+    if (quarantine_[i].row.payload.empty()) continue;
+    robots_[quarantine_[i].row.robot.ruri].payload_rows.push_back(i);
   }
-  return erased;
+}
+
+storage::Trimmed FakeDatabase::TrimQuarantine(std::span<const std::string> ruris) {
+  const std::lock_guard lock(mutex_);
+  storage::Trimmed trimmed;
+  for (std::size_t place = 0; place < ruris.size(); ++place) {
+    Robot& robot = robots_[ruris[place]];
+    std::size_t rows = 0;
+    // Whether its session is kept, and its entry.
+    std::vector<std::tuple<bool, std::uint64_t, model::RejectReason>> may_go;
+    for (const auto& row : quarantine_) {
+      if (row.row.robot.ruri != ruris[place]) continue;
+      ++rows;
+      const auto session = robot.sessions.find(row.row.session);
+      const bool kept = session != robot.sessions.end() && row.entry >= session->second.first_entry;
+      if (kept && row.row.seq > session->second.settled) continue;
+      may_go.emplace_back(kept, row.entry, row.row.rejection.reason);
+    }
+    if (rows <= storage::kQuarantineRowsPerRobotMax) continue;
+    std::ranges::sort(may_go);
+    may_go.resize(std::min(
+        {may_go.size(), rows - storage::kQuarantineRowsPerRobotMax, storage::kTrimRowsMax}));
+    std::set<std::uint64_t> gone;
+    for (const auto& [kept, entry, reason] : may_go) {
+      gone.insert(entry);
+      ++trimmed.dropped[static_cast<std::size_t>(reason)];
+      ++robot.dropped[reason];
+    }
+    EraseQuarantineRows(gone);
+    if (gone.size() == storage::kTrimRowsMax) trimmed.unfinished.push_back(place);
+  }
+  return trimmed;
 }
 
 std::size_t FakeDatabase::EraseGaps(SystemTime until) {
@@ -222,8 +261,9 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
     robot.owner = process;
     robot.held_since = robot.epoch;
   }
-  Session& session = robot.sessions[request.session];
+  Session& session = SessionOf(robot, request.session);
   session.last_used = std::max(session.last_used, request.at);
+  session.settled = std::max(session.settled, std::min(request.settled_seq, session.cursor));
 
   OpenResult result;
   result.was_known = was_known;
@@ -294,7 +334,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
   }
   if (IsFenced(record.robot, record.held_since)) return {OutcomeKind::kFenced, std::nullopt};
   Robot& robot = *FindRobot(record.robot->ruri);
-  Session& session = robot.sessions[record.session];
+  Session& session = SessionOf(robot, record.session);
   if (record.seq <= session.cursor) {
     if (transaction.rules.allow_cursor_lowering) session.cursor = record.seq;
     const auto reject = session.rejects.find(record.seq);

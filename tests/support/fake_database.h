@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -81,6 +82,16 @@ class FakeDatabase final {
                                        const storage::Batch& batch, const FakeRules& rules,
                                        const storage::StoreRules& store_rules);
   std::size_t Sweep(SystemTime now);
+  std::size_t CloseRuns(SystemTime now) {
+    const std::lock_guard lock(mutex_);
+    return kinds_.CloseRuns(now);
+  }
+  /// Mission runs that commits closed for their bound, since the start.
+  [[nodiscard]] std::size_t runs_closed() const {
+    const std::lock_guard lock(mutex_);
+    return kinds_.runs_closed();
+  }
+  storage::Trimmed TrimQuarantine(std::span<const std::string> ruris);
   std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
   std::vector<std::size_t> Checkpoint(const storage::ProcessId& process,
                                       std::span<const storage::LiveRow> rows);
@@ -124,6 +135,10 @@ class FakeDatabase final {
     model::Seq cursor = 0;
     SystemTime last_used;
     std::map<model::Seq, model::Rejection> rejects;
+    /// Quarantine rows of the session have this entry or a higher one.
+    std::uint64_t first_entry = 0;
+    /// The highest Hello.settled_seq.
+    model::Seq settled = 0;
   };
   using FaultKey = std::pair<std::string, std::string>;
   using GapKey = std::pair<model::SessionId, model::Seq>;
@@ -147,6 +162,8 @@ class FakeDatabase final {
     std::map<GapKey, GapPlace> gap_places;
     /// Rows of quarantine_ that still have their payload, oldest first.
     std::deque<std::size_t> payload_rows;
+    /// Rows of quarantine_ that went for their bound.
+    std::map<model::RejectReason, std::uint64_t> dropped;
   };
   struct Transaction {
     const storage::ProcessId& process;
@@ -170,7 +187,14 @@ class FakeDatabase final {
   void WriteFault(Robot& robot, const model::Fault& fault, const storage::CommitRecord& record);
   void WriteQuarantine(Robot& robot, Session& session, const storage::CommitRecord& record,
                        const model::Rejection& rejection);
+  Session& SessionOf(Robot& robot, const model::SessionId& session) const {
+    const auto [found, is_new] = robot.sessions.try_emplace(session);
+    if (is_new) found->second.first_entry = entries_ + 1;
+    return found->second;
+  }
   std::size_t EraseQuarantine(SystemTime until);
+  /// Deletes those of `gone` (entries), and counts payloads anew.
+  void EraseQuarantineRows(const std::set<std::uint64_t>& gone);
   std::size_t EraseGaps(SystemTime until);
   void WriteGap(const storage::GapItem& gap);
   [[nodiscard]] const SessionLog* FindLog(std::string_view ruri,

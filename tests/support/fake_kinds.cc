@@ -83,7 +83,7 @@ void FakeKinds::WriteReport(const Target& target, const model::MissionRunStatus&
                       {robot, report.mission_id, report.run_id, report.status, report_json, at}});
 
   const auto [it, begun] = runs_.try_emplace({robot.ruri, report.mission_id, report.run_id});
-  FakeEntry<storage::MissionRunRow>& run = it->second;
+  Run& run = it->second;
   if (begun) {
     run.at = at;
     run.entry = target.entry;
@@ -97,6 +97,39 @@ void FakeKinds::WriteReport(const Target& target, const model::MissionRunStatus&
   run.row.latest_json = report_json;
   run.row.last_received_at = at;
   ++run.row.updates;
+  run.row.closed = storage::RunClosed::kNot;
+  run.row.closed_at_ms = 0;
+  run.last_entry = target.entry;
+  if (run.open()) CloseRunsOver(robot.ruri, at);
+}
+
+void FakeKinds::CloseRunsOver(const std::string& ruri, SystemTime at) {
+  std::vector<std::pair<std::uint64_t, Run*>> open;
+  for (auto it = runs_.lower_bound({ruri, {}, {}});
+       it != runs_.end() && std::get<0>(it->first) == ruri; ++it) {
+    if (it->second.open()) open.emplace_back(it->second.last_entry, &it->second);
+  }
+  if (open.size() <= storage::kOpenRunsPerRobotMax) return;
+  Run& oldest = *std::ranges::min_element(open)->second;
+  oldest.row.closed = storage::RunClosed::kForBound;
+  oldest.row.closed_at_ms = UnixMs(at);
+  ++runs_closed_;
+}
+
+std::size_t FakeKinds::CloseRuns(SystemTime now) {
+  const SystemTime until = now - storage::kOpenRunAgeMax;
+  std::vector<std::tuple<SystemTime, std::uint64_t, Run*>> old;
+  for (auto& [key, run] : runs_) {
+    if (!run.open() || run.at >= until || run.row.last_received_at >= until) continue;
+    old.emplace_back(run.at, run.entry, &run);
+  }
+  std::ranges::sort(old);
+  old.resize(std::min(old.size(), storage::kSweepRowsMax));
+  for (const auto& [at, entry, run] : old) {
+    run->row.closed = storage::RunClosed::kForAge;
+    run->row.closed_at_ms = UnixMs(now);
+  }
+  return old.size();
 }
 
 void FakeKinds::WriteShape(const Target& target, const model::ShapeOp& shape) {
@@ -160,7 +193,7 @@ std::size_t FakeKinds::EraseHistory(SystemTime until) {
   erased += EraseBefore(reports_, until, storage::kRetainRowsMax);
   std::vector<std::tuple<SystemTime, std::uint64_t, RunKey>> closed;
   for (const auto& [key, run] : runs_) {
-    if (model::IsTerminal(run.row.status) && run.row.last_received_at < until && run.at < until) {
+    if (!run.open() && run.row.last_received_at < until && run.at < until) {
       closed.emplace_back(run.at, run.entry, key);
     }
   }

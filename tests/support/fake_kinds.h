@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "schema/model/mission.h"
 #include "storage/reader.h"
 #include "storage/types.h"
 #include "tests/support/fake_present.h"
@@ -22,7 +23,15 @@ class FakeKinds final {
   using History = std::vector<FakeEntry<Row>>;
   /// RURI, mission, run.
   using RunKey = std::tuple<std::string, std::string, std::string>;
-  using Runs = std::map<RunKey, FakeEntry<storage::MissionRunRow>>;
+  struct Run : FakeEntry<storage::MissionRunRow> {
+    /// Of the latest report.
+    std::uint64_t last_entry = 0;
+
+    [[nodiscard]] bool open() const {
+      return !model::IsTerminal(row.status) && row.closed == storage::RunClosed::kNot;
+    }
+  };
+  using Runs = std::map<RunKey, Run>;
   using LatestRows = std::map<std::pair<std::string, storage::LatestKind>, storage::LatestRow>;
 
   /// Why a bound refuses the record; nothing if none does.
@@ -36,6 +45,10 @@ class FakeKinds final {
 
   /// As storage::Store::Sweep.
   std::size_t Sweep(SystemTime now);
+  /// As storage::Store::CloseRuns.
+  std::size_t CloseRuns(SystemTime now);
+  /// How many Write closed for their bound.
+  [[nodiscard]] std::size_t runs_closed() const { return runs_closed_; }
   /// As storage::Store::Retain, with the first day that is kept.
   std::size_t EraseHistory(SystemTime until);
 
@@ -57,6 +70,7 @@ class FakeKinds final {
   void WriteEvent(const Target& target, const model::EventTelemetry& event);
   void WriteMessage(const Target& target, const model::Message& message);
   void WriteReport(const Target& target, const model::MissionRunStatus& report);
+  void CloseRunsOver(const std::string& ruri, SystemTime at);
   void WriteShape(const Target& target, const model::ShapeOp& shape);
   void WriteObject(const Target& target, const model::ObjectOp& object);
   void WriteLatest(const Target& target, storage::LatestKind kind, std::string body_json);
@@ -68,6 +82,7 @@ class FakeKinds final {
   FakePresent<storage::ShapeRow> shapes_{storage::kShapesPerRobotMax};
   FakePresent<storage::ObjectRow> objects_{storage::kObjectsPerRobotMax};
   LatestRows latest_;
+  std::size_t runs_closed_ = 0;
 };
 
 }  // namespace uplink::testing

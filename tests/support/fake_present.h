@@ -24,16 +24,24 @@ struct FakeEntry {
   Row row;
 };
 
-/// Deletes the oldest entries before `until`, at most `rows_max`. Returns how many.
+/// The places of the oldest entries before `until`, at most `rows_max`, ascending.
 template <typename Row>
-std::size_t EraseBefore(std::vector<FakeEntry<Row>>& entries, SystemTime until,
-                        std::size_t rows_max) {
+std::vector<std::pair<SystemTime, std::uint64_t>> OldestBefore(
+    const std::vector<FakeEntry<Row>>& entries, SystemTime until, std::size_t rows_max) {
   std::vector<std::pair<SystemTime, std::uint64_t>> old;
   for (const FakeEntry<Row>& entry : entries) {
     if (entry.at < until) old.emplace_back(entry.at, entry.entry);
   }
   std::ranges::sort(old);
   old.resize(std::min(old.size(), rows_max));
+  return old;
+}
+
+/// Deletes the oldest entries before `until`, at most `rows_max`. Returns how many.
+template <typename Row>
+std::size_t EraseBefore(std::vector<FakeEntry<Row>>& entries, SystemTime until,
+                        std::size_t rows_max) {
+  const auto old = OldestBefore(entries, until, rows_max);
   std::erase_if(entries, [&](const FakeEntry<Row>& entry) {
     return std::ranges::binary_search(old, std::pair(entry.at, entry.entry));
   });

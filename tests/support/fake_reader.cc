@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "schema/model/mission.h"
 #include "storage/expiry.h"
 #include "storage/page_token.h"
 #include "tests/support/fake_page.h"
@@ -137,6 +136,16 @@ absl::StatusOr<Page<storage::GapRow>> FakeReader::Gaps(const HistoryQuery& query
   return FakePageOf(PageKind::kGaps, query, std::move(rows));
 }
 
+absl::StatusOr<std::vector<storage::DroppedRow>> FakeReader::QuarantineDropped(
+    const std::string& ruri) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<storage::DroppedRow> rows;
+  const auto robot = database_.robots_.find(ruri);
+  if (robot == database_.robots_.end()) return rows;
+  for (const auto& [reason, count] : robot->second.dropped) rows.push_back({reason, count});
+  return rows;
+}
+
 absl::StatusOr<Page<storage::EventRow>> FakeReader::Events(const HistoryQuery& query) {
   const std::lock_guard lock(database_.mutex_);
   return FakePageOf(PageKind::kEvents, query, AllOf(database_.kinds_.events()));
@@ -151,8 +160,8 @@ absl::StatusOr<Page<storage::MissionRunRow>> FakeReader::MissionRuns(const Missi
   const std::lock_guard lock(database_.mutex_);
   std::vector<FakePlaced<storage::MissionRunRow>> rows;
   for (const auto& [key, run] : database_.kinds_.runs()) {
-    const bool ended = model::IsTerminal(run.row.status);
-    if (OfMission(run.row, query) && !(query.open && ended)) rows.push_back(Placed(run));
+    if (!OfMission(run.row, query) || (query.open && !run.open())) continue;
+    rows.push_back({{run.at, run.entry}, &run.row});
   }
   return FakePageOf(PageKind::kMissionRuns, query.rows, std::move(rows));
 }

@@ -48,6 +48,29 @@ absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
   return swept;
 }
 
+absl::StatusOr<std::size_t> FakeStore::CloseRuns(SystemTime now) {
+  Fate fate = Begin({&sweep_order_}, closes_);
+  if (fate.fail_before) return std::move(fate.status);
+  const bool vouched = storage::Vouches(store_rules_.clock, now);
+  const std::size_t closed = vouched ? database_.CloseRuns(now) : 0;
+  if (fate.fail_after) return std::move(fate.status);
+  return closed;
+}
+
+std::size_t FakeStore::TakeRunsClosed() {
+  const std::size_t closed = database_.runs_closed();
+  const std::lock_guard lock(mutex_);
+  return closed - std::exchange(runs_closed_taken_, closed);
+}
+
+absl::StatusOr<storage::Trimmed> FakeStore::TrimQuarantine(std::span<const std::string> ruris) {
+  Fate fate = Begin({&any_order_, &trim_order_}, trims_);
+  if (fate.fail_before) return std::move(fate.status);
+  storage::Trimmed trimmed = database_.TrimQuarantine(ruris);
+  if (fate.fail_after) return std::move(fate.status);
+  return trimmed;
+}
+
 absl::StatusOr<std::size_t> FakeStore::Retain(SystemTime now) {
   Fate fate = Begin({&retain_order_}, retains_);
   if (fate.fail_before) return std::move(fate.status);
@@ -113,6 +136,10 @@ void FakeStore::FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Statu
   Add(sweep_order_, calls, at, status);
 }
 
+void FakeStore::FailNextTrims(std::uint32_t calls, FailAt at, const absl::Status& status) {
+  Add(trim_order_, calls, at, status);
+}
+
 void FakeStore::FailNextRetains(std::uint32_t calls, FailAt at, const absl::Status& status) {
   Add(retain_order_, calls, at, status);
 }
@@ -127,6 +154,7 @@ void FakeStore::Heal() {
   commit_order_ = {};
   open_order_ = {};
   sweep_order_ = {};
+  trim_order_ = {};
   retain_order_ = {};
   checkpoint_order_ = {};
   blocked_ = false;
@@ -174,6 +202,11 @@ std::uint64_t FakeStore::sweeps() const {
   return sweeps_;
 }
 
+std::uint64_t FakeStore::trims() const {
+  const std::lock_guard lock(mutex_);
+  return trims_;
+}
+
 std::uint64_t FakeStore::checkpoints() const {
   const std::lock_guard lock(mutex_);
   return checkpoints_;
@@ -193,6 +226,11 @@ absl::StatusOr<std::size_t> FakeStore::RobotCount() { return FakeReader(database
 UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
 // NOLINTEND(bugprone-macro-parentheses)
+
+absl::StatusOr<std::vector<storage::DroppedRow>> FakeStore::QuarantineDropped(
+    const std::string& ruri) {
+  return FakeReader(database_).QuarantineDropped(ruri);
+}
 
 absl::StatusOr<std::vector<storage::ActiveFaults>> FakeStore::ActiveFaultCounts(
     std::span<const std::string> ruris) {

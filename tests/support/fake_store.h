@@ -45,6 +45,10 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
+  [[nodiscard]] std::size_t TakeRunsClosed() override;
+  [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(
+      std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
@@ -60,6 +64,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
   UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
   // NOLINTEND(bugprone-macro-parentheses)
+  [[nodiscard]] absl::StatusOr<std::vector<storage::DroppedRow>> QuarantineDropped(
+      const std::string& ruri) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
@@ -67,7 +73,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   // Faults; each set of orders is worked off before the next of its kind.
-  /// The next `calls` calls of OpenStreams, Adopt or Commit fail; FailAt::kBefore goes first.
+  /// The next `calls` calls of OpenStreams, Adopt, Commit or TrimQuarantine fail; FailAt::kBefore
+  /// goes first.
   void FailNext(std::uint32_t calls, FailAt at,
                 const absl::Status& status = absl::UnavailableError("the test said so"));
   /// As FailNext, for Commit alone.
@@ -76,12 +83,15 @@ class FakeStore final : public storage::Store, public storage::Reader {
   /// As FailNext, for OpenStreams alone.
   void FailNextOpens(std::uint32_t calls, FailAt at,
                      const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for Sweep alone.
+  /// As FailNext, for Sweep and CloseRuns alone.
   void FailNextSweeps(std::uint32_t calls, FailAt at,
                       const absl::Status& status = absl::UnavailableError("the test said so"));
   /// As FailNext, for Checkpoint alone.
   void FailNextCheckpoints(std::uint32_t calls, FailAt at,
                            const absl::Status& status = absl::UnavailableError("the test said so"));
+  /// As FailNext, for TrimQuarantine alone.
+  void FailNextTrims(std::uint32_t calls, FailAt at,
+                     const absl::Status& status = absl::UnavailableError("the test said so"));
   /// As FailNext, for Retain alone.
   void FailNextRetains(std::uint32_t calls, FailAt at,
                        const absl::Status& status = absl::UnavailableError("the test said so"));
@@ -101,6 +111,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] std::uint64_t opens() const;
   [[nodiscard]] std::uint64_t adopts() const;
   [[nodiscard]] std::uint64_t sweeps() const;
+  [[nodiscard]] std::uint64_t trims() const;
   [[nodiscard]] std::uint64_t checkpoints() const;
 
  private:
@@ -133,6 +144,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   Order commit_order_;
   Order open_order_;
   Order sweep_order_;
+  Order trim_order_;
   Order retain_order_;
   Order checkpoint_order_;
   FakeRules rules_;
@@ -140,6 +152,9 @@ class FakeStore final : public storage::Store, public storage::Reader {
   std::uint64_t opens_ = 0;
   std::uint64_t adopts_ = 0;
   std::uint64_t sweeps_ = 0;
+  std::uint64_t closes_ = 0;
+  std::uint64_t trims_ = 0;
+  std::size_t runs_closed_taken_ = 0;
   std::uint64_t retains_ = 0;
   std::uint64_t checkpoints_ = 0;
 };

@@ -60,6 +60,12 @@ absl::StatusOr<std::size_t> SwitchedReader::RobotCount() {
   return reader_.RobotCount();
 }
 
+absl::StatusOr<std::vector<storage::DroppedRow>> SwitchedReader::QuarantineDropped(
+    const std::string& ruri) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.QuarantineDropped(ruri);
+}
+
 absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   if (absl::Status here = Enter(); !here.ok()) return here;

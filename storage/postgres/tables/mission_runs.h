@@ -16,11 +16,18 @@ struct MissionRun {
   /// Of the first report.
   SystemTime first_at;
   std::int32_t place = 0;
+  /// Of the last report.
+  std::int32_t last_place = 0;
   std::int64_t updates = 0;
 };
 
-/// first_at and entry are those of the run's first report.
-inline constexpr Table<MissionRun, MissionRunRow, 12> kMissionRunsTable = {
+/// What the column last_entry makes of a place.
+inline constexpr std::string_view kLastEntryOfPlace =
+    "(SELECT currval('uplinkd.batches') << 20) + last_entry";
+
+/// first_at and entry are those of the run's first report. A report opens a run that the server
+/// closed.
+inline constexpr Table<MissionRun, MissionRunRow, 15> kMissionRunsTable = {
     "mission_runs",
     Writes::kUpserts,
     {"first_at", [](SystemTime time, MissionRunRow& row) { row.first_received_at = time; },
@@ -47,9 +54,9 @@ inline constexpr Table<MissionRun, MissionRunRow, 12> kMissionRunsTable = {
               },
               [](const Cell& cell, MissionRunRow& row) { row.name = cell.Text(); },
               {},
-              // A report without a name leaves the name that is there. $13, after the columns: 1 if
+              // A report without a name leaves the name that is there. $16, after the columns: 1 if
               // the names count.
-              "CASE WHEN $13::int = 1 THEN excluded.name ELSE t.name END"},
+              "CASE WHEN $16::int = 1 THEN excluded.name ELSE t.name END"},
              {"is_open", Type::kBool, Role::kValue,
               [](Array& to,
                  const MissionRun& row) { to.Bool(!model::IsTerminal(row.body->status)); }},
@@ -65,6 +72,15 @@ inline constexpr Table<MissionRun, MissionRunRow, 12> kMissionRunsTable = {
              {"latest", Type::kText, Role::kValue,
               [](Array& to, const MissionRun& row) { to.Text(row.latest_json); },
               [](const Cell& cell, MissionRunRow& row) { row.latest_json = cell.Text(); }},
+             {"last_entry", Type::kInt4, Role::kValue,
+              [](Array& to, const MissionRun& row) { to.Int4(row.last_place); }, std::nullopt,
+              kLastEntryOfPlace},
+             {"closed_why", Type::kInt4, Role::kValue,
+              [](Array& to, const MissionRun& /*row*/) { to.Int4(0); },
+              [](const Cell& cell, MissionRunRow& row) { row.closed = RunClosedOf(cell.Int()); }},
+             {"closed_at", Type::kTime, Role::kValue,
+              [](Array& to, const MissionRun& /*row*/) { to.Time(SystemTime()); },
+              [](const Cell& cell, MissionRunRow& row) { row.closed_at_ms = UnixMs(cell.Time()); }},
          }))};
 
 }  // namespace uplink::storage::postgres

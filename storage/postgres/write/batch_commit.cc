@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "schema/base/check.h"
+#include "storage/postgres/write/open_runs.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/refusal.h"
 
@@ -130,7 +131,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
   std::vector<StoreCall> calls = BeginCalls();
   calls.push_back(BeginBatchCall(premises, batch_));
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
-  absl::Status committed = RunAndCommit(connection_, std::move(calls), kDoing, before_commit_);
+  absl::Status committed = CommitCalls(std::move(calls));
   if (!committed.ok()) return committed;
   return Outcomes(batch_.records.size() + batch_.presence.size());
 }
@@ -144,7 +145,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, rows);
   std::vector<StoreCall> calls = std::move(rows).TakeCalls();
   calls.push_back({kLogPosition, {}});
-  absl::Status committed = RunAndCommit(connection_, std::move(calls), kDoing, before_commit_);
+  absl::Status committed = CommitCalls(std::move(calls));
   if (!committed.ok()) return committed;
   return outcomes;
 }
@@ -166,6 +167,13 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
   written = RunAndCommit(connection_, {{kLogPosition, {}}}, kDoing, before_commit_);
   if (!written.ok()) return written;
   return outcomes;
+}
+
+absl::Status BatchCommit::CommitCalls(std::vector<StoreCall> calls) {
+  const std::optional<std::size_t> closing = PlaceOfCloseRunsOver(calls);
+  const auto answers = RunAndCommitFor(connection_, std::move(calls), kDoing, before_commit_);
+  if (answers.ok() && closing) runs_closed_ += (*answers)[*closing].written();
+  return answers.status();
 }
 
 absl::Status BatchCommit::Halve(const Slice& slice, Outcomes& outcomes) {
@@ -213,8 +221,13 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteSlice(
   calls.push_back({kSavepoint, {}});
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   calls.push_back({kRelease, {}});
-  const absl::Status written = connection_.Run(calls, kDoing, OnError::kLeave).status();
-  if (written.ok()) return outcomes;
+  const std::optional<std::size_t> closing = PlaceOfCloseRunsOver(calls);
+  const auto answers = connection_.Run(calls, kDoing, OnError::kLeave);
+  if (answers.ok()) {
+    if (closing) runs_closed_ += (*answers)[*closing].written();
+    return outcomes;
+  }
+  absl::Status written = answers.status();
   if (!absl::IsInvalidArgument(written)) return written;
   calls.clear();
   calls.push_back({kRollBackTo, {}});

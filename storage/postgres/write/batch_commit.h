@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -33,6 +34,8 @@ class BatchCommit final {
 
   /// Errors: as Store::Commit. kAborted where transactions stood in each other's way.
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Run();
+  /// How many mission runs it closed for their bound, once Run was OK.
+  [[nodiscard]] std::size_t runs_closed() const { return runs_closed_; }
 
  private:
   using Outcomes = std::vector<Outcome>;
@@ -47,6 +50,7 @@ class BatchCommit final {
   /// of it, and nothing of the slice is written then.
   absl::StatusOr<Outcomes> WriteSlice(const Slice& slice,
                                       const std::optional<DatabaseRefusal>& refusal);
+  absl::Status CommitCalls(std::vector<StoreCall> calls);
   absl::Status Halve(const Slice& slice, Outcomes& outcomes);
   absl::Status Isolate(const Slice& slice, const absl::Status& cause, Outcomes& outcomes);
   absl::Status AbandonAfter(const absl::Status& error);
@@ -55,6 +59,7 @@ class BatchCommit final {
   const Batch& batch_;
   const StoreRules& rules_;
   const std::function<absl::Status()>& before_commit_;
+  std::size_t runs_closed_ = 0;
 };
 
 }  // namespace uplink::storage::postgres

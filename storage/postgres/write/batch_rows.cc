@@ -6,6 +6,7 @@
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/postgres/write/open_runs.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -64,6 +65,10 @@ struct BatchRows::KindWriter {
     const MissionReport row = {&record, &report, text, place};
     rows.added_.Add<kMissionReportsTable>(row);
     rows.runs_.Add(row);
+    if (!model::IsTerminal(report.status)) {
+      SystemTime& reported = rows.robots_with_open_runs_[record.robot->ruri];
+      reported = std::max(reported, record.received_at);
+    }
   }
   void operator()(const model::AgentInfo& /*body*/) const { AddLatest(LatestKind::kAgentInfo); }
   void operator()(const model::CurrentSettings& /*body*/) const {
@@ -155,6 +160,7 @@ std::vector<StoreCall> BatchRows::TakeCalls() && {
   shapes_.MoveInto<kShapesTable>(calls);
   objects_.MoveInto<kObjectsTable>(calls);
   runs_.MoveInto(calls);
+  if (!robots_with_open_runs_.empty()) calls.push_back(CloseRunsOver(robots_with_open_runs_));
   latest_.MoveInto(calls);
   presence_.MoveInto(calls);
   gaps_.MoveInto(calls);

@@ -66,6 +66,8 @@ class BatchRows final {
   /// Robots of which a bound is to be kept after the writes.
   std::set<std::string_view> robots_with_payloads_;
   std::set<std::string_view> robots_with_gaps_;
+  /// With the latest arrival of a report that left its run open.
+  std::map<std::string_view, SystemTime> robots_with_open_runs_;
 };
 
 }  // namespace uplink::storage::postgres

@@ -11,6 +11,7 @@ void MissionRunRows::Add(const MissionReport& report) {
     run.first_at = report.record->received_at;
     run.place = report.place;
   }
+  run.last_place = report.place;
   run.record = report.record;
   run.body = report.body;
   run.latest_json = report.json;

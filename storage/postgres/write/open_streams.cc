@@ -42,13 +42,15 @@ constexpr std::string_view kNumberNewRobots =
 // A session's row is looked for from the greatest part down (see the migration of session parts).
 // The robots' rows are locked by then, so nobody adds the same session meanwhile.
 constexpr std::string_view kOpenSessions =
-    "WITH u AS (SELECT * FROM unnest($1::text[], $2::uuid[], $3::timestamptz[])"
-    " AS u (ruri, session, used) WHERE EXISTS (SELECT 1 FROM uplinkd.robots AS r"
+    "WITH u AS (SELECT * FROM unnest($1::text[], $2::uuid[], $3::timestamptz[], $5::bigint[])"
+    " AS u (ruri, session, used, settled) WHERE EXISTS (SELECT 1 FROM uplinkd.robots AS r"
     " WHERE r.ruri = u.ruri AND r.owner = $4::uuid)),"
-    " old AS MATERIALIZED (SELECT p.ruri, p.session, p.part, u.used FROM u CROSS JOIN LATERAL"
+    " old AS MATERIALIZED (SELECT p.ruri, p.session, p.part, u.used, u.settled FROM u CROSS JOIN "
+    "LATERAL"
     " (SELECT l.ruri, l.session, l.part FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS p),"
-    " touched AS (UPDATE uplinkd.sessions AS s SET last_used = greatest(s.last_used, old.used)"
+    " touched AS (UPDATE uplinkd.sessions AS s SET last_used = greatest(s.last_used, old.used),"
+    " settled_seq = greatest(s.settled_seq, least(old.settled, s.cursor_seq))"
     " FROM old WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
     " RETURNING s.ruri, s.cursor_seq),"
     " made AS (INSERT INTO uplinkd.sessions (ruri, session, cursor_seq, last_used, first_entry)"
@@ -104,7 +106,7 @@ std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
 std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,
                                const ProcessId& process) {
   Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime}, new_ruri{Type::kText};
-  Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime};
+  Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime}, told{Type::kInt8};
   Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
   Array ended{Type::kText}, evict_ruri{Type::kText}, held_ruri{Type::kText},
       held_session{Type::kUuid};
@@ -120,6 +122,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
     session_ruri.Text(name);
     session.Uuid(request.session);
     used.Time(request.at);
+    told.Int8(request.settled_seq);
     settled_ruri.Text(name);
     settled_session.Uuid(request.session);
     settled.Int8(request.settled_seq);
@@ -140,6 +143,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.push_back({kNextBatch, {}});
   calls.push_back(StoreCallOf(kOpenSessions, {&session_ruri, &session, &used}));
   calls.back().parameters.Uuid(model::SessionId(process));
+  calls.back().parameters.Add(std::move(told));
   calls.push_back(StoreCallOf(kReadRejects, {&settled_ruri, &settled_session, &settled}));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kOpenRejectsMax) + 1);
   calls.push_back(StoreCallOf(kEvictSessions, {&evict_ruri, &held_ruri, &held_session}));

@@ -39,13 +39,15 @@ inline constexpr Table<MissionReport, MissionReportRow, 10> kMissionReportsTable
                    [](const Cell& cell, MissionReportRow& row) { row.report_json = cell.Text(); }},
               })))};
 
-/// first_ms and entry are those of the run's first report.
-inline constexpr Table<MissionReport, MissionRunRow, 11> kMissionRunsTable = {
+/// first_ms and entry are those of the run's first report. A report opens a run that the server
+/// closed.
+inline constexpr Table<MissionReport, MissionRunRow, 14> kMissionRunsTable = {
     "mission_runs",
     Writes::kUpserts,
     // `open_if` is word for word the condition of the partial indexes.
     {"first_ms", [](SystemTime time, MissionRunRow& row) { row.first_received_at = time; },
-     "status NOT IN (6, 7, 8)", "last_ms < ?1 AND status IN (6, 7, 8)"},
+     "status NOT IN (6, 7, 8) AND closed_why = 0",
+     "last_ms < ?1 AND (status IN (6, 7, 8) OR closed_why <> 0)"},
     Join(
         kMissionColumns<MissionRunRow>,
         std::to_array<Column<MissionReport, MissionRunRow>>({
@@ -82,6 +84,13 @@ inline constexpr Table<MissionReport, MissionRunRow, 11> kMissionRunsTable = {
             {"latest", Role::kValue,
              [](Binder& to, const MissionReport& row) { to.Text(row.json); },
              [](const Cell& cell, MissionRunRow& row) { row.latest_json = cell.Text(); }},
+            {"last_entry", Role::kValue,
+             [](Binder& to, const MissionReport& row) { to.Int(row.entry); }},
+            {"closed_why", Role::kValue,
+             [](Binder& to, const MissionReport& /*row*/) { to.Int(0); },
+             [](const Cell& cell, MissionRunRow& row) { row.closed = RunClosedOf(cell.Int()); }},
+            {"closed_ms", Role::kValue, [](Binder& to, const MissionReport& /*row*/) { to.Int(0); },
+             [](const Cell& cell, MissionRunRow& row) { row.closed_at_ms = cell.Int(); }},
         }))};
 
 }  // namespace uplink::storage::sqlite
