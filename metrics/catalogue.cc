@@ -19,6 +19,7 @@ constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
 constexpr std::array<std::string_view, 1> kByCause{"cause"};
 constexpr std::array<std::string_view, 1> kByShard{"shard"};
 constexpr std::array<std::string_view, 1> kByVersion{"version"};
+constexpr std::array<std::string_view, 1> kByWhy{"why"};
 
 constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kUplinksReceived, "uplinkd_uplinks_received_total", kCounter, "messages",
@@ -130,6 +131,12 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Records of a commit."},
     {kExpiredDeleted, "uplinkd_expired_deleted_total", kCounter, "rows",
      "Expired shapes and objects that the sweep deleted."},
+    {kMissionRunsClosed, "uplinkd_mission_runs_closed_total", kCounter, "runs",
+     "Open mission runs that the server closed: bound: the robot had 1,000 newer ones open; age: "
+     "not reported for 30 days.",
+     kByWhy},
+    {kQuarantineDropped, "uplinkd_quarantine_dropped_total", kCounter, "rows",
+     "Rows of quarantine that went for the bound of their robot, by reason.", kByReason},
     {kHistoryDeleted, "uplinkd_history_deleted_total", kCounter, "rows",
      "Rows, and whole partitions of days, that were deleted for their age."},
     {kRetentionFailing, "uplinkd_retention_failing", kGauge, "0 or 1",

@@ -71,6 +71,8 @@ enum class MetricId : std::uint8_t {
   kStoreCommitSeconds,
   kStoreCommitRecords,
   kExpiredDeleted,
+  kMissionRunsClosed,
+  kQuarantineDropped,
   kHistoryDeleted,
   kRetentionFailing,
   kSweepSeconds,

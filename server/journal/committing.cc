@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <utility>
+#include <variant>
 
 #include "schema/base/check.h"
 #include "server/journal/outcomes.h"
@@ -51,7 +52,10 @@ Step Committing::Commit() {
                "the store answers every record and change of presence");
   context_.probe.commit_seconds.Observe(Seconds(context_.clock.Steady() - began));
   context_.probe.commit_records.Observe(static_cast<double>(records));
+  context_.probe.runs_closed_for_bound.Add(
+      static_cast<std::int64_t>(context_.store.TakeRunsClosed()));
   FinishPresence(std::span(*outcomes).subspan(records));
+  NoteQuarantined(*outcomes);
   outcomes->resize(records);
   outcomes_ = *std::move(outcomes);
   return Step::kWorked;
@@ -64,6 +68,16 @@ void Committing::DropVoid() {
   if (dropped.entries == 0) return;
   context_.inbox.Release(
       {.records = dropped.entries, .bytes = dropped.bytes, .batch_ended = batch_.entries() == 0});
+}
+
+void Committing::NoteQuarantined(std::span<const storage::Outcome> outcomes) {
+  const std::vector<storage::CommitRecord>& records = batch_.batch().records;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const bool was_bad = std::holds_alternative<storage::QuarantineItem>(records[i].content);
+    const bool quarantined = outcomes[i].kind == storage::OutcomeKind::kRefused ||
+                             (was_bad && outcomes[i].kind == storage::OutcomeKind::kStored);
+    if (quarantined) context_.quarantine.Note(records[i].robot->ruri);
+  }
 }
 
 void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {

@@ -42,6 +42,8 @@ class Committing final {
 
  private:
   void DropVoid();
+  /// Notes of which robots rows went to quarantine.
+  void NoteQuarantined(std::span<const storage::Outcome> outcomes);
   void FinishPresence(std::span<const storage::Outcome> outcomes);
 
   const WriterContext context_;

@@ -6,7 +6,8 @@
 
 namespace uplink::journal {
 
-/// The duty that deletes expired shapes and objects from the store: each kSweepInterval, and again
+/// The duty that deletes expired shapes and objects from the store, and closes mission runs that
+/// were left open for too long: each kSweepInterval, and again
 /// after kSweepAgain where more is left.
 ///
 /// Errors:  whatever the store tells is the store's error; the next one is due as usual.

@@ -20,6 +20,7 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
                                                    .probe = probe,
                                                    .inbox = writer_inbox_,
                                                    .errors = errors_,
+                                                   .quarantine = quarantine_,
                                                    .retain_error = retain_error_,
                                                    .checkpoint_error = checkpoint_error_},
                                      limits, process)) {}

@@ -12,6 +12,7 @@
 #include "server/journal/inbox.h"
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
+#include "server/journal/quarantine_notes.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/writer_inbox.h"
 #include "server/robot/commit_client.h"
@@ -100,6 +101,7 @@ class Journal final {
   Inbox inbox_;
   WriterInbox writer_inbox_;
   StoreErrors errors_;
+  QuarantineNotes quarantine_;
   DutyError retain_error_;
   DutyError checkpoint_error_;
   /// CheckpointFrom gave it live states to checkpoint.

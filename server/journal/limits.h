@@ -36,6 +36,10 @@ struct JournalLimits {
 inline constexpr std::chrono::seconds kSweepInterval{60};
 inline constexpr std::chrono::milliseconds kSweepAgain{100};
 
+/// How often the quarantine of robots that filled theirs is looked at, and how many per call.
+inline constexpr std::chrono::seconds kTrimInterval{10};
+inline constexpr std::size_t kTrimRobotsPerCall = 4;
+
 /// How often histories are kept to their age; how soon again while the store is away, and after
 /// what fails by itself.
 inline constexpr std::chrono::hours kRetainInterval{1};

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "metrics/cells.h"
+#include "schema/model/rejection.h"
 
 namespace uplink::journal {
 
@@ -19,6 +20,11 @@ struct JournalProbe {
   metrics::Cell presence_refused;
   /// Robots whose holder was over, and that this process adopted.
   metrics::Cell adopted;
+  /// Open mission runs that the server closed: for their bound, and for their age.
+  metrics::Cell runs_closed_for_bound;
+  metrics::Cell runs_closed_for_age;
+  /// Rows of quarantine that went for the bound of their robot; index: RejectReason.
+  std::array<metrics::Cell, model::kRejectReasons + 1> quarantine_dropped;
   /// Shapes and objects that the sweep deleted.
   metrics::Cell expired_deleted;
   /// Rows and partitions of days that went for their age.

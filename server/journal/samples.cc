@@ -50,6 +50,12 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
   page.Add(kPresenceRefused, probe.presence_refused);
   page.Add(kRobotsAdopted, probe.adopted);
   page.Add(kExpiredDeleted, probe.expired_deleted);
+  page.Add(kMissionRunsClosed, probe.runs_closed_for_bound, {"bound"});
+  page.Add(kMissionRunsClosed, probe.runs_closed_for_age, {"age"});
+  for (const model::RejectReason reason : model::kAllRejectReasons) {
+    page.Add(kQuarantineDropped, probe.quarantine_dropped[static_cast<std::size_t>(reason)],
+             {ToText(reason)});
+  }
   page.Add(kHistoryDeleted, probe.history_deleted);
   page.Add(kRetentionFailing, probe.retention_failing.value() > 0 ? 1 : 0);
   page.Add(kCheckpointSeconds, probe.checkpoint_seconds);

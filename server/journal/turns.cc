@@ -19,11 +19,13 @@ Turns::Turns(const WriterContext& context, const JournalLimits& limits,
                     limits.sweeps ? context.clock.Steady() + kSweepInterval : Duty::kNever),
       // At once: a store may need room for today.
       retention_(context, limits.retains ? context.clock.Steady() : Duty::kNever),
+      quarantine_trim_(context),
       checkpoints_(context) {}
 
 void Turns::WaitForWork(const std::stop_token& stop) {
-  const SteadyTime due = std::min({clock_.Steady() + kSweepInterval, expiry_sweep_.duty().due(),
-                                   retention_.duty().due(), checkpoints_.duty().due()});
+  const SteadyTime due =
+      std::min({clock_.Steady() + kSweepInterval, expiry_sweep_.duty().due(),
+                retention_.duty().due(), quarantine_trim_.due(), checkpoints_.duty().due()});
   inbox_.WaitUntil(due, stop);
 }
 
@@ -75,6 +77,7 @@ std::optional<Step> Turns::AdvanceDuty() {
   after_duty_ = true;
   if (expiry_sweep_.duty().IsDue(now)) return expiry_sweep_.Do();
   if (retention_.duty().IsDue(now)) return retention_.Do();
+  if (now >= quarantine_trim_.due()) return quarantine_trim_.Do();
   after_duty_ = false;
   return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "server/journal/holds.h"
 #include "server/journal/limits.h"
 #include "server/journal/opening.h"
+#include "server/journal/quarantine_trim.h"
 #include "server/journal/retention.h"
 #include "server/journal/step.h"
 #include "server/journal/writer_context.h"
@@ -44,7 +45,7 @@ class Turns final {
   /// nothing waits.
   std::optional<Step> AdvanceWork();
   bool GatherOpens();
-  /// Deletes what expired or what is too old; nothing if neither is due.
+  /// Deletes what expired, what is too old or past its bound; nothing if none is due.
   std::optional<Step> AdvanceDuty();
 
   const Clock& clock_;
@@ -55,6 +56,7 @@ class Turns final {
   Committing committing_;
   ExpirySweep expiry_sweep_;
   Retention retention_;
+  QuarantineTrim quarantine_trim_;
   CheckpointRounds checkpoints_;
   /// The last call opened streams while records waited: they are next.
   bool batch_turn_ = false;

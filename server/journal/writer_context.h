@@ -4,6 +4,7 @@
 #include "schema/base/clock.h"
 #include "server/journal/duty_error.h"
 #include "server/journal/probe.h"
+#include "server/journal/quarantine_notes.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/writer_inbox.h"
 
@@ -21,6 +22,7 @@ struct WriterContext {
   JournalProbe& probe;
   WriterInbox& inbox;
   StoreErrors& errors;
+  QuarantineNotes& quarantine;
   DutyError& retain_error;
   DutyError& checkpoint_error;
 };

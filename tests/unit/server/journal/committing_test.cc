@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/schema/samples.h"
 #include "tests/unit/server/journal/step_bench.h"
 
 namespace uplink::journal {
@@ -24,6 +25,16 @@ class CommittingTest : public ::testing::Test, protected StepBench {
   void Fail(int times) {
     store.FailNextCommits(static_cast<std::uint32_t>(times), FailAt::kBefore);
     for (int i = 0; i < times; ++i) EXPECT_EQ(committing_.Commit(), Step::kFailed);
+  }
+
+  /// A report of a run of its own, which is open.
+  [[nodiscard]] storage::CommitRecord RunOf(model::Seq seq) const {
+    model::MissionRunStatus report = test::SampleMission();
+    report.run_id = std::to_string(seq);
+    report.status = model::MissionStatus::kRunning;
+    storage::CommitRecord record = RecordOf(robot_, seq);
+    record.content = test::RecordOf(report);
+    return record;
   }
 
   CountingInbox wakes_;
@@ -55,6 +66,19 @@ TEST_F(CommittingTest, GoesFromABatchToOutcomesToNothing) {
   EXPECT_THAT(robot_.Told(), ElementsAre("settled 1"));
   EXPECT_EQ(wakes_.wakes(1), 1);
   EXPECT_TRUE(inbox.idle());
+}
+
+TEST_F(CommittingTest, CountsRunsThatTheStoreClosedForTheirBound) {
+  storage::Batch batch;
+  for (model::Seq seq = 1; seq <= storage::kOpenRunsPerRobotMax; ++seq) {
+    batch.records.push_back(RunOf(seq));
+    batch.records.back().held_since = 1;
+  }
+  ASSERT_TRUE(store.Commit(batch).ok());
+  inbox.Append(robot_, robot_.generation(), RunOf(storage::kOpenRunsPerRobotMax + 1),
+               clock.Steady());
+  Commit();
+  EXPECT_EQ(probe.runs_closed_for_bound.value(), 1);
 }
 
 TEST_F(CommittingTest, ABatchTakesNothingThatComesAfterIt) {

@@ -30,6 +30,24 @@ class ExpirySweepTest : public ::testing::Test, protected StepBench {
     clock.Advance(storage::kExpiredKept + milliseconds(1));
   }
 
+  /// Open runs that were not reported for too long.
+  void StoreRuns(std::size_t count) {
+    Hold(robot_);
+    storage::Batch batch;
+    for (std::size_t i = 1; i <= count; ++i) {
+      model::MissionRunStatus report = test::SampleMission();
+      report.run_id = std::to_string(i);
+      report.status = model::MissionStatus::kRunning;
+      batch.records.push_back({.robot = robot_.robot(),
+                               .seq = i,
+                               .held_since = 1,
+                               .received_at = clock.System(),
+                               .content = test::RecordOf(report)});
+    }
+    ASSERT_TRUE(store.Commit(batch).ok());
+    clock.Advance(storage::kOpenRunAgeMax + milliseconds(1));
+  }
+
   RecordingClient robot_{"rcan://a"};
   ExpirySweep sweep_{context(), clock.Steady()};
 };
@@ -49,6 +67,18 @@ TEST_F(ExpirySweepTest, IsDueAgainSoonWhereMoreIsLeft) {
   EXPECT_EQ(sweep_.Do(), Step::kWorked);
   EXPECT_EQ(sweep_.duty().due(), clock.Steady() + kSweepInterval);
   EXPECT_EQ(probe.expired_deleted.value(), static_cast<std::int64_t>(storage::kSweepRowsMax) + 1);
+}
+
+TEST_F(ExpirySweepTest, ClosesRunsThatWereLeftOpenForTooLong) {
+  StoreRuns(storage::kOpenRunsPerRobotMax);
+  EXPECT_EQ(sweep_.Do(), Step::kWorked);
+  EXPECT_EQ(probe.runs_closed_for_age.value(),
+            static_cast<std::int64_t>(storage::kOpenRunsPerRobotMax));
+  EXPECT_EQ(probe.expired_deleted.value(), 0);
+  static_assert(storage::kOpenRunsPerRobotMax >= storage::kSweepRowsMax);
+  EXPECT_EQ(sweep_.duty().due(), clock.Steady() + kSweepAgain);
+  EXPECT_EQ(sweep_.Do(), Step::kWorked);
+  EXPECT_EQ(sweep_.duty().due(), clock.Steady() + kSweepInterval);
 }
 
 TEST_F(ExpirySweepTest, AFailureIsTheStoresAndWaitsForTheNextTime) {

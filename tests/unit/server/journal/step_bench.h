@@ -24,6 +24,7 @@ struct StepBench {
             .probe = probe,
             .inbox = writer_inbox,
             .errors = errors,
+            .quarantine = quarantine,
             .retain_error = retain_error,
             .checkpoint_error = checkpoint_error};
   }
@@ -78,6 +79,7 @@ struct StepBench {
   Inbox inbox;
   WriterInbox writer_inbox{inbox};
   StoreErrors errors{probe};
+  QuarantineNotes quarantine;
   DutyError retain_error{probe.retention_failing};
   DutyError checkpoint_error{probe.checkpoint_failing};
   Holds holds{context()};
