@@ -32,6 +32,17 @@ Response PresentOnes(const std::string& query_text, view::Queries& queries,
 
 }  // namespace
 
+Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  HistoryQuery query = ReadPage(parameters);
+  ReadTimes(parameters, query);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  query.ruri = request.segment;
+  const absl::StatusOr<view::QuarantineView> quarantine = sources.queries.Quarantine(query);
+  return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
+                         : ErrorResponse(quarantine.status());
+}
+
 Response GetFaults(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   HistoryQuery query = ReadPage(parameters);

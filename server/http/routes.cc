@@ -24,7 +24,7 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/robots/{}/events", "events", Lane::kRead, GetHistory<&Reader::Events>},
     {"/api/v1/robots/{}/messages", "messages", Lane::kRead, GetHistory<&Reader::Messages>},
     {"/api/v1/robots/{}/presence", "presence", Lane::kRead, GetHistory<&Reader::PresenceChanges>},
-    {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetHistory<&Reader::Quarantine>},
+    {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetQuarantine},
     {"/api/v1/robots/{}/gaps", "gaps", Lane::kRead, GetHistory<&Reader::Gaps>},
     {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
     {"/api/v1/missions", "missions", Lane::kRead, GetMissions},

@@ -89,6 +89,15 @@ v1::ListQuarantineResponse ToMessage(const storage::Page<storage::QuarantineRow>
   return message;
 }
 
+v1::ListQuarantineResponse ToMessage(const QuarantineView& quarantine) {
+  v1::ListQuarantineResponse message = ToMessage(quarantine.page);
+  for (const storage::DroppedRow& dropped : quarantine.dropped) {
+    (*message.mutable_dropped_by_reason())[std::string(model::ToText(dropped.reason))] =
+        Signed(dropped.count);
+  }
+  return message;
+}
+
 v1::ListGapsResponse ToMessage(const storage::Page<storage::GapRow>& page) {
   v1::ListGapsResponse message;
   for (const storage::GapRow& row : page.rows) {

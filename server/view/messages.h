@@ -26,6 +26,7 @@ namespace uplink::view {
     const storage::Page<storage::PresenceRow>& page);
 [[nodiscard]] v1::ListQuarantineResponse ToMessage(
     const storage::Page<storage::QuarantineRow>& page);
+[[nodiscard]] v1::ListQuarantineResponse ToMessage(const QuarantineView& quarantine);
 [[nodiscard]] v1::ListGapsResponse ToMessage(const storage::Page<storage::GapRow>& page);
 [[nodiscard]] v1::ListMissionRunsResponse ToMessage(
     const storage::Page<storage::MissionRunRow>& page);

@@ -1,9 +1,27 @@
+#include <string>
+#include <string_view>
+
 #include "schema/model/enum_text.h"
 #include "server/view/messages.h"
 #include "server/view/struct.h"
 
 // What is there now: mission runs, shapes, objects.
 namespace uplink::view {
+namespace {
+
+std::string_view ToText(storage::RunClosed closed) {
+  switch (closed) {
+    case storage::RunClosed::kNot:
+      return "";
+    case storage::RunClosed::kForBound:
+      return "bound";
+    case storage::RunClosed::kForAge:
+      return "age";
+  }
+  return "";
+}
+
+}  // namespace
 
 v1::ListMissionRunsResponse ToMessage(const storage::Page<storage::MissionRunRow>& page) {
   v1::ListMissionRunsResponse message;
@@ -18,6 +36,8 @@ v1::ListMissionRunsResponse ToMessage(const storage::Page<storage::MissionRunRow
     run.set_first_received_at_ms(UnixMs(row.first_received_at));
     run.set_last_received_at_ms(UnixMs(row.last_received_at));
     run.set_updates(Signed(row.updates));
+    run.set_closed_why(std::string(ToText(row.closed)));
+    run.set_closed_at_ms(row.closed_at_ms);
   }
   message.set_next_page_token(page.next_token);
   return message;

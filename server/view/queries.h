@@ -61,6 +61,13 @@ struct RobotsPage {
   std::int64_t total = 0;
 };
 
+/// The quarantine of one robot. A value.
+struct QuarantineView {
+  storage::Page<storage::QuarantineRow> page;
+  /// What went for its bound.
+  std::vector<storage::DroppedRow> dropped;
+};
+
 /// The server in figures. A value.
 struct StatusView {
   std::string version;
@@ -118,6 +125,14 @@ class Queries final {
     const bool empty = page.ok() && page->rows.empty();
     if (empty && sources_.fleet.Find(query.ruri) == nullptr) return Unknown(query.ruri);
     return page;
+  }
+  /// As History of quarantine, with what is not there any more.
+  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::HistoryQuery& query) {
+    auto page = History(&storage::Reader::Quarantine, query);
+    if (!page.ok()) return page.status();
+    auto dropped = sources_.reader.QuarantineDropped(query.ruri);
+    if (!dropped.ok()) return dropped.status();
+    return QuarantineView{*std::move(page), *std::move(dropped)};
   }
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
       const storage::MissionsQuery& query);

@@ -16,4 +16,8 @@ template <typename Row>
   return PrintJson(ToMessage(page));
 }
 
+[[nodiscard]] inline absl::StatusOr<std::string> ToJson(const QuarantineView& quarantine) {
+  return PrintJson(ToMessage(quarantine));
+}
+
 }  // namespace uplink::view

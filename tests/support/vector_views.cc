@@ -142,6 +142,8 @@ void AddMissionRun(const object& body, Views& out) {
                            .Set("name", name != nullptr ? *name : value(""))
                            .Set("latest", body)
                            .Set("updates", "1")
+                           .Set("closedWhy", "")
+                           .Set("closedAtMs", "0")
                            .Take(),
                        {"firstReceivedAtMs", "lastReceivedAtMs"}});
 }

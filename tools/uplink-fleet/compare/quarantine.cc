@@ -1,11 +1,29 @@
 #include "tools/uplink-fleet/compare/quarantine.h"
 
+#include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
 namespace uplink::synthetic {
+namespace {
+
+// Past the bound of a robot its oldest rows go, and are counted.
+void CompareMissing(const RobotOutcome& robot, const StoredRobot& stored,
+                    const std::vector<std::string>& missing, Findings& findings) {
+  const bool went = static_cast<std::int64_t>(missing.size()) <= stored.quarantine_dropped;
+  for (const std::string& must : missing) {
+    if (went) {
+      findings.Find(Thing::kQuarantine);
+    } else {
+      findings.Differ(Thing::kQuarantine, robot.ruri, must, "no such row");
+    }
+  }
+}
+
+}  // namespace
 
 void CompareQuarantine(const RobotOutcome& robot, const StoredRobot& stored, Findings& findings) {
   std::map<model::Seq, const v1::Quarantined*> rows;
@@ -16,6 +34,7 @@ void CompareQuarantine(const RobotOutcome& robot, const StoredRobot& stored, Fin
       findings.Differ(Thing::kQuarantine, robot.ruri, fmt::format("{} once", row.seq()), "twice");
     }
   }
+  std::vector<std::string> missing;
   for (const auto& [tag, wrong] : robot.account.wrongs()) {
     if (!wrong.acked) continue;
     findings.Expect(Thing::kQuarantine);
@@ -32,7 +51,7 @@ void CompareQuarantine(const RobotOutcome& robot, const StoredRobot& stored, Fin
     }
     const auto row = rows.find(wrong.seq);
     if (row == rows.end()) {
-      findings.Differ(Thing::kQuarantine, robot.ruri, must, "no such row");
+      missing.push_back(must);
       continue;
     }
     if (row->second->reason() != model::ToText(wrong.reason) ||
@@ -42,6 +61,7 @@ void CompareQuarantine(const RobotOutcome& robot, const StoredRobot& stored, Fin
     }
     rows.erase(row);
   }
+  CompareMissing(robot, stored, missing, findings);
   if (!robot.all_settled) return;
   for (const auto& [seq, row] : rows) {
     findings.Differ(Thing::kQuarantine, robot.ruri, fmt::format("number {} was right", seq),

@@ -19,6 +19,8 @@ struct StoredRobot {
   std::vector<v1::TrackedObject> objects;
   std::vector<v1::PresenceChange> presence;
   std::vector<v1::Quarantined> quarantine;
+  /// Rows of quarantine that went for the robot's bound.
+  std::int64_t quarantine_dropped = 0;
   std::vector<v1::Gap> gaps;
   /// The server's clock around the reading of shapes and objects: what expired before the first was
   /// gone, what expires after the second was there.

@@ -121,7 +121,14 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
           http_, fmt::format("/api/v1/robots/{}/presence", name),
           [](auto& page) { return page.mutable_changes(); }, into(stored.presence)),
       FetchPages<v1::ListQuarantineResponse>(
-          http_, history("quarantine"), [](auto& page) { return page.mutable_items(); },
+          http_, history("quarantine"),
+          [&stored](auto& page) {
+            stored.quarantine_dropped = 0;
+            for (const auto& [reason, rows] : page.dropped_by_reason()) {
+              stored.quarantine_dropped += rows;
+            }
+            return page.mutable_items();
+          },
           into(stored.quarantine)),
       FetchPages<v1::ListGapsResponse>(
           http_, history("gaps"), [](auto& page) { return page.mutable_gaps(); },

@@ -180,7 +180,15 @@ TEST(Json, RowsOfQuarantineHoldBytesAsBase64) {
   ExpectSameJson(*ToJson(page), R"({"items": [{"ruri": "rcan://a",
     "sessionId": "00000000000000000000000000000000", "seq": "7", "reason": "out_of_range",
     "field": "pose.latDeg", "detail": "too far", "receivedAtMs": "5", "payload": "/wA=",
-    "payloadBytes": "2"}], "nextPageToken": "t"})");
+    "payloadBytes": "2"}], "nextPageToken": "t", "droppedByReason": {}})");
+}
+
+TEST(Json, QuarantineOfARobotSaysHowManyRowsWentForWhichReason) {
+  const QuarantineView quarantine{
+      .page = {},
+      .dropped = {{model::RejectReason::kMalformed, 3}, {model::RejectReason::kOutOfRange, 10}}};
+  ExpectSameJson(*ToJson(quarantine), R"({"items": [], "nextPageToken": "",
+    "droppedByReason": {"malformed": "3", "out_of_range": "10"}})");
 }
 
 TEST(Json, FaultsShowWhenTheyWereRaisedOnlyInTheActiveSet) {

@@ -81,7 +81,26 @@ TEST(RowsJson, MissionRuns) {
   row.updates = 3;
   ExpectJson("missionRuns", row, R"({"ruri": "rcan://a", "missionId": "m", "runId": "r",
     "name": "north field", "status": "blocked", "latest": {"unixTimeMs": 5, "runId": "r"},
-    "firstReceivedAtMs": "6", "lastReceivedAtMs": "7", "updates": "3"})");
+    "firstReceivedAtMs": "6", "lastReceivedAtMs": "7", "updates": "3", "closedWhy": "",
+    "closedAtMs": "0"})");
+}
+
+TEST(RowsJson, AMissionRunThatTheServerClosedSaysWhyAndWhen) {
+  storage::MissionRunRow row;
+  row.robot = kRobot;
+  row.status = model::MissionStatus::kRunning;
+  row.latest_json = "{}";
+  row.closed_at_ms = 9;
+  for (const auto& [closed, why] : {std::pair{storage::RunClosed::kForBound, "bound"},
+                                    std::pair{storage::RunClosed::kForAge, "age"}}) {
+    row.closed = closed;
+    storage::Page<storage::MissionRunRow> page;
+    page.rows.push_back(row);
+    const v1::ListMissionRunsResponse message = ToMessage(page);
+    EXPECT_EQ(message.mission_runs(0).closed_why(), why);
+    EXPECT_EQ(message.mission_runs(0).closed_at_ms(), 9);
+    EXPECT_EQ(message.mission_runs(0).status(), "running") << "as the robot reported it";
+  }
 }
 
 TEST(RowsJson, Shapes) {
