@@ -87,6 +87,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Streams that ended for an error of the agent."},
     {kPeerStalls, "uplinkd_peer_stalls_total", kCounter, "streams",
      "Streams that ended because the peer took nothing."},
+    {kRejectsUnconfirmed, "uplinkd_rejects_unconfirmed_ends_total", kCounter, "streams",
+     "Streams that ended because 10,000 Rejects of the session were not confirmed."},
     {kResumes, "uplinkd_resumes_total", kCounter, "streams",
      "Streams that went on with a session that was known."},
     {kFrames, "uplinkd_frames_received_total", kCounter, "frames",

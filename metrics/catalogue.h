@@ -48,6 +48,7 @@ enum class MetricId : std::uint8_t {
   kStreamsEnded,
   kProtocolErrors,
   kPeerStalls,
+  kRejectsUnconfirmed,
   kResumes,
   kFrames,
   kFrameBytes,

@@ -11,6 +11,7 @@ void RejectMemory::Remember(RejectedSeq rejected) {
   const auto at = std::ranges::lower_bound(remembered_, rejected.seq, {}, &RejectedSeq::seq);
   if (at != remembered_.end() && at->seq == rejected.seq) return;
   remembered_.insert(at, std::move(rejected));
+  ++unconfirmed_;
   if (remembered_.size() > kRejectsRememberedMax) remembered_.pop_front();
 }
 
@@ -36,6 +37,7 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
   for (auto& [seq, rejection] : known) {
     again.push_back({.seq = seq, .rejection = std::move(rejection)});
   }
+  unconfirmed_ = again.size();
   return again;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -20,6 +21,9 @@ class RejectMemory final {
   void Remember(RejectedSeq rejected);
   /// The store refused it: the stream is to be told, and the next Welcome too.
   void AddUntold(RejectedSeq rejected);
+  /// How many Rejects the agent has not said to have processed: those that the last TellAgain
+  /// repeated, and those that came since.
+  [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_; }
   /// What the stream was not told yet, in order of the commits.
   [[nodiscard]] std::vector<RejectedSeq> TakeUntold() { return std::exchange(untold_, {}); }
   /// What a Welcome repeats: all that is known above `settled_seq`, ascending, each number once.
@@ -31,6 +35,7 @@ class RejectMemory final {
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
   std::vector<RejectedSeq> untold_;
+  std::size_t unconfirmed_ = 0;
 };
 
 }  // namespace uplink::robot

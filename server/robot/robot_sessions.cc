@@ -48,6 +48,8 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   if (memory == nullptr) return std::nullopt;
   memory->last_used = now;
   current_session_ = session;
+  // ResumeFrom counts: until then no message is processed.
+  unconfirmed_.store(0);
   last_session_.reset();
   return Begun{.open_id = opening_.Ask(), .generation = generation_.load()};
 }
@@ -73,13 +75,24 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
     for (storage::StoredReject& reject : answer->rejects) {
       stored.push_back({.seq = reject.seq, .rejection = std::move(reject.rejection)});
     }
-    if (answer->rejects_complete) stored_seq = answer->cursor;
+    // As far as they are all known; what lies above is decided once more, by number.
+    if (answer->rejects_complete) {
+      stored_seq = answer->cursor;
+    } else if (!stored.empty()) {
+      stored_seq = stored.back().seq;
+    }
   }
   std::vector<RejectedSeq> rejects = memory->rejects.TellAgain(settled_seq, std::move(stored));
   Resume resume{.committed = memory->numbers.Resume(settled_seq, judged_seq, stored_seq),
                 .rejects = {}};
   if (!Planted(Mutation::kRejectNotRepeated)) resume.rejects = std::move(rejects);
+  CountUnconfirmed();
   return resume;
+}
+
+void RobotSessions::CountUnconfirmed() {
+  const SessionMemory* memory = CurrentSession();
+  unconfirmed_.store(memory == nullptr ? 0 : memory->rejects.unconfirmed());
 }
 
 Seen RobotSessions::See(const model::SessionId& session, model::Seq seq) {
@@ -108,6 +121,7 @@ void RobotSessions::Remember(const model::SessionId& session, model::Seq seq,
   const std::lock_guard lock(mutex_);
   if (SessionMemory* memory = sessions_.Find(session)) {
     memory->rejects.Remember({.seq = seq, .rejection = rejection});
+    CountUnconfirmed();
   }
 }
 
@@ -230,6 +244,7 @@ StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Le
       if (!Planted(Mutation::kSettleLost)) ApplyOutcome(one, memory->rejects, counts);
       if (wake && current_session_ == one.session) memory->released.push_back(one.arrived);
     }
+    if (counts.rejected > 0) CountUnconfirmed();
   }
   ledger.Publish(counts);
   return wake;

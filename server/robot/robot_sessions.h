@@ -118,6 +118,9 @@ class RobotSessions final {
   void SetHeldBack(HeldBack by, SystemTime now);
   /// Messages and gap records of the robot that are not committed.
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.load() + gaps_in_flight_.load(); }
+  /// Rejects of the stream's session that its agent has not said to have processed, as far as this
+  /// process knows: the store tells of earlier ones if it answers before Welcome.
+  [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_.load(); }
   /// Of this session alone.
   [[nodiscard]] std::size_t waiting(const model::SessionId& session) const;
 
@@ -148,6 +151,8 @@ class RobotSessions final {
  private:
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
   [[nodiscard]] const SessionMemory* CurrentSession() const;
+  /// Of the current session, after it was given Rejects. Under the lock.
+  void CountUnconfirmed();
 
   mutable std::mutex mutex_;
   SessionTable sessions_;
@@ -163,6 +168,7 @@ class RobotSessions final {
   std::optional<storage::SettledSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};
   std::atomic<std::size_t> gaps_in_flight_{0};
+  std::atomic<std::size_t> unconfirmed_{0};
   std::atomic<std::uint64_t> generation_{1};
 };
 

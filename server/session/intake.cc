@@ -47,7 +47,7 @@ HeldBack Intake::HeldBackBy(std::size_t outgoing) const {
 Intake::Processed Intake::Process(std::size_t outgoing) {
   Processed processed;
   numbers_.Begin();
-  while (pending() && !processed.is_void &&
+  while (pending() && !processed.is_void && !rejects_full() &&
          HeldBackBy(outgoing + processed.frames.size()) == HeldBack::kNone) {
     ProcessUplink(batch_.front(), processed);
     batch_.PopFront();

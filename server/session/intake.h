@@ -60,6 +60,10 @@ class Intake final {
   /// Drops what is pending, unprocessed.
   void Drop() { batch_.Drop(); }
 
+  /// No message is processed any more: the agent is to confirm Rejects first, by its next Hello.
+  [[nodiscard]] bool rejects_full() const {
+    return robot_.sessions.unconfirmed() >= context_.limits.unconfirmed_rejects_max;
+  }
   /// Whether a message may be processed now, and what keeps it if not (HeldBackBy).
   [[nodiscard]] HeldBack HeldBackBy(std::size_t outgoing) const;
   /// When a throttled stream may go on (Throttle::end).

@@ -7,6 +7,7 @@
 
 #include "server/config/config.h"
 #include "server/robot/limits.h"
+#include "storage/types.h"
 
 namespace uplink::session {
 
@@ -52,6 +53,9 @@ struct SessionLimits {
       static_cast<std::uint32_t>(config::LimitsConfig().frame_bytes_max);
   /// Whether an RCAN Robot State is a sign of life (rcan.counts_as_life).
   bool rcan_counts_as_life = config::RcanConfig().counts_as_life;
+  /// Rejects of a session above Hello.settled_seq with which its stream ends: each lies in
+  /// quarantine, and is read for the next Welcome.
+  std::size_t unconfirmed_rejects_max = storage::kQuarantineRowsPerRobotMax;
   std::chrono::milliseconds ack_interval = config::LimitsConfig().ack_interval;
   std::chrono::milliseconds session_idle = config::LimitsConfig().session_idle;
   std::chrono::milliseconds drain_timeout = config::DrainConfig().timeout;

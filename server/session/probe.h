@@ -48,6 +48,8 @@ struct SessionProbe {
   metrics::Cell held_back_total;
   metrics::Cell peer_stalls_total;
   metrics::Cell superseded_total;
+  /// Streams that ended with limits.unconfirmed_rejects_max Rejects that were not confirmed.
+  metrics::Cell unconfirmed_total;
   /// Streams that ended, by kStreamEnds.
   std::array<metrics::Cell, kStreamEnds.size()> ended_total;
   metrics::CoreCell frames_total;

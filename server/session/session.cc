@@ -23,7 +23,8 @@ Session::Session(const SessionContext& context, identity::PeerIdentity peer, rob
       sink_(sink),
       robot_(context_, self),
       reading_({.context = context_, .robot = robot_, .source = source, .timers = timers_}),
-      outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}) {
+      outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}),
+      settling_({context_, robot_, outgoing_, reading_, timers_}) {
   context_.probe.streams.Add();
   context_.probe.streams_total.Add();
 }
@@ -135,6 +136,7 @@ void Session::HandleBatch() {
 
 void Session::Advance(News news) {
   ProcessAndWrite(news);
+  EndForRejects();
   EndWhenSettled();
   if (news != News::kLastFrame) Read();
 }
@@ -150,17 +152,18 @@ void Session::ProcessAndWrite(News news) {
   outgoing_.Flush();
 }
 
+bool Session::EndForRejects() {
+  if (state_ != State::kStreaming || !intake_->rejects_full()) return false;
+  // What was not judged yet was not processed: the agent sends it again.
+  intake_->Drop();
+  state_ = State::kSettling;
+  settling_.BeginUnconfirmed();
+  return true;
+}
+
 void Session::EndWhenSettled() {
   if (state_ != State::kSettling || intake_->pending()) return;
-  if (robot_.waiting() > 0) return;
-  // Another process took the robot, and what waited with it: the wake that is on its way ends this.
-  if (robot_.standing() != robot::Standing::kCurrent) return;
-  if (!last_ack_queued_) {
-    last_ack_queued_ = true;
-    outgoing_.MakeAckDue();
-    outgoing_.Flush();
-  }
-  if (outgoing_.idle()) Finish(end_status_);
+  if (const std::optional<absl::Status> status = settling_.Ended()) Finish(*status);
 }
 
 void Session::Read() {
@@ -170,6 +173,7 @@ void Session::Read() {
   HeldBack by = intake_->HeldBackBy(outgoing_.size());
   while (intake_->pending() && by == HeldBack::kNone) {
     ProcessAndWrite(News::kNone);
+    if (EndForRejects()) return EndWhenSettled();
     by = intake_->HeldBackBy(outgoing_.size());
   }
   reading_.WatchPeer(outgoing_.size());
@@ -182,6 +186,7 @@ void Session::OnWritten() {
   outgoing_.OnWritten();
   if (state_ == State::kDone) return;
   timers_.Clear(Timer::kStall);
+  settling_.OnWritten();
   Advance(News::kNone);
 }
 
@@ -247,27 +252,21 @@ void Session::OnHalfClose() {
   }
   if (state_ != State::kStreaming) return;
   state_ = State::kSettling;
-  end_status_ = absl::OkStatus();
-  timers_.Set(Timer::kSettle, context_.clock.Steady() + context_.limits.drain_timeout);
-  reading_.SetReading(ReadGate::Reading::kFlowing);
+  settling_.BeginHalfClosed();
   Advance(News::kLastFrame);
 }
 
 void Session::OnDrain(milliseconds grace) {
-  const absl::Status drained = absl::UnavailableError("the server drains");
   if (state_ == State::kDone) return;
-  if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(drained);
+  if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(Drained());
   outgoing_.Push(DrainFrame(grace));
   if (state_ == State::kStreaming) {
     // What was not judged yet was not processed: the agent sends it again.
     intake_->Drop();
     state_ = State::kSettling;
-    end_status_ = drained;
-    // It is we who do not listen any more, so the robot must not become offline.
-    reading_.SetReading(ReadGate::Reading::kHeldBack);
+    settling_.BeginDrained();
   }
-  const SteadyTime until = context_.clock.Steady() + grace;
-  timers_.Set(Timer::kSettle, std::min(until, timers_.at(Timer::kSettle).value_or(until)));
+  settling_.EndWithin(grace);
   Advance(News::kLastFrame);
 }
 

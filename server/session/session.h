@@ -14,6 +14,7 @@
 #include "server/session/intake.h"
 #include "server/session/outgoing.h"
 #include "server/session/read_gate.h"
+#include "server/session/settling.h"
 #include "server/session/stream_timers.h"
 
 namespace uplink::session {
@@ -88,6 +89,9 @@ class Session final {
   /// brought, write, end the stream once all is settled, and ask for the next frame.
   void Advance(News news);
   void ProcessAndWrite(News news);
+  /// Ends the stream if too many Rejects wait to be confirmed: what was processed is settled first.
+  /// True if it does.
+  bool EndForRejects();
   void EndWhenSettled();
   void Read();
 
@@ -102,9 +106,6 @@ class Session final {
   State state_ = State::kHello;
   std::uint64_t frames_ = 0;
   model::Seq last_seq_ = 0;
-  /// With what kSettling ends; set once nothing waits and the last Ack is due.
-  absl::Status end_status_;
-  bool last_ack_queued_ = false;
 
   StreamTimers timers_;
   Attachment robot_;
@@ -112,6 +113,7 @@ class Session final {
   /// From kOpening on.
   std::unique_ptr<Intake> intake_;
   Outgoing outgoing_;
+  Settling settling_;
 };
 
 }  // namespace uplink::session

@@ -60,6 +60,29 @@ TEST(RejectMemoryTest, TheStoresAreRememberedForTheNextWelcome) {
   EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(4));
 }
 
+TEST(RejectMemoryTest, CountsWhatWasToldAndIsNotConfirmed) {
+  RejectMemory memory;
+  EXPECT_EQ(memory.unconfirmed(), 0U);
+  memory.Remember(Rejected(3));
+  memory.Remember(Rejected(3));
+  memory.AddUntold(Rejected(5));
+  EXPECT_EQ(memory.unconfirmed(), 2U);
+  static_cast<void>(memory.TakeUntold());
+  EXPECT_EQ(memory.unconfirmed(), 2U) << "told is not confirmed";
+  static_cast<void>(memory.TellAgain(3, {Rejected(2), Rejected(4), Rejected(5)}));
+  EXPECT_EQ(memory.unconfirmed(), 2U) << "4 and 5";
+  memory.Remember(Rejected(9));
+  EXPECT_EQ(memory.unconfirmed(), 3U);
+  static_cast<void>(memory.TellAgain(9, {}));
+  EXPECT_EQ(memory.unconfirmed(), 0U);
+}
+
+TEST(RejectMemoryTest, CountsOnWhereItForgets) {
+  RejectMemory memory;
+  for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 5; ++seq) memory.Remember(Rejected(seq));
+  EXPECT_EQ(memory.unconfirmed(), kRejectsRememberedMax + 5);
+}
+
 TEST(RejectMemoryTest, PastTheBoundTheLowestNumberIsForgotten) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax; ++seq) memory.Remember(Rejected(seq));

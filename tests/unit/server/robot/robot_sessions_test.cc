@@ -62,12 +62,30 @@ TEST_F(RobotSessionsTest, OpenedOnlyByTheAnswerThatWasAskedFor) {
   EXPECT_FALSE(sessions_.Opened(again->open_id));
 }
 
-TEST_F(RobotSessionsTest, ACursorWithoutAllItsQuarantineDoesNotCount) {
+TEST_F(RobotSessionsTest, ACursorCountsAsFarAsItsQuarantineIsKnown) {
   sessions_.OnOpened(begun_.open_id,
-                     {.cursor = 9, .rejects = {{5, kBad}}, .rejects_complete = false});
+                     {.cursor = 9, .rejects = {{4, kBad}, {5, kBad}}, .rejects_complete = false});
   const Resume resume = sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3);
-  EXPECT_EQ(resume.committed, 3U);
-  EXPECT_THAT(Rejects(resume), ElementsAre(5)) << "what is known is told all the same";
+  EXPECT_EQ(resume.committed, 5U);
+  EXPECT_THAT(Rejects(resume), ElementsAre(4, 5));
+}
+
+TEST_F(RobotSessionsTest, UnconfirmedRejectsAreThoseOfTheStreamsSession) {
+  sessions_.OnOpened(begun_.open_id, {.cursor = 9, .rejects = {{4, kBad}, {5, kBad}}});
+  EXPECT_EQ(sessions_.unconfirmed(), 0U);
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3));
+  EXPECT_EQ(sessions_.unconfirmed(), 2U);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 10), 1);
+  sessions_.Remember(Id(1), 10, kBad);
+  EXPECT_EQ(sessions_.unconfirmed(), 3U);
+  Settle(10, {}, model::RejectReason::kMalformed);
+  EXPECT_EQ(sessions_.unconfirmed(), 3U);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 11), 1);
+  Settle(11, {storage::OutcomeKind::kRefused, kBad});
+  EXPECT_EQ(sessions_.unconfirmed(), 4U);
+  const auto other = sessions_.Begin(Id(2), clock_.Steady());
+  static_cast<void>(sessions_.ResumeFrom(Id(2), other->open_id, 0, 0));
+  EXPECT_EQ(sessions_.unconfirmed(), 0U);
 }
 
 TEST_F(RobotSessionsTest, MemoryAndQuarantineAreJoinedInOrderWithoutDoubles) {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "server/session/attachment.h"
+#include "server/session/context.h"
+#include "server/session/outgoing.h"
+#include "server/session/read_gate.h"
+#include "server/session/stream_timers.h"
+
+namespace uplink::session {
+
+/// With what a stream ends that the server's drain ends.
+[[nodiscard]] absl::Status Drained();
+
+/// How a stream ends that is not read any more: once all that was processed is settled, with a last
+/// Ack, or when its time is over (Timer::kSettle). Confined to the stream's thread.
+class Settling final {
+ public:
+  /// All of them outlive it.
+  struct Sources {
+    const SessionContext& context;
+    Attachment& robot;
+    Outgoing& outgoing;
+    ReadGate& reading;
+    StreamTimers& timers;
+  };
+  explicit Settling(const Sources& sources) : sources_(sources) {}
+
+  // Why it begins; each once, and what was not judged yet has been dropped.
+  /// The agent half-closed.
+  void BeginHalfClosed();
+  /// The server drains; EndWithin follows.
+  void BeginDrained();
+  /// The session has limits.unconfirmed_rejects_max Rejects that its agent did not confirm.
+  void BeginUnconfirmed();
+
+  /// The server drains: it has `grace`, however it came to settle.
+  void EndWithin(milliseconds grace);
+  /// A write is done. An agent that takes its Rejects is given the time that it needs.
+  void OnWritten();
+  /// The status with which the stream ends now; nothing while something waits.
+  [[nodiscard]] std::optional<absl::Status> Ended();
+
+ private:
+  void Begin(absl::Status status, ReadGate::Reading reading);
+  void SetTime();
+
+  const Sources sources_;
+  absl::Status status_;
+  bool last_ack_queued_ = false;
+  bool follows_writes_ = false;
+};
+
+}  // namespace uplink::session
