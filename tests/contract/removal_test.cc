@@ -115,6 +115,18 @@ TEST_P(RemovalContract, LeavesWhatWasWrittenAfterwards) {
   EXPECT_EQ(CursorNow(), 2U);
 }
 
+TEST_P(RemovalContract, WhoHeldTheRobotIsFencedFromThenOn) {
+  Fresh();
+  const storage::Epoch before = held_since_;
+  ASSERT_TRUE(Remove(EpochNow()));
+  EXPECT_THAT(Commit({Good(1)}), ElementsAre(storage::OutcomeKind::kFenced)) << "there is no row";
+  EXPECT_EQ(EpochNow(), 0U) << "and a batch makes none";
+  EXPECT_GT(Open(Request(), kOther).held_since, before) << "epochs never come again";
+  held_since_ = before;
+  EXPECT_THAT(Commit({Good(1)}), ElementsAre(storage::OutcomeKind::kFenced)) << "another's now";
+  EXPECT_THAT(Messages(), IsEmpty());
+}
+
 TEST_P(RemovalContract, FinishesWhatWasLeftWithoutARow) {
   Fresh();
   Fill();

@@ -343,6 +343,22 @@ TEST_F(LeaseRoundsTest, ARobotThatIsOursByAnAnswerThatNeverCameIsJudgedAgain) {
   EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
 }
 
+TEST_F(LeaseRoundsTest, ARobotWhoseRowIsGoneLeavesMemory) {
+  RenewOther();
+  OpenAtOther();
+  rounds_->Round();
+  ASSERT_EQ(Shown().presence, model::Presence::kOnline) << "as its holder wrote it";
+  database_.DeleteRobotRow(robot_->ruri);
+  Pass(kLookEvery * kUnlistedLooksMax);
+  EXPECT_FALSE(fleet_.Find(robot_->ruri)->leaving()) << "an answer may be on its way";
+  Pass(kLookEvery);
+  EXPECT_TRUE(fleet_.Find(robot_->ruri)->leaving());
+  journals_.Leave({fleet_.Find(robot_->ruri).get(), robot_});
+  Pass(kLookEvery);
+  EXPECT_EQ(fleet_.RemoveLeft().size(), 1U);
+  EXPECT_EQ(fleet_.Find(robot_->ruri), nullptr);
+}
+
 TEST_F(LeaseRoundsTest, AProcessThatIsLateIsCountedAndNamedOnce) {
   RenewOther();
   Pass(kLateAfter);
