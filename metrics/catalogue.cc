@@ -50,9 +50,11 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Known robots that another server holds, by presence as that one wrote it.", kByPresence},
     {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
      "Robots that are admitted at most (limits.robots_max)."},
+    {kRobotsLeaving, "uplinkd_robots_leaving", kGauge, "robots",
+     "Robots on their way out of memory, 1024 at most; one leaves once nothing of it waits."},
     {kRobotsForgotten, "uplinkd_robots_forgotten_total", kCounter, "robots",
-     "Robots that left memory: not heard for fleet.forget_after, or for others at "
-     "limits.robots_max."},
+     "Robots that left memory: silent for fleet.forget_after, for others at limits.robots_max, "
+     "or removed from the store."},
     {kPresenceChanges, "uplinkd_presence_changes_total", kCounter, "changes",
      "Changes of presence that were stored, by what they led to.", kByPresence},
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",

@@ -30,6 +30,7 @@ enum class MetricId : std::uint8_t {
   kRobots,
   kRobotsElsewhere,
   kRobotsLimit,
+  kRobotsLeaving,
   kRobotsForgotten,
   kPresenceChanges,
   kPresenceRefused,

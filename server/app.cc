@@ -163,7 +163,7 @@ class App::Impl {
     auto relay = relay::RelayServer::Start(
         lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         lifecycle::JudgeLimitsOf(options_.config.limits), &refusals_, stores_.clock.get()});
+         lifecycle::JudgeLimitsOf(options_.config.limits), *stores_.clock, &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();

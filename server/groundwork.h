@@ -26,8 +26,8 @@ namespace uplink {
 /// What runs from the first second on, before there is a store: the event loop, signals that stop
 /// the process, and HTTP, which answers that the server starts until there is a site.
 ///
-/// Thread: main. Whatever else uses the loop or the threads that may wait must live until Stop and
-/// EndReaders.
+/// Thread: main. Whatever else uses the loop or the threads that may wait must live until StopLoop
+/// and EndReaders.
 class Groundwork final {
  public:
   /// The references outlive it.

@@ -35,7 +35,8 @@ struct PresenceCounts : PresenceTally {
   PresenceTally elsewhere;
 };
 
-/// A robot of the fleet: whoever keeps it for longer than a look keeps it alive.
+/// A robot of the fleet: whoever keeps it for longer than a look keeps it in memory, since it
+/// leaves only while nobody does. What lasts keeps its RURI, or a weak pointer.
 using RobotPtr = std::shared_ptr<robot::Robot>;
 
 /// Robots beyond `robots_max` that are on their way out of memory, at most: so many robots may come
@@ -56,7 +57,7 @@ class Fleet final {
   /// The robot, admitted, or null if it is known already: then nothing of it changes.
   /// kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<RobotPtr> AdmitNew(const model::RobotId& id);
-  /// Null if it is not known, or left.
+  /// Null if it is not known, or is out of memory (RemoveLeft).
   [[nodiscard]] RobotPtr Find(std::string_view ruri) const;
   /// All robots, in the order in which they were admitted.
   [[nodiscard]] std::vector<RobotPtr> All() const;
@@ -65,7 +66,9 @@ class Fleet final {
   /// Those that are leaving not counted.
   [[nodiscard]] std::size_t size() const { return all_.load() - leaving_.load(); }
   [[nodiscard]] std::size_t robots_max() const { return robots_max_; }
-  /// Robots that left, since the start.
+  /// Those that are on their way out of memory.
+  [[nodiscard]] std::size_t leaving() const { return leaving_.load(); }
+  /// Robots that left memory, for whatever reason, since the start.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
   /// Grows whenever a robot comes or goes.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
@@ -80,7 +83,7 @@ class Fleet final {
                     robot::Robot::LeaveWhen when = robot::Robot::LeaveWhen::kNotOnline);
   /// Those that are leaving, of whom the journal is to let go.
   [[nodiscard]] std::vector<RobotPtr> Leaving() const;
-  /// Removes those of whom the journal let go, and whom nobody keeps. Returns them.
+  /// Takes those out of memory of whom the journal let go, and whom nobody keeps. Returns them.
   std::vector<RobotPtr> RemoveLeft();
 
   [[nodiscard]] const robot::PresenceLimits& presence_limits() const { return presence_; }

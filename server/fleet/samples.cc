@@ -18,6 +18,7 @@ void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
   AddTally(kRobots, counts, page);
   AddTally(kRobotsElsewhere, counts.elsewhere, page);
   page.Add(kRobotsLimit, fleet.robots_max());
+  page.Add(kRobotsLeaving, fleet.leaving());
   page.Add(kRobotsForgotten, fleet.forgotten());
 }
 

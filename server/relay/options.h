@@ -66,10 +66,10 @@ struct RelayContext {
   metrics::LedgerBook& ledgers;
   const session::SessionLimits& limits;
   schema::JudgeLimits judge_limits;
+  /// As SessionContext's.
+  const storage::ClockTrust& clock_trust;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.
   log::RateLimited* refusals = nullptr;
-  /// As SessionContext's.
-  const storage::ClockTrust* clock_trust = nullptr;
 };
 
 }  // namespace uplink::relay

@@ -31,8 +31,8 @@ struct SessionContext {
   schema::Judge& judge;
   const SessionLimits& limits;
   IntakeScratch& scratch;
-  /// Who vouches for the civil clock; null: somebody does.
-  const storage::ClockTrust* clock_trust = nullptr;
+  /// Who vouches for the civil clock.
+  const storage::ClockTrust& clock_trust;
 };
 
 }  // namespace uplink::session

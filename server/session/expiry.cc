@@ -21,9 +21,9 @@ std::int64_t ExpiryOf(const model::Body& body) {
 }  // namespace
 
 bool ExpiredOnArrival(const model::Body& body, SystemTime now,
-                      const storage::ClockTrust* clock_trust) {
+                      const storage::ClockTrust& clock_trust) {
   const std::int64_t expiry_ms = ExpiryOf(body);
-  return expiry_ms != 0 && expiry_ms <= UnixMs(now) && storage::Vouches(clock_trust, now);
+  return expiry_ms != 0 && expiry_ms <= UnixMs(now) && clock_trust.VouchesFor(now);
 }
 
 }  // namespace uplink::session

@@ -10,6 +10,6 @@ namespace uplink::session {
 /// is neither stored nor forwarded. Never while nobody vouches for the clock that says so: the
 /// message is stored then.
 [[nodiscard]] bool ExpiredOnArrival(const model::Body& body, SystemTime now,
-                                    const storage::ClockTrust* clock_trust);
+                                    const storage::ClockTrust& clock_trust);
 
 }  // namespace uplink::session

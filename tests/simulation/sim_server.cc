@@ -113,7 +113,8 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .ledger = ledger_,
                                         .judge = judge_,
                                         .limits = limits_.session,
-                                        .scratch = scratch_};
+                                        .scratch = scratch_,
+                                        .clock_trust = clock_trust_};
   identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),
                                             robot::StreamRef{.inbox = this, .stream = id}, trace_);

@@ -16,6 +16,7 @@
 #include "storage/reader.h"
 #include "tests/simulation/recorder.h"
 #include "tests/simulation/trace.h"
+#include "tests/support/fake_trust.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::simulation {
@@ -154,6 +155,7 @@ class SimServer final : public robot::WakeInbox {
   journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
   session::IntakeScratch scratch_;
+  const testing::FakeTrust clock_trust_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;
   std::map<std::string, std::uint64_t> newest_;

@@ -43,7 +43,8 @@ relay::RelayContext RelayWorld::Context() {
           .limits = options.session,
           .judge_limits = {.payload_bytes_max = options.session.payload_bytes_max,
                            .message_bytes_max = options.session.message_bytes_max,
-                           .extras_items_max = options.session.extras_items_max}};
+                           .extras_items_max = options.session.extras_items_max},
+          .clock_trust = clock_trust_};
 }
 
 void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }

@@ -15,6 +15,7 @@
 #include "tests/support/certificates.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_store.h"
+#include "tests/support/fake_trust.h"
 #include "tests/support/test_agent.h"
 
 namespace uplink::testing {
@@ -73,6 +74,7 @@ class RelayWorld final {
   [[nodiscard]] relay::RelayContext Context();
 
   KeyPair server_identity_;
+  const FakeTrust clock_trust_;
   std::optional<journal::JournalWriter> writer_;
   std::unique_ptr<relay::RelayServer> server_;
 };

@@ -184,8 +184,10 @@ TEST_F(ForgettingTest, OneThatSpeaksWhileItLeavesStays) {
   const RobotPtr d = Come("d");
   ASSERT_NE(d, nullptr);
   ASSERT_TRUE(fleet_.Find("c")->leaving());
+  EXPECT_EQ(fleet_.leaving(), 1U);
   const RobotPtr back = Come("c");
   EXPECT_FALSE(back->leaving());
+  EXPECT_EQ(fleet_.leaving(), 0U);
   Rounds(30);
   EXPECT_THAT(Known(), ElementsAre("a", "b", "c", "d"));
   EXPECT_EQ(Come("e"), nullptr) << "there are more than there may be already";

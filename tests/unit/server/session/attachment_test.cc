@@ -83,7 +83,8 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
                             .ledger = ledger_,
                             .judge = judge_,
                             .limits = limits_.session,
-                            .scratch = scratch_};
+                            .scratch = scratch_,
+                            .clock_trust = clock_trust_};
   Attachment last(full, Stream(1));
   ASSERT_TRUE(last.Attach(Terms(SessionOf(1))).ok());
   EXPECT_EQ(probe_.refused_full_total.value(), 0);

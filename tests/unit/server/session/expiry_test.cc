@@ -8,6 +8,8 @@
 namespace uplink::session {
 namespace {
 
+const testing::FakeTrust kVouched;
+
 model::Body ShapeUntil(std::int64_t at_ms) {
   model::ReportedShape shape;
   shape.expire_time_ms = at_ms;
@@ -22,24 +24,24 @@ model::Body ObjectUntil(std::int64_t at_ms) {
 
 TEST(ExpiryTest, AnUpsertHasExpiredOnceItsTimeHasCome) {
   const SystemTime now = testing::ManualClock().System();
-  EXPECT_TRUE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now, nullptr));
-  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now) + 1), now, nullptr));
-  EXPECT_TRUE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now, nullptr));
-  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now) + 1), now, nullptr));
+  EXPECT_TRUE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now, kVouched));
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now) + 1), now, kVouched));
+  EXPECT_TRUE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now, kVouched));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now) + 1), now, kVouched));
 }
 
 TEST(ExpiryTest, NothingHasExpiredByAClockThatNobodyVouchesFor) {
   const SystemTime now = testing::ManualClock().System();
   const testing::FakeTrust trust(false);
-  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now, &trust));
-  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now, &trust));
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(UnixMs(now)), now, trust));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(UnixMs(now)), now, trust));
 }
 
 TEST(ExpiryTest, WithoutAnExpiryNothingExpires) {
   const SystemTime now = testing::ManualClock().System();
-  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(0), now, nullptr));
-  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(0), now, nullptr));
-  EXPECT_FALSE(ExpiredOnArrival(model::Fault(), now, nullptr));
+  EXPECT_FALSE(ExpiredOnArrival(ShapeUntil(0), now, kVouched));
+  EXPECT_FALSE(ExpiredOnArrival(ObjectUntil(0), now, kVouched));
+  EXPECT_FALSE(ExpiredOnArrival(model::Fault(), now, kVouched));
 }
 
 }  // namespace

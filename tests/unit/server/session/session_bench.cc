@@ -214,7 +214,7 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .judge = judge_,
                                .limits = limits_.session,
                                .scratch = scratch_,
-                               .clock_trust = &clock_trust_};
+                               .clock_trust = clock_trust_};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
                                               robot::StreamRef{.inbox = this, .stream = id});

@@ -8,6 +8,7 @@
 
 #include "server/session/attachment.h"
 #include "server/session/stream_timers.h"
+#include "tests/support/fake_trust.h"
 #include "tests/unit/server/session/session_bench.h"
 
 namespace uplink::session {
@@ -40,6 +41,7 @@ class StreamPartTest : public ::testing::Test {
   metrics::Ledger ledger_;
   schema::Judge judge_{schema::JudgeLimits{}};
   IntakeScratch scratch_;
+  const testing::FakeTrust clock_trust_;
   journal::Shards shards_{{&server_.journal()}};
   SessionContext context_{.clock = clock_,
                           .fleet = server_.fleet(),
@@ -48,7 +50,8 @@ class StreamPartTest : public ::testing::Test {
                           .ledger = ledger_,
                           .judge = judge_,
                           .limits = limits_.session,
-                          .scratch = scratch_};
+                          .scratch = scratch_,
+                          .clock_trust = clock_trust_};
   StreamTimers timers_;
   Attachment robot_{context_, Stream(1)};
 };

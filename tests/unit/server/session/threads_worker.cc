@@ -81,7 +81,8 @@ void ThreadsWorker::Open() {
                                .ledger = ledger_,
                                .judge = judge_,
                                .limits = core_.limits.session,
-                               .scratch = scratch_};
+                               .scratch = scratch_,
+                               .clock_trust = clock_trust_};
   stream_ = std::make_unique<ThreadsStream>(context, agent_.ruri(),
                                             robot::StreamRef{.inbox = this, .stream = id});
   stream_->session().Start();

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "tests/support/fake_trust.h"
 #include "tests/unit/server/session/threads_agent.h"
 
 namespace uplink::session {
@@ -118,6 +119,7 @@ class ThreadsWorker final : public robot::WakeInbox {
   metrics::Ledger& ledger_;
   schema::Judge judge_{{}};
   IntakeScratch scratch_;
+  const testing::FakeTrust clock_trust_;
   ThreadsWorker* partner_ = nullptr;
 
   std::mutex mutex_;
