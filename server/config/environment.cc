@@ -1,3 +1,5 @@
+#include <cstdlib>
+
 #include <unistd.h>
 
 #include "server/config/load.h"
@@ -15,6 +17,11 @@ Environment ProcessEnvironment() {
     }
   }
   return environment;
+}
+
+std::string BootIdOfManager() {
+  const char* const boot = std::getenv(kBootIdVariable);
+  return boot == nullptr ? "" : boot;
 }
 
 }  // namespace uplink::config

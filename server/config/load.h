@@ -39,6 +39,12 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 /// The environment of this process, only the names that begin with `UPLINKD_`.
 [[nodiscard]] Environment ProcessEnvironment();
 
+/// Where a service manager that hides what /proc says of the machine (ProcSubset=pid) names its
+/// boot.
+inline constexpr const char* kBootIdVariable = "UPLINK_BOOT_ID";
+/// What that variable holds; empty if it is not set.
+[[nodiscard]] std::string BootIdOfManager();
+
 struct LoadResult {
   /// Present only if `problems` is empty.
   std::optional<Config> config;

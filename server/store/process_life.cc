@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -17,6 +16,8 @@
 #include <climits>
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "server/config/load.h"
 
 namespace uplink::store {
 namespace {
@@ -34,7 +35,7 @@ std::string FirstLine(const std::string& path) {
 /// What two processes have in common that see the same numbers of processes; empty if unknown.
 std::string Surroundings() {
   const std::string boot =
-      BootId(FirstLine("/proc/sys/kernel/random/boot_id"), ::getenv(kBootIdVariable));
+      BootId(FirstLine("/proc/sys/kernel/random/boot_id"), config::BootIdOfManager());
   std::error_code error;
   const auto numbers = std::filesystem::read_symlink("/proc/self/ns/pid", error);
   if (boot.empty() || error) return "";
@@ -63,9 +64,8 @@ Seen Look(std::string_view process) {
 
 }  // namespace
 
-std::string BootId(std::string_view from_kernel, const char* from_manager) {
-  std::string boot(from_kernel);
-  if (boot.empty() && from_manager != nullptr) boot = from_manager;
+std::string BootId(std::string_view from_kernel, std::string_view from_manager) {
+  std::string boot(from_kernel.empty() ? from_manager : from_kernel);
   std::erase(boot, '-');
   return boot;
 }

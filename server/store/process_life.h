@@ -5,13 +5,9 @@
 
 namespace uplink::store {
 
-/// Where a service manager that hides what /proc says of the machine (ProcSubset=pid) names its
-/// boot.
-inline constexpr const char* kBootIdVariable = "UPLINK_BOOT_ID";
-
-/// The boot of the kernel, as the kernel has it or else as the variable does (null: not set): one
-/// name for both. Empty if neither knows.
-[[nodiscard]] std::string BootId(std::string_view from_kernel, const char* from_manager);
+/// The boot of the kernel, as the kernel has it or else as the service manager does: one name for
+/// both. Empty if neither knows.
+[[nodiscard]] std::string BootId(std::string_view from_kernel, std::string_view from_manager);
 
 /// This life of this process, wherever it runs: the boot of its kernel, its namespace of process
 /// numbers, its number and when it started. Empty where the kernel does not say.

@@ -69,8 +69,7 @@ std::vector<storage::AdoptResult> FakeDatabase::Adopt(
     if (robot == nullptr) continue;
     if (robot->owner != process) {
       if (robot->owner != requests[i].holder) continue;
-      const auto lease = leases_.find(requests[i].holder);
-      if (lease != leases_.end() && lease->second.counter > requests[i].lease_counter) continue;
+      if (leases_.RenewedSince(requests[i].holder, requests[i].lease_counter)) continue;
       robot->owner = process;
       robot->held_since = robot->epoch = DrawEpoch(*robot);
       if (requests[i].end == storage::HolderEnd::kSilent) robot->end = requests[i].end;
@@ -78,25 +77,6 @@ std::vector<storage::AdoptResult> FakeDatabase::Adopt(
     results[i] = {robot->held_since, presence_.Last(requests[i].robot->ruri), robot->end};
   }
   return results;
-}
-
-void FakeDatabase::Renew(const ProcessId& process, const storage::ProcessCard& card) {
-  const std::lock_guard lock(mutex_);
-  storage::Lease& lease = leases_[process];
-  lease = {process, card, lease.counter + 1, lease.released};
-}
-
-void FakeDatabase::Release(const ProcessId& process) {
-  const std::lock_guard lock(mutex_);
-  const auto lease = leases_.find(process);
-  if (lease != leases_.end()) lease->second.released = true;
-}
-
-std::vector<storage::Lease> FakeDatabase::ReadLeases() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<storage::Lease> leases;
-  for (const auto& [process, lease] : leases_) leases.push_back(lease);
-  return leases;
 }
 
 std::vector<storage::ForeignRobot> FakeDatabase::RobotsOfOthers(const ProcessId& process,
@@ -244,9 +224,8 @@ std::size_t FakeDatabase::EraseGaps(SystemTime until) {
 
 OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {
   Robot& robot = robots_[request.robot->ruri];
-  const auto lease = leases_.find(robot.owner);
   if (request.stream == storage::StreamState::kEnded && robot.owner != process &&
-      lease != leases_.end() && !lease->second.released) {
+      leases_.Stands(robot.owner)) {
     OpenResult result;
     result.taken = false;
     return result;

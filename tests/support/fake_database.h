@@ -18,6 +18,7 @@
 #include "storage/reader.h"
 #include "storage/types.h"
 #include "tests/support/fake_kinds.h"
+#include "tests/support/fake_lease_table.h"
 #include "tests/support/fake_presence.h"
 #include "tests/support/fake_present.h"
 
@@ -97,9 +98,18 @@ class FakeDatabase final {
                                       std::span<const storage::LiveRow> rows);
 
   // What FakeLeases builds on.
-  void Renew(const storage::ProcessId& process, const storage::ProcessCard& card);
-  void Release(const storage::ProcessId& process);
-  [[nodiscard]] std::vector<storage::Lease> ReadLeases() const;
+  void Renew(const storage::ProcessId& process, const storage::ProcessCard& card) {
+    const std::lock_guard lock(mutex_);
+    leases_.Renew(process, card);
+  }
+  void Release(const storage::ProcessId& process) {
+    const std::lock_guard lock(mutex_);
+    leases_.Release(process);
+  }
+  [[nodiscard]] std::vector<storage::Lease> ReadLeases() const {
+    const std::lock_guard lock(mutex_);
+    return leases_.Read();
+  }
   [[nodiscard]] std::vector<storage::ForeignRobot> RobotsOfOthers(const storage::ProcessId& process,
                                                                   std::string_view after) const;
 
@@ -207,7 +217,7 @@ class FakeDatabase final {
   FakeKinds kinds_;
   FakePresence presence_;
   std::map<std::string, storage::LiveRow, std::less<>> live_;
-  std::map<storage::ProcessId, storage::Lease> leases_;
+  FakeLeaseTable leases_;
   std::vector<Application> applications_;
   std::uint64_t entries_ = 0;
   std::uint64_t transactions_ = 0;

@@ -33,10 +33,10 @@ TEST(ProcessLife, IsTheSameAtEachCallAndNotGone) {
 }
 
 TEST(ProcessLife, TheBootHasOneNameWhoeverTells) {
-  EXPECT_EQ(BootId("0b6a-11", nullptr), "0b6a11");
+  EXPECT_EQ(BootId("0b6a-11", ""), "0b6a11");
   EXPECT_EQ(BootId("0b6a-11", "ffff"), "0b6a11") << "the kernel knows best";
   EXPECT_EQ(BootId("", "0b6a11"), "0b6a11") << "/proc hides it";
-  EXPECT_EQ(BootId("", nullptr), "");
+  EXPECT_EQ(BootId("", ""), "");
 }
 
 TEST(ProcessLife, AProcessThatEndedIsGone) {

@@ -185,9 +185,13 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
 }
 
 TEST_F(QueriesTest, HistoriesOfARobotThatLeftMemoryAreThereAsLongAsTheyHaveRows) {
+  const auto gone = std::make_shared<const model::RobotId>(model::RobotId{"rcan://gone", "f"});
+  const storage::OpenRequest request{.robot = gone, .at = world_.clock.System()};
+  const auto opened = world_.store.OpenStreams({&request, 1});
+  ASSERT_TRUE(opened.ok());
   storage::Batch batch;
-  batch.presence = {{std::make_shared<const model::RobotId>(model::RobotId{"rcan://gone", "f"}),
-                     model::Presence::kOffline, world_.clock.System(), 1, 1}};
+  batch.presence = {
+      {gone, model::Presence::kOffline, world_.clock.System(), 1, opened->front().held_since}};
   ASSERT_TRUE(world_.store.Commit(batch).ok());
   storage::HistoryQuery query;
   query.ruri = "rcan://gone";
