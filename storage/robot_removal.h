@@ -18,7 +18,7 @@ namespace uplink::storage {
 
 /// Rows of each history that one call of RemoveHistories deletes, about.
 inline constexpr std::size_t kRemovedPerCallMax = 10'000;
-/// Robots that one answer of SilentSince names.
+/// Robots that one answer of SilentSince names; fewer: there are no more.
 inline constexpr std::size_t kSilentRobotsMax = 100;
 /// Requests that one answer of Pending names: the latest.
 inline constexpr std::size_t kForgetRequestsMax = 100;
@@ -94,11 +94,11 @@ class RobotRemoval {
   [[nodiscard]] virtual absl::StatusOr<std::optional<RobotHold>> HoldOf(std::string_view ruri) = 0;
   /// The tables that have rows of the robot, of kKeptTables in their order.
   [[nodiscard]] virtual absl::StatusOr<std::vector<TableCount>> Count(std::string_view ruri) = 0;
-  /// Robots of which nothing was heard since `until`, those that were heard first first, and that
-  /// no process but `self` can have a stream of: their holder is `self`, or is over. At most
+  /// Robots of which nothing was heard since `until`, and that no process but `self` can have a
+  /// stream of: their holder is `self`, or is over. By RURI, those after `after`; at most
   /// kSilentRobotsMax.
   [[nodiscard]] virtual absl::StatusOr<std::vector<SilentRobot>> SilentSince(
-      SystemTime until, const ProcessId& self) = 0;
+      SystemTime until, const ProcessId& self, std::string_view after) = 0;
 
   // --- Removing ---
 

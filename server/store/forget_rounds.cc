@@ -1,7 +1,7 @@
 #include "server/store/forget_rounds.h"
 
-#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pthread.h>
@@ -28,21 +28,49 @@ const char* NameOf(ForgetAnswer answer) {
 
 }  // namespace
 
+ForgetRounds::ForgetRounds(Context context)
+    : context_(std::move(context)),
+      silent_rows_({.fleet = context_.fleet,
+                    .clock = context_.clock,
+                    .logger = context_.logger,
+                    .removal = context_.removal,
+                    .process = context_.process,
+                    .rule = context_.rows,
+                    .trust = context_.trust}) {}
+
 milliseconds ForgetRounds::Round() {
-  RemoveSilent();
-  const auto pending = context_.removal.Pending();
-  if (!pending.ok()) return kLookAgainEvery;
-  bool under_way = false;
-  for (const storage::PendingForget& asked : *pending) {
-    if (LookAt(asked) == Look::kUnderWay) under_way = true;
-  }
-  if (!under_way) return kLookForForgottenEvery;
-  // Those of whom the journal has let go since.
-  static_cast<void>(context_.fleet.RemoveLeft());
-  return kLookAtLeavingEvery;
+  const absl::StatusOr<Look> look = LookAtAll();
+  NoteOutcome(look.ok() ? silent_rows_.Round() : look.status());
+  if (!look.ok()) return kLookAgainEvery;
+  return *look == Look::kUnderWay ? kLookAtLeavingEvery : kLookForForgottenEvery;
 }
 
-ForgetRounds::Look ForgetRounds::LookAt(const storage::PendingForget& asked) {
+absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAtAll() {
+  const auto pending = context_.removal.Pending();
+  if (!pending.ok()) return pending.status();
+  Look all = Look::kDone;
+  for (const storage::PendingForget& asked : *pending) {
+    const absl::StatusOr<Look> look = LookAt(asked);
+    if (!look.ok()) return look;
+    if (*look == Look::kUnderWay) all = Look::kUnderWay;
+  }
+  // Those of whom the journal has let go since.
+  if (all == Look::kUnderWay) static_cast<void>(context_.fleet.RemoveLeft());
+  return all;
+}
+
+void ForgetRounds::NoteOutcome(const absl::Status& status) {
+  const bool fails = !status.ok();
+  if (fails == failing_) return;
+  failing_ = fails;
+  if (fails) {
+    context_.logger.Warn("forget_fails", {{"why", std::string(status.message())}});
+  } else {
+    context_.logger.Info("forget_works_again", {});
+  }
+}
+
+absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAt(const storage::PendingForget& asked) {
   if (asked.finished) return Follow(asked);
   if (!asked.hold || asked.hold->owner != context_.process) return Look::kDone;
   // After the epoch was read: a stream that is not seen here has a later one.
@@ -51,7 +79,8 @@ ForgetRounds::Look ForgetRounds::LookAt(const storage::PendingForget& asked) {
   return LetGo(asked, *robot);
 }
 
-ForgetRounds::Look ForgetRounds::LetGo(const storage::PendingForget& asked, robot::Robot& robot) {
+absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingForget& asked,
+                                                       robot::Robot& robot) {
   if (robot.HasStream()) {
     if (!asked.end_stream) return Tell(asked, ForgetAnswer::kHasStream);
     robot.sessions.EndStream().Wake();
@@ -68,11 +97,13 @@ ForgetRounds::Look ForgetRounds::LetGo(const storage::PendingForget& asked, robo
   return Look::kUnderWay;
 }
 
-ForgetRounds::Look ForgetRounds::Tell(const storage::PendingForget& asked, ForgetAnswer answer) {
+absl::StatusOr<ForgetRounds::Look> ForgetRounds::Tell(const storage::PendingForget& asked,
+                                                      ForgetAnswer answer) {
   const storage::Epoch epoch = answer == ForgetAnswer::kLetGo ? asked.hold->epoch : 0;
-  context_.logger.Info("forget_answered", {{"ruri", asked.ruri}, {"answer", NameOf(answer)}});
   // Where it fails, the request is found again.
-  static_cast<void>(context_.removal.Answer(asked.number, {answer, epoch}));
+  absl::Status answered = context_.removal.Answer(asked.number, {answer, epoch});
+  if (!answered.ok()) return answered;
+  context_.logger.Info("forget_answered", {{"ruri", asked.ruri}, {"answer", NameOf(answer)}});
   return Look::kDone;
 }
 
@@ -86,29 +117,11 @@ ForgetRounds::Look ForgetRounds::Follow(const storage::PendingForget& asked) {
 }
 
 void ForgetRounds::Leave(robot::Robot& robot) {
-  // Asked once more, the journal would keep it.
+  // The journal has let go of it. To ask once more would put it into the journal's queue anew, and
+  // what is in there refers to the robot.
   if (robot.left()) return;
   context_.fleet.BeginLeaving(robot, robot::Robot::LeaveWhen::kAtOnce);
   context_.journals.Leave({&robot, robot.id()});
-}
-
-void ForgetRounds::RemoveSilent() {
-  const SteadyTime now = context_.clock.Steady();
-  if (removed_silent_ && now - *removed_silent_ < kRemoveSilentEvery) return;
-  const std::optional<SystemTime> until = context_.rows.Until(context_.clock.System());
-  if (!until || !context_.trust.vouched()) return;
-  const auto silent = context_.removal.SilentSince(*until, context_.process);
-  if (!silent.ok()) return;
-  std::size_t removed = 0;
-  for (const storage::SilentRobot& robot : *silent) {
-    if (context_.fleet.Find(robot.ruri) != nullptr) continue;
-    const auto gone = context_.removal.Remove(robot.ruri, robot.epoch);
-    if (!gone.ok()) return;
-    if (*gone) ++removed;
-  }
-  if (removed > 0) context_.logger.Info("silent_robots_removed", {{"robots", removed}});
-  // As many as one answer names: there may be more.
-  if (removed < storage::kSilentRobotsMax) removed_silent_ = now;
 }
 
 void ForgetRounds::Start() {
@@ -127,20 +140,6 @@ void ForgetRounds::Run(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     pause_.wait_for(lock, stop, pause, [] { return false; });
   }
-}
-
-std::optional<SystemTime> RowsRule::Until(SystemTime now) const {
-  if (forget_after.count() == 0 || retain_history.count() == 0 || retain_quarantine.count() == 0) {
-    return std::nullopt;
-  }
-  // A day more: others may have it in memory until then.
-  return now - std::max({forget_after, retain_history, retain_quarantine}) - std::chrono::days(1);
-}
-
-RowsRule RowsRuleOf(const config::Config& config) {
-  return {.forget_after = config.fleet.forget_after,
-          .retain_history = config.store.retain_history,
-          .retain_quarantine = config.store.retain_quarantine};
 }
 
 }  // namespace uplink::store

@@ -26,7 +26,7 @@ constexpr std::string_view kSilent =
     " AND s.last_used >= $1::timestamptz)"
     " AND (r.owner = $2::uuid OR o.process IS NULL OR o.released"
     " OR o.renewed_at < now() - make_interval(hours => $3::int))"
-    " ORDER BY r.last_seen, r.ruri LIMIT $4::bigint";
+    " AND r.ruri > $5::text ORDER BY r.ruri LIMIT $4::bigint";
 // Stands in for a row that is missing: whoever opens a stream meanwhile waits for the commit.
 constexpr std::string_view kStandIn =
     "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
@@ -163,7 +163,8 @@ absl::StatusOr<std::vector<TableCount>> PostgresRobotRemoval::Count(std::string_
 }
 
 absl::StatusOr<std::vector<SilentRobot>> PostgresRobotRemoval::SilentSince(SystemTime until,
-                                                                           const ProcessId& self) {
+                                                                           const ProcessId& self,
+                                                                           std::string_view after) {
   std::vector<StoreCall> calls;
   calls.push_back({kSilent, {}});
   Parameters& parameters = calls.back().parameters;
@@ -171,6 +172,7 @@ absl::StatusOr<std::vector<SilentRobot>> PostgresRobotRemoval::SilentSince(Syste
   parameters.Uuid(model::SessionId(self));
   parameters.Int4(static_cast<std::int32_t>(kLeaseKept.count()));
   parameters.Int8(static_cast<std::int64_t>(kSilentRobotsMax));
+  parameters.Text(after);
   const auto answers = impl_->Read(calls, "look for robots that are silent");
   if (!answers.ok()) return answers.status();
   const Result& rows = answers->front();

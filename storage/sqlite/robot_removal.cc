@@ -61,7 +61,7 @@ absl::Status SqliteRobotRemoval::Prepare() {
                " AND coalesce((SELECT last_sign_ms FROM live WHERE ruri = r.ruri) < ?1, 1)"
                " AND coalesce((SELECT at_ms FROM presence_latest WHERE ruri = r.ruri) < ?1, 1)"
                " AND NOT EXISTS (SELECT 1 FROM sessions WHERE ruri = r.ruri AND last_used_ms >= ?1)"
-               " ORDER BY last_seen_ms, ruri LIMIT ?2");
+               " AND ruri > ?2 ORDER BY ruri LIMIT ?3");
   prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");
   for (const std::string_view table : kKeptTables) {
     const std::string from = " FROM " + std::string(table) + " WHERE ruri = ?";
@@ -126,9 +126,10 @@ absl::StatusOr<std::vector<TableCount>> SqliteRobotRemoval::Count(std::string_vi
   return counts;
 }
 
-absl::StatusOr<std::vector<SilentRobot>> SqliteRobotRemoval::SilentSince(
-    SystemTime until, const ProcessId& /*self*/) {
-  Rows rows = silent_->Select(UnixMs(until), static_cast<std::int64_t>(kSilentRobotsMax));
+absl::StatusOr<std::vector<SilentRobot>> SqliteRobotRemoval::SilentSince(SystemTime until,
+                                                                         const ProcessId& /*self*/,
+                                                                         std::string_view after) {
+  Rows rows = silent_->Select(UnixMs(until), after, static_cast<std::int64_t>(kSilentRobotsMax));
   std::vector<SilentRobot> robots;
   while (true) {
     const absl::StatusOr<bool> found = rows.Next();

@@ -30,7 +30,7 @@ class SqliteRobotRemoval final : public RobotRemoval {
   [[nodiscard]] absl::StatusOr<std::optional<RobotHold>> HoldOf(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<std::vector<TableCount>> Count(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<std::vector<SilentRobot>> SilentSince(
-      SystemTime until, const ProcessId& self) override;
+      SystemTime until, const ProcessId& self, std::string_view after) override;
   [[nodiscard]] absl::StatusOr<bool> Remove(std::string_view ruri, Epoch epoch) override;
   [[nodiscard]] absl::StatusOr<std::size_t> RemoveHistories(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<std::uint64_t> Ask(std::string_view ruri, bool end_stream) override;

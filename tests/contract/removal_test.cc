@@ -37,10 +37,10 @@ class RemovalContract : public StoreContract {
     }
     return removed;
   }
-  std::vector<std::string> SilentSince(std::int64_t until_ms) {
+  std::vector<std::string> SilentSince(std::int64_t until_ms, std::string_view after = {}) {
     std::vector<std::string> names;
     for (const storage::SilentRobot& robot :
-         ValueOf(Removal().SilentSince(Time(until_ms), storage::ProcessId{kProcess}))) {
+         ValueOf(Removal().SilentSince(Time(until_ms), storage::ProcessId{kProcess}, after))) {
       names.push_back(robot.ruri);
     }
     return names;

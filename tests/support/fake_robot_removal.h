@@ -19,12 +19,22 @@ class FakeRobotRemoval final : public storage::RobotRemoval {
   absl::StatusOr<std::vector<storage::TableCount>> Count(std::string_view /*ruri*/) override {
     return std::vector<storage::TableCount>();
   }
-  absl::StatusOr<std::vector<storage::SilentRobot>> SilentSince(
-      SystemTime until, const storage::ProcessId& /*self*/) override {
+  absl::StatusOr<std::vector<storage::SilentRobot>> SilentSince(SystemTime until,
+                                                                const storage::ProcessId& /*self*/,
+                                                                std::string_view after) override {
+    ++silent_asked;
+    if (!status.ok()) return status;
     silent_until = until;
-    return silent;
+    std::vector<storage::SilentRobot> some;
+    for (const auto& [ruri, epoch] : silent) {
+      if (ruri > after && some.size() < storage::kSilentRobotsMax) some.push_back({ruri, epoch});
+    }
+    return some;
   }
   absl::StatusOr<bool> Remove(std::string_view ruri, storage::Epoch epoch) override {
+    if (!status.ok()) return status;
+    if (!remove_status.ok()) return remove_status;
+    silent.erase(std::string(ruri));
     removed[std::string(ruri)] = epoch;
     return true;
   }
@@ -51,18 +61,24 @@ class FakeRobotRemoval final : public storage::RobotRemoval {
   }
   absl::Status Answer(std::uint64_t number, const storage::AnsweredForget& answer) override {
     if (!status.ok()) return status;
+    if (!answer_status.ok()) return answer_status;
     answers.emplace(number, answer);
     return absl::OkStatus();
   }
 
   std::vector<storage::PendingForget> pending;
   std::map<std::uint64_t, storage::AnsweredForget> answers;
-  std::vector<storage::SilentRobot> silent;
+  /// Their epochs, until they are removed.
+  std::map<std::string, storage::Epoch> silent;
+  int silent_asked = 0;
   std::optional<SystemTime> silent_until;
   /// The epoch by which each was removed.
   std::map<std::string, storage::Epoch> removed;
-  /// Of Pending and Answer.
+  /// Of Pending, Answer, SilentSince and Remove.
   absl::Status status;
+  /// Of these alone.
+  absl::Status remove_status;
+  absl::Status answer_status;
 };
 
 }  // namespace uplink::testing

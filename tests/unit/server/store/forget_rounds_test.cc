@@ -17,6 +17,7 @@ namespace uplink::store {
 namespace {
 
 using storage::ForgetAnswer;
+using ::testing::_;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -134,6 +135,7 @@ TEST_F(ForgetRoundsTest, AStreamIsARefusal) {
 
 TEST_F(ForgetRoundsTest, AStreamIsEndedIfThatIsAsked) {
   Come();
+  inbox_.woken = 0;
   Ask(true);
   EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
   EXPECT_EQ(Shown()->sessions.StandingOf(stream_), robot::Standing::kEnded);
@@ -196,45 +198,37 @@ TEST_F(ForgetRoundsTest, AStoreThatIsAwayIsAskedAgain) {
   Ask(false);
   removal_.status = absl::UnavailableError("away");
   EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
+  EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
   EXPECT_THAT(removal_.answers, IsEmpty());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_fails why=away"))) << "once";
   removal_.status = absl::OkStatus();
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
+  EXPECT_THAT(lines_,
+              ElementsAre(_, HasSubstr("forget_answered"), HasSubstr("forget_works_again")));
 }
 
-TEST_F(ForgetRoundsTest, RowsOfSilentRobotsGoOnceNothingOfThemIsKept) {
-  Come();
-  removal_.silent = {{"rcan://gone", 3}, {kRuri, 4}};
-  clock_.Advance(std::chrono::seconds(1));
-  rounds_.Round();
-  EXPECT_THAT(removal_.removed, ElementsAre(Pair("rcan://gone", 3))) << "not one in memory";
-  EXPECT_EQ(removal_.silent_until, clock_.System() - std::chrono::hours(72 + 24));
-  removal_.removed.clear();
-  clock_.Advance(std::chrono::minutes(59));
-  rounds_.Round();
-  EXPECT_THAT(removal_.removed, IsEmpty());
-  clock_.Advance(std::chrono::minutes(1));
-  rounds_.Round();
-  EXPECT_THAT(removal_.removed, ElementsAre(Pair("rcan://gone", 3)));
-}
-
-TEST_F(ForgetRoundsTest, NoRowGoesByAClockThatNobodyVouchesFor) {
-  trust_.Note(false, ClockPair::Of(clock_));
+TEST_F(ForgetRoundsTest, SilentRowsThatFailAreALineAndHoldNoRequestUp) {
+  removal_.remove_status = absl::UnavailableError("locked");
   removal_.silent = {{"rcan://gone", 3}};
-  rounds_.Round();
-  EXPECT_THAT(removal_.removed, IsEmpty());
-  trust_.Note(true, ClockPair::Of(clock_));
+  EXPECT_EQ(rounds_.Round(), kLookForForgottenEvery);
+  EXPECT_EQ(rounds_.Round(), kLookForForgottenEvery);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_fails why=locked"))) << "once";
+  Ask(false);
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
+  removal_.remove_status = absl::OkStatus();
+  clock_.Advance(kRemoveSilentAgainAfter);
   rounds_.Round();
   EXPECT_THAT(removal_.removed, ElementsAre(Pair("rcan://gone", 3)));
+  EXPECT_THAT(lines_.back(), HasSubstr("forget_works_again"));
 }
 
-TEST(RowsRule, RobotsKeepTheirRowsWhileAnythingIsKeptForEver) {
-  const std::chrono::hours day{24};
-  const SystemTime now = FromUnixMs(1'763'683'200'000);
-  EXPECT_EQ((RowsRule{day * 30, day * 90, day * 14}.Until(now)), now - day * 91);
-  EXPECT_EQ((RowsRule{day * 300, day * 90, day * 14}.Until(now)), now - day * 301);
-  EXPECT_EQ((RowsRule{milliseconds(0), day, day}.Until(now)), std::nullopt);
-  EXPECT_EQ((RowsRule{day, milliseconds(0), day}.Until(now)), std::nullopt);
-  EXPECT_EQ((RowsRule{day, day, milliseconds(0)}.Until(now)), std::nullopt);
+TEST_F(ForgetRoundsTest, AnAnswerThatDoesNotReachTheStoreIsGivenAgain) {
+  Ask(false);
+  removal_.answer_status = absl::UnavailableError("away");
+  EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_fails why=away")));
+  removal_.answer_status = absl::OkStatus();
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+#include "server/store/silent_rows.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace uplink::store {
+
+absl::Status SilentRows::Round() {
+  const SteadyTime now = context_.clock.Steady();
+  if (due_ && now < *due_) return outcome_;
+  outcome_ = absl::OkStatus();
+  const std::optional<SystemTime> until = context_.rule.Until(context_.clock.System());
+  if (!until || !context_.trust.vouched()) return outcome_;
+  const absl::StatusOr<Left> left = RemoveSome(*until);
+  outcome_ = left.status();
+  if (!left.ok()) {
+    due_ = now + kRemoveSilentAgainAfter;
+  } else if (*left == Left::kNothing) {
+    due_ = now + kRemoveSilentEvery;
+  }
+  return outcome_;
+}
+
+absl::StatusOr<SilentRows::Left> SilentRows::RemoveSome(SystemTime until) {
+  const auto silent = context_.removal.SilentSince(until, context_.process, after_);
+  if (!silent.ok()) return silent.status();
+  std::size_t removed = 0;
+  absl::Status status;
+  for (const storage::SilentRobot& robot : *silent) {
+    if (context_.fleet.Find(robot.ruri) == nullptr) {
+      const auto gone = context_.removal.Remove(robot.ruri, robot.epoch);
+      status = gone.status();
+      if (!status.ok()) break;
+      if (*gone) ++removed;
+    }
+    after_ = robot.ruri;
+  }
+  if (removed > 0) context_.logger.Info("silent_robots_removed", {{"robots", removed}});
+  if (!status.ok()) return status;
+  // By what the answer names: those that stay count as well.
+  if (silent->size() == storage::kSilentRobotsMax) return Left::kMore;
+  after_.clear();
+  return Left::kNothing;
+}
+
+std::optional<SystemTime> RowsRule::Until(SystemTime now) const {
+  if (forget_after.count() == 0 || retain_history.count() == 0 || retain_quarantine.count() == 0) {
+    return std::nullopt;
+  }
+  // A day more: others may have it in memory until then.
+  return now - std::max({forget_after, retain_history, retain_quarantine}) - std::chrono::days(1);
+}
+
+RowsRule RowsRuleOf(const config::Config& config) {
+  return {.forget_after = config.fleet.forget_after,
+          .retain_history = config.store.retain_history,
+          .retain_quarantine = config.store.retain_quarantine};
+}
+
+}  // namespace uplink::store
