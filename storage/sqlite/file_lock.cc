@@ -3,9 +3,11 @@
 #include <cerrno>
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include <absl/status/status.h>
+#include <absl/strings/cord.h>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -33,6 +35,8 @@ constexpr mode_t kMode = 0600;
 /// The byte of the store's file that is locked: behind what SQLite can fill (2^48 bytes), and what
 /// it locks itself (about 2^30).
 constexpr off_t kLockedByte = off_t{1} << 62;
+/// The payload of such an error; it is empty.
+constexpr std::string_view kInUse = "uplinkd/store_in_use";
 
 absl::Status Failed(const char* doing, const std::string& name, int cause) {
   return absl::FailedPreconditionError(std::string(doing) + " " + name + ": " +
@@ -40,8 +44,10 @@ absl::Status Failed(const char* doing, const std::string& name, int cause) {
 }
 
 absl::Status InUse(const std::string& path, const std::string& what) {
-  return absl::FailedPreconditionError("store " + path + " is in use by another process, which" +
-                                       " holds " + what);
+  absl::Status status = absl::FailedPreconditionError(
+      "store " + path + " is in use by another process, which holds " + what);
+  status.SetPayload({kInUse.data(), kInUse.size()}, absl::Cord());
+  return status;
 }
 
 /// OK if the lock file is locked through the descriptor.
@@ -114,6 +120,10 @@ absl::StatusOr<std::unique_ptr<FileLock>> FileLock::Take(const std::string& path
   if (status.ok()) status = LockFile(lock->file_->descriptor(), path);
   if (!status.ok()) return status;
   return lock;
+}
+
+bool IsInUse(const absl::Status& status) {
+  return status.GetPayload({kInUse.data(), kInUse.size()}).has_value();
 }
 
 }  // namespace uplink::storage::sqlite

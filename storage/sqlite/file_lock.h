@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 namespace uplink::storage::sqlite {
@@ -24,7 +25,7 @@ class FileLock final {
   /// Makes the store's file, for its owner alone, if it is not there.
   ///
   /// Errors: kFailedPrecondition, naming the file, if one of them cannot be opened or if another
-  ///         process holds it.
+  ///         process holds it (IsInUse).
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Take(const std::string& path);
 
   FileLock(const FileLock&) = delete;
@@ -40,5 +41,8 @@ class FileLock final {
   std::unique_ptr<Held> real_name_;
   std::unique_ptr<Held> file_;
 };
+
+/// The error of FileLock::Take is that another process holds the store, and no other.
+[[nodiscard]] bool IsInUse(const absl::Status& status);
 
 }  // namespace uplink::storage::sqlite

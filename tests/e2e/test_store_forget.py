@@ -2,6 +2,7 @@
 
 import subprocess
 import unittest
+from pathlib import Path
 
 from harness import BIN, Cluster, EndToEnd, Fleet, Server, uplinkctl, wait_until
 
@@ -85,6 +86,22 @@ class StoreForget(EndToEnd):
         self.assertIn("no server", self.forget("--yes", ruris[1]).stdout)
         server.start()
         self.assertEqual(sorted(self.robots(server)), [ruris[0], ruris[2]])
+
+    def test_a_lock_that_cannot_be_opened_is_named_and_nothing_is_waited_for(self):
+        server = self.server(SETTINGS).start()
+        self.url = server.store_url
+        fleet = self.stream(server)
+        ruri = min(self.robots(server))
+        fleet.finish()
+        self.assertEqual(server.terminate(DEADLINE_SECONDS), 0)
+        lock = Path(self.url.removeprefix("sqlite://") + ".lock")
+        lock.unlink()
+        lock.mkdir()
+        done = self.forget("--yes", ruri, code=1)
+        self.assertIn(str(lock), done.stderr)
+        self.assertNotIn("did not let go", done.stderr)
+        lock.rmdir()
+        self.assertIn("forgotten", self.forget("--yes", ruri).stdout)
 
     def test_a_robot_is_forgotten_beside_two_servers_on_postgres(self):
         cluster = self.keep(Cluster(self.folder).create().migrate())

@@ -55,8 +55,12 @@ absl::StatusOr<Target> OpenSqlite(const std::string& url) {
   auto removal = storage::sqlite::SqliteRobotRemoval::Open(path);
   if (!removal.ok()) return removal.status();
   target.removal = *std::move(removal);
-  // Where it cannot be had, a server has it.
-  if (auto lock = storage::sqlite::FileLock::Take(path); lock.ok()) target.lock = *std::move(lock);
+  auto lock = storage::sqlite::FileLock::Take(path);
+  if (lock.ok()) {
+    target.lock = *std::move(lock);
+  } else if (!storage::sqlite::IsInUse(lock.status())) {
+    return lock.status();
+  }
   return target;
 }
 

@@ -12,6 +12,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store.h"
@@ -194,8 +195,9 @@ TEST_F(SqliteFiles, NamesThePathIfItCannotBeWritten) {
   ExpectPrecondition(status);
   EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("directory")));
   std::filesystem::create_directory(folder_.File("other.db.lock"));
-  EXPECT_THAT(Text(SqliteStore::Open(folder_.File("other.db"), options).status()),
-              HasSubstr("other.db.lock"));
+  const absl::Status no_lock = SqliteStore::Open(folder_.File("other.db"), options).status();
+  EXPECT_THAT(Text(no_lock), HasSubstr("other.db.lock"));
+  EXPECT_FALSE(IsInUse(no_lock)) << "nobody has it";
 }
 
 TEST_F(SqliteFiles, KeepsASecondWriterAwayUntilTheFirstIsGone) {
@@ -204,6 +206,7 @@ TEST_F(SqliteFiles, KeepsASecondWriterAwayUntilTheFirstIsGone) {
   const absl::Status second = Open();
   ExpectPrecondition(second);
   EXPECT_THAT(Text(second), AllOf(HasSubstr(path_), HasSubstr("in use")));
+  EXPECT_TRUE(IsInUse(second));
   EXPECT_TRUE(SqliteReader::Open(path_).ok()) << "a reader is no writer";
   first->reset();
   EXPECT_TRUE(Open().ok()) << Open();
@@ -218,6 +221,7 @@ class SqliteOtherNames : public SqliteFiles {
     const absl::Status second = SqliteStore::Open(second_name, Options()).status();
     ExpectPrecondition(second);
     EXPECT_THAT(Text(second), AllOf(HasSubstr(second_name), HasSubstr("in use")));
+    EXPECT_TRUE(IsInUse(second));
     first->reset();
     const absl::Status after = SqliteStore::Open(second_name, Options()).status();
     EXPECT_TRUE(after.ok()) << after;
