@@ -63,7 +63,7 @@ class App::Impl {
                 {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
                  options_.config.presence, store::IsGone,
                  [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
-        forget_rounds_({fleet_, journals_, options_.clock, options_.logger, *stores_.removal,
+        forget_rounds_({fleet_, journals_, options_.clock, options_.logger, *stores_.forget,
                         options_.process, store::RowsRuleOf(options_.config), *stores_.clock}),
         clock_rounds_({options_.clock, *stores_.marks, *stores_.clock, options_.logger,
                        options_.kernel_clock_synchronised}),

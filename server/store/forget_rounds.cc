@@ -33,7 +33,7 @@ ForgetRounds::ForgetRounds(Context context)
       silent_rows_({.fleet = context_.fleet,
                     .clock = context_.clock,
                     .logger = context_.logger,
-                    .removal = context_.removal,
+                    .removal = context_.store.removal(),
                     .process = context_.process,
                     .rule = context_.rows,
                     .trust = context_.trust}) {}
@@ -46,7 +46,7 @@ milliseconds ForgetRounds::Round() {
 }
 
 absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAtAll() {
-  const auto pending = context_.removal.Pending();
+  const auto pending = context_.store.requests().Pending();
   if (!pending.ok()) return pending.status();
   Look all = Look::kDone;
   for (const storage::PendingForget& asked : *pending) {
@@ -101,7 +101,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::Tell(const storage::PendingForg
                                                       ForgetAnswer answer) {
   const storage::Epoch epoch = answer == ForgetAnswer::kLetGo ? asked.hold->epoch : 0;
   // Where it fails, the request is found again.
-  absl::Status answered = context_.removal.Answer(asked.number, {answer, epoch});
+  absl::Status answered = context_.store.requests().Answer(asked.number, {answer, epoch});
   if (!answered.ok()) return answered;
   context_.logger.Info("forget_answered", {{"ruri", asked.ruri}, {"answer", NameOf(answer)}});
   return Look::kDone;

@@ -16,7 +16,7 @@
 #include "server/log/logger.h"
 #include "server/store/silent_rows.h"
 #include "server/store/vouched_clock.h"
-#include "storage/robot_removal.h"
+#include "storage/forget_store.h"
 
 namespace uplink::store {
 
@@ -42,7 +42,7 @@ class ForgetRounds final {
     const journal::Shards& journals;
     const Clock& clock;
     const log::Logger& logger;
-    storage::RobotRemoval& removal;
+    storage::ForgetStore& store;
     /// This process.
     storage::ProcessId process{};
     /// Of SilentRows.

@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "storage/postgres/clock_marks.h"
+#include "storage/postgres/forget_store.h"
 #include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
-#include "storage/postgres/robot_removal.h"
 #include "storage/postgres/store.h"
 #include "storage/sqlite/clock_marks.h"
+#include "storage/sqlite/forget_store.h"
 #include "storage/sqlite/reader.h"
-#include "storage/sqlite/robot_removal.h"
 #include "storage/sqlite/store.h"
 
 namespace uplink::store {
@@ -41,9 +41,9 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   auto marks = storage::sqlite::SqliteClockMarks::Open(path);
   if (!marks.ok()) return marks.status();
   stores.marks = *std::move(marks);
-  auto removal = storage::sqlite::SqliteRobotRemoval::Open(path);
-  if (!removal.ok()) return removal.status();
-  stores.removal = *std::move(removal);
+  auto forget = storage::sqlite::SqliteForgetStore::Open(path);
+  if (!forget.ok()) return forget.status();
+  stores.forget = *std::move(forget);
   stores.writers.push_back(*std::move(store));
   stores.reader = *std::move(reader);
   return stores;
@@ -86,9 +86,9 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   auto marks = storage::postgres::PostgresClockMarks::Make(options, clock);
   if (!marks.ok()) return marks.status();
   stores.marks = *std::move(marks);
-  auto removal = storage::postgres::PostgresRobotRemoval::Make(options, clock);
-  if (!removal.ok()) return removal.status();
-  stores.removal = *std::move(removal);
+  auto forget = storage::postgres::PostgresForgetStore::Make(options, clock);
+  if (!forget.ok()) return forget.status();
+  stores.forget = *std::move(forget);
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;

@@ -13,9 +13,9 @@
 #include "server/store/oldest_snapshot.h"
 #include "server/store/vouched_clock.h"
 #include "storage/clock_marks.h"
+#include "storage/forget_store.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
-#include "storage/robot_removal.h"
 #include "storage/store.h"
 
 namespace uplink::store {
@@ -25,7 +25,7 @@ struct Stores {
   /// The judgement of the civil clock, which the writers go by, and the mark that it rests on.
   std::unique_ptr<VouchedClock> clock;
   std::unique_ptr<storage::ClockMarks> marks;
-  std::unique_ptr<storage::RobotRemoval> removal;
+  std::unique_ptr<storage::ForgetStore> forget;
   std::vector<std::unique_ptr<storage::Store>> writers;
   std::unique_ptr<storage::Reader> reader;
   /// Null for a store that one process has at a time.

@@ -31,7 +31,7 @@ absl::StatusOr<SilentRows::Left> SilentRows::RemoveSome(SystemTime until) {
       const auto gone = context_.removal.Remove(robot.ruri, robot.epoch);
       status = gone.status();
       if (!status.ok()) break;
-      if (*gone) ++removed;
+      if (gone->has_value()) ++removed;
     }
     after_ = robot.ruri;
   }

@@ -4,9 +4,7 @@
 #include <utility>
 
 #include "storage/kept_tables.h"
-#include "storage/postgres/link/link.h"
-#include "storage/postgres/link_options.h"
-#include "storage/postgres/write/transaction.h"
+#include "storage/postgres/own_connection.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -28,17 +26,13 @@ std::string SetIfEmptySql() {
 }  // namespace
 
 struct PostgresClockMarks::Impl {
-  Link link;
+  std::unique_ptr<OwnConnection> connection;
   const std::string set_if_empty = SetIfEmptySql();
 
-  absl::Status Write(std::string_view sql, SystemTime mark) {
-    const absl::StatusOr<Connection*> connection = link.Get();
-    if (!connection.ok()) return connection.status();
-    std::vector<StoreCall> calls;
-    calls.push_back({kBegin, {}});
-    calls.push_back({sql, {}});
-    calls.back().parameters.Time(mark);
-    return RunAndCommit(**connection, std::move(calls), "set the mark of the clock", {});
+  [[nodiscard]] absl::Status Write(std::string_view sql, SystemTime mark) const {
+    StoreCall call{sql, {}};
+    call.parameters.Time(mark);
+    return connection->Write(std::move(call), "set the mark of the clock").status();
   }
 };
 
@@ -47,18 +41,16 @@ PostgresClockMarks::~PostgresClockMarks() = default;
 
 absl::StatusOr<std::unique_ptr<PostgresClockMarks>> PostgresClockMarks::Make(
     const StoreOptions& options, const Clock& clock) {
-  absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
-  if (!link.ok()) return link.status();
+  absl::StatusOr<std::unique_ptr<OwnConnection>> connection = OwnConnection::Make(options, clock);
+  if (!connection.ok()) return connection.status();
   return std::unique_ptr<PostgresClockMarks>(
-      new PostgresClockMarks(std::make_unique<Impl>(Impl{Link(*std::move(link), clock)})));
+      new PostgresClockMarks(std::make_unique<Impl>(Impl{*std::move(connection)})));
 }
 
 absl::StatusOr<ClockReading> PostgresClockMarks::Read() {
-  const absl::StatusOr<Connection*> connection = impl_->link.Get();
-  if (!connection.ok()) return connection.status();
   std::vector<StoreCall> calls;
   calls.push_back({kRead, {}});
-  const auto answer = (*connection)->Run(calls, "read the mark of the clock");
+  const auto answer = impl_->connection->Read(calls, "read the mark of the clock");
   if (!answer.ok()) return answer.status();
   const Result& row = answer->front();
   ClockReading reading;

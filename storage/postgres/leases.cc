@@ -4,9 +4,7 @@
 #include <utility>
 
 #include "storage/numbers.h"
-#include "storage/postgres/link/link.h"
-#include "storage/postgres/link_options.h"
-#include "storage/postgres/write/transaction.h"
+#include "storage/postgres/own_connection.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -45,20 +43,8 @@ constexpr std::string_view kRobotsOfOthers =
 
 struct PostgresLeases::Impl {
   ProcessId process;
-  Link link;
+  std::unique_ptr<OwnConnection> connection;
   bool forgot = false;
-
-  /// The answer to one statement, durable on the server that gave it.
-  absl::StatusOr<Result> Run(StoreCall call, std::string_view doing) {
-    const absl::StatusOr<Connection*> connection = link.Get();
-    if (!connection.ok()) return connection.status();
-    std::vector<StoreCall> calls;
-    calls.push_back({kBegin, {}});
-    calls.push_back(std::move(call));
-    auto results = RunAndCommitFor(**connection, std::move(calls), doing, {});
-    if (!results.ok()) return results.status();
-    return std::move((*results)[1]);
-  }
 };
 
 PostgresLeases::PostgresLeases(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -66,10 +52,10 @@ PostgresLeases::~PostgresLeases() = default;
 
 absl::StatusOr<std::unique_ptr<PostgresLeases>> PostgresLeases::Make(const StoreOptions& options,
                                                                      const Clock& clock) {
-  absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
-  if (!link.ok()) return link.status();
+  absl::StatusOr<std::unique_ptr<OwnConnection>> connection = OwnConnection::Make(options, clock);
+  if (!connection.ok()) return connection.status();
   return std::unique_ptr<PostgresLeases>(new PostgresLeases(
-      std::make_unique<Impl>(Impl{options.process, Link(*std::move(link), clock), false})));
+      std::make_unique<Impl>(Impl{options.process, *std::move(connection), false})));
 }
 
 absl::Status PostgresLeases::Renew(const ProcessCard& card) {
@@ -77,11 +63,11 @@ absl::Status PostgresLeases::Renew(const ProcessCard& card) {
   renew.parameters.Uuid(model::SessionId(impl_->process));
   renew.parameters.Text(card.name);
   renew.parameters.Text(card.life);
-  const auto renewed = impl_->Run(std::move(renew), "renew the lease");
+  const auto renewed = impl_->connection->Write(std::move(renew), "renew the lease");
   if (!renewed.ok() || impl_->forgot) return renewed.status();
   StoreCall forget{kForget, {}};
   forget.parameters.Int4(static_cast<std::int32_t>(kLeaseKept.count()));
-  const auto forgot = impl_->Run(std::move(forget), "forget old leases");
+  const auto forgot = impl_->connection->Write(std::move(forget), "forget old leases");
   impl_->forgot = forgot.ok();
   return forgot.status();
 }
@@ -89,14 +75,14 @@ absl::Status PostgresLeases::Renew(const ProcessCard& card) {
 absl::Status PostgresLeases::Release() {
   StoreCall release{kRelease, {}};
   release.parameters.Uuid(model::SessionId(impl_->process));
-  return impl_->Run(std::move(release), "release the lease").status();
+  return impl_->connection->Write(std::move(release), "release the lease").status();
 }
 
 absl::StatusOr<std::vector<Lease>> PostgresLeases::Read() {
   StoreCall read{kRead, {}};
   read.parameters.Int8(std::int64_t{kLeasesMax});
   read.parameters.Int4(static_cast<std::int32_t>(kCardTextMax));
-  const auto rows = impl_->Run(std::move(read), "read leases");
+  const auto rows = impl_->connection->Write(std::move(read), "read leases");
   if (!rows.ok()) return rows.status();
   std::vector<Lease> leases(static_cast<std::size_t>(rows->rows()));
   for (int row = 0; row < rows->rows(); ++row) {
@@ -115,7 +101,7 @@ absl::StatusOr<std::vector<ForeignRobot>> PostgresLeases::RobotsOfOthers(std::st
   read.parameters.Uuid(model::SessionId(impl_->process));
   read.parameters.Text(after);
   read.parameters.Int8(std::int64_t{kForeignRobotsMax});
-  const auto rows = impl_->Run(std::move(read), "read who holds robots");
+  const auto rows = impl_->connection->Write(std::move(read), "read who holds robots");
   if (!rows.ok()) return rows.status();
   std::vector<ForeignRobot> robots(static_cast<std::size_t>(rows->rows()));
   for (int row = 0; row < rows->rows(); ++row) {

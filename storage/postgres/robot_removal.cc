@@ -5,9 +5,7 @@
 
 #include "storage/kept_tables.h"
 #include "storage/leases.h"
-#include "storage/postgres/link/link.h"
-#include "storage/postgres/link_options.h"
-#include "storage/postgres/write/transaction.h"
+#include "storage/postgres/own_connection.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -36,29 +34,6 @@ constexpr std::string_view kStandIn =
 constexpr std::string_view kRemoveRow =
     "DELETE FROM uplinkd.robots WHERE ruri = $1::text AND epoch = $2::bigint RETURNING epoch";
 constexpr std::string_view kFirstEntryAfter = "SELECT nextval('uplinkd.batches') << 20";
-constexpr std::string_view kAsk =
-    "INSERT INTO uplinkd.forget_requests (ruri, end_stream) VALUES ($1::text, $2::int <> 0)"
-    " RETURNING number";
-constexpr std::string_view kDropOldRequests =
-    "DELETE FROM uplinkd.forget_requests WHERE touched_at < now() - make_interval(hours => "
-    "$1::int)";
-constexpr std::string_view kAnswerTo =
-    "SELECT answer, epoch FROM uplinkd.forget_requests WHERE number = $1::bigint";
-constexpr std::string_view kFinish =
-    "UPDATE uplinkd.forget_requests SET finished = true, touched_at = now()"
-    " WHERE number = $1::bigint";
-constexpr std::string_view kPending =
-    "SELECT f.number, f.ruri, f.end_stream, f.finished, r.owner, r.epoch"
-    " FROM uplinkd.forget_requests AS f LEFT JOIN uplinkd.robots AS r ON r.ruri = f.ruri"
-    " WHERE CASE WHEN f.finished THEN f.touched_at > now() - make_interval(hours => $1::int)"
-    " ELSE f.answer = 0 AND f.touched_at > now() - make_interval(mins => $2::int) END"
-    " ORDER BY f.number DESC LIMIT $3::bigint";
-constexpr std::string_view kAnswer =
-    "UPDATE uplinkd.forget_requests SET answer = $2::int, epoch = $3::bigint"
-    " WHERE number = $1::bigint AND answer = 0 AND NOT finished";
-
-constexpr std::int32_t kHoursTold = static_cast<std::int32_t>(kForgottenTold.count());
-
 StoreCall CallOf(std::string_view sql, std::string_view ruri) {
   StoreCall call{sql, {}};
   call.parameters.Text(ruri);
@@ -86,7 +61,9 @@ std::string RemoveHistorySql(const HistoryTable& table) {
          " LIMIT $3::bigint) AS t)";
 }
 
-struct Statements {
+}  // namespace
+
+struct PostgresRobotRemoval::Statements {
   std::vector<std::string> count, remove, remove_history;
 
   Statements() {
@@ -100,49 +77,14 @@ struct Statements {
   }
 };
 
-}  // namespace
-
-struct PostgresRobotRemoval::Impl {
-  Link link;
-  const Statements statements;
-  /// Entries of the robot that was removed last are below it.
-  std::int64_t first_entry_after = 0;
-
-  /// The answers to statements of one transaction, durable on the server that gave them.
-  absl::StatusOr<std::vector<Result>> Write(std::vector<StoreCall> work, std::string_view doing) {
-    const absl::StatusOr<Connection*> connection = link.Get();
-    if (!connection.ok()) return connection.status();
-    std::vector<StoreCall> calls = BeginCalls();
-    const auto before = static_cast<std::ptrdiff_t>(calls.size());
-    for (StoreCall& call : work) calls.push_back(std::move(call));
-    auto results = RunAndCommitFor(**connection, std::move(calls), doing, {});
-    if (!results.ok()) return results.status();
-    results->erase(results->begin(), results->begin() + before);
-    return results;
-  }
-  absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
-                                           std::string_view doing) {
-    const absl::StatusOr<Connection*> connection = link.Get();
-    if (!connection.ok()) return connection.status();
-    return (*connection)->Run(calls, doing);
-  }
-};
-
-PostgresRobotRemoval::PostgresRobotRemoval(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PostgresRobotRemoval::PostgresRobotRemoval(OwnConnection& connection)
+    : connection_(connection), statements_(std::make_unique<Statements>()) {}
 PostgresRobotRemoval::~PostgresRobotRemoval() = default;
-
-absl::StatusOr<std::unique_ptr<PostgresRobotRemoval>> PostgresRobotRemoval::Make(
-    const StoreOptions& options, const Clock& clock) {
-  absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
-  if (!link.ok()) return link.status();
-  return std::unique_ptr<PostgresRobotRemoval>(
-      new PostgresRobotRemoval(std::make_unique<Impl>(Impl{Link(*std::move(link), clock), {}})));
-}
 
 absl::StatusOr<std::optional<RobotHold>> PostgresRobotRemoval::HoldOf(std::string_view ruri) {
   std::vector<StoreCall> calls;
   calls.push_back(CallOf(kHold, ruri));
-  const auto answers = impl_->Read(calls, "read who holds a robot");
+  const auto answers = connection_.Read(calls, "read who holds a robot");
   if (!answers.ok()) return answers.status();
   const Result& rows = answers->front();
   if (rows.rows() == 0) return std::nullopt;
@@ -151,8 +93,8 @@ absl::StatusOr<std::optional<RobotHold>> PostgresRobotRemoval::HoldOf(std::strin
 
 absl::StatusOr<std::vector<TableCount>> PostgresRobotRemoval::Count(std::string_view ruri) {
   std::vector<StoreCall> calls;
-  for (const std::string& sql : impl_->statements.count) calls.push_back(CallOf(sql, ruri));
-  const auto answers = impl_->Read(calls, "count a robot's rows");
+  for (const std::string& sql : statements_->count) calls.push_back(CallOf(sql, ruri));
+  const auto answers = connection_.Read(calls, "count a robot's rows");
   if (!answers.ok()) return answers.status();
   std::vector<TableCount> counts;
   for (std::size_t i = 0; i < kKeptTables.size(); ++i) {
@@ -173,7 +115,7 @@ absl::StatusOr<std::vector<SilentRobot>> PostgresRobotRemoval::SilentSince(Syste
   parameters.Int4(static_cast<std::int32_t>(kLeaseKept.count()));
   parameters.Int8(static_cast<std::int64_t>(kSilentRobotsMax));
   parameters.Text(after);
-  const auto answers = impl_->Read(calls, "look for robots that are silent");
+  const auto answers = connection_.Read(calls, "look for robots that are silent");
   if (!answers.ok()) return answers.status();
   const Result& rows = answers->front();
   std::vector<SilentRobot> robots;
@@ -183,94 +125,34 @@ absl::StatusOr<std::vector<SilentRobot>> PostgresRobotRemoval::SilentSince(Syste
   return robots;
 }
 
-absl::StatusOr<bool> PostgresRobotRemoval::Remove(std::string_view ruri, Epoch epoch) {
+absl::StatusOr<std::optional<EntryBound>> PostgresRobotRemoval::Remove(std::string_view ruri,
+                                                                       Epoch epoch) {
   std::vector<StoreCall> calls;
   if (epoch == 0) calls.push_back(CallOf(kStandIn, ruri));
   const std::size_t row = calls.size();
   calls.push_back(CallOf(kRemoveRow, ruri));
   calls.back().parameters.Int8(static_cast<std::int64_t>(epoch));
   calls.push_back({kFirstEntryAfter, {}});
-  for (const std::string& sql : impl_->statements.remove) calls.push_back(CallOf(sql, ruri));
-  const auto answers = impl_->Write(std::move(calls), "forget a robot");
+  for (const std::string& sql : statements_->remove) calls.push_back(CallOf(sql, ruri));
+  const auto answers = connection_.Write(std::move(calls), "forget a robot");
   if (!answers.ok()) return answers.status();
-  if ((*answers)[row].rows() == 0) return false;
-  impl_->first_entry_after = (*answers)[row + 1].Int(0, 0);
-  return true;
+  if ((*answers)[row].rows() == 0) return std::nullopt;
+  return EntryBound{(*answers)[row + 1].Int(0, 0)};
 }
 
-absl::StatusOr<std::size_t> PostgresRobotRemoval::RemoveHistories(std::string_view ruri) {
+absl::StatusOr<std::size_t> PostgresRobotRemoval::RemoveHistories(std::string_view ruri,
+                                                                  EntryBound below) {
   std::vector<StoreCall> calls;
-  for (const std::string& sql : impl_->statements.remove_history) {
+  for (const std::string& sql : statements_->remove_history) {
     calls.push_back(CallOf(sql, ruri));
-    calls.back().parameters.Int8(impl_->first_entry_after);
+    calls.back().parameters.Int8(static_cast<std::int64_t>(below));
     calls.back().parameters.Int8(static_cast<std::int64_t>(kRemovedPerCallMax));
   }
-  const auto answers = impl_->Write(std::move(calls), "forget a robot's histories");
+  const auto answers = connection_.Write(std::move(calls), "forget a robot's histories");
   if (!answers.ok()) return answers.status();
   std::size_t removed = 0;
   for (std::size_t i = 0; i < kHistoryTables.size(); ++i) removed += (*answers)[i].written();
   return removed;
-}
-
-absl::StatusOr<std::uint64_t> PostgresRobotRemoval::Ask(std::string_view ruri, bool end_stream) {
-  std::vector<StoreCall> calls;
-  calls.push_back({kDropOldRequests, {}});
-  calls.back().parameters.Int4(kHoursTold);
-  calls.push_back(CallOf(kAsk, ruri));
-  calls.back().parameters.Int4(end_stream ? 1 : 0);
-  const auto answers = impl_->Write(std::move(calls), "ask for a robot to be forgotten");
-  if (!answers.ok()) return answers.status();
-  return static_cast<std::uint64_t>((*answers)[1].Int(0, 0));
-}
-
-absl::StatusOr<AnsweredForget> PostgresRobotRemoval::AnswerTo(std::uint64_t number) {
-  std::vector<StoreCall> calls;
-  calls.push_back({kAnswerTo, {}});
-  calls.back().parameters.Int8(static_cast<std::int64_t>(number));
-  const auto answers = impl_->Read(calls, "read an answer");
-  if (!answers.ok()) return answers.status();
-  const Result& rows = answers->front();
-  if (rows.rows() == 0) return AnsweredForget();
-  return AnsweredForget{static_cast<ForgetAnswer>(rows.Int(0, 0)),
-                        static_cast<Epoch>(rows.Int(0, 1))};
-}
-
-absl::Status PostgresRobotRemoval::Finish(std::uint64_t number) {
-  std::vector<StoreCall> calls;
-  calls.push_back({kFinish, {}});
-  calls.back().parameters.Int8(static_cast<std::int64_t>(number));
-  return impl_->Write(std::move(calls), "tell that a robot is forgotten").status();
-}
-
-absl::StatusOr<std::vector<PendingForget>> PostgresRobotRemoval::Pending() {
-  std::vector<StoreCall> calls;
-  calls.push_back({kPending, {}});
-  calls.back().parameters.Int4(kHoursTold);
-  calls.back().parameters.Int4(static_cast<std::int32_t>(kForgetRequestLives.count()));
-  calls.back().parameters.Int8(static_cast<std::int64_t>(kForgetRequestsMax));
-  const auto answers = impl_->Read(calls, "look for robots to be forgotten");
-  if (!answers.ok()) return answers.status();
-  const Result& rows = answers->front();
-  std::vector<PendingForget> pending;
-  for (int row = 0; row < rows.rows(); ++row) {
-    PendingForget& one = pending.emplace_back();
-    one.number = static_cast<std::uint64_t>(rows.Int(row, 0));
-    one.ruri = std::string(rows.Bytes(row, 1));
-    one.end_stream = rows.Bool(row, 2);
-    one.finished = rows.Bool(row, 3);
-    if (rows.Null(row, 4)) continue;
-    one.hold = RobotHold{rows.Uuid(row, 4).bytes(), static_cast<Epoch>(rows.Int(row, 5))};
-  }
-  return pending;
-}
-
-absl::Status PostgresRobotRemoval::Answer(std::uint64_t number, const AnsweredForget& answer) {
-  std::vector<StoreCall> calls;
-  calls.push_back({kAnswer, {}});
-  calls.back().parameters.Int8(static_cast<std::int64_t>(number));
-  calls.back().parameters.Int4(static_cast<std::int32_t>(answer.answer));
-  calls.back().parameters.Int8(static_cast<std::int64_t>(answer.epoch));
-  return impl_->Write(std::move(calls), "answer whether a robot may be forgotten").status();
 }
 
 }  // namespace uplink::storage::postgres

@@ -2,23 +2,20 @@
 
 #include <memory>
 
-#include "storage/postgres/store.h"
 #include "storage/robot_removal.h"
 
 namespace uplink::storage::postgres {
 
-/// Robots that leave a PostgreSQL database, and what servers are asked about it.
+class OwnConnection;
+
+/// Robots that leave a PostgreSQL database.
 ///
 /// Errors:  as in RobotRemoval; kUnavailable while the server is away, and every call tries again.
 /// Thread:  as in RobotRemoval.
 class PostgresRobotRemoval final : public RobotRemoval {
  public:
-  /// Does not connect. Of the options: the URL, the password, the timeouts. `clock` must outlive
-  /// this.
-  ///
-  /// Errors: kInvalidArgument for the URL.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<PostgresRobotRemoval>> Make(
-      const StoreOptions& options, const Clock& clock);
+  /// `connection` must outlive this.
+  explicit PostgresRobotRemoval(OwnConnection& connection);
   ~PostgresRobotRemoval() override;
   PostgresRobotRemoval(const PostgresRobotRemoval&) = delete;
   PostgresRobotRemoval& operator=(const PostgresRobotRemoval&) = delete;
@@ -27,18 +24,17 @@ class PostgresRobotRemoval final : public RobotRemoval {
   [[nodiscard]] absl::StatusOr<std::vector<TableCount>> Count(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<std::vector<SilentRobot>> SilentSince(
       SystemTime until, const ProcessId& self, std::string_view after) override;
-  [[nodiscard]] absl::StatusOr<bool> Remove(std::string_view ruri, Epoch epoch) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> RemoveHistories(std::string_view ruri) override;
-  [[nodiscard]] absl::StatusOr<std::uint64_t> Ask(std::string_view ruri, bool end_stream) override;
-  [[nodiscard]] absl::StatusOr<AnsweredForget> AnswerTo(std::uint64_t number) override;
-  [[nodiscard]] absl::Status Finish(std::uint64_t number) override;
-  [[nodiscard]] absl::StatusOr<std::vector<PendingForget>> Pending() override;
-  [[nodiscard]] absl::Status Answer(std::uint64_t number, const AnsweredForget& answer) override;
+  [[nodiscard]] absl::StatusOr<std::optional<EntryBound>> Remove(std::string_view ruri,
+                                                                 Epoch epoch) override;
+  [[nodiscard]] absl::StatusOr<std::size_t> RemoveHistories(std::string_view ruri,
+                                                            EntryBound below) override;
 
  private:
-  struct Impl;
-  explicit PostgresRobotRemoval(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  /// Made of kKeptTables.
+  struct Statements;
+
+  OwnConnection& connection_;
+  const std::unique_ptr<const Statements> statements_;
 };
 
 }  // namespace uplink::storage::postgres

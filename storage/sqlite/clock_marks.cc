@@ -3,9 +3,8 @@
 #include <utility>
 
 #include "storage/kept_tables.h"
-#include "storage/sqlite/migrations.h"
+#include "storage/sqlite/open_beside.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/sqlite/schema.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -21,15 +20,8 @@ std::string SetIfEmptySql() {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteClockMarks>> SqliteClockMarks::Open(const std::string& path) {
-  // A look that makes no file comes first.
-  auto there = Database::Open(path, Access::kRead, kBusyTimeout);
-  if (!there.ok()) return there.status();
-  auto database = Database::Open(path, Access::kWrite, kBusyTimeout);
+  auto database = OpenBeside(path);
   if (!database.ok()) return database.status();
-  absl::Status status = CheckFile(**database, Migrations());
-  if (status.ok()) status = Migrate(**database, Migrations(), IfOlder::kRefuse);
-  if (status.ok()) status = ConfigureWriter(**database);
-  if (!status.ok()) return status;
   Preparer prepare(**database);
   std::unique_ptr<SqliteClockMarks> marks(new SqliteClockMarks(*std::move(database)));
   prepare.Into(marks->read_, "SELECT at_ms FROM clock_mark WHERE id = 0");

@@ -18,10 +18,7 @@ namespace uplink::storage::sqlite {
 /// Thread:  as in ClockMarks.
 class SqliteClockMarks final : public ClockMarks {
  public:
-  /// How long a call waits for another writer of the file.
-  static constexpr milliseconds kBusyTimeout{5'000};
-
-  /// The file must be there and migrated; nothing is created.
+  /// As OpenBeside.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteClockMarks>> Open(
       const std::string& path);
   SqliteClockMarks(const SqliteClockMarks&) = delete;

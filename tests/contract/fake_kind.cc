@@ -4,6 +4,7 @@
 
 #include "storage/refusal.h"
 #include "tests/contract/store_under_test.h"
+#include "tests/support/fake_forget_requests.h"
 #include "tests/support/fake_leases.h"
 #include "tests/support/fake_store.h"
 
@@ -12,7 +13,9 @@ namespace {
 
 class FakeUnderTest final : public StoreUnderTest {
  public:
-  explicit FakeUnderTest(const storage::StoreRules& rules) : store_rules_(rules) {}
+  explicit FakeUnderTest(const storage::StoreRules& rules) : store_rules_(rules) {
+    requests_.hold_of = [this](const std::string& ruri) { return HoldOf(ruri); };
+  }
 
   storage::Store& Process(std::uint8_t number) override { return Fake(number); }
   storage::Reader& reader() override { return Fake(0); }
@@ -25,6 +28,10 @@ class FakeUnderTest final : public StoreUnderTest {
   }
   storage::ClockMarks* clock_marks() override { return nullptr; }
   storage::RobotRemoval* removal() override { return nullptr; }
+  storage::ForgetRequests& forget_requests() override { return requests_; }
+  void AgeForgetRequests(std::chrono::seconds time) override { requests_.Age(time); }
+  std::vector<std::string> TablesOfRobots() override { return {}; }
+  void NoteQuarantineDropped(const std::string& /*ruri*/) override {}
   void FailNextWrite(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kBefore); }
   void LoseNextAnswer(std::uint8_t number) override { Fake(number).FailNext(1, FailAt::kAfter); }
 
@@ -52,8 +59,17 @@ class FakeUnderTest final : public StoreUnderTest {
     return *store;
   }
 
+  std::optional<storage::RobotHold> HoldOf(const std::string& ruri) const {
+    for (const storage::ForeignRobot& robot : database_.RobotsOfOthers(storage::ProcessId{}, "")) {
+      if (robot.robot.ruri == ruri)
+        return storage::RobotHold{robot.holder, database_.EpochOf(ruri)};
+    }
+    return std::nullopt;
+  }
+
   const storage::StoreRules store_rules_;
   FakeDatabase database_;
+  FakeForgetRequests requests_;
   FakeRules rules_;
   std::map<std::uint8_t, std::unique_ptr<FakeStore>> stores_;
   std::map<std::uint8_t, std::unique_ptr<FakeLeases>> leases_;

@@ -1,12 +1,14 @@
 #include <map>
 #include <utility>
 
+#include <absl/strings/str_split.h>
+
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
 #include "storage/postgres/clock_marks.h"
+#include "storage/postgres/forget_store.h"
 #include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
-#include "storage/postgres/robot_removal.h"
 #include "storage/postgres/store.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/postgres_database.h"
@@ -61,16 +63,25 @@ class PostgresUnderTest final : public StoreUnderTest {
     return marks_.get();
   }
 
-  storage::RobotRemoval* removal() override {
+  storage::RobotRemoval* removal() override { return &Forget().removal(); }
+  storage::ForgetRequests& forget_requests() override { return Forget().requests(); }
+  void AgeForgetRequests(std::chrono::seconds time) override {
+    database_.Shell().Run(
+        "UPDATE uplinkd.forget_requests SET touched_at = touched_at - make_interval(secs => " +
+        std::to_string(time.count()) + ")");
+  }
+  std::vector<std::string> TablesOfRobots() override {
     static_cast<void>(Process(1));  // makes the schema
-    if (removal_ == nullptr) {
-      storage::postgres::StoreOptions options;
-      options.url = database_.url();
-      auto made = storage::postgres::PostgresRobotRemoval::Make(options, clock_);
-      UPLINK_CHECK(made.ok(), made.status().ToString());
-      removal_ = *std::move(made);
-    }
-    return removal_.get();
+    return absl::StrSplit(
+        database_.Shell().Read(
+            "SELECT c.relname FROM pg_attribute AS a JOIN pg_class AS c ON c.oid = a.attrelid"
+            " WHERE c.relnamespace = 'uplinkd'::regnamespace AND c.relkind IN ('r', 'p')"
+            " AND NOT c.relispartition AND a.attname = 'ruri' AND NOT a.attisdropped ORDER BY 1"),
+        '\n', absl::SkipEmpty());
+  }
+  void NoteQuarantineDropped(const std::string& ruri) override {
+    database_.Shell().Run("INSERT INTO uplinkd.quarantine_dropped (ruri, reason, count) VALUES ('" +
+                          ruri + "', 1, 1)");
   }
 
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
@@ -79,7 +90,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   void Reopen() override {
     reader_ = nullptr;
     marks_ = nullptr;
-    removal_ = nullptr;
+    forget_ = nullptr;
     leases_.clear();
     processes_.clear();
   }
@@ -101,6 +112,18 @@ class PostgresUnderTest final : public StoreUnderTest {
   }
 
  private:
+  storage::ForgetStore& Forget() {
+    static_cast<void>(Process(1));  // makes the schema
+    if (forget_ == nullptr) {
+      storage::postgres::StoreOptions options;
+      options.url = database_.url();
+      auto made = storage::postgres::PostgresForgetStore::Make(options, clock_);
+      UPLINK_CHECK(made.ok(), made.status().ToString());
+      forget_ = *std::move(made);
+    }
+    return *forget_;
+  }
+
   struct One {
     bool fail_before = false;
     bool fail_after = false;
@@ -132,7 +155,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresLeases>> leases_;
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
   std::unique_ptr<storage::postgres::PostgresClockMarks> marks_;
-  std::unique_ptr<storage::postgres::PostgresRobotRemoval> removal_;
+  std::unique_ptr<storage::postgres::PostgresForgetStore> forget_;
 };
 
 }  // namespace

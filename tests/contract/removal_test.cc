@@ -1,16 +1,22 @@
+#include <utility>
+
 #include <gmock/gmock.h>
 
+#include "storage/kept_tables.h"
 #include "tests/contract/store_contract.h"
+#include "tests/unit/schema/samples.h"
 
-/// Robots that leave a store for good, and what is said about it, of stores that last.
+/// Robots that leave a store for good, of stores that last.
 namespace uplink::testing {
 namespace {
 
-using storage::ForgetAnswer;
 using storage::TableCount;
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::UnorderedElementsAreArray;
 
 constexpr std::int64_t kDayMs = 86'400'000;
 
@@ -29,10 +35,14 @@ class RemovalContract : public StoreContract {
     const auto hold = ValueOf(Removal().HoldOf(robot_->ruri));
     return hold ? hold->epoch : 0;
   }
-  bool Remove(storage::Epoch epoch) { return ValueOf(Removal().Remove(robot_->ruri, epoch)); }
+  bool Remove(storage::Epoch epoch) {
+    const auto removed = ValueOf(Removal().Remove(robot_->ruri, epoch));
+    bound_ = removed.value_or(bound_);
+    return removed.has_value();
+  }
   std::size_t RemoveHistories() {
     std::size_t removed = 0;
-    while (const std::size_t some = ValueOf(Removal().RemoveHistories(robot_->ruri))) {
+    while (const std::size_t some = ValueOf(Removal().RemoveHistories(robot_->ruri, bound_))) {
       removed += some;
     }
     return removed;
@@ -52,17 +62,46 @@ class RemovalContract : public StoreContract {
     report.status = model::MissionStatus::kRunning;
     return report;
   }
-  /// Rows of several tables: of what is present, and of histories.
+  /// As Fresh, without other robots.
+  void FreshAlone() {
+    store_ = nullptr;
+    store_ = GetParam().make({});
+    Open();
+  }
+  /// A row in each table.
   void Fill() {
-    Commit({Good(1, Fault("f")), Good(2), Good(3, Report()), Bad(4), Good(5)});
+    const model::ReportedShape shape = test::SampleShape();
+    model::Object object = test::SampleObject();
+    object.id = "o";
+    Commit({Good(1, Fault("f")), Good(2), Good(3, Report()), Bad(4), Good(5),
+            Good(6, model::EventTelemetry{}), Good(7, model::ShapeOp{shape}),
+            Good(8, model::ObjectOp{object}), Good(9, model::AgentInfo{"a", "a", "a", 1})});
     storage::Batch batch;
     batch.presence_session = model::SessionId({0xEE});
     batch.presence = {{robot_, model::Presence::kOnline, Time(), ++presence_, held_since_}};
-    batch.gaps = {Gap(7, 8)};
+    batch.gaps = {Gap(17, 18)};
     Commit(batch);
+    storage::LiveRow live;
+    live.ruri = robot_->ruri;
+    live.held_since = EpochNow();  // robots of Fresh have holds of their own
+    live.last_sign_of_life = Time();
+    EXPECT_TRUE(store_->Process(kProcess).Checkpoint({&live, 1}).ok());
+    store_->NoteQuarantineDropped(robot_->ruri);
+  }
+  static constexpr std::size_t kFilledHistories = 7;
+  static std::vector<std::string_view> NamesOf(const std::vector<TableCount>& counts) {
+    std::vector<std::string_view> names;
+    for (const TableCount& count : counts) names.push_back(count.table);
+    return names;
+  }
+  static std::size_t SumOf(const std::vector<TableCount>& counts) {
+    std::size_t rows = 0;
+    for (const TableCount& count : counts) rows += count.rows;
+    return rows;
   }
 
   model::Seq presence_ = 0;
+  storage::EntryBound bound_{0};
 };
 
 TEST_P(RemovalContract, TakesAllThatARobotIsAndHas) {
@@ -74,20 +113,16 @@ TEST_P(RemovalContract, TakesAllThatARobotIsAndHas) {
   const storage::Epoch mine = held_since_;
   ASSERT_TRUE(store_->Process(kProcess).OpenStreams(std::span(&request, 1)).ok());
   const std::vector<TableCount> others = Count(other);
-  EXPECT_THAT(Count(robot_),
-              ElementsAre(TableCount{"robots", 1}, TableCount{"sessions", 1},
-                          TableCount{"faults_active", 1}, TableCount{"mission_runs", 1},
-                          TableCount{"presence_latest", 1}, TableCount{"gaps", 1},
-                          TableCount{"faults_history", 1}, TableCount{"messages", 2},
-                          TableCount{"mission_reports", 1}, TableCount{"presence_changes", 1},
-                          TableCount{"quarantine", 1}));
+  EXPECT_THAT(NamesOf(Count(robot_)), ElementsAreArray(storage::kKeptTables));
+  EXPECT_THAT(Count(robot_), Contains(TableCount{"messages", 2}));
   held_since_ = mine;
   EXPECT_TRUE(Remove(EpochNow()));
-  EXPECT_THAT(Count(robot_),
-              ElementsAre(TableCount{"faults_history", 1}, TableCount{"messages", 2},
-                          TableCount{"mission_reports", 1}, TableCount{"presence_changes", 1},
-                          TableCount{"quarantine", 1}));
-  EXPECT_EQ(RemoveHistories(), 6U);
+  std::vector<std::string_view> histories;
+  for (const storage::HistoryTable& table : storage::kHistoryTables)
+    histories.push_back(table.name);
+  EXPECT_THAT(NamesOf(Count(robot_)), ElementsAreArray(histories));
+  EXPECT_EQ(SumOf(Count(robot_)), kFilledHistories);
+  EXPECT_EQ(RemoveHistories(), kFilledHistories);
   EXPECT_THAT(Count(robot_), IsEmpty());
   EXPECT_EQ(Count(other), others);
 }
@@ -110,7 +145,7 @@ TEST_P(RemovalContract, LeavesWhatWasWrittenAfterwards) {
   ASSERT_TRUE(Remove(EpochNow()));
   EXPECT_EQ(Open().cursor, 0U) << "its session is gone as well";
   Commit({Good(1), Good(2)});
-  EXPECT_EQ(RemoveHistories(), 6U);
+  EXPECT_EQ(RemoveHistories(), kFilledHistories);
   EXPECT_THAT(Messages(), SizeIs(2));
   EXPECT_EQ(CursorNow(), 2U);
 }
@@ -136,12 +171,12 @@ TEST_P(RemovalContract, FinishesWhatWasLeftWithoutARow) {
   EXPECT_FALSE(Remove(1)) << "it has no row";
   EXPECT_TRUE(Remove(0));
   EXPECT_EQ(EpochNow(), 0U) << "no row was left behind";
-  EXPECT_EQ(RemoveHistories(), 6U);
+  EXPECT_EQ(RemoveHistories(), kFilledHistories);
   EXPECT_THAT(Count(robot_), IsEmpty());
 }
 
 TEST_P(RemovalContract, NamesRobotsOfWhichNothingWasHeard) {
-  Fresh();
+  FreshAlone();
   EXPECT_THAT(SilentSince(0), IsEmpty()) << "heard at that moment";
   EXPECT_THAT(SilentSince(1), ElementsAre(robot_->ruri));
   Commit({At(kDayMs, Good(1))});
@@ -156,7 +191,7 @@ TEST_P(RemovalContract, NamesRobotsOfWhichNothingWasHeard) {
 }
 
 TEST_P(RemovalContract, DoesNotCallARobotSilentThatALivingProcessHolds) {
-  Fresh();
+  FreshAlone();
   storage::Leases* const leases = store_->LeasesOf(kOther);
   if (leases == nullptr) GTEST_SKIP() << "one process at a time";
   ASSERT_TRUE(leases->Renew({.name = "b", .life = "2"}).ok());
@@ -166,42 +201,59 @@ TEST_P(RemovalContract, DoesNotCallARobotSilentThatALivingProcessHolds) {
   EXPECT_THAT(SilentSince(kDayMs), ElementsAre(robot_->ruri));
 }
 
-TEST_P(RemovalContract, PassesARequestOnAndItsAnswerBack) {
+TEST_P(RemovalContract, NamesSoManySilentRobotsAtACall) {
   Fresh();
-  EXPECT_THAT(ValueOf(Removal().Pending()), IsEmpty());
-  const std::uint64_t number = ValueOf(Removal().Ask(robot_->ruri, true));
-  EXPECT_EQ(ValueOf(Removal().AnswerTo(number)).answer, ForgetAnswer::kNone);
-  auto pending = ValueOf(Removal().Pending());
-  ASSERT_THAT(pending, SizeIs(1));
-  EXPECT_EQ(pending[0].number, number);
-  EXPECT_EQ(pending[0].ruri, robot_->ruri);
-  EXPECT_TRUE(pending[0].end_stream);
-  EXPECT_FALSE(pending[0].finished);
-  ASSERT_TRUE(pending[0].hold.has_value());
-  EXPECT_EQ(pending[0].hold->owner, storage::ProcessId{kProcess});
-  EXPECT_EQ(pending[0].hold->epoch, EpochNow());
-
-  ASSERT_TRUE(Removal().Answer(number, {ForgetAnswer::kLetGo, 42}).ok());
-  ASSERT_TRUE(Removal().Answer(number, {ForgetAnswer::kHasStream, 0}).ok());
-  const storage::AnsweredForget answer = ValueOf(Removal().AnswerTo(number));
-  EXPECT_EQ(answer.answer, ForgetAnswer::kLetGo) << "the first answer stands";
-  EXPECT_EQ(answer.epoch, 42U);
-  EXPECT_THAT(ValueOf(Removal().Pending()), IsEmpty());
-
-  ASSERT_TRUE(Remove(EpochNow()));
-  ASSERT_TRUE(Removal().Finish(number).ok());
-  pending = ValueOf(Removal().Pending());
-  ASSERT_THAT(pending, SizeIs(1)) << "the others learn of it";
-  EXPECT_TRUE(pending[0].finished);
-  EXPECT_FALSE(pending[0].hold.has_value());
+  std::vector<storage::RobotRef> robots;
+  for (std::size_t i = 0; i < storage::kSilentRobotsMax; ++i) {
+    robots.push_back(Robot("s" + std::to_string(1'000 + i)));
+  }
+  OpenAlso(robots);
+  const std::vector<std::string> first = SilentSince(kDayMs);
+  ASSERT_THAT(first, SizeIs(storage::kSilentRobotsMax));
+  // b and c of Fresh, and its own.
+  const std::vector<std::string> rest = SilentSince(kDayMs, first.back());
+  EXPECT_THAT(rest, SizeIs(3));
+  EXPECT_LT(first.back(), rest.front());
+  EXPECT_THAT(SilentSince(kDayMs, rest.back()), IsEmpty());
 }
 
-TEST_P(RemovalContract, TakesNoAnswerToARequestThatWasGivenUp) {
+TEST_P(RemovalContract, DeletesSoManyRowsOfAHistoryAtACall) {
   Fresh();
-  const std::uint64_t number = ValueOf(Removal().Ask(robot_->ruri, false));
-  ASSERT_TRUE(Removal().Finish(number).ok());
-  ASSERT_TRUE(Removal().Answer(number, {ForgetAnswer::kLetGo, 1}).ok());
-  EXPECT_EQ(ValueOf(Removal().AnswerTo(number)).answer, ForgetAnswer::kNone);
+  constexpr std::size_t kMore = 10;
+  storage::Batch batch;
+  for (model::Seq seq = 1; seq <= storage::kRemovedPerCallMax + kMore; ++seq) {
+    batch.records.push_back(At(static_cast<std::int64_t>(seq), Good(seq)));
+    if (batch.records.size() == 1'000) Commit(std::exchange(batch, {}));
+  }
+  Commit(batch);
+  ASSERT_TRUE(Remove(EpochNow()));
+  EXPECT_EQ(ValueOf(Removal().RemoveHistories(robot_->ruri, bound_)), storage::kRemovedPerCallMax);
+  EXPECT_EQ(ValueOf(Removal().RemoveHistories(robot_->ruri, bound_)), kMore);
+  EXPECT_EQ(ValueOf(Removal().RemoveHistories(robot_->ruri, bound_)), 0U);
+}
+
+TEST_P(RemovalContract, TheBoundIsThatOfTheRemovalAndNotOfALaterOne) {
+  Fresh();
+  Fill();
+  ASSERT_TRUE(Remove(EpochNow()));
+  const storage::EntryBound bound = bound_;
+  Open();
+  Commit({Good(1), Good(2)});
+  const storage::RobotRef other = Robot("b");
+  const auto hold = ValueOf(Removal().HoldOf(other->ruri));
+  ASSERT_TRUE(hold.has_value());
+  ASSERT_TRUE(ValueOf(Removal().Remove(other->ruri, hold->epoch)).has_value());
+  bound_ = bound;
+  EXPECT_EQ(RemoveHistories(), kFilledHistories);
+  EXPECT_THAT(Messages(), SizeIs(2));
+}
+
+TEST_P(RemovalContract, EachTableOfRobotsIsKnown) {
+  std::vector<std::string> known(storage::kKeptTables.begin(), storage::kKeptTables.end());
+  // What servers are asked goes by its age.
+  known.emplace_back("forget_requests");
+  EXPECT_THAT(store_->TablesOfRobots(), UnorderedElementsAreArray(known))
+      << "a table with a column `ruri` has its row in storage/kept_tables.h";
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, RemovalContract, ::testing::Values(SqliteKind(), PostgresKind()),

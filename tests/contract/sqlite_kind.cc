@@ -1,10 +1,12 @@
 #include <map>
 #include <utility>
 
+#include <absl/strings/str_split.h>
+
 #include "schema/base/check.h"
 #include "storage/sqlite/clock_marks.h"
+#include "storage/sqlite/forget_store.h"
 #include "storage/sqlite/reader.h"
-#include "storage/sqlite/robot_removal.h"
 #include "storage/sqlite/store.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/sqlite_shell.h"
@@ -43,14 +45,23 @@ class SqliteUnderTest final : public StoreUnderTest {
     return marks_.get();
   }
 
-  storage::RobotRemoval* removal() override {
-    if (removal_ == nullptr) {
-      static_cast<void>(Process(1));  // makes the file
-      auto opened = storage::sqlite::SqliteRobotRemoval::Open(path_);
-      UPLINK_CHECK(opened.ok(), opened.status().ToString());
-      removal_ = *std::move(opened);
-    }
-    return removal_.get();
+  storage::RobotRemoval* removal() override { return &Forget().removal(); }
+  storage::ForgetRequests& forget_requests() override { return Forget().requests(); }
+  void AgeForgetRequests(std::chrono::seconds time) override {
+    SqliteShell(path_).Run("UPDATE forget_requests SET touched_s = touched_s - " +
+                           std::to_string(time.count()));
+  }
+  std::vector<std::string> TablesOfRobots() override {
+    static_cast<void>(Process(1));  // makes the schema
+    return absl::StrSplit(
+        SqliteShell(path_).Read(
+            "SELECT t.name FROM sqlite_master AS t JOIN pragma_table_info(t.name) AS c"
+            " WHERE t.type = 'table' AND c.name = 'ruri' ORDER BY 1"),
+        '\n', absl::SkipEmpty());
+  }
+  void NoteQuarantineDropped(const std::string& ruri) override {
+    SqliteShell(path_).Run("INSERT INTO quarantine_dropped (ruri, reason, count) VALUES ('" + ruri +
+                           "', 1, 1)");
   }
 
   storage::Leases* LeasesOf(std::uint8_t /*number*/) override { return nullptr; }
@@ -61,7 +72,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   void Reopen() override {
     reader_ = nullptr;
     marks_ = nullptr;
-    removal_ = nullptr;
+    forget_ = nullptr;
     processes_.clear();
   }
 
@@ -81,6 +92,16 @@ class SqliteUnderTest final : public StoreUnderTest {
   }
 
  private:
+  storage::ForgetStore& Forget() {
+    if (forget_ == nullptr) {
+      static_cast<void>(Process(1));  // makes the file
+      auto opened = storage::sqlite::SqliteForgetStore::Open(path_);
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      forget_ = *std::move(opened);
+    }
+    return *forget_;
+  }
+
   struct One {
     bool fail_before = false;
     bool fail_after = false;
@@ -110,7 +131,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   std::map<std::uint8_t, One> processes_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
   std::unique_ptr<storage::sqlite::SqliteClockMarks> marks_;
-  std::unique_ptr<storage::sqlite::SqliteRobotRemoval> removal_;
+  std::unique_ptr<storage::sqlite::SqliteForgetStore> forget_;
 };
 
 }  // namespace

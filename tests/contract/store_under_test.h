@@ -1,11 +1,14 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "storage/clock_marks.h"
+#include "storage/forget_requests.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/robot_removal.h"
@@ -30,6 +33,13 @@ class StoreUnderTest {
   virtual storage::ClockMarks* clock_marks() = 0;
   /// What takes robots out of it, beside the writers; null for the fake.
   virtual storage::RobotRemoval* removal() = 0;
+  virtual storage::ForgetRequests& forget_requests() = 0;
+  /// So much time passes for the requests that there are.
+  virtual void AgeForgetRequests(std::chrono::seconds time) = 0;
+  /// The tables that have a column `ruri`, by name; none for the fake.
+  virtual std::vector<std::string> TablesOfRobots() = 0;
+  /// As if a row of the robot's quarantine had gone for its bound.
+  virtual void NoteQuarantineDropped(const std::string& ruri) = 0;
 
   /// The next write of the process fails after its work and before its commit: nothing is kept.
   virtual void FailNextWrite(std::uint8_t number) = 0;

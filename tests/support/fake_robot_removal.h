@@ -10,7 +10,7 @@
 
 namespace uplink::testing {
 
-/// What an operator asks of a server, as the test says; rows are not its business. For one thread.
+/// Silent robots, as the test says, and which of them were removed; it has no rows. For one thread.
 class FakeRobotRemoval final : public storage::RobotRemoval {
  public:
   absl::StatusOr<std::optional<storage::RobotHold>> HoldOf(std::string_view /*ruri*/) override {
@@ -31,54 +31,29 @@ class FakeRobotRemoval final : public storage::RobotRemoval {
     }
     return some;
   }
-  absl::StatusOr<bool> Remove(std::string_view ruri, storage::Epoch epoch) override {
+  absl::StatusOr<std::optional<storage::EntryBound>> Remove(std::string_view ruri,
+                                                            storage::Epoch epoch) override {
     if (!status.ok()) return status;
     if (!remove_status.ok()) return remove_status;
     silent.erase(std::string(ruri));
     removed[std::string(ruri)] = epoch;
-    return true;
+    return storage::EntryBound{0};
   }
-  absl::StatusOr<std::size_t> RemoveHistories(std::string_view /*ruri*/) override { return 0; }
-  absl::StatusOr<std::uint64_t> Ask(std::string_view ruri, bool end_stream) override {
-    pending.push_back(
-        {.number = pending.size() + 1, .ruri = std::string(ruri), .end_stream = end_stream});
-    return pending.back().number;
-  }
-  absl::StatusOr<storage::AnsweredForget> AnswerTo(std::uint64_t number) override {
-    return answers[number];
-  }
-  absl::Status Finish(std::uint64_t number) override {
-    pending[number - 1].finished = true;
-    return absl::OkStatus();
-  }
-  absl::StatusOr<std::vector<storage::PendingForget>> Pending() override {
-    if (!status.ok()) return status;
-    std::vector<storage::PendingForget> open;
-    for (const storage::PendingForget& one : pending) {
-      if (one.finished || !answers.contains(one.number)) open.push_back(one);
-    }
-    return open;
-  }
-  absl::Status Answer(std::uint64_t number, const storage::AnsweredForget& answer) override {
-    if (!status.ok()) return status;
-    if (!answer_status.ok()) return answer_status;
-    answers.emplace(number, answer);
-    return absl::OkStatus();
+  absl::StatusOr<std::size_t> RemoveHistories(std::string_view /*ruri*/,
+                                              storage::EntryBound /*below*/) override {
+    return 0;
   }
 
-  std::vector<storage::PendingForget> pending;
-  std::map<std::uint64_t, storage::AnsweredForget> answers;
   /// Their epochs, until they are removed.
   std::map<std::string, storage::Epoch> silent;
   int silent_asked = 0;
   std::optional<SystemTime> silent_until;
   /// The epoch by which each was removed.
   std::map<std::string, storage::Epoch> removed;
-  /// Of Pending, Answer, SilentSince and Remove.
+  /// Of SilentSince and Remove.
   absl::Status status;
-  /// Of these alone.
+  /// Of Remove alone.
   absl::Status remove_status;
-  absl::Status answer_status;
 };
 
 }  // namespace uplink::testing

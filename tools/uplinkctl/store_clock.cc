@@ -2,21 +2,22 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include <absl/status/statusor.h>
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include "server/config/config.h"
 #include "server/store/clock_judge.h"
 #include "server/store/kernel_clock.h"
 #include "storage/postgres/clock_marks.h"
-#include "storage/postgres/link/url.h"
 #include "storage/sqlite/clock_marks.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/question.h"
+#include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {
 namespace {
@@ -24,22 +25,13 @@ namespace {
 using Marks = std::unique_ptr<storage::ClockMarks>;
 
 absl::StatusOr<Marks> Open(const StoreClockRequest& request, const Clock& clock) {
-  if (storage::postgres::IsPostgresUrl(request.url)) {
-    storage::postgres::StoreOptions options;
-    options.url = request.url;
-    options.password_file = request.password_file;
-    // No message is acked here.
-    options.accept_unsafe = true;
-    return storage::postgres::PostgresClockMarks::Make(options, clock);
+  const auto target = TargetOf(request.url, request.password_file);
+  if (!target.ok()) return target.status();
+  if (const auto* path = std::get_if<std::string>(&*target)) {
+    return storage::sqlite::SqliteClockMarks::Open(*path);
   }
-  config::StoreConfig store;
-  store.url = request.url;
-  const std::string path = config::SqlitePath(store);
-  if (path.empty()) {
-    return absl::InvalidArgumentError(
-        "the store's URL is sqlite:/// and the absolute path of a file, or postgresql://");
-  }
-  return storage::sqlite::SqliteClockMarks::Open(path);
+  return storage::postgres::PostgresClockMarks::Make(
+      std::get<storage::postgres::StoreOptions>(*target), clock);
 }
 
 std::string TextOf(const std::optional<SystemTime>& time, const char* without) {

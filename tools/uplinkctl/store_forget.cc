@@ -3,25 +3,26 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <absl/status/statusor.h>
 #include <fmt/core.h>
 
-#include "server/config/config.h"
 #include "server/store/lease_judge.h"
+#include "storage/forget_store.h"
 #include "storage/leases.h"
+#include "storage/postgres/forget_store.h"
 #include "storage/postgres/leases.h"
-#include "storage/postgres/link/url.h"
-#include "storage/postgres/robot_removal.h"
-#include "storage/robot_removal.h"
 #include "storage/sqlite/file_lock.h"
-#include "storage/sqlite/robot_removal.h"
+#include "storage/sqlite/forget_store.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/question.h"
+#include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {
 namespace {
@@ -38,23 +39,16 @@ constexpr std::string_view kRuriPrefix = "rcan://";
 struct Target {
   /// Of an SQLite file that no server has: none starts meanwhile. Goes last.
   std::unique_ptr<storage::sqlite::FileLock> lock;
-  std::unique_ptr<storage::RobotRemoval> removal;
+  std::unique_ptr<storage::ForgetStore> store;
   /// Of a database that servers share.
   std::unique_ptr<storage::Leases> leases;
 };
 
-absl::StatusOr<Target> OpenSqlite(const std::string& url) {
-  config::StoreConfig store;
-  store.url = url;
-  const std::string path = config::SqlitePath(store);
-  if (path.empty()) {
-    return absl::InvalidArgumentError(
-        "the store's URL is sqlite:/// and the absolute path of a file, or postgresql://");
-  }
+absl::StatusOr<Target> OpenSqlite(const std::string& path) {
   Target target;
-  auto removal = storage::sqlite::SqliteRobotRemoval::Open(path);
-  if (!removal.ok()) return removal.status();
-  target.removal = *std::move(removal);
+  auto store = storage::sqlite::SqliteForgetStore::Open(path);
+  if (!store.ok()) return store.status();
+  target.store = *std::move(store);
   auto lock = storage::sqlite::FileLock::Take(path);
   if (lock.ok()) {
     target.lock = *std::move(lock);
@@ -64,21 +58,23 @@ absl::StatusOr<Target> OpenSqlite(const std::string& url) {
   return target;
 }
 
-absl::StatusOr<Target> Open(const StoreForgetRequest& request, const Clock& clock) {
-  if (!storage::postgres::IsPostgresUrl(request.url)) return OpenSqlite(request.url);
-  storage::postgres::StoreOptions options;
-  options.url = request.url;
-  options.password_file = request.password_file;
-  // No message is acked here.
-  options.accept_unsafe = true;
+absl::StatusOr<Target> OpenPostgres(const storage::postgres::StoreOptions& options,
+                                    const Clock& clock) {
   Target target;
-  auto removal = storage::postgres::PostgresRobotRemoval::Make(options, clock);
-  if (!removal.ok()) return removal.status();
-  target.removal = *std::move(removal);
+  auto store = storage::postgres::PostgresForgetStore::Make(options, clock);
+  if (!store.ok()) return store.status();
+  target.store = *std::move(store);
   auto leases = storage::postgres::PostgresLeases::Make(options, clock);
   if (!leases.ok()) return leases.status();
   target.leases = *std::move(leases);
   return target;
+}
+
+absl::StatusOr<Target> Open(const StoreForgetRequest& request, const Clock& clock) {
+  const auto target = TargetOf(request.url, request.password_file);
+  if (!target.ok()) return target.status();
+  if (const auto* path = std::get_if<std::string>(&*target)) return OpenSqlite(*path);
+  return OpenPostgres(std::get<storage::postgres::StoreOptions>(*target), clock);
 }
 
 /// The server that is to let go of the robot; nothing if none is there.
@@ -105,6 +101,14 @@ void Show(const StoreForgetRequest& request, const std::optional<std::string>& s
   }
 }
 
+/// A robot as the store has it.
+struct Found {
+  std::string ruri;
+  std::optional<storage::RobotHold> hold;
+  /// Has it in memory.
+  std::optional<std::string> server;
+};
+
 /// Why the robot stays.
 absl::Status Refused(const storage::AnsweredForget& answer, const std::string& server) {
   switch (answer.answer) {
@@ -124,13 +128,13 @@ absl::Status Refused(const storage::AnsweredForget& answer, const std::string& s
 }
 
 /// The epoch that the robot had when its server let go of it.
-absl::StatusOr<storage::Epoch> Await(storage::RobotRemoval& removal, std::uint64_t number,
-                                     const std::string& server) {
-  const auto until = std::chrono::steady_clock::now() + kAnswerWait;
+absl::StatusOr<storage::Epoch> Await(storage::ForgetRequests& requests, std::uint64_t number,
+                                     const std::string& server, const Clock& clock) {
+  const SteadyTime until = clock.Steady() + kAnswerWait;
   while (true) {
-    const auto answer = removal.AnswerTo(number);
+    const auto answer = requests.AnswerTo(number);
     if (!answer.ok()) return answer.status();
-    const bool late = std::chrono::steady_clock::now() >= until;
+    const bool late = clock.Steady() >= until;
     if (answer->answer != ForgetAnswer::kNone || late) {
       if (absl::Status refused = Refused(*answer, server); !refused.ok()) return refused;
       return answer->epoch;
@@ -139,43 +143,43 @@ absl::StatusOr<storage::Epoch> Await(storage::RobotRemoval& removal, std::uint64
   }
 }
 
-/// Deletes what the robot is and has, once its server let go of it.
-absl::Status RemoveNow(Target& target, const StoreForgetRequest& request,
-                       const std::optional<storage::RobotHold>& hold,
-                       const std::optional<std::string>& server, std::uint64_t number) {
-  storage::Epoch epoch = hold ? hold->epoch : 0;
-  if (server) {
-    const auto let_go = Await(*target.removal, number, *server);
+/// Deletes what the robot is and has, once its server let go of it. Returns the bound of its
+/// histories.
+absl::StatusOr<storage::EntryBound> RemoveNow(Target& target, const Found& found,
+                                              std::uint64_t number, const Clock& clock) {
+  storage::Epoch epoch = found.hold ? found.hold->epoch : 0;
+  if (found.server) {
+    const auto let_go = Await(target.store->requests(), number, *found.server, clock);
     if (!let_go.ok()) return let_go.status();
     epoch = *let_go;
   }
-  const auto removed = target.removal->Remove(request.ruri, epoch);
+  const auto removed = target.store->removal().Remove(found.ruri, epoch);
   if (!removed.ok()) return removed.status();
-  if (!*removed) {
+  if (!removed->has_value()) {
     return absl::AbortedError("the robot spoke meanwhile, and stays; try again");
   }
-  return absl::OkStatus();
+  return **removed;
 }
 
-absl::Status RemoveHistories(Target& target, const std::string& ruri) {
+absl::Status RemoveHistories(storage::RobotRemoval& removal, const std::string& ruri,
+                             storage::EntryBound below) {
   while (true) {
-    const auto some = target.removal->RemoveHistories(ruri);
+    const auto some = removal.RemoveHistories(ruri, below);
     if (!some.ok()) return some.status();
     if (*some == 0) return absl::OkStatus();
   }
 }
 
-absl::Status Forget(Target& target, const StoreForgetRequest& request,
-                    const std::optional<storage::RobotHold>& hold,
-                    const std::optional<std::string>& server) {
-  const auto number = target.removal->Ask(request.ruri, request.end_stream);
+absl::Status Forget(Target& target, const Found& found, bool end_stream, const Clock& clock) {
+  storage::ForgetRequests& requests = target.store->requests();
+  const auto number = requests.Ask(found.ruri, end_stream);
   if (!number.ok()) return number.status();
-  absl::Status removed = RemoveNow(target, request, hold, server, *number);
+  const auto removed = RemoveNow(target, found, *number, clock);
   // Either way: the others follow, or nobody answers any more.
-  absl::Status finished = target.removal->Finish(*number);
-  if (!removed.ok()) return removed;
+  absl::Status finished = requests.Finish(*number);
+  if (!removed.ok()) return removed.status();
   if (!finished.ok()) return finished;
-  return RemoveHistories(target, request.ruri);
+  return RemoveHistories(target.store->removal(), found.ruri, *removed);
 }
 
 }  // namespace
@@ -189,13 +193,13 @@ int StoreForget(const StoreForgetRequest& request) {
   const SystemClock clock;
   absl::StatusOr<Target> target = Open(request, clock);
   if (!target.ok()) return ExitOf(target.status());
-  const auto counts = target->removal->Count(request.ruri);
+  const auto counts = target->store->removal().Count(request.ruri);
   if (!counts.ok()) return ExitOf(counts.status());
   if (counts->empty()) {
     fmt::print(stderr, "uplinkctl: the store has nothing of {}\n", request.ruri);
     return kExitFailed;
   }
-  const auto hold = target->removal->HoldOf(request.ruri);
+  const auto hold = target->store->removal().HoldOf(request.ruri);
   if (!hold.ok()) return ExitOf(hold.status());
   const auto server = ServerOf(*target, *hold);
   if (!server.ok()) return ExitOf(server.status());
@@ -204,7 +208,8 @@ int StoreForget(const StoreForgetRequest& request) {
     fmt::print("nothing was deleted\n");
     return kExitFailed;
   }
-  const absl::Status forgotten = Forget(*target, request, *hold, *server);
+  const absl::Status forgotten =
+      Forget(*target, {request.ruri, *hold, *server}, request.end_stream, clock);
   if (!forgotten.ok()) return ExitOf(forgotten);
   fmt::print("forgotten\n");
   return kExitDone;

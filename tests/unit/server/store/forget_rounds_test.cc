@@ -7,11 +7,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/journal/turns.h"
-#include "tests/support/fake_robot_removal.h"
+#include "tests/support/fake_forget_store.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/robot_streams.h"
 
 namespace uplink::store {
 namespace {
@@ -27,54 +27,34 @@ constexpr storage::ProcessId kSelf{1};
 constexpr storage::ProcessId kOther{2};
 constexpr storage::Epoch kEpoch = 7;
 
-/// The stream of the test's robot.
-struct Inbox final : robot::WakeInbox {
-  void Wake(std::uint64_t /*stream*/) override { ++woken; }
-  int woken = 0;
-};
-
 class ForgetRoundsTest : public ::testing::Test {
  protected:
   ForgetRoundsTest() {
     fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                              SystemTime at) { journals_.NotePresence(robot, presence, at); });
     trust_.Note(true, ClockPair::Of(clock_));
+    requests_.hold_of = [this](const std::string&) { return hold_; };
   }
 
-  /// A stream of the robot came, and it was heard.
-  void Come() {
-    const auto robot = fleet_.FindOrAdmit({kRuri, "f"});
-    ASSERT_TRUE(robot.ok());
-    static_cast<void>((*robot)->sessions.Attach(stream_, clock_.Steady(), clock_.System()));
-    const auto begun = (*robot)->sessions.Begin(model::SessionId({1}), clock_.Steady());
-    (*robot)->state.Claim(clock_.Steady());
-    journal_.Open(
-        **robot, begun->open_id,
-        {.robot = (*robot)->id(), .session = model::SessionId({1}), .at = clock_.System()});
-    Write();
-    (*robot)->state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
-  }
-  void Go() {
-    const fleet::RobotPtr robot = Shown();
-    robot->sessions.Detach(stream_, clock_.Steady());
-    robot->state.EndClaim();
-  }
+  void Come() { ASSERT_NE(streams_.Come(kRuri), nullptr); }
+  void Go() { streams_.Go(*Shown()); }
   [[nodiscard]] fleet::RobotPtr Shown() const { return fleet_.Find(kRuri); }
-  void Write() {
-    while (journal_.turns().Advance() == journal::Step::kWorked) {
-    }
-  }
+  void Write() { streams_.Write(); }
   void Ask(bool end_stream, std::optional<storage::ProcessId> owner = kSelf) {
-    static_cast<void>(removal_.Ask(kRuri, end_stream));
-    if (owner) removal_.pending.back().hold = storage::RobotHold{*owner, kEpoch};
+    const auto number = requests_.Ask(kRuri, end_stream);
+    ASSERT_TRUE(number.ok());
+    asked_ = *number;
+    hold_ = std::nullopt;
+    if (owner) hold_ = storage::RobotHold{*owner, kEpoch};
   }
+  storage::AnsweredForget AnswerNow() { return *requests_.AnswerTo(asked_); }
   /// What was answered after so many rounds at most.
   storage::AnsweredForget AnswerIn(int rounds) {
-    for (int i = 0; i < rounds && removal_.answers.empty(); ++i) {
+    for (int i = 0; i < rounds && AnswerNow().answer == ForgetAnswer::kNone; ++i) {
       rounds_.Round();
       Write();
     }
-    return removal_.answers.empty() ? storage::AnsweredForget() : removal_.answers.begin()->second;
+    return AnswerNow();
   }
 
   static constexpr const char* kRuri = "rcan://r";
@@ -86,18 +66,22 @@ class ForgetRoundsTest : public ::testing::Test {
   fleet::Fleet fleet_{clock_, 5, {}};
   journal::Journal journal_{store_, {}, clock_, ledger_, probe_, kSelf};
   journal::Shards journals_{{&journal_}};
+  testing::RobotStreams streams_{fleet_, journal_, clock_};
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
-  Inbox inbox_;
-  const robot::StreamRef stream_{&inbox_, 1};
-  testing::FakeRobotRemoval removal_;
+  testing::FakeForgetStore forget_;
+  testing::FakeRobotRemoval& removal_ = forget_.removal();
+  testing::FakeForgetRequests& requests_ = forget_.requests();
+  std::uint64_t asked_ = 0;
+  /// What the store says of the robot's row.
+  std::optional<storage::RobotHold> hold_;
   VouchedClock trust_{clock_};
   ForgetRounds rounds_{{.fleet = fleet_,
                         .journals = journals_,
                         .clock = clock_,
                         .logger = logger_,
-                        .removal = removal_,
+                        .store = forget_,
                         .process = kSelf,
                         .rows = {.forget_after = std::chrono::hours(24),
                                  .retain_history = std::chrono::hours(72),
@@ -130,16 +114,16 @@ TEST_F(ForgetRoundsTest, AStreamIsARefusal) {
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kHasStream);
   EXPECT_NE(Shown(), nullptr);
   EXPECT_FALSE(Shown()->leaving());
-  EXPECT_EQ(Shown()->sessions.StandingOf(stream_), robot::Standing::kCurrent);
+  EXPECT_EQ(Shown()->sessions.StandingOf(streams_.stream()), robot::Standing::kCurrent);
 }
 
 TEST_F(ForgetRoundsTest, AStreamIsEndedIfThatIsAsked) {
   Come();
-  inbox_.woken = 0;
+  EXPECT_GT(streams_.TakeWoken(), 0) << "it came";
   Ask(true);
   EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
-  EXPECT_EQ(Shown()->sessions.StandingOf(stream_), robot::Standing::kEnded);
-  EXPECT_GT(inbox_.woken, 0);
+  EXPECT_EQ(Shown()->sessions.StandingOf(streams_.stream()), robot::Standing::kEnded);
+  EXPECT_GT(streams_.TakeWoken(), 0);
   Go();
   EXPECT_EQ(AnswerIn(5).answer, ForgetAnswer::kLetGo);
   EXPECT_EQ(Shown(), nullptr);
@@ -152,11 +136,9 @@ TEST_F(ForgetRoundsTest, WhatWaitsForTheStoreIsARefusalOrIsWaitedFor) {
   Ask(true);
   EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
   EXPECT_NE(Shown(), nullptr);
-  removal_.pending.clear();
+  requests_.Age(storage::kForgetRequestLives);
   Ask(false);
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kRecordsWait);
-  removal_.pending.clear();
-  removal_.answers.clear();
   Shown()->sessions.OnGapsWritten(1);
   Ask(false);
   EXPECT_EQ(AnswerIn(5).answer, ForgetAnswer::kLetGo);
@@ -174,7 +156,7 @@ TEST_F(ForgetRoundsTest, ARobotWhoseRowIsGoneIsFollowed) {
   Come();
   Go();
   Ask(false, std::nullopt);
-  static_cast<void>(removal_.Finish(1));
+  ASSERT_TRUE(requests_.Finish(asked_).ok());
   for (int i = 0; i < 4; ++i) {
     rounds_.Round();
     Write();
@@ -185,23 +167,23 @@ TEST_F(ForgetRoundsTest, ARobotWhoseRowIsGoneIsFollowed) {
 TEST_F(ForgetRoundsTest, ARobotThatIsThereAgainStays) {
   Come();
   Ask(false, std::nullopt);
-  static_cast<void>(removal_.Finish(1));
+  ASSERT_TRUE(requests_.Finish(asked_).ok());
   for (int i = 0; i < 4; ++i) rounds_.Round();
   EXPECT_NE(Shown(), nullptr) << "it has a stream, and is about to have a row";
   Go();
-  removal_.pending.front().hold = storage::RobotHold{kSelf, kEpoch + 1};
+  hold_ = storage::RobotHold{kSelf, kEpoch + 1};
   for (int i = 0; i < 4; ++i) rounds_.Round();
   EXPECT_NE(Shown(), nullptr) << "it has a row";
 }
 
 TEST_F(ForgetRoundsTest, AStoreThatIsAwayIsAskedAgain) {
   Ask(false);
-  removal_.status = absl::UnavailableError("away");
+  requests_.status = absl::UnavailableError("away");
   EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
   EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
-  EXPECT_THAT(removal_.answers, IsEmpty());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_fails why=away"))) << "once";
-  removal_.status = absl::OkStatus();
+  requests_.status = absl::OkStatus();
+  EXPECT_EQ(AnswerNow().answer, ForgetAnswer::kNone);
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
   EXPECT_THAT(lines_,
               ElementsAre(_, HasSubstr("forget_answered"), HasSubstr("forget_works_again")));
@@ -224,10 +206,10 @@ TEST_F(ForgetRoundsTest, SilentRowsThatFailAreALineAndHoldNoRequestUp) {
 
 TEST_F(ForgetRoundsTest, AnAnswerThatDoesNotReachTheStoreIsGivenAgain) {
   Ask(false);
-  removal_.answer_status = absl::UnavailableError("away");
+  requests_.answer_status = absl::UnavailableError("away");
   EXPECT_EQ(rounds_.Round(), kLookAgainEvery);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_fails why=away")));
-  removal_.answer_status = absl::OkStatus();
+  requests_.answer_status = absl::OkStatus();
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kLetGo);
 }
 

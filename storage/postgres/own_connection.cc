@@ -1,0 +1,46 @@
+#include "storage/postgres/own_connection.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "storage/postgres/link_options.h"
+#include "storage/postgres/write/transaction.h"
+
+namespace uplink::storage::postgres {
+
+absl::StatusOr<std::unique_ptr<OwnConnection>> OwnConnection::Make(const StoreOptions& options,
+                                                                   const Clock& clock) {
+  absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
+  if (!link.ok()) return link.status();
+  return std::unique_ptr<OwnConnection>(new OwnConnection(*std::move(link), clock));
+}
+
+absl::StatusOr<std::vector<Result>> OwnConnection::Write(std::vector<StoreCall> work,
+                                                         std::string_view doing) {
+  const absl::StatusOr<Connection*> connection = link_.Get();
+  if (!connection.ok()) return connection.status();
+  std::vector<StoreCall> calls = BeginCalls();
+  const auto before = static_cast<std::ptrdiff_t>(calls.size());
+  for (StoreCall& call : work) calls.push_back(std::move(call));
+  auto results = RunAndCommitFor(**connection, std::move(calls), doing, {});
+  if (!results.ok()) return results.status();
+  results->erase(results->begin(), results->begin() + before);
+  return results;
+}
+
+absl::StatusOr<Result> OwnConnection::Write(StoreCall call, std::string_view doing) {
+  std::vector<StoreCall> calls;
+  calls.push_back(std::move(call));
+  auto results = Write(std::move(calls), doing);
+  if (!results.ok()) return results.status();
+  return std::move(results->front());
+}
+
+absl::StatusOr<std::vector<Result>> OwnConnection::Read(const std::vector<StoreCall>& calls,
+                                                        std::string_view doing) {
+  const absl::StatusOr<Connection*> connection = link_.Get();
+  if (!connection.ok()) return connection.status();
+  return (*connection)->Run(calls, doing);
+}
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "storage/postgres/link/link.h"
+#include "storage/postgres/store.h"
+
+namespace uplink::storage::postgres {
+
+/// A connection of one's own, beside those of the writers: made when it is needed, and made anew
+/// after it broke. A resource.
+///
+/// Errors:  those of Connection; kUnavailable while the server is away, and every call tries again.
+/// Thread:  confined to one thread at a time.
+class OwnConnection final {
+ public:
+  /// Does not connect. Of the options: the URL, the password, the timeouts. `clock` must outlive
+  /// this.
+  ///
+  /// Errors: kInvalidArgument for the URL.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<OwnConnection>> Make(
+      const StoreOptions& options, const Clock& clock);
+  OwnConnection(const OwnConnection&) = delete;
+  OwnConnection& operator=(const OwnConnection&) = delete;
+
+  /// The answers to statements of one transaction, durable on the server that gave them.
+  [[nodiscard]] absl::StatusOr<std::vector<Result>> Write(std::vector<StoreCall> work,
+                                                          std::string_view doing);
+  /// The same for one statement.
+  [[nodiscard]] absl::StatusOr<Result> Write(StoreCall call, std::string_view doing);
+  /// The answers to statements that change nothing.
+  [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
+                                                         std::string_view doing);
+
+ private:
+  OwnConnection(Link::Options options, const Clock& clock) : link_(std::move(options), clock) {}
+
+  Link link_;
+};
+
+}  // namespace uplink::storage::postgres

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "storage/types.h"
+
+namespace uplink::storage {
+
+/// Who holds a robot, as its row says.
+struct RobotHold {
+  ProcessId owner{};
+  /// Of its last stream, or adoption.
+  Epoch epoch = 0;
+
+  friend bool operator==(const RobotHold&, const RobotHold&) = default;
+};
+
+}  // namespace uplink::storage
