@@ -44,7 +44,7 @@ struct LeaveEntry {
 /// What is told of robots that change hands: those to be adopted, those that were lost and those
 /// that leave memory, in order, each robot at most once in each.
 ///
-/// Limits: three entries per robot (limits.robots_max).
+/// Limits: three entries per robot in memory (limits.robots_max, and fleet::kLeavingMax).
 /// Thread: confined to its owner's lock.
 class AdoptQueue final {
  public:

@@ -11,7 +11,7 @@ namespace uplink::journal {
 
 /// The robots that this process holds in the store, each with the epoch since which it does.
 ///
-/// Limits: one entry per robot (limits.robots_max).
+/// Limits: one entry per robot in memory (limits.robots_max, and fleet::kLeavingMax).
 /// Thread: confined to the writer.
 class HeldRobots final {
  public:

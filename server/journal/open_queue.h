@@ -20,7 +20,7 @@ struct OpenEntry {
 
 /// The streams that wait for an OpenStream, in order: at most one per robot, the newest.
 ///
-/// Limits: one entry per robot (limits.robots_max).
+/// Limits: one entry per robot in memory (limits.robots_max, and fleet::kLeavingMax).
 /// Thread: confined to its owner's lock; unopened() and CountOpened: any thread.
 class OpenQueue final {
  public:
