@@ -16,6 +16,9 @@ Groundwork::Groundwork(Context context)
       loop_(context_.logger) {
   memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
   reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
+  // A connection has one request under way at most, so no scrape is refused.
+  metrics_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMetricsThread,
+                   context_.http.connections_max);
   scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
 }
 
@@ -26,7 +29,7 @@ Groundwork::~Groundwork() {
 
 absl::Status Groundwork::Begin() {
   auto http = http::HttpServer::Listen(
-      {loop_.io(), entrance_, *memory_, *reads_, *scrapes_, http_probe_, context_.clock},
+      {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, http_probe_, context_.clock},
       {context_.address, context_.http.connections_max});
   if (!http.ok()) return http.status();
   http_ = *std::move(http);
@@ -54,6 +57,7 @@ void Groundwork::OnReload(std::function<void()> reload) {
 
 void Groundwork::EndReaders() {
   scrapes_.reset();
+  metrics_.reset();
   memory_.reset();
   reads_.reset();
 }

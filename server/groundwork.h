@@ -74,6 +74,7 @@ class Groundwork final {
   bool reload_asked_ = false;
   std::optional<http::ReadThread> memory_;
   std::optional<http::ReadThread> reads_;
+  std::optional<http::ReadThread> metrics_;
   std::optional<http::ReadThread> scrapes_;
   loop::EventLoop loop_;
   std::unique_ptr<http::HttpServer> http_;

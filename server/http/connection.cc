@@ -1,6 +1,7 @@
 #include "server/http/connection.h"
 
 #include <array>
+#include <atomic>
 #include <optional>
 #include <string>
 #include <utility>
@@ -53,6 +54,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
   void GiveWay() override {
     place_.reset();
+    gave_way_ = true;
     stream_.close();
   }
 
@@ -93,6 +95,8 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     switch (lane) {
       case Lane::kMemory:
         return context_->server.memory;
+      case Lane::kMetrics:
+        return context_->server.metrics;
       case Lane::kScrape:
         return context_->server.scrapes;
       case Lane::kIo:
@@ -107,8 +111,8 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     method_ = MethodOf(parser_->get().method());
     version_ = parser_->get().version();
     keep_alive_ = parser_->get().keep_alive();
-    Note(Places::State::kBusy);
     Resolved resolved = context_->server.entrance.Resolve(ToRequest());
+    Note(IsScrape(resolved.lane) ? Places::State::kScraping : Places::State::kBusy);
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
     ReadThread& thread = ThreadOf(resolved.lane);
@@ -116,11 +120,12 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     stream_.expires_never();  // the answer's time is the store's
     const bool taken =
         thread.TryPost([self = shared_from_this(), run = std::move(resolved.run)]() mutable {
-          Response response = run();
+          // For whom has given way meanwhile nothing is written.
+          Response response = self->gave_way_ ? Response() : run();
           // The reference moves along, so that the connection always ends on the loop's thread.
           asio::any_io_executor executor = self->stream_.get_executor();
           asio::post(executor, [moved = std::move(self), answer = std::move(response)]() mutable {
-            moved->Answer(std::move(answer));
+            if (!moved->gave_way_) moved->Answer(std::move(answer));
           });
         });
     if (!taken) Answer(TooBusy());
@@ -224,7 +229,9 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   /// Nothing once it gave way.
   std::optional<Places::Handle> place_;
   beast::tcp_stream stream_;
-  beast::flat_buffer buffer_;
+  /// Read by the thread that answers, too.
+  std::atomic<bool> gave_way_{false};
+  beast::flat_buffer buffer_{kSentAheadBytesMax};
   std::optional<bhttp::request_parser<bhttp::string_body>> parser_;
   std::variant<std::monostate, Whole, HeadOnly, Shared> answer_;
   std::shared_ptr<const std::string> shared_body_;

@@ -5,15 +5,31 @@
 namespace uplink::http {
 namespace {
 
-/// Who gives way first: whoever waits for a request before whoever is answered.
-bool GivesWayBefore(const Places::Place& a, const Places::Place& b) {
-  if (a.state != b.state) return a.state == Places::State::kIdle;
-  return a.since < b.since;
+/// Smaller numbers give way first.
+int RankOf(Places::State state) {
+  switch (state) {
+    case Places::State::kIdle:
+      return 0;
+    case Places::State::kAnswering:
+      return 1;
+    case Places::State::kScraping:
+      return 2;
+    case Places::State::kBusy:
+      break;
+  }
+  return 3;
+}
+
+/// Whether `b`, which took its place later, gives way before `a`.
+bool GivesWayBefore(const Places::Place& b, const Places::Place& a) {
+  if (a.state != b.state) return RankOf(b.state) < RankOf(a.state);
+  return b.state == Places::State::kScraping ? b.since >= a.since : b.since < a.since;
 }
 
 bool MayGiveWay(const Places::Place& place, SteadyTime now) {
   switch (place.state) {
     case Places::State::kIdle:
+    case Places::State::kScraping:
       return true;
     case Places::State::kBusy:
       return false;

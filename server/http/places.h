@@ -25,7 +25,9 @@ class PlaceHolder {
 /// The places of a listener's connections. The last kMonitoringPlaces of them answer probes and
 /// scrapes alone, so that other clients cannot take them; and where all are taken, the connection
 /// that has had no request under way for longest gives way to a further one, else the one whose
-/// peer has taken its answer for longest. Confined to one thread.
+/// peer has taken its answer for longest, else the scrape that was asked for last: who scrapes
+/// again and again is more likely to be that one than who does it every 15 s. Confined to one
+/// thread.
 class Places final {
  public:
   /// What a connection does.
@@ -34,6 +36,8 @@ class Places final {
     kIdle,
     /// Its request is answered.
     kBusy,
+    /// Its scrape is answered.
+    kScraping,
     /// Its peer takes an answer.
     kAnswering,
   };

@@ -24,6 +24,9 @@ struct HttpProbe {
   metrics::Cell connections_given_up;
   metrics::Cell reads_waiting;
   metrics::Cell reads_refused;
+  /// Scrapes of /metrics that wait for their thread, and those that it did not take.
+  metrics::Cell metrics_waiting;
+  metrics::Cell metrics_refused;
   /// Scrapes of robots that wait for their thread.
   metrics::Cell scrapes_waiting;
 

@@ -8,10 +8,12 @@
 
 namespace uplink::http {
 
-ReadThread::ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind)
+ReadThread::ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
+                       std::size_t waiting_max)
     : waiting_(waiting),
       refused_(refused),
       nice_(kind.nice),
+      waiting_max_(waiting_max),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {
   pthread_setname_np(thread_.native_handle(), kind.name);
 }
@@ -24,7 +26,7 @@ ReadThread::~ReadThread() {
 bool ReadThread::TryPost(std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
-    if (jobs_.size() >= kReadsWaitingMax) {
+    if (jobs_.size() >= waiting_max_) {
       refused_.Add();
       return false;
     }

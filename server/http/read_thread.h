@@ -12,7 +12,7 @@
 
 namespace uplink::http {
 
-/// Jobs that wait for the reading thread at most.
+/// Jobs that wait for a thread at most, if nothing else is said.
 inline constexpr std::size_t kReadsWaitingMax = 64;
 
 /// How such a thread is called (at most 15 bytes), and how far it gives way to others (0 to 19).
@@ -22,20 +22,23 @@ struct ThreadKind {
 };
 inline constexpr ThreadKind kMemoryThread{"http-memory", 0};
 inline constexpr ThreadKind kReadThread{"http-read", 0};
+inline constexpr ThreadKind kMetricsThread{"http-metrics", 0};
 /// Scrapes of robots give way to the robots.
 inline constexpr ThreadKind kScrapeThread{"http-scrape", 10};
 
-/// One thread that runs what may wait for the store, so that the io thread never does. Jobs must
+/// One thread that runs what may wait for the store or takes long, so that the io thread never
+/// does. Jobs must
 /// not throw. Thread-safe. The destructor drops what waits and joins.
 class ReadThread final {
  public:
-  /// `waiting` and `refused` count jobs and outlive the thread.
-  ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind);
+  /// `waiting` and `refused` count jobs and outlive the thread. `waiting_max`: jobs that wait.
+  ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
+             std::size_t waiting_max = kReadsWaitingMax);
   ~ReadThread();
   ReadThread(const ReadThread&) = delete;
   ReadThread& operator=(const ReadThread&) = delete;
 
-  /// False, and the job is not taken, when kReadsWaitingMax wait.
+  /// False, and the job is not taken, when `waiting_max` wait.
   [[nodiscard]] bool TryPost(std::function<void()> job);
 
  private:
@@ -44,6 +47,7 @@ class ReadThread final {
   metrics::Cell& waiting_;
   metrics::Cell& refused_;
   const int nice_;
+  const std::size_t waiting_max_;
   std::mutex mutex_;
   std::condition_variable_any work_;
   std::deque<std::function<void()>> jobs_;

@@ -16,7 +16,7 @@ using storage::Reader;
 constexpr auto kRoutes = std::to_array<Route>({
     {"/livez", "livez", Lane::kIo, GetLivez},
     {"/readyz", "readyz", Lane::kIo, GetReadyz},
-    {"/metrics", "metrics", Lane::kIo, GetMetrics},
+    {"/metrics", "metrics", Lane::kMetrics, GetMetrics},
     {"/metrics/robots", "metrics_robots", Lane::kScrape, GetRobotMetrics},
     {"/api/v1/status", "status", Lane::kMemory, GetStatus},
     {"/api/v1/robots", "robots", Lane::kMemory, GetRobots, RobotsReadStore},
@@ -49,8 +49,10 @@ FoundRoute FindRoute(std::string_view path) {
 bool IsMonitoring(RouteId route) {
   if (route.index >= kRoutes.size()) return false;
   const Lane lane = kRoutes[route.index].lane;
-  return lane == Lane::kIo || lane == Lane::kScrape;
+  return lane == Lane::kIo || IsScrape(lane);
 }
+
+bool IsScrape(Lane lane) { return lane == Lane::kMetrics || lane == Lane::kScrape; }
 
 std::size_t RouteIds() { return kRoutes.size() + 1; }
 

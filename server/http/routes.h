@@ -13,10 +13,10 @@ namespace uplink::http {
 struct RoutedRequest;
 struct Sources;
 
-/// Which thread answers: probes and our own scrape at once, on the io thread; what is in memory on
-/// a thread that waits for the store a moment at most; what may wait for it on the thread that
-/// reads; the robots' scrape on one of its own.
-enum class Lane : std::uint8_t { kIo, kMemory, kRead, kScrape };
+/// Which thread answers: probes at once, on the io thread; what is in memory on a thread that waits
+/// for the store a moment at most; what may wait for it on the thread that reads; our own scrape
+/// and the robots' scrape on one thread each.
+enum class Lane : std::uint8_t { kIo, kMemory, kRead, kMetrics, kScrape };
 
 /// A path and what answers it. Immutable.
 struct Route {
@@ -50,6 +50,8 @@ struct FoundRoute {
 [[nodiscard]] FoundRoute FindRoute(std::string_view path);
 /// A probe or a scrape: it shows no data of the store, and is answered under any name.
 [[nodiscard]] bool IsMonitoring(RouteId route);
+/// Whether requests of this lane are scrapes.
+[[nodiscard]] bool IsScrape(Lane lane);
 /// The label of a route's requests in the metrics.
 [[nodiscard]] std::string_view RouteName(RouteId route);
 

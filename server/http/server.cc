@@ -1,5 +1,6 @@
 #include "server/http/server.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -20,11 +21,13 @@ using boost::system::error_code;
 
 }  // namespace
 
-/// Accepts for ever; one accept is outstanding.
+/// Accepts for ever, all that wait per turn of the loop (kAcceptsPerTurn); one accept is
+/// outstanding.
 class HttpServer::Listener final : public std::enable_shared_from_this<HttpServer::Listener> {
  public:
   Listener(const Context& context, const Options& options)
       : context_(std::make_shared<ConnectionContext>(context, options)),
+        accepts_per_turn_(std::min(kAcceptsPerTurn, options.connections_max / 2)),
         acceptor_(context.io),
         pause_(context.io) {}
 
@@ -37,6 +40,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
     }
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    if (!error) acceptor_.non_blocking(true, error);
     return error;
   }
 
@@ -50,11 +54,23 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
       if (error == asio::error::operation_aborted) return;
       if (error) return self->Rest();
       self->Admit(std::move(socket));
+      self->AdmitThoseThatWait();
       self->Accept();
     });
   }
 
  private:
+  /// A failure shows again in the accept that follows.
+  void AdmitThoseThatWait() {
+    for (std::size_t accepted = 1; accepted < accepts_per_turn_; ++accepted) {
+      error_code error;
+      tcp::socket socket(acceptor_.get_executor());
+      acceptor_.accept(socket, error);
+      if (error) return;
+      Admit(std::move(socket));
+    }
+  }
+
   void Admit(tcp::socket socket) {
     const HttpServer::Context& server = context_->server;
     switch (context_->places.MakeRoom(server.clock.Steady())) {
@@ -81,6 +97,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   }
 
   const std::shared_ptr<ConnectionContext> context_;
+  const std::size_t accepts_per_turn_;
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
 };

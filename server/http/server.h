@@ -21,10 +21,16 @@ namespace uplink::http {
 /// Bytes of a request's line and headers together, and of a body, which is read and not looked at.
 inline constexpr std::size_t kHeaderBytesMax = 16UL * 1024;
 inline constexpr std::size_t kBodyBytesMax = 16UL * 1024;
+/// Of what a client sends ahead of its answers we hold so much; the rest waits in the kernel. One
+/// request of a connection is under way at most.
+inline constexpr std::size_t kSentAheadBytesMax = kHeaderBytesMax + kBodyBytesMax;
 /// A whole request must come within this, the idle time before it included; so must the peer take a
 /// whole answer.
 inline constexpr std::chrono::seconds kRequestWait{30};
 inline constexpr std::chrono::seconds kAnswerWait{30};
+/// Connections that are accepted in one turn of the loop, and at most half of all places, so that
+/// each is read before it could give way to the next ones.
+inline constexpr std::size_t kAcceptsPerTurn = 16;
 /// After a failed accept (no descriptors) the listener rests for so long.
 inline constexpr std::chrono::milliseconds kAcceptPause{100};
 
@@ -46,6 +52,8 @@ class HttpServer final {
     /// What is in memory, and waits for the store a moment at most.
     ReadThread& memory;
     ReadThread& reads;
+    /// Where our own scrapes are written. Takes one job per connection.
+    ReadThread& metrics;
     /// Where the robots' scrapes are written.
     ReadThread& scrapes;
     HttpProbe& probe;

@@ -1,5 +1,8 @@
 #include "server/http/server.h"
 
+#include <atomic>
+#include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +33,7 @@ class HttpServerTest : public ::testing::Test {
     http::HttpProbe& probe = world_.http_probe;
     memory_.emplace(probe.reads_waiting, probe.reads_refused, kMemoryThread);
     reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
+    metrics_.emplace(probe.metrics_waiting, probe.metrics_refused, kMetricsThread, kConnectionsMax);
     scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
     world_.to_store_thread = [this](auto job) { return reads_->TryPost(std::move(job)); };
     entrance_.Open(world_.site);
@@ -38,6 +42,7 @@ class HttpServerTest : public ::testing::Test {
     world_.reader.Release();
     loop_.Stop();
     scrapes_.reset();
+    metrics_.reset();
     memory_.reset();
     reads_.reset();
   }
@@ -45,7 +50,7 @@ class HttpServerTest : public ::testing::Test {
   std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
                       std::size_t connections_max = kConnectionsMax) {
     auto server = HttpServer::Listen(
-        {loop_.io(), entrance_, *memory_, *reads_, *scrapes_, world_.http_probe, clock_},
+        {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, world_.http_probe, clock_},
         {{host, 0}, connections_max, wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -90,6 +95,7 @@ class HttpServerTest : public ::testing::Test {
   loop::EventLoop loop_{world_.logger};
   std::optional<ReadThread> memory_;
   std::optional<ReadThread> reads_;
+  std::optional<ReadThread> metrics_;
   std::optional<ReadThread> scrapes_;
   std::unique_ptr<HttpServer> server_;
 };
@@ -239,6 +245,64 @@ TEST_F(HttpServerTest, RequestsThatWaitForTheStoreShutNoProbeOut) {
   EXPECT_EQ(slow.front()->Read()->status, 200) << "none that is answered gives way";
 }
 
+TEST_F(HttpServerTest, ScrapesThatAreSentAheadAndNeverReadShutNoProbeOut) {
+  constexpr int kLittle = 4096;
+  constexpr int kAhead = 100;
+  std::string ahead;
+  for (int i = 0; i < kAhead; ++i) ahead += "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const auto begun = std::make_shared<std::atomic<bool>>(false);
+  std::promise<void> gate;  // its end opens it, too
+  world_.page_sources.push_back([begun, opened = gate.get_future().share()](auto&) {
+    *begun = true;
+    opened.wait();
+  });
+  const std::uint16_t port = Serve();
+  RawConnection first(port);
+  first.SendGet("/metrics");
+  ASSERT_TRUE(testing::Eventually([&] { return begun->load(); }));
+  std::vector<std::unique_ptr<RawConnection>> flood;
+  for (std::size_t i = 1; i < kConnectionsMax; ++i) {
+    flood.push_back(std::make_unique<RawConnection>(port, kLittle));
+    flood.back()->Send(ahead);
+  }
+  // Each has one request under way, and all places are taken by them.
+  ASSERT_TRUE(testing::Eventually([&] {
+    return world_.http_probe.metrics_waiting.value() == static_cast<int>(kConnectionsMax - 1);
+  }));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(HttpGet(port, "/livez").status, 200);
+    EXPECT_EQ(HttpGet(port, "/readyz").status, 200);
+  }
+  EXPECT_EQ(world_.http_probe.connections_refused.value(), 0);
+  gate.set_value();
+  EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
+  const std::optional<RawAnswer> answer = first.Read();
+  ASSERT_TRUE(answer) << "whoever has waited for longest does not give way";
+  EXPECT_EQ(answer->status, 200);
+}
+
+TEST_F(HttpServerTest, AcceptsManyInATurn) {
+  constexpr std::size_t kCallers = 12;
+  constexpr int kTurns = 6;
+  const std::uint16_t port = Serve();
+  std::promise<void> gate;
+  std::promise<std::int64_t> counted;
+  std::function<void(int)> turn = [&](int left) {
+    if (left == 0) return counted.set_value(world_.http_probe.connections.value());
+    loop_.Post([&turn, left] { turn(left - 1); });
+  };
+  loop_.Post([&turn, opened = gate.get_future().share()] {
+    opened.wait();
+    turn(kTurns);
+  });
+  std::vector<std::unique_ptr<RawConnection>> callers;
+  for (std::size_t i = 0; i < kCallers; ++i) {
+    callers.push_back(std::make_unique<RawConnection>(port));
+  }
+  gate.set_value();
+  EXPECT_EQ(counted.get_future().get(), static_cast<std::int64_t>(kCallers));
+}
+
 TEST_F(HttpServerTest, DataAreShownUnderKnownHostsAlone) {
   const std::uint16_t port = Serve();
   const auto status = [&](const std::string& target, const std::string& host) {
@@ -347,7 +411,7 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
   const auto second = HttpServer::Listen(
-      {loop_.io(), entrance_, *memory_, *reads_, *scrapes_, world_.http_probe, clock_},
+      {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, world_.http_probe, clock_},
       {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),

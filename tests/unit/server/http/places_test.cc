@@ -85,6 +85,26 @@ TEST_F(PlacesTest, WhoTakesAnAnswerSlowlyGivesWayAfterTheIdle) {
   EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
 }
 
+TEST_F(PlacesTest, AScrapeGivesWayLastAndTheNewestFirst) {
+  Fill();
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    Note(i, State::kScraping);
+    clock_.Advance(milliseconds(1));
+  }
+  Note(2, State::kBusy);
+  Note(1, State::kAnswering);
+  clock_.Advance(kSlowAnswer + milliseconds(1));
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  EXPECT_TRUE(holders_[1].gave_way) << "a slow peer before a scrape";
+  static_cast<void>(places_.Take(holders_[1], clock_.Steady()));
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
+  taken_[1] = places_.Take(holders_[1], clock_.Steady());
+  Note(1, State::kBusy);
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  for (const std::size_t i : {0U, 2U, 3U, 4U}) EXPECT_FALSE(holders_[i].gave_way) << i;
+  EXPECT_TRUE(holders_[5].gave_way);
+}
+
 TEST_F(PlacesTest, WhoIsAnsweredNeverGivesWay) {
   Fill();
   for (std::size_t i = 0; i < kPlaces; ++i) Note(i, State::kBusy);
