@@ -1,6 +1,6 @@
 #include "server/http/entrance.h"
 
-#include <string_view>
+#include <string>
 
 #include "server/http/errors.h"
 #include "server/http/target.h"
@@ -8,18 +8,20 @@
 namespace uplink::http {
 namespace {
 
-Response AnswerOfStart(const Request& request, std::string_view path) {
-  if (request.method == Method::kOther) return Starting();
-  if (path == "/livez") return StartingLivez();
-  if (path == "/readyz") return StartingReadyz();
+Response AnswerOfStart(const Request& request, RouteId route) {
+  if (route.index >= Routes().size()) return Starting();
+  if (request.method == Method::kOther) return MethodNotAllowed();
+  const Target target = SplitTarget(request.target);
+  const std::string query(target.query);
+  if (target.path == "/livez") return StartingLivez(query);
+  if (target.path == "/readyz") return StartingReadyz(query);
   return Starting();
 }
 
 }  // namespace
 
 Resolved Entrance::Resolve(const Request& request) const {
-  const std::string_view path = SplitTarget(request.target).path;
-  const RouteId route = FindRoute(path).id;
+  const RouteId route = FindRoute(SplitTarget(request.target).path).id;
   if (request.host_required && !request.host) {
     return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
   }
@@ -28,7 +30,7 @@ Resolved Entrance::Resolve(const Request& request) const {
     if (request.monitoring_only) return AtOnce(route, TooManyConnections());
   }
   const Site* site = site_.load();
-  if (site == nullptr) return AtOnce(route, AnswerOfStart(request, path));
+  if (site == nullptr) return AtOnce(route, AnswerOfStart(request, route));
   return site->Resolve(request);
 }
 

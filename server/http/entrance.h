@@ -14,7 +14,8 @@ namespace uplink::http {
 /// - data are shown under known hosts alone (421), probes and scrapes under any;
 /// - on a connection that is kept for probes and scrapes, others get 503;
 /// - while the server starts there is no site: /livez says that the process lives, /readyz that it
-///   is `starting`, and everything else is 503.
+///   is `starting`, a wrong request to either, or a wrong method, is refused as later, and
+///   everything else is 503.
 ///
 /// Thread: thread-safe. The site outlives it.
 class Entrance final {

@@ -42,9 +42,10 @@ struct RoutedRequest {
 [[nodiscard]] Response GetMetrics(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request);
 
-/// The two probes while the server starts: it lives, and is not ready.
-[[nodiscard]] Response StartingLivez();
-[[nodiscard]] Response StartingReadyz();
+/// The two probes while the server starts: it lives, and is not ready. They take no parameters then
+/// either.
+[[nodiscard]] Response StartingLivez(const std::string& query);
+[[nodiscard]] Response StartingReadyz(const std::string& query);
 
 // api.cc: what is held in memory.
 [[nodiscard]] Response GetStatus(const Sources& sources, const RoutedRequest& request);

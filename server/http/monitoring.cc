@@ -58,9 +58,15 @@ Response GetReadyz(const Sources& sources, const RoutedRequest& request) {
   return ReadyzResponse(sources.monitor.readiness());
 }
 
-Response StartingLivez() { return LivezResponse(200, milliseconds(0)); }
+Response StartingLivez(const std::string& query) {
+  if (const auto problem = NoParameters(query)) return ErrorResponse(*problem);
+  return LivezResponse(200, milliseconds(0));
+}
 
-Response StartingReadyz() { return ReadyzResponse(health::StartingReadiness()); }
+Response StartingReadyz(const std::string& query) {
+  if (const auto problem = NoParameters(query)) return ErrorResponse(*problem);
+  return ReadyzResponse(health::StartingReadiness());
+}
 
 Response GetMetrics(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);

@@ -45,9 +45,27 @@ TEST_F(EntranceTest, WhileTheServerStartsEverythingElseIs503) {
     EXPECT_THAT(response.body, HasSubstr(R"("code":"UNAVAILABLE")"));
     EXPECT_THAT(response.body, HasSubstr("the server starts"));
   }
-  EXPECT_EQ(Ask("/readyz", Method::kOther).run().status, 503);
+  EXPECT_EQ(Ask("/nowhere", Method::kOther).run().status, 503);
   EXPECT_EQ(RouteName(Ask("/api/v1/status").route), "status");
   EXPECT_EQ(RouteName(Ask("/nowhere").route), "other");
+}
+
+TEST_F(EntranceTest, AWrongRequestIsAnsweredDuringTheStartAsItIsLater) {
+  const auto expect_refusals = [this] {
+    for (const char* target : {"/livez", "/readyz"}) {
+      const Response method = Ask(target, Method::kOther).run();
+      EXPECT_EQ(method.status, 405) << target;
+      EXPECT_EQ(method.allow, "GET, HEAD");
+      const Response parameter = Ask(std::string(target) + "?x=1").run();
+      EXPECT_EQ(parameter.status, 400) << target;
+      EXPECT_THAT(parameter.body, HasSubstr(R"("field":"x")"));
+    }
+    EXPECT_EQ(Ask("/metrics", Method::kOther).run().status, 405);
+    EXPECT_EQ(Ask("/api/v1/status", Method::kOther).run().status, 405);
+  };
+  expect_refusals();
+  entrance_.Open(world_.site);
+  expect_refusals();
 }
 
 TEST_F(EntranceTest, TheSiteAnswersOnceItIsThere) {
