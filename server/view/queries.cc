@@ -219,9 +219,11 @@ StatusView Queries::Status() const {
   return status;
 }
 
-absl::Status Queries::Unknown(const std::string& ruri) {
-  return absl::NotFoundError(
-      fmt::format("no robot with the RURI {} was seen within fleet.forget_after", ruri));
+absl::Status Queries::Unknown(const std::string& ruri) const {
+  if (sources_.robots_unread && sources_.robots_unread()) {
+    return absl::UnavailableError("the robots have not been read from the store yet");
+  }
+  return absl::NotFoundError(fmt::format("this server has no robot with the RURI {} now", ruri));
 }
 
 void Queries::FillBriefly(RobotsPage& page, const PartSet& parts) {

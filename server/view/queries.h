@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -85,7 +86,8 @@ struct StatusView {
 /// Everything that readers of the fleet ask, once, for every transport.
 ///
 /// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
-///          was never seen; what the Reader says, where rows are asked for. Robots are answered
+///          is not in memory, kUnavailable instead while the store's robots are not there yet;
+///          what the Reader says, where rows are asked for. Robots are answered
 ///          while the store is away too: their active faults are then the last that were read, and
 ///          one robot comes without its stored parts. A list that names such a part fails; one that
 ///          does not waits for the store for kBriefLookWait at most, and is then as if it were
@@ -106,6 +108,8 @@ class Queries final {
     std::string version;
     /// To the thread that may wait for the store; empty: callers wait themselves.
     BriefLook::Post to_store_thread{};
+    /// True while the store's robots are not in memory yet; empty: they are.
+    std::function<bool()> robots_unread{};
   };
   explicit Queries(Sources sources);
 
@@ -116,8 +120,8 @@ class Queries final {
       const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
       const storage::HistoryQuery& query);
-  /// A list of storage::Reader of one robot, which query.ruri names. kNotFound if the list is empty
-  /// and the robot is not in memory: it was never seen, or forgotten.
+  /// A list of storage::Reader of one robot, which query.ruri names. As Robot if the list is
+  /// empty and the robot is not in memory.
   template <typename Row>
   [[nodiscard]] absl::StatusOr<storage::Page<Row>> History(storage::HistoryList<Row> list,
                                                            const storage::HistoryQuery& query) {
@@ -147,7 +151,8 @@ class Queries final {
  private:
   struct Lookup;
 
-  [[nodiscard]] static absl::Status Unknown(const std::string& ruri);
+  /// Why there is no answer on a robot that is not in memory.
+  [[nodiscard]] absl::Status Unknown(const std::string& ruri) const;
   /// Fills what the store adds to a list without stored parts, as far as it answers soon.
   void FillBriefly(RobotsPage& page, const PartSet& parts);
   /// Reads the live parts of robots that other processes hold. Returns for how many of `robots`,

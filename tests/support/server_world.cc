@@ -24,7 +24,8 @@ ServerWorld::ServerWorld()
                  if (to_store_thread) return to_store_thread(std::move(job));
                  job();
                  return true;
-               }}),
+               },
+               [this] { return robots_unread; }}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),

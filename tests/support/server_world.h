@@ -77,6 +77,7 @@ class ServerWorld {
   journal::Shards shards{{&journal}};
   /// Where lists look into the store briefly; empty: on the thread that asks.
   view::BriefLook::Post to_store_thread;
+  bool robots_unread = false;
   view::Queries queries;
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;

@@ -184,6 +184,23 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
             absl::StatusCode::kNotFound);
 }
 
+TEST_F(QueriesTest, TheAnswerOnARobotThatIsNotHereGivesNoReason) {
+  EXPECT_EQ(world_.queries.Robot("rcan://x").status().message(),
+            "this server has no robot with the RURI rcan://x now");
+}
+
+TEST_F(QueriesTest, NoRobotIsNotFoundWhileTheStoresRobotsAreUnread) {
+  world_.robots_unread = true;
+  EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kUnavailable);
+  storage::HistoryQuery query;
+  query.ruri = "rcan://x";
+  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
+            absl::StatusCode::kUnavailable);
+  world_.AddRobot("rcan://x");
+  EXPECT_TRUE(world_.queries.Robot("rcan://x").ok());
+  EXPECT_TRUE(world_.queries.History(&storage::Reader::Gaps, query).ok());
+}
+
 TEST_F(QueriesTest, HistoriesOfARobotThatLeftMemoryAreThereAsLongAsTheyHaveRows) {
   const auto gone = std::make_shared<const model::RobotId>(model::RobotId{"rcan://gone", "f"});
   const storage::OpenRequest request{.robot = gone, .at = world_.clock.System()};
