@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <functional>
+#include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "schema/base/check.h"
 
@@ -51,9 +54,12 @@ bool Shards::idle() const {
 }
 
 absl::Status Shards::last_error() const {
-  for (const Journal* journal : journals_) {
-    absl::Status error = journal->last_error();
-    if (!error.ok()) return error;
+  for (std::size_t shard = 0; shard < journals_.size(); ++shard) {
+    absl::Status error = journals_[shard]->last_error();
+    if (error.ok()) continue;
+    if (journals_.size() == 1) return error;
+    return {error.code(), fmt::format("shard {} of {}: {}", shard, journals_.size(),
+                                      std::string(error.message()))};
   }
   return absl::OkStatus();
 }

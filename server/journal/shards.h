@@ -51,7 +51,8 @@ class Shards final {
   [[nodiscard]] std::size_t records_worst() const;
   [[nodiscard]] std::size_t bytes_worst() const;
   [[nodiscard]] bool idle() const;
-  /// The first error that a journal's store told last; OK if none did.
+  /// The first error that a journal's store told last, with its shard where there are several; OK
+  /// if none did.
   [[nodiscard]] absl::Status last_error() const;
   /// The first of a journal that cannot write checkpoints; OK if all can.
   [[nodiscard]] absl::Status checkpoint_error() const;

@@ -51,7 +51,7 @@ TEST(ShardsTest, TheWorstIsTheFullestJournal) {
   EXPECT_EQ(shards.bytes_worst(), b.journal.bytes());
 }
 
-TEST(ShardsTest, TheErrorOfAnyJournalIsTold) {
+TEST(ShardsTest, TheErrorOfAnyJournalIsToldWithItsShard) {
   JournalBench a;
   JournalBench b;
   const Shards shards({&a.journal, &b.journal});
@@ -60,7 +60,8 @@ TEST(ShardsTest, TheErrorOfAnyJournalIsTold) {
   b.Open(client);
   b.store.FailNextOpens(1, testing::FailAt::kBefore, absl::UnavailableError("away"));
   EXPECT_EQ(b.journal.turns().Advance(), Step::kFailed);
-  EXPECT_EQ(shards.last_error(), absl::UnavailableError("away"));
+  EXPECT_EQ(shards.last_error(), absl::UnavailableError("shard 1 of 2: away"));
+  EXPECT_EQ(Shards({&b.journal}).last_error(), absl::UnavailableError("away")) << "the only one";
   EXPECT_EQ(b.journal.turns().Advance(), Step::kWorked);
   EXPECT_TRUE(shards.last_error().ok());
 }
