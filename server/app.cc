@@ -283,6 +283,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   auto ground = std::make_unique<Groundwork>(
       Groundwork::Context{options.clock, options.logger, config.listen.http, config.http});
   if (absl::Status began = ground->Begin(); !began.ok()) return began;
+  options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
   auto stores = store::OpenStores(config, options.process, options.clock);
   if (!stores.ok()) return stores.status();
   auto impl = std::make_unique<Impl>(std::move(options), *ground, *expiry, *std::move(stores));

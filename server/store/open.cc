@@ -6,6 +6,7 @@
 #include "storage/postgres/clock_marks.h"
 #include "storage/postgres/forget_store.h"
 #include "storage/postgres/leases.h"
+#include "storage/postgres/link/url.h"
 #include "storage/postgres/reader.h"
 #include "storage/postgres/store.h"
 #include "storage/sqlite/clock_marks.h"
@@ -114,6 +115,12 @@ std::optional<milliseconds> AdoptGraceOf(const Stores& stores,
                                          const config::PresenceConfig& presence) {
   if (stores.leases != nullptr) return std::nullopt;
   return presence.startup_grace;
+}
+
+std::string NameOf(const config::StoreConfig& store) {
+  if (!config::IsPostgres(store)) return config::SqlitePath(store);
+  const auto url = storage::postgres::ParseUrl(store.url);
+  return url.ok() ? url->shown : std::string();
 }
 
 absl::StatusOr<Stores> OpenStores(const config::Config& config, const storage::ProcessId& process,

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -41,6 +42,10 @@ struct Stores {
 /// Seed::Context::adopt_grace: a store without leases is this process's alone.
 [[nodiscard]] std::optional<milliseconds> AdoptGraceOf(const Stores& stores,
                                                        const config::PresenceConfig& presence);
+
+/// What the store is called in the log: the file's path, or `host:port/database` without user and
+/// password.
+[[nodiscard]] std::string NameOf(const config::StoreConfig& store);
 
 /// Opens it. `clock` must outlive the stores.
 ///

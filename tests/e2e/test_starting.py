@@ -60,6 +60,8 @@ class Starting(EndToEnd):
     def test_probes_are_answered_while_the_database_is_silent(self):
         self.cluster.migrate()
         server = self.begin()
+        opening = re.compile(rf' store_opening store="?{re.escape(self.proxy.address)}/uplinkd"?\n')
+        wait_until(server.process, lambda: opening.search(server.text()), WAIT_SECONDS, "the store is named")
         self.assert_starting(server)
         for path in ("/api/v1/status", "/api/v1/robots", "/metrics", "/nowhere"):
             status, body = self.ask(server, path)
