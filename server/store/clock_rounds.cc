@@ -80,10 +80,16 @@ void ClockRounds::Tell(Voucher voucher, const ClockFacts& facts) {
     context_.logger.Info("clock_vouched", {{"by", NameOf(voucher)}});
     return;
   }
-  const std::string why =
-      reading_ ? WhyNobodyVouches(facts) : std::string("the store has not been read yet");
+  if (!reading_) {
+    context_.logger.Warn("clock_not_vouched", {{"why", "the store has not been read yet"},
+                                               {"and", "nothing is deleted until it is"}});
+    return;
+  }
   context_.logger.Warn("clock_not_vouched",
-                       {{"why", why}, {"and", "nothing is deleted until it is"}});
+                       {{"why", WhyNobodyVouches(facts)},
+                        {"and",
+                         "nothing is deleted until it is; if it is right, confirm it: "
+                         "uplinkctl store clock --config FILE --confirm"}});
 }
 
 }  // namespace uplink::store

@@ -120,9 +120,11 @@ absl::Status Migrate(Database& database, std::span<const Migration> migrations, 
   absl::Status status = CheckSums(database, migrations, *version);
   if (!status.ok()) return status;
   if (*version < known && if_older == IfOlder::kRefuse) {
-    return Precondition(database, "has schema version " + std::to_string(*version) +
-                                      ", and this program needs " + std::to_string(known) +
-                                      ": set store.migrate, or migrate it beforehand");
+    return Precondition(
+        database, "has schema version " + std::to_string(*version) + ", and this program needs " +
+                      std::to_string(known) +
+                      ": start the server of this version once, with store.migrate on "
+                      "(the default); it migrates the file");
   }
   for (const Migration& migration : migrations.subspan(static_cast<std::size_t>(*version))) {
     status = Apply(database, migration);

@@ -65,7 +65,9 @@ TEST_F(ClockRoundsTest, AStoreWithoutRowsBeginsWithAMarkOfNow) {
 TEST_F(ClockRoundsTest, AStoreThatWasMigratedHasNone) {
   Start();
   EXPECT_FALSE(trust_->vouched());
-  EXPECT_THAT(lines_, ElementsAre(AllOf(HasSubstr("clock_not_vouched"), HasSubstr("no mark"))));
+  EXPECT_THAT(lines_,
+              ElementsAre(AllOf(HasSubstr("clock_not_vouched"), HasSubstr("no mark"),
+                                HasSubstr("uplinkctl store clock --config FILE --confirm"))));
   Pass(3 * kMarkEvery);
   EXPECT_EQ(marks_.reading.mark, std::nullopt) << "a server that nobody vouches for sets none";
   EXPECT_THAT(lines_, SizeIs(1)) << "told once";
