@@ -54,7 +54,7 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Robots on their way out of memory, 1024 at most; one leaves once nothing of it waits."},
     {kRobotsForgotten, "uplinkd_robots_forgotten_total", kCounter, "robots",
      "Robots that left memory: silent for fleet.forget_after, for others at limits.robots_max, "
-     "or removed from the store."},
+     "or removed from the store, which each server counts that had the robot."},
     {kPresenceChanges, "uplinkd_presence_changes_total", kCounter, "changes",
      "Changes of presence that were stored, by what they led to.", kByPresence},
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",
@@ -156,7 +156,7 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kStoreErrors, "uplinkd_store_errors_total", kCounter, "errors",
      "Calls of the store that failed and are tried again."},
     {kStoreFailing, "uplinkd_store_failing", kGauge, "0 or 1",
-     "1 while the last call of the store failed."},
+     "1 while the last call of at least one shard of the store failed."},
     {kStoreUnsafe, "uplinkd_store_unsafe", kGauge, "0 or 1",
      "1 if the store may lose what is acked when the power fails (store.accept_unsafe)."},
     {kStoreClockOffset, "uplinkd_store_clock_offset_seconds", kGauge, "seconds",
