@@ -20,10 +20,10 @@ std::string SetIfEmptySql() {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteClockMarks>> SqliteClockMarks::Open(const std::string& path) {
-  auto database = OpenBeside(path);
-  if (!database.ok()) return database.status();
-  Preparer prepare(**database);
-  std::unique_ptr<SqliteClockMarks> marks(new SqliteClockMarks(*std::move(database)));
+  auto beside = OpenBeside(path);
+  if (!beside.ok()) return beside.status();
+  Preparer prepare(*beside->database);
+  std::unique_ptr<SqliteClockMarks> marks(new SqliteClockMarks(*std::move(beside)));
   prepare.Into(marks->read_, "SELECT at_ms FROM clock_mark WHERE id = 0");
   prepare.Into(marks->set_,
                "INSERT INTO clock_mark (id, at_ms) VALUES (0, ?)"

@@ -6,6 +6,7 @@
 
 #include "storage/clock_marks.h"
 #include "storage/sqlite/database.h"
+#include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {
@@ -14,7 +15,7 @@ namespace uplink::storage::sqlite {
 /// but SQLite's own, so that an operator may set it while a server runs.
 ///
 /// Errors:  of Open, kFailedPrecondition, naming the path: no file, not ours, not this program's
-///          schema version. Of the calls, as in ClockMarks.
+///          schema version, or another name of it (FileLock::Join). Of the calls, as in ClockMarks.
 /// Thread:  as in ClockMarks.
 class SqliteClockMarks final : public ClockMarks {
  public:
@@ -29,8 +30,11 @@ class SqliteClockMarks final : public ClockMarks {
   [[nodiscard]] absl::Status SetIfEmpty(SystemTime mark) override;
 
  private:
-  explicit SqliteClockMarks(std::unique_ptr<Database> database) : database_(std::move(database)) {}
+  SqliteClockMarks(std::unique_ptr<FileLock> joined, std::unique_ptr<Database> database)
+      : joined_(std::move(joined)), database_(std::move(database)) {}
 
+  /// Goes after the database.
+  std::unique_ptr<FileLock> joined_;
   std::unique_ptr<Database> database_;
   std::unique_ptr<Statement> read_, set_, set_if_empty_;
 };

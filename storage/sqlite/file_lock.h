@@ -20,13 +20,28 @@ namespace uplink::storage::sqlite {
 /// The files of the first two stay. The descriptor of the third is closed here alone, after the
 /// database: closing one drops the locks that SQLite has on the file for this process. What reads
 /// in this process may be closed later; it writes nothing.
+///
+/// None of that helps where a file has several names by hard links: SQLite's WAL lies beside the
+/// name by which the file was opened, and under another name its rows are missing, or a WAL of
+/// other times is written over the file. Such a file is refused.
 class FileLock final {
  public:
   /// Makes the store's file, for its owner alone, if it is not there.
   ///
-  /// Errors: kFailedPrecondition, naming the file, if one of them cannot be opened or if another
-  ///         process holds it (IsInUse).
+  /// As root, a lock file that it makes goes to the owner of the store's file.
+  ///
+  /// Errors: kFailedPrecondition, naming the file, if one of them cannot be opened, if another
+  ///         process holds it (IsInUse), or if the store's file has hard links.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Take(const std::string& path);
+
+  /// For who writes to a file beside its server, if there is one: takes no lock and makes nothing,
+  /// but sees to it that a server which has the file has it by this name. Must be called before the
+  /// database is opened, and go after it. Whether the file is there is not asked.
+  ///
+  /// Errors: kFailedPrecondition, naming the file, if the file has hard links, if somebody has it
+  /// by
+  ///         another name or through another mount, or if that cannot be told.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Join(const std::string& path);
 
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;

@@ -5,6 +5,7 @@
 
 #include "storage/robot_removal.h"
 #include "storage/sqlite/database.h"
+#include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {

@@ -1,5 +1,6 @@
 """`uplinkctl store forget` beside real servers, on both stores."""
 
+import os
 import subprocess
 import unittest
 from pathlib import Path
@@ -71,6 +72,24 @@ class StoreForget(EndToEnd):
         fleet = self.stream(server, seed=2)
         self.assertEqual(sorted(self.robots(server)), ruris)
         return fleet, ruris
+
+    def test_a_store_that_a_server_has_is_not_written_by_another_name(self):
+        server = self.server(SETTINGS).start()
+        self.stream(server).finish()
+        ruri = sorted(self.robots(server))[0]
+        link = self.folder / "link.db"
+        os.link(self.folder / "uplinkd.db", link)
+        for url in (f"sqlite://{link}", server.store_url):
+            self.url = url
+            clock = uplinkctl("store", "clock", "--confirm", "--yes", "--url", url, code=1)
+            for done in (clock, self.forget("--yes", ruri, code=1)):
+                self.assertIn(f"{url.removeprefix('sqlite://')} has 2 names (hard links)", done.stderr)
+        self.assertFalse((self.folder / "link.db-wal").exists())
+        link.unlink()
+        self.assertIn("forgotten", self.forget("--yes", ruri).stdout)
+        self.assertEqual(server.terminate(60), 0)
+        server.start()
+        self.assertEqual(len(self.robots(server)), ROBOTS - 1)
 
     def test_a_robot_is_forgotten_beside_a_server_on_sqlite(self):
         server = self.server(SETTINGS).start()

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -10,9 +11,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/forget_store.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store.h"
@@ -255,8 +259,55 @@ TEST_F(SqliteOtherNames, OfARelativePath) {
 
 TEST_F(SqliteOtherNames, OfAHardLink) {
   Make();
+  const auto first = SqliteStore::Open(path_, Options());
+  ASSERT_TRUE(first.ok()) << first.status();
   std::filesystem::create_hard_link(path_, other_);
-  ExpectOneWriter(path_, other_);
+  EXPECT_THAT(Text(SqliteStore::Open(other_, Options()).status()),
+              AllOf(HasSubstr(other_), HasSubstr("in use")));
+}
+
+// The newest rows lie beside the name by which the file was opened last.
+TEST_F(SqliteOtherNames, AFileWithHardLinksIsRefusedByEachOfThem) {
+  Make();
+  std::filesystem::create_hard_link(path_, other_);
+  for (const std::string& name : {path_, other_}) {
+    for (const absl::Status& refused :
+         {SqliteStore::Open(name, Options()).status(), SqliteClockMarks::Open(name).status(),
+          SqliteForgetStore::Open(name).status()}) {
+      ExpectPrecondition(refused);
+      EXPECT_THAT(Text(refused), AllOf(HasSubstr(name), HasSubstr("2 names (hard links)"),
+                                       HasSubstr("remove the others")));
+    }
+    EXPECT_FALSE(std::filesystem::exists(name + "-wal")) << "it was opened";
+  }
+  std::filesystem::remove(other_);
+  EXPECT_TRUE(Open().ok()) << Open();
+}
+
+// As through a mount of the file alone, beside which there is another WAL.
+TEST_F(SqliteOtherNames, WhoWritesBesideAServerMustHaveItsName) {
+  Make();
+  const auto server = FileLock::Take(path_);
+  ASSERT_TRUE(server.ok()) << server.status();
+  EXPECT_TRUE(SqliteClockMarks::Open(path_).ok()) << SqliteClockMarks::Open(path_).status();
+  EXPECT_TRUE(SqliteForgetStore::Open(path_).ok()) << SqliteForgetStore::Open(path_).status();
+  std::filesystem::create_symlink(path_, folder_.File("link.db"));
+  EXPECT_TRUE(SqliteClockMarks::Open(folder_.File("link.db")).ok()) << "SQLite follows links";
+
+  std::filesystem::rename(path_, other_);
+  for (const absl::Status& refused :
+       {SqliteClockMarks::Open(other_).status(), SqliteForgetStore::Open(other_).status()}) {
+    ExpectPrecondition(refused);
+    EXPECT_THAT(Text(refused),
+                AllOf(HasSubstr(other_), HasSubstr("another name"), HasSubstr("store.url")));
+  }
+}
+
+TEST_F(SqliteOtherNames, WithoutAServerTheNameIsFreeAndNothingIsMade) {
+  Make();
+  std::filesystem::remove(path_ + ".lock");
+  EXPECT_TRUE(SqliteClockMarks::Open(path_).ok()) << SqliteClockMarks::Open(path_).status();
+  EXPECT_FALSE(std::filesystem::exists(path_ + ".lock"));
 }
 
 TEST_F(SqliteOtherNames, OfAnotherFileInTheSamePlace) {
@@ -285,6 +336,28 @@ TEST_F(SqliteOtherNames, OfAnEarlierProgram) {
     EXPECT_NE(::flock(wanted, LOCK_EX | LOCK_NB), 0) << name;
     ::close(wanted);
   }
+}
+
+// Or a server that is not root could not open what uplinkctl left as root.
+TEST_F(SqliteFiles, WhatRootMakesBesideAFileIsTheOwnersOfTheFile) {
+  Make();
+  const std::pair self(::geteuid(), ::getegid());
+  // Only root can give files away; everybody else keeps them.
+  const std::pair owner = self.first == 0 ? std::pair(uid_t{4711}, gid_t{4712}) : self;
+  const std::string link = folder_.File("link.db");
+  std::filesystem::create_symlink(path_, link);
+  ASSERT_EQ(::chown(path_.c_str(), owner.first, owner.second), 0);
+  const auto owners = [](const std::string& name) {
+    struct stat status {};
+    EXPECT_EQ(::stat(name.c_str(), &status), 0) << name;
+    return std::pair(status.st_uid, status.st_gid);
+  };
+  EXPECT_TRUE(FileLock::Take(link).ok());
+  EXPECT_EQ(owners(link + ".lock"), owner);
+  EXPECT_EQ(owners(path_ + ".lock"), self) << "it was there";
+  std::filesystem::remove(path_ + ".lock");
+  EXPECT_TRUE(FileLock::Take(path_).ok());
+  EXPECT_EQ(owners(path_ + ".lock"), owner);
 }
 
 TEST_F(SqliteFiles, RefusesAReaderWithoutAFile) {
