@@ -1,12 +1,14 @@
 #include "server/identity/authorities.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include <absl/strings/ascii.h>
 #include <fmt/core.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
@@ -19,6 +21,9 @@ namespace {
 constexpr std::string_view kBegin = "-----BEGIN ";
 constexpr std::string_view kEnd = "-----END ";
 constexpr std::string_view kDashes = "-----";
+/// The labels of certificates.
+constexpr std::array<std::string_view, 3> kKinds = {"CERTIFICATE", "X509 CERTIFICATE",
+                                                    "TRUSTED CERTIFICATE"};
 
 struct BioFree {
   void operator()(BIO* bio) const { BIO_free(bio); }
@@ -34,6 +39,37 @@ std::optional<std::string_view> LabelOf(std::string_view line, std::string_view 
   return line.substr(mark.size(), line.size() - mark.size() - kDashes.size());
 }
 
+/// The line's letters and digits, as capitals.
+std::string LettersOf(std::string_view line) {
+  std::string letters;
+  for (const char c : line) {
+    if (absl::ascii_isalnum(static_cast<unsigned char>(c)))
+      letters += absl::ascii_toupper(static_cast<unsigned char>(c));
+  }
+  return letters;
+}
+
+bool IsCertificate(std::string_view label) {
+  return std::ranges::find(kKinds, label) != kKinds.end();
+}
+
+/// True for a line that was meant to begin or end a certificate and does not: its dashes are others
+/// or have blanks beside them, its letters are small. Lines that only speak of certificates, as
+/// `openssl x509 -text` writes them, say more than that.
+bool IsOtherwiseWritten(std::string_view line) {
+  for (const std::string_view mark : {kBegin, kEnd}) {
+    if (const auto label = LabelOf(line, mark); label && IsCertificate(*label)) return false;
+  }
+  const std::string letters = LettersOf(line);
+  for (const std::string_view word : {"BEGIN", "END"}) {
+    if (!letters.starts_with(word)) continue;
+    for (const std::string_view kind : kKinds) {
+      if (letters.substr(word.size()) == LettersOf(kind)) return true;
+    }
+  }
+  return false;
+}
+
 /// True for a line that was meant to begin or end a block and does not: a dash is missing, or
 /// something stands before it.
 bool IsDamagedMark(std::string_view line) {
@@ -44,8 +80,11 @@ bool IsDamagedMark(std::string_view line) {
   return false;
 }
 
-bool IsCertificate(std::string_view label) {
-  return label == "CERTIFICATE" || label == "X509 CERTIFICATE" || label == "TRUSTED CERTIFICATE";
+/// True for a line of a certificate's base64: its DER begins with a sequence of two bytes of
+/// length.
+bool IsBody(std::string_view line) {
+  const std::size_t at = line.find_first_not_of(" \t");
+  return at != std::string_view::npos && line.substr(at).starts_with("MII");
 }
 
 bool CanBeRead(std::string_view block) {
@@ -81,6 +120,7 @@ class Blocks final {
     while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos) {
       line.remove_suffix(1);
     }
+    if (IsOtherwiseWritten(line)) return Damaged(at);
     if (const auto label = LabelOf(line, kBegin)) {
       if (begun_) return Broken("it has no end");
       Begin(at);
@@ -91,9 +131,16 @@ class Blocks final {
       if (!begun_) Begin(at);
       return *label == label_ ? End(end) : Broken("its end does not fit its begin");
     }
-    if (!IsDamagedMark(line)) return absl::OkStatus();
+    if (!begun_ && IsBody(line)) {
+      Begin(at);
+      return Broken("no line -----BEGIN CERTIFICATE----- stands before it");
+    }
+    return IsDamagedMark(line) ? Damaged(at) : absl::OkStatus();
+  }
+
+  absl::Status Damaged(std::size_t at) {
     if (!begun_) Begin(at);
-    return Broken("the dashes around BEGIN or END are damaged");
+    return Broken("a line with BEGIN or END is damaged");
   }
 
   void Begin(std::size_t at) {

@@ -7,8 +7,9 @@
 namespace uplink::identity {
 
 /// Whether every certificate of the text can be read. TLS libraries stop at the first that cannot,
-/// or pass over a block whose first line is damaged, and say nothing: robots of the authorities
-/// behind it would be strangers. Blocks of other kinds, and text between blocks, count for nothing.
+/// or pass over a block whose first line is damaged or missing, and say nothing: robots of that
+/// authority, or of those behind it, would be strangers. Blocks of other kinds, and text between
+/// blocks, count for nothing.
 ///
 /// Errors: kFailedPrecondition with the name, and the broken block's number and line; also if there
 ///         is no certificate at all.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -73,6 +75,45 @@ TEST_F(AuthoritiesTest, OneWhoseDashesAreDamagedIsNotPassedOver) {
   EXPECT_THAT(Said(first_ + With(second_, "-----END ", "----END ")), HasSubstr("block 2"));
   EXPECT_THAT(Said(first_ + With(second_, "-----END CERT", "-----END KEY")), HasSubstr("block 2"));
   EXPECT_THAT(Said(first_ + "-----END CERTIFICATE-----\n"), HasSubstr("block 2"));
+}
+
+TEST_F(AuthoritiesTest, OneWhoseMarksAreWrittenOtherwiseIsNotPassedOver) {
+  const std::string begin = "-----BEGIN CERTIFICATE-----";
+  const std::string end = "-----END CERTIFICATE-----";
+  const std::string en = "\xe2\x80\x93";  // a dash of word processors
+  for (const auto& [first, last] : std::vector<std::pair<std::string, std::string>>{
+           {"----- BEGIN CERTIFICATE -----", "----- END CERTIFICATE -----"},
+           {"-----begin certificate-----", "-----end certificate-----"},
+           {en + "BEGIN CERTIFICATE" + en, en + "END CERTIFICATE" + en},
+           {"=====Begin X509 Certificate=====", "=====End X509 Certificate====="},
+           {"-----BEGIN  CERTIFICATE-----", "-----END  CERTIFICATE-----"},
+           {"-----BEGIN Certificate-----", "-----END Certificate-----"},
+           {begin, "----- END CERTIFICATE -----"}}) {
+    const std::string mangled = With(With(second_, begin, first), end, last);
+    EXPECT_THAT(Said(first_ + mangled), HasSubstr("block 2")) << first;
+    EXPECT_THAT(Said(mangled + first_), HasSubstr("block 1")) << first;
+  }
+}
+
+TEST_F(AuthoritiesTest, OneWithoutMarksIsNotPassedOver) {
+  const std::string bare =
+      With(With(second_, "-----BEGIN CERTIFICATE-----\n", ""), "-----END CERTIFICATE-----\n", "");
+  const auto lines = std::count(first_.begin(), first_.end(), '\n');
+  EXPECT_THAT(Said(first_ + bare),
+              AllOf(HasSubstr("block 2, from line " + std::to_string(lines + 1)),
+                    HasSubstr("no line -----BEGIN CERTIFICATE----- stands before it")));
+  EXPECT_THAT(Said(first_ + "  " + bare), HasSubstr("block 2"));
+  EXPECT_THAT(Said(first_ + "-----BEGIN AUTHORITY\n" + bare), HasSubstr("block 2"));
+}
+
+TEST_F(AuthoritiesTest, LinesThatSpeakOfCertificatesAreComments) {
+  EXPECT_EQ(
+      Said("Certificate:\n    Data:\n        Version: 3 (0x2)\n"
+           "        Issuer: O = Friendly, CN = Front End Certificate Authority\n"
+           "            X509v3 Extended Key Usage: \n"
+           "subject=CN = Begin Certificates\n" +
+           first_ + "# the certificate ends in 2030\n# end of the first certificate\n" + second_),
+      "");
 }
 
 TEST_F(AuthoritiesTest, NoneAtAllIsAnError) {
