@@ -45,7 +45,7 @@ class Loader {
   void ReadEnvironment(const Environment& environment) {
     for (const auto& [name, text] : environment) {
       const Setting* const setting = FindByEnvironment(name);
-      if (setting == nullptr && IsServiceVariable(name)) {
+      if (setting == nullptr && IsServiceVariable(name, text)) {
         ignored_.push_back(Shown(name));
         continue;
       }

@@ -63,7 +63,8 @@ TEST(CommandLine, CheckConfigSeesTheEnvironment) {
 TEST(CommandLine, TheVariablesOfAKubernetesServiceAreIgnored) {
   const UplinkdFolder folder;
   const std::vector<std::string> variables = {"UPLINKD_PORT=tcp://10.0.0.7:7443",
-                                              "UPLINKD_SERVICE_HOST=10.0.0.7"};
+                                              "UPLINKD_SERVICE_HOST=10.0.0.7",
+                                              "UPLINKD_HTTP_PORT=tcp://10.0.0.8:7480"};
   const Ended ended = RunToEnd(folder, {"--check-config"}, variables);
   EXPECT_EQ(ended.code, 0);
   EXPECT_THAT(ended.text, HasSubstr("note: environment: UPLINKD_PORT, UPLINKD_SERVICE_HOST"));

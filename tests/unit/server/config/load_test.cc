@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/config/service_variables.h"
 #include "server/config/settings.h"
 #include "tests/unit/server/config/minimal.h"
 
@@ -136,6 +137,37 @@ TEST(ParseConfigTest, IgnoresTheVariablesOfAServiceThatIsNamedUplinkdInOneNote) 
   EXPECT_THAT(result.notes, ElementsAre(IsProblem("environment", "", "and 2 more")));
 }
 
+// A Service's further ports, and Services of parts of it.
+TEST(ParseConfigTest, IgnoresTheVariablesOfServicesWhoseNamesBeginWithUplinkd) {
+  const LoadResult result = ParseWith("", {{"UPLINKD_HTTP_SERVICE_HOST", "10.0.0.8"},
+                                           {"UPLINKD_HTTP_SERVICE_PORT", "7480"},
+                                           {"UPLINKD_HTTP_SERVICE_PORT_API", "7480"},
+                                           {"UPLINKD_HTTP_PORT", "tcp://10.0.0.8:7480"},
+                                           {"UPLINKD_HTTP_PORT_7480_TCP", "tcp://10.0.0.8:7480"},
+                                           {"UPLINKD_HTTP_PORT_7480_TCP_PROTO", "tcp"},
+                                           {"UPLINKD_HTTP_PORT_7480_TCP_PORT", "7480"},
+                                           {"UPLINKD_HTTP_PORT_7480_TCP_ADDR", "10.0.0.8"},
+                                           {"UPLINKD_A_PORT_B_PORT", "udp://10.0.0.8:53"},
+                                           {"UPLINKD_A_PORT_B_PORT_53_UDP", "udp://10.0.0.8:53"},
+                                           {"UPLINKD_LIMITS_ROBOTS_MAX", "6"}});
+  ASSERT_THAT(result.problems, IsEmpty());
+  EXPECT_EQ(result.config->limits.robots_max, 6U);
+  EXPECT_THAT(result.notes, ElementsAre(IsProblem("environment", "", "and 7 more")));
+}
+
+TEST(ParseConfigTest, AVariableThatLooksLikeThoseOfAServiceIsAnError) {
+  const Environment variables = {{"UPLINKD_HTTP_PORT", "7480"},
+                                 {"UPLINKD_HTTP_PORT_7480_TCP", "7480"},
+                                 {"UPLINKD_HTTP_PORT_7480_TCP_MAX", "tcp://10.0.0.8:7480"},
+                                 {"UPLINKD_HTTP_PORT_7480_TCPX", "tcp://10.0.0.8:7480"},
+                                 {"UPLINKD_HTTP_PORT__TCP", "tcp://10.0.0.8:7480"},
+                                 {"UPLINKD_HTTP_PORTS", "tcp://10.0.0.8:7480"},
+                                 {"UPLINKD_HTTP_SERVICE_HOSTS", "10.0.0.8"}};
+  const LoadResult result = ParseWith("", variables);
+  EXPECT_THAT(result.problems, SizeIs(variables.size()));
+  EXPECT_THAT(result.notes, IsEmpty());
+}
+
 TEST(ParseConfigTest, AVariableThatOnlyBeginsAsThoseOfAServiceIsAnError) {
   const LoadResult result =
       ParseWith("", {{"UPLINKD_PORTS", "1"}, {"UPLINKD_SERVICE", "1"}, {"UPLINKD_X_PORT", "1"}});
@@ -147,6 +179,7 @@ TEST(ParseConfigTest, NoKeyHasTheNameOfAServicesVariable) {
   for (const Setting& setting : Settings()) {
     const std::string name = EnvironmentName(setting) + "_";
     EXPECT_FALSE(name.starts_with("UPLINKD_PORT_") || name.starts_with("UPLINKD_SERVICE_")) << name;
+    EXPECT_FALSE(IsServiceVariable(EnvironmentName(setting), "tcp://10.0.0.8:7480")) << name;
   }
 }
 
