@@ -1,5 +1,6 @@
 #include "server/config/file_modes.h"
 
+#include <optional>
 #include <string>
 
 #include <fmt/core.h>
@@ -8,18 +9,37 @@
 namespace uplink::config {
 namespace {
 
-void CheckFile(const std::string& key, const std::string& path, FileModes& modes) {
+/// Nothing if there is no such file.
+std::optional<mode_t> ModeOf(const std::string& path) {
   struct stat status {};
-  if (path.empty() || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
-  const mode_t mode = status.st_mode & 07777U;
-  if ((mode & S_IWOTH) != 0) {
-    modes.problems.push_back(
-        {path, key,
-         fmt::format("everybody on this machine may write {} (mode {:04o}); take that away: "
-                     "chmod o-rw {}",
-                     path, mode, path)});
+  if (path.empty() || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return std::nullopt;
+  }
+  return status.st_mode & 07777U;
+}
+
+/// Whether everybody may write the file; `less` is what chmod is told to take away.
+absl::Status Writers(const std::string& path, const char* less) {
+  const std::optional<mode_t> mode = ModeOf(path);
+  if (!mode || (*mode & S_IWOTH) == 0) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      fmt::format("everybody on this machine may write {} (mode {:04o}); take that away: "
+                  "chmod {} {}",
+                  path, *mode, less, path));
+}
+
+void CheckTrusted(const std::string& key, const std::string& path, FileModes& modes) {
+  const absl::Status writers = CheckWriters(path);
+  if (!writers.ok()) modes.problems.push_back({path, key, std::string(writers.message())});
+}
+
+void CheckSecret(const std::string& key, const std::string& path, FileModes& modes) {
+  const absl::Status writers = Writers(path, "o-rw");
+  if (!writers.ok()) {
+    modes.problems.push_back({path, key, std::string(writers.message())});
     return;
   }
+  const mode_t mode = ModeOf(path).value_or(0);
   if ((mode & S_IROTH) != 0) {
     modes.notes.push_back({{path, key,
                             fmt::format("everybody on this machine may read {} (mode {:04o}); the "
@@ -36,11 +56,17 @@ void CheckFile(const std::string& key, const std::string& path, FileModes& modes
 
 }  // namespace
 
+absl::Status CheckWriters(const std::string& path) { return Writers(path, "o-w"); }
+
 FileModes CheckFileModes(const Config& config) {
   FileModes modes;
-  CheckFile("tls.key_file", config.tls.key_file, modes);
+  const TlsConfig& tls = config.tls;
+  CheckTrusted("tls.certificate_file", tls.certificate_file, modes);
+  CheckSecret("tls.key_file", tls.key_file, modes);
+  CheckTrusted("tls.client_ca_file", tls.client_ca_file, modes);
+  CheckTrusted("tls.operator_ca_file", tls.operator_ca_file, modes);
   if (IsPostgres(config.store)) {
-    CheckFile("store.password_file", config.store.password_file, modes);
+    CheckSecret("store.password_file", config.store.password_file, modes);
   }
   return modes;
 }

@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "schema/base/utf8.h"
+#include "server/config/file_modes.h"
 #include "server/config/relations.h"
 #include "server/config/service_variables.h"
 #include "server/config/settings.h"
@@ -253,7 +254,12 @@ LoadResult LoadConfig(const std::string& path, const Environment& environment) {
         {path, {}, fmt::format("the file is larger than {} bytes", kConfigBytesMax)});
     return unread;
   }
-  return ParseConfig(text, path, environment);
+  LoadResult result = ParseConfig(text, path, environment);
+  if (const absl::Status writers = CheckWriters(path); !writers.ok()) {
+    result.problems.push_back({path, {}, std::string(writers.message())});
+    result.config.reset();
+  }
+  return result;
 }
 
 }  // namespace uplink::config

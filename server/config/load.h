@@ -59,7 +59,8 @@ struct LoadResult {
   [[nodiscard]] bool ok() const { return config.has_value(); }
 };
 
-/// Reads the file at `path` and lays the environment over it. Every problem is reported at once.
+/// Reads the file at `path` and lays the environment over it. Every problem is reported at once,
+/// also that everybody may write the file.
 ///
 /// Thread: any; reads one file of at most kConfigBytesMax.
 [[nodiscard]] LoadResult LoadConfig(const std::string& path, const Environment& environment);

@@ -8,6 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "server/config/file_modes.h"
 #include "server/identity/authorities.h"
 #include "server/identity/server_pair.h"
 
@@ -52,6 +53,10 @@ ServedFiles::~ServedFiles() {
 }
 
 absl::Status ServedFiles::Refresh() {
+  // Whoever may write them chooses which robots are let in.
+  for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
+    if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
+  }
   const auto certificate = identity::ReadPem(files_.certificate);
   if (!certificate.ok()) return certificate.status();
   const auto key = identity::ReadPem(files_.key);

@@ -21,7 +21,8 @@ namespace uplink::relay {
 /// Thread: Refresh on one thread; gRPC opens the paths on its own.
 class ServedFiles final {
  public:
-  /// Errors: kFailedPrecondition names the file that cannot be read or does not fit.
+  /// Errors: kFailedPrecondition names the file that cannot be read, that does not fit, or that
+  ///         everybody may write.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<ServedFiles>> Make(const PemFiles& files);
   ~ServedFiles();
   ServedFiles(const ServedFiles&) = delete;

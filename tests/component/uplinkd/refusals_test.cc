@@ -132,6 +132,37 @@ TEST_F(Refusals, ABrokenAuthorityIsSaidAndTheLastGoodOnesServed) {
   ASSERT_TRUE(process_->WaitFor("certificate_fits_again")) << process_->text();
 }
 
+TEST_F(Refusals, AnAuthorityThatEverybodyMayWriteIsNotTakenOver) {
+  using std::filesystem::perms;
+  Serve();
+  const TestAuthority other("other");
+  const auto channel = [&](const TestAuthority& issuer) {
+    return MakeChannel({.port = relay_,
+                        .server_ca = folder_.authority().certificate(),
+                        .identity = issuer.Issue(RobotSpec("rcan://a"))});
+  };
+  std::filesystem::permissions(folder_.Path("ca.crt"), perms{0666});
+  folder_.Write("ca.crt", folder_.authority().certificate() + other.certificate());
+  ASSERT_TRUE(process_->WaitFor("certificate_mismatch")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("may write " + folder_.Path("ca.crt")));
+  EXPECT_THAT(HttpGet(http_, "/readyz").body, HasSubstr("certificate_mismatch"));
+  TestAgent known(channel(folder_.authority()));
+  EXPECT_TRUE(known.Connect(model::SessionId())) << process_->text();
+  TestAgent stranger(channel(other));
+  EXPECT_FALSE(stranger.Connect(model::SessionId())) << process_->text();
+  EXPECT_EQ(stranger.End().error_code(), grpc::StatusCode::UNAVAILABLE);
+  const auto second = folder_.Start();
+  EXPECT_EQ(second->WaitForExit(), 2) << second->text();
+  EXPECT_THAT(second->text(), HasSubstr("tls.client_ca_file"));
+
+  std::filesystem::permissions(folder_.Path("ca.crt"), perms{0644});
+  ASSERT_TRUE(process_->WaitFor("certificate_fits_again")) << process_->text();
+  std::filesystem::permissions(folder_.Path("uplinkd.toml"), perms{0666});
+  process_->Signal(SIGHUP);
+  ASSERT_TRUE(process_->WaitFor("reload_refused")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("may write " + folder_.Path("uplinkd.toml")));
+}
+
 TEST_F(Refusals, AReloadThatChangesNothingIsNoWarning) {
   Serve();
   process_->Signal(SIGHUP);

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include "tests/support/temp_folder.h"
+#include "tests/unit/server/config/minimal.h"
 
 namespace uplink::config {
 namespace {
@@ -85,6 +86,42 @@ TEST_F(FileModesTest, WhatEverybodyMayWriteIsAProblem) {
                                       AllOf(HasSubstr(config_.tls.key_file), HasSubstr("0666")))),
                           AllOf(Field(&Problem::key, "store.password_file"),
                                 Field(&Problem::text, HasSubstr("0602")))));
+}
+
+// Whoever may write an authority lets robots in; whoever may only read it learns nothing.
+TEST_F(FileModesTest, CertificatesThatEverybodyMayWriteAreAProblem) {
+  config_.tls.certificate_file = Make("s.crt");
+  config_.tls.client_ca_file = Make("ca.crt");
+  config_.tls.operator_ca_file = Make("op.crt");
+  for (const mode_t mode : {0600U, 0644U, 0664U}) {
+    Change(config_.tls.certificate_file, mode);
+    Change(config_.tls.client_ca_file, mode);
+    Change(config_.tls.operator_ca_file, mode);
+    EXPECT_THAT(Check().problems, IsEmpty()) << mode;
+    EXPECT_THAT(Check().notes, IsEmpty()) << mode;
+  }
+  Change(config_.tls.certificate_file, 0666);
+  Change(config_.tls.client_ca_file, 0646);
+  Change(config_.tls.operator_ca_file, 0602);
+  EXPECT_THAT(
+      Check().problems,
+      ElementsAre(AllOf(Field(&Problem::key, "tls.certificate_file"),
+                        Field(&Problem::text, HasSubstr("0666"))),
+                  AllOf(Field(&Problem::key, "tls.client_ca_file"),
+                        Field(&Problem::text, AllOf(HasSubstr(config_.tls.client_ca_file),
+                                                    HasSubstr("0646"), HasSubstr("chmod o-w")))),
+                  Field(&Problem::key, "tls.operator_ca_file")));
+}
+
+TEST_F(FileModesTest, AConfigurationThatEverybodyMayWriteIsAProblem) {
+  const std::string path = Make("u.toml");
+  std::ofstream(path) << testing::kMinimal;
+  Change(path, 0664);
+  EXPECT_TRUE(LoadConfig(path, {}).ok());
+  Change(path, 0666);
+  const LoadResult result = LoadConfig(path, {});
+  EXPECT_FALSE(result.ok());
+  EXPECT_THAT(result.problems, ElementsAre(Field(&Problem::text, HasSubstr("may write " + path))));
 }
 
 TEST_F(FileModesTest, ALinkIsJudgedByItsFile) {
