@@ -37,6 +37,18 @@ std::size_t CodePointBytes(std::string_view text) {
 
 bool IsControl(unsigned char byte) { return byte < 0x20 || byte == 0x7F; }
 
+/// The well-formed code point that begins there changes how a terminal shows what follows: a
+/// control of C1 (U+0080 to U+009F), a mark of direction (U+200E, U+200F, U+202A to U+202E, U+2066
+/// to U+2069, U+061C), or another end of line (U+2028, U+2029).
+bool Steers(std::string_view text) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (at(0) == 0xC2) return at(1) <= 0x9F;
+  if (at(0) == 0xD8) return at(1) == 0x9C;
+  if (at(0) != 0xE2) return false;
+  if (at(1) == 0x80) return at(2) == 0x8E || at(2) == 0x8F || (at(2) >= 0xA8 && at(2) <= 0xAE);
+  return at(1) == 0x81 && at(2) >= 0xA6 && at(2) <= 0xA9;
+}
+
 }  // namespace
 
 bool IsCleanUtf8(std::string_view text) {
@@ -62,7 +74,7 @@ std::string PrintableUtf8(std::string_view text, std::size_t bytes_max) {
   while (!text.empty()) {
     const auto byte = static_cast<unsigned char>(text.front());
     const std::size_t bytes = IsControl(byte) ? 0 : CodePointBytes(text);
-    if (bytes == 0) {
+    if (bytes == 0 || Steers(text)) {
       if (out.size() + 4 > bytes_max) break;
       out += {'\\', 'x', kHex[byte >> 4U], kHex[byte & 0xFU]};
       text.remove_prefix(1);

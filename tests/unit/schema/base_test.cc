@@ -48,6 +48,12 @@ TEST(Utf8Test, CutsBetweenCodePoints) {
 TEST(Utf8Test, ShowsForeignBytesAsHex) {
   EXPECT_EQ(PrintableUtf8("ä\xFF\n\0b"sv, 64), "ä\\xff\\x0a\\x00b");
   EXPECT_EQ(PrintableUtf8("\xFF\xFF", 7), "\\xff");
+  EXPECT_EQ(PrintableUtf8("a\u009B2J\u0085", 64), "a\\xc2\\x9b2J\\xc2\\x85") << "controls of C1";
+  EXPECT_EQ(PrintableUtf8("\u202Eb\u2066\u200F", 64),
+            "\\xe2\\x80\\xaeb\\xe2\\x81\\xa6\\xe2\\x80\\x8f")
+      << "marks of direction";
+  EXPECT_EQ(PrintableUtf8("\u2028\u2029", 64), "\\xe2\\x80\\xa8\\xe2\\x80\\xa9") << "ends of line";
+  EXPECT_EQ(PrintableUtf8("\u00A0\u2010\u2065\u00E9", 64), "\u00A0\u2010\u2065\u00E9");
   EXPECT_EQ(PrintableUtf8("aüb", 2), "a");
   for (std::size_t max = 0; max < 20; ++max) {
     const std::string shown = PrintableUtf8("ä\xFFü\x01🦊\xC3", max);
