@@ -53,16 +53,17 @@ ServedFiles::~ServedFiles() {
 }
 
 absl::Status ServedFiles::Refresh() {
-  // Whoever may write them chooses which robots are let in.
-  for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
-    if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
-  }
   const auto certificate = identity::ReadPem(files_.certificate);
   if (!certificate.ok()) return certificate.status();
   const auto key = identity::ReadPem(files_.key);
   if (!key.ok()) return key.status();
   const auto client_ca = identity::ReadPem(files_.client_ca);
   if (!client_ca.ok()) return client_ca.status();
+  // Whoever may write them chooses which robots are let in. After they were read: what is
+  // checked before may be written in between.
+  for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
+    if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
+  }
   const std::array<std::string, kFiles> texts = {certificate->text, key->text, client_ca->text};
   if (texts == texts_) return absl::OkStatus();
   if (absl::Status fit = identity::CheckServerPair(*certificate, *key); !fit.ok()) return fit;
