@@ -3,7 +3,7 @@
 -- of the robot when it was let go.
 CREATE TABLE forget_requests (
   number bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
-  ruri text COLLATE "C" NOT NULL,
+  ruri text COLLATE "C" NOT NULL CHECK (octet_length(ruri) <= 1024),
   end_stream boolean NOT NULL,
   touched_at timestamptz NOT NULL DEFAULT now(),
   answer integer NOT NULL DEFAULT 0,

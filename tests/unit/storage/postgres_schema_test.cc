@@ -205,6 +205,20 @@ TEST(PostgresPartitionsTest, DaysFarAheadAreNotMade) {
   EXPECT_TRUE(Refuses(database, make("'2999-01-01'", "1")));
 }
 
+// What nothing would drop: the name of a partition has no era.
+TEST(PostgresPartitionsTest, DaysLongAgoAreNotMade) {
+  PostgresDatabase database;
+  const auto make = [](const std::string& first_day, const std::string& days) {
+    return "SELECT uplinkd.make_partitions(" + first_day + ", " + days + ")";
+  };
+  EXPECT_EQ(PostgresShell(database.url()).Read(make(kToday + " - 9999", "1")), "6\n");
+  EXPECT_TRUE(Refuses(database, make(kToday + " - 10001", "1")));
+  EXPECT_TRUE(Refuses(database, make("'4713-01-01 BC'", "31")));
+  EXPECT_TRUE(Refuses(database, make("'-infinity'", "1")));
+  EXPECT_TRUE(Refuses(database, make("NULL", "1")));
+  EXPECT_TRUE(Refuses(database, make(kToday, "NULL")));
+}
+
 TEST(PostgresPartitionsTest, DaysNearTodayAreNotDropped) {
   PostgresDatabase database;
   PostgresShell server(database.url());
