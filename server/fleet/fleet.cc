@@ -29,7 +29,7 @@ absl::StatusOr<RobotPtr> Fleet::FindOrAdmit(const model::RobotId& id) {
     return Admit(shard, id);
   }
   // It was there when somebody took its place: so many more there are, and kLeavingMax bounds them.
-  if (found->second->Stay()) leaving_.fetch_sub(1);
+  Keep(*found->second);
   found->second->SetFleet(id.fleet);
   return found->second;
 }
@@ -101,6 +101,10 @@ bool Fleet::BeginLeaving(robot::Robot& robot, robot::Robot::LeaveWhen when) {
   if (leaving_.load() >= kLeavingMax || !robot.BeginLeaving(when)) return false;
   leaving_.fetch_add(1);
   return true;
+}
+
+void Fleet::Keep(robot::Robot& robot) {
+  if (robot.Stay()) leaving_.fetch_sub(1);
 }
 
 std::vector<RobotPtr> Fleet::Leaving() const {

@@ -81,6 +81,8 @@ class Fleet final {
   /// The robot is to leave, unless kLeavingMax do. False if it is leaving already, or may not.
   bool BeginLeaving(robot::Robot& robot,
                     robot::Robot::LeaveWhen when = robot::Robot::LeaveWhen::kNotOnline);
+  /// The robot has a stream: it stays after all.
+  void Keep(robot::Robot& robot);
   /// Those that are leaving, of whom the journal is to let go.
   [[nodiscard]] std::vector<RobotPtr> Leaving() const;
   /// Takes those out of memory of whom the journal let go, and whom nobody keeps. Returns them.

@@ -35,6 +35,14 @@ void PresenceTrack::AddStall(SteadyTime now) {
   if (presence_ != Presence::kOffline && !foreign_) held_back_until_ = now;
 }
 
+void PresenceTrack::Doubt(SteadyTime unknown_until, SystemTime system_now) {
+  if (foreign_ || presence_ != Presence::kOnline) return;
+  last_sign_.reset();
+  claimed_.reset();
+  unknown_until_ = unknown_until;
+  Change(Presence::kUnknown, system_now);
+}
+
 Presence PresenceTrack::Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits) {
   Reach(steady, system);
   Update(limits);

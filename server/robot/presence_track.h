@@ -41,6 +41,9 @@ class PresenceTrack final {
   /// The server itself stood still, or was behind with reading, until now: what it did not hear
   /// meanwhile proves nothing. Who was offline before stays so.
   void AddStall(SteadyTime now);
+  /// What was heard here counts no more: who was online is unknown until it is heard again, and at
+  /// most until `unknown_until`.
+  void Doubt(SteadyTime unknown_until, SystemTime system_now);
   /// Brings presence up to date and returns it.
   Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   /// What an earlier life of the server heard; it changes no presence.

@@ -79,6 +79,11 @@ void RobotState::NoteStall(SteadyTime now) {
   presence_.AddStall(now);
 }
 
+void RobotState::Doubt(SteadyTime unknown_until, SystemTime system_now) {
+  const std::lock_guard lock(mutex_);
+  presence_.Doubt(unknown_until, system_now);
+}
+
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {
   const std::lock_guard lock(mutex_);
   if (foreign_) return;

@@ -96,6 +96,8 @@ class RobotState final {
   /// The server itself stood still, or was behind with reading, until now: what it did not hear
   /// meanwhile proves nothing. Who was offline before stays so.
   void NoteStall(SteadyTime now);
+  /// As PresenceTrack's.
+  void Doubt(SteadyTime unknown_until, SystemTime system_now);
   void NoteClockSkew(std::int64_t skew_ms);
   /// A new stream begins: its dropped fields are counted from zero.
   void StreamBegan();

@@ -17,6 +17,8 @@ absl::StatusOr<robot::Standing> Attachment::Attach(HelloTerms terms) {
   robot_->NoteHeard(context_.clock.System());
   const robot::Takeover::Attached attached =
       robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
+  // It may have been asked to leave before its stream was to be seen.
+  context_.fleet.Keep(*robot_);
   if (attached.took_over) context_.probe.takeovers_total.Add();
   if (attached.contested) context_.probe.contested_total.Add();
   for (const robot::StreamRef stream : attached.to_wake) stream.Wake();

@@ -160,6 +160,24 @@ TEST_F(PresenceTrackTest, WhatWasHeardWithoutAChangeIsToldWhereTheStoreHasAnothe
   EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, later)));
 }
 
+TEST_F(PresenceTrackTest, WhoIsDoubtedIsUnknownUntilItIsHeardOrTheTimeIsOver) {
+  track_.Doubt(clock_.Steady() + std::chrono::seconds(5), clock_.System());
+  EXPECT_THAT(changes_, IsEmpty()) << "it was not online";
+  Sign();
+  changes_.clear();
+  track_.Doubt(clock_.Steady() + std::chrono::seconds(5), clock_.System());
+  EXPECT_EQ(track_.presence(), Presence::kUnknown);
+  EXPECT_EQ(changes_.size(), 1U);
+  clock_.Advance(std::chrono::seconds(4));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  Sign();
+  EXPECT_EQ(track_.presence(), Presence::kOnline) << "and that is told";
+  EXPECT_EQ(changes_.size(), 2U);
+  track_.Doubt(clock_.Steady() + std::chrono::seconds(5), clock_.System());
+  clock_.Advance(std::chrono::hours(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
 TEST_F(PresenceTrackTest, AnAdoptedRobotIsUnknownForItsGrace) {
   clock_.Advance(std::chrono::hours(5));
   const SteadyTime until = clock_.Steady() + std::chrono::hours(1);
