@@ -15,6 +15,11 @@ absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
   }
   std::size_t taken = 0;
   for (const storage::RobotRow& row : *rows) {
+    // One that the store calls online is taken, and judged, before it is forgotten.
+    if (row.last_presence != model::Presence::kOnline && context_.is_forgotten(row.last_seen)) {
+      --known;
+      continue;
+    }
     const auto robot = context_.fleet.AdmitNew(row.robot);
     if (!robot.ok()) continue;
     ++taken;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 #include <absl/status/statusor.h>
@@ -28,6 +29,8 @@ class Seed final {
     /// Set where nobody else can have the store: every earlier holder has ended, so its robots are
     /// adopted, and may be unheard for so long before they are offline.
     std::optional<milliseconds> adopt_grace;
+    /// Whether a robot that was heard last then is to be in memory no more.
+    std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
   };
   explicit Seed(const Context& context) : context_(context) {}
 

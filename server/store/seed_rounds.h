@@ -32,10 +32,13 @@ class SeedRounds final {
     std::size_t robots_max = 0;
     /// Seed::Context's.
     std::optional<milliseconds> adopt_grace;
+    /// Seed::Context's.
+    std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
   };
   explicit SeedRounds(const Context& context)
       : context_(context),
-        seed_({context.fleet, context.journals, context.reader, context.adopt_grace}),
+        seed_({context.fleet, context.journals, context.reader, context.adopt_grace,
+               context.is_forgotten}),
         restore_(context.fleet, context.reader) {}
   SeedRounds(const SeedRounds&) = delete;
   SeedRounds& operator=(const SeedRounds&) = delete;

@@ -50,6 +50,22 @@ TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
   EXPECT_EQ(fleet_.size(), 1U);
 }
 
+TEST_F(SeedTest, WhoIsForgottenIsLeftInTheStoreUnlessTheStoreCallsItOnline) {
+  Know(store_, "rcan://a", clock_.System());
+  Know(store_, "rcan://b", clock_.System());
+  storage::Batch batch;
+  batch.presence_session = model::SessionId({8});
+  batch.presence = {{std::make_shared<const model::RobotId>(model::RobotId{"rcan://b", "f"}),
+                     model::Presence::kOnline, clock_.System(), 1, database_.EpochOf("rcan://b")}};
+  ASSERT_TRUE(store_.Commit(batch).ok());
+  Seed seed({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
+  const auto left_out = seed.Run(2);
+  ASSERT_TRUE(left_out.ok());
+  EXPECT_EQ(*left_out, 0U) << "there was room";
+  EXPECT_EQ(fleet_.Find("rcan://a"), nullptr);
+  EXPECT_NE(fleet_.Find("rcan://b"), nullptr) << "it is to be judged first";
+}
+
 TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
   Know(store_, "rcan://a", clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
