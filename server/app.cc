@@ -58,7 +58,8 @@ class App::Impl {
                      }}),
         seed_rounds_({fleet_, journals_, *stores_.reader, options_.logger,
                       options_.config.limits.robots_max,
-                      store::AdoptGraceOf(stores_, options_.config.presence)}),
+                      store::AdoptGraceOf(stores_, options_.config.presence),
+                      [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
         leases_(std::move(stores_.leases),
                 {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
                  options_.config.presence, store::IsGone,
@@ -284,7 +285,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
       Groundwork::Context{options.clock, options.logger, config.listen.http, config.http});
   if (absl::Status began = ground->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
-  auto stores = store::OpenStores(config, options.process, options.clock);
+  auto stores = store::OpenStores(config, options.process, options.clock.machine());
   if (!stores.ok()) return stores.status();
   auto impl = std::make_unique<Impl>(std::move(options), *ground, *expiry, *std::move(stores));
   if (absl::Status started = impl->Start(); !started.ok()) return started;

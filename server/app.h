@@ -7,7 +7,6 @@
 
 #include <absl/status/statusor.h>
 
-#include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/config/load.h"
 #include "storage/types.h"
@@ -17,6 +16,9 @@ class Logger;
 }
 namespace uplink::metrics {
 class Cell;
+}
+namespace uplink::store {
+class MarkedClock;
 }
 
 namespace uplink {
@@ -35,7 +37,8 @@ class App final {
     /// Reads the configuration again, for SIGHUP.
     std::function<config::LoadResult()> read_config;
     log::Logger& logger;
-    const Clock& clock;
+    /// Of which the store's clock rounds tell the mark.
+    store::MarkedClock& clock;
     /// Whether the kernel calls its civil clock synchronised. Any thread.
     std::function<bool()> kernel_clock_synchronised;
     /// Drawn anew for each life of the process.

@@ -20,6 +20,7 @@
 #include "server/relay/environment.h"
 #include "server/relay/grpc_log.h"
 #include "server/store/kernel_clock.h"
+#include "server/store/marked_clock.h"
 
 namespace uplink {
 namespace {
@@ -93,8 +94,9 @@ int Serve(const Flags& flags) {
   const config::Config& config = *loaded.config;
   const std::size_t descriptors = SetUpProcess(config);
 
-  const SystemClock clock;
-  log::Logger logger(log::StandardError(), clock, lifecycle::LogFormatOf(config.log.format),
+  const SystemClock machine_clock;
+  store::MarkedClock clock(machine_clock);
+  log::Logger logger(log::StandardError(), machine_clock, lifecycle::LogFormatOf(config.log.format),
                      lifecycle::LogLevelOf(config.log.level));
   const relay::GrpcLog grpc_log(logger);
   logger.Info("starting", {{"version", UPLINK_VERSION},

@@ -9,6 +9,27 @@ std::int64_t SecondsOf(milliseconds span) {
   return std::chrono::duration_cast<std::chrono::seconds>(span).count();
 }
 
+bool FarAheadOfDatabase(const ClockFacts& facts) {
+  return facts.database && facts.now - *facts.database > kAheadOfDatabaseMax;
+}
+
+bool NearMark(const ClockFacts& facts) {
+  if (!facts.mark) return false;
+  const milliseconds past = facts.now - *facts.mark;
+  const bool doubtful = facts.since_jump || FarAheadOfDatabase(facts);
+  const milliseconds past_max = doubtful ? milliseconds(kPastMarkDoubtful) : kPastMarkMax;
+  return past <= past_max && -past <= kBeforeMarkTrusted;
+}
+
+std::string WhyNotTheMark(const ClockFacts& facts) {
+  if (!facts.mark) return "the store has no mark";
+  const milliseconds past = facts.now - *facts.mark;
+  if (past.count() < 0)
+    return fmt::format("it is {} s before the mark in the store", SecondsOf(-past));
+  return fmt::format("it {}is {} s past the mark in the store",
+                     facts.since_jump ? "jumped ahead, and " : "", SecondsOf(past));
+}
+
 }  // namespace
 
 bool ClockFacts::DatabaseAgrees() const {
@@ -18,8 +39,10 @@ bool ClockFacts::DatabaseAgrees() const {
 }
 
 Voucher VoucherOf(const ClockFacts& facts) {
-  if (facts.mark && facts.now - *facts.mark <= kPastMarkMax) return Voucher::kMark;
-  if (facts.kernel_synchronised && facts.DatabaseAgrees()) return Voucher::kKernel;
+  if (NearMark(facts)) return Voucher::kMark;
+  const bool kernel_knows =
+      !facts.since_jump || facts.database || *facts.since_jump > kKernelNotices;
+  if (facts.kernel_synchronised && kernel_knows && facts.DatabaseAgrees()) return Voucher::kKernel;
   return Voucher::kNobody;
 }
 
@@ -29,9 +52,7 @@ bool MayMoveMark(const ClockFacts& facts) {
 }
 
 std::string WhyNobodyVouches(const ClockFacts& facts) {
-  std::string why = facts.mark ? fmt::format("it is {} s past the mark in the store",
-                                             SecondsOf(facts.now - *facts.mark))
-                               : "the store has no mark";
+  std::string why = WhyNotTheMark(facts);
   if (!facts.kernel_synchronised) return why + ", and the kernel does not call it synchronised";
   if (facts.DatabaseAgrees()) return why;
   return why + fmt::format(", and the database's clock differs by {} s",

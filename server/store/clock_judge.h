@@ -12,6 +12,16 @@ namespace uplink::store {
 /// How far past the mark a clock may stand and be trusted: a server that was off over night starts
 /// without anybody's help.
 inline constexpr std::chrono::hours kPastMarkMax{24};
+/// How far before the mark: its rows would be too old as soon as the clock is right.
+inline constexpr std::chrono::hours kBeforeMarkTrusted{24};
+/// Past the mark after a jump, or far ahead of the database: whoever has the right time, or an
+/// operator, set it within this.
+inline constexpr std::chrono::minutes kPastMarkDoubtful{2};
+/// So long after a jump the kernel's word does not count where there is no database to confirm it:
+/// what keeps a clock synchronised takes a while to notice that somebody else moved it.
+inline constexpr std::chrono::minutes kKernelNotices{15};
+/// A clock that stands so far ahead of the database's is doubtful.
+inline constexpr std::chrono::hours kAheadOfDatabaseMax{1};
 /// How far apart our clock and the database's may be for the one to confirm the other.
 inline constexpr std::chrono::minutes kDatabaseAgreesWithin{1};
 
@@ -25,6 +35,9 @@ struct ClockFacts {
   bool kernel_synchronised = false;
   /// The database's clock; nothing if the store has none of its own.
   std::optional<SystemTime> database;
+  /// How long ago civil time was seen to run ahead of the monotonic clock, if it has not come back
+  /// and nobody vouched for it since.
+  std::optional<milliseconds> since_jump;
 
   /// True also where there is no database to disagree.
   [[nodiscard]] bool DatabaseAgrees() const;
@@ -33,7 +46,7 @@ struct ClockFacts {
 /// Who vouches for the civil clock.
 enum class Voucher : std::uint8_t {
   kNobody,
-  /// It is before the mark, or not far past it. An operator who confirms the clock sets the mark.
+  /// It is near the mark. An operator who confirms the clock sets the mark.
   kMark,
   /// The kernel, and the database if there is one.
   kKernel,

@@ -21,14 +21,21 @@ const char* NameOf(Voucher voucher) {
 }  // namespace
 
 ClockRounds::ClockRounds(Context context)
-    : context_(std::move(context)), mark_from_(ClockPair::Of(context_.clock)) {}
+    : context_(std::move(context)), mark_from_(ClockPair::Of(context_.clock.machine())) {}
 
 void ClockRounds::Round() {
   Read();
-  const ClockPair now = ClockPair::Of(context_.clock);
+  const ClockPair now = ClockPair::Of(context_.clock.machine());
+  NoteJump(now);
   const ClockFacts facts = FactsAt(now);
   const Voucher voucher = reading_ ? VoucherOf(facts) : Voucher::kNobody;
-  context_.trust.Note(voucher != Voucher::kNobody, now);
+  const bool vouched = voucher != Voucher::kNobody;
+  if (vouched) {
+    vouched_at_ = now;
+    jumped_at_.reset();
+  }
+  context_.trust.Note(vouched, now);
+  TellMark(voucher, facts);
   Tell(voucher, facts);
   MoveMark(facts, now);
 }
@@ -43,9 +50,35 @@ void ClockRounds::LookOn(const std::function<bool(std::function<void()>)>& post)
   if (!posted) looking_.store(false);
 }
 
+void ClockRounds::TellMark(Voucher voucher, const ClockFacts& facts) {
+  const std::optional<SystemTime> mark =
+      voucher == Voucher::kKernel ? std::optional<SystemTime>() : facts.mark;
+  // One that stays where it was goes on by the monotonic clock.
+  if (mark == told_mark_) return;
+  told_mark_ = mark;
+  if (mark) {
+    context_.clock.NoteMark(*mark, read_at_);
+  } else {
+    context_.clock.ForgetMark();
+  }
+}
+
+void ClockRounds::NoteJump(const ClockPair& now) {
+  if (!vouched_at_ || now.AheadSince(*vouched_at_) <= kAdvanceTolerance) {
+    jumped_at_.reset();
+  } else if (!jumped_at_) {
+    jumped_at_ = now.steady;
+  }
+}
+
 void ClockRounds::Read() {
-  if (!reading_ && !context_.marks.SetIfEmpty(context_.clock.System()).ok()) return;
   auto reading = context_.marks.Read();
+  if (reading.ok() && !reading_ && !reading->mark) {
+    // The database's time, if it has one: the first server's clock may be the one that is wrong.
+    const SystemTime first = reading->database.value_or(context_.clock.machine().System());
+    if (!context_.marks.SetIfEmpty(first).ok()) return;
+    reading = context_.marks.Read();
+  }
   if (!reading.ok()) return;
   reading_ = *std::move(reading);
   read_at_ = context_.clock.Steady();
@@ -53,6 +86,9 @@ void ClockRounds::Read() {
 
 ClockFacts ClockRounds::FactsAt(const ClockPair& now) const {
   ClockFacts facts{.now = now.system, .kernel_synchronised = context_.kernel_synchronised()};
+  if (jumped_at_) {
+    facts.since_jump = std::chrono::duration_cast<milliseconds>(now.steady - *jumped_at_);
+  }
   if (!reading_) return facts;
   facts.mark = reading_->mark;
   if (reading_->database) {

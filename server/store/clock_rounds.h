@@ -8,6 +8,7 @@
 #include "schema/base/clock.h"
 #include "server/log/logger.h"
 #include "server/store/clock_judge.h"
+#include "server/store/marked_clock.h"
 #include "server/store/vouched_clock.h"
 #include "storage/clock_marks.h"
 
@@ -27,7 +28,8 @@ class ClockRounds final {
  public:
   /// The references outlive it.
   struct Context {
-    const Clock& clock;
+    /// Its machine's clock is judged; it is told the mark.
+    MarkedClock& clock;
     storage::ClockMarks& marks;
     VouchedClock& trust;
     const log::Logger& logger;
@@ -45,6 +47,10 @@ class ClockRounds final {
  private:
   void Read();
   [[nodiscard]] ClockFacts FactsAt(const ClockPair& now) const;
+  /// What rows are stamped by does not stand well before the mark, unless the kernel knows better.
+  void TellMark(Voucher voucher, const ClockFacts& facts);
+  /// Notes whether civil time ran ahead since it was vouched for.
+  void NoteJump(const ClockPair& now);
   void MoveMark(const ClockFacts& facts, const ClockPair& now);
   void Tell(Voucher voucher, const ClockFacts& facts);
 
@@ -53,6 +59,10 @@ class ClockRounds final {
   /// What the store said last, and when.
   std::optional<storage::ClockReading> reading_;
   SteadyTime read_at_;
+  std::optional<SystemTime> told_mark_;
+  /// When somebody vouched for the clock last, and when it was seen ahead of that.
+  std::optional<ClockPair> vouched_at_;
+  std::optional<SteadyTime> jumped_at_;
   /// Since when civil and monotonic time are compared for the next mark.
   ClockPair mark_from_;
   /// What the log was told last.

@@ -7,6 +7,7 @@ import struct
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 from harness import BIN, Cluster, EndToEnd, Fleet, Server, run, wait_until
 
@@ -136,6 +137,59 @@ class Clock(EndToEnd):
         self.clock.set(0)
         self.wait_for_clock(True)
         self.assertIn("clock_vouched by=mark", self.server.text())
+
+    def what_a_clock_behind_stamps_is_kept(self, rows, old):
+        """`old` finds rows that are too old by the right time."""
+        self.rows = rows
+        if hasattr(rows, "close"):
+            self.open_things.append(rows)
+        self.clock = ShiftedClock(self.folder)
+        self.clock.set(-DAYS_100)
+        # Certificates that are good then and now, and robots that live then.
+        with unittest.mock.patch.dict(os.environ, self.clock.environment):
+            self.server = Server(self.folder, store_url=rows.url)
+            self.open_things.append(self.server)
+            # The store gets a mark of the right time.
+            self.clock.set(0)
+            self.server.start()
+            self.wait_for_clock(True)
+            self.assertEqual(self.server.terminate(60), 0)
+            self.clock.set(-DAYS_100)
+            self.server.start()
+            self.wait_for_clock(False)
+            self.assertIn("before the mark", self.server.text())
+            fleet = Fleet(self.server, "--robots", 3, "--faults", 10, "--pace", 100)
+            self.open_things.append(fleet)
+            wait_until(fleet.process, lambda: rows.count("events") and rows.count("faults_history"), 120,
+                       "there are rows")  # fmt: skip
+            fleet.finish()
+            self.assertEqual(self.server.terminate(60), 0)
+            self.before = self.counts()
+            for table in ("events", "faults_history"):
+                self.assertEqual(rows.count(table, old), 0, f"stamped from the mark on: {table}")
+            self.clock.set(0)
+            self.server.start()
+            self.wait_for_clock(True)
+            self.assertEqual(self.counts(), self.before)
+
+    def test_what_a_clock_behind_stamps_is_kept_on_sqlite(self):
+        self.what_a_clock_behind_stamps_is_kept(
+            SqliteRows(self.folder), "received_ms < (strftime('%s', 'now') - 86400) * 1000"
+        )
+
+    def test_what_a_clock_behind_stamps_is_kept_on_postgres(self):
+        self.what_a_clock_behind_stamps_is_kept(
+            PostgresRows(self.folder), "received_at < now() - interval '1 day'"
+        )
+
+    def test_a_jump_of_hours_is_not_trusted_for_being_near_the_mark(self):
+        self.begin(SqliteRows(self.folder))
+        self.server.start()
+        self.wait_for_clock(True)
+        self.clock.set(12 * 3600)
+        self.wait_for_clock(False)
+        self.clock.set(0)
+        self.wait_for_clock(True)
 
     def test_a_jump_erases_nothing_on_sqlite(self):
         self.a_jump_erases_nothing(SqliteRows(self.folder))

@@ -20,9 +20,45 @@ TEST(ClockJudge, IsVouchedForUntilADayPastTheMark) {
   EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
 }
 
-TEST(ClockJudge, IsVouchedForBeforeTheMarkHoweverFar) {
-  EXPECT_EQ(VoucherOf({.now = kNow, .mark = kNow + std::chrono::days(1000)}), Voucher::kMark)
-      << "less is deleted";
+TEST(ClockJudge, IsVouchedForUntilADayBeforeTheMark) {
+  ClockFacts facts{.now = kNow, .mark = kNow + kBeforeMarkTrusted};
+  EXPECT_EQ(VoucherOf(facts), Voucher::kMark);
+  facts.mark = *facts.mark + kTick;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_THAT(WhyNobodyVouches(facts), HasSubstr("86400 s before the mark"));
+  facts.kernel_synchronised = true;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kKernel) << "the mark is what is wrong";
+}
+
+TEST(ClockJudge, AfterAJumpOnlyAMarkOfNowVouches) {
+  ClockFacts facts{.now = kNow, .mark = kNow - kPastMarkDoubtful, .since_jump = milliseconds(0)};
+  EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "an operator set it, or one who has the time";
+  facts.mark = *facts.mark - kTick;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_THAT(WhyNobodyVouches(facts), HasSubstr("it jumped ahead, and is 120 s past the mark"));
+}
+
+TEST(ClockJudge, AfterAJumpTheKernelTakesAWhileToNotice) {
+  ClockFacts facts{.now = kNow, .kernel_synchronised = true, .since_jump = kKernelNotices};
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  facts.since_jump = milliseconds(kKernelNotices) + kTick;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kKernel);
+  facts.since_jump = milliseconds(0);
+  facts.database = kNow;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kKernel) << "the database confirms it at once";
+}
+
+TEST(ClockJudge, FarAheadOfTheDatabaseOnlyAMarkOfNowVouches) {
+  ClockFacts facts{
+      .now = kNow, .mark = kNow - std::chrono::minutes(10), .database = kNow - kAheadOfDatabaseMax};
+  EXPECT_EQ(VoucherOf(facts), Voucher::kMark);
+  facts.database = *facts.database - kTick;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  facts.mark = kNow;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "an operator knows better than the database";
+  facts.mark = kNow - std::chrono::minutes(10);
+  facts.database = kNow + std::chrono::days(1);
+  EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "less is deleted";
 }
 
 TEST(ClockJudge, NobodyVouchesWithoutAMark) {

@@ -30,7 +30,7 @@ class ClockRoundsTest : public ::testing::Test {
   void Start() {
     trust_ = std::make_unique<VouchedClock>(clock_);
     rounds_ = std::make_unique<ClockRounds>(ClockRounds::Context{
-        clock_, marks_, *trust_, logger_, [this] { return kernel_synchronised_; }});
+        marked_, marks_, *trust_, logger_, [this] { return kernel_synchronised_; }});
     rounds_->Round();
   }
   /// Rounds for as long as that, as they come.
@@ -50,6 +50,7 @@ class ClockRoundsTest : public ::testing::Test {
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
+  MarkedClock marked_{clock_};
   std::unique_ptr<VouchedClock> trust_;
   std::unique_ptr<ClockRounds> rounds_;
 };
@@ -101,6 +102,73 @@ TEST_F(ClockRoundsTest, TheMarkFollowsEachMinute) {
   EXPECT_EQ(marks_.reading.mark, start_ + 2 * kMarkEvery);
 }
 
+TEST_F(ClockRoundsTest, TheFirstMarkIsTheDatabasesTime) {
+  marks_.empty = true;
+  marks_.reading.database = start_ - std::chrono::days(100);
+  Start();
+  EXPECT_EQ(marks_.reading.mark, start_ - std::chrono::days(100));
+  EXPECT_FALSE(trust_->vouched()) << "this server's clock is the one that is wrong";
+}
+
+TEST_F(ClockRoundsTest, AJumpOfHoursIsNotTrustedForBeingNearTheMark) {
+  marks_.reading.mark = start_;
+  Start();
+  Jump(std::chrono::hours(12));
+  Pass(5 * kMarkEvery);
+  EXPECT_FALSE(trust_->vouched()) << "at a start it would be: the server may have been off";
+  EXPECT_EQ(marks_.reading.mark, start_);
+  marks_.reading.mark = clock_.System();  // an operator confirms it
+  Pass(kClockEvery);
+  EXPECT_TRUE(trust_->vouched());
+  Pass(5 * kMarkEvery);
+  EXPECT_TRUE(trust_->vouched());
+}
+
+TEST_F(ClockRoundsTest, AJumpThatTheKernelStandsByIsTrustedAfterAWhile) {
+  marks_.reading.mark = start_;
+  kernel_synchronised_ = true;
+  Start();
+  Jump(std::chrono::days(100));
+  Pass(kKernelNotices);
+  EXPECT_FALSE(trust_->vouched());
+  Pass(kMarkEvery);
+  EXPECT_TRUE(trust_->vouched());
+}
+
+TEST_F(ClockRoundsTest, AClockWellBeforeTheMarkIsNotTrustedAndStampsFromTheMarkOn) {
+  const SystemTime mark = start_ + std::chrono::days(100);
+  marks_.reading.mark = mark;
+  EXPECT_EQ(marked_.System(), start_);
+  Start();
+  EXPECT_FALSE(trust_->vouched());
+  EXPECT_EQ(marked_.System(), mark);
+  Pass(3 * kMarkEvery);
+  EXPECT_EQ(marked_.System(), mark + 3 * kMarkEvery) << "by the monotonic clock";
+  EXPECT_EQ(marks_.reading.mark, mark);
+  // It comes right: then it counts.
+  Jump(std::chrono::days(100) + std::chrono::hours(1));
+  Pass(kClockEvery);
+  EXPECT_TRUE(trust_->vouched());
+  EXPECT_EQ(marked_.System(), clock_.System());
+}
+
+TEST_F(ClockRoundsTest, AMarkThatIsWrongStampsNothingWhereTheKernelKnowsBetter) {
+  marks_.reading.mark = start_ + std::chrono::days(100);
+  kernel_synchronised_ = true;
+  Start();
+  EXPECT_TRUE(trust_->vouched());
+  EXPECT_EQ(marked_.System(), start_);
+  Pass(kMarkEvery);
+  EXPECT_EQ(marks_.reading.mark, start_ + kMarkEvery);
+}
+
+TEST_F(ClockRoundsTest, ServersThatDifferALittleStampByTheirOwnClocks) {
+  marks_.reading.mark = start_ + kBeforeMarkMax;
+  Start();
+  EXPECT_TRUE(trust_->vouched());
+  EXPECT_EQ(marked_.System(), start_);
+}
+
 TEST_F(ClockRoundsTest, AJumpWhileTheServerRunsMovesNoMark) {
   marks_.reading.mark = start_;
   Start();
@@ -122,10 +190,12 @@ TEST_F(ClockRoundsTest, AJumpWhileTheServerRunsMovesNoMark) {
 
 TEST_F(ClockRoundsTest, AMarkIsNotMovedInAMinuteInWhichCivilTimeJumped) {
   marks_.reading.mark = start_;
+  marks_.reading.database = start_ + std::chrono::hours(3);
+  kernel_synchronised_ = true;
   Start();
   Jump(std::chrono::hours(3));
   Pass(kMarkEvery);
-  EXPECT_TRUE(trust_->vouched()) << "less than a day";
+  EXPECT_TRUE(trust_->vouched()) << "the kernel and the database have the same time";
   EXPECT_EQ(marks_.reading.mark, start_);
   Pass(kMarkEvery);
   EXPECT_EQ(marks_.reading.mark, start_ + std::chrono::hours(3) + 2 * kMarkEvery);
@@ -142,7 +212,7 @@ TEST_F(ClockRoundsTest, AClockThatRunsTooFastMovesNoMark) {
 }
 
 TEST_F(ClockRoundsTest, AMarkMayGoBack) {
-  marks_.reading.mark = start_ + std::chrono::days(50);
+  marks_.reading.mark = start_ + kBeforeMarkTrusted;
   Start();
   Pass(kMarkEvery);
   EXPECT_EQ(marks_.reading.mark, start_ + kMarkEvery);

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+#include "schema/base/clock.h"
+
+namespace uplink::store {
+
+/// A clock that stands before the store's mark by no more than this counts as right: servers that
+/// share a mark differ a little.
+inline constexpr std::chrono::minutes kBeforeMarkMax{1};
+
+/// The machine's clocks, but that civil time does not stand well before the store's mark: what a
+/// clock that was behind stamped would be too old, and deleted, as soon as the clock is right.
+///
+/// Thread: thread-safe. NoteMark by one thread.
+class MarkedClock final : public Clock {
+ public:
+  /// `machine` outlives this.
+  explicit MarkedClock(const Clock& machine) : machine_(machine) {}
+
+  [[nodiscard]] SteadyTime Steady() const override { return machine_.Steady(); }
+  /// The machine's, or from the mark on by the monotonic clock, if the machine's is before that by
+  /// more than kBeforeMarkMax.
+  [[nodiscard]] SystemTime System() const override;
+  /// The store's mark as it was read at `at`; it may have gone back.
+  void NoteMark(SystemTime mark, SteadyTime at);
+  /// Something else vouches for the machine's clock: the mark is wrong.
+  void ForgetMark() { mark_less_steady_ms_.store(kNone); }
+  [[nodiscard]] const Clock& machine() const { return machine_; }
+
+ private:
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min();
+  static std::int64_t SteadyMs(SteadyTime time) {
+    return std::chrono::duration_cast<milliseconds>(time.time_since_epoch()).count();
+  }
+
+  const Clock& machine_;
+  std::atomic<std::int64_t> mark_less_steady_ms_{kNone};
+};
+
+}  // namespace uplink::store
