@@ -1,5 +1,6 @@
 #include "server/store/forget_rounds.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,11 +50,16 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAtAll() {
   const auto pending = context_.store.requests().Pending();
   if (!pending.ok()) return pending.status();
   Look all = Look::kDone;
+  std::erase_if(told_, [&pending](std::uint64_t number) {
+    return std::ranges::none_of(
+        *pending, [number](const storage::PendingForget& asked) { return asked.number == number; });
+  });
   for (const storage::PendingForget& asked : *pending) {
     const absl::StatusOr<Look> look = LookAt(asked);
     if (!look.ok()) return look;
     if (*look == Look::kUnderWay) all = Look::kUnderWay;
   }
+  first_look_ = false;
   // Those of whom the journal has let go since.
   if (all == Look::kUnderWay) static_cast<void>(context_.fleet.RemoveLeft());
   return all;
@@ -90,9 +96,8 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingFor
     return asked.end_stream ? Look::kUnderWay : Tell(asked, ForgetAnswer::kRecordsWait);
   }
   // Should it stay in the store after all, it is not online there for ever.
-  if (robot.state.presence() == model::Presence::kOnline && !robot.leaving()) {
-    context_.journals.NotePresence(robot.id(), model::Presence::kUnknown, context_.clock.System());
-  }
+  robot.state.Doubt(context_.clock.Steady() + context_.fleet.presence_limits().timeout,
+                    context_.clock.System());
   Leave(robot);
   return Look::kUnderWay;
 }
@@ -108,12 +113,27 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::Tell(const storage::PendingForg
 }
 
 ForgetRounds::Look ForgetRounds::Follow(const storage::PendingForget& asked) {
-  if (asked.hold) return Look::kDone;  // it stayed, or is there again
+  const bool is_gone = !asked.hold;  // else it stayed, or is there again
+  if (told_.insert(asked.number).second && !first_look_) {
+    context_.logger.Info(is_gone ? "robot_removed" : "forget_given_up", {{"ruri", asked.ruri}});
+  }
+  if (!is_gone) return Look::kDone;
   const fleet::RobotPtr robot = context_.fleet.Find(asked.ruri);
-  // A stream of it is here, and opens it anew.
-  if (robot == nullptr || !robot->idle()) return Look::kDone;
+  if (robot == nullptr) return Look::kDone;
+  if (robot->HasStream()) {
+    OpenAnew(*robot);
+    return Look::kDone;
+  }
+  if (!robot->idle()) return Look::kDone;
   Leave(*robot);
   return Look::kUnderWay;
+}
+
+void ForgetRounds::OpenAnew(robot::Robot& robot) {
+  // One that is about to be opened is not held yet.
+  const storage::Epoch held_since = robot.state.held_since();
+  if (held_since == 0) return;
+  context_.journals.Lose({.client = &robot, .robot = robot.id(), .since = held_since + 1});
 }
 
 void ForgetRounds::Leave(robot::Robot& robot) {

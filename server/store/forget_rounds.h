@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <set>
 #include <stop_token>
 #include <thread>
 
@@ -70,6 +71,9 @@ class ForgetRounds final {
   absl::StatusOr<Look> Tell(const storage::PendingForget& asked, storage::ForgetAnswer answer);
   /// The robot's row is gone, and it has no stream here.
   Look Follow(const storage::PendingForget& asked);
+  /// Its row was removed while a stream of it is here, which this process could not tell in time:
+  /// the stream ends, and its next one makes a row.
+  void OpenAnew(robot::Robot& robot);
   void Leave(robot::Robot& robot);
   /// Logs when the store begins to fail, and when it works again.
   void NoteOutcome(const absl::Status& status);
@@ -77,6 +81,9 @@ class ForgetRounds final {
 
   const Context context_;
   SilentRows silent_rows_;
+  /// Finished requests that were a line of the log; those of before the start are none.
+  std::set<std::uint64_t> told_;
+  bool first_look_ = true;
   bool failing_ = false;
   std::mutex mutex_;
   std::condition_variable_any pause_;

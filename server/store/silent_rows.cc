@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 
 namespace uplink::store {
 
@@ -9,8 +10,9 @@ absl::Status SilentRows::Round() {
   const SteadyTime now = context_.clock.Steady();
   if (due_ && now < *due_) return outcome_;
   outcome_ = absl::OkStatus();
-  const std::optional<SystemTime> until = context_.rule.Until(context_.clock.System());
-  if (!until || !context_.trust.vouched()) return outcome_;
+  const SystemTime civil = context_.clock.System();
+  const std::optional<SystemTime> until = context_.rule.Until(civil);
+  if (!until || !context_.trust.VouchesFor(civil)) return outcome_;
   const absl::StatusOr<Left> left = RemoveSome(*until);
   outcome_ = left.status();
   if (!left.ok()) {
@@ -25,17 +27,20 @@ absl::StatusOr<SilentRows::Left> SilentRows::RemoveSome(SystemTime until) {
   const auto silent = context_.removal.SilentSince(until, context_.process, after_);
   if (!silent.ok()) return silent.status();
   std::size_t removed = 0;
+  std::string first;
   absl::Status status;
   for (const storage::SilentRobot& robot : *silent) {
     if (context_.fleet.Find(robot.ruri) == nullptr) {
       const auto gone = context_.removal.Remove(robot.ruri, robot.epoch);
       status = gone.status();
       if (!status.ok()) break;
-      if (gone->has_value()) ++removed;
+      if (gone->has_value() && removed++ == 0) first = robot.ruri;
     }
     after_ = robot.ruri;
   }
-  if (removed > 0) context_.logger.Info("silent_robots_removed", {{"robots", removed}});
+  if (removed > 0) {
+    context_.logger.Info("silent_robots_removed", {{"robots", removed}, {"first", first}});
+  }
   if (!status.ok()) return status;
   // By what the answer names: those that stay count as well.
   if (silent->size() == storage::kSilentRobotsMax) return Left::kMore;

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "storage/clock_marks.h"
-#include "storage/sqlite/database.h"
-#include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/open_beside.h"
 #include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {
@@ -30,12 +30,9 @@ class SqliteClockMarks final : public ClockMarks {
   [[nodiscard]] absl::Status SetIfEmpty(SystemTime mark) override;
 
  private:
-  SqliteClockMarks(std::unique_ptr<FileLock> joined, std::unique_ptr<Database> database)
-      : joined_(std::move(joined)), database_(std::move(database)) {}
+  explicit SqliteClockMarks(Beside beside) : beside_(std::move(beside)) {}
 
-  /// Goes after the database.
-  std::unique_ptr<FileLock> joined_;
-  std::unique_ptr<Database> database_;
+  Beside beside_;
   std::unique_ptr<Statement> read_, set_, set_if_empty_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "storage/forget_store.h"
 #include "storage/sqlite/forget_requests.h"
+#include "storage/sqlite/open_beside.h"
 #include "storage/sqlite/robot_removal.h"
 
 namespace uplink::storage::sqlite {
@@ -24,7 +25,7 @@ class SqliteForgetStore final : public ForgetStore {
  private:
   SqliteForgetStore() = default;
 
-  std::unique_ptr<Database> database_;
+  Beside beside_;
   std::unique_ptr<SqliteRobotRemoval> removal_;
   std::unique_ptr<SqliteForgetRequests> requests_;
 };

@@ -7,7 +7,9 @@
 
 namespace uplink::storage::sqlite {
 
-absl::StatusOr<std::unique_ptr<Database>> OpenBeside(const std::string& path) {
+absl::StatusOr<Beside> OpenBeside(const std::string& path) {
+  auto joined = FileLock::Join(path);
+  if (!joined.ok()) return joined.status();
   // A look that makes no file comes first.
   auto there = Database::Open(path, Access::kRead, kBusyTimeout);
   if (!there.ok()) return there.status();
@@ -17,7 +19,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenBeside(const std::string& path) {
   if (status.ok()) status = Migrate(**database, Migrations(), IfOlder::kRefuse);
   if (status.ok()) status = ConfigureWriter(**database);
   if (!status.ok()) return status;
-  return database;
+  return Beside{*std::move(joined), *std::move(database)};
 }
 
 }  // namespace uplink::storage::sqlite

@@ -7,6 +7,7 @@
 
 #include "schema/base/clock.h"
 #include "storage/sqlite/database.h"
+#include "storage/sqlite/file_lock.h"
 
 namespace uplink::storage::sqlite {
 
@@ -16,8 +17,15 @@ inline constexpr milliseconds kBusyTimeout{5'000};
 /// A connection for short writes beside the store's writer, which take no lock but SQLite's own.
 /// The file must be there and migrated; nothing is created.
 ///
+/// Goes as a whole: the database first.
+struct Beside {
+  /// That the file's server, if there is one, has it by the same name.
+  std::unique_ptr<FileLock> joined;
+  std::unique_ptr<Database> database;
+};
+
 /// Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
-///         version.
-[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> OpenBeside(const std::string& path);
+///         version, or another name of it (FileLock::Join).
+[[nodiscard]] absl::StatusOr<Beside> OpenBeside(const std::string& path);
 
 }  // namespace uplink::storage::sqlite

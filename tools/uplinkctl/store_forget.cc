@@ -1,6 +1,8 @@
 #include "tools/uplinkctl/store_forget.h"
 
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +15,8 @@
 #include <absl/status/statusor.h>
 #include <fmt/core.h>
 
+#include "schema/base/utf8.h"
+#include "schema/model/ids.h"
 #include "server/store/lease_judge.h"
 #include "storage/forget_store.h"
 #include "storage/leases.h"
@@ -33,10 +37,16 @@ using storage::ForgetAnswer;
 /// what waits is committed first.
 constexpr std::chrono::seconds kAnswerWait{20};
 constexpr milliseconds kLookEvery{100};
+/// How often a robot is asked for that comes back at once.
+constexpr int kTriesMax = 10;
 constexpr std::string_view kRuriPrefix = "rcan://";
+/// Of names that are shown.
+constexpr std::size_t kNameBytesMax = 512;
 
 /// A store, and what else is known of who serves it.
 struct Target {
+  /// Of an SQLite file; else empty.
+  std::string path;
   /// Of an SQLite file that no server has: none starts meanwhile. Goes last.
   std::unique_ptr<storage::sqlite::FileLock> lock;
   std::unique_ptr<storage::ForgetStore> store;
@@ -44,17 +54,27 @@ struct Target {
   std::unique_ptr<storage::Leases> leases;
 };
 
-absl::StatusOr<Target> OpenSqlite(const std::string& path) {
-  Target target;
-  auto store = storage::sqlite::SqliteForgetStore::Open(path);
-  if (!store.ok()) return store.status();
-  target.store = *std::move(store);
-  auto lock = storage::sqlite::FileLock::Take(path);
+/// Locks an SQLite file that is there and that no server has.
+absl::Status Lock(Target& target) {
+  if (!std::filesystem::exists(target.path)) return absl::OkStatus();
+  auto lock = storage::sqlite::FileLock::Take(target.path);
   if (lock.ok()) {
     target.lock = *std::move(lock);
   } else if (!storage::sqlite::IsInUse(lock.status())) {
     return lock.status();
   }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Target> OpenSqlite(const std::string& path) {
+  Target target;
+  target.path = path;
+  // Before the database is opened, and it goes after it: closing the lock's descriptor drops the
+  // locks that SQLite has on the file.
+  if (absl::Status locked = Lock(target); !locked.ok()) return locked;
+  auto store = storage::sqlite::SqliteForgetStore::Open(path);
+  if (!store.ok()) return store.status();
+  target.store = *std::move(store);
   return target;
 }
 
@@ -77,24 +97,55 @@ absl::StatusOr<Target> Open(const StoreForgetRequest& request, const Clock& cloc
   return OpenPostgres(std::get<storage::postgres::StoreOptions>(*target), clock);
 }
 
-/// The server that is to let go of the robot; nothing if none is there.
-absl::StatusOr<std::optional<std::string>> ServerOf(Target& target,
-                                                    const std::optional<storage::RobotHold>& hold) {
-  if (target.lock != nullptr || !hold) return std::nullopt;
-  if (target.leases == nullptr) return std::optional<std::string>("the server that has the file");
+/// Who has the robot in memory, as far as the store tells.
+struct Holder {
+  enum class State : std::uint8_t {
+    /// No server: nobody need be asked.
+    kNone,
+    kThere,
+    /// It did not give the robot up, and was not heard for longer than its lease lasts: it may
+    /// live,
+    /// with the robot's stream, cut off from the database alone.
+    kSilent,
+  };
+  State state = State::kNone;
+  std::string name;
+  std::chrono::seconds heard_ago{0};
+};
+
+absl::StatusOr<Holder> HolderOf(Target& target, const std::optional<storage::RobotHold>& hold) {
+  if (target.leases == nullptr) {
+    if (target.lock != nullptr || !hold) return Holder();
+    return Holder{Holder::State::kThere, "the server that has the file"};
+  }
+  if (!hold) return Holder();
   const auto leases = target.leases->Read();
   if (!leases.ok()) return leases.status();
   for (const storage::Lease& lease : *leases) {
     if (lease.process != hold->owner || lease.released) continue;
-    if (lease.renewed_ago <= store::kSilentMax) return std::optional(lease.card.name);
+    const bool silent = lease.renewed_ago > store::kSilentMax;
+    return Holder{silent ? Holder::State::kSilent : Holder::State::kThere,
+                  PrintableUtf8(lease.card.name, kNameBytesMax), lease.renewed_ago};
   }
-  return std::nullopt;
+  return Holder();
 }
 
-void Show(const StoreForgetRequest& request, const std::optional<std::string>& server,
+std::string TextOf(const Holder& holder) {
+  switch (holder.state) {
+    case Holder::State::kNone:
+      return "no server";
+    case Holder::State::kThere:
+      return holder.name;
+    case Holder::State::kSilent:
+      return fmt::format("{}, not heard for {} s", holder.name, holder.heard_ago.count());
+  }
+  return "";
+}
+
+void Show(const StoreForgetRequest& request, const Holder& holder,
           const std::vector<storage::TableCount>& counts) {
-  fmt::print("robot           {}\n", request.ruri);
-  fmt::print("held by         {}\n", server.value_or("no server"));
+  fmt::print("robot           {}\n", PrintableUtf8(request.ruri, kNameBytesMax));
+  fmt::print("held by         {}\n", TextOf(holder));
   fmt::print("will go\n");
   for (const storage::TableCount& count : counts) {
     fmt::print("  {:<24}{:>10}\n", count.table, count.rows);
@@ -105,12 +156,19 @@ void Show(const StoreForgetRequest& request, const std::optional<std::string>& s
 struct Found {
   std::string ruri;
   std::optional<storage::RobotHold> hold;
-  /// Has it in memory.
-  std::optional<std::string> server;
+  Holder holder;
 };
 
+absl::StatusOr<Found> Find(Target& target, const std::string& ruri) {
+  const auto hold = target.store->removal().HoldOf(ruri);
+  if (!hold.ok()) return hold.status();
+  const auto holder = HolderOf(target, *hold);
+  if (!holder.ok()) return holder.status();
+  return Found{ruri, *hold, *holder};
+}
+
 /// Why the robot stays.
-absl::Status Refused(const storage::AnsweredForget& answer, const std::string& server) {
+absl::Status Refused(const storage::AnsweredForget& answer, const Holder& holder) {
   switch (answer.answer) {
     case ForgetAnswer::kLetGo:
       return absl::OkStatus();
@@ -123,20 +181,30 @@ absl::Status Refused(const storage::AnsweredForget& answer, const std::string& s
     case ForgetAnswer::kNone:
       break;
   }
-  return absl::UnavailableError(
-      fmt::format("{} did not let go of the robot within {} s", server, kAnswerWait.count()));
+  return absl::UnavailableError(fmt::format(
+      "{} did not let go of the robot within {} s: it is gone or hangs (try again once its lease is"
+      " over, after {} s), or records of the robot cannot be committed",
+      holder.name, kAnswerWait.count(), store::kSilentMax.count()));
+}
+
+absl::Status MayStream(const Holder& holder) {
+  return absl::FailedPreconditionError(
+      fmt::format("{} holds the robot and was not heard for {} s: it may live with the robot's"
+                  " stream, cut off from the database; --end-stream forgets the robot all the same,"
+                  " or wait until another server has adopted it",
+                  holder.name, holder.heard_ago.count()));
 }
 
 /// The epoch that the robot had when its server let go of it.
 absl::StatusOr<storage::Epoch> Await(storage::ForgetRequests& requests, std::uint64_t number,
-                                     const std::string& server, const Clock& clock) {
+                                     const Holder& holder, const Clock& clock) {
   const SteadyTime until = clock.Steady() + kAnswerWait;
   while (true) {
     const auto answer = requests.AnswerTo(number);
     if (!answer.ok()) return answer.status();
     const bool late = clock.Steady() >= until;
     if (answer->answer != ForgetAnswer::kNone || late) {
-      if (absl::Status refused = Refused(*answer, server); !refused.ok()) return refused;
+      if (absl::Status refused = Refused(*answer, holder); !refused.ok()) return refused;
       return answer->epoch;
     }
     std::this_thread::sleep_for(kLookEvery);
@@ -148,8 +216,8 @@ absl::StatusOr<storage::Epoch> Await(storage::ForgetRequests& requests, std::uin
 absl::StatusOr<storage::EntryBound> RemoveNow(Target& target, const Found& found,
                                               std::uint64_t number, const Clock& clock) {
   storage::Epoch epoch = found.hold ? found.hold->epoch : 0;
-  if (found.server) {
-    const auto let_go = Await(target.store->requests(), number, *found.server, clock);
+  if (found.holder.state == Holder::State::kThere) {
+    const auto let_go = Await(target.store->requests(), number, found.holder, clock);
     if (!let_go.ok()) return let_go.status();
     epoch = *let_go;
   }
@@ -186,9 +254,10 @@ absl::Status Forget(Target& target, const Found& found, bool end_stream, const C
 
 int StoreForget(const StoreForgetRequest& request) {
   // The store has rows of the servers' own beside those of robots.
-  if (!request.ruri.starts_with(kRuriPrefix)) {
-    return ExitOf(absl::InvalidArgumentError(
-        fmt::format("{} is no RURI: a robot's begins with {}", request.ruri, kRuriPrefix)));
+  if (!request.ruri.starts_with(kRuriPrefix) || request.ruri.size() > model::kRuriBytesMax) {
+    return ExitOf(absl::InvalidArgumentError(fmt::format(
+        "{} is no RURI: a robot's begins with {} and has at most {} bytes",
+        PrintableUtf8(request.ruri, kNameBytesMax), kRuriPrefix, model::kRuriBytesMax)));
   }
   const SystemClock clock;
   absl::StatusOr<Target> target = Open(request, clock);
@@ -196,20 +265,36 @@ int StoreForget(const StoreForgetRequest& request) {
   const auto counts = target->store->removal().Count(request.ruri);
   if (!counts.ok()) return ExitOf(counts.status());
   if (counts->empty()) {
-    fmt::print(stderr, "uplinkctl: the store has nothing of {}\n", request.ruri);
+    fmt::print(stderr, "uplinkctl: the store has nothing of {}\n",
+               PrintableUtf8(request.ruri, kNameBytesMax));
     return kExitFailed;
   }
-  const auto hold = target->store->removal().HoldOf(request.ruri);
-  if (!hold.ok()) return ExitOf(hold.status());
-  const auto server = ServerOf(*target, *hold);
-  if (!server.ok()) return ExitOf(server.status());
-  Show(request, *server, *counts);
+  auto found = Find(*target, request.ruri);
+  if (!found.ok()) return ExitOf(found.status());
+  Show(request, found->holder, *counts);
+  // Whoever thinks about the answer keeps no server from starting.
+  target->store = nullptr;
+  target->lock = nullptr;
   if (!request.yes && !SaysYes("Forget the robot, and delete all of this for good?")) {
     fmt::print("nothing was deleted\n");
     return kExitFailed;
   }
-  const absl::Status forgotten =
-      Forget(*target, {request.ruri, *hold, *server}, request.end_stream, clock);
+  // That may have taken a while.
+  target = Open(request, clock);
+  if (!target.ok()) return ExitOf(target.status());
+  found = Find(*target, request.ruri);
+  if (!found.ok()) return ExitOf(found.status());
+  if (found->holder.state == Holder::State::kSilent && !request.end_stream) {
+    return ExitOf(MayStream(found->holder));
+  }
+  absl::Status forgotten = Forget(*target, *found, request.end_stream, clock);
+  // A robot whose stream was ended may be back before its rows are gone.
+  for (int tries = 1; request.end_stream && absl::IsAborted(forgotten) && tries < kTriesMax;
+       ++tries) {
+    found = Find(*target, request.ruri);
+    if (!found.ok()) return ExitOf(found.status());
+    forgotten = Forget(*target, *found, true, clock);
+  }
   if (!forgotten.ok()) return ExitOf(forgotten);
   fmt::print("forgotten\n");
   return kExitDone;

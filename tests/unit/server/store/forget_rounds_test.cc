@@ -176,6 +176,40 @@ TEST_F(ForgetRoundsTest, ARobotThatIsThereAgainStays) {
   EXPECT_NE(Shown(), nullptr) << "it has a row";
 }
 
+TEST_F(ForgetRoundsTest, AStreamOfARobotWhoseRowWasRemovedIsOpenedAnew) {
+  Come();
+  Ask(false, std::nullopt);
+  static_cast<void>(requests_.Finish(asked_));
+  rounds_.Round();
+  Write();
+  EXPECT_EQ(Shown()->state.held_since(), 0U);
+  EXPECT_EQ(Shown()->sessions.StandingOf(streams_.stream()), robot::Standing::kSuperseded);
+}
+
+TEST_F(ForgetRoundsTest, ARobotThatIsLetGoAndSpeaksIsOnlineInTheHistoryAgain) {
+  Come();
+  Go();
+  Ask(false);
+  rounds_.Round();  // unknown is on its way to the store
+  Come();
+  Write();
+  EXPECT_EQ(Shown()->state.presence(), model::Presence::kOnline);
+  const auto changes = store_.PresenceChanges({});
+  EXPECT_EQ(changes->rows.front().presence, model::Presence::kOnline);
+}
+
+TEST_F(ForgetRoundsTest, ARowThatIsGoneIsALineOnceAndThoseOfBeforeTheStartAreNone) {
+  Ask(false, std::nullopt);
+  static_cast<void>(requests_.Finish(asked_));
+  rounds_.Round();
+  EXPECT_THAT(lines_, IsEmpty());
+  Ask(false, std::nullopt);
+  static_cast<void>(requests_.Finish(asked_));
+  rounds_.Round();
+  rounds_.Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robot_removed ruri=rcan://r")));
+}
+
 TEST_F(ForgetRoundsTest, AStoreThatIsAwayIsAskedAgain) {
   Ask(false);
   requests_.status = absl::UnavailableError("away");
