@@ -55,7 +55,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAtAll() {
         *pending, [number](const storage::PendingForget& asked) { return asked.number == number; });
   });
   for (const storage::PendingForget& asked : *pending) {
-    const absl::StatusOr<Look> look = LookAt(asked);
+    absl::StatusOr<Look> look = LookAt(asked);
     if (!look.ok()) return look;
     if (*look == Look::kUnderWay) all = Look::kUnderWay;
   }

@@ -129,6 +129,7 @@ absl::StatusOr<std::vector<DroppedRow>> PostgresReader::QuarantineDropped(const 
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();
     std::vector<DroppedRow> dropped;
+    dropped.reserve(static_cast<std::size_t>(rows->rows()));
     for (int row = 0; row < rows->rows(); ++row) {
       dropped.push_back(
           {ReasonOf(rows->Int(row, 0)), static_cast<std::uint64_t>(rows->Int(row, 1))});

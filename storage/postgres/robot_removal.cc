@@ -119,6 +119,7 @@ absl::StatusOr<std::vector<SilentRobot>> PostgresRobotRemoval::SilentSince(Syste
   if (!answers.ok()) return answers.status();
   const Result& rows = answers->front();
   std::vector<SilentRobot> robots;
+  robots.reserve(static_cast<std::size_t>(rows.rows()));
   for (int row = 0; row < rows.rows(); ++row) {
     robots.push_back({std::string(rows.Bytes(row, 0)), static_cast<Epoch>(rows.Int(row, 1))});
   }

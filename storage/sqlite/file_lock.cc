@@ -160,7 +160,7 @@ std::string RealPath(const std::string& path) {
 
 /// Whether somebody holds the file by the name that SQLite uses, too: the path or the real one.
 absl::StatusOr<bool> ANameIsLocked(const std::string& path) {
-  const absl::StatusOr<bool> given = NameIsLocked(path + ".lock");
+  absl::StatusOr<bool> given = NameIsLocked(path + ".lock");
   if (!given.ok() || *given) return given;
   const std::string real = RealPath(path);
   return real.empty() ? given : NameIsLocked(real + ".lock");

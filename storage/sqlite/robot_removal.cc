@@ -37,10 +37,10 @@ absl::Status SqliteRobotRemoval::Prepare() {
     prepare.Into(removals_.emplace_back(), "DELETE" + from);
   }
   for (const HistoryTable& table : kHistoryTables) {
-    const std::string name(table.name);
-    prepare.Into(history_removals_.emplace_back(),
-                 "DELETE FROM " + name + " WHERE rowid IN (SELECT rowid FROM " + name +
-                     " WHERE ruri = ? AND entry < ? LIMIT ?) RETURNING 1");
+    std::string sql("DELETE FROM ");
+    sql.append(table.name).append(" WHERE rowid IN (SELECT rowid FROM ").append(table.name);
+    sql.append(" WHERE ruri = ? AND entry < ? LIMIT ?) RETURNING 1");
+    prepare.Into(history_removals_.emplace_back(), sql);
   }
   return prepare.status();
 }

@@ -109,6 +109,7 @@ TEST_P(LatestContract, AnswersForAThousandRobots) {
   const model::Record good = test::RecordOf(Agent("1"));
   Open();
   std::vector<storage::RobotRef> robots;
+  robots.reserve(1'000);
   for (int i = 0; i < 1'000; ++i) robots.push_back(Robot("r" + std::to_string(i)));
   OpenAlso(robots);
   for (const storage::RobotRef& robot : robots) {

@@ -40,6 +40,7 @@ TEST_P(StoreContract, NeverGivesAnEpochTwice) {
   open_all(kProcess);
   open_all(kOther);
   std::vector<storage::AdoptRequest> adopts;
+  adopts.reserve(requests.size());
   for (const storage::OpenRequest& request : requests) {
     adopts.push_back({request.robot, storage::ProcessId{kOther}, 0});
   }

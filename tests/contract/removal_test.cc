@@ -91,6 +91,7 @@ class RemovalContract : public StoreContract {
   static constexpr std::size_t kFilledHistories = 7;
   static std::vector<std::string_view> NamesOf(const std::vector<TableCount>& counts) {
     std::vector<std::string_view> names;
+    names.reserve(counts.size());
     for (const TableCount& count : counts) names.push_back(count.table);
     return names;
   }
@@ -118,6 +119,7 @@ TEST_P(RemovalContract, TakesAllThatARobotIsAndHas) {
   held_since_ = mine;
   EXPECT_TRUE(Remove(EpochNow()));
   std::vector<std::string_view> histories;
+  histories.reserve(storage::kHistoryTables.size());
   for (const storage::HistoryTable& table : storage::kHistoryTables)
     histories.push_back(table.name);
   EXPECT_THAT(NamesOf(Count(robot_)), ElementsAreArray(histories));

@@ -4,6 +4,7 @@
 
 #include <absl/status/status.h>
 
+// NOLINTNEXTLINE(readability-identifier-naming): the library's own
 namespace CLI {
 class App;
 }

@@ -131,15 +131,9 @@ absl::StatusOr<Holder> HolderOf(Target& target, const std::optional<storage::Rob
 }
 
 std::string TextOf(const Holder& holder) {
-  switch (holder.state) {
-    case Holder::State::kNone:
-      return "no server";
-    case Holder::State::kThere:
-      return holder.name;
-    case Holder::State::kSilent:
-      return fmt::format("{}, not heard for {} s", holder.name, holder.heard_ago.count());
-  }
-  return "";
+  if (holder.state == Holder::State::kNone) return "no server";
+  if (holder.state == Holder::State::kThere) return holder.name;
+  return fmt::format("{}, not heard for {} s", holder.name, holder.heard_ago.count());
 }
 
 void Show(const StoreForgetRequest& request, const Holder& holder,

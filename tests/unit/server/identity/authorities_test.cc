@@ -80,11 +80,11 @@ TEST_F(AuthoritiesTest, OneWhoseDashesAreDamagedIsNotPassedOver) {
 TEST_F(AuthoritiesTest, OneWhoseMarksAreWrittenOtherwiseIsNotPassedOver) {
   const std::string begin = "-----BEGIN CERTIFICATE-----";
   const std::string end = "-----END CERTIFICATE-----";
-  const std::string en = "\xe2\x80\x93";  // a dash of word processors
   for (const auto& [first, last] : std::vector<std::pair<std::string, std::string>>{
            {"----- BEGIN CERTIFICATE -----", "----- END CERTIFICATE -----"},
            {"-----begin certificate-----", "-----end certificate-----"},
-           {en + "BEGIN CERTIFICATE" + en, en + "END CERTIFICATE" + en},
+           // With a dash of word processors.
+           {"\u2013BEGIN CERTIFICATE\u2013", "\u2013END CERTIFICATE\u2013"},
            {"=====Begin X509 Certificate=====", "=====End X509 Certificate====="},
            {"-----BEGIN  CERTIFICATE-----", "-----END  CERTIFICATE-----"},
            {"-----BEGIN Certificate-----", "-----END Certificate-----"},
