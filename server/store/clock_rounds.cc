@@ -51,8 +51,11 @@ void ClockRounds::LookOn(const std::function<bool(std::function<void()>)>& post)
 }
 
 void ClockRounds::TellMark(Voucher voucher, const ClockFacts& facts) {
-  const std::optional<SystemTime> mark =
-      voucher == Voucher::kKernel ? std::optional<SystemTime>() : facts.mark;
+  // Whose clock is confirmed by another than the mark stamps by it: the mark may be that of a server
+  // whose clock is ahead.
+  const bool confirmed = voucher == Voucher::kKernel ||
+                         (facts.DatabaseAgrees() && (facts.database || facts.kernel_synchronised));
+  const std::optional<SystemTime> mark = confirmed ? std::optional<SystemTime>() : facts.mark;
   // One that stays where it was goes on by the monotonic clock.
   if (mark == told_mark_) return;
   told_mark_ = mark;

@@ -162,6 +162,17 @@ TEST_F(ClockRoundsTest, AMarkThatIsWrongStampsNothingWhereTheKernelKnowsBetter) 
   EXPECT_EQ(marks_.reading.mark, start_ + kMarkEvery);
 }
 
+TEST_F(ClockRoundsTest, AMarkOfAServerThatIsAheadStampsNothingWhereTheDatabaseConfirmsOurClock) {
+  marks_.reading.mark = start_ + std::chrono::minutes(40);
+  marks_.reading.database = start_;
+  Start();
+  EXPECT_EQ(marked_.System(), start_);
+  marks_.reading.database = std::nullopt;
+  kernel_synchronised_ = true;
+  Start();
+  EXPECT_EQ(marked_.System(), start_) << "nor where the kernel does";
+}
+
 TEST_F(ClockRoundsTest, ServersThatDifferALittleStampByTheirOwnClocks) {
   marks_.reading.mark = start_ + kBeforeMarkMax;
   Start();
