@@ -78,7 +78,9 @@ void ForgetRounds::NoteOutcome(const absl::Status& status) {
 
 absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAt(const storage::PendingForget& asked) {
   if (asked.finished) return Follow(asked);
-  if (!asked.hold || asked.hold->owner != context_.process) return Look::kDone;
+  if (!asked.hold) return Look::kDone;
+  // In a store that one process has, who held the robot before has ended.
+  if (!context_.alone && asked.hold->owner != context_.process) return Look::kDone;
   // After the epoch was read: a stream that is not seen here has a later one.
   const fleet::RobotPtr robot = context_.fleet.Find(asked.ruri);
   if (robot == nullptr) return Tell(asked, ForgetAnswer::kLetGo);

@@ -46,6 +46,8 @@ class ForgetRounds final {
     storage::ForgetStore& store;
     /// This process.
     storage::ProcessId process{};
+    /// The store is this process's alone.
+    bool alone = false;
     /// Of SilentRows.
     RowsRule rows;
     const VouchedClock& trust;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -56,7 +57,9 @@ struct Target {
 
 /// Locks an SQLite file that is there and that no server has.
 absl::Status Lock(Target& target) {
-  if (!std::filesystem::exists(target.path)) return absl::OkStatus();
+  // What is not there, or cannot be looked at, is named by whoever opens it.
+  std::error_code error;
+  if (!std::filesystem::exists(target.path, error)) return absl::OkStatus();
   auto lock = storage::sqlite::FileLock::Take(target.path);
   if (lock.ok()) {
     target.lock = *std::move(lock);

@@ -152,6 +152,21 @@ TEST_F(ForgetRoundsTest, TheRobotOfAnotherProcessIsNotOursToLetGo) {
   EXPECT_NE(Shown(), nullptr);
 }
 
+TEST_F(ForgetRoundsTest, InAStoreOfItsOwnTheRobotOfAnEarlierLifeIsItsToLetGo) {
+  ForgetRounds alone({.fleet = fleet_,
+                      .journals = journals_,
+                      .clock = clock_,
+                      .logger = logger_,
+                      .store = forget_,
+                      .process = kSelf,
+                      .alone = true,
+                      .rows = {},
+                      .trust = trust_});
+  Ask(false, kOther);  // left out of memory at the start
+  alone.Round();
+  EXPECT_EQ(AnswerNow().answer, ForgetAnswer::kLetGo);
+}
+
 TEST_F(ForgetRoundsTest, ARobotWhoseRowIsGoneIsFollowed) {
   Come();
   Go();
