@@ -51,8 +51,8 @@ void ClockRounds::LookOn(const std::function<bool(std::function<void()>)>& post)
 }
 
 void ClockRounds::TellMark(Voucher voucher, const ClockFacts& facts) {
-  // Whose clock is confirmed by another than the mark stamps by it: the mark may be that of a server
-  // whose clock is ahead.
+  // Whose clock is confirmed by another than the mark stamps by it: the mark may be that of a
+  // server whose clock is ahead.
   const bool confirmed = voucher == Voucher::kKernel ||
                          (facts.DatabaseAgrees() && (facts.database || facts.kernel_synchronised));
   const std::optional<SystemTime> mark = confirmed ? std::optional<SystemTime>() : facts.mark;
