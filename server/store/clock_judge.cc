@@ -1,5 +1,7 @@
 #include "server/store/clock_judge.h"
 
+#include <algorithm>
+
 #include <fmt/core.h>
 
 namespace uplink::store {
@@ -48,7 +50,12 @@ Voucher VoucherOf(const ClockFacts& facts) {
 
 bool MayMoveMark(const ClockFacts& facts) {
   if (VoucherOf(facts) == Voucher::kNobody) return false;
-  return !facts.mark || facts.now >= *facts.mark || facts.DatabaseAgrees();
+  return !facts.mark || facts.now >= *facts.mark || facts.Confirmed();
+}
+
+SystemTime MarkToSet(const ClockFacts& facts) {
+  if (!facts.database || FarAheadOfDatabase(facts)) return facts.now;
+  return std::min(facts.now, *facts.database);
 }
 
 std::string WhyNobodyVouches(const ClockFacts& facts) {

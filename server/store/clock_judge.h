@@ -41,6 +41,10 @@ struct ClockFacts {
 
   /// True also where there is no database to disagree.
   [[nodiscard]] bool DatabaseAgrees() const;
+  /// Something other than the mark says that our clock is right.
+  [[nodiscard]] bool Confirmed() const {
+    return DatabaseAgrees() && (database || kernel_synchronised);
+  }
 };
 
 /// Who vouches for the civil clock.
@@ -55,9 +59,13 @@ enum class Voucher : std::uint8_t {
 /// A pure function.
 [[nodiscard]] Voucher VoucherOf(const ClockFacts& facts);
 
-/// Whether the mark may be set to our time: not by a server for which nobody vouches, and not back
-/// by one that the database contradicts, since servers share the mark.
+/// Whether the mark may be set to our time: not by a server for which nobody vouches, and back only
+/// by one whose clock the database or the kernel confirms.
 [[nodiscard]] bool MayMoveMark(const ClockFacts& facts);
+
+/// To which time: ours, but not ahead of the database's, since servers share the mark. Where an
+/// operator confirmed a clock that is far ahead of it, ours all the same.
+[[nodiscard]] SystemTime MarkToSet(const ClockFacts& facts);
 
 /// Why nobody vouches for the clock, for people.
 [[nodiscard]] std::string WhyNobodyVouches(const ClockFacts& facts);

@@ -53,8 +53,7 @@ void ClockRounds::LookOn(const std::function<bool(std::function<void()>)>& post)
 void ClockRounds::TellMark(Voucher voucher, const ClockFacts& facts) {
   // Whose clock is confirmed by another than the mark stamps by it: the mark may be that of a
   // server whose clock is ahead.
-  const bool confirmed = voucher == Voucher::kKernel ||
-                         (facts.DatabaseAgrees() && (facts.database || facts.kernel_synchronised));
+  const bool confirmed = voucher == Voucher::kKernel || facts.Confirmed();
   const std::optional<SystemTime> mark = confirmed ? std::optional<SystemTime>() : facts.mark;
   // One that stays where it was goes on by the monotonic clock.
   if (mark == told_mark_) return;
@@ -78,8 +77,13 @@ void ClockRounds::Read() {
   auto reading = context_.marks.Read();
   if (reading.ok() && !reading_ && !reading->mark) {
     // The database's time, if it has one: the first server's clock may be the one that is wrong.
-    const SystemTime first = reading->database.value_or(context_.clock.machine().System());
-    if (!context_.marks.SetIfEmpty(first).ok()) return;
+    const ClockFacts facts{.now = context_.clock.machine().System(),
+                           .kernel_synchronised = context_.kernel_synchronised(),
+                           .database = reading->database};
+    const SystemTime first = facts.database.value_or(facts.now);
+    // Where the kernel stands by ours, nobody can tell which of the two is right.
+    const bool disputed = facts.kernel_synchronised && !facts.DatabaseAgrees();
+    if (!disputed && !context_.marks.SetIfEmpty(first).ok()) return;
     reading = context_.marks.Read();
   }
   if (!reading.ok()) return;
@@ -108,7 +112,7 @@ void ClockRounds::MoveMark(const ClockFacts& facts, const ClockPair& now) {
   const bool together = ahead <= kAdvanceTolerance && -ahead <= kAdvanceTolerance;
   if (!reading_ || !together || !MayMoveMark(facts)) return;
   // Where it fails, the next one comes in a minute.
-  static_cast<void>(context_.marks.Set(now.system));
+  static_cast<void>(context_.marks.Set(MarkToSet(facts)));
 }
 
 void ClockRounds::Tell(Voucher voucher, const ClockFacts& facts) {

@@ -84,9 +84,12 @@ TEST(ClockJudge, TheKernelVouchesOnlyWithTheDatabase) {
   EXPECT_EQ(VoucherOf(facts), Voucher::kNobody) << "both may have come from the same machine";
 }
 
-TEST(ClockJudge, AMarkGoesBackOnlyWhereTheDatabaseAgrees) {
+TEST(ClockJudge, AMarkGoesBackOnlyWhereOurClockIsConfirmed) {
   ClockFacts facts{.now = kNow, .mark = kNow + std::chrono::hours(1)};
-  EXPECT_TRUE(MayMoveMark(facts)) << "no database contradicts";
+  EXPECT_FALSE(MayMoveMark(facts)) << "nobody confirms that the mark is the one that is wrong";
+  facts.kernel_synchronised = true;
+  EXPECT_TRUE(MayMoveMark(facts));
+  facts.kernel_synchronised = false;
   facts.database = kNow + std::chrono::hours(1);
   EXPECT_FALSE(MayMoveMark(facts)) << "a server that is wrong moves no mark of others";
   facts.database = kNow;
@@ -99,6 +102,17 @@ TEST(ClockJudge, AMarkGoesForwardWhileTheClockIsVouchedFor) {
   EXPECT_TRUE(MayMoveMark(facts));
   facts.mark = kNow - std::chrono::days(2);
   EXPECT_FALSE(MayMoveMark(facts));
+}
+
+TEST(ClockJudge, AMarkIsNotSetAheadOfTheDatabase) {
+  ClockFacts facts{.now = kNow};
+  EXPECT_EQ(MarkToSet(facts), kNow);
+  facts.database = kNow + std::chrono::minutes(40);
+  EXPECT_EQ(MarkToSet(facts), kNow);
+  facts.database = kNow - kAheadOfDatabaseMax;
+  EXPECT_EQ(MarkToSet(facts), *facts.database);
+  facts.database = *facts.database - kTick;
+  EXPECT_EQ(MarkToSet(facts), kNow) << "an operator confirmed it";
 }
 
 TEST(ClockJudge, SaysWhy) {

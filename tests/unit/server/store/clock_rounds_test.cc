@@ -226,7 +226,32 @@ TEST_F(ClockRoundsTest, AMarkMayGoBack) {
   marks_.reading.mark = start_ + kBeforeMarkTrusted;
   Start();
   Pass(kMarkEvery);
+  EXPECT_EQ(marks_.reading.mark, start_ + kBeforeMarkTrusted) << "nobody confirms our clock";
+  EXPECT_GT(marked_.System(), start_ + kBeforeMarkTrusted) << "rows are stamped from it on";
+  kernel_synchronised_ = true;
+  Pass(kMarkEvery);
+  EXPECT_EQ(marks_.reading.mark, start_ + 2 * kMarkEvery);
+}
+
+TEST_F(ClockRoundsTest, AServerThatIsALittleAheadSetsTheMarkToTheDatabasesTime) {
+  marks_.reading.mark = start_;
+  marks_.reading.database = start_;
+  Jump(std::chrono::minutes(40));
+  Start();
+  EXPECT_TRUE(trust_->vouched());
+  Pass(kMarkEvery);
   EXPECT_EQ(marks_.reading.mark, start_ + kMarkEvery);
+  EXPECT_TRUE(trust_->vouched());
+}
+
+TEST_F(ClockRoundsTest, NoFirstMarkIsSetWhereKernelAndDatabaseDisagree) {
+  marks_.empty = true;
+  marks_.reading.database = start_ + std::chrono::days(100);
+  kernel_synchronised_ = true;
+  Start();
+  EXPECT_EQ(marks_.reading.mark, std::nullopt);
+  EXPECT_FALSE(trust_->vouched());
+  EXPECT_EQ(marked_.System(), start_) << "and rows are stamped by our clock";
 }
 
 TEST_F(ClockRoundsTest, OfTwoServersTheWrongOneMovesNoMark) {
