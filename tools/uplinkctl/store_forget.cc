@@ -107,8 +107,7 @@ struct Holder {
     kNone,
     kThere,
     /// It did not give the robot up, and was not heard for longer than its lease lasts: it may
-    /// live,
-    /// with the robot's stream, cut off from the database alone.
+    /// live, with the robot's stream, cut off from the database alone.
     kSilent,
   };
   State state = State::kNone;
@@ -185,11 +184,11 @@ absl::Status Refused(const storage::AnsweredForget& answer, const Holder& holder
 }
 
 absl::Status MayStream(const Holder& holder) {
-  return absl::FailedPreconditionError(
-      fmt::format("{} holds the robot and was not heard for {} s: it may live with the robot's"
-                  " stream, cut off from the database; --end-stream forgets the robot all the same,"
-                  " or wait until another server has adopted it",
-                  holder.name, holder.heard_ago.count()));
+  return absl::FailedPreconditionError(fmt::format(
+      "a server at {} holds the robot, did not stop in order and was not heard for {} s: if it is"
+      " gone (killed, or started anew), --end-stream forgets the robot; it may also live with the"
+      " robot's stream, cut off from the database",
+      holder.name, holder.heard_ago.count()));
 }
 
 /// The epoch that the robot had when its server let go of it.

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "server/journal/shards.h"
-#include "server/journal/turns.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/robot_streams.h"
 
 namespace uplink::fleet {
 namespace {
@@ -26,10 +26,6 @@ using ::testing::IsEmpty;
 constexpr hours kForgetAfter{24};
 constexpr std::size_t kRobotsMax = 3;
 
-struct NoInbox final : robot::WakeInbox {
-  void Wake(std::uint64_t /*stream*/) override {}
-};
-
 class ForgettingTest : public ::testing::Test {
  protected:
   ForgettingTest() {
@@ -37,31 +33,11 @@ class ForgettingTest : public ::testing::Test {
                              SystemTime at) { journals_.NotePresence(robot, presence, at); });
   }
 
-  /// A stream of the robot came; null if it was refused.
-  RobotPtr Come(const std::string& ruri) {
-    const auto robot = fleet_.FindOrAdmit({ruri, "f"});
-    if (!robot.ok()) return nullptr;
-    (*robot)->NoteHeard(clock_.System());
-    static_cast<void>((*robot)->sessions.Attach({&inbox_, 1}, clock_.Steady(), clock_.System()));
-    const auto begun = (*robot)->sessions.Begin(model::SessionId({1}), clock_.Steady());
-    (*robot)->state.Claim(clock_.Steady());
-    journal_.Open(
-        **robot, begun->open_id,
-        {.robot = (*robot)->id(), .session = model::SessionId({1}), .at = clock_.System()});
-    Write();
-    (*robot)->state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
-    return *robot;
-  }
-  void Go(robot::Robot& robot) {
-    robot.NoteHeard(clock_.System());
-    robot.sessions.Detach({&inbox_, 1}, clock_.Steady());
-    if (!robot.HasStream()) robot.state.EndClaim();
-  }
+  /// Null if it was refused.
+  RobotPtr Come(const std::string& ruri) { return streams_.Come(ruri); }
+  void Go(robot::Robot& robot) { streams_.Go(robot); }
   void ComeAndGo(const std::string& ruri) { Go(*Come(ruri)); }
-  void Write() {
-    while (journal_.turns().Advance() == journal::Step::kWorked) {
-    }
-  }
+  void Write() { streams_.Write(); }
   /// A second of the server.
   void Round(Forgetting& forgetting) {
     clock_.Advance(seconds(1));
@@ -93,10 +69,10 @@ class ForgettingTest : public ::testing::Test {
   Fleet fleet_{clock_, kRobotsMax, {}};
   journal::Journal journal_{store_, {}, clock_, ledger_, probe_, storage::ProcessId{1}};
   journal::Shards journals_{{&journal_}};
+  testing::RobotStreams streams_{fleet_, journal_, clock_};
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
-  NoInbox inbox_;
   bool vouched_ = true;
   bool store_away_ = false;
   Forgetting forgetting_{{.fleet = fleet_,
