@@ -58,8 +58,9 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     stream_.close();
   }
 
+  /// The first time and after each answer.
   void ReadRequest() {
-    Note(Places::State::kIdle);
+    if (answered_any_) Note(Places::State::kIdle);
     parser_.emplace();
     parser_->header_limit(kHeaderBytesMax);
     parser_->body_limit(kBodyBytesMax);
@@ -173,6 +174,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
   void Answer(Response answer) {
     if (answer.closes) keep_alive_ = false;
+    answered_any_ = true;
     Note(Places::State::kAnswering);
     const auto took = context_->server.clock.Steady() - started_;
     context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
@@ -238,6 +240,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   Method method_ = Method::kGet;
   RouteId route_ = OtherRoute();
   unsigned version_ = 11;
+  bool answered_any_ = false;
   bool keep_alive_ = false;
   SteadyTime started_;
   std::array<char, 4096> discard_;

@@ -6,28 +6,33 @@ namespace uplink::http {
 namespace {
 
 /// Smaller numbers give way first.
-int RankOf(Places::State state) {
-  switch (state) {
+int RankOf(const Places::Place& place, SteadyTime now) {
+  switch (place.state) {
     case Places::State::kIdle:
       return 0;
     case Places::State::kAnswering:
       return 1;
     case Places::State::kScraping:
       return 2;
+    case Places::State::kNew:
+      return now - place.since > kNotReadYet ? 0 : 3;
     case Places::State::kBusy:
       break;
   }
-  return 3;
+  return 4;
 }
 
 /// Whether `b`, which took its place later, gives way before `a`.
-bool GivesWayBefore(const Places::Place& b, const Places::Place& a) {
-  if (a.state != b.state) return RankOf(b.state) < RankOf(a.state);
+bool GivesWayBefore(const Places::Place& b, const Places::Place& a, SteadyTime now) {
+  const int rank_b = RankOf(b, now);
+  const int rank_a = RankOf(a, now);
+  if (rank_b != rank_a) return rank_b < rank_a;
   return b.state == Places::State::kScraping ? b.since >= a.since : b.since < a.since;
 }
 
 bool MayGiveWay(const Places::Place& place, SteadyTime now) {
   switch (place.state) {
+    case Places::State::kNew:
     case Places::State::kIdle:
     case Places::State::kScraping:
       return true;
@@ -46,7 +51,7 @@ Places::Room Places::MakeRoom(SteadyTime now) {
   Handle first = taken_.end();
   for (Handle place = taken_.begin(); place != taken_.end(); ++place) {
     if (!MayGiveWay(*place, now)) continue;
-    if (first == taken_.end() || GivesWayBefore(*place, *first)) first = place;
+    if (first == taken_.end() || GivesWayBefore(*place, *first, now)) first = place;
   }
   if (first == taken_.end()) return Room::kNone;
   PlaceHolder* holder = first->holder;
@@ -60,7 +65,7 @@ Places::Handle Places::Take(PlaceHolder& holder, SteadyTime now) {
   if (!monitoring_only) ++others_;
   return taken_.insert(
       taken_.end(),
-      {.holder = &holder, .state = State::kIdle, .since = now, .monitoring_only = monitoring_only});
+      {.holder = &holder, .state = State::kNew, .since = now, .monitoring_only = monitoring_only});
 }
 
 void Places::Leave(Handle place) {

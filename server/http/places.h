@@ -13,6 +13,9 @@ namespace uplink::http {
 inline constexpr std::size_t kMonitoringPlaces = 4;
 /// Whose peer takes an answer for longer than this gives way to a further connection.
 inline constexpr std::chrono::seconds kSlowAnswer{1};
+/// Who was accepted less than this ago may have sent a request that is not read yet: up to
+/// 16 connections are accepted in one turn of the loop, and a turn takes a few milliseconds.
+inline constexpr milliseconds kNotReadYet{100};
 
 /// A connection that holds a place.
 class PlaceHolder {
@@ -26,12 +29,15 @@ class PlaceHolder {
 /// scrapes alone, so that other clients cannot take them; and where all are taken, the connection
 /// that has had no request under way for longest gives way to a further one, else the one whose
 /// peer has taken its answer for longest, else the scrape that was asked for last: who scrapes
-/// again and again is more likely to be that one than who does it every 15 s. Confined to one
+/// again and again is more likely to be that one than who does it every 15 s. Somebody who has just
+/// come gives way last, for a probe among many that come at once is not read yet. Confined to one
 /// thread.
 class Places final {
  public:
   /// What a connection does.
   enum class State : std::uint8_t {
+    /// It was accepted, and no request of it is read yet.
+    kNew,
     /// It waits for a request, or for the rest of one.
     kIdle,
     /// Its request is answered.
@@ -43,7 +49,7 @@ class Places final {
   };
   struct Place {
     PlaceHolder* holder = nullptr;
-    State state = State::kIdle;
+    State state = State::kNew;
     SteadyTime since;
     /// It answers probes and scrapes alone.
     bool monitoring_only = false;

@@ -82,7 +82,30 @@ TEST_F(PlacesTest, WhoTakesAnAnswerSlowlyGivesWayAfterTheIdle) {
   EXPECT_TRUE(holders_[4].gave_way);
   static_cast<void>(places_.Take(holders_[4], clock_.Steady()));
   Note(3, State::kAnswering);
+  clock_.Advance(kNotReadYet + milliseconds(1));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
+  EXPECT_FALSE(holders_[3].gave_way);
+}
+
+TEST_F(PlacesTest, WhoHasJustComeGivesWayAfterAScrape) {
+  Fill();
+  for (std::size_t i = 0; i < kPlaces; ++i) Note(i, State::kScraping);
+  places_.Leave(taken_[5]);
+  taken_[5] = places_.Take(holders_[5], clock_.Steady());
+  clock_.Advance(kNotReadYet);
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  EXPECT_FALSE(holders_[5].gave_way) << "its request may be there, and is not read yet";
+  EXPECT_TRUE(holders_[4].gave_way);
+  taken_[4] = places_.Take(holders_[4], clock_.Steady());
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  EXPECT_TRUE(holders_[5].gave_way) << "it says nothing";
+}
+
+TEST_F(PlacesTest, WhereAllHaveJustComeTheFirstOfThemGivesWay) {
+  for (Holder& holder : holders_) taken_.push_back(places_.Take(holder, clock_.Steady()));
+  EXPECT_EQ(MakeRoom(), Room::kGivenWay);
+  EXPECT_TRUE(holders_[0].gave_way);
 }
 
 TEST_F(PlacesTest, AScrapeGivesWayLastAndTheNewestFirst) {
@@ -97,6 +120,7 @@ TEST_F(PlacesTest, AScrapeGivesWayLastAndTheNewestFirst) {
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   EXPECT_TRUE(holders_[1].gave_way) << "a slow peer before a scrape";
   static_cast<void>(places_.Take(holders_[1], clock_.Steady()));
+  clock_.Advance(kNotReadYet + milliseconds(1));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
   taken_[1] = places_.Take(holders_[1], clock_.Steady());
   Note(1, State::kBusy);
