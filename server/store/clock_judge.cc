@@ -15,12 +15,16 @@ bool FarAheadOfDatabase(const ClockFacts& facts) {
   return facts.database && facts.now - *facts.database > kAheadOfDatabaseMax;
 }
 
+bool BeforeMark(const ClockFacts& facts) {
+  return facts.mark && *facts.mark - facts.now > kBeforeMarkTrusted;
+}
+
 bool NearMark(const ClockFacts& facts) {
   if (!facts.mark) return false;
   const milliseconds past = facts.now - *facts.mark;
   const bool doubtful = facts.since_jump || FarAheadOfDatabase(facts);
   const milliseconds past_max = doubtful ? milliseconds(kPastMarkDoubtful) : kPastMarkMax;
-  return past <= past_max && -past <= kBeforeMarkTrusted;
+  return past <= past_max && !BeforeMark(facts);
 }
 
 std::string WhyNotTheMark(const ClockFacts& facts) {
@@ -45,6 +49,7 @@ Voucher VoucherOf(const ClockFacts& facts) {
   const bool kernel_knows =
       !facts.since_jump || facts.database || *facts.since_jump > kKernelNotices;
   if (facts.kernel_synchronised && kernel_knows && facts.DatabaseAgrees()) return Voucher::kKernel;
+  if (facts.went_together && !BeforeMark(facts)) return Voucher::kMonotonic;
   return Voucher::kNobody;
 }
 

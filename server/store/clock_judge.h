@@ -38,6 +38,9 @@ struct ClockFacts {
   /// How long ago civil time was seen to run ahead of the monotonic clock, if it has not come back
   /// and nobody vouched for it since.
   std::optional<milliseconds> since_jump;
+  /// The mark or the kernel vouched for it since the start, and civil time has gone with the
+  /// monotonic clock from there on, neither ahead nor back.
+  bool went_together = false;
 
   /// True also where there is no database to disagree.
   [[nodiscard]] bool DatabaseAgrees() const;
@@ -54,6 +57,9 @@ enum class Voucher : std::uint8_t {
   kMark,
   /// The kernel, and the database if there is one.
   kKernel,
+  /// Our own monotonic clock: it was vouched for before, and has not jumped since. So a mark that
+  /// could not be set in time, or a store that was away for long, ends no trust.
+  kMonotonic,
 };
 
 /// A pure function.

@@ -14,8 +14,16 @@ const char* NameOf(Voucher voucher) {
       return "mark";
     case Voucher::kKernel:
       return "kernel";
+    case Voucher::kMonotonic:
+      return "monotonic";
   }
   return "";
+}
+
+/// Civil and monotonic time advanced alike from `before` to `now`.
+bool GoTogether(const ClockPair& before, const ClockPair& now) {
+  const milliseconds ahead = now.AheadSince(before);
+  return ahead <= kAdvanceTolerance && -ahead <= kAdvanceTolerance;
 }
 
 }  // namespace
@@ -30,7 +38,8 @@ void ClockRounds::Round() {
   const ClockFacts facts = FactsAt(now);
   const Voucher voucher = reading_ ? VoucherOf(facts) : Voucher::kNobody;
   const bool vouched = voucher != Voucher::kNobody;
-  if (vouched) {
+  // Not by itself: small steps would add up.
+  if (vouched && voucher != Voucher::kMonotonic) {
     vouched_at_ = now;
     jumped_at_.reset();
   }
@@ -93,6 +102,7 @@ void ClockRounds::Read() {
 
 ClockFacts ClockRounds::FactsAt(const ClockPair& now) const {
   ClockFacts facts{.now = now.system, .kernel_synchronised = context_.kernel_synchronised()};
+  facts.went_together = vouched_at_ && GoTogether(*vouched_at_, now);
   if (jumped_at_) {
     facts.since_jump = std::chrono::duration_cast<milliseconds>(now.steady - *jumped_at_);
   }
@@ -107,9 +117,8 @@ ClockFacts ClockRounds::FactsAt(const ClockPair& now) const {
 
 void ClockRounds::MoveMark(const ClockFacts& facts, const ClockPair& now) {
   if (now.steady - mark_from_.steady < kMarkEvery) return;
-  const milliseconds ahead = now.AheadSince(mark_from_);
+  const bool together = GoTogether(mark_from_, now);
   mark_from_ = now;
-  const bool together = ahead <= kAdvanceTolerance && -ahead <= kAdvanceTolerance;
   if (!reading_ || !together || !MayMoveMark(facts)) return;
   // Where it fails, the next one comes in a minute.
   static_cast<void>(context_.marks.Set(MarkToSet(facts)));

@@ -60,7 +60,7 @@ class ClockRounds final {
   std::optional<storage::ClockReading> reading_;
   SteadyTime read_at_;
   std::optional<SystemTime> told_mark_;
-  /// When somebody vouched for the clock last, and when it was seen ahead of that.
+  /// When the mark or the kernel vouched for the clock last, and when it was seen ahead of that.
   std::optional<ClockPair> vouched_at_;
   std::optional<SteadyTime> jumped_at_;
   /// Since when civil and monotonic time are compared for the next mark.

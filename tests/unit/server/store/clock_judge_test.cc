@@ -61,6 +61,20 @@ TEST(ClockJudge, FarAheadOfTheDatabaseOnlyAMarkOfNowVouches) {
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "less is deleted";
 }
 
+TEST(ClockJudge, OnceVouchedForItsOwnMonotonicClockVouches) {
+  ClockFacts facts{.now = kNow,
+                   .mark = kNow - std::chrono::days(2),
+                   .database = kNow - std::chrono::days(2),
+                   .went_together = true};
+  EXPECT_EQ(VoucherOf(facts), Voucher::kMonotonic);
+  EXPECT_TRUE(MayMoveMark(facts)) << "so that the mark follows";
+  facts.went_together = false;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  facts.went_together = true;
+  facts.mark = kNow + kBeforeMarkTrusted + kTick;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody) << "somebody else who was trusted set it";
+}
+
 TEST(ClockJudge, NobodyVouchesWithoutAMark) {
   EXPECT_EQ(VoucherOf({.now = kNow}), Voucher::kNobody);
   EXPECT_FALSE(MayMoveMark({.now = kNow}));

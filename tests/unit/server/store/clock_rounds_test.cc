@@ -300,6 +300,48 @@ TEST_F(ClockRoundsTest, GoesByWhatTheStoreSaidLastWhileItIsAway) {
   EXPECT_FALSE(trust_->vouched());
 }
 
+TEST_F(ClockRoundsTest, AMarkThatCouldNotBeSetInTimeEndsNoTrust) {
+  // Of a database whose clock stands, which an operator knows.
+  marks_.reading = {start_, start_ - std::chrono::days(1)};
+  Start();
+  EXPECT_TRUE(trust_->vouched());
+  marks_.status = absl::UnavailableError("away");
+  Pass(5 * kMarkEvery);
+  EXPECT_TRUE(trust_->vouched());
+  marks_.status = absl::OkStatus();
+  Pass(kMarkEvery);
+  EXPECT_TRUE(trust_->vouched());
+  EXPECT_EQ(marks_.reading.mark, start_ + 6 * kMarkEvery);
+  EXPECT_THAT(lines_, IsEmpty());
+}
+
+TEST_F(ClockRoundsTest, AStoreThatWasAwayForDaysEndsNoTrustAndAJumpMeanwhileDoes) {
+  marks_.reading.mark = start_;
+  Start();
+  marks_.status = absl::UnavailableError("away");
+  Pass(std::chrono::hours(30));
+  EXPECT_TRUE(trust_->vouched());
+  Jump(kAdvanceTolerance + std::chrono::seconds(1));
+  Pass(kClockEvery);
+  EXPECT_FALSE(trust_->vouched());
+  Jump(-2 * kAdvanceTolerance - std::chrono::seconds(2));
+  Pass(kClockEvery);
+  EXPECT_FALSE(trust_->vouched()) << "nor a jump back";
+}
+
+TEST_F(ClockRoundsTest, SmallStepsAddUpAndAreNotTrusted) {
+  marks_.reading.mark = start_;
+  Start();
+  marks_.status = absl::UnavailableError("away");
+  Pass(std::chrono::hours(24));
+  EXPECT_TRUE(trust_->vouched());
+  for (int i = 0; i < 7; ++i) {
+    Jump(std::chrono::seconds(1));
+    Pass(kClockEvery);
+  }
+  EXPECT_FALSE(trust_->vouched());
+}
+
 TEST_F(ClockRoundsTest, OneJobIsUnderWayAtATime) {
   marks_.reading.mark = start_;
   Start();
