@@ -8,11 +8,15 @@
 namespace uplink::robot {
 
 void RejectMemory::Remember(RejectedSeq rejected) {
+  // It was counted when it came first, and would leave at once again.
+  if (rejected.seq <= left_through_) return;
   const auto at = std::ranges::lower_bound(remembered_, rejected.seq, {}, &RejectedSeq::seq);
   if (at != remembered_.end() && at->seq == rejected.seq) return;
   remembered_.insert(at, std::move(rejected));
   ++unconfirmed_;
-  if (remembered_.size() > kRejectsRememberedMax) remembered_.pop_front();
+  if (remembered_.size() <= kRejectsRememberedMax) return;
+  left_through_ = remembered_.front().seq;
+  remembered_.pop_front();
 }
 
 void RejectMemory::AddUntold(RejectedSeq rejected) {

@@ -34,6 +34,8 @@ class RejectMemory final {
  private:
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
+  /// The highest number that had to leave; 0: none.
+  model::Seq left_through_ = 0;
   std::vector<RejectedSeq> untold_;
   std::size_t unconfirmed_ = 0;
 };

@@ -81,6 +81,9 @@ TEST(RejectMemoryTest, CountsOnWhereItForgets) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 5; ++seq) memory.Remember(Rejected(seq));
   EXPECT_EQ(memory.unconfirmed(), kRejectsRememberedMax + 5);
+  memory.AddUntold(Rejected(5));
+  EXPECT_EQ(memory.unconfirmed(), kRejectsRememberedMax + 5) << "sent again, and counted before";
+  EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(5)) << "the stream is told all the same";
 }
 
 TEST(RejectMemoryTest, PastTheBoundTheLowestNumberIsForgotten) {
