@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include <absl/status/status.h>
 #include <absl/strings/cord.h>
@@ -33,6 +34,9 @@ namespace fs = std::filesystem;
 
 /// Owner alone, as the store's file.
 constexpr mode_t kMode = 0600;
+/// Who joins shares the lock of a name for an instant, to see whether somebody has it: about a
+/// microsecond, if it is not interrupted. So many tries take about a tenth of a second.
+constexpr int kSharedTries = 100'000;
 /// The byte of the store's file that is locked: behind what SQLite can fill (2^48 bytes), and what
 /// it locks itself (about 2^30).
 constexpr off_t kLockedByte = off_t{1} << 62;
@@ -86,10 +90,17 @@ int OpenLockFile(const std::string& name, const std::string& path) {
   return ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
 }
 
-/// OK if the lock file is locked through the descriptor.
+/// OK if the lock file is locked through the descriptor. Who holds it for good holds it alone; one
+/// that others share is looked at by who joins.
 absl::Status LockName(int descriptor, const std::string& name, const std::string& path) {
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return absl::OkStatus();
-  return errno == EWOULDBLOCK ? InUse(path, name) : Failed("cannot lock", name, errno);
+  for (int tries = 0; tries < kSharedTries; ++tries) {
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return absl::OkStatus();
+    if (errno != EWOULDBLOCK) return Failed("cannot lock", name, errno);
+    if (::flock(descriptor, LOCK_SH | LOCK_NB) != 0) break;
+    static_cast<void>(::flock(descriptor, LOCK_UN));
+    std::this_thread::yield();
+  }
+  return InUse(path, name);
 }
 
 struct flock LockedByte() {

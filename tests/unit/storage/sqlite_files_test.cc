@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -214,6 +217,25 @@ TEST_F(SqliteFiles, KeepsASecondWriterAwayUntilTheFirstIsGone) {
   EXPECT_TRUE(SqliteReader::Open(path_).ok()) << "a reader is no writer";
   first->reset();
   EXPECT_TRUE(Open().ok()) << Open();
+}
+
+TEST_F(SqliteFiles, WhoLooksAtTheLockForAnInstantKeepsNobodyAway) {
+  Make();
+  const std::string name = path_ + ".lock";
+  const int looks = ::open(name.c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_GE(looks, 0);
+  ASSERT_EQ(::flock(looks, LOCK_SH | LOCK_NB), 0);
+  const int opens = ::inotify_init1(IN_CLOEXEC);
+  ASSERT_GE(::inotify_add_watch(opens, name.c_str(), IN_OPEN), 0);
+  std::future<absl::Status> taken =
+      std::async(std::launch::async, [this] { return FileLock::Take(path_).status(); });
+  // Until it has opened the lock file, and is about to lock it.
+  std::array<char, 512> events{};
+  ASSERT_GT(::read(opens, events.data(), events.size()), 0);
+  ASSERT_EQ(::flock(looks, LOCK_UN), 0);
+  EXPECT_TRUE(taken.get().ok());
+  ::close(looks);
+  ::close(opens);
 }
 
 /// Whether a second writer is kept away that comes by another name, and let in after the first.
