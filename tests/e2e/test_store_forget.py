@@ -148,6 +148,54 @@ class StoreForget(EndToEnd):
         servers[1].start()
         self.assertEqual(sorted(self.robots(servers[1])), [ruris[2]])
 
+    def test_a_robot_that_a_start_left_out_is_forgotten_beside_the_server_on_sqlite(self):
+        server = self.server(SETTINGS).start()
+        self.url = server.store_url
+        self.stream(server).finish()
+        ruris = set(self.robots(server))
+        self.assertEqual(server.terminate(DEADLINE_SECONDS), 0)
+        server.settings += "[limits]\nrobots_max = 1\n"
+        server.start()
+        left_out = ruris - set(self.robots(server))
+        self.assertEqual(len(left_out), ROBOTS - 1)
+        # Their rows name a process that is gone, and the file has a server: it answers for them.
+        for ruri in left_out:
+            self.assertIn("forgotten", self.forget("--yes", ruri).stdout)
+            self.assertIn("nothing of", self.forget("--yes", ruri, code=1).stderr)
+        self.assertEqual(set(self.robots(server)), ruris - left_out)
+
+    def test_a_robot_of_a_killed_server_is_forgotten_on_postgres(self):
+        cluster = self.keep(Cluster(self.folder).create().migrate())
+        self.url = cluster.url("uplinkd")
+        server = self.keep(Server(self.folder, SETTINGS, self.url)).start()
+        fleet = self.stream(server)
+        ruris = sorted(self.robots(server))
+        fleet.finish()
+        server.kill()
+
+        def heard(ago):
+            cluster.sql(f"UPDATE uplinkd.processes SET renewed_at = now() - interval '{ago}'")
+
+        heard("1 minute")
+        done = self.forget("--yes", ruris[0], code=1)
+        self.assertIn("did not stop in order", done.stderr)
+        self.assertIn("--end-stream", done.stderr)
+        self.assertIn("forgotten", self.forget("--yes", "--end-stream", ruris[0]).stdout)
+        # After a day nobody thinks that it may live.
+        heard("23 hours 59 minutes")
+        self.assertIn("did not stop in order", self.forget("--yes", ruris[1], code=1).stderr)
+        heard("24 hours 1 minute")
+        done = self.forget("--yes", ruris[1])
+        self.assertIn("no server", done.stdout)
+        self.assertIn("forgotten", done.stdout)
+
+    def test_a_path_that_cannot_be_looked_at_is_named(self):
+        loop = self.folder / "loop.db"
+        loop.symlink_to("loop.db")
+        for path in (loop, self.folder / ("n" * 300)):
+            self.url = f"sqlite://{path}"
+            self.assertIn(str(path), self.forget("--yes", "rcan://a", code=1).stderr)
+
     def test_wrong_use_is_named(self):
         self.url = "mysql://a"
         self.assertIn("sqlite:///", self.forget("--yes", "rcan://a", code=2).stderr)

@@ -103,7 +103,7 @@ absl::StatusOr<Target> Open(const StoreForgetRequest& request, const Clock& cloc
 /// Who has the robot in memory, as far as the store tells.
 struct Holder {
   enum class State : std::uint8_t {
-    /// No server: nobody need be asked.
+    /// No server, or one that was not heard for longer than kLeaseKept: nobody need be asked.
     kNone,
     kThere,
     /// It did not give the robot up, and was not heard for longer than its lease lasts: it may
@@ -124,7 +124,8 @@ absl::StatusOr<Holder> HolderOf(Target& target, const std::optional<storage::Rob
   const auto leases = target.leases->Read();
   if (!leases.ok()) return leases.status();
   for (const storage::Lease& lease : *leases) {
-    if (lease.process != hold->owner || lease.released) continue;
+    const bool gone = lease.released || lease.renewed_ago > storage::kLeaseKept;
+    if (gone || lease.process != hold->owner) continue;
     const bool silent = lease.renewed_ago > store::kSilentMax;
     return Holder{silent ? Holder::State::kSilent : Holder::State::kThere,
                   PrintableUtf8(lease.card.name, kNameBytesMax), lease.renewed_ago};
