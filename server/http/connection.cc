@@ -175,7 +175,8 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   void Answer(Response answer) {
     if (answer.closes) keep_alive_ = false;
     answered_any_ = true;
-    Note(Places::State::kAnswering);
+    // Who is refused for want of a place has none to keep.
+    Note(answer.closes ? Places::State::kIdle : Places::State::kAnswering);
     const auto took = context_->server.clock.Steady() - started_;
     context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
     context_->server.probe.CountRequest(route_, answer.status);
