@@ -83,6 +83,8 @@ struct JournalConfig {
   /// Records of one transaction: where the rows per second of PostgreSQL and SQLite level off
   /// (measured).
   std::size_t batch_records_max = 1000;
+  /// One robot may have this fraction of its journal's bytes and records: a 32nd.
+  std::size_t robot_share = 32;
 };
 
 struct LimitsConfig {
@@ -97,11 +99,40 @@ struct LimitsConfig {
   milliseconds session_idle = std::chrono::hours(1);
   /// Zero: connections are never ended for their age.
   milliseconds connection_age_max{0};
+  /// What one robot may have stored per second, and at once after a pause; zero rates: as much as
+  /// it sends.
+  std::size_t durable_records_rate = 200;
+  std::size_t durable_records_burst = 20'000;
+  std::size_t durable_bytes_rate = 1 * kMiB;
+  std::size_t durable_bytes_burst = 64 * kMiB;
 };
 
 struct FleetConfig {
   /// Zero: never.
   milliseconds forget_after = std::chrono::days(30);
+};
+
+/// Messages of one robot per second, and at once after a pause, by variant (validation rules:
+/// rates). A zero rate: as many as come.
+struct RatesConfig {
+  std::size_t shape = 50;
+  std::size_t shape_burst = 2'000;
+  std::size_t object = 50;
+  std::size_t object_burst = 2'000;
+  std::size_t ui_capabilities = 1;
+  std::size_t ui_capabilities_burst = 20;
+  std::size_t current_settings = 1;
+  std::size_t current_settings_burst = 20;
+  std::size_t agent_info = 1;
+  std::size_t agent_info_burst = 20;
+  std::size_t system_health = 20;
+  std::size_t system_health_burst = 200;
+  std::size_t usage = 20;
+  std::size_t usage_burst = 200;
+  std::size_t consumable = 20;
+  std::size_t consumable_burst = 200;
+  std::size_t directive_status = 20;
+  std::size_t directive_status_burst = 200;
 };
 
 struct PresenceConfig {
@@ -157,6 +188,7 @@ struct Config {
   JournalConfig journal;
   FleetConfig fleet;
   LimitsConfig limits;
+  RatesConfig rates;
   PresenceConfig presence;
   ForwardConfig forward;
   RcanConfig rcan;

@@ -44,6 +44,23 @@ void Set(Config& config, const Value& value) {
 #define UPLINK_BIND(section, type, member) \
   .get = Get<&Config::section, &type::member>, .set = Set<&Config::section, &type::member>
 
+// A variant's two keys: its rate, and what may come at once.
+#define UPLINK_RATE(name, variant)                                                                \
+  {.section = "rates",                                                                            \
+   .key = #name,                                                                                  \
+   .kind = Kind::kCount,                                                                          \
+   .min = 1,                                                                                      \
+   .max = 1'000'000,                                                                              \
+   .zero = "as many as come",                                                                     \
+   .effect = Effect::kReload,                                                                     \
+   .text = "Messages of " variant " per second.",                                                 \
+   UPLINK_BIND(rates, RatesConfig, name)},                                                        \
+  {                                                                                               \
+    .section = "rates", .key = #name "_burst", .kind = Kind::kCount, .min = 1, .max = 10'000'000, \
+    .effect = Effect::kReload, .text = "Messages of " variant " at once, after a pause.",         \
+    UPLINK_BIND(rates, RatesConfig, name##_burst)                                                 \
+  }
+
 constexpr std::uint64_t kGiB = 1024 * kMiB;
 constexpr std::uint64_t kSecond = 1000;
 constexpr std::uint64_t kMinute = 60 * kSecond;
@@ -55,7 +72,7 @@ constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 13> kSections = {{
+constexpr std::array<Section, 14> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
@@ -63,6 +80,9 @@ constexpr std::array<Section, 13> kSections = {{
     {"journal", "The queue between sessions and the store. Past a bound, streams are held back."},
     {"fleet", "Which robots the server knows."},
     {"limits", "Bounds on what robots send and on what the server keeps of them."},
+    {"rates",
+     "How many messages of one robot are taken per second, by variant; what is over that "
+     "is rejected as RATE_LIMITED. Other variants have no such limit."},
     {"presence", "When a robot counts as online or offline."},
     {"forward", "What robots report for others: shapes and objects."},
     {"rcan", "RCAN Robot State and the robots' Prometheus series."},
@@ -232,6 +252,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 100'000,
      .text = "Records of one transaction; at most journal.records_max.",
      UPLINK_BIND(journal, JournalConfig, batch_records_max)},
+    {.section = "journal",
+     .key = "robot_share",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 100'000,
+     .text = "One robot may have this part of its journal's bytes and records, as 1 / robot_share; "
+             "at it, its stream is held back. One record always passes.",
+     UPLINK_BIND(journal, JournalConfig, robot_share)},
 
     {.section = "fleet",
      .key = "forget_after",
@@ -321,6 +349,51 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "The age at which a connection is ended, with up to 10 s of grace, so that agents "
              "spread over servers again.",
      UPLINK_BIND(limits, LimitsConfig, connection_age_max)},
+    {.section = "limits",
+     .key = "durable_records_rate",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 1'000'000,
+     .zero = "as many as it sends",
+     .effect = Effect::kReload,
+     .text = "Durable messages of one robot per second that are stored; past that and the burst "
+             "its stream is held back, and nothing is lost.",
+     UPLINK_BIND(limits, LimitsConfig, durable_records_rate)},
+    {.section = "limits",
+     .key = "durable_records_burst",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 100'000'000,
+     .effect = Effect::kReload,
+     .text = "Durable messages of one robot that are stored at once, after a pause.",
+     UPLINK_BIND(limits, LimitsConfig, durable_records_burst)},
+    {.section = "limits",
+     .key = "durable_bytes_rate",
+     .kind = Kind::kBytes,
+     .min = kKiB,
+     .max = 16 * kGiB,
+     .zero = "as many as it sends",
+     .effect = Effect::kReload,
+     .text = "The same in bytes of payloads per second.",
+     UPLINK_BIND(limits, LimitsConfig, durable_bytes_rate)},
+    {.section = "limits",
+     .key = "durable_bytes_burst",
+     .kind = Kind::kBytes,
+     .min = kKiB,
+     .max = 64 * kGiB,
+     .effect = Effect::kReload,
+     .text = "The same in bytes at once.",
+     UPLINK_BIND(limits, LimitsConfig, durable_bytes_burst)},
+
+    UPLINK_RATE(shape, "shape"),
+    UPLINK_RATE(object, "object"),
+    UPLINK_RATE(ui_capabilities, "uiCapabilities"),
+    UPLINK_RATE(current_settings, "currentSettings"),
+    UPLINK_RATE(agent_info, "agentInfo"),
+    UPLINK_RATE(system_health, "systemHealth"),
+    UPLINK_RATE(usage, "usageTelemetry"),
+    UPLINK_RATE(consumable, "consumableStatus"),
+    UPLINK_RATE(directive_status, "spatialDirectiveStatus"),
 
     {.section = "presence",
      .key = "timeout",

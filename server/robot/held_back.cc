@@ -8,8 +8,14 @@ std::string_view ToText(HeldBack by) {
       return "";
     case HeldBack::kInFlight:
       return "in_flight";
+    case HeldBack::kJournalShare:
+      return "journal_share";
     case HeldBack::kJournal:
       return "journal";
+    case HeldBack::kFlow:
+      return "flow";
+    case HeldBack::kDisk:
+      return "disk";
     case HeldBack::kUnread:
       return "unread";
     case HeldBack::kMalformed:

@@ -10,11 +10,18 @@ enum class HeldBack : std::uint8_t {
   kNone,
   /// in_flight_uplinks_max of the robot's messages wait for commits.
   kInFlight,
-  /// The journal is full.
+  /// The robot's share of the journal is full.
+  kJournalShare,
+  /// The journal is full, and the next message is durable.
   kJournal,
+  /// More is to be stored of the robot than its buckets allow (DurableFlow).
+  kFlow,
+  /// The store's disk is nearly full, and the robot is among those that fill it; or no robot may
+  /// store anything.
+  kDisk,
   /// The peer does not read.
   kUnread,
-  /// Too many malformed messages in this second.
+  /// Too many malformed messages of the robot in this second.
   kMalformed,
 };
 

@@ -17,6 +17,10 @@ void ReadGate::RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end
     case HeldBack::kInFlight:  // a commit of the robot wakes the stream
     case HeldBack::kUnread:    // a write that is done calls
       return;
+    case HeldBack::kJournalShare:
+    case HeldBack::kFlow:
+    case HeldBack::kDisk:
+      return;
     case HeldBack::kJournal:
       return sources_.robot.journal().WhenRoom(sources_.robot.self());
     case HeldBack::kMalformed:

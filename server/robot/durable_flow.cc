@@ -1,0 +1,47 @@
+#include "server/robot/durable_flow.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace uplink::robot {
+namespace {
+
+/// How soon a robot looks again whose records the store's disk has no room for.
+constexpr std::chrono::seconds kDiskAgain{1};
+/// What a robot that is limited for the disk may store at once, in seconds of its rate.
+constexpr std::uint64_t kDiskBurstSeconds = 10;
+
+}  // namespace
+
+BucketSize DurableFlow::DiskSize(std::int64_t rate) const {
+  const auto bytes = static_cast<std::uint64_t>(rate);
+  return {.rate = bytes, .burst = bytes * kDiskBurstSeconds};
+}
+
+DurableFlow::Answer DurableFlow::LookAt(std::size_t bytes, const FlowLimits& limits,
+                                        SteadyTime now) const {
+  const std::int64_t disk_rate = disk_rate_.load(std::memory_order_relaxed);
+  if (disk_rate == 0) return {HeldBack::kDisk, now + kDiskAgain};
+  const SteadyTime flow = std::max(records_.PassesAt(1, limits.records, now),
+                                   bytes_.PassesAt(bytes, limits.bytes, now));
+  if (flow > now) return {HeldBack::kFlow, flow};
+  if (disk_rate == kNoLimit) return {};
+  const SteadyTime disk = disk_.PassesAt(bytes, DiskSize(disk_rate), now);
+  if (disk <= now) return {};
+  // The limit may be over before its bucket says so.
+  return {HeldBack::kDisk, std::min<SteadyTime>(disk, now + kDiskAgain)};
+}
+
+void DurableFlow::Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now) {
+  records_.Take(1, limits.records, now);
+  bytes_.Take(bytes, limits.bytes, now);
+  bytes_total_.fetch_add(bytes, std::memory_order_relaxed);
+  const std::int64_t disk_rate = disk_rate_.load(std::memory_order_relaxed);
+  if (disk_rate > 0) disk_.Take(bytes, DiskSize(disk_rate), now);
+}
+
+void DurableFlow::LimitForDisk(std::optional<std::uint64_t> bytes_per_second) {
+  disk_rate_.store(bytes_per_second ? static_cast<std::int64_t>(*bytes_per_second) : kNoLimit);
+}
+
+}  // namespace uplink::robot

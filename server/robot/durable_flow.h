@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/robot/held_back.h"
+#include "server/robot/token_bucket.h"
+
+namespace uplink::robot {
+
+/// How much one robot may have stored (limits.durable_*). A value.
+struct FlowLimits {
+  BucketSize records{config::LimitsConfig().durable_records_rate,
+                     config::LimitsConfig().durable_records_burst};
+  BucketSize bytes{config::LimitsConfig().durable_bytes_rate,
+                   config::LimitsConfig().durable_bytes_burst};
+};
+
+/// What one robot has stored per second: past its buckets its stream is held back, and nothing is
+/// lost. A store whose disk is nearly full asks for less than that (LimitForDisk).
+///
+/// Thread: LookAt and Take by the robot's stream, of which there is one at a time; the rest by any.
+class DurableFlow final {
+ public:
+  /// Whether a record of `bytes` may be stored now, and if not, when to look again.
+  struct Answer {
+    /// kNone, kFlow or kDisk.
+    HeldBack by = HeldBack::kNone;
+    SteadyTime again{};
+  };
+  [[nodiscard]] Answer LookAt(std::size_t bytes, const FlowLimits& limits, SteadyTime now) const;
+  /// It is stored, whatever was said.
+  void Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now);
+
+  /// Bytes that were taken since the start.
+  [[nodiscard]] std::uint64_t bytes_total() const { return bytes_total_.load(); }
+  /// From now on so many bytes per second at most: at 0 none; nothing: no such limit.
+  void LimitForDisk(std::optional<std::uint64_t> bytes_per_second);
+
+ private:
+  /// Of disk_rate_.
+  static constexpr std::int64_t kNoLimit = -1;
+  [[nodiscard]] BucketSize DiskSize(std::int64_t rate) const;
+
+  TokenBucket records_;
+  TokenBucket bytes_;
+  TokenBucket disk_;
+  std::atomic<std::uint64_t> bytes_total_{0};
+  std::atomic<std::int64_t> disk_rate_{kNoLimit};
+};
+
+}  // namespace uplink::robot

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "schema/base/clock.h"
+
+namespace uplink::robot {
+
+/// How fast a bucket fills, and how much it holds. A value.
+struct BucketSize {
+  /// Tokens per second; 0: there is no bucket, and everything passes.
+  std::uint64_t rate = 0;
+  std::uint64_t burst = 0;
+
+  friend bool operator==(const BucketSize&, const BucketSize&) = default;
+};
+
+/// A bucket of tokens, full at first, as the one time at which it will be full again: nothing is
+/// done for it while nobody asks, and another size holds from the next call on. Confined to its
+/// owner.
+class TokenBucket final {
+ public:
+  /// When `cost` tokens can be taken: at or before `now` if they are there. A full bucket gives
+  /// whatever is asked for, also what is more than it holds.
+  [[nodiscard]] SteadyTime PassesAt(std::uint64_t cost, const BucketSize& size,
+                                    SteadyTime now) const;
+  /// Takes them, whether they are there or not.
+  void Take(std::uint64_t cost, const BucketSize& size, SteadyTime now);
+
+ private:
+  SteadyTime full_at_{};
+};
+
+}  // namespace uplink::robot
