@@ -43,6 +43,8 @@ enum class MetricId : std::uint8_t {
   kStreamsOpened,
   kStreamsHeldBack,
   kHoldBacks,
+  kHeldBackBy,
+  kHeldBackByTotal,
   kTakeovers,
   kContested,
   kSuperseded,

@@ -94,7 +94,7 @@ class App::Impl {
         site_({queries_, monitor_,
                [this](auto format) { return metrics::PageText(page_sources_, format); },
                robots_scrape_, options_.logger}),
-        reload_(options_.config, options_.read_config, options_.logger) {}
+        reload_(options_.config, {options_.read_config, allowances_, options_.logger}) {}
 
   ~Impl() { Stop(); }
   Impl(const Impl&) = delete;
@@ -166,7 +166,8 @@ class App::Impl {
     auto relay = relay::RelayServer::Start(
         lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         lifecycle::JudgeLimitsOf(options_.config.limits), *stores_.clock, &refusals_});
+         lifecycle::JudgeLimitsOf(options_.config.limits), allowances_, *stores_.clock,
+         &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();
@@ -244,6 +245,7 @@ class App::Impl {
   rcan::RcanProbe& rcan_probe_ = ground_.rcan_probe();
   const journal::JournalLimits journal_limits_;
   const session::SessionLimits session_limits_;
+  session::Allowances allowances_{lifecycle::AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   log::RateLimited refusals_{options_.logger};
   session::SessionProbe session_probe_;

@@ -24,6 +24,12 @@ struct Origin {
   [[nodiscard]] bool IsVoid() const { return generation != client->generation(); }
 };
 
+/// What a record holds while it waits, in bytes: its payload and its decoded body, and what the
+/// queue needs besides.
+[[nodiscard]] std::size_t CostOf(const storage::CommitRecord& record);
+[[nodiscard]] std::size_t CostOf(std::size_t payload_bytes, const model::Record& record);
+[[nodiscard]] std::size_t CostOf(std::size_t payload_bytes, const model::Rejection& rejection);
+
 /// A record or gap that waits for its commit.
 struct Entry {
   Origin origin;

@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/robot/limits.h"
+
 namespace uplink::journal {
-namespace {
-
-/// What a waiting record costs besides its payload and its body: the record, the queue's node.
-constexpr std::size_t kRecordOverheadBytes = 512;
-/// It holds the payload, for quarantine, and the decoded body, which is about as large.
-constexpr std::size_t kPayloadCopies = 2;
-
-}  // namespace
-
 void Inbox::Open(OpenEntry entry) {
   {
     const std::lock_guard lock(mutex_);
@@ -23,8 +16,10 @@ void Inbox::Open(OpenEntry entry) {
 
 void Inbox::Append(robot::CommitClient& client, std::uint64_t generation,
                    storage::CommitRecord record, SteadyTime arrived) {
-  const std::size_t bytes = kPayloadCopies * record.payload.size() + kRecordOverheadBytes;
-  Push({.origin = {.client = &client, .generation = generation, .arrived = arrived, .bytes = bytes},
+  Push({.origin = {.client = &client,
+                   .generation = generation,
+                   .arrived = arrived,
+                   .bytes = CostOf(record)},
         .item = std::move(record)});
 }
 
@@ -32,7 +27,7 @@ void Inbox::AppendGap(robot::CommitClient& client, std::uint64_t generation, sto
   Push({.origin = {.client = &client,
                    .generation = generation,
                    .arrived = clock_.Steady(),
-                   .bytes = kRecordOverheadBytes},
+                   .bytes = robot::kRecordOverheadBytes},
         .item = std::move(gap)});
 }
 
@@ -85,6 +80,15 @@ void Inbox::RequestCheckpoint() {
     checkpoint_asked_.store(true);
   }
   work_.notify_one();
+}
+
+Room Inbox::RoomFor(const robot::JournalUse& robot, std::size_t bytes) const {
+  const std::size_t records_max =
+      std::max<std::size_t>(limits_.records_max / limits_.robot_share, 1);
+  const bool over =
+      robot.records >= records_max || robot.bytes + bytes > limits_.bytes_max / limits_.robot_share;
+  if (robot.records > 0 && over) return Room::kShareFull;
+  return HasRoom() ? Room::kFree : Room::kFull;
 }
 
 void Inbox::WhenRoom(robot::StreamRef stream) {

@@ -15,9 +15,19 @@
 #include "server/journal/limits.h"
 #include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
+#include "server/robot/journal_use.h"
 #include "server/robot/wake.h"
 
 namespace uplink::journal {
+
+/// Whether one more record may be appended.
+enum class Room : std::uint8_t {
+  kFree,
+  /// The robot's share is full. A robot of which nothing waits has room for one record of any size.
+  kShareFull,
+  /// The journal is full.
+  kFull,
+};
 
 /// All that waits for the writer: records and gaps in a bounded queue, streams to open, changes of
 /// presence, and whether a checkpoint was asked for. What was taken and is not done yet still
@@ -45,6 +55,7 @@ class Inbox final {
   [[nodiscard]] bool HasRoom() const {
     return bytes_.load() < limits_.bytes_max && records_.load() < limits_.records_max;
   }
+  [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes) const;
   void WhenRoom(robot::StreamRef stream);
 
   [[nodiscard]] std::size_t records() const { return records_.load(); }

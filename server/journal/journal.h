@@ -48,7 +48,7 @@ class Journal final {
   /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
   /// same client.
   void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request);
-  /// Appends one durable message. Always takes it: callers ask HasRoom before each message.
+  /// Appends one durable message. Always takes it: callers ask RoomFor before.
   /// `generation` is the client's when the record's stream began: a record that a fence overtook on
   /// its way here must not be written, since the cursor would pass those that the fence dropped.
   void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
@@ -76,6 +76,10 @@ class Journal final {
   /// the store is away it is tried again.
   void RequestCheckpoint();
 
+  /// Whether a record that costs `bytes` (CostOf) may come from a robot of which that waits.
+  [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes) const {
+    return inbox_.RoomFor(robot, bytes);
+  }
   [[nodiscard]] bool HasRoom() const { return inbox_.HasRoom(); }
   /// Wakes the stream once when there is room again.
   void WhenRoom(robot::StreamRef stream) { inbox_.WhenRoom(stream); }

@@ -26,6 +26,8 @@ struct JournalLimits {
   /// Records of one commit (journal.batch_records_max).
   std::size_t batch_records_max = config::JournalConfig().batch_records_max;
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
+  /// One robot may have 1 / robot_share of bytes_max and records_max (journal.robot_share).
+  std::size_t robot_share = config::JournalConfig().robot_share;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
   /// does.
   bool sweeps = true;

@@ -26,7 +26,8 @@ robot::Settled SettledOf(const storage::CommitRecord& record, const Origin& orig
           .outcome = std::move(outcome),
           .rejected_for =
               quarantined != nullptr ? std::optional(quarantined->rejection.reason) : std::nullopt,
-          .arrived = origin.arrived};
+          .arrived = origin.arrived,
+          .bytes = origin.bytes};
 }
 
 /// The outcomes of one commit by robot, in order of first appearance, so that a run repeats

@@ -10,6 +10,7 @@ journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
   limits.bytes_max = journal.bytes_max;
   limits.records_max = journal.records_max;
   limits.batch_records_max = journal.batch_records_max;
+  limits.robot_share = journal.robot_share;
   return limits;
 }
 
@@ -21,6 +22,28 @@ schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits) {
   return {.payload_bytes_max = limits.payload_bytes_max,
           .message_bytes_max = limits.message_bytes_max,
           .extras_items_max = limits.extras_items_max};
+}
+
+session::Allowance AllowanceOf(const config::Config& config) {
+  const config::LimitsConfig& limits = config.limits;
+  const config::RatesConfig& rates = config.rates;
+  session::Allowance allowance{
+      .flow = {.records = {limits.durable_records_rate, limits.durable_records_burst},
+               .bytes = {limits.durable_bytes_rate, limits.durable_bytes_burst}}};
+  const auto set = [&allowance](model::Variant variant, std::size_t rate, std::size_t burst) {
+    allowance.rates[static_cast<std::size_t>(variant)] = {rate, burst};
+  };
+  using enum model::Variant;
+  set(kShape, rates.shape, rates.shape_burst);
+  set(kObject, rates.object, rates.object_burst);
+  set(kUiCapabilities, rates.ui_capabilities, rates.ui_capabilities_burst);
+  set(kCurrentSettings, rates.current_settings, rates.current_settings_burst);
+  set(kAgentInfo, rates.agent_info, rates.agent_info_burst);
+  set(kSystemHealth, rates.system_health, rates.system_health_burst);
+  set(kUsageTelemetry, rates.usage, rates.usage_burst);
+  set(kConsumableStatus, rates.consumable, rates.consumable_burst);
+  set(kSpatialDirectiveStatus, rates.directive_status, rates.directive_status_burst);
+  return allowance;
 }
 
 session::SessionLimits SessionLimitsOf(const config::Config& config, const std::string& version) {

@@ -9,6 +9,7 @@
 #include "server/log/logger.h"
 #include "server/relay/options.h"
 #include "server/robot/presence.h"
+#include "server/session/allowances.h"
 #include "server/session/limits.h"
 
 namespace uplink::lifecycle {
@@ -18,6 +19,7 @@ namespace uplink::lifecycle {
 [[nodiscard]] journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal);
 [[nodiscard]] robot::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence);
 [[nodiscard]] schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits);
+[[nodiscard]] session::Allowance AllowanceOf(const config::Config& config);
 [[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
                                                      const std::string& version);
 /// `memory_max`: what the process may use; the transport gets half of it.

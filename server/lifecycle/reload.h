@@ -7,13 +7,14 @@
 #include "server/config/config.h"
 #include "server/config/load.h"
 #include "server/log/logger.h"
+#include "server/session/allowances.h"
 
 namespace uplink::lifecycle {
 
 /// What a configuration that was read again asks for. A value.
 struct Changes {
-  /// The level changed; it is set at once.
-  bool log_level = false;
+  /// Keys that changed and are taken over at once.
+  std::vector<std::string> taken_over;
   /// Keys that changed and count only after a restart.
   std::vector<std::string> needs_restart;
 };
@@ -25,16 +26,21 @@ struct Changes {
 /// runs, and names the rest in the log. Confined to one thread.
 class Reload final {
  public:
-  /// `running`: what the server was started with. The logger outlives it.
-  Reload(config::Config running, std::function<config::LoadResult()> read, log::Logger& logger);
+  struct Context {
+    std::function<config::LoadResult()> read;
+    // They outlive it, and follow what is taken over.
+    session::Allowances& allowances;
+    log::Logger& logger;
+  };
+  /// `running`: what the server was started with.
+  Reload(config::Config running, Context context);
 
   /// A configuration with a problem changes nothing.
   void Run();
 
  private:
   config::Config running_;
-  const std::function<config::LoadResult()> read_;
-  log::Logger& logger_;
+  const Context context_;
 };
 
 }  // namespace uplink::lifecycle

@@ -14,6 +14,7 @@
 #include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
 #include "server/relay/probe.h"
+#include "server/session/allowances.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 
@@ -66,7 +67,8 @@ struct RelayContext {
   metrics::LedgerBook& ledgers;
   const session::SessionLimits& limits;
   schema::JudgeLimits judge_limits;
-  /// As SessionContext's.
+  // As SessionContext's.
+  const session::Allowances& allowances;
   const storage::ClockTrust& clock_trust;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.
   log::RateLimited* refusals = nullptr;

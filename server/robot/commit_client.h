@@ -24,6 +24,8 @@ struct Settled {
   /// The reason with which judgement rejected it; nothing for a good record.
   std::optional<model::RejectReason> rejected_for;
   SteadyTime arrived;
+  /// What it cost the journal.
+  std::size_t bytes = 0;
 };
 
 /// A robot as the journal sees it: what is told when this process holds it, when its stream was

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -24,6 +25,9 @@ enum class HeldBack : std::uint8_t {
   /// Too many malformed messages of the robot in this second.
   kMalformed,
 };
+
+/// kNone included.
+inline constexpr std::size_t kHeldBackReasons = 8;
 
 /// The word of the fleet contract (Robot.held_back); empty for kNone.
 [[nodiscard]] std::string_view ToText(HeldBack by);

@@ -11,6 +11,9 @@ inline constexpr std::size_t kRejectsRememberedMax = 256;
 inline constexpr std::size_t kSessionsMax = 8;
 /// Takeovers within a minute above which a robot is flagged as contested.
 inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
+/// What a record that waits in the journal costs besides its payload and its body: the record, the
+/// queue's node. A gap costs as much.
+inline constexpr std::size_t kRecordOverheadBytes = 512;
 /// Distinct fields for which a robot's Notices are paced; further fields share one slot.
 inline constexpr std::size_t kNoticeFieldsMax = 64;
 

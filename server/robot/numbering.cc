@@ -4,14 +4,13 @@
 
 namespace uplink::robot {
 
-Seen Numbering::See(model::Seq seq) {
+Seen Numbering::See(model::Seq seq) const {
   if (seq <= window_.seen()) return {.as = SeenAs::kDuplicate, .waits = window_.Waits(seq)};
   Seen seen;
   const model::Seq floor = std::max(window_.seen(), missing_floor_);
   if (seq > floor + 1) {
     seen.missing_first = floor + 1;
     seen.missing_last = seq - 1;
-    missing_ += seq - 1 - floor;
   }
   return seen;
 }

@@ -31,9 +31,10 @@ struct Seen {
 /// Confined to its owner's lock.
 class Numbering final {
  public:
-  /// Looks at a number. A new one must be added next, by AddSettled or AddWaiting; the gap before
-  /// it is counted here.
-  [[nodiscard]] Seen See(model::Seq seq);
+  /// Looks at a number. A new one is added next, by AddSettled or AddWaiting, and the gap before it
+  /// by AddMissing; or it is looked at again later.
+  [[nodiscard]] Seen See(model::Seq seq) const;
+  void AddMissing(std::uint64_t numbers) { missing_ += numbers; }
   /// A new number that was settled at once.
   void AddSettled(model::Seq seq) { window_.AddSettled(seq); }
   /// A new number that waits for its commit. Returns by how much waiting() grew.

@@ -10,8 +10,10 @@ std::uint64_t Opening::Ask() {
   return ++open_id_;
 }
 
-void Opening::Answer(std::uint64_t open_id, const storage::OpenResult& result) {
-  if (open_id == open_id_ && wanted_) answer_ = result;
+bool Opening::Answer(std::uint64_t open_id, const storage::OpenResult& result) {
+  if (open_id != open_id_) return false;
+  if (wanted_) answer_ = result;
+  return true;
 }
 
 bool Opening::answered(std::uint64_t open_id) const {

@@ -13,8 +13,9 @@ class Opening final {
  public:
   /// A stream asks anew, and answers to older questions are ignored. Returns the question's id.
   [[nodiscard]] std::uint64_t Ask();
-  /// The store has answered. Kept only if Welcome still waits for this one.
-  void Answer(std::uint64_t open_id, const storage::OpenResult& result);
+  /// The store has answered. Kept only if Welcome still waits for this one. False if it answers an
+  /// older question.
+  bool Answer(std::uint64_t open_id, const storage::OpenResult& result);
   [[nodiscard]] bool answered(std::uint64_t open_id) const;
   /// Welcome goes out now, with the answer if it is here; a later one is not wanted any more.
   [[nodiscard]] std::optional<storage::OpenResult> Take(std::uint64_t open_id);

@@ -19,6 +19,11 @@ void RejectMemory::Remember(RejectedSeq rejected) {
   remembered_.pop_front();
 }
 
+void RejectMemory::RememberLimited(RejectedSeq limited) {
+  limited_.push_back(std::move(limited));
+  if (limited_.size() > kRejectsRememberedMax) limited_.pop_front();
+}
+
 void RejectMemory::AddUntold(RejectedSeq rejected) {
   Remember(rejected);
   untold_.push_back(std::move(rejected));
@@ -26,9 +31,9 @@ void RejectMemory::AddUntold(RejectedSeq rejected) {
 
 std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
                                                  std::vector<RejectedSeq> stored) {
-  std::map<model::Seq, model::Rejection> known;
+  std::map<model::Seq, RejectedSeq> known;
   const auto add = [&](const RejectedSeq& rejected) {
-    if (rejected.seq > settled_seq) known.try_emplace(rejected.seq, rejected.rejection);
+    if (rejected.seq > settled_seq) known.try_emplace(rejected.seq, rejected);
   };
   for (const RejectedSeq& rejected : remembered_) add(rejected);
   for (const RejectedSeq& rejected : TakeUntold()) add(rejected);
@@ -36,12 +41,11 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
     add(rejected);
     Remember(std::move(rejected));
   }
+  unconfirmed_ = known.size();
+  for (const RejectedSeq& limited : limited_) add(limited);
   std::vector<RejectedSeq> again;
   again.reserve(known.size());
-  for (auto& [seq, rejection] : known) {
-    again.push_back({.seq = seq, .rejection = std::move(rejection)});
-  }
-  unconfirmed_ = again.size();
+  for (auto& [seq, rejected] : known) again.push_back(std::move(rejected));
   return again;
 }
 

@@ -13,12 +13,16 @@ namespace uplink::robot {
 /// The Rejects of one session: those that the next Welcome repeats, and the store's that the stream
 /// was not told yet. It decides none. Confined to its owner's lock.
 ///
-/// Bounds: kRejectsRememberedMax are remembered, the lowest numbers go first; untold are at most as
+/// Bounds: kRejectsRememberedMax are remembered, and as many that were limited; the lowest numbers
+///         go first. Untold are at most as
 ///         many as messages of the robot wait for commits (in_flight_uplinks_max).
 class RejectMemory final {
  public:
   /// For the next Welcome. A number that is remembered already stays as it is.
   void Remember(RejectedSeq rejected);
+  /// It was limited (kRateLimited), and is in no quarantine: the next Welcome repeats it beside the
+  /// others, without that it has to be confirmed.
+  void RememberLimited(RejectedSeq limited);
   /// The store refused it: the stream is to be told, and the next Welcome too.
   void AddUntold(RejectedSeq rejected);
   /// How many Rejects the agent has not said to have processed: those that the last TellAgain
@@ -34,6 +38,8 @@ class RejectMemory final {
  private:
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
+  /// Ascending.
+  std::deque<RejectedSeq> limited_;
   /// The highest number that had to leave; 0: none.
   model::Seq left_through_ = 0;
   std::vector<RejectedSeq> untold_;

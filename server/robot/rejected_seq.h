@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 
@@ -9,6 +11,8 @@ namespace uplink::robot {
 struct RejectedSeq {
   model::Seq seq = 0;
   model::Rejection rejection;
+  /// Of kRateLimited: after so long the content may come again, under a new number.
+  std::int64_t retry_after_ms = 0;
 };
 
 }  // namespace uplink::robot

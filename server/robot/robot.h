@@ -11,6 +11,8 @@
 
 #include "schema/base/clock.h"
 #include "server/robot/commit_client.h"
+#include "server/robot/durable_flow.h"
+#include "server/robot/rates.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
 #include "storage/types.h"
@@ -75,6 +77,8 @@ class Robot final : public CommitClient {
 
   RobotState state;
   RobotSessions sessions;
+  DurableFlow flow;
+  Rates rates;
 
  private:
   enum class Leaving : std::uint8_t { kNo, kAsked, kLeft };

@@ -50,6 +50,7 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   current_session_ = session;
   // ResumeFrom counts: until then no message is processed.
   unconfirmed_.store(0);
+  free_through_.store(kNotKnown);
   last_session_.reset();
   return Begun{.open_id = opening_.Ask(), .generation = generation_.load()};
 }
@@ -107,12 +108,14 @@ void RobotSessions::AddSettled(const model::SessionId& session, model::Seq seq) 
   if (SessionMemory* memory = sessions_.Find(session)) memory->numbers.AddSettled(seq);
 }
 
-std::int64_t RobotSessions::AddWaiting(const model::SessionId& session, model::Seq seq) {
+std::int64_t RobotSessions::AddWaiting(const model::SessionId& session, model::Seq seq,
+                                       std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
   if (memory == nullptr) return 0;
   const std::size_t grew = memory->numbers.AddWaiting(seq);
   in_flight_.fetch_add(grew);
+  if (grew > 0) record_bytes_.fetch_add(bytes);
   return static_cast<std::int64_t>(grew);
 }
 
@@ -125,7 +128,26 @@ void RobotSessions::Remember(const model::SessionId& session, model::Seq seq,
   }
 }
 
-void RobotSessions::AddGap() { gaps_in_flight_.fetch_add(1); }
+void RobotSessions::RememberLimited(const model::SessionId& session, RejectedSeq limited) {
+  const std::lock_guard lock(mutex_);
+  if (SessionMemory* memory = sessions_.Find(session)) {
+    memory->rejects.RememberLimited(std::move(limited));
+  }
+}
+
+void RobotSessions::AddGap(const model::SessionId& session, const Seen& seen) {
+  gaps_in_flight_.fetch_add(1);
+  const std::lock_guard lock(mutex_);
+  if (SessionMemory* memory = sessions_.Find(session)) {
+    memory->numbers.AddMissing(seen.missing_last - seen.missing_first + 1);
+  }
+}
+
+JournalUse RobotSessions::journal_use() const {
+  const std::size_t gaps = gaps_in_flight_.load();
+  return {.records = in_flight_.load() + gaps,
+          .bytes = record_bytes_.load() + gaps * kRecordOverheadBytes};
+}
 
 bool RobotSessions::KeepPayload(model::RejectReason reason, SteadyTime now) {
   const std::lock_guard lock(mutex_);
@@ -224,7 +246,7 @@ bool RobotSessions::HasStream() const {
 
 StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
-  opening_.Answer(open_id, result);
+  if (opening_.Answer(open_id, result)) free_through_.store(result.cursor);
   return takeover_.current();
 }
 
@@ -240,6 +262,7 @@ StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Le
       const std::size_t shrank = memory->numbers.Settle(one.seq);
       if (shrank == 0) continue;
       in_flight_.fetch_sub(shrank);
+      record_bytes_.fetch_sub(one.bytes);
       counts.in_flight -= static_cast<std::int64_t>(shrank);
       if (!Planted(Mutation::kSettleLost)) ApplyOutcome(one, memory->rejects, counts);
       if (wake && current_session_ == one.session) memory->released.push_back(one.arrived);
@@ -265,6 +288,7 @@ StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
     counts.superseded += waiting;
     counts.in_flight -= static_cast<std::int64_t>(waiting);
     in_flight_.fetch_sub(waiting);
+    record_bytes_.store(0);
     sessions_.Clear();
     last_session_.reset();
     settled_taken_.reset();

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -14,6 +15,7 @@
 #include "schema/model/rejection.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/held_back.h"
+#include "server/robot/journal_use.h"
 #include "server/robot/numbering.h"
 #include "server/robot/opening.h"
 #include "server/robot/pacing.h"
@@ -101,12 +103,16 @@ class RobotSessions final {
   [[nodiscard]] Seen See(const model::SessionId& session, model::Seq seq);
   /// The number just seen is settled at once.
   void AddSettled(const model::SessionId& session, model::Seq seq);
-  /// The number just seen waits for its commit. Returns by how much the window's own count grew: 0
-  /// if the session was forgotten meanwhile.
-  [[nodiscard]] std::int64_t AddWaiting(const model::SessionId& session, model::Seq seq);
+  /// The number just seen waits for its commit, and costs the journal `bytes`. Returns by how much
+  /// the window's own count grew: 0 if the session was forgotten meanwhile.
+  [[nodiscard]] std::int64_t AddWaiting(const model::SessionId& session, model::Seq seq,
+                                        std::size_t bytes = 0);
   /// A rejection made at judgement, remembered for the next Welcome.
   void Remember(const model::SessionId& session, model::Seq seq, const model::Rejection& rejection);
-  void AddGap();
+  /// The same of a message that was limited.
+  void RememberLimited(const model::SessionId& session, RejectedSeq limited);
+  /// The gap before the number just seen goes to the journal.
+  void AddGap(const model::SessionId& session, const Seen& seen);
   /// Whether the payload of a rejection for this reason is kept now (Pacing).
   [[nodiscard]] bool KeepPayload(model::RejectReason reason, SteadyTime now);
   /// Whether a Notice of this field may be sent now (Pacing).
@@ -118,6 +124,11 @@ class RobotSessions final {
   void SetHeldBack(HeldBack by, SystemTime now);
   /// Messages and gap records of the robot that are not committed.
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.load() + gaps_in_flight_.load(); }
+  /// What of the robot waits in the journal.
+  [[nodiscard]] JournalUse journal_use() const;
+  /// What the stream's session sends again was decided before up to here, as far as the store has
+  /// said so: it costs no tokens. Until the store has answered, nothing does.
+  [[nodiscard]] model::Seq free_through() const { return free_through_.load(); }
   /// Rejects of the stream's session that its agent has not said to have processed, as far as this
   /// process knows: the store tells of earlier ones if it answers before Welcome.
   [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_.load(); }
@@ -149,6 +160,8 @@ class RobotSessions final {
   [[nodiscard]] std::uint64_t generation() const { return generation_.load(); }
 
  private:
+  static constexpr model::Seq kNotKnown = std::numeric_limits<model::Seq>::max();
+
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
   [[nodiscard]] const SessionMemory* CurrentSession() const;
   /// Of the current session, after it was given Rejects. Under the lock.
@@ -168,7 +181,10 @@ class RobotSessions final {
   std::optional<storage::SettledSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};
   std::atomic<std::size_t> gaps_in_flight_{0};
+  /// Of messages that are not committed; changed under the lock alone.
+  std::atomic<std::size_t> record_bytes_{0};
   std::atomic<std::size_t> unconfirmed_{0};
+  std::atomic<model::Seq> free_through_{kNotKnown};
   std::atomic<std::uint64_t> generation_{1};
 };
 

@@ -5,6 +5,7 @@
 #include "schema/judge.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
+#include "server/session/allowances.h"
 #include "server/session/frame_live.h"
 #include "server/session/frame_view.h"
 #include "server/session/limits.h"
@@ -31,6 +32,7 @@ struct SessionContext {
   schema::Judge& judge;
   const SessionLimits& limits;
   IntakeScratch& scratch;
+  const Allowances& allowances;
   /// Who vouches for the civil clock.
   const storage::ClockTrust& clock_trust;
 };

@@ -58,11 +58,13 @@ v1::RelayResponse AckFrame(model::Seq through, model::Seq judged) {
   return frame;
 }
 
-v1::RelayResponse RejectFrame(model::Seq seq, const model::Rejection& rejection) {
+v1::RelayResponse RejectFrame(model::Seq seq, const model::Rejection& rejection,
+                              std::int64_t retry_after_ms) {
   v1::RelayResponse frame;
   v1::Reject& reject = *frame.mutable_reject();
   reject.set_seq(seq);
   reject.set_reason(ToWire(rejection.reason));
+  reject.set_retry_after_ms(retry_after_ms);
   reject.set_field(PrintableUtf8(rejection.field, model::kDetailBytesMax));
   reject.set_detail(PrintableUtf8(rejection.detail, model::kDetailBytesMax));
   return frame;

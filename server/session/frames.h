@@ -17,7 +17,8 @@ namespace uplink::session {
 [[nodiscard]] v1::RelayResponse WelcomeFrame(const std::string& ruri, model::Seq committed,
                                              const SessionLimits& limits, SystemTime now);
 [[nodiscard]] v1::RelayResponse AckFrame(model::Seq through, model::Seq judged);
-[[nodiscard]] v1::RelayResponse RejectFrame(model::Seq seq, const model::Rejection& rejection);
+[[nodiscard]] v1::RelayResponse RejectFrame(model::Seq seq, const model::Rejection& rejection,
+                                            std::int64_t retry_after_ms = 0);
 [[nodiscard]] v1::RelayResponse NoticeFrame(model::Seq seq, const model::Rejection& dropped);
 [[nodiscard]] v1::RelayResponse DrainFrame(milliseconds grace);
 

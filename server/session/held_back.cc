@@ -1,17 +1,32 @@
 #include "server/session/held_back.h"
 
-#include <optional>
-
 namespace uplink::session {
 
-HeldBack HeldBackBy(const HeldBackSources& sources, std::size_t outgoing) {
-  if (sources.sessions.in_flight() >= sources.limits.in_flight_uplinks_max)
-    return HeldBack::kInFlight;
-  if (!sources.journal.HasRoom()) return HeldBack::kJournal;
-  if (outgoing >= kOutgoingFramesMax) return HeldBack::kUnread;
+Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing) {
+  if (outgoing >= kOutgoingFramesMax) return {.by = HeldBack::kUnread};
   const std::optional<SteadyTime> throttled = sources.throttle.end();
-  if (throttled && sources.clock.Steady() < *throttled) return HeldBack::kMalformed;
-  return HeldBack::kNone;
+  if (throttled && sources.clock.Steady() < *throttled) {
+    return {.by = HeldBack::kMalformed, .until = throttled};
+  }
+  return {};
+}
+
+Hold HoldOfRecord(const HeldBackSources& sources, const RecordCost& cost) {
+  const robot::JournalUse use = sources.robot.sessions.journal_use();
+  if (use.records >= sources.limits.in_flight_uplinks_max) return {.by = HeldBack::kInFlight};
+  switch (sources.journal.RoomFor(use, cost.journal_bytes)) {
+    case journal::Room::kShareFull:
+      return {.by = HeldBack::kJournalShare};
+    case journal::Room::kFull:
+      return {.by = HeldBack::kJournal};
+    case journal::Room::kFree:
+      break;
+  }
+  if (!cost.flow_bytes) return {};
+  const robot::DurableFlow::Answer flow =
+      sources.robot.flow.LookAt(*cost.flow_bytes, sources.flow, sources.clock.Steady());
+  if (flow.by == HeldBack::kNone) return {};
+  return {.by = flow.by, .until = flow.again};
 }
 
 }  // namespace uplink::session

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "schema/base/clock.h"
 #include "server/journal/journal.h"
 #include "server/robot/held_back.h"
-#include "server/robot/robot_sessions.h"
+#include "server/robot/robot.h"
 #include "server/session/limits.h"
 #include "server/session/throttle.h"
 
@@ -13,18 +14,40 @@ namespace uplink::session {
 
 using robot::HeldBack;
 
+/// What keeps a message from being processed now.
+struct Hold {
+  HeldBack by = HeldBack::kNone;
+  /// When to look again, of those that nobody ends (kFlow, kDisk, kMalformed).
+  std::optional<SteadyTime> until{};
+
+  /// Nothing does.
+  [[nodiscard]] bool none() const { return by == HeldBack::kNone; }
+};
+
 /// What decides whether a stream is held back. All of it outlives the look.
 struct HeldBackSources {
-  const robot::RobotSessions& sessions;
+  const robot::Robot& robot;
   const journal::Journal& journal;
   const Throttle& throttle;
   const SessionLimits& limits;
+  const robot::FlowLimits& flow;
   const Clock& clock;
 };
 
-/// Whether a message may be processed now, and what keeps it if not: the first that applies, in the
-/// order of the enumeration. `outgoing` is the number of frames that wait for the peer. What it
-/// says can change at once: other threads commit and fill the journal.
-[[nodiscard]] HeldBack HeldBackBy(const HeldBackSources& sources, std::size_t outgoing);
+/// What keeps any message: the peer does not read (`outgoing` frames wait for it), or sends too
+/// much that is malformed.
+[[nodiscard]] Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing);
+
+/// A record that is to be appended to the journal.
+struct RecordCost {
+  /// What it holds there (journal::CostOf), with the gap before it.
+  std::size_t journal_bytes = 0;
+  /// Bytes of the payload that is to be stored; nothing where the flow does not count.
+  std::optional<std::size_t> flow_bytes{};
+};
+
+/// What keeps a record: the first that applies, in the order of HeldBack. Other threads commit and
+/// fill the journal, so it may be over at once.
+[[nodiscard]] Hold HoldOfRecord(const HeldBackSources& sources, const RecordCost& cost);
 
 }  // namespace uplink::session

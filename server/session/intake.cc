@@ -2,18 +2,20 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "schema/rcan/judge.h"
 #include "server/robot/mutation.h"
-#include "server/session/expiry.h"
 #include "server/session/frames.h"
 
 namespace uplink::session {
 namespace {
 
-model::Rejection NoContent() {
-  return {.reason = model::RejectReason::kUnsupportedContent,
-          .field = "",
-          .detail = "the uplink has no content"};
+model::Rejection RateLimited(const robot::BucketSize& size) {
+  return {
+      .reason = model::RejectReason::kRateLimited,
+      .field = "",
+      .detail = fmt::format("more than {} per second, after {} at once", size.rate, size.burst)};
 }
 
 }  // namespace
@@ -26,30 +28,41 @@ Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::
       journal_(context.journals.Of(id_->ruri)),
       session_(session),
       generation_(generation),
-      numbers_(robot.sessions, session) {}
+      numbers_(robot.sessions, session),
+      allowance_(context.allowances.Get()) {}
 
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
   batch_.Begin(uplinks);
+  if (allowance_version_ != context_.allowances.version()) {
+    allowance_version_ = context_.allowances.version();
+    allowance_ = context_.allowances.Get();
+  }
   arrived_ = arrived;
   received_at_ = received_at;
 }
 
-HeldBack Intake::HeldBackBy(std::size_t outgoing) const {
-  return session::HeldBackBy({.sessions = robot_.sessions,
-                              .journal = journal_,
-                              .throttle = throttle_,
-                              .limits = context_.limits,
-                              .clock = context_.clock},
-                             outgoing);
+HeldBackSources Intake::Sources() const {
+  return {.robot = robot_,
+          .journal = journal_,
+          .throttle = throttle_,
+          .limits = context_.limits,
+          .flow = allowance_->flow,
+          .clock = context_.clock};
+}
+
+Hold Intake::HoldNow(std::size_t outgoing) const {
+  const Hold hold = HoldOfAll(Sources(), outgoing);
+  return hold.none() && front_cost_ ? HoldOfRecord(Sources(), *front_cost_) : hold;
 }
 
 Intake::Processed Intake::Process(std::size_t outgoing) {
   Processed processed;
   numbers_.Begin();
   while (pending() && !processed.is_void && !rejects_full() &&
-         HeldBackBy(outgoing + processed.frames.size()) == HeldBack::kNone) {
-    ProcessUplink(batch_.front(), processed);
+         HoldNow(outgoing + processed.frames.size()).none()) {
+    if (!ProcessUplink(batch_.front(), processed)) break;
+    front_cost_.reset();
     batch_.PopFront();
   }
   numbers_.Flush();
@@ -62,23 +75,28 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
   return processed;
 }
 
-void Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
+bool Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
   const robot::Seen seen = numbers_.See(uplink.seq);
   if (seen.as == robot::SeenAs::kVoid) {
     processed.is_void = true;
-    return;
+    return true;
   }
-  if (seen.as == robot::SeenAs::kDuplicate) return CountDuplicate(seen, processed);
+  if (seen.as == robot::SeenAs::kDuplicate) {
+    CountDuplicate(seen, processed);
+    return true;
+  }
+  Judged judged = JudgeUplink(context_, id_->ruri, uplink, received_at_);
+  if (const std::optional<RecordCost> cost = CostOf(uplink, seen, judged)) {
+    if (!HoldOfRecord(Sources(), *cost).none()) {
+      front_cost_ = cost;
+      numbers_.PutBack();
+      return false;
+    }
+  }
   ++processed.messages;
   if (seen.missing_first > 0) AppendGap(seen);
-  switch (uplink.content) {
-    case UplinkView::Content::kRoverNexus:
-      return JudgeRoverNexus(uplink, processed);
-    case UplinkView::Content::kRcanRobotState:
-      return JudgeRcan(uplink, processed);
-    case UplinkView::Content::kNone:
-      return Reject(uplink, NoContent(), metrics::kUnknownKind, processed);
-  }
+  Accept(uplink, judged, processed);
+  return true;
 }
 
 void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
@@ -91,7 +109,7 @@ void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
 
 void Intake::AppendGap(const robot::Seen& seen) {
   counts_.missing += seen.missing_last - seen.missing_first + 1;
-  robot_.sessions.AddGap();
+  robot_.sessions.AddGap(session_, seen);
   journal_.AppendGap(robot_, generation_,
                      {.robot = id_,
                       .session = session_,
@@ -100,31 +118,47 @@ void Intake::AppendGap(const robot::Seen& seen) {
                       .seen_at = received_at_});
 }
 
-void Intake::JudgeRoverNexus(const UplinkView& uplink, Processed& processed) {
-  schema::Judgement judgement = context_.judge.Payload(std::as_bytes(std::span(uplink.payload)));
-  sign_of_life_ = sign_of_life_ || judgement.sign_of_life;
-  if (judgement.times_unknown > 0 || judgement.enumerants_unrecognized > 0) {
-    context_.ledger.CountOdd(judgement.times_unknown, judgement.enumerants_unrecognized);
+std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::Seen& seen,
+                                         const Judged& judged) const {
+  const std::size_t payload = uplink.payload.size();
+  RecordCost cost;
+  if (seen.missing_first > 0) cost.journal_bytes = robot::kRecordOverheadBytes;
+  if (const auto* record = std::get_if<model::Record>(&judged.content)) {
+    if (record->durable() && !judged.expired) {
+      cost.journal_bytes += journal::CostOf(payload, *record);
+      if (uplink.seq > robot_.sessions.free_through()) cost.flow_bytes = payload;
+    }
+  } else if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
+    cost.journal_bytes += journal::CostOf(payload, *rejection);
+  } else if (AgeOf(std::get<model::RcanState>(judged.content)) == RcanOrder::Age::kOlder) {
+    cost.journal_bytes += journal::CostOf(payload, model::Rejection());
   }
-  if (const model::Rejection* rejection = judgement.rejection()) {
-    const std::size_t kind =
-        judgement.variant ? static_cast<std::size_t>(*judgement.variant) : metrics::kUnknownKind;
-    return Reject(uplink, *rejection, kind, processed);
-  }
-  Accept(uplink, std::get<model::Record>(judgement.verdict), processed);
+  return cost.journal_bytes > 0 ? std::optional(cost) : std::nullopt;
 }
 
-void Intake::JudgeRcan(const UplinkView& uplink, Processed& processed) {
-  schema::RcanJudgement judgement =
-      schema::JudgeRcanState(uplink.payload, id_->ruri, context_.limits.message_bytes_max);
-  sign_of_life_ = sign_of_life_ || (judgement.sign_of_life && context_.limits.rcan_counts_as_life);
-  if (const model::Rejection* rejection = judgement.rejection()) {
-    return Reject(uplink, *rejection, metrics::kRcanKind, processed);
+void Intake::Accept(const UplinkView& uplink, Judged& judged, Processed& processed) {
+  sign_of_life_ = sign_of_life_ || judged.sign_of_life;
+  if (judged.times_unknown > 0 || judged.enumerants_unrecognized > 0) {
+    context_.ledger.CountOdd(judged.times_unknown, judged.enumerants_unrecognized);
   }
+  if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
+    return Reject(uplink, *rejection, judged.kind, processed);
+  }
+  if (auto* record = std::get_if<model::Record>(&judged.content)) {
+    return AcceptRecord(uplink, *record, judged.expired, processed);
+  }
+  AcceptState(uplink, judged, processed);
+}
+
+RcanOrder::Age Intake::AgeOf(const model::RcanState& state) const {
+  return rcan_order_ == nullptr ? RcanOrder::Age::kNewer : rcan_order_->AgeOf(state);
+}
+
+void Intake::AcceptState(const UplinkView& uplink, Judged& judged, Processed& processed) {
+  auto& state = std::get<model::RcanState>(judged.content);
+  const RcanOrder::Age age = AgeOf(state);
   if (rcan_order_ == nullptr) rcan_order_ = std::make_unique<RcanOrder>();
-  auto& state = std::get<model::RcanState>(judgement.verdict);
   counts_.rcan_missing += rcan_order_->See(state);
-  const RcanOrder::Age age = rcan_order_->AgeOf(state);
   if (age == RcanOrder::Age::kOlder) {
     return Reject(
         uplink,
@@ -132,7 +166,7 @@ void Intake::JudgeRcan(const UplinkView& uplink, Processed& processed) {
         metrics::kRcanKind, processed);
   }
   ++counts_.rcan_states;
-  TellDropped(uplink.seq, judgement.dropped, metrics::kRcanKind, processed);
+  TellDropped(uplink.seq, judged.dropped, metrics::kRcanKind, processed);
   numbers_.AddSettled(uplink.seq);
   if (age == RcanOrder::Age::kSame) return CountSuperseded();
   rcan_order_->Apply(state);
@@ -140,7 +174,9 @@ void Intake::JudgeRcan(const UplinkView& uplink, Processed& processed) {
   if (before == FrameLive::Before::kReplaced) CountSuperseded();
 }
 
-void Intake::Accept(const UplinkView& uplink, model::Record& record, Processed& processed) {
+void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool expired,
+                          Processed& processed) {
+  if (Limit(uplink, record, processed)) return context_.judge.Reuse(std::move(record));
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
     TellDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()),
@@ -148,12 +184,36 @@ void Intake::Accept(const UplinkView& uplink, model::Record& record, Processed& 
     numbers_.AddSettled(uplink.seq);
     return AddLive(std::move(record));
   }
-  if (ExpiredOnArrival(record.body(), received_at_, context_.clock_trust)) {
+  if (expired) {
     numbers_.AddSettled(uplink.seq);
     return CountSuperseded();
   }
+  if (uplink.seq > robot_.sessions.free_through()) {
+    robot_.flow.Take(uplink.payload.size(), allowance_->flow, context_.clock.Steady());
+  }
   robot_.state.KeepReport(record.body(), received_at_);
   Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
+}
+
+bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Processed& processed) {
+  const std::size_t variant = static_cast<std::size_t>(record.variant());
+  if (allowance_->rates[variant].rate == 0) return false;
+  // What is sent again was decided before.
+  if (uplink.seq <= robot_.sessions.free_through()) return false;
+  const std::optional<milliseconds> again =
+      robot_.rates.Limit(record.body(), allowance_->rates, context_.clock.Steady());
+  if (!again) return false;
+  robot::RejectedSeq limited{.seq = uplink.seq,
+                             .rejection = RateLimited(allowance_->rates[variant]),
+                             .retry_after_ms = again->count()};
+  context_.ledger.CountRejected(variant, model::RejectReason::kRateLimited);
+  processed.frames.push_back(RejectFrame(limited.seq, limited.rejection, limited.retry_after_ms));
+  robot_.sessions.RememberLimited(session_, std::move(limited));
+  numbers_.AddSettled(uplink.seq);
+  ++counts_.received;
+  ++counts_.rejected;
+  ++counts_.rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)];
+  return true;
 }
 
 void Intake::AddLive(model::Record record) {
@@ -199,7 +259,14 @@ void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection,
 void Intake::Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
                     std::string payload, std::size_t payload_bytes) {
   ++counts_.received;
-  const std::int64_t grew = numbers_.AddWaiting(seq);
+  storage::CommitRecord record{.robot = id_,
+                               .session = session_,
+                               .seq = seq,
+                               .received_at = received_at_,
+                               .content = std::move(content),
+                               .payload = std::move(payload),
+                               .payload_bytes = payload_bytes};
+  const std::int64_t grew = numbers_.AddWaiting(seq, journal::CostOf(record));
   if (grew == 0) {
     ++counts_.superseded;  // another process took the robot since the number was seen
     return;
@@ -207,15 +274,7 @@ void Intake::Append(model::Seq seq, std::variant<model::Record, storage::Quarant
   counts_.in_flight += grew;
   // Published before the writer can settle it, so that no scrape sees it settled and not received.
   Publish();
-  journal_.Append(robot_, generation_,
-                  {.robot = id_,
-                   .session = session_,
-                   .seq = seq,
-                   .received_at = received_at_,
-                   .content = std::move(content),
-                   .payload = std::move(payload),
-                   .payload_bytes = payload_bytes},
-                  arrived_);
+  journal_.Append(robot_, generation_, std::move(record), arrived_);
 }
 
 void Intake::ApplyLive() {

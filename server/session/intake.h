@@ -15,6 +15,7 @@
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
 #include "server/session/held_back.h"
+#include "server/session/judged.h"
 #include "server/session/number_run.h"
 #include "server/session/pending_batch.h"
 #include "server/session/rcan_order.h"
@@ -58,24 +59,36 @@ class Intake final {
   /// Copies what is still pending: the frame's bytes are about to go.
   void Keep() { batch_.Keep(); }
   /// Drops what is pending, unprocessed.
-  void Drop() { batch_.Drop(); }
+  void Drop() {
+    batch_.Drop();
+    front_cost_.reset();
+  }
 
   /// No message is processed any more: the agent is to confirm Rejects first, by its next Hello.
   [[nodiscard]] bool rejects_full() const {
     return robot_.sessions.unconfirmed() >= context_.limits.unconfirmed_rejects_max;
   }
-  /// Whether a message may be processed now, and what keeps it if not (HeldBackBy).
-  [[nodiscard]] HeldBack HeldBackBy(std::size_t outgoing) const;
-  /// When a throttled stream may go on (Throttle::end).
-  [[nodiscard]] std::optional<SteadyTime> throttle_end() const { return throttle_.end(); }
+  /// What keeps the next message from being processed: of one that is not here yet, what keeps any;
+  /// of one at which processing stopped, also what keeps a record like it.
+  [[nodiscard]] Hold HoldNow(std::size_t outgoing) const;
 
  private:
-  void ProcessUplink(const UplinkView& uplink, Processed& processed);
+  /// False if the message has to wait.
+  [[nodiscard]] bool ProcessUplink(const UplinkView& uplink, Processed& processed);
+  /// What it costs if it is to be appended; nothing if it is not, and no gap before it.
+  [[nodiscard]] std::optional<RecordCost> CostOf(const UplinkView& uplink, const robot::Seen& seen,
+                                                 const Judged& judged) const;
+  [[nodiscard]] HeldBackSources Sources() const;
+  [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
   void CountDuplicate(const robot::Seen& seen, Processed& processed);
   void AppendGap(const robot::Seen& seen);
-  void JudgeRoverNexus(const UplinkView& uplink, Processed& processed);
-  void JudgeRcan(const UplinkView& uplink, Processed& processed);
-  void Accept(const UplinkView& uplink, model::Record& record, Processed& processed);
+  void Accept(const UplinkView& uplink, Judged& judged, Processed& processed);
+  void AcceptRecord(const UplinkView& uplink, model::Record& record, bool expired,
+                    Processed& processed);
+  void AcceptState(const UplinkView& uplink, Judged& judged, Processed& processed);
+  /// True if the message is over its variant's rate: it is rejected, and its number settled.
+  [[nodiscard]] bool Limit(const UplinkView& uplink, const model::Record& record,
+                           Processed& processed);
   void AddLive(model::Record record);
   void Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
               Processed& processed);
@@ -97,6 +110,11 @@ class Intake final {
   PendingBatch batch_;
   NumberRun numbers_;
   Throttle throttle_;
+  /// What every robot may send, and of which version of it that is.
+  std::shared_ptr<const Allowance> allowance_;
+  std::uint64_t allowance_version_ = 0;
+  /// What the next message costs, which had to wait.
+  std::optional<RecordCost> front_cost_;
   SteadyTime arrived_;
   SystemTime received_at_;
   bool sign_of_life_ = false;

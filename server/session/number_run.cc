@@ -17,9 +17,9 @@ robot::Seen NumberRun::See(model::Seq seq) {
   return seen;
 }
 
-std::int64_t NumberRun::AddWaiting(model::Seq seq) {
+std::int64_t NumberRun::AddWaiting(model::Seq seq, std::size_t bytes) {
   Flush();
-  const std::int64_t grew = sessions_.AddWaiting(session_, seq);
+  const std::int64_t grew = sessions_.AddWaiting(session_, seq, bytes);
   // Another process took the robot since the number was seen: the next look says so.
   if (grew == 0) new_before_ = 0;
   return grew;

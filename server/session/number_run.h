@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "schema/model/ids.h"
@@ -24,7 +25,9 @@ class NumberRun final {
   /// The number just seen is settled; the sessions learn it by Flush at the latest.
   void AddSettled(model::Seq seq) { unsettled_ = seq; }
   /// The number just seen waits for its commit, as robot::RobotSessions::AddWaiting.
-  [[nodiscard]] std::int64_t AddWaiting(model::Seq seq);
+  [[nodiscard]] std::int64_t AddWaiting(model::Seq seq, std::size_t bytes);
+  /// The number just seen is not taken now: it is looked at again later.
+  void PutBack() { new_before_ = 0; }
   /// Tells the sessions what is settled. Ends a pass.
   void Flush();
 

@@ -6,7 +6,7 @@ namespace uplink::session {
 
 void Outgoing::PushRejects(std::span<const robot::RejectedSeq> rejects) {
   for (const robot::RejectedSeq& rejected : rejects) {
-    Push(RejectFrame(rejected.seq, rejected.rejection));
+    Push(RejectFrame(rejected.seq, rejected.rejection, rejected.retry_after_ms));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "metrics/cells.h"
+#include "server/robot/held_back.h"
 
 namespace uplink::session {
 
@@ -46,6 +47,9 @@ struct SessionProbe {
   /// Streams whose frames are not read now, and how often that began.
   metrics::Cell held_back;
   metrics::Cell held_back_total;
+  /// The same by what holds them back: by robot::HeldBack, but kNone.
+  std::array<metrics::Cell, robot::kHeldBackReasons> held_back_by;
+  std::array<metrics::Cell, robot::kHeldBackReasons> held_back_by_total;
   metrics::Cell peer_stalls_total;
   metrics::Cell superseded_total;
   /// Streams that ended with limits.unconfirmed_rejects_max Rejects that were not confirmed.

@@ -7,24 +7,22 @@ void ReadGate::Request() {
   sources_.source.RequestRead();
 }
 
-void ReadGate::RequestUnless(HeldBack by, std::optional<SteadyTime> throttle_end) {
-  SetReading(by == HeldBack::kNone ? Reading::kFlowing : Reading::kHeldBack);
-  Tell(by);
+void ReadGate::RequestUnless(const Hold& hold) {
+  SetReading(hold.none() ? Reading::kFlowing : Reading::kHeldBack);
+  Tell(hold.by);
   sources_.timers.Clear(Timer::kReadAgain);
-  switch (by) {
+  if (hold.until) sources_.timers.Set(Timer::kReadAgain, *hold.until);
+  switch (hold.by) {
     case HeldBack::kNone:
       return Request();
-    case HeldBack::kInFlight:  // a commit of the robot wakes the stream
-    case HeldBack::kUnread:    // a write that is done calls
-      return;
-    case HeldBack::kJournalShare:
-    case HeldBack::kFlow:
-    case HeldBack::kDisk:
-      return;
     case HeldBack::kJournal:
       return sources_.robot.journal().WhenRoom(sources_.robot.self());
+    case HeldBack::kInFlight:      // a commit of the robot wakes the stream
+    case HeldBack::kJournalShare:  // as well
+    case HeldBack::kUnread:        // a write that is done calls
+    case HeldBack::kFlow:          // the timer calls
+    case HeldBack::kDisk:
     case HeldBack::kMalformed:
-      if (throttle_end) sources_.timers.Set(Timer::kReadAgain, *throttle_end);
       return;
   }
 }
@@ -49,6 +47,12 @@ void ReadGate::SetReading(Reading reading) {
 
 void ReadGate::Tell(HeldBack by) {
   if (told_ == by) return;
+  SessionProbe& probe = sources_.context.probe;
+  if (told_ != HeldBack::kNone) probe.held_back_by[static_cast<std::size_t>(told_)].Add(-1);
+  if (by != HeldBack::kNone) {
+    probe.held_back_by[static_cast<std::size_t>(by)].Add();
+    probe.held_back_by_total[static_cast<std::size_t>(by)].Add();
+  }
   told_ = by;
   sources_.robot.robot().sessions.SetHeldBack(by, sources_.context.clock.System());
 }

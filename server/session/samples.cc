@@ -10,6 +10,11 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
   page.Add(kStreamsOpened, probe.streams_total);
   page.Add(kStreamsHeldBack, probe.held_back);
   page.Add(kHoldBacks, probe.held_back_total);
+  for (std::size_t by = 1; by < robot::kHeldBackReasons; ++by) {
+    const std::string_view reason = ToText(static_cast<robot::HeldBack>(by));
+    page.Add(kHeldBackBy, probe.held_back_by[by], {reason});
+    page.Add(kHeldBackByTotal, probe.held_back_by_total[by], {reason});
+  }
   page.Add(kTakeovers, probe.takeovers_total);
   page.Add(kContested, probe.contested_total);
   page.Add(kSuperseded, probe.superseded_total);

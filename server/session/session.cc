@@ -170,14 +170,14 @@ void Session::Read() {
   if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
   // The last look decides: what keeps the stream back is what it then waits for.
-  HeldBack by = intake_->HeldBackBy(outgoing_.size());
-  while (intake_->pending() && by == HeldBack::kNone) {
+  Hold hold = intake_->HoldNow(outgoing_.size());
+  while (intake_->pending() && hold.none()) {
     ProcessAndWrite(News::kNone);
     if (EndForRejects()) return EndWhenSettled();
-    by = intake_->HeldBackBy(outgoing_.size());
+    hold = intake_->HoldNow(outgoing_.size());
   }
   reading_.WatchPeer(outgoing_.size());
-  reading_.RequestUnless(by, intake_->throttle_end());
+  reading_.RequestUnless(hold);
 }
 
 // --- Writes, wakes, timers ---

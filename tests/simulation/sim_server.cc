@@ -114,6 +114,7 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .judge = judge_,
                                         .limits = limits_.session,
                                         .scratch = scratch_,
+                                        .allowances = allowances_,
                                         .clock_trust = clock_trust_};
   identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),

@@ -155,6 +155,7 @@ class SimServer final : public robot::WakeInbox {
   journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
   session::IntakeScratch scratch_;
+  const session::Allowances allowances_;
   const testing::FakeTrust clock_trust_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;

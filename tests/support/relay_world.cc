@@ -44,6 +44,7 @@ relay::RelayContext RelayWorld::Context() {
           .judge_limits = {.payload_bytes_max = options.session.payload_bytes_max,
                            .message_bytes_max = options.session.message_bytes_max,
                            .extras_items_max = options.session.extras_items_max},
+          .allowances = allowances_,
           .clock_trust = clock_trust_};
 }
 

@@ -74,6 +74,7 @@ class RelayWorld final {
   [[nodiscard]] relay::RelayContext Context();
 
   KeyPair server_identity_;
+  const session::Allowances allowances_;
   const FakeTrust clock_trust_;
   std::optional<journal::JournalWriter> writer_;
   std::unique_ptr<relay::RelayServer> server_;

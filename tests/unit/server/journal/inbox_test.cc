@@ -78,7 +78,7 @@ TEST_F(InboxTest, HasRoomBelowItsRecordsAndItsBytes) {
   EXPECT_FALSE(inbox.HasRoom()) << "as many records as it may hold";
   Drain();
   EXPECT_TRUE(inbox.HasRoom());
-  Append(robot_, 5, std::string(1743, 'x'));
+  Append(robot_, 5, std::string(3486, 'x'));
   EXPECT_TRUE(inbox.HasRoom()) << "two bytes are left";
   Append(robot_, 6);
   EXPECT_FALSE(inbox.HasRoom());

@@ -239,7 +239,7 @@ TEST_F(JournalTest, RoomEndsAtItsBytes) {
   bench.Open(robot_);
   bench.Append(robot_, 1, std::string(400, 'x'));
   EXPECT_TRUE(bench.journal.HasRoom());
-  bench.Append(robot_, 2, std::string(87, 'x'));
+  bench.Append(robot_, 2, std::string(574, 'x'));
   EXPECT_TRUE(bench.journal.HasRoom()) << "two bytes are left";
   EXPECT_EQ(bench.journal.bytes(), 1998U);
   bench.Append(robot_, 3);

@@ -66,6 +66,7 @@ TEST_F(DurableFlowTest, AFullDiskStopsIt) {
 }
 
 TEST_F(DurableFlowTest, ADiskThatIsNearlyFullSlowsIt) {
+  limits_.bytes = {};
   flow_.LimitForDisk(100);
   EXPECT_EQ(LookAt(1000), HeldBack::kNone) << "ten seconds of its rate at once";
   Take(1000);

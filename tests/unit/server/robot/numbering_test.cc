@@ -26,6 +26,8 @@ TEST(NumberingTest, WhatIsSkippedIsNamedAndCounted) {
   const Seen seen = numbers.See(4);
   EXPECT_EQ(seen.missing_first, 1U);
   EXPECT_EQ(seen.missing_last, 3U);
+  EXPECT_EQ(numbers.missing(), 0U) << "a look counts nothing";
+  numbers.AddMissing(3);
   EXPECT_EQ(numbers.missing(), 3U);
 }
 

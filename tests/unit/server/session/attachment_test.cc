@@ -84,6 +84,7 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
                             .judge = judge_,
                             .limits = limits_.session,
                             .scratch = scratch_,
+                            .allowances = allowances_,
                             .clock_trust = clock_trust_};
   Attachment last(full, Stream(1));
   ASSERT_TRUE(last.Attach(Terms(SessionOf(1))).ok());

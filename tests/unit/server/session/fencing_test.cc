@@ -143,7 +143,7 @@ TEST_F(FencingTest, GapsThatBecomeVoidLetTheNextStreamFlow) {
   limits_.session.in_flight_uplinks_max = 2;
   BenchServer& mine = Start();
   BenchStream& first = mine.Connect(SessionOf(1));
-  first.Send(BatchFrame({{10, Motion()}, {20, Motion()}}));
+  first.Send(BatchFrame({{10, Motion()}, {20, Motion()}, {30, Motion()}}));
   EXPECT_FALSE(first.reading()) << "two gaps wait";
   first.Break();
   other_.Connect(SessionOf(1));

@@ -10,46 +10,76 @@ namespace {
 class HoldTest : public ::testing::Test {
  protected:
   HoldTest() {
-    limits_.session.in_flight_uplinks_max = 2;
-    static_cast<void>(sessions_.Begin(SessionOf(1), clock_.Steady()));
+    static_cast<void>(robot_.sessions.Begin(SessionOf(1), clock_.Steady()));
   }
-  HeldBack Now(std::size_t outgoing = 0) {
-    return HeldBackBy({.sessions = sessions_,
-                       .journal = server_.journal(),
-                       .throttle = throttle_,
-                       .limits = limits_.session,
-                       .clock = clock_},
-                      outgoing);
+  HeldBackSources Sources() {
+    return {.robot = robot_,
+            .journal = server_.journal(),
+            .throttle = throttle_,
+            .limits = limits_.session,
+            .flow = flow_,
+            .clock = clock_};
+  }
+  HeldBack OfAll(std::size_t outgoing = 0) { return HoldOfAll(Sources(), outgoing).by; }
+  Hold OfRecord(const RecordCost& cost) { return HoldOfRecord(Sources(), cost); }
+  /// One more message of the robot waits for its commit.
+  void AddWaiting(std::size_t bytes) {
+    EXPECT_EQ(robot_.sessions.AddWaiting(SessionOf(1), ++seq_, bytes), 1);
   }
 
   testing::ManualClock clock_;
   testing::FakeDatabase database_;
-  BenchLimits limits_;
+  BenchLimits limits_{.journal = {.bytes_max = 64'000}};
   BenchServer server_{clock_, database_, 1, limits_};
-  robot::RobotSessions sessions_;
+  const robot::PresenceChanged changed_;
+  robot::Robot robot_{std::make_shared<const model::RobotId>(model::RobotId{std::string(kRobot)}),
+                      clock_.Steady(), clock_, changed_};
+  robot::FlowLimits flow_{.records = {.rate = 1, .burst = 2}, .bytes = {}};
   Throttle throttle_;
+  model::Seq seq_ = 0;
 };
 
-TEST_F(HoldTest, AStreamIsHeldBackOnlyAtTheBoundOfItsRobot) {
-  EXPECT_EQ(sessions_.AddWaiting(SessionOf(1), 1), 1);
-  EXPECT_EQ(Now(), HeldBack::kNone);
-  EXPECT_EQ(sessions_.AddWaiting(SessionOf(1), 2), 1);
-  EXPECT_EQ(Now(), HeldBack::kInFlight);
+TEST_F(HoldTest, ARecordWaitsAtTheBoundOfItsRobot) {
+  limits_.session.in_flight_uplinks_max = 2;
+  AddWaiting(1);
+  EXPECT_TRUE(OfRecord({.journal_bytes = 1}).none());
+  AddWaiting(1);
+  EXPECT_EQ(OfRecord({.journal_bytes = 1}).by, HeldBack::kInFlight);
+  EXPECT_EQ(OfAll(), HeldBack::kNone) << "live messages go on";
+}
+
+TEST_F(HoldTest, ARecordWaitsAtTheRobotsShareOfTheJournal) {
+  EXPECT_TRUE(OfRecord({.journal_bytes = 1'000'000}).none()) << "one passes, whatever its size";
+  AddWaiting(1'000);
+  EXPECT_TRUE(OfRecord({.journal_bytes = 1'000}).none()) << "a 32nd of 64,000";
+  EXPECT_EQ(OfRecord({.journal_bytes = 1'001}).by, HeldBack::kJournalShare);
+  EXPECT_TRUE(server_.journal().HasRoom()) << "for everybody else";
+}
+
+TEST_F(HoldTest, ARecordOverTheFlowWaitsForItsTime) {
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(OfRecord({.journal_bytes = 1, .flow_bytes = 1}).none());
+    robot_.flow.Take(1, flow_, clock_.Steady());
+  }
+  const Hold hold = OfRecord({.journal_bytes = 1, .flow_bytes = 1});
+  EXPECT_EQ(hold.by, HeldBack::kFlow);
+  EXPECT_EQ(hold.until, clock_.Steady() + std::chrono::seconds(1));
+  EXPECT_TRUE(OfRecord({.journal_bytes = 1}).none()) << "quarantine costs nothing";
 }
 
 TEST_F(HoldTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
-  EXPECT_EQ(Now(kOutgoingFramesMax - 1), HeldBack::kNone);
-  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kUnread);
+  EXPECT_EQ(OfAll(kOutgoingFramesMax - 1), HeldBack::kNone);
+  EXPECT_EQ(OfAll(kOutgoingFramesMax), HeldBack::kUnread);
 }
 
 TEST_F(HoldTest, AThrottledStreamIsHeldBackUntilItsEnd) {
   for (std::uint32_t i = 0; i <= kMalformedPerSecondMax; ++i) {
     throttle_.AddMalformed(clock_.Steady());
   }
-  EXPECT_EQ(Now(), HeldBack::kMalformed);
-  EXPECT_EQ(Now(kOutgoingFramesMax), HeldBack::kUnread) << "the first that applies";
+  EXPECT_EQ(OfAll(), HeldBack::kMalformed);
+  EXPECT_EQ(OfAll(kOutgoingFramesMax), HeldBack::kUnread) << "the first that applies";
   clock_.Advance(std::chrono::seconds(1));
-  EXPECT_EQ(Now(), HeldBack::kNone);
+  EXPECT_EQ(OfAll(), HeldBack::kNone);
 }
 
 }  // namespace

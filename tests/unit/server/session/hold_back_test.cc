@@ -41,22 +41,32 @@ TEST_F(HoldBackTest, AtInFlightMaxNothingMoreIsTaken) {
   EXPECT_FALSE(server().robot().state.held_back());
   EXPECT_EQ(server().probe().held_back.value(), 0);
   EXPECT_EQ(server().probe().held_back_total.value(), 1);
+  constexpr auto kInFlight = static_cast<std::size_t>(HeldBack::kInFlight);
+  EXPECT_EQ(server().probe().held_back_by[kInFlight].value(), 0);
+  EXPECT_EQ(server().probe().held_back_by_total[kInFlight].value(), 1);
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
-TEST_F(HoldBackTest, ExactlyInFlightMaxHoldsBackTheNextFrame) {
+TEST_F(HoldBackTest, ExactlyInFlightMaxHoldsBackTheNextDurableMessage) {
   limits_.session.in_flight_uplinks_max = 4;
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame(Messages(1, 4, Fault())));
+  EXPECT_TRUE(stream.reading()) << "it may be live";
+  stream.Send(BatchFrame({{5, Motion()}}));
+  EXPECT_TRUE(stream.reading());
+  EXPECT_EQ(server().counts().applied, 1U);
+  stream.Send(BatchFrame({{6, Fault()}}));
   EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(server().counts().received, 5U);
   server().Commit();
   EXPECT_TRUE(stream.reading());
+  EXPECT_EQ(server().counts().received, 6U);
 }
 
-TEST_F(HoldBackTest, LiveMessagesBehindTheLimitWaitInOrder) {
+TEST_F(HoldBackTest, LiveMessagesBehindOneThatWaitsWaitInOrder) {
   limits_.session.in_flight_uplinks_max = 1;
   BenchStream& stream = Welcomed();
-  stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
+  stream.Send(BatchFrame({{1, Fault()}, {2, Fault()}, {3, Motion()}}));
   EXPECT_EQ(server().counts().applied, 0U);
   server().Commit();
   EXPECT_EQ(server().counts().applied, 1U);
@@ -75,25 +85,158 @@ TEST_F(HoldBackTest, WhatWaitsOutlivesTheScratchThatStreamsShare) {
   EXPECT_THAT(Stored(1), ::testing::Contains(2U));
 }
 
-TEST_F(HoldBackTest, AFullJournalHoldsBackEveryStream) {
+TEST_F(HoldBackTest, AFullJournalHoldsBackEveryStreamAtItsNextDurableMessage) {
   limits_.journal.bytes_max = 600;
   BenchStream& stream = Welcomed();
   BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
   stream.Send(BatchFrame({{1, Fault()}}));
   EXPECT_FALSE(server().journal().HasRoom());
-  EXPECT_FALSE(stream.reading());
-  EXPECT_EQ(Shown().held_back, HeldBack::kJournal);
-  other.Send(BatchFrame({{1, Fault()}}));
+  EXPECT_TRUE(stream.reading());
+  other.Send(BatchFrame({{1, Motion()}, {2, Motion()}, {3, Fault()}, {4, Motion()}}));
   EXPECT_FALSE(other.reading());
-  EXPECT_EQ(server().counts().received, 1U);
+  EXPECT_EQ(server().robot("rcan://bench/2").sessions.View().held_back, HeldBack::kJournal);
+  EXPECT_EQ(server().counts().received, 3U) << "the live ones ahead of it are judged";
+  EXPECT_EQ(other.Said().back(), "ack 0 judged 0");
   server().Commit();
   EXPECT_TRUE(stream.reading());
   EXPECT_TRUE(other.reading());
+  EXPECT_EQ(server().counts().received, 5U);
+  server().Commit();
   EXPECT_EQ(server().counts().stored, 2U);
+}
+
+TEST_F(HoldBackTest, AFullJournalIsNoMatterToARobotThatSendsLiveKindsAlone) {
+  limits_.journal.bytes_max = 600;
+  BenchStream& stream = Welcomed();
+  BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
+  stream.Send(BatchFrame({{1, Fault()}}));
+  for (model::Seq seq = 1; seq <= 200; ++seq) {
+    other.Send(BatchFrame({{seq, Motion()}}));
+    ASSERT_TRUE(other.reading()) << seq;
+  }
+  EXPECT_FALSE(server().robot("rcan://bench/2").state.held_back());
+  EXPECT_EQ(server().counts().applied, 200U);
+  EXPECT_EQ(other.Said().back(), "ack 192 judged 192");
+}
+
+TEST_F(HoldBackTest, WhatIsRejectedAndWhatIsSkippedIsDurableToo) {
+  limits_.journal.bytes_max = 600;
+  BenchStream& stream = Welcomed();
+  BenchStream& bad = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
+  BenchStream& skips = server().Connect(SessionOf(3), 0, 0, "rcan://bench/3");
+  stream.Send(BatchFrame({{1, Fault()}}));
+  static_cast<void>(bad.Said());
+  bad.Send(BatchFrame({{1, Motion(91)}}));
+  EXPECT_FALSE(bad.reading());
+  EXPECT_THAT(bad.Said(), IsEmpty()) << "it is not judged yet";
+  EXPECT_EQ(server().robot("rcan://bench/2").state.presence(), robot::Presence::kUnknown);
+  skips.Send(BatchFrame({{1, Motion()}, {3, Motion()}}));
+  EXPECT_FALSE(skips.reading());
+  EXPECT_EQ(server().counts().missing, 0U);
+  server().Commit();
+  EXPECT_THAT(bad.Said(), ElementsAre("reject 1 out_of_range pose.latDeg", "ack 1 judged 1"));
+  EXPECT_EQ(server().counts().missing, 1U) << "counted once";
+  EXPECT_TRUE(skips.reading());
+  server().Commit();
+  EXPECT_EQ(server().counts().received, 4U);
+  EXPECT_EQ(server().counts().rejected, 1U);
+}
+
+TEST_F(HoldBackTest, OneRobotAtItsShareOfTheJournalHoldsBackItselfAlone) {
+  limits_.journal.bytes_max = 64'000;  // a 32nd has room for three faults
+  BenchStream& stream = Welcomed();
+  BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
+  stream.Send(BatchFrame(Messages(1, 50, Fault())));
+  EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(Shown().held_back, HeldBack::kJournalShare);
+  const std::size_t share = server().journal().bytes();
+  EXPECT_LE(share, 2'000U);
+  EXPECT_GE(share, 1'000U);
+  other.Send(BatchFrame({{1, Fault()}}));
+  EXPECT_TRUE(other.reading());
+  server().Commit();
+  for (int commits = 0; commits < 50 && server().counts().stored < 51; ++commits) server().Commit();
+  EXPECT_EQ(server().counts().stored, 51U) << "in shares";
+  EXPECT_TRUE(stream.reading());
+  EXPECT_EQ(stream.Said().back(), "ack 50 judged 50");
+}
+
+TEST_F(HoldBackTest, ARobotWithNothingInTheJournalAppendsOneRecordOfAnySize) {
+  limits_.journal.bytes_max = 3'200;  // a 32nd has room for no fault
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 3, Fault())));
+  EXPECT_EQ(server().counts().received, 1U);
+  EXPECT_EQ(Shown().held_back, HeldBack::kJournalShare);
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 3U) << "one after the other";
+}
+
+TEST_F(HoldBackTest, AFenceFreesTheRobotsShare) {
+  limits_.journal.bytes_max = 3'200;
+  BenchStream& stream = Welcomed();
+  server().StoreAway();
+  stream.Send(BatchFrame({{1, Fault()}, {5, Motion()}}));
+  EXPECT_GT(server().robot().sessions.journal_use().bytes, 500U);
+  BenchServer other(clock_, database_, 99, limits_);
+  static_cast<void>(other.Connect(SessionOf(9)));
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(server().robot().sessions.journal_use().bytes, 0U);
+  EXPECT_EQ(server().robot().sessions.journal_use().records, 0U);
+  EXPECT_EQ(server().counts().superseded, 1U);
+}
+
+TEST_F(HoldBackTest, PastItsFlowAStreamWaitsForItsTokens) {
+  limits_.allowance.flow.records = {.rate = 10, .burst = 20};
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 30, Fault())));
+  EXPECT_FALSE(stream.reading());
+  EXPECT_EQ(Shown().held_back, HeldBack::kFlow);
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 20U);
+  EXPECT_FALSE(stream.reading()) << "no commit ends it";
+  server().Pass(milliseconds(99));
+  EXPECT_EQ(server().counts().received, 20U);
+  server().Pass(milliseconds(1));
+  EXPECT_EQ(server().counts().received, 21U);
+  server().Pass(milliseconds(900));
+  EXPECT_EQ(server().counts().received, 30U);
+  EXPECT_TRUE(stream.reading());
+  EXPECT_EQ(Shown().held_back, HeldBack::kNone);
+}
+
+TEST_F(HoldBackTest, WhatIsRejectedOrSentAgainCostsNoTokens) {
+  limits_.allowance.flow.records = {.rate = 1, .burst = 5};
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 5, Fault())));
+  stream.Send(BatchFrame(Messages(6, 40, BadFault())));
+  EXPECT_TRUE(stream.reading());
+  stream.Send(BatchFrame({{41, Fault()}}));
+  EXPECT_FALSE(stream.reading());
+  server().Commit();
+  Start();
+  BenchStream& again = server().Connect(SessionOf(1));
+  again.Send(BatchFrame(Messages(1, 5, Fault())));
+  EXPECT_TRUE(again.reading());
+  again.Send(BatchFrame(Messages(41, 45, Fault())));
+  EXPECT_TRUE(again.reading()) << "the tokens are all there";
+  again.Send(BatchFrame({{46, Fault()}}));
+  EXPECT_FALSE(again.reading());
+}
+
+TEST_F(HoldBackTest, AReloadOfTheFlowHoldsFromTheNextFrameOn) {
+  limits_.allowance.flow.records = {.rate = 1, .burst = 1};
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Fault()}}));
+  server().allowances().Set({});
+  stream.Send(BatchFrame(Messages(2, 100, Fault())));
+  EXPECT_TRUE(stream.reading());
+  EXPECT_EQ(server().counts().received, 100U);
 }
 
 TEST_F(HoldBackTest, JournalRecordsAreBoundedToo) {
   limits_.journal.records_max = 2;
+  limits_.journal.robot_share = 1;
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame(Messages(1, 3, Fault())));
   EXPECT_FALSE(stream.reading());
@@ -207,7 +350,7 @@ TEST_F(HoldBackTest, NothingIsDroppedWhileHeldBack) {
 TEST_F(HoldBackTest, PresenceIsUnknownInsteadOfOffline) {
   limits_.session.in_flight_uplinks_max = 2;
   BenchStream& stream = Welcomed();
-  stream.Send(BatchFrame({{1, Motion()}, {2, Fault()}, {3, Fault()}}));
+  stream.Send(BatchFrame({{1, Motion()}, {2, Fault()}, {3, Fault()}, {4, Fault()}}));
   server().Pass(std::chrono::seconds(10));
   EXPECT_EQ(Swept(), robot::Presence::kOnline);
   server().Pass(milliseconds(1));

@@ -59,7 +59,7 @@ TEST_F(NumberRunTest, ALookTellsWhatWasSettledBeforeIt) {
 TEST_F(NumberRunTest, ANumberThatWaitsComesAfterThoseThatAreSettled) {
   AddLive(1);
   EXPECT_EQ(run_.See(2).as, robot::SeenAs::kNew);
-  EXPECT_EQ(run_.AddWaiting(2), 1);
+  EXPECT_EQ(run_.AddWaiting(2, 100), 1);
   EXPECT_EQ(sessions_.waiting(session_), 1U);
   AddLive(3);
   run_.Flush();
@@ -70,7 +70,7 @@ TEST_F(NumberRunTest, OnceAnotherProcessHasTheRobotTheNextLookSaysSo) {
   AddLive(1);
   EXPECT_EQ(run_.See(2).as, robot::SeenAs::kNew);
   sessions_.OnFenced(ledger_);
-  EXPECT_EQ(run_.AddWaiting(2), 0);
+  EXPECT_EQ(run_.AddWaiting(2, 100), 0);
   EXPECT_EQ(run_.See(3).as, robot::SeenAs::kVoid);
 }
 

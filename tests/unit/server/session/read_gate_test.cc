@@ -36,7 +36,7 @@ TEST_F(ReadGateTest, ARequestIsUnderWayUntilItsAnswer) {
 }
 
 TEST_F(ReadGateTest, AStreamThatNothingHoldsBackIsRead) {
-  gate_.RequestUnless(HeldBack::kNone, std::nullopt);
+  gate_.RequestUnless({.by = HeldBack::kNone});
   EXPECT_EQ(source_.requests, 1);
   EXPECT_TRUE(gate_.under_way());
   EXPECT_FALSE(held_back());
@@ -45,7 +45,7 @@ TEST_F(ReadGateTest, AStreamThatNothingHoldsBackIsRead) {
 
 TEST_F(ReadGateTest, WhatHoldsAStreamBackIsNotReadAndSetsNoTimer) {
   for (const HeldBack by : {HeldBack::kInFlight, HeldBack::kUnread, HeldBack::kJournal}) {
-    gate_.RequestUnless(by, std::nullopt);
+    gate_.RequestUnless({.by = by});
     EXPECT_FALSE(gate_.under_way());
     EXPECT_FALSE(timers_.Next().has_value());
   }
@@ -54,39 +54,42 @@ TEST_F(ReadGateTest, WhatHoldsAStreamBackIsNotReadAndSetsNoTimer) {
 
 TEST_F(ReadGateTest, AThrottledStreamIsReadAgainAtTheEndOfItsThrottle) {
   const SteadyTime end = clock_.Steady() + milliseconds(400);
-  gate_.RequestUnless(HeldBack::kMalformed, end);
+  gate_.RequestUnless({.by = HeldBack::kMalformed, .until = end});
   EXPECT_EQ(source_.requests, 0);
   EXPECT_EQ(timers_.at(Timer::kReadAgain), end);
-  gate_.RequestUnless(HeldBack::kNone, std::nullopt);
+  gate_.RequestUnless({.by = HeldBack::kNone});
   EXPECT_EQ(source_.requests, 1);
   EXPECT_FALSE(timers_.is_set(Timer::kReadAgain));
 }
 
 TEST_F(ReadGateTest, AThrottleThatEndedMeanwhileSetsNoTimer) {
   timers_.Set(Timer::kReadAgain, clock_.Steady());
-  gate_.RequestUnless(HeldBack::kMalformed, std::nullopt);
+  gate_.RequestUnless({.by = HeldBack::kMalformed});
   EXPECT_FALSE(timers_.is_set(Timer::kReadAgain));
 }
 
 TEST_F(ReadGateTest, AStreamThatTheJournalHoldsBackIsWokenOnceThereIsRoom) {
-  gate_.RequestUnless(HeldBack::kJournal, std::nullopt);
+  gate_.RequestUnless({.by = HeldBack::kJournal});
   server_.Commit();
   EXPECT_THAT(woken_.streams, ElementsAre(1));
 }
 
 TEST_F(ReadGateTest, AStreamThatIsHeldBackForAnotherReasonIsNotWokenByTheJournal) {
-  gate_.RequestUnless(HeldBack::kInFlight, std::nullopt);
-  gate_.RequestUnless(HeldBack::kUnread, std::nullopt);
+  gate_.RequestUnless({.by = HeldBack::kInFlight});
+  gate_.RequestUnless({.by = HeldBack::kUnread});
   server_.Commit();
   EXPECT_THAT(woken_.streams, IsEmpty());
 }
 
 TEST_F(ReadGateTest, HoldingBackIsCountedOncePerChange) {
-  gate_.RequestUnless(HeldBack::kInFlight, std::nullopt);
-  gate_.RequestUnless(HeldBack::kUnread, std::nullopt);
+  gate_.RequestUnless({.by = HeldBack::kInFlight});
+  gate_.RequestUnless({.by = HeldBack::kUnread});
   EXPECT_EQ(probe_.held_back.value(), 1);
   EXPECT_EQ(probe_.held_back_total.value(), 1);
-  gate_.RequestUnless(HeldBack::kNone, std::nullopt);
+  EXPECT_EQ(probe_.held_back_by[static_cast<std::size_t>(HeldBack::kInFlight)].value(), 0);
+  EXPECT_EQ(probe_.held_back_by[static_cast<std::size_t>(HeldBack::kUnread)].value(), 1);
+  gate_.RequestUnless({.by = HeldBack::kNone});
+  EXPECT_EQ(probe_.held_back_by[static_cast<std::size_t>(HeldBack::kUnread)].value(), 0);
   EXPECT_EQ(probe_.held_back.value(), 0);
   EXPECT_EQ(probe_.held_back_total.value(), 1);
   gate_.SetReading(ReadGate::Reading::kHeldBack);
@@ -106,7 +109,7 @@ TEST_F(ReadGateTest, TheRobotShowsWhatHoldsItsStreamBack) {
   const auto shown = [this] { return robot_.robot().sessions.View().held_back; };
   for (const HeldBack by : {HeldBack::kInFlight, HeldBack::kJournal, HeldBack::kUnread,
                             HeldBack::kMalformed, HeldBack::kNone, HeldBack::kInFlight}) {
-    gate_.RequestUnless(by, std::nullopt);
+    gate_.RequestUnless({.by = by});
     EXPECT_EQ(shown(), by);
   }
   gate_.SetReading(ReadGate::Reading::kFlowing);

@@ -195,6 +195,7 @@ BenchServer::BenchServer(testing::ManualClock& clock, testing::FakeDatabase& dat
     : clock_(clock),
       limits_(limits),
       store_(database, storage::ProcessId{process}),
+      allowances_(limits.allowance),
       fleet_(clock, limits.robots_max, {}),
       journal_(store_, limits_.journal, clock, book_.NewPage(), journal_probe_,
                storage::ProcessId{process}),
@@ -214,6 +215,7 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .judge = judge_,
                                .limits = limits_.session,
                                .scratch = scratch_,
+                               .allowances = allowances_,
                                .clock_trust = clock_trust_};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),

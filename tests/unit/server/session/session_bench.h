@@ -110,6 +110,8 @@ class BenchStream final : public FrameSource, public FrameSink {
 struct BenchLimits {
   SessionLimits session;
   journal::JournalLimits journal;
+  /// As much as comes, but where a test says otherwise.
+  Allowance allowance{.flow = {.records = {}, .bytes = {}}};
   std::size_t robots_max = 100;
 };
 
@@ -143,6 +145,8 @@ class BenchServer final : public robot::WakeInbox {
   [[nodiscard]] journal::Journal& journal() { return journal_; }
   [[nodiscard]] testing::FakeStore& store() { return store_; }
   [[nodiscard]] SessionProbe& probe() { return probe_; }
+  /// For a reload.
+  [[nodiscard]] Allowances& allowances() { return allowances_; }
   [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
   [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
 
@@ -150,6 +154,7 @@ class BenchServer final : public robot::WakeInbox {
   testing::ManualClock& clock_;
   const BenchLimits limits_;
   testing::FakeStore store_;
+  Allowances allowances_;
   testing::FakeTrust clock_trust_;
   metrics::LedgerBook book_;
   SessionProbe probe_;

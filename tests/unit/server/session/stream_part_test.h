@@ -41,6 +41,7 @@ class StreamPartTest : public ::testing::Test {
   metrics::Ledger ledger_;
   schema::Judge judge_{schema::JudgeLimits{}};
   IntakeScratch scratch_;
+  const Allowances allowances_;
   const testing::FakeTrust clock_trust_;
   journal::Shards shards_{{&server_.journal()}};
   SessionContext context_{.clock = clock_,
@@ -51,6 +52,7 @@ class StreamPartTest : public ::testing::Test {
                           .judge = judge_,
                           .limits = limits_.session,
                           .scratch = scratch_,
+                          .allowances = allowances_,
                           .clock_trust = clock_trust_};
   StreamTimers timers_;
   Attachment robot_{context_, Stream(1)};

@@ -82,6 +82,7 @@ void ThreadsWorker::Open() {
                                .judge = judge_,
                                .limits = core_.limits.session,
                                .scratch = scratch_,
+                               .allowances = allowances_,
                                .clock_trust = clock_trust_};
   stream_ = std::make_unique<ThreadsStream>(context, agent_.ruri(),
                                             robot::StreamRef{.inbox = this, .stream = id});

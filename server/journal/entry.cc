@@ -1,0 +1,23 @@
+#include "server/journal/entry.h"
+
+#include "schema/model/held_bytes.h"
+#include "server/robot/limits.h"
+
+namespace uplink::journal {
+
+std::size_t CostOf(std::size_t payload_bytes, const model::Record& record) {
+  return robot::kRecordOverheadBytes + payload_bytes + model::HeldBytes(record);
+}
+
+std::size_t CostOf(std::size_t payload_bytes, const model::Rejection& rejection) {
+  return robot::kRecordOverheadBytes + payload_bytes + model::HeldBytes(rejection);
+}
+
+std::size_t CostOf(const storage::CommitRecord& record) {
+  const std::size_t payload_bytes = record.payload.size();
+  const auto* good = std::get_if<model::Record>(&record.content);
+  if (good != nullptr) return CostOf(payload_bytes, *good);
+  return CostOf(payload_bytes, std::get<storage::QuarantineItem>(record.content).rejection);
+}
+
+}  // namespace uplink::journal

@@ -1,0 +1,99 @@
+#include "server/robot/rates.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <variant>
+
+namespace uplink::robot {
+namespace {
+
+/// The id by which an upsert is limited; nothing of other messages.
+std::optional<std::size_t> UpsertId(const model::Body& body) {
+  const auto hash = std::hash<std::string>();
+  if (const auto* shape = std::get_if<model::ShapeOp>(&body)) {
+    if (shape->upsert() != nullptr) return hash(shape->id());
+  } else if (const auto* object = std::get_if<model::ObjectOp>(&body)) {
+    if (object->upsert() != nullptr) return hash(object->id());
+  }
+  return std::nullopt;
+}
+
+bool IsDeletion(const model::Body& body) {
+  if (const auto* shape = std::get_if<model::ShapeOp>(&body)) return shape->deletion() != nullptr;
+  const auto* object = std::get_if<model::ObjectOp>(&body);
+  return object != nullptr && object->deletion() != nullptr;
+}
+
+/// Rounded up: what comes again after it is not limited.
+milliseconds Until(SteadyTime time, SteadyTime now) {
+  return std::chrono::ceil<milliseconds>(time - now);
+}
+
+}  // namespace
+
+std::optional<SteadyTime> Rates::LimitedIds::Until(std::size_t id, SteadyTime now) {
+  if (until_.empty()) return std::nullopt;
+  if (last_ <= now) {
+    until_.clear();
+    return std::nullopt;
+  }
+  if (until_.size() >= kLimitedIdsMax) Forget(now);
+  if (until_.size() >= kLimitedIdsMax) return last_;
+  const auto known = until_.find(id);
+  if (known == until_.end()) return std::nullopt;
+  if (known->second > now) return known->second;
+  until_.erase(known);
+  return std::nullopt;
+}
+
+void Rates::LimitedIds::Add(std::size_t id, SteadyTime until) {
+  until_.insert_or_assign(id, until);
+  last_ = std::max(last_, until);
+}
+
+void Rates::LimitedIds::Forget(SteadyTime now) {
+  std::erase_if(until_, [now](const auto& id) { return id.second <= now; });
+}
+
+std::optional<SteadyTime> Rates::UpsertLimitedUntil(LimitedIds& ids, std::size_t id,
+                                                    const TokenBucket& bucket,
+                                                    const BucketSize& size, SteadyTime now) {
+  if (const auto until = ids.Until(id, now)) return until;
+  if (bucket.PassesAt(1, size, now) <= now) return std::nullopt;
+  // Each of those that wait gets a token of its own.
+  const SteadyTime until = bucket.PassesAt(1 + ids.size(), size, now);
+  ids.Add(id, until);
+  return until;
+}
+
+std::optional<milliseconds> Rates::Limit(const model::Body& body, const RateTable& table,
+                                         SteadyTime now) {
+  const std::size_t variant = body.index();
+  const BucketSize& size = table[variant];
+  if (size.rate == 0) return std::nullopt;
+  TokenBucket& bucket = buckets_[variant];
+  const SteadyTime token_at = bucket.PassesAt(1, size, now);
+  std::optional<SteadyTime> until;
+  if (const auto id = UpsertId(body)) {
+    // Without a table nothing was limited yet.
+    if (ids_ == nullptr && token_at > now) ids_ = std::make_unique<IdsByVariant>();
+    if (ids_ != nullptr) until = UpsertLimitedUntil((*ids_)[variant], *id, bucket, size, now);
+  } else if (token_at > now) {
+    // A deletion takes a token where there is one.
+    if (IsDeletion(body)) return std::nullopt;
+    until = token_at;
+  }
+  if (!until) {
+    bucket.Take(1, size, now);
+    return std::nullopt;
+  }
+  limited_[variant].fetch_add(1, std::memory_order_relaxed);
+  return Until(*until, now);
+}
+
+void Rates::BeginStream() {
+  for (auto& count : limited_) count.store(0, std::memory_order_relaxed);
+}
+
+}  // namespace uplink::robot

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+
+#include "schema/base/clock.h"
+#include "schema/model/record.h"
+#include "server/robot/token_bucket.h"
+
+namespace uplink::robot {
+
+/// Messages of one robot per second, by variant; no rate: as many as come. A value.
+using RateTable = std::array<BucketSize, model::kVariants>;
+
+/// Ids of shapes, and of objects, that are limited at a time. Past it every upsert of the kind is,
+/// so that order is kept.
+inline constexpr std::size_t kLimitedIdsMax = 4'096;
+
+/// How many messages one robot may send, by variant (validation rules: rates).
+///
+/// A limited shape or object limits later upserts of its id until it may come again, or an older
+/// one that is sent again could replace a newer one. A deletion takes a token and is never limited:
+/// a lost one would leave a ghost.
+///
+/// Nothing is allocated while nothing is limited. Bounds: kLimitedIdsMax.
+/// Thread: Limit and BeginStream by the robot's stream, of which there is one at a time; the rest
+/// by any.
+class Rates final {
+ public:
+  /// Nothing: the message may be taken, and its token is. Else how long until it may come again.
+  [[nodiscard]] std::optional<milliseconds> Limit(const model::Body& body, const RateTable& table,
+                                                  SteadyTime now);
+  /// Counts from zero.
+  void BeginStream();
+
+  /// Messages that were limited since the stream began.
+  [[nodiscard]] std::uint64_t limited(model::Variant variant) const {
+    return limited_[static_cast<std::size_t>(variant)].load(std::memory_order_relaxed);
+  }
+
+ private:
+  /// Until when each limited id is, by a hash of it: two that share one are limited together.
+  class LimitedIds final {
+   public:
+    /// Until when the id is limited; nothing if it is not.
+    [[nodiscard]] std::optional<SteadyTime> Until(std::size_t id, SteadyTime now);
+    void Add(std::size_t id, SteadyTime until);
+    [[nodiscard]] std::size_t size() const { return until_.size(); }
+
+   private:
+    /// Those that are limited no more go.
+    void Forget(SteadyTime now);
+
+    std::unordered_map<std::size_t, SteadyTime> until_;
+    /// The latest of them.
+    SteadyTime last_{};
+  };
+
+  /// Until when the upsert is limited by its id, or by the bucket; nothing if it is not.
+  [[nodiscard]] std::optional<SteadyTime> UpsertLimitedUntil(LimitedIds& ids, std::size_t id,
+                                                             const TokenBucket& bucket,
+                                                             const BucketSize& size,
+                                                             SteadyTime now);
+
+  std::array<TokenBucket, model::kVariants> buckets_;
+  /// Made when the first one is limited; of shapes and of objects.
+  using IdsByVariant = std::unordered_map<std::size_t, LimitedIds>;
+  std::unique_ptr<IdsByVariant> ids_;
+  std::array<std::atomic<std::uint64_t>, model::kVariants> limited_{};
+};
+
+}  // namespace uplink::robot

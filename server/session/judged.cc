@@ -1,0 +1,62 @@
+#include "server/session/judged.h"
+
+#include <span>
+#include <utility>
+
+#include "schema/rcan/judge.h"
+#include "server/session/expiry.h"
+
+namespace uplink::session {
+namespace {
+
+Judged JudgeRoverNexus(const SessionContext& context, const UplinkView& uplink,
+                       SystemTime received_at) {
+  schema::Judgement judgement = context.judge.Payload(std::as_bytes(std::span(uplink.payload)));
+  Judged judged{.content = model::Rejection(),
+                .sign_of_life = judgement.sign_of_life,
+                .times_unknown = judgement.times_unknown,
+                .enumerants_unrecognized = judgement.enumerants_unrecognized};
+  if (judgement.variant) judged.kind = static_cast<std::size_t>(*judgement.variant);
+  if (auto* record = std::get_if<model::Record>(&judgement.verdict)) {
+    judged.expired =
+        record->durable() && ExpiredOnArrival(record->body(), received_at, context.clock_trust);
+    judged.content = std::move(*record);
+  } else {
+    judged.content = std::get<model::Rejection>(std::move(judgement.verdict));
+  }
+  return judged;
+}
+
+Judged JudgeRcan(const SessionContext& context, const std::string& ruri, const UplinkView& uplink) {
+  schema::RcanJudgement judgement =
+      schema::JudgeRcanState(uplink.payload, ruri, context.limits.message_bytes_max);
+  Judged judged{.content = model::Rejection(),
+                .kind = metrics::kRcanKind,
+                .dropped = std::move(judgement.dropped),
+                .sign_of_life = judgement.sign_of_life && context.limits.rcan_counts_as_life};
+  if (auto* state = std::get_if<model::RcanState>(&judgement.verdict)) {
+    judged.content = std::move(*state);
+  } else {
+    judged.content = std::get<model::Rejection>(std::move(judgement.verdict));
+  }
+  return judged;
+}
+
+}  // namespace
+
+Judged JudgeUplink(const SessionContext& context, const std::string& ruri, const UplinkView& uplink,
+                   SystemTime received_at) {
+  switch (uplink.content) {
+    case UplinkView::Content::kRoverNexus:
+      return JudgeRoverNexus(context, uplink, received_at);
+    case UplinkView::Content::kRcanRobotState:
+      return JudgeRcan(context, ruri, uplink);
+    case UplinkView::Content::kNone:
+      break;
+  }
+  return {.content = model::Rejection{.reason = model::RejectReason::kUnsupportedContent,
+                                      .field = "",
+                                      .detail = "the uplink has no content"}};
+}
+
+}  // namespace uplink::session

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "schema/model/rcan.h"
+#include "schema/model/record.h"
+#include "schema/model/rejection.h"
+#include "server/session/context.h"
+#include "server/session/frame_view.h"
+
+namespace uplink::session {
+
+/// What a message is, before anything is done for it: it may have to wait, and is judged again
+/// then. A value.
+struct Judged {
+  std::variant<model::Record, model::RcanState, model::Rejection> content;
+  /// A kind of the ledger.
+  std::size_t kind = metrics::kUnknownKind;
+  /// Of a Robot State.
+  std::vector<model::DroppedField> dropped{};
+  bool sign_of_life = false;
+  std::uint32_t times_unknown = 0;
+  std::uint32_t enumerants_unrecognized = 0;
+  /// A durable upsert whose expiry has passed.
+  bool expired = false;
+};
+
+/// Judges a message of the robot `ruri` that was received at that time. Nothing of the robot
+/// changes. On the thread of the context.
+[[nodiscard]] Judged JudgeUplink(const SessionContext& context, const std::string& ruri,
+                                 const UplinkView& uplink, SystemTime received_at);
+
+}  // namespace uplink::session
