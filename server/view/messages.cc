@@ -73,6 +73,12 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));
   message.set_fields_dropped(robot.state.fields_dropped);
+  for (std::size_t variant = 0; variant < model::kVariants; ++variant) {
+    const std::uint64_t limited = robot.rate_limited[variant];
+    if (limited == 0) continue;
+    const std::string name(ToText(static_cast<model::Variant>(variant)));
+    (*message.mutable_rate_limited())[name] = Signed(limited);
+  }
   SetLiveParts(robot.state.parts, parts, message);
   SetStoredParts(robot.stored, parts, message);
   return message;

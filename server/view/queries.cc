@@ -17,7 +17,11 @@ namespace uplink::view {
 namespace {
 
 RobotView Look(const robot::Robot& robot, robot::RobotState::Parts parts) {
-  return RobotView{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0, {}};
+  RobotView view{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0, {}};
+  for (std::size_t variant = 0; variant < model::kVariants; ++variant) {
+    view.rate_limited[variant] = robot.rates.limited(static_cast<model::Variant>(variant));
+  }
+  return view;
 }
 
 robot::RobotState::Parts Wanted(const PartSet& parts) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -40,6 +41,8 @@ struct RobotView {
   /// As the store last said.
   std::int64_t active_faults = 0;
   StoredParts stored;
+  /// Messages over their rate since the stream began, by variant.
+  std::array<std::uint64_t, model::kVariants> rate_limited{};
 };
 
 /// Which robots, by RURI. Empty texts match everything.

@@ -92,6 +92,10 @@ TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
   EXPECT_EQ(ToMessage(robot, {}).held_back_since_ms(), 0) << "it is read again";
   robot.session.contested = true;
   EXPECT_TRUE(ToMessage(robot, {}).contested());
+  robot.rate_limited[static_cast<std::size_t>(model::Variant::kShape)] = 7;
+  const v1::Robot limited = ToMessage(robot, {});
+  ASSERT_EQ(limited.rate_limited_size(), 1);
+  EXPECT_EQ(limited.rate_limited().at("shape"), 7);
   const std::vector<std::pair<robot::HeldBack, std::string>> words = {
       {robot::HeldBack::kNone, ""},
       {robot::HeldBack::kInFlight, "in_flight"},
