@@ -36,7 +36,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kFieldsDropped, "uplinkd_fields_dropped_total", kCounter, "fields",
      "Fields of live messages that were at fault and dropped.", kByVariantReason},
     {kUplinksMissing, "uplinkd_uplinks_missing_total", kCounter, "messages",
-     "Numbers that agents skipped; after a restart of the server an upper bound."},
+     "Numbers that agents skipped, of one jump 1048576 at most; after a restart of the server an "
+     "upper bound."},
     {kRecords, "uplinkd_records_total", kCounter, "messages", "Good messages by kind.", kByKind},
     {kRcanStatesMissing, "uplinkd_rcan_states_missing_total", kCounter, "messages",
      "Numbers of seq that RCAN Robot States skipped."},

@@ -9,6 +9,9 @@ namespace uplink::robot {
 inline constexpr std::size_t kRejectsRememberedMax = 256;
 /// Sessions of one robot in memory (protocol: Numbers).
 inline constexpr std::size_t kSessionsMax = 8;
+/// What one jump of numbers adds to the count of missing ones, at most: an agent may jump by 2^32,
+/// and at a stream's first message by more, so that one mistake would bury every honest count.
+inline constexpr std::uint64_t kMissingPerJumpMax = std::uint64_t{1} << 20U;
 /// Takeovers within a minute above which a robot is flagged as contested.
 inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
 /// What a record that waits in the journal costs besides its payload and its body: the record, the

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/robot/limits.h"
+
 namespace uplink::robot {
 
 Seen Numbering::See(model::Seq seq) const {
@@ -11,6 +13,7 @@ Seen Numbering::See(model::Seq seq) const {
   if (seq > floor + 1) {
     seen.missing_first = floor + 1;
     seen.missing_last = seq - 1;
+    seen.missing = std::min<std::uint64_t>(seq - 1 - floor, kMissingPerJumpMax);
   }
   return seen;
 }

@@ -23,6 +23,8 @@ struct Seen {
   /// First and last number skipped just before it; none if first is 0.
   model::Seq missing_first = 0;
   model::Seq missing_last = 0;
+  /// How many of them count as missing: all, but kMissingPerJumpMax at most.
+  std::uint64_t missing = 0;
   /// Of a duplicate: its first copy waits for a commit, whose Ack answers it too.
   bool waits = false;
 };
@@ -54,7 +56,7 @@ class Numbering final {
   [[nodiscard]] model::Seq judged() const;
   /// How many numbers wait for their commit.
   [[nodiscard]] std::size_t waiting() const { return window_.waiting(); }
-  /// How many numbers never came.
+  /// How many numbers never came; of one jump kMissingPerJumpMax at most.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
 
  private:

@@ -139,7 +139,7 @@ void RobotSessions::AddGap(const model::SessionId& session, const Seen& seen) {
   gaps_in_flight_.fetch_add(1);
   const std::lock_guard lock(mutex_);
   if (SessionMemory* memory = sessions_.Find(session)) {
-    memory->numbers.AddMissing(seen.missing_last - seen.missing_first + 1);
+    memory->numbers.AddMissing(seen.missing);
   }
 }
 

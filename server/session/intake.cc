@@ -108,7 +108,7 @@ void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
 }
 
 void Intake::AppendGap(const robot::Seen& seen) {
-  counts_.missing += seen.missing_last - seen.missing_first + 1;
+  counts_.missing += seen.missing;
   robot_.sessions.AddGap(session_, seen);
   journal_.AppendGap(robot_, generation_,
                      {.robot = id_,

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/robot/limits.h"
+
 namespace uplink::robot {
 namespace {
 
@@ -29,6 +31,24 @@ TEST(NumberingTest, WhatIsSkippedIsNamedAndCounted) {
   EXPECT_EQ(numbers.missing(), 0U) << "a look counts nothing";
   numbers.AddMissing(3);
   EXPECT_EQ(numbers.missing(), 3U);
+}
+
+TEST(NumberingTest, AJumpAtItsBoundCountsWhole) {
+  Numbering numbers;
+  const Seen seen = numbers.See(kMissingPerJumpMax + 1);
+  EXPECT_EQ(seen.missing_last, kMissingPerJumpMax);
+  EXPECT_EQ(seen.missing, kMissingPerJumpMax);
+}
+
+TEST(NumberingTest, AJumpPastItsBoundCountsItsBoundAndIsNamedWhole) {
+  Numbering numbers;
+  const Seen seen = numbers.See(kMissingPerJumpMax + 2);
+  EXPECT_EQ(seen.missing_first, 1U);
+  EXPECT_EQ(seen.missing_last, kMissingPerJumpMax + 1);
+  EXPECT_EQ(seen.missing, kMissingPerJumpMax);
+  numbers.AddSettled(kMissingPerJumpMax + 2);
+  EXPECT_EQ(numbers.See(model::kSeqMax).missing, kMissingPerJumpMax)
+      << "each jump has its own bound";
 }
 
 TEST(NumberingTest, NothingUpToWhatTheAgentSaysWasJudgedIsMissing) {

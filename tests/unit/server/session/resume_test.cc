@@ -131,6 +131,15 @@ TEST_F(ResumeTest, DurableBetweenCommittedAndJudgedIsNewAfterARestart) {
   EXPECT_EQ(server().counts().missing, 0U) << "3 was judged before";
 }
 
+TEST_F(ResumeTest, AJumpIsListedWholeAndCountedUpToItsBound) {
+  BenchStream& stream = server().Connect(SessionOf(1));
+  stream.Send(BatchFrame({{1, Motion()}, {1 + kSeqJumpMax, Motion()}}));
+  server().Commit();
+  EXPECT_EQ(server().counts().missing, robot::kMissingPerJumpMax);
+  EXPECT_EQ(server().robot().sessions.View().missing, robot::kMissingPerJumpMax);
+  EXPECT_THAT(Gaps(), ElementsAre("2-4294967296"));
+}
+
 TEST_F(ResumeTest, GapsAreCountedAndListed) {
   BenchStream& stream = server().Connect(SessionOf(1));
   stream.Send(BatchFrame({{1, Fault()}, {2, Fault()}, {5, Fault()}, {6, Motion()}, {8, Motion()}}));
