@@ -9,6 +9,9 @@ namespace uplink::robot {
 inline constexpr std::size_t kRejectsRememberedMax = 256;
 /// Sessions of one robot in memory (protocol: Numbers).
 inline constexpr std::size_t kSessionsMax = 8;
+/// Malformed messages of a robot per second, over all its streams, after which its stream is held
+/// back to the next second.
+inline constexpr std::uint32_t kMalformedPerSecondMax = 1000;
 /// What one jump of numbers adds to the count of missing ones, at most: an agent may jump by 2^32,
 /// and at a stream's first message by more, so that one mistake would bury every honest count.
 inline constexpr std::uint64_t kMissingPerJumpMax = std::uint64_t{1} << 20U;

@@ -15,6 +15,7 @@
 #include "server/robot/rates.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
+#include "server/robot/throttle.h"
 #include "storage/types.h"
 
 namespace uplink::robot {
@@ -79,6 +80,8 @@ class Robot final : public CommitClient {
   RobotSessions sessions;
   DurableFlow flow;
   Rates rates;
+  /// Of its stream alone.
+  Throttle throttle;
 
  private:
   enum class Leaving : std::uint8_t { kNo, kAsked, kLeft };

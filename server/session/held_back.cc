@@ -4,7 +4,7 @@ namespace uplink::session {
 
 Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing) {
   if (outgoing >= kOutgoingFramesMax) return {.by = HeldBack::kUnread};
-  const std::optional<SteadyTime> throttled = sources.throttle.end();
+  const std::optional<SteadyTime> throttled = sources.robot.throttle.end();
   if (throttled && sources.clock.Steady() < *throttled) {
     return {.by = HeldBack::kMalformed, .until = throttled};
   }

@@ -8,7 +8,6 @@
 #include "server/robot/held_back.h"
 #include "server/robot/robot.h"
 #include "server/session/limits.h"
-#include "server/session/throttle.h"
 
 namespace uplink::session {
 
@@ -28,7 +27,6 @@ struct Hold {
 struct HeldBackSources {
   const robot::Robot& robot;
   const journal::Journal& journal;
-  const Throttle& throttle;
   const SessionLimits& limits;
   const robot::FlowLimits& flow;
   const Clock& clock;

@@ -45,7 +45,6 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
 HeldBackSources Intake::Sources() const {
   return {.robot = robot_,
           .journal = journal_,
-          .throttle = throttle_,
           .limits = context_.limits,
           .flow = allowance_->flow,
           .clock = context_.clock};
@@ -244,7 +243,7 @@ void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dr
 void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
                     Processed& processed) {
   // Now, not the frame's arrival: a large frame may be processed over several seconds.
-  throttle_.AddMalformed(context_.clock.Steady());
+  robot_.throttle.AddMalformed(context_.clock.Steady());
   context_.ledger.CountRejected(kind, rejection.reason);
   processed.frames.push_back(RejectFrame(uplink.seq, rejection));
   robot_.sessions.Remember(session_, uplink.seq, rejection);

@@ -19,7 +19,6 @@
 #include "server/session/number_run.h"
 #include "server/session/pending_batch.h"
 #include "server/session/rcan_order.h"
-#include "server/session/throttle.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::session {
@@ -109,7 +108,6 @@ class Intake final {
 
   PendingBatch batch_;
   NumberRun numbers_;
-  Throttle throttle_;
   /// What every robot may send, and of which version of it that is.
   std::shared_ptr<const Allowance> allowance_;
   std::uint64_t allowance_version_ = 0;

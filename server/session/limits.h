@@ -25,8 +25,6 @@ inline constexpr std::chrono::seconds kWelcomeWait{1};
 inline constexpr std::chrono::seconds kPeerStallMax{30};
 /// A superseded or refused call whose peer does not read is cancelled after this.
 inline constexpr std::chrono::seconds kFinishWait{1};
-/// Malformed messages per second after which a stream is held back to the next second.
-inline constexpr std::uint32_t kMalformedPerSecondMax = 1000;
 /// Largest jump of numbers, but at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
 /// Arrivals that a stream keeps for the ack latency until its next Ack is written.

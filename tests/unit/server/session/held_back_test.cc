@@ -15,7 +15,6 @@ class HoldTest : public ::testing::Test {
   HeldBackSources Sources() {
     return {.robot = robot_,
             .journal = server_.journal(),
-            .throttle = throttle_,
             .limits = limits_.session,
             .flow = flow_,
             .clock = clock_};
@@ -35,7 +34,6 @@ class HoldTest : public ::testing::Test {
   robot::Robot robot_{std::make_shared<const model::RobotId>(model::RobotId{std::string(kRobot)}),
                       clock_.Steady(), clock_, changed_};
   robot::FlowLimits flow_{.records = {.rate = 1, .burst = 2}, .bytes = {}};
-  Throttle throttle_;
   model::Seq seq_ = 0;
 };
 
@@ -73,8 +71,8 @@ TEST_F(HoldTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
 }
 
 TEST_F(HoldTest, AThrottledStreamIsHeldBackUntilItsEnd) {
-  for (std::uint32_t i = 0; i <= kMalformedPerSecondMax; ++i) {
-    throttle_.AddMalformed(clock_.Steady());
+  for (std::uint32_t i = 0; i <= robot::kMalformedPerSecondMax; ++i) {
+    robot_.throttle.AddMalformed(clock_.Steady());
   }
   EXPECT_EQ(OfAll(), HeldBack::kMalformed);
   EXPECT_EQ(OfAll(kOutgoingFramesMax), HeldBack::kUnread) << "the first that applies";

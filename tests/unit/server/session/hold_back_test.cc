@@ -333,6 +333,44 @@ TEST_F(HoldBackTest, ALargeMalformedFrameIsSpreadOverSeconds) {
   EXPECT_TRUE(stream.reading());
 }
 
+TEST_F(HoldBackTest, AReconnectBeginsNoNewSecondOfMalformedMessages) {
+  limits_.session.batch_uplinks_max = 1000;
+  BenchStream& first = Welcomed();
+  first.Send(BatchFrame(Messages(1, 1000, BadFault())));
+  EXPECT_TRUE(first.reading());
+  first.Break();
+  server().Commit();
+  BenchStream& second = server().Connect(SessionOf(1), 1000, 1000);
+  EXPECT_TRUE(second.reading()) << "at the bound";
+  second.Send(BatchFrame({{1001, BadFault()}, {1002, Fault()}}));
+  EXPECT_EQ(server().counts().received, 1001U);
+  EXPECT_FALSE(second.reading()) << "past it";
+  second.Break();
+  BenchStream& third = server().Connect(SessionOf(2));
+  EXPECT_FALSE(third.reading());
+  EXPECT_EQ(Shown().held_back, HeldBack::kMalformed);
+  server().Pass(milliseconds(999));
+  EXPECT_FALSE(third.reading());
+  server().Pass(milliseconds(1));
+  EXPECT_TRUE(third.reading());
+}
+
+TEST_F(HoldBackTest, ATakeoverBeginsNoNewSecondOfMalformedMessages) {
+  limits_.session.batch_uplinks_max = 1000;
+  BenchStream& older = Welcomed();
+  older.Send(BatchFrame(Messages(1, 1000, BadFault())));
+  server().Commit();
+  BenchStream& newer = server().Connect(SessionOf(2));
+  EXPECT_EQ(older.end(), "ABORTED: superseded");
+  EXPECT_TRUE(newer.reading()) << "at the bound";
+  newer.Send(BatchFrame({{1, BadFault()}, {2, Motion()}}));
+  EXPECT_EQ(server().counts().received, 1001U);
+  EXPECT_FALSE(newer.reading()) << "past it";
+  server().Pass(std::chrono::seconds(1));
+  EXPECT_TRUE(newer.reading());
+  EXPECT_EQ(server().counts().received, 1002U);
+}
+
 TEST_F(HoldBackTest, NothingIsDroppedWhileHeldBack) {
   limits_.session.in_flight_uplinks_max = 3;
   server().StoreAway();

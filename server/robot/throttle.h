@@ -5,10 +5,13 @@
 
 #include "schema/base/clock.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
-/// Counts the malformed messages of one stream, and says when there were too many in one second
-/// (kMalformedPerSecondMax). Confined to the stream's thread.
+/// Counts the malformed messages of one robot, and says when there were too many in one second
+/// (kMalformedPerSecondMax): a robot that connects again begins no new second.
+///
+/// Thread: confined to the robot's stream, of which there is one at a time: the next one begins
+///         behind the RobotSessions::Detach of the one before.
 class Throttle final {
  public:
   void AddMalformed(SteadyTime now);
@@ -21,4 +24,4 @@ class Throttle final {
   std::uint32_t malformed_ = 0;
 };
 
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -1,11 +1,11 @@
-#include "server/session/throttle.h"
+#include "server/robot/throttle.h"
 
 #include <gtest/gtest.h>
 
-#include "server/session/limits.h"
+#include "server/robot/limits.h"
 #include "tests/support/manual_clock.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 namespace {
 
 TEST(ThrottleTest, EndsASecondAfterTheFirstOfTooManyMalformedMessages) {
@@ -26,4 +26,4 @@ TEST(ThrottleTest, ANewSecondCountsFromZero) {
 }
 
 }  // namespace
-}  // namespace uplink::session
+}  // namespace uplink::robot

@@ -1,10 +1,10 @@
-#include "server/session/throttle.h"
+#include "server/robot/throttle.h"
 
 #include <chrono>
 
-#include "server/session/limits.h"
+#include "server/robot/limits.h"
 
-namespace uplink::session {
+namespace uplink::robot {
 
 void Throttle::AddMalformed(SteadyTime now) {
   if (now - since_ >= std::chrono::seconds(1)) {
@@ -19,4 +19,4 @@ std::optional<SteadyTime> Throttle::end() const {
   return since_ + std::chrono::seconds(1);
 }
 
-}  // namespace uplink::session
+}  // namespace uplink::robot
