@@ -45,6 +45,8 @@ enum class MetricId : std::uint8_t {
   kHoldBacks,
   kHeldBackBy,
   kHeldBackByTotal,
+  kStreamsWaiting,
+  kStreamDelays,
   kTakeovers,
   kContested,
   kSuperseded,

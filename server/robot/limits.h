@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,6 +21,18 @@ inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
 /// What a record that waits in the journal costs besides its payload and its body: the record, the
 /// queue's node. A gap costs as much.
 inline constexpr std::size_t kRecordOverheadBytes = 512;
+/// Streams of one robot within a minute of which none waits.
+inline constexpr std::uint32_t kStreamsPerMinuteMax = 10;
+/// How long the first one past that waits; each further one waits twice as long as the one before.
+inline constexpr std::chrono::milliseconds kStreamDelayMin{100};
+/// Longest wait of one stream.
+inline constexpr std::chrono::milliseconds kStreamDelayMax{5'000};
+/// Times of a robot's streams that are remembered: from as many on, each waits for the longest.
+inline constexpr std::size_t kStreamTimesMax = kStreamsPerMinuteMax + 7;
+static_assert(kStreamDelayMin * (1U << (kStreamTimesMax - kStreamsPerMinuteMax - 1)) >=
+              kStreamDelayMax);
+/// Streams of one robot that wait at once; one more is refused.
+inline constexpr std::size_t kStreamsWaitingMax = 4;
 /// Distinct fields for which a robot's Notices are paced; further fields share one slot.
 inline constexpr std::size_t kNoticeFieldsMax = 64;
 

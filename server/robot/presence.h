@@ -28,7 +28,8 @@ struct PresenceFacts {
   std::optional<SteadyTime> last_sign_of_life;
   /// The server does not read its stream now.
   bool held_back = false;
-  /// When it last began to read again: after holding back, or when it had been behind itself.
+  /// When it last began to read again: after holding back, or when it had been behind itself. Ahead
+  /// of now while it makes a stream of the robot wait.
   std::optional<SteadyTime> held_back_until;
   /// The robot came by a stream from a process that called it so, and was not heard here yet: when
   /// it came. Its online counts as a sign of life then; its offline lasts until one.

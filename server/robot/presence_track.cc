@@ -27,12 +27,16 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
 
 void PresenceTrack::SetReading(Reading reading, SteadyTime now) {
   const bool held_back = reading == Reading::kHeldBack;
-  if (held_back_ && !held_back) held_back_until_ = stream_held_back_until_ = now;
+  if (held_back_ && !held_back) {
+    stream_held_back_until_ = now;
+    held_back_until_ = std::max(held_back_until_.value_or(now), now);
+  }
   held_back_ = held_back;
 }
 
-void PresenceTrack::AddStall(SteadyTime now) {
-  if (presence_ != Presence::kOffline && !foreign_) held_back_until_ = now;
+void PresenceTrack::AddStall(SteadyTime until) {
+  if (presence_ == Presence::kOffline || foreign_) return;
+  held_back_until_ = std::max(held_back_until_.value_or(until), until);
 }
 
 void PresenceTrack::Doubt(SteadyTime unknown_until, SystemTime system_now) {

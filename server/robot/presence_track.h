@@ -38,9 +38,10 @@ class PresenceTrack final {
   /// The server stopped (true) or began again to read the robot's stream.
   enum class Reading : std::uint8_t { kHeldBack, kFlowing };
   void SetReading(Reading reading, SteadyTime now);
-  /// The server itself stood still, or was behind with reading, until now: what it did not hear
-  /// meanwhile proves nothing. Who was offline before stays so.
-  void AddStall(SteadyTime now);
+  /// The server itself stood still or was behind with reading until this time, or makes a stream of
+  /// the robot wait until then: what it does not hear meanwhile proves nothing. Who was offline
+  /// before stays so.
+  void AddStall(SteadyTime until);
   /// What was heard here counts no more: who was online is unknown until it is heard again, and at
   /// most until `unknown_until`.
   void Doubt(SteadyTime unknown_until, SystemTime system_now);
@@ -101,7 +102,7 @@ class PresenceTrack final {
   /// Means nothing without a last sign.
   SteadyTime online_until_;
   bool held_back_ = false;
-  /// Also until when the server itself stood still or was behind.
+  /// Also until when the server itself stood still, was behind, or makes a stream wait: the latest.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
   std::optional<PresenceFacts::Claimed> claimed_;

@@ -13,9 +13,22 @@ namespace uplink::robot {
 static_assert(kSessionsMax == storage::kSessionsPerRobotMax,
               "memory and the store keep as many sessions of a robot");
 
-RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
-                                              SystemTime system_now) {
+std::optional<Reconnects::Arrival> RobotSessions::Arrive(SteadyTime now,
+                                                         const ReconnectLimits& limits) {
   const std::lock_guard lock(mutex_);
+  return reconnects_.Arrive(now, limits);
+}
+
+void RobotSessions::EndWait() {
+  const std::lock_guard lock(mutex_);
+  reconnects_.EndWait();
+}
+
+RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
+                                              SystemTime system_now,
+                                              std::optional<std::uint64_t> number) {
+  const std::lock_guard lock(mutex_);
+  if (number && !reconnects_.MayAttach(*number)) return {.standing = Standing::kSuperseded};
   return takeover_.Attach(stream, now, system_now);
 }
 

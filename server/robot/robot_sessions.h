@@ -19,6 +19,7 @@
 #include "server/robot/numbering.h"
 #include "server/robot/opening.h"
 #include "server/robot/pacing.h"
+#include "server/robot/reconnects.h"
 #include "server/robot/rejected_seq.h"
 #include "server/robot/session_table.h"
 #include "server/robot/takeover.h"
@@ -59,7 +60,8 @@ struct SessionView {
 };
 
 /// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of
-/// each session), the Takeover (which stream is the robot's), the store's Opening and the Pacing.
+/// each session), the Reconnects (how often streams come), the Takeover (which stream is the
+/// robot's), the store's Opening and the Pacing.
 /// Outlives streams, and learns of commits through its Robot.
 ///
 /// Thread: thread-safe by one mutex, never held across a call out. What only the robot's stream
@@ -70,9 +72,18 @@ class RobotSessions final {
 
   // --- Streams (any stream of the robot) ---
 
+  /// A stream came with a valid Hello: as Reconnects::Arrive. What it says the stream does, before
+  /// it Attaches.
+  [[nodiscard]] std::optional<Reconnects::Arrival> Arrive(SteadyTime now,
+                                                          const ReconnectLimits& limits);
+  /// A stream that Arrive made wait does so no more.
+  void EndWait();
   using Attached = Takeover::Attached;
-  /// A new stream wants the robot. An older one is superseded and must confirm by Detach first.
-  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
+  /// A new stream wants the robot. An older one is superseded and must confirm by Detach first. It
+  /// is superseded itself if a stream wanted the robot that came later than the Arrive of `number`;
+  /// without a number none did.
+  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
+                                std::optional<std::uint64_t> number = std::nullopt);
   [[nodiscard]] Standing StandingOf(StreamRef stream) const;
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
@@ -169,6 +180,7 @@ class RobotSessions final {
 
   mutable std::mutex mutex_;
   SessionTable sessions_;
+  Reconnects reconnects_;
   Takeover takeover_;
   Opening opening_;
   Pacing pacing_;

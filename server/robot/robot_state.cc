@@ -74,9 +74,9 @@ void RobotState::SetReading(Reading reading, SteadyTime now) {
   presence_.SetReading(reading, now);
 }
 
-void RobotState::NoteStall(SteadyTime now) {
+void RobotState::NoteStall(SteadyTime until) {
   const std::lock_guard lock(mutex_);
-  presence_.AddStall(now);
+  presence_.AddStall(until);
 }
 
 void RobotState::Doubt(SteadyTime unknown_until, SystemTime system_now) {

@@ -93,9 +93,8 @@ class RobotState final {
   using Reading = PresenceTrack::Reading;
   /// The server stopped or began again to read the robot's stream.
   void SetReading(Reading reading, SteadyTime now);
-  /// The server itself stood still, or was behind with reading, until now: what it did not hear
-  /// meanwhile proves nothing. Who was offline before stays so.
-  void NoteStall(SteadyTime now);
+  /// As PresenceTrack::AddStall.
+  void NoteStall(SteadyTime until);
   /// As PresenceTrack's.
   void Doubt(SteadyTime unknown_until, SystemTime system_now);
   void NoteClockSkew(std::int64_t skew_ms);

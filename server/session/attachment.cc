@@ -6,7 +6,20 @@
 
 namespace uplink::session {
 
-absl::StatusOr<robot::Standing> Attachment::Attach(HelloTerms terms) {
+absl::Status EndOf(robot::Standing standing) {
+  switch (standing) {
+    case robot::Standing::kSuperseded:
+      return absl::AbortedError("superseded");
+    case robot::Standing::kEnded:
+      return absl::UnavailableError("an operator ended the stream");
+    case robot::Standing::kWaiting:
+    case robot::Standing::kCurrent:
+      break;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<milliseconds> Attachment::Admit(HelloTerms terms) {
   terms_ = std::move(terms);
   const auto robot = context_.fleet.FindOrAdmit(terms_.robot);
   if (!robot.ok()) {
@@ -15,8 +28,34 @@ absl::StatusOr<robot::Standing> Attachment::Attach(HelloTerms terms) {
   }
   robot_ = *robot;
   robot_->NoteHeard(context_.clock.System());
-  const robot::Takeover::Attached attached =
-      robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System());
+  const SteadyTime now = context_.clock.Steady();
+  const auto arrival = robot_->sessions.Arrive(now, context_.limits.reconnects);
+  if (!arrival) {
+    context_.probe.refused_waiting_total.Add();
+    return absl::ResourceExhaustedError(fmt::format(
+        "{} streams of the robot wait already: they come too often", robot::kStreamsWaitingMax));
+  }
+  arrival_ = *arrival;
+  if (arrival_.delay == milliseconds(0)) return arrival_.delay;
+  waits_ = true;
+  context_.probe.delayed_total.Add();
+  context_.probe.waiting.Add();
+  // What is not heard meanwhile is our doing.
+  robot_->state.NoteStall(now + arrival_.delay);
+  return arrival_.delay;
+}
+
+void Attachment::EndWait() {
+  if (!std::exchange(waits_, false)) return;
+  context_.probe.waiting.Add(-1);
+  robot_->sessions.EndWait();
+}
+
+robot::Standing Attachment::Attach() {
+  EndWait();
+  const robot::Takeover::Attached attached = robot_->sessions.Attach(
+      self_, context_.clock.Steady(), context_.clock.System(), arrival_.number);
+  attached_ = attached.standing != robot::Standing::kSuperseded;
   // It may have been asked to leave before its stream was to be seen.
   context_.fleet.Keep(*robot_);
   if (attached.took_over) context_.probe.takeovers_total.Add();

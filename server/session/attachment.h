@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
@@ -12,6 +13,9 @@
 
 namespace uplink::session {
 
+/// With what a stream of this standing must end; OK if it need not.
+[[nodiscard]] absl::Status EndOf(robot::Standing standing);
+
 /// The robot as one stream holds it, from its Hello to its end: where it stands among the robot's
 /// streams, and the session that it opened. Confined to the stream's thread.
 class Attachment final {
@@ -19,10 +23,17 @@ class Attachment final {
   Attachment(const SessionContext& context, robot::StreamRef self)
       : context_(context), self_(self) {}
 
-  /// Admits the robot and asks where its stream stands; streams that it replaces are woken.
+  /// Admits the robot. Returns how long the stream is to wait before it may Attach: zero unless
+  /// streams of the robot come too often (robot::Reconnects).
   ///
-  /// Errors: kResourceExhausted if the server admits no more robots.
-  [[nodiscard]] absl::StatusOr<robot::Standing> Attach(HelloTerms terms);
+  /// Errors: kResourceExhausted if the server admits no more robots, or no more streams of this one
+  ///         may wait.
+  [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
+  /// Asks where the stream stands among the robot's; those that it replaces are woken. After Admit,
+  /// and after the wait.
+  [[nodiscard]] robot::Standing Attach();
+  /// The wait has ended, or the stream does while it waits. Idempotent.
+  void EndWait();
   /// Begins the session and asks the store for its cursor. Returns the generation under which the
   /// stream's records are written (RobotSessions::Begin).
   ///
@@ -33,8 +44,8 @@ class Attachment final {
   /// The stream takes no more frames: the one that waits for the robot is woken.
   void Detach();
 
-  /// Attach has found the robot. All below only then.
-  [[nodiscard]] bool attached() const { return robot_ != nullptr; }
+  /// The stream is one of the robot's. All below only then.
+  [[nodiscard]] bool attached() const { return attached_; }
   [[nodiscard]] robot::Robot& robot() { return *robot_; }
   [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
   [[nodiscard]] robot::StreamRef self() const { return self_; }
@@ -51,7 +62,11 @@ class Attachment final {
   const SessionContext& context_;
   const robot::StreamRef self_;
   HelloTerms terms_;
+  /// From Admit on.
   fleet::RobotPtr robot_;
+  robot::Reconnects::Arrival arrival_;
+  bool waits_ = false;
+  bool attached_ = false;
   std::uint64_t open_id_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "server/config/config.h"
 #include "server/robot/limits.h"
+#include "server/robot/reconnects.h"
 #include "storage/types.h"
 
 namespace uplink::session {
@@ -54,6 +55,7 @@ struct SessionLimits {
   /// Rejects of a session above Hello.settled_seq with which its stream ends: each lies in
   /// quarantine, and is read for the next Welcome.
   std::size_t unconfirmed_rejects_max = storage::kQuarantineRowsPerRobotMax;
+  robot::ReconnectLimits reconnects;
   std::chrono::milliseconds ack_interval = config::LimitsConfig().ack_interval;
   std::chrono::milliseconds session_idle = config::LimitsConfig().session_idle;
   std::chrono::milliseconds drain_timeout = config::DrainConfig().timeout;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string_view>
+
+#include <absl/status/status.h>
 
 #include "metrics/cells.h"
 #include "server/robot/held_back.h"
@@ -41,6 +44,16 @@ struct SessionProbe {
   /// not do what the Hello asks for.
   metrics::Cell refused_full_total;
   metrics::Cell refused_identity_total;
+  /// A Hello was refused with this status.
+  void CountRefusedHello(const absl::Status& status) {
+    const bool identity = absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);
+    (identity ? refused_identity_total : protocol_errors_total).Add();
+  }
+  /// Streams that were refused since too many of the robot's waited.
+  metrics::Cell refused_waiting_total;
+  /// Streams that came too soon after others of their robot: those that wait now, and all that did.
+  metrics::Cell waiting;
+  metrics::Cell delayed_total;
   metrics::CoreCell notices_total;
   metrics::CoreCell acks_total;
   metrics::Cell resumes_total;
@@ -56,6 +69,11 @@ struct SessionProbe {
   metrics::Cell unconfirmed_total;
   /// Streams that ended, by kStreamEnds.
   std::array<metrics::Cell, kStreamEnds.size()> ended_total;
+  /// A stream ends with this status.
+  void CountEnd(const absl::Status& status) {
+    const auto code = static_cast<std::size_t>(status.code());
+    ended_total[std::min(code, kStreamBroken - 1)].Add();
+  }
   metrics::CoreCell frames_total;
   metrics::CoreCell frame_bytes_total;
   /// Arrival to the Ack that covers it, durable messages.

@@ -15,6 +15,8 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
     page.Add(kHeldBackBy, probe.held_back_by[by], {reason});
     page.Add(kHeldBackByTotal, probe.held_back_by_total[by], {reason});
   }
+  page.Add(kStreamsWaiting, probe.waiting);
+  page.Add(kStreamDelays, probe.delayed_total);
   page.Add(kTakeovers, probe.takeovers_total);
   page.Add(kContested, probe.contested_total);
   page.Add(kSuperseded, probe.superseded_total);

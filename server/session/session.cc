@@ -1,6 +1,5 @@
 #include "server/session/session.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,7 +50,7 @@ void Session::OnFrame(std::string_view bytes) {
     case FrameContent::kMalformed:
       return ProtocolError(kNoRequest);
     case FrameContent::kHello:
-      return HandleHelloFrame(bytes);
+      return HandleHello(bytes);
     case FrameContent::kBatch:
       if (state_ == State::kHello) return ProtocolError("the first frame must be a hello");
       return HandleBatch();
@@ -70,28 +69,29 @@ void Session::OnFrameTooLarge(std::uint64_t bytes) {
                   context_.limits.frame_bytes_max)));
 }
 
-void Session::HandleHelloFrame(std::string_view bytes) {
+void Session::HandleHello(std::string_view bytes) {
   v1::RelayRequest frame;
   if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return ProtocolError(kNoRequest);
   }
   if (state_ != State::kHello) return ProtocolError("hello: only the first frame may be one");
-  HandleHello(frame.hello());
-}
-
-void Session::HandleHello(const v1::Hello& hello) {
   timers_.Clear(Timer::kHello);
-  auto terms = CheckHello(hello, peer_);
+  auto terms = CheckHello(frame.hello(), peer_);
   if (!terms.ok()) {
-    const bool identity =
-        absl::IsUnauthenticated(terms.status()) || absl::IsPermissionDenied(terms.status());
-    (identity ? context_.probe.refused_identity_total : context_.probe.protocol_errors_total).Add();
+    context_.probe.CountRefusedHello(terms.status());
     return Finish(terms.status());
   }
-  const absl::StatusOr<robot::Standing> standing = robot_.Attach(*std::move(terms));
-  if (!standing.ok()) return Finish(standing.status());
-  if (*standing == robot::Standing::kCurrent) return BeginOpening();
+  const absl::StatusOr<milliseconds> delay = robot_.Admit(*std::move(terms));
+  if (!delay.ok()) return Finish(delay.status());
+  if (*delay == milliseconds(0)) return Attach();
+  state_ = State::kDelayed;
+  timers_.Set(Timer::kAttach, context_.clock.Steady() + *delay);
+}
+
+void Session::Attach() {
+  timers_.Clear(Timer::kAttach);
   state_ = State::kAttaching;
+  FollowStanding(robot_.Attach());
 }
 
 void Session::BeginOpening() {
@@ -192,24 +192,19 @@ void Session::OnWritten() {
 
 void Session::OnWake() {
   if (state_ == State::kDone || !robot_.attached()) return;
-  switch (robot_.standing()) {
-    case robot::Standing::kSuperseded:
-      context_.probe.superseded_total.Add();
-      return Finish(absl::AbortedError("superseded"));
-    case robot::Standing::kEnded:
-      return Finish(absl::UnavailableError("an operator ended the stream"));
-    case robot::Standing::kWaiting:
-      return;
-    case robot::Standing::kCurrent:
-      break;
+  if (!FollowStanding(robot_.standing())) return;
+  if (state_ != State::kOpening) return Advance(News::kCommits);
+  if (robot_.opened()) SendWelcome();
+}
+
+bool Session::FollowStanding(robot::Standing standing) {
+  if (const absl::Status end = EndOf(standing); !end.ok()) {
+    if (standing == robot::Standing::kSuperseded) context_.probe.superseded_total.Add();
+    Finish(end);
   }
+  if (standing != robot::Standing::kCurrent) return false;
   if (state_ == State::kAttaching) BeginOpening();
-  if (state_ == State::kOpening) {
-    if (robot_.opened()) SendWelcome();
-    return;
-  }
-  if (state_ == State::kDone) return;
-  Advance(News::kCommits);
+  return state_ != State::kDone;
 }
 
 void Session::OnTimer() {
@@ -219,6 +214,7 @@ void Session::OnTimer() {
     frames_ = 1;
     return ProtocolError(fmt::format("no hello within {} s", kHelloWait.count()));
   }
+  if (timers_.Due(Timer::kAttach, now)) return Attach();
   if (state_ == State::kOpening && timers_.Due(Timer::kWelcome, now)) return SendWelcome();
   if (timers_.Due(Timer::kSettle, now)) {
     return Finish(absl::UnavailableError("not all was settled within drain.timeout"));
@@ -283,8 +279,7 @@ void Session::ProtocolError(std::string_view rule) {
 
 void Session::Finish(const absl::Status& status) {
   if (state_ == State::kDone) return;
-  const auto code = static_cast<std::size_t>(status.code());
-  context_.probe.ended_total[std::min(code, kStreamBroken - 1)].Add();
+  context_.probe.CountEnd(status);
   Leave();
   sink_.Finish(status);
 }
@@ -292,6 +287,7 @@ void Session::Finish(const absl::Status& status) {
 void Session::Leave() {
   if (state_ == State::kDone) return;
   state_ = State::kDone;
+  robot_.EndWait();
   if (!robot_.attached()) return;
   reading_.SetReading(ReadGate::Reading::kFlowing);
   robot_.Detach();

@@ -61,6 +61,8 @@ class Session final {
   enum class State : std::uint8_t {
     /// Waits for Hello.
     kHello,
+    /// Waits since streams of the robot come too often; the robot's stream goes on meanwhile.
+    kDelayed,
     /// Waits until the older stream of the robot has stopped.
     kAttaching,
     /// Waits for the store's cursor, kWelcomeWait at most.
@@ -79,8 +81,11 @@ class Session final {
     kLastFrame,
   };
 
-  void HandleHelloFrame(std::string_view bytes);
-  void HandleHello(const v1::Hello& hello);
+  void HandleHello(std::string_view bytes);
+  void Attach();
+  /// Ends the stream if it is not the robot's any more, and begins its opening if it has become so.
+  /// False unless it is the robot's and goes on.
+  bool FollowStanding(robot::Standing standing);
   void BeginOpening();
   void SendWelcome();
   void HandleBatch();

@@ -13,6 +13,8 @@ namespace uplink::session {
 enum class Timer : std::uint8_t {
   /// The first frame (kHelloWait).
   kHello,
+  /// Its turn, since streams of its robot come too often (robot::Reconnects).
+  kAttach,
   /// The store's answer, before Welcome goes out without it (kWelcomeWait).
   kWelcome,
   /// The end of a stream that settles (drain.timeout).
@@ -24,7 +26,7 @@ enum class Timer : std::uint8_t {
   /// The end of a throttle, when the stream is read again.
   kReadAgain,
 };
-inline constexpr std::size_t kTimers = 6;
+inline constexpr std::size_t kTimers = 7;
 
 /// The deadlines of one stream, at most one for each Timer. Confined to the stream's thread.
 class StreamTimers final {

@@ -1,4 +1,7 @@
 // With which status the server may end a stream, by what happened to it; and a run as text.
+#include <algorithm>
+#include <cstddef>
+
 #include <fmt/format.h>
 
 #include "tests/simulation/world.h"
@@ -37,8 +40,13 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
       // The agents make no mistake; but the network may keep a Hello for too long.
       return stream.batches_seen() == 0 &&
              clock_.Steady() - stream.opened_at() >= session::kHelloWait;
+    case absl::StatusCode::kResourceExhausted:
+      // The agents read and never leave kSessionsMax sessions waiting; but streams that they left
+      // may wait for their turn still.
+      return std::ranges::count_if(server_->streams(), [&stream](const auto& other) {
+               return other.second->ruri() == stream.ruri() && !other.second->session().done();
+             }) >= static_cast<std::ptrdiff_t>(robot::kStreamsWaitingMax);
     default:
-      // The agents read and never leave kSessionsMax sessions waiting: nothing is exhausted.
       return false;
   }
 }

@@ -24,6 +24,9 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   limits_.session.in_flight_uplinks_max = static_cast<std::uint32_t>(3 + random_.Below(12));
   limits_.session.batch_uplinks_max = 6;
   limits_.session.drain_timeout = milliseconds(random_.Percent(50) ? 1'000 : 20'000);
+  limits_.session.reconnects = {
+      .per_minute = random_.Percent(30) ? 2 : static_cast<std::uint32_t>(robot::kStreamTimesMax),
+      .delay_max = milliseconds(400)};
   limits_.journal.bytes_max = random_.Percent(30) ? 4'000 : 1'000'000;
   limits_.journal.batch_records_max = 1 + random_.Below(8);
   limits_.presence = {.timeout = milliseconds(400), .startup_grace = milliseconds(2'000)};

@@ -16,7 +16,7 @@ class AttachmentTest : public StreamPartTest {
 
 TEST_F(AttachmentTest, TheFirstStreamIsTheRobots) {
   EXPECT_FALSE(robot_.attached());
-  const auto standing = robot_.Attach(Terms(SessionOf(1)));
+  const auto standing = Attach(robot_, Terms(SessionOf(1)));
   ASSERT_TRUE(standing.ok());
   EXPECT_EQ(*standing, robot::Standing::kCurrent);
   EXPECT_TRUE(robot_.attached());
@@ -28,8 +28,8 @@ TEST_F(AttachmentTest, TheFirstStreamIsTheRobots) {
 }
 
 TEST_F(AttachmentTest, ALaterStreamWaitsAndTheOneThatItReplacesIsWoken) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
-  const auto standing = other_.Attach(Terms(SessionOf(2)));
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
+  const auto standing = Attach(other_, Terms(SessionOf(2)));
   ASSERT_TRUE(standing.ok());
   EXPECT_EQ(*standing, robot::Standing::kWaiting);
   EXPECT_EQ(robot_.standing(), robot::Standing::kSuperseded);
@@ -39,7 +39,7 @@ TEST_F(AttachmentTest, ALaterStreamWaitsAndTheOneThatItReplacesIsWoken) {
 
 TEST_F(AttachmentTest, WithItsLastStreamTheRobotIsClaimedNoMore) {
   const storage::StoredPresence stored{model::Presence::kOffline, SystemTime()};
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   robot_.robot().state.Claim({});
   robot_.robot().state.FollowHolder({.held_by = "b:2"}, stored);
   const auto shown = [this] {
@@ -52,8 +52,8 @@ TEST_F(AttachmentTest, WithItsLastStreamTheRobotIsClaimedNoMore) {
 }
 
 TEST_F(AttachmentTest, AStreamThatLeavesWakesTheOneThatWaits) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
-  ASSERT_TRUE(other_.Attach(Terms(SessionOf(2))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(other_, Terms(SessionOf(2))).ok());
   woken_.streams.clear();
   robot_.Detach();
   EXPECT_THAT(woken_.streams, ElementsAre(2));
@@ -63,13 +63,13 @@ TEST_F(AttachmentTest, AStreamThatLeavesWakesTheOneThatWaits) {
 }
 
 TEST_F(AttachmentTest, ARobotThatChangesHandsTooOftenIsContestedOnce) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   for (std::uint32_t i = 0; i < robot::kTakeoversPerMinuteMax; ++i) {
-    ASSERT_TRUE(other_.Attach(Terms(SessionOf(2))).ok());
+    ASSERT_TRUE(Attach(other_, Terms(SessionOf(2))).ok());
   }
   EXPECT_EQ(probe_.contested_total.value(), 0);
-  ASSERT_TRUE(other_.Attach(Terms(SessionOf(2))).ok());
-  ASSERT_TRUE(other_.Attach(Terms(SessionOf(2))).ok());
+  ASSERT_TRUE(Attach(other_, Terms(SessionOf(2))).ok());
+  ASSERT_TRUE(Attach(other_, Terms(SessionOf(2))).ok());
   EXPECT_EQ(probe_.contested_total.value(), 1);
   EXPECT_EQ(probe_.takeovers_total.value(), robot::kTakeoversPerMinuteMax + 2);
 }
@@ -87,10 +87,10 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
                             .allowances = allowances_,
                             .clock_trust = clock_trust_};
   Attachment last(full, Stream(1));
-  ASSERT_TRUE(last.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(last, Terms(SessionOf(1))).ok());
   EXPECT_EQ(probe_.refused_full_total.value(), 0);
   Attachment past(full, Stream(2));
-  const auto standing = past.Attach({.robot = {.ruri = "rcan://bench/2"}});
+  const auto standing = Attach(past, {.robot = {.ruri = "rcan://bench/2"}});
   EXPECT_TRUE(absl::IsResourceExhausted(standing.status())) << standing.status();
   EXPECT_FALSE(past.attached());
   EXPECT_EQ(probe_.refused_full_total.value(), 1);
@@ -98,7 +98,7 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
 }
 
 TEST_F(AttachmentTest, TheSessionIsOpenOnceTheStoreHasAnswered) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   const auto generation = robot_.Open(clock_.Steady());
   ASSERT_TRUE(generation.ok());
   EXPECT_EQ(*generation, robot_.robot().sessions.generation());
@@ -109,9 +109,9 @@ TEST_F(AttachmentTest, TheSessionIsOpenOnceTheStoreHasAnswered) {
 }
 
 TEST_F(AttachmentTest, AnAnswerToAnEarlierStreamOpensNothing) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   ASSERT_TRUE(robot_.Open(clock_.Steady()).ok());
-  ASSERT_TRUE(other_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(other_, Terms(SessionOf(1))).ok());
   robot_.Detach();
   ASSERT_TRUE(other_.Open(clock_.Steady()).ok());
   server_.Commit();
@@ -120,7 +120,7 @@ TEST_F(AttachmentTest, AnAnswerToAnEarlierStreamOpensNothing) {
 }
 
 TEST_F(AttachmentTest, ASessionMoreThanFitIsRefusedWhereAllWaitForTheStore) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   robot::RobotSessions& sessions = robot_.robot().sessions;
   for (std::uint8_t number = 2; number <= robot::kSessionsMax; ++number) {
     ASSERT_TRUE(sessions.Begin(SessionOf(number), clock_.Steady()).has_value());
@@ -129,21 +129,21 @@ TEST_F(AttachmentTest, ASessionMoreThanFitIsRefusedWhereAllWaitForTheStore) {
   ASSERT_TRUE(robot_.Open(clock_.Steady()).ok()) << "the last that fits";
   ASSERT_EQ(sessions.AddWaiting(SessionOf(1), 1), 1);
   EXPECT_EQ(robot_.waiting(), 1U);
-  ASSERT_TRUE(other_.Attach(Terms(SessionOf(9))).ok());
+  ASSERT_TRUE(Attach(other_, Terms(SessionOf(9))).ok());
   const auto past = other_.Open(clock_.Steady());
   EXPECT_TRUE(absl::IsResourceExhausted(past.status())) << past.status();
   EXPECT_EQ(sessions.Held().size(), robot::kSessionsMax);
 }
 
 TEST_F(AttachmentTest, AResumeSaysWhatTheAgentSawSettledAndIsCountedIfItSawAny) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   ASSERT_TRUE(robot_.Open(clock_.Steady()).ok());
   EXPECT_EQ(robot_.Resume().committed, 0U);
   EXPECT_EQ(probe_.resumes_total.value(), 0);
   HelloTerms terms = Terms(SessionOf(2));
   terms.settled_seq = 7;
   terms.judged_seq = 9;
-  ASSERT_TRUE(other_.Attach(terms).ok());
+  ASSERT_TRUE(Attach(other_, terms).ok());
   robot_.Detach();
   ASSERT_TRUE(other_.Open(clock_.Steady()).ok());
   EXPECT_EQ(other_.Resume().committed, 7U);
@@ -152,7 +152,7 @@ TEST_F(AttachmentTest, AResumeSaysWhatTheAgentSawSettledAndIsCountedIfItSawAny) 
 }
 
 TEST_F(AttachmentTest, ANewStreamCountsDroppedFieldsFromZero) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   ASSERT_TRUE(robot_.Open(clock_.Steady()).ok());
   robot_.robot().state.CountDropped(3);
   static_cast<void>(robot_.Resume());
@@ -160,7 +160,7 @@ TEST_F(AttachmentTest, ANewStreamCountsDroppedFieldsFromZero) {
 }
 
 TEST_F(AttachmentTest, ProgressIsOfTheStreamsOwnSession) {
-  ASSERT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+  ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
   ASSERT_TRUE(robot_.Open(clock_.Steady()).ok());
   robot::RobotSessions& sessions = robot_.robot().sessions;
   sessions.AddSettled(SessionOf(1), 3);

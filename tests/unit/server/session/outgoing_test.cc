@@ -27,7 +27,7 @@ class RecordingSink final : public FrameSink {
 class OutgoingTest : public StreamPartTest {
  protected:
   OutgoingTest() {
-    EXPECT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok());
+    EXPECT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
     EXPECT_TRUE(robot_.Open(clock_.Steady()).ok());
   }
   robot::RobotSessions& sessions() { return robot_.robot().sessions; }

@@ -18,7 +18,7 @@ class CountingSource final : public FrameSource {
 
 class ReadGateTest : public StreamPartTest {
  protected:
-  ReadGateTest() { EXPECT_TRUE(robot_.Attach(Terms(SessionOf(1))).ok()); }
+  ReadGateTest() { EXPECT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok()); }
 
   [[nodiscard]] bool held_back() { return robot_.robot().state.held_back(); }
 

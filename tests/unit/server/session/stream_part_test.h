@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -28,6 +29,12 @@ class StreamPartTest : public ::testing::Test {
   /// What a Hello of the robot asks for.
   static HelloTerms Terms(const model::SessionId& session) {
     return {.robot = {.ruri = std::string(kRobot)}, .session = session};
+  }
+  /// Admits the robot and attaches the stream, without its wait.
+  static absl::StatusOr<robot::Standing> Attach(Attachment& stream, HelloTerms terms) {
+    const absl::StatusOr<milliseconds> delay = stream.Admit(std::move(terms));
+    if (!delay.ok()) return delay.status();
+    return stream.Attach();
   }
   /// A stream of this number.
   robot::StreamRef Stream(std::uint64_t number) { return {.inbox = &woken_, .stream = number}; }

@@ -7,7 +7,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-using TakeoverTest = SessionTest;
+class TakeoverTest : public SessionTest {
+ protected:
+  /// How often streams come is not the matter here.
+  TakeoverTest() { limits_.session.reconnects.per_minute = robot::kStreamTimesMax; }
+};
 
 TEST_F(TakeoverTest, TheNewerStreamWaitsUntilTheOlderHasConfirmed) {
   BenchStream& older = server().Connect(SessionOf(1));

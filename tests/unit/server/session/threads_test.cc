@@ -50,6 +50,7 @@ class SessionThreads : public ::testing::TestWithParam<Bound> {
     BenchLimits limits;
     limits.session.in_flight_uplinks_max = GetParam().in_flight_uplinks_max;
     limits.session.ack_interval = std::chrono::hours(1);
+    limits.session.reconnects.per_minute = robot::kStreamTimesMax;
     limits.session.drain_timeout = std::chrono::hours(1);
     limits.journal.bytes_max = GetParam().journal_bytes_max;
     limits.journal.batch_records_max = 3;

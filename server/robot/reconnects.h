@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "schema/base/clock.h"
+#include "server/robot/limits.h"
+
+namespace uplink::robot {
+
+/// How often streams of one robot may come. A value.
+struct ReconnectLimits {
+  /// Streams per minute that wait for nothing; with kStreamTimesMax none ever waits.
+  std::uint32_t per_minute = kStreamsPerMinuteMax;
+  /// Longest wait of one stream.
+  milliseconds delay_max = kStreamDelayMax;
+};
+
+/// When streams of one robot came, and how long a new one must wait because they come too often:
+/// each one past the limit of a minute waits twice as long as the one before. Confined to its
+/// owner's lock.
+///
+/// Bounds: kStreamTimesMax times; kStreamsWaitingMax streams wait at once.
+class Reconnects final {
+ public:
+  struct Arrival {
+    /// Grows with each stream that came.
+    std::uint64_t number = 0;
+    /// Zero: it waits for nothing. Else EndWait must follow.
+    milliseconds delay{0};
+  };
+  /// A stream came. Nothing if it would have to wait, and kStreamsWaitingMax do already.
+  [[nodiscard]] std::optional<Arrival> Arrive(SteadyTime now, const ReconnectLimits& limits);
+  /// One that waited does so no more.
+  void EndWait() { --waiting_; }
+  /// The stream wants the robot now. False if one that came later had it since: nobody takes over
+  /// from a stream that is newer.
+  [[nodiscard]] bool MayAttach(std::uint64_t number);
+
+ private:
+  /// It is one of the last minute's streams. Forgets those before, and the oldest without room.
+  void Remember(SteadyTime now);
+
+  /// When the last minute's streams came, ascending: `remembered_` of them.
+  std::array<SteadyTime, kStreamTimesMax> came_{};
+  std::size_t remembered_ = 0;
+  std::uint64_t last_number_ = 0;
+  /// The number of the newest that wanted the robot.
+  std::uint64_t attached_ = 0;
+  std::size_t waiting_ = 0;
+};
+
+}  // namespace uplink::robot
