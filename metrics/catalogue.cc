@@ -204,6 +204,13 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Series that such a scrape holds at most (rcan.series_max)."},
     {kRcanRobotsLeftOut, "uplinkd_rcan_robots_left_out", kGauge, "robots",
      "Robots that the last scrape of /metrics/robots had no room for."},
+    {kRcanRobotsIncomplete, "uplinkd_rcan_robots_incomplete", kGauge, "robots",
+     "Robots of which the last scrape of /metrics/robots left out some series, not all."},
+    {kRcanSeriesLeftOut, "uplinkd_rcan_series_left_out_total", kCounter, "series",
+     "Series that scrapes left out of a robot that they show, at each scrape again, by the bound "
+     "of "
+     "the configuration.",
+     kByCause},
     {kRcanScrapeSeconds, "uplinkd_rcan_scrape_seconds", kHistogram, "seconds",
      "Time to write a scrape of /metrics/robots."},
     {kRcanScrapeBytes, "uplinkd_rcan_scrape_bytes", kGauge, "bytes",

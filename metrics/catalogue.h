@@ -105,6 +105,8 @@ enum class MetricId : std::uint8_t {
   kRcanSeries,
   kRcanSeriesLimit,
   kRcanRobotsLeftOut,
+  kRcanRobotsIncomplete,
+  kRcanSeriesLeftOut,
   kRcanScrapeSeconds,
   kRcanScrapeBytes,
   kRcanScrapesRefused,

@@ -90,7 +90,7 @@ class App::Impl {
              ground_.http_probe(), options_.config.http.connections_max, rcan_probe_,
              options_.config.rcan.series_max, monitor_, relay_probe_, options_.handshakes_failed})),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
-                        options_.logger}),
+                        options_.logger, rcan::NameHash::Draw(options_.random)}),
         site_({queries_, monitor_,
                [this](auto format) { return metrics::PageText(page_sources_, format); },
                robots_scrape_, options_.logger}),

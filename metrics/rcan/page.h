@@ -32,6 +32,8 @@ class SeriesPage final {
   void Clear();
 
   void BeginRobot(std::string_view ruri);
+  /// Whether samples of that series are kept.
+  [[nodiscard]] bool Writes(SeriesId id) const { return written_[Index(id)]; }
   /// A sample of the robot at hand. Of what is not to be written nothing is kept.
   void Add(SeriesId id, double value);
   /// `label` is the value of the series' own label, whatever its bytes.

@@ -152,6 +152,10 @@ struct RcanConfig {
   std::string subsystem{metrics::rcan::kSubsystemDefault};
   std::size_t series_max = 600'000;
   milliseconds series_ttl = std::chrono::minutes(10);
+  /// Series of one robot.
+  std::size_t robot_series_max = 512;
+  /// New names per robot and hour, past its first robot_series_max.
+  std::size_t robot_new_names_max = 64;
   /// Names of series without `rcan_`; empty: all.
   std::vector<std::string> fields;
   /// Empty: all.

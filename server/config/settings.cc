@@ -67,6 +67,10 @@ constexpr std::uint64_t kMinute = 60 * kSecond;
 constexpr std::uint64_t kHour = 60 * kMinute;
 constexpr std::uint64_t kDay = 24 * kHour;
 
+/// More than a robot has without a word of its own in the label (metrics/rcan/series.h): those have
+/// their places always.
+constexpr std::uint64_t kRobotSeriesMaxMin = 64;
+
 constexpr std::array<string_view, 2> kTlsVersions = {"1.2", "1.3"};
 constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
@@ -465,6 +469,21 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 30 * kDay,
      .text = "How long the series of a robot stay after it went offline.",
      UPLINK_BIND(rcan, RcanConfig, series_ttl)},
+    {.section = "rcan",
+     .key = "robot_series_max",
+     .kind = Kind::kCount,
+     .min = kRobotSeriesMaxMin,
+     .max = 10'000,
+     .text = "Series of one robot; what a robot has beyond it is left out.",
+     UPLINK_BIND(rcan, RcanConfig, robot_series_max)},
+    {.section = "rcan",
+     .key = "robot_new_names_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 1'000'000,
+     .text = "New names of series (of joints, computers) per robot and hour, after its first "
+             "rcan.robot_series_max.",
+     UPLINK_BIND(rcan, RcanConfig, robot_new_names_max)},
     {.section = "rcan",
      .key = "fields",
      .kind = Kind::kList,

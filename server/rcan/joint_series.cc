@@ -12,12 +12,12 @@ namespace {
 
 using metrics::rcan::kJointSeries;
 using metrics::rcan::SeriesId;
-using metrics::rcan::SeriesPage;
 
 constexpr std::string_view kPrefix = "joint/";
 
 /// Of one joint, by SeriesId.
 using Samples = std::array<std::optional<double>, kJointSeries>;
+static_assert(kJointSeries <= SeriesNames::kOfLabelMax);
 
 Samples SamplesOf(const model::RcanJoint& joint) {
   std::optional<double> flags;
@@ -31,10 +31,8 @@ Samples SamplesOf(const model::RcanJoint& joint) {
           flags};
 }
 
-void AddSamples(std::string_view joint, const Samples& samples, SeriesPage& page) {
-  for (std::size_t i = 0; i < kJointSeries; ++i) {
-    if (samples[i]) page.Add(static_cast<SeriesId>(i), joint, *samples[i]);
-  }
+void AddSamples(std::string_view joint, const Samples& samples, NamedSeries& series) {
+  series.Add(SeriesId::kJointPositionRad, joint, samples);
 }
 
 /// A reading of a joint among extras.
@@ -64,7 +62,7 @@ std::optional<double> NumberOf(const model::Value& value) {
   return *number;
 }
 
-void AddJoints(const robot::StateView& view, SeriesPage& page) {
+void AddJoints(const robot::StateView& view, NamedSeries& series) {
   const std::vector<model::RcanJoint> none;
   const std::vector<model::RcanJoint>& said = view.parts.rcan ? view.parts.rcan->joints : none;
   // Nearly no robot has joints among its extras: then there is nothing to merge.
@@ -80,9 +78,9 @@ void AddJoints(const robot::StateView& view, SeriesPage& page) {
     if (!kept || extra.arrived > view.rcan_arrived) kept = reading->value;
   }
   if (merged.empty()) {
-    for (const model::RcanJoint& joint : said) AddSamples(joint.joint, SamplesOf(joint), page);
+    for (const model::RcanJoint& joint : said) AddSamples(joint.joint, SamplesOf(joint), series);
   }
-  for (const auto& [joint, samples] : merged) AddSamples(joint, samples, page);
+  for (const auto& [joint, samples] : merged) AddSamples(joint, samples, series);
 }
 
 }  // namespace uplink::rcan

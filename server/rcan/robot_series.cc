@@ -1,5 +1,6 @@
 #include "server/rcan/robot_series.h"
 
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -20,12 +21,6 @@ double UnixSeconds(SystemTime time) { return static_cast<double>(UnixMs(time)) /
 template <typename Number>
 void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, const std::optional<Number>& value) {
   if (value) page.Add(id, static_cast<double>(*value));
-}
-
-template <typename Number>
-void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, std::string_view label,
-           const std::optional<Number>& value) {
-  if (value) page.Add(id, label, static_cast<double>(*value));
 }
 
 /// Whether that happened so lately that what was known then is shown still.
@@ -114,25 +109,28 @@ void AddReported(const robot::Reported& reported, SeriesPage& page) {
   if (!runs.empty()) AddIf(page, kMissionProgressPct, runs.back().second);
 }
 
-void AddHealth(const robot::LiveParts& parts, SeriesPage& page) {
+void AddHealth(const robot::LiveParts& parts, NamedSeries& series) {
   for (const auto& [device, health] : parts.health.items()) {
-    AddIf(page, kCpuPct, device, health.cpu_pct);
-    AddIf(page, kMemPct, device, health.mem_pct);
-    AddIf(page, kDiskPct, device, health.disk_pct);
-    AddIf(page, kCpuTemperatureC, device, health.cpu_temp);
+    // In the order of SeriesId.
+    const std::array<std::optional<double>, 4> samples = {health.cpu_pct, health.mem_pct,
+                                                          health.disk_pct, health.cpu_temp};
+    series.Add(kCpuPct, device, samples);
   }
 }
 
-void AddExtras(const robot::LiveParts& parts, std::span<const std::string> keys, SeriesPage& page) {
+void AddExtras(const robot::LiveParts& parts, std::span<const std::string> keys,
+               NamedSeries& series) {
   for (const std::string& key : keys) {
     const robot::Extra* extra = parts.extras.Find(key);
-    if (extra != nullptr) AddIf(page, kExtra, key, NumberOf(extra->value));
+    if (extra == nullptr) continue;
+    const std::array<std::optional<double>, 1> sample = {NumberOf(extra->value)};
+    series.Add(kExtra, key, sample);
   }
 }
 
 /// What Robot States say of a robot that is not heard otherwise: they are no sign of life where
 /// rcan.counts_as_life says so, and come all the same.
-void AddStatesAlone(const robot::StateView& view, SeriesPage& page) {
+void AddStatesAlone(const robot::StateView& view, NamedSeries& series) {
   robot::LiveParts parts;
   parts.rcan = view.parts.rcan;
   const robot::Reported nothing;
@@ -145,17 +143,18 @@ void AddStatesAlone(const robot::StateView& view, SeriesPage& page) {
                                 .stream_held_back_until = view.stream_held_back_until,
                                 .status_arrived = {},
                                 .rcan_arrived = view.rcan_arrived};
-  AddJoints(states, page);
-  AddBattery(states, page);
-  AddRcan(*parts.rcan, page);
+  AddBattery(states, series.page());
+  AddRcan(*parts.rcan, series.page());
+  AddJoints(states, series);
 }
 
 }  // namespace
 
 bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
-              SeriesPage& page) {
+              NamedSeries& series) {
   // Whoever holds a robot has its series: no robot counts twice in a sum over servers.
   if (view.foreign) return false;
+  SeriesPage& page = series.page();
   // Of a robot that is neither heard nor known to be silent nothing is said.
   if (view.presence != robot::Presence::kUnknown) {
     page.Add(kOnline, view.presence == robot::Presence::kOnline ? 1 : 0);
@@ -163,18 +162,18 @@ bool AddRobot(const std::string& ruri, const robot::StateView& view, const Serie
   if (view.last_sign_of_life) page.Add(kLastSignOfLife, UnixSeconds(*view.last_sign_of_life));
   if (!ShowsValues(view, sources)) {
     if (!view.parts.rcan || !IsLately(view.rcan_arrived, sources)) return false;
-    AddStatesAlone(view, page);
+    AddStatesAlone(view, series);
     return true;
   }
-  AddJoints(view, page);
   AddBattery(view, page);
   if (view.parts.motion) AddMotion(*view.parts.motion, page);
   if (view.parts.status) AddStatus(*view.parts.status, page);
   if (view.parts.rcan) AddRcan(*view.parts.rcan, page);
   AddReported(view.reported, page);
-  AddHealth(view.parts, page);
-  AddExtras(view.parts, sources.extras, page);
   if (sources.faults != nullptr) AddFaults(ruri, *sources.faults, page);
+  AddExtras(view.parts, sources.extras, series);
+  AddHealth(view.parts, series);
+  AddJoints(view, series);
   return true;
 }
 

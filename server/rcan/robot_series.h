@@ -3,8 +3,8 @@
 #include <span>
 #include <string>
 
-#include "metrics/rcan/page.h"
 #include "server/rcan/fault_counts.h"
+#include "server/rcan/named_series.h"
 #include "server/robot/robot_state.h"
 
 namespace uplink::rcan {
@@ -25,8 +25,10 @@ struct SeriesSources {
 };
 
 /// Adds the samples of one robot: its presence always, its values while they are shown. What is not
-/// known has no sample. Returns whether the values are shown. Called under the robot's lock.
+/// known has no sample. Series without a word of the robot's own come first, then the extras that
+/// the operator asked for, then computers, then joints: none of these takes the place of one
+/// before. Returns whether the values are shown. Called under the robot's lock.
 bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
-              metrics::rcan::SeriesPage& page);
+              NamedSeries& series);
 
 }  // namespace uplink::rcan

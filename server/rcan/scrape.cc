@@ -1,38 +1,48 @@
 #include "server/rcan/scrape.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 #include "metrics/gzip.h"
-#include "server/rcan/robot_series.h"
 
 namespace uplink::rcan {
+
 RobotScrape::RobotScrape(const Sources& sources)
     : sources_(sources),
       fleets_(sources.config.fleets.begin(), sources.config.fleets.end()),
       page_({.subsystem = sources.config.subsystem,
              .fields = sources.config.fields,
              .series_max = sources.config.series_max}),
-      left_out_(sources.logger, 1, std::chrono::minutes(1)) {}
+      names_({.hash = NameHash(sources.name_key),
+              .limits = {.names_max = sources.config.robot_series_max,
+                         .new_per_hour = sources.config.robot_new_names_max,
+                         .forget_after = sources.config.series_ttl}}),
+      left_out_(sources.logger, 1, std::chrono::minutes(1)),
+      series_left_out_(sources.logger, kRobotsNamedMax, std::chrono::minutes(1)) {}
 
 bool RobotScrape::wanted() const {
   const SteadyTime at = scraped_at_.load();
   return at != SteadyTime() && sources_.clock.Steady() - at < kScrapedWithin;
 }
 
-const std::vector<std::weak_ptr<robot::Robot>>& RobotScrape::Robots() {
+std::vector<RobotScrape::Known>& RobotScrape::Robots() {
   // First: a robot that comes meanwhile is a change that the next scrape sees.
   const std::uint64_t changes = sources_.fleet.changes();
   if (changes == fleet_changes_) return robots_;
   fleet_changes_ = changes;
-  const std::vector<fleet::RobotPtr> robots = sources_.fleet.Sorted();
-  robots_.assign(robots.begin(), robots.end());
-  std::unordered_map<const robot::Robot*, std::size_t> room;
-  for (const fleet::RobotPtr& robot : robots) {
-    const auto known = room_.find(robot.get());
-    if (known != room_.end()) room.insert(*known);
+  // Robots that are gone have their addresses still, while they are held weakly.
+  std::unordered_map<const robot::Robot*, Known*> before;
+  for (Known& known : robots_) {
+    if (const fleet::RobotPtr robot = known.robot.lock()) before.emplace(robot.get(), &known);
   }
-  room_ = std::move(room);
+  std::vector<Known> robots;
+  for (const fleet::RobotPtr& robot : sources_.fleet.Sorted()) {
+    const auto known = before.find(robot.get());
+    robots.push_back(known != before.end() ? std::move(*known->second)
+                                           : Known{.robot = robot, .names = {}});
+  }
+  robots_ = std::move(robots);
   return robots_;
 }
 
@@ -45,29 +55,58 @@ void RobotScrape::Fill() {
                              .extras = sources_.config.extras,
                              .faults = faults.get()};
   page_.Clear();
-  std::size_t left_out = 0;
-  for (const std::weak_ptr<robot::Robot>& known : Robots()) {
-    const fleet::RobotPtr robot = known.lock();
+  LeftOut left_out;
+  for (Known& known : Robots()) {
+    const fleet::RobotPtr robot = known.robot.lock();
     if (robot == nullptr) continue;
     if (!fleets_.empty() && !fleets_.contains(robot->id()->fleet)) continue;
-    page_.BeginRobot(robot->ruri());
-    bool shown = false;
-    robot->state.LookAt([&](const robot::StateView& view) {
-      shown = AddRobot(robot->ruri(), view, series, page_);
-    });
-    std::size_t& room = room_[robot.get()];
-    room = shown ? std::max(room, page_.robot_samples()) : page_.robot_samples();
-    if (!page_.EndRobot(room)) ++left_out;
+    AddOne(known, *robot, series, left_out);
   }
-  sources_.probe.series.Set(static_cast<std::int64_t>(page_.samples()));
-  sources_.probe.robots_left_out.Set(static_cast<std::int64_t>(left_out));
-  LogLeftOut(left_out);
+  Count(left_out);
 }
 
-void RobotScrape::LogLeftOut(std::size_t robots) {
-  if (robots == 0) return;
+void RobotScrape::AddOne(Known& known, const robot::Robot& robot, const SeriesSources& sources,
+                         LeftOut& left_out) {
+  page_.BeginRobot(robot.ruri());
+  NamedSeries series(page_, known.names, names_, sources.steady_now);
+  bool shown = false;
+  robot.state.LookAt(
+      [&](const robot::StateView& view) { shown = AddRobot(robot.ruri(), view, sources, series); });
+  known.room = shown ? std::max(known.room, page_.robot_samples()) : page_.robot_samples();
+  if (!page_.EndRobot(known.room)) {
+    ++left_out.robots;
+    return;
+  }
+  const SeriesLeftOut& missing = series.left_out();
+  if (missing.all() == 0) return;
+  ++left_out.robots_incomplete;
+  left_out.series.over_max += missing.over_max;
+  left_out.series.new_names += missing.new_names;
+  Name(known, robot.ruri(), missing, sources.steady_now);
+}
+
+void RobotScrape::Count(const LeftOut& left_out) {
+  RcanProbe& probe = sources_.probe;
+  probe.series.Set(static_cast<std::int64_t>(page_.samples()));
+  probe.robots_left_out.Set(static_cast<std::int64_t>(left_out.robots));
+  probe.robots_incomplete.Set(static_cast<std::int64_t>(left_out.robots_incomplete));
+  probe.series_over_max_total.Add(static_cast<std::int64_t>(left_out.series.over_max));
+  probe.series_new_names_total.Add(static_cast<std::int64_t>(left_out.series.new_names));
+  if (left_out.robots == 0) return;
   left_out_.Write(log::Level::kWarn, "rcan_robots_left_out",
-                  {{"robots", robots}, {"series_max", sources_.config.series_max}});
+                  {{"robots", left_out.robots}, {"series_max", sources_.config.series_max}});
+}
+
+void RobotScrape::Name(Known& known, const std::string& ruri, const SeriesLeftOut& series,
+                       SteadyTime now) {
+  if (known.named_at != SteadyTime() && now - known.named_at < kRobotNamedEvery) return;
+  const std::uint64_t kept_back = series_left_out_.suppressed_total();
+  series_left_out_.Write(log::Level::kWarn, "rcan_series_left_out",
+                         {{"robot", ruri},
+                          {"over_robot_series_max", series.over_max},
+                          {"over_robot_new_names_max", series.new_names}});
+  // Who was kept back has its turn at a later scrape.
+  if (series_left_out_.suppressed_total() == kept_back) known.named_at = now;
 }
 
 std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format,

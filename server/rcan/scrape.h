@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -16,7 +15,9 @@
 #include "server/fleet/fleet.h"
 #include "server/log/rate_limited.h"
 #include "server/rcan/fault_counts.h"
+#include "server/rcan/named_series.h"
 #include "server/rcan/probe.h"
+#include "server/rcan/robot_series.h"
 #include "server/rcan/text_pool.h"
 
 namespace uplink::rcan {
@@ -26,6 +27,10 @@ namespace uplink::rcan {
 inline constexpr std::size_t kTextsMax = 4;
 /// A text that is being read is given to others who ask for the same for so long.
 inline constexpr std::chrono::seconds kTextShared{1};
+/// A robot of which series are left out is named in the log once in so long, and at most so many
+/// robots per minute.
+inline constexpr std::chrono::hours kRobotNamedEvery{1};
+inline constexpr std::uint32_t kRobotsNamedMax = 10;
 /// A fleet that was not scraped for so long is not asked for its faults any more.
 inline constexpr std::chrono::minutes kScrapedWithin{5};
 
@@ -43,6 +48,8 @@ class RobotScrape final {
     const FaultCounts& faults;
     RcanProbe& probe;
     log::Logger& logger;
+    /// Secret (NameHash::Draw); tests may leave it at zero.
+    NameHash::Key name_key{};
   };
   explicit RobotScrape(const Sources& sources);
 
@@ -53,9 +60,30 @@ class RobotScrape final {
   [[nodiscard]] bool wanted() const;
 
  private:
+  /// A robot of the fleet, and what is kept of it from scrape to scrape.
+  struct Known {
+    std::weak_ptr<robot::Robot> robot;
+    /// The most samples that it ever had while its values are shown, so that who is left out does
+    /// not change from scrape to scrape.
+    std::size_t room = 0;
+    SeriesNames names;
+    /// In the log; the epoch if it never was.
+    SteadyTime named_at{};
+  };
+  /// What a scrape left out.
+  struct LeftOut {
+    /// Whole.
+    std::size_t robots = 0;
+    std::size_t robots_incomplete = 0;
+    SeriesLeftOut series;
+  };
+
   void Fill();
-  void LogLeftOut(std::size_t robots);
-  [[nodiscard]] const std::vector<std::weak_ptr<robot::Robot>>& Robots();
+  void AddOne(Known& known, const robot::Robot& robot, const SeriesSources& sources,
+              LeftOut& left_out);
+  void Count(const LeftOut& left_out);
+  void Name(Known& known, const std::string& ruri, const SeriesLeftOut& series, SteadyTime now);
+  [[nodiscard]] std::vector<Known>& Robots();
 
   const Sources sources_;
   const std::unordered_set<std::string> fleets_;
@@ -70,13 +98,12 @@ class RobotScrape final {
     SteadyTime at;
   };
   Shared last_;
+  const NameRules names_;
   /// By RURI; read again when robots came or went.
-  std::vector<std::weak_ptr<robot::Robot>> robots_;
+  std::vector<Known> robots_;
   std::uint64_t fleet_changes_ = 0;
-  /// The most samples that a robot ever had while its values are shown, so that who is left out
-  /// does not change from scrape to scrape.
-  std::unordered_map<const robot::Robot*, std::size_t> room_;
   log::RateLimited left_out_;
+  log::RateLimited series_left_out_;
   std::atomic<SteadyTime> scraped_at_{SteadyTime()};
 };
 

@@ -115,6 +115,8 @@ TEST(SeriesPage, OnlyTheFieldsThatAreAllowedAreWritten) {
   page.Add(SeriesId::kBatteryV, 1);
   page.Add(SeriesId::kJointEffortNm, "j", 2);
   page.Add(SeriesId::kJointPositionM, "j", 2);
+  EXPECT_TRUE(page.Writes(SeriesId::kJointEffortNm));
+  EXPECT_FALSE(page.Writes(SeriesId::kJointPositionM));
   EXPECT_EQ(page.robot_samples(), 2U);
   EXPECT_TRUE(page.EndRobot());
   EXPECT_THAT(TextOf(page), HasSubstr("rcan_arm2_effort_nm{joint=\"j\",ruri=\"a\"} 2\n"));

@@ -30,6 +30,9 @@ class SeriesTest : public ::testing::Test {
   std::string Text() {
     metrics::rcan::SeriesPage page({.series_max = 1000});
     page.BeginRobot("r");
+    SeriesNames names;
+    const NameRules rules{NameHash({}), {.names_max = robot_series_max_, .new_per_hour = 1}};
+    NamedSeries series(page, names, rules, clock_.Steady());
     state_.LookAt([&](const robot::StateView& view) {
       AddRobot("r", view,
                {.now = clock_.System(),
@@ -38,7 +41,7 @@ class SeriesTest : public ::testing::Test {
                 .presence_timeout = limits_.timeout,
                 .extras = extras_,
                 .faults = faults_},
-               page);
+               series);
     });
     EXPECT_TRUE(page.EndRobot());
     std::string text;
@@ -51,6 +54,7 @@ class SeriesTest : public ::testing::Test {
   robot::RobotState state_{clock_.Steady(), clock_.Steady(), clock_.System()};
   std::vector<std::string> extras_;
   const FaultCounts::Map* faults_ = nullptr;
+  std::size_t robot_series_max_ = 1000;
 };
 
 model::StatusTelemetry Status(float volts, float percent) {
@@ -295,6 +299,77 @@ TEST_F(SeriesTest, ActiveFaultsAreZeroWhereThereAreNoneAndAbsentWhereNobodyKnows
   faults["r"] = {0, 2, 0, 1, 4};
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_active_faults{severity=\"minor\",ruri=\"r\"} 2\n"));
   EXPECT_THAT(Text(), HasSubstr("{severity=\"unrecognized\",ruri=\"r\"} 4\n"));
+}
+
+/// Everything that a robot can say without a word of its own.
+model::StatusTelemetry FullStatus() {
+  model::StatusTelemetry status = Status(12.5, 50);
+  status.estop = model::EStop{.active = true};
+  status.fuel = model::FuelStatus{.level_pct = 60};
+  status.range_remaining = 1200;
+  status.runtime_remaining = 60;
+  return status;
+}
+
+TEST_F(SeriesTest, WhatHasNoWordOfTheRobotsHasItsPlaceWhateverElseItSays) {
+  Hear();
+  model::RcanState state;
+  for (int i = 0; i < 100; ++i) {
+    state.joints.push_back(
+        {.joint = "j" + std::to_string(i), .position_rad = 1, .timestamp_us = 1});
+  }
+  state.uptime_ms = 1;
+  state.position = model::RcanPosition{.x_m = 1.5, .y_m = -2, .heading_rad = 1};
+  Apply(state);
+  Apply(FullStatus());
+  model::MotionTelemetry motion;
+  motion.pose = model::Pose{.lat_deg = 1, .lon_deg = 2, .altitude_m = 3, .heading_deg = 4};
+  motion.velocity = model::VelTwist{.linear_mps = 1, .angular_rps = 2};
+  Apply(motion);
+  model::AgentInfo info;
+  info.uptime_s = 60;
+  state_.KeepReport(info, clock_.System());
+  model::MissionRunStatus run;
+  run.run_id = "one";
+  run.progress_x100 = 1;
+  run.status = model::MissionStatus::kRunning;
+  state_.KeepReport(run, clock_.System());
+  FaultCounts::Map faults;
+  faults["r"] = {0, 2, 0, 1, 4};
+  faults_ = &faults;
+  // The smallest that rcan.robot_series_max can be.
+  robot_series_max_ = 64;
+  const std::string text = Text();
+  std::size_t without = 0;
+  for (const metrics::rcan::SeriesSpec& spec : metrics::rcan::AllSeries()) {
+    if (!spec.label.empty() && spec.label != "severity") continue;
+    EXPECT_THAT(text, HasSubstr("\nrcan_" + std::string(spec.name) + "{")) << spec.name;
+    ++without;
+  }
+  const std::size_t severities = model::kEnumNames<model::FaultSeverity>.size() + 1;
+  const auto joints = static_cast<std::size_t>(64 - (without - 1) - severities);
+  EXPECT_THAT(text, HasSubstr("{joint=\"j" + std::to_string(joints - 1) + "\""));
+  EXPECT_THAT(text, Not(HasSubstr("{joint=\"j" + std::to_string(joints) + "\"")));
+}
+
+TEST_F(SeriesTest, ExtrasThatTheOperatorAskedForComeBeforeComputersAndTheseBeforeJoints) {
+  Hear();
+  Apply(WithJoint("a", 1));
+  Apply(Reading("rpm", std::int32_t{3120}));
+  model::SystemHealth health;
+  health.device_id = "cpu1";
+  health.cpu_pct = 10;
+  health.mem_pct = 20;
+  Apply(health);
+  extras_ = {"rpm"};
+  robot_series_max_ = 2 + 1;
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_extra{"));
+  EXPECT_THAT(Text(), Not(HasSubstr("device=")));
+  robot_series_max_ = 2 + 1 + 2;
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_mem_pct{device=\"cpu1\""));
+  EXPECT_THAT(Text(), Not(HasSubstr("joint=")));
+  robot_series_max_ = 2 + 1 + 2 + 1;
+  EXPECT_THAT(Text(), HasSubstr("joint=\"a\""));
 }
 
 }  // namespace
