@@ -29,6 +29,9 @@ Payloads::Payloads() {
   set(Content::kMotion, schema::Encode(motion));
   set(Content::kBadDurable, schema::Encode(FaultOf("")));
   set(Content::kBadLive, schema::Encode(motion).substr(0, 20));
+  model::Fault large = FaultOf("LARGE");
+  large.description = std::string(1500, 'x');
+  set(Content::kLarge, schema::Encode(large));
   set(Content::kRefused, schema::Encode(FaultOf(kRefusedFaultId)));
 }
 

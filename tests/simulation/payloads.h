@@ -20,8 +20,10 @@ enum class Content : std::uint8_t {
   kRefused,
   /// An Uplink without content.
   kEmpty,
+  /// A fault with a long text, of a greedy agent.
+  kLarge,
 };
-inline constexpr std::size_t kContents = 7;
+inline constexpr std::size_t kContents = 8;
 
 /// True where the agent must keep the message until an Ack's through_seq.
 [[nodiscard]] constexpr bool KeptUntilSettled(Content content) {

@@ -65,7 +65,7 @@ v1::RelayRequest SimAgent::Batch(Random& random, std::size_t messages_max, Fresh
         Content::kFault,   Content::kFault,   Content::kFault,      Content::kEvent,
         Content::kEvent,   Content::kMotion,  Content::kMotion,     Content::kMotion,
         Content::kRefused, Content::kBadLive, Content::kBadDurable, Content::kEmpty};
-    const Content content = kMix[random.Below(kMix.size())];
+    const Content content = greedy_ ? Content::kLarge : kMix[random.Below(kMix.size())];
     const model::Seq seq = session_->next++;
     AddUplink(batch, seq, content);
     if (RejectedAtJudgement(content)) unrejected_.insert(seq);

@@ -41,6 +41,9 @@ class SimAgent final {
         recorder_(recorder),
         violation_(std::move(violation)) {}
 
+  /// From now on everything that it sends anew is large and durable.
+  void BeGreedy() { greedy_ = true; }
+
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
   [[nodiscard]] const std::deque<AgentSession>& sessions() const { return sessions_; }
   /// Something is kept that only an Ack ends.
@@ -78,6 +81,7 @@ class SimAgent final {
   AgentSession* session_ = nullptr;
   bool welcomed_ = false;
   bool resends_all_ = false;
+  bool greedy_ = false;
   std::deque<model::Seq> resend_;
   model::Seq stream_through_ = 0;
   model::Seq stream_judged_ = 0;

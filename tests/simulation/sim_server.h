@@ -106,6 +106,7 @@ struct ServerLimits {
   session::SessionLimits session;
   journal::JournalLimits journal;
   robot::PresenceLimits presence;
+  session::Allowance allowance;
 };
 
 /// What the lives of the process stand on.
@@ -155,7 +156,7 @@ class SimServer final : public robot::WakeInbox {
   journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
   session::IntakeScratch scratch_;
-  const session::Allowances allowances_;
+  const session::Allowances allowances_{limits_.allowance};
   const testing::FakeTrust clock_trust_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;

@@ -16,6 +16,8 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   std::uint64_t kills = 0;
   std::uint64_t deletions = 0;
   std::uint64_t held_back = 0;
+  std::uint64_t held_back_by_share = 0;
+  std::uint64_t held_back_by_flow = 0;
   std::map<absl::StatusCode, std::uint64_t> ends;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     FakeBackend backend;
@@ -26,6 +28,8 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
     kills += result.kills;
     deletions += result.deletions;
     held_back += result.held_back;
+    held_back_by_share += result.held_back_by_share;
+    held_back_by_flow += result.held_back_by_flow;
     for (const auto& [code, count] : result.ends) ends[code] += count;
   }
   // The schedules must really have exercised what they claim to.
@@ -38,6 +42,8 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   EXPECT_GT(kills, kSeeds / 10);
   EXPECT_GT(deletions, kSeeds / 10);
   EXPECT_GT(held_back, kSeeds);
+  EXPECT_GT(held_back_by_share, kSeeds / 10);
+  EXPECT_GT(held_back_by_flow, kSeeds / 10);
   EXPECT_GT(ends[absl::StatusCode::kOk], kSeeds / 10);
   EXPECT_GT(ends[absl::StatusCode::kAborted], kSeeds / 10);
   EXPECT_GT(ends[absl::StatusCode::kUnavailable], kSeeds / 10);

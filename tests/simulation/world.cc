@@ -30,7 +30,10 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   limits_.journal.bytes_max = random_.Percent(30) ? 4'000 : 1'000'000;
   limits_.journal.batch_records_max = 1 + random_.Below(8);
   limits_.presence = {.timeout = milliseconds(400), .startup_grace = milliseconds(2'000)};
-  const std::size_t robots = 1 + random_.Below(3);
+  limits_.journal.robot_share = 1;
+  greedy_ = random_.Percent(20);
+  if (greedy_) AddGreed();
+  const std::size_t robots = greedy_ ? 5 : 1 + random_.Below(3);
   for (std::size_t i = 0; i < robots; ++i) {
     robots_.push_back(std::make_unique<Robot>(SimAgent(
         fmt::format("rcan://sim/{}", i), payloads_, recorder_, [this](const std::string& text) {
@@ -40,8 +43,15 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
           }
         })));
   }
+  if (greedy_) robots_.front()->agent.BeGreedy();
   if (options_.trace != nullptr) traced_.emplace(recorder_, *options_.trace);
   StartServer();
+}
+
+void World::AddGreed() {
+  limits_.journal.bytes_max = 64'000;
+  limits_.journal.robot_share = 8;
+  limits_.allowance.flow = {.records = {.rate = 20, .burst = 20}, .bytes = {}};
 }
 
 void World::StartServer() {
@@ -231,12 +241,35 @@ void World::Check() {
   for (const auto& robot : robots_) {
     const fleet::RobotPtr known = server_->fleet().Find(robot->agent.ruri());
     if (known != nullptr && known->state.held_back()) ++result_.held_back;
+    if (known != nullptr && greedy_) CheckShare(robot->agent.ruri(), known->sessions);
     if (known != nullptr &&
         known->sessions.in_flight() > limits_.session.in_flight_uplinks_max + 1) {
       recorder_.Violate(fmt::format("{} messages of {} are in flight, the limit is {}",
                                     known->sessions.in_flight(), robot->agent.ruri(),
                                     limits_.session.in_flight_uplinks_max));
     }
+  }
+}
+
+void World::CheckShare(const std::string& ruri, const robot::RobotSessions& sessions) {
+  const robot::JournalUse use = sessions.journal_use();
+  const std::size_t share = limits_.journal.bytes_max / limits_.journal.robot_share;
+  if (use.records > 1 && use.bytes > share) {
+    recorder_.Violate(fmt::format("{} has {} bytes of {} records in the journal, its share is {}",
+                                  ruri, use.bytes, use.records, share));
+  }
+  switch (sessions.View().held_back) {
+    case robot::HeldBack::kJournal:
+      // Five shares of eight cannot fill it.
+      return recorder_.Violate(fmt::format("{} is held back for others", ruri));
+    case robot::HeldBack::kJournalShare:
+      ++result_.held_back_by_share;
+      return;
+    case robot::HeldBack::kFlow:
+      ++result_.held_back_by_flow;
+      return;
+    default:
+      return;
   }
 }
 

@@ -51,8 +51,10 @@ struct RunResult {
   std::uint64_t breaks = 0;
   /// Rows of robots that were deleted.
   std::uint64_t deletions = 0;
-  /// Steps after which a robot's stream was held back.
+  /// Steps after which a robot's stream was held back; for its share, or for its flow.
   std::uint64_t held_back = 0;
+  std::uint64_t held_back_by_share = 0;
+  std::uint64_t held_back_by_flow = 0;
   /// Streams that the server ended, by status.
   std::map<absl::StatusCode, std::uint64_t> ends;
 };
@@ -88,7 +90,10 @@ class World final {
   void Receive(Robot& robot, SimStream& stream);
   void Check();
   void CheckLaw();
+  void CheckShare(const std::string& ruri, const robot::RobotSessions& sessions);
   void CheckEnds();
+  /// One greedy robot among five, each with an eighth of the journal.
+  void AddGreed();
   [[nodiscard]] bool MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode code);
   [[nodiscard]] Robot* OwnerOf(std::uint64_t stream);
   void Reap();
@@ -112,6 +117,8 @@ class World final {
   ServerLimits limits_;
   std::unique_ptr<SimServer> server_;
   std::vector<std::unique_ptr<Robot>> robots_;
+  /// The first robot is.
+  bool greedy_ = false;
   bool away_ = false;
   /// Deletions of a robot's row that have ended no stream of it yet: each may end one.
   std::map<std::string, std::uint64_t> deletions_;
