@@ -161,7 +161,7 @@ TEST(Streams, ABlockedStoreHoldsTheStreamBackAndLosesNothing) {
 }
 
 TEST(Streams, AFullJournalHoldsEveryStreamBack) {
-  RelayWorld world({.session = {}, .journal = {.records_max = 8}});
+  RelayWorld world({.session = {}, .journal = {.records_max = 8, .robot_share = 1}});
   TestAgent one(world.Channel(RuriOf(1)));
   TestAgent two(world.Channel(RuriOf(2)));
   ASSERT_TRUE(one.Connect(SessionOf(1)));
@@ -177,6 +177,29 @@ TEST(Streams, AFullJournalHoldsEveryStreamBack) {
   EXPECT_TRUE(two.ReadThrough(40));
   EXPECT_EQ(world.database.Log(RuriOf(1), SessionOf(1)).stored, UpTo(40));
   EXPECT_EQ(world.database.Log(RuriOf(2), SessionOf(2)).stored, UpTo(40));
+}
+
+TEST(Streams, OneRobotAtItsShareOfTheJournalHoldsNobodyElseBack) {
+  constexpr std::size_t kBytesMax = 256'000;
+  RelayWorld world({.session = {}, .journal = {.bytes_max = kBytesMax}});
+  TestAgent greedy(world.Channel(RuriOf(1)));
+  TestAgent other(world.Channel(RuriOf(2)));
+  ASSERT_TRUE(greedy.Connect(SessionOf(1)));
+  ASSERT_TRUE(other.Connect(SessionOf(2)));
+  world.store.Block();
+  ASSERT_TRUE(greedy.Send(BatchFrame(FaultsFrom(1, 200))));
+  const metrics::Cell& held =
+      world.session_probe.held_back_by[static_cast<std::size_t>(robot::HeldBack::kJournalShare)];
+  ASSERT_TRUE(Eventually([&] { return held.value() == 1; }));
+  EXPECT_LE(world.journal.bytes(), kBytesMax / 32);
+  ASSERT_TRUE(other.Send(BatchFrame({{1, MotionPayload()}, {2, FaultPayload("a")}})));
+  ASSERT_TRUE(other.Send(BatchFrame({{3, MotionPayload()}})));
+  EXPECT_TRUE(other.ReadJudged(3));
+  EXPECT_EQ(world.session_probe.held_back.value(), 1);
+  world.store.Release();
+  EXPECT_TRUE(greedy.ReadThrough(200));
+  EXPECT_TRUE(other.ReadThrough(3));
+  EXPECT_TRUE(Eventually([&] { return world.Settles(); }));
 }
 
 TEST(Streams, AStoreThatFailsIsTriedAgain) {
