@@ -38,6 +38,10 @@ double Percentile(const std::vector<double>& sorted, double share) {
 RelayBench::RelayBench(std::vector<std::string> environment) {
   // What bare loops left behind is none of the server's work.
   environment.emplace_back("UPLINKD_STORE_RETENTION_HISTORY=0");
+  // A few robots stand for a fleet: what one may have stored is not what is measured.
+  environment.emplace_back("UPLINKD_LIMITS_DURABLE_RECORDS_RATE=0");
+  environment.emplace_back("UPLINKD_LIMITS_DURABLE_BYTES_RATE=0");
+  environment.emplace_back("UPLINKD_JOURNAL_ROBOT_SHARE=1");
   process_ = folder_.Start({}, environment);
   const auto ports = testing::WaitForPorts(*process_);
   UPLINK_CHECK(ports.has_value(), process_->text());

@@ -55,14 +55,14 @@ TEST(ParseConfigTest, ReadsEveryKindOfValue) {
 TEST(ParseConfigTest, ReportsEveryProblemAtOnceInTheOrderOfTheFile) {
   const LoadResult result = ParseWith(
       "min_version = \"1.1\"\n[presence]\ntimeout = 10\n[limits]\nrobots_max = 0\n"
-      "robot_max = 5\n[rates]\n[journal]\nbytes_max = \"1KB\"\n");
+      "robot_max = 5\n[ratios]\n[journal]\nbytes_max = \"1KB\"\n");
   EXPECT_FALSE(result.ok());
   EXPECT_THAT(result.problems,
               ElementsAre(IsProblem("u.toml:5", "tls.min_version", "\"1.1\" is not allowed"),
                           IsProblem("u.toml:7", "presence.timeout", "a duration"),
                           IsProblem("u.toml:9", "limits.robots_max", "0 is not allowed"),
                           IsProblem("u.toml:10", "limits.robot_max", "unknown key"),
-                          IsProblem("u.toml:11", "rates", "unknown section"),
+                          IsProblem("u.toml:11", "ratios", "unknown section"),
                           IsProblem("u.toml:13", "journal.bytes_max", "\"1KB\" is not allowed")));
 }
 

@@ -132,7 +132,8 @@ TEST_F(ForgetRoundsTest, AStreamIsEndedIfThatIsAsked) {
 TEST_F(ForgetRoundsTest, WhatWaitsForTheStoreIsARefusalOrIsWaitedFor) {
   Come();
   Go();
-  Shown()->sessions.AddGap();
+  const robot::Seen skipped{.missing_first = 1, .missing_last = 1, .missing = 1};
+  Shown()->sessions.AddGap(model::SessionId(), skipped);
   Ask(true);
   EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
   EXPECT_NE(Shown(), nullptr);
