@@ -1,9 +1,11 @@
 #include "storage/postgres/reader.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "storage/numbers.h"
+#include "storage/postgres/data_folder.h"
 #include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/read/lists.h"
@@ -13,6 +15,8 @@
 namespace uplink::storage::postgres {
 namespace {
 
+/// The server may have gone to another machine.
+constexpr std::chrono::seconds kFolderEvery{10};
 /// Robots of which the latest is read in one round trip: their bodies come at once.
 constexpr std::size_t kRobotsPerTrip = 16;
 
@@ -97,6 +101,19 @@ absl::StatusOr<milliseconds> PostgresReader::OldestSnapshot() {
       pool_->With([](Connection& connection) { return ReadHorizon(connection); });
   if (!horizon.ok()) return horizon.status();
   return horizon_age_.Note(*horizon, pool_->clock().Steady());
+}
+
+absl::StatusOr<std::optional<DiskSpace>> PostgresReader::Space() {
+  const SteadyTime now = pool_->clock().Steady();
+  if (!folder_asked_ || now - *folder_asked_ >= kFolderEvery) {
+    folder_asked_ = now;
+    absl::StatusOr<std::string> folder =
+        pool_->With([](Connection& connection) { return ReadDataFolder(connection); });
+    // While the server is away, its disk is where it was.
+    if (folder.ok()) folder_ = *std::move(folder);
+  }
+  if (folder_.empty()) return std::nullopt;
+  return DiskSpaceOf(folder_);
 }
 
 absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robots_max) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/disk_space.h"
 #include "storage/postgres/defaults.h"
 #include "storage/postgres/horizon.h"
 #include "storage/reader.h"
@@ -68,12 +70,20 @@ class PostgresReader final : public Reader {
   /// How long something in the database has kept dead row versions from being removed, as far as
   /// the calls of this before could see (HorizonAge). One call at a time.
   [[nodiscard]] absl::StatusOr<milliseconds> OldestSnapshot();
+  /// What is left where the database lies; nothing where that cannot be known (ReadDataFolder),
+  /// which is asked now and then. The server's log of writes (pg_wal) may lie elsewhere. One call
+  /// at a time.
+  ///
+  /// Errors: kUnavailable where the disk cannot be asked.
+  [[nodiscard]] absl::StatusOr<std::optional<DiskSpace>> Space();
 
  private:
   class Pool;
   explicit PostgresReader(std::unique_ptr<Pool> pool);
   std::unique_ptr<Pool> pool_;
   HorizonAge horizon_age_;
+  std::optional<SteadyTime> folder_asked_;
+  std::string folder_;
 };
 
 }  // namespace uplink::storage::postgres

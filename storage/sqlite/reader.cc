@@ -77,6 +77,18 @@ absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
   });
 }
 
+absl::StatusOr<DiskSpace> SqliteReader::Space() {
+  absl::StatusOr<DiskSpace> space = DiskSpaceOf(pool_->path());
+  if (!space.ok()) return space;
+  const auto reusable = pool_->With([](Database& database) -> absl::StatusOr<std::int64_t> {
+    return database.ReadInt(
+        "SELECT freelist_count * page_size FROM pragma_freelist_count, pragma_page_size");
+  });
+  if (!reusable.ok()) return reusable.status();
+  space->free_bytes += static_cast<std::uint64_t>(*reusable);
+  return space;
+}
+
 absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const std::string& ruri) {
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<DroppedRow>> {
     auto statement = database.Prepare(

@@ -11,6 +11,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/disk_space.h"
 #include "storage/reader.h"
 
 namespace uplink::storage::sqlite {
@@ -55,6 +56,12 @@ class SqliteReader final : public Reader {
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   std::uint32_t kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
+
+  /// What is left on the file's disk, and in the file itself: pages of rows that were deleted are
+  /// written again, and never given back to the disk.
+  ///
+  /// Errors: as of a call; kUnavailable also where the disk cannot be asked.
+  [[nodiscard]] absl::StatusOr<DiskSpace> Space();
 
  private:
   class Pool;

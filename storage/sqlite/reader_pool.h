@@ -20,6 +20,7 @@ class SqliteReader::Pool final {
   Pool(std::string path, const ReaderOptions& options)
       : path_(std::move(path)), options_(options) {}
 
+  [[nodiscard]] const std::string& path() const { return path_; }
   /// Opens them all; what fails names the path.
   [[nodiscard]] absl::Status Fill();
 

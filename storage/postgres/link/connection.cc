@@ -7,6 +7,7 @@
 
 #include <libpq-fe.h>
 #include <poll.h>
+#include <sys/socket.h>
 
 #include "schema/base/check.h"
 #include "storage/postgres/link/connect.h"
@@ -69,6 +70,20 @@ std::optional<std::string> Connection::last_answers_warning() const {
   // A notice may be read while the answer before its own still waits to be taken.
   if (!warning_ || warning_->after + 2 < is_preparation_.size()) return std::nullopt;
   return warning_->text;
+}
+
+std::optional<uid_t> Connection::peer_user() const {
+  const int socket = PQsocket(handle_.get());
+  sockaddr_storage address{};
+  socklen_t length = sizeof(address);
+  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &length) != 0 ||
+      address.ss_family != AF_UNIX) {
+    return std::nullopt;
+  }
+  ucred user{};
+  length = sizeof(user);
+  if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &user, &length) != 0) return std::nullopt;
+  return user.uid;
 }
 
 Connection::~Connection() = default;

@@ -12,6 +12,7 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <sys/types.h>
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/errors.h"
@@ -90,6 +91,8 @@ class Connection final {
   /// (libpq hands it over as soon as it is read); nothing if there was none.
   [[nodiscard]] std::optional<std::string> last_answers_warning() const;
 
+  /// The user who runs the server, if it was reached by a Unix socket: then it is on this machine.
+  [[nodiscard]] std::optional<uid_t> peer_user() const;
   [[nodiscard]] bool broken() const { return broken_; }
   /// `host:port/database`.
   [[nodiscard]] const std::string& where() const { return options_.url.shown; }

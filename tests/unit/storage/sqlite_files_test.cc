@@ -56,6 +56,27 @@ class SqliteFiles : public ::testing::Test {
   const std::string path_ = folder_.File("uplinkd.db");
 };
 
+TEST_F(SqliteFiles, SpaceIsWhatTheDiskHasLeftAndPagesOfRowsThatWereDeleted) {
+  Make();
+  {
+    SqliteShell shell(path_);
+    shell.Run(
+        "CREATE TABLE gone (a); INSERT INTO gone VALUES (zeroblob(8388608)); DROP TABLE gone");
+  }
+  const auto reader = SqliteReader::Open(path_);
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  // Others write to the same disk meanwhile.
+  std::uint64_t reusable = 0;
+  for (int i = 0; i < 1'000 && reusable < 8'388'608; ++i) {
+    const auto disk = DiskSpaceOf(path_);
+    const auto space = (*reader)->Space();
+    ASSERT_TRUE(disk.ok() && space.ok()) << disk.status() << space.status();
+    EXPECT_EQ(space->total_bytes, disk->total_bytes);
+    reusable = space->free_bytes > disk->free_bytes ? space->free_bytes - disk->free_bytes : 0;
+  }
+  EXPECT_GE(reusable, 8'388'608U);
+}
+
 TEST_F(SqliteFiles, MakesAFileThatIsMarkedAsOursAndPrivate) {
   Make();
   SqliteShell shell(path_);
