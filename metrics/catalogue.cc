@@ -177,6 +177,18 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "How long another transaction, a replication slot or a prepared transaction has kept the "
      "database"
      " from removing dead rows, as far as this process saw."},
+    {kStoreFreeBytes, "uplinkd_store_free_bytes", kGauge, "bytes",
+     "What the store may still write: free on its disk, with SQLite in its file too. Not there "
+     "where it cannot be known."},
+    {kStoreFreeMinBytes, "uplinkd_store_free_min_bytes", kGauge, "bytes",
+     "What is to be free (store.free_min); below that some robots are slowed down, below half of "
+     "that nothing is stored."},
+    {kStoreDiskBytes, "uplinkd_store_disk_bytes", kGauge, "bytes", "The size of the store's disk."},
+    {kStoreStopped, "uplinkd_store_stopped", kGauge, "0 or 1",
+     "1 while nothing is stored, since the store's disk is nearly full."},
+    {kStoreRobotsLimited, "uplinkd_store_robots_limited", kGauge, "robots",
+     "Robots that are slowed down to the median's rate, since the store's disk is nearly full and "
+     "they store far more than others."},
     {kClockVouched, "uplinkd_clock_vouched", kGauge, "0 or 1",
      "1 while the civil clock is vouched for; 0: nothing is deleted until it is."},
     {kClockAhead, "uplinkd_clock_ahead_seconds", kGauge, "seconds",

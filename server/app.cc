@@ -15,7 +15,6 @@
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
 #include "server/health/process.h"
-#include "server/http/read_thread.h"
 #include "server/http/site.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
@@ -34,6 +33,7 @@
 #include "server/store/lease_rounds.h"
 #include "server/store/open.h"
 #include "server/store/seed_rounds.h"
+#include "server/store/space_rounds.h"
 #include "server/store/watch.h"
 #include "server/store/writers.h"
 #include "server/view/queries.h"
@@ -69,24 +69,27 @@ class App::Impl {
                         store::RowsRuleOf(options_.config), *stores_.clock}),
         clock_rounds_({options_.clock, *stores_.marks, *stores_.clock, options_.logger,
                        options_.kernel_clock_synchronised}),
+        space_rounds_({fleet_, options_.clock, options_.logger, stores_.space,
+                       options_.config.store.free_min}),
         store_watch_({.facts = stores_.facts,
                       .retention = [this] { return journals_.retain_error(); },
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
                       .store = [this] { return journals_.last_error(); }},
                      options_.logger),
         queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_,
-                  session_probe_.streams, options_.version, OnReads(),
+                  session_probe_.streams, options_.version, ground_.OnReads(),
                   [this] { return !seed_rounds_.done(); }}),
         monitor_({options_.clock, fleet_, journals_, journal_probe_, session_probe_,
                   journal_limits_, certificate_expiry, stores_.facts,
                   [this] { return lease_probe_.failing.value() != 0; },
-                  [this] { return !seed_rounds_.done(); }, stores_.clock.get()}),
+                  [this] { return !seed_rounds_.done(); }, stores_.clock.get(),
+                  [this] { return space_rounds_.view().state != store::SpaceState::kEnough; }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle, lease_probe_.others_unseen}),
         page_sources_(PageSourcesOf(
             {options_.clock, options_.version, ledgers_, session_probe_, fleet_, sweep_seconds_,
-             journals_, journal_limits_, journal_probe_, stores_, lease_probe_,
+             journals_, journal_limits_, journal_probe_, stores_, space_rounds_, lease_probe_,
              ground_.http_probe(), options_.config.http.connections_max, rcan_probe_,
              options_.config.rcan.series_max, monitor_, relay_probe_, options_.handshakes_failed})),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
@@ -180,11 +183,7 @@ class App::Impl {
   void BeginWork() {
     forget_rounds_.Start();
     ground_.Open(site_);
-    loop_.Post([this] {
-      lifecycle::DoPeriodically(
-          [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
-          WorkToDo());
-    });
+    ground_.Repeat(WorkToDo());
     ground_.OnReload([this] { reload_.Run(); });
   }
 
@@ -200,11 +199,13 @@ class App::Impl {
       certificate_watch_.OnLook(look.expiry, look.status);
     };
     work.look_at_store = [this] { store_watch_.Look(); };
-    work.read_robots = [this] { seed_rounds_.ReadOn(OnReads()); };
-    work.ask_for_snapshot = [this] { stores_.snapshot->AskOn(OnReads()); };
-    work.look_at_clock = [this] { clock_rounds_.LookOn(OnReads()); };
+    work.read_robots = [this] { seed_rounds_.ReadOn(ground_.OnReads()); };
+    work.ask_for_snapshot = [this] { stores_.snapshot->AskOn(ground_.OnReads()); };
+    work.look_at_space = [this] { space_rounds_.LookOn(ground_.OnReads()); };
+    work.look_at_clock = [this] { clock_rounds_.LookOn(ground_.OnReads()); };
     work.count_faults = [this] {
-      if (robots_scrape_.wanted()) fault_counts_.RefreshOn(OnReads(), fleet_, *stores_.reader);
+      if (robots_scrape_.wanted())
+        fault_counts_.RefreshOn(ground_.OnReads(), fleet_, *stores_.reader);
     };
     work.ask_relay = [this] {
       watch_.AskRelay([this](auto done) {
@@ -213,11 +214,6 @@ class App::Impl {
     };
     work.feed_watchdog = [this] { watchdog_.Beat(); };
     return work;
-  }
-
-  /// To the thread that may wait for the store.
-  std::function<bool(std::function<void()>)> OnReads() {
-    return [this](auto job) { return ground_.reads().TryPost(std::move(job)); };
   }
 
   void Stop() {
@@ -262,6 +258,7 @@ class App::Impl {
   store::LeaseRounds leases_;
   store::ForgetRounds forget_rounds_;
   store::ClockRounds clock_rounds_;
+  store::SpaceRounds space_rounds_;
   store::Watch store_watch_;
   view::Queries queries_;
   health::Monitor monitor_;

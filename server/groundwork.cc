@@ -55,6 +55,14 @@ void Groundwork::OnReload(std::function<void()> reload) {
   });
 }
 
+void Groundwork::Repeat(lifecycle::PeriodicWork work) {
+  loop_.Post([this, work = std::move(work)]() mutable {
+    lifecycle::DoPeriodically(
+        [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
+        std::move(work));
+  });
+}
+
 void Groundwork::EndReaders() {
   scrapes_.reset();
   metrics_.reset();

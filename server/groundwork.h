@@ -12,6 +12,7 @@
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
 #include "server/http/read_thread.h"
+#include "server/lifecycle/periodic.h"
 #include "server/lifecycle/stop_signal.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
@@ -51,14 +52,20 @@ class Groundwork final {
   /// StopLoop.
   void OnReload(std::function<void()> reload);
 
+  /// Begins what is done again and again, on the loop's thread. Its parts live until StopLoop.
+  void Repeat(lifecycle::PeriodicWork work);
+
   void StopLoop() { loop_.Stop(); }
   /// Drops what waits for the threads that may wait, and ends them.
   void EndReaders();
 
   [[nodiscard]] loop::EventLoop& loop() { return loop_; }
   [[nodiscard]] lifecycle::StopSignal& stop_signal() { return stop_signal_; }
-  /// For what may wait for the store. Until EndReaders.
-  [[nodiscard]] http::ReadThread& reads() { return *reads_; }
+  /// Posts a job to the thread that may wait for the store; false if it takes none now. Until
+  /// EndReaders.
+  [[nodiscard]] std::function<bool(std::function<void()>)> OnReads() {
+    return [this](auto job) { return reads_->TryPost(std::move(job)); };
+  }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
   [[nodiscard]] config::ListenAddress http_address() const;

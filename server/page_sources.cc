@@ -23,6 +23,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       },
       [parts](auto& page) { journal::AddSamples(parts.journal_probe, page); },
       [parts](auto& page) { store::AddSamples(parts.stores.facts(), page); },
+      [parts](auto& page) { store::AddSamples(parts.space.view(), page); },
       [parts](auto& page) { store::AddSamples(*parts.stores.clock, page); },
       [parts](auto& page) { store::AddSamples(parts.leases, page); },
       [parts](auto& page) { http::AddSamples(parts.http, parts.http_connections_max, page); },

@@ -18,6 +18,7 @@
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
 #include "server/store/open.h"
+#include "server/store/space_rounds.h"
 
 namespace uplink {
 
@@ -33,6 +34,7 @@ struct PageParts {
   journal::JournalLimits journal_limits;
   const journal::JournalProbe& journal_probe;
   const store::Stores& stores;
+  const store::SpaceRounds& space;
   const store::LeaseProbe& leases;
   const http::HttpProbe& http;
   std::size_t http_connections_max = 0;

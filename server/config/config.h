@@ -69,6 +69,8 @@ struct StoreConfig {
   milliseconds timeout = storage::postgres::kCallTimeoutDefault;
   /// PostgreSQL: accept a server with fsync = off.
   bool accept_unsafe = false;
+  /// What the store's disk is to have free; zero: store::FreeMinOf.
+  std::size_t free_min = 0;
   /// How often the live states that changed are written; zero: never.
   milliseconds checkpoint = std::chrono::seconds(5);
   /// How long histories are kept, and quarantine; zero: for ever.

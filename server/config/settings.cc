@@ -209,6 +209,16 @@ constexpr auto kSettings = std::to_array<Setting>({
          "the power fails; `degraded` says so then.",
      UPLINK_BIND(store, StoreConfig, accept_unsafe)},
     {.section = "store",
+     .key = "free_min",
+     .kind = Kind::kBytes,
+     .min = kMiB,
+     .max = 64 * 1024 * kGiB,
+     .zero = "5 % of the disk or 1 GiB, whichever is smaller",
+     .text = "What the store's disk is to have free, at most half of it. Below that, robots that "
+             "store over four times as much as the median are slowed down to it; below half of "
+             "that nothing is stored. PostgreSQL: only where the server's folder can be seen.",
+     UPLINK_BIND(store, StoreConfig, free_min)},
+    {.section = "store",
      .key = "checkpoint",
      .kind = Kind::kDuration,
      .min = kSecond,

@@ -22,6 +22,7 @@ Readiness Monitor::readiness() const {
       .store_failing =
           sources_.journal_probe.store_failing.value() != 0 || sources_.robots_unread(),
       .store_unsafe = store.unsafe,
+      .store_space_scarce = sources_.store_space_scarce(),
       .store_old_snapshot = store.old_snapshot(),
       .clock_not_vouched = sources_.clock_trust != nullptr && !sources_.clock_trust->vouched(),
       .lease_failing = sources_.lease_failing(),

@@ -36,6 +36,7 @@ class Monitor final {
     std::function<bool()> robots_unread = [] { return false; };
     /// Who vouches for the civil clock; null: somebody does.
     const storage::ClockTrust* clock_trust = nullptr;
+    std::function<bool()> store_space_scarce = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

@@ -42,6 +42,8 @@ struct ReadinessFacts {
   bool store_failing = false;
   /// What is acked may be lost when the power fails, and the operator accepted it.
   bool store_unsafe = false;
+  /// The store's disk has less left than store.free_min.
+  bool store_space_scarce = false;
   /// Something else has kept the store from cleaning up for long.
   bool store_old_snapshot = false;
   /// Nobody vouches for the civil clock: nothing is deleted.

@@ -19,6 +19,8 @@ struct PeriodicWork {
   std::function<void()> read_robots;
   /// Asks the store for the oldest snapshot.
   std::function<void()> ask_for_snapshot;
+  /// Looks at how much the store's disk has left.
+  std::function<void()> look_at_space;
   /// Judges the civil clock, and keeps the store's mark.
   std::function<void()> look_at_clock;
   /// Counts the robots' active faults, for their series.

@@ -46,6 +46,7 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   if (!forget.ok()) return forget.status();
   stores.forget = *std::move(forget);
   stores.writers.push_back(*std::move(store));
+  stores.space = [asked = reader->get()] { return asked->Space(); };
   stores.reader = *std::move(reader);
   return stores;
 }
@@ -105,6 +106,7 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
     facts.oldest_snapshot = snapshot->age();
     return facts;
   };
+  stores.space = [asked = reader->get()] { return asked->Space(); };
   stores.reader = *std::move(reader);
   return stores;
 }

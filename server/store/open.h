@@ -14,6 +14,7 @@
 #include "server/store/oldest_snapshot.h"
 #include "server/store/vouched_clock.h"
 #include "storage/clock_marks.h"
+#include "storage/disk_space.h"
 #include "storage/forget_store.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
@@ -35,6 +36,10 @@ struct Stores {
   absl::Status away;
   /// As they are now. Any thread, while the writers live.
   std::function<storage::StoreFacts()> facts = [] { return storage::StoreFacts(); };
+  /// What its disk has left; nothing where that cannot be known. May wait; uses the reader.
+  std::function<absl::StatusOr<std::optional<storage::DiskSpace>>()> space = [] {
+    return std::optional<storage::DiskSpace>();
+  };
   /// Part of the facts once it has asked; uses the reader.
   std::unique_ptr<OldestSnapshot> snapshot = std::make_unique<OldestSnapshot>(nullptr);
 };

@@ -11,6 +11,16 @@ void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page) {
   page.Add(kStoreOldestSnapshot, facts.oldest_snapshot);
 }
 
+void AddSamples(const SpaceView& view, metrics::Exposition& page) {
+  if (view.space) {
+    page.Add(kStoreFreeBytes, view.space->free_bytes);
+    page.Add(kStoreFreeMinBytes, view.free_min);
+    page.Add(kStoreDiskBytes, view.space->total_bytes);
+  }
+  page.Add(kStoreStopped, view.state == SpaceState::kStopped ? 1 : 0);
+  page.Add(kStoreRobotsLimited, view.robots_limited);
+}
+
 void AddSamples(const VouchedClock& clock, metrics::Exposition& page) {
   page.Add(kClockVouched, clock.vouched() ? 1 : 0);
   page.Add(kClockAhead, clock.ahead());

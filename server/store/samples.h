@@ -2,6 +2,7 @@
 
 #include "metrics/exposition.h"
 #include "server/store/lease_probe.h"
+#include "server/store/space_view.h"
 #include "server/store/vouched_clock.h"
 #include "storage/store.h"
 
@@ -9,6 +10,8 @@ namespace uplink::store {
 
 /// What is known of what lies behind the store, for a page of metrics. Any thread.
 void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page);
+/// What its disk has left, and what is done about it. Any thread.
+void AddSamples(const SpaceView& view, metrics::Exposition& page);
 /// Whether the civil clock is vouched for, and by how much it jumped. Any thread.
 void AddSamples(const VouchedClock& clock, metrics::Exposition& page);
 /// What its leases told. Any thread.

@@ -46,6 +46,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { journal::AddSamples(shards, journal_limits, clock.Steady(), page); },
       [this](auto& page) { journal::AddSamples(journal_probe, page); },
       [](auto& page) { store::AddSamples(storage::StoreFacts(), page); },
+      [this](auto& page) { store::AddSamples(space_view, page); },
       [this](auto& page) { store::AddSamples(vouched_clock, page); },
       [this](auto& page) { store::AddSamples(lease_probe, page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },

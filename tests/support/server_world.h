@@ -15,6 +15,7 @@
 #include "server/relay/probe.h"
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
+#include "server/store/space_view.h"
 #include "server/store/vouched_clock.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
@@ -67,6 +68,7 @@ class ServerWorld {
   rcan::RcanProbe rcan_probe;
   relay::RelayProbe relay_probe;
   store::VouchedClock vouched_clock{clock};
+  store::SpaceView space_view{.space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9}};
   store::LeaseProbe lease_probe;
   metrics::Cell handshakes_failed;
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};

@@ -81,6 +81,13 @@ TEST(Readiness, ReportsAStoreThatIsKeptFromCleaningUp) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store_old_snapshot"));
 }
 
+TEST(Readiness, ReportsAStoreWithLittleSpace) {
+  ReadinessFacts facts = Good();
+  facts.store_space_scarce = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store_space"));
+}
+
 TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
   ReadinessFacts facts = Good();
   facts.lease_failing = true;
@@ -90,7 +97,7 @@ TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
 
 TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
-  bad.store_failing = bad.store_unsafe = bad.store_old_snapshot = true;
+  bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
   bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
   bad.journal_oldest = kBacklogAge + milliseconds(1);
   bad.robots = {10, 10};

@@ -69,6 +69,26 @@ TEST(Scrape, EachShardOfTheJournalHasItsFigures) {
   EXPECT_NE(text.find("uplinkd_journal_shard_bytes_limit 268435456\n"), std::string::npos);
 }
 
+TEST(Scrape, SaysWhatTheStoresDiskHasLeftAndWhatIsDoneAboutIt) {
+  testing::ServerWorld world;
+  world.space_view = {.space = storage::DiskSpace{.free_bytes = 49, .total_bytes = 1000},
+                      .free_min = 100,
+                      .state = store::SpaceState::kStopped,
+                      .robots_limited = 3};
+  std::string text = world.ScrapeText();
+  EXPECT_NE(text.find("uplinkd_store_free_bytes 49\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_store_free_min_bytes 100\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_store_disk_bytes 1000\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_store_stopped 1\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_store_robots_limited 3\n"), std::string::npos);
+  // What is not known has no series: an alert that compares it is silent.
+  world.space_view = {};
+  text = world.ScrapeText();
+  EXPECT_EQ(text.find("uplinkd_store_free_bytes"), std::string::npos);
+  EXPECT_EQ(text.find("uplinkd_store_disk_bytes"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_store_stopped 0\n"), std::string::npos);
+}
+
 TEST(Scrape, CountsWhatTheJournalStoredAndSwept) {
   testing::ServerWorld world;
   world.journal_probe.presence_changes[static_cast<std::size_t>(model::Presence::kOffline)].Add(3);

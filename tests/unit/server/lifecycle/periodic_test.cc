@@ -28,6 +28,7 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
        .look_at_store = [&now] { now = "store"; },
        .read_robots = [&now] { now = "robots"; },
        .ask_for_snapshot = [&now] { now = "snapshot"; },
+       .look_at_space = [&now] { now = "space"; },
        .look_at_clock = [&now] { now = "clock"; },
        .count_faults = [&now] { now = "faults"; },
        .ask_relay = [&now] { now = "relay"; },
@@ -37,9 +38,9 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
       ElementsAre(
           Pair(std::chrono::seconds(1), "sweep"), Pair(std::chrono::seconds(5), "certificate"),
           Pair(std::chrono::seconds(1), "store"), Pair(milliseconds(500), "robots"),
-          Pair(std::chrono::seconds(10), "snapshot"), Pair(std::chrono::seconds(5), "clock"),
-          Pair(std::chrono::seconds(10), "faults"), Pair(std::chrono::seconds(2), "relay"),
-          Pair(std::chrono::seconds(10), "watchdog")));
+          Pair(std::chrono::seconds(10), "snapshot"), Pair(std::chrono::seconds(2), "space"),
+          Pair(std::chrono::seconds(5), "clock"), Pair(std::chrono::seconds(10), "faults"),
+          Pair(std::chrono::seconds(2), "relay"), Pair(std::chrono::seconds(10), "watchdog")));
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/fleet/heavy_writers.h"
+#include "server/log/logger.h"
+#include "server/store/space_view.h"
+#include "storage/disk_space.h"
+
+namespace uplink::store {
+
+/// How often it is looked at what each robot stored, and who stores too much.
+inline constexpr std::chrono::seconds kWritersEvery{10};
+/// Robots that a line of the log names, at most.
+inline constexpr std::size_t kHeaviestNamedMax = 5;
+
+/// Looks at the store's disk again and again. While little is left, robots that store far more than
+/// the others are slowed down (HeavyWriters), and once half of that little is used nobody stores
+/// anything. Who is slowed down stays so until there is space again.
+///
+/// While the disk cannot be asked, what was judged last holds.
+///
+/// Thread: Round by one at a time, one that may wait; LookOn by one; view by any.
+class SpaceRounds final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const fleet::Fleet& fleet;
+    const Clock& clock;
+    const log::Logger& logger;
+    /// Asks for it; nothing where it cannot be known.
+    std::function<absl::StatusOr<std::optional<storage::DiskSpace>>()> space;
+    /// store.free_min.
+    std::uint64_t free_min = 0;
+  };
+  explicit SpaceRounds(Context context);
+  SpaceRounds(const SpaceRounds&) = delete;
+  SpaceRounds& operator=(const SpaceRounds&) = delete;
+
+  void Round();
+  /// A Round by a job on a thread that may wait, unless one is under way.
+  void LookOn(const std::function<bool(std::function<void()>)>& post);
+  /// As of the last round.
+  [[nodiscard]] SpaceView view() const;
+
+ private:
+  using Writers = std::vector<fleet::HeavyWriters::Writer>;
+
+  /// Asks, and judges.
+  void Judge();
+  /// Looks at what robots stored since the last look, in which time they may have been `stopped`.
+  /// Returns those that are too heavy since now.
+  Writers Sample(std::span<const fleet::RobotPtr> robots, bool stopped);
+  /// Tells each robot what it may store.
+  void Apply(std::span<const fleet::RobotPtr> robots) const;
+  void Tell(const Writers& named, std::size_t limited_before) const;
+
+  const Context context_;
+  std::atomic<bool> looking_{false};
+  fleet::HeavyWriters writers_;
+  /// What view() says once the round is over.
+  SpaceView now_;
+  SteadyTime sampled_;
+  mutable std::mutex mutex_;
+  SpaceView shown_;
+};
+
+}  // namespace uplink::store
