@@ -1,20 +1,40 @@
-"""A store without space: acks stop, the log says where, and all goes on when there is space again."""
+"""A store without space: acks stop, the log says where, and all goes on when there is space again.
+
+And one whose disk is about to be full by one robot: that one is slowed down, and the others go on.
+"""
 
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import unittest
 
 from chaos import Campaign
 from chaos_stores import Sqlite
-from harness import EndToEnd, wait_until
+from harness import EndToEnd, mismatches, wait_until
 
 DISK_MIB = 40
 FILLER_MIB = 30
 FULL_BYTES = 8 << 20
+MIB = 1 << 20
+# Below 16 MiB the greedy robot is slowed down, below 8 MiB nothing is stored.
+FREE_MIN_MIB = 16
+STOP_MIB = FREE_MIN_MIB // 2
+ROUND_SECONDS = 60
+GREEDY = "rcan://greedy"
+# The disk alone is to hold the greedy robot back.
+SCARCE = f"""
+free_min = "{FREE_MIN_MIB}MiB"
+[limits]
+durable_records_rate = 0
+durable_bytes_rate = 0
+"""
+# What the fleet compares with the server's counters, where others send too.
+OF_COUNTERS = {"messages, each once", "messages with repeats", "durable, stored",
+               "good: stored, applied or superseded", "in flight at the end"}  # fmt: skip
 # The name space of mounts is the server's own: nothing of it is seen outside, or left behind.
 NAMESPACE = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--user", "--map-root-user", "--mount"]
 FULL_FOR_MS = 2000
@@ -51,20 +71,32 @@ class SqliteInside(Sqlite):
 class SmallDisk:
     """A small tmpfs with a file in it that leaves when space is asked for."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, filler_mib=FILLER_MIB):
         self.folder = folder / "disk"
         self.folder.mkdir()
         script = (
             'mount -t tmpfs -o size="$1"m tmpfs "$2" && head -c "$3"M /dev/zero >"$2/filler"'
             ' && shift 3 && exec "$@"'
         )
-        self.wrapper = [*NAMESPACE, "sh", "-c", script, "sh", str(DISK_MIB), str(self.folder), str(FILLER_MIB)]
+        self.wrapper = [*NAMESPACE, "sh", "-c", script, "sh", str(DISK_MIB), str(self.folder), str(filler_mib)]
 
     def store(self, process):
         return SqliteInside(self.folder, process.pid)
 
+    def filler(self, process):
+        return pathlib.Path(f"/proc/{process.pid}/root{self.folder}/filler")
+
+    def free_bytes(self, process):
+        disk = os.statvfs(self.filler(process).parent)
+        return disk.f_bavail * disk.f_frsize
+
+    def leave(self, process, free_bytes):
+        """Fills the disk until so much is left, if there is more."""
+        with self.filler(process).open("ab") as file:
+            file.write(bytes(max(0, self.free_bytes(process) - free_bytes)))
+
     def make_space(self, process):
-        pathlib.Path(f"/proc/{process.pid}/root{self.folder}/filler").unlink()
+        self.filler(process).unlink()
 
 
 class SmallFiles:
@@ -141,6 +173,80 @@ class DiskFull(EndToEnd):
         campaign.wait_for_more(200)
         sql = campaign.store.sql
         self.fill_and_free(campaign, lambda: sql(FULL), lambda: sql(SPACE), "53100", "base/16384/16385")
+
+
+class DiskScarce(EndToEnd):
+    def setUp(self):
+        super().setUp()
+        self.assertTrue(may_mount(), "a small disk needs a name space of mounts: run as root or allow user name spaces")
+        self.campaign = Campaign(self.folder, "sqlite", 1)
+        self.campaign.robots.pace_ms = 200
+        self.open_things.append(self.campaign)
+        self.running = self.campaign.server
+        self.disk = SmallDisk(self.folder, filler_mib=1)
+        self.running.wrapper = self.disk.wrapper
+        self.running.store_url = f"sqlite://{self.disk.folder}/uplinkd.db"
+        self.running.settings = SCARCE
+        self.campaign.start()
+        self.campaign.store = self.disk.store(self.running.process)
+
+    def held_back(self):
+        """By RURI, why a robot is not read."""
+        robots = (self.running.get("/api/v1/robots") or {}).get("robots", [])
+        return {robot["ruri"]: robot["heldBack"] for robot in robots}
+
+    def wait_for(self, condition, what):
+        return wait_until(self.running.process, condition, ROUND_SECONDS, what)
+
+    def degraded(self):
+        return self.running.get("/readyz")["degraded"]
+
+    def flood(self):
+        """One robot stores as fast as it can until it is held back, and then waits with what it has."""
+        process = self.running.process
+        self.disk.leave(process, (FREE_MIN_MIB + 4) * MIB)
+        greedy = self.fleet(
+            self.running, "--robots", 1, "--ruri-prefix", GREEDY, "--faults", 500, "--settle-for", "300s"
+        )
+        self.wait_for(lambda: "store_space" in self.degraded(), "the flood passes free_min")
+        self.wait_for(lambda: self.running.metric("uplinkd_store_robots_limited") == 1, "one robot is limited")
+        self.wait_for(lambda: self.held_back().get(f"{GREEDY}/robot-0001") == "disk", "it is held back")
+        greedy.process.send_signal(signal.SIGINT)
+        return greedy
+
+    def assert_nothing_is_lost(self, greedy):
+        self.campaign.compare()
+        self.assertTrue(self.campaign.clean(), "\n".join([self.campaign.line(), *self.campaign.wrong]))
+        report = json.loads(greedy.process.communicate(timeout=ROUND_SECONDS)[0])
+        self.assertEqual([wrong for wrong in mismatches(report) if wrong["what"] not in OF_COUNTERS], [])
+
+    def test_one_robot_that_floods_a_small_disk_is_held_back_alone(self):
+        process = self.running.process
+        self.campaign.wait_for_more(200)
+        self.assertNotIn("store_space", self.degraded())
+        self.assertGreater(self.running.metric("uplinkd_store_free_bytes"), FREE_MIN_MIB * MIB)
+        self.assertEqual(self.running.metric("uplinkd_store_free_min_bytes"), FREE_MIN_MIB * MIB)
+        self.assertEqual(self.running.metric("uplinkd_store_disk_bytes"), DISK_MIB * MIB)
+
+        greedy = self.flood()
+        self.assertRegex(self.running.text(), rf"store_space_(scarce|limits) .*{GREEDY}")
+        # The others go on, though nobody made space.
+        self.campaign.wait_for_more(500)
+        held = {ruri for ruri, why in self.held_back().items() if why == "disk"}
+        self.assertEqual(held, {f"{GREEDY}/robot-0001"})
+        self.assertEqual(self.running.metric("uplinkd_store_stopped"), 0)
+
+        self.disk.leave(process, (STOP_MIB - 1) * MIB)
+        self.wait_for(lambda: self.running.metric("uplinkd_store_stopped") == 1, "nothing is stored")
+        self.wait_for(lambda: set(self.held_back().values()) == {"disk"}, "all are held back")
+        self.assertNotIn("store", self.degraded())
+
+        self.disk.make_space(process)
+        self.wait_for(lambda: "store_space_enough" in self.running.text(), "there is space")
+        self.campaign.wait_for_more(500)
+        self.wait_for(lambda: "disk" not in self.held_back().values(), "nobody is held back")
+        self.assert_nothing_is_lost(greedy)
+        self.assertNotIn("store_fails", self.running.text())
 
 
 if __name__ == "__main__":
