@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <netinet/in.h>
-#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -74,24 +73,6 @@ bool IsInstalled(ServerKind kind) {
   if (kind == ServerKind::kMosquitto) return std::filesystem::exists(kMosquitto);
   if (kind == ServerKind::kNats) return std::filesystem::exists(kNats);
   return true;
-}
-
-bool PinTo(int core) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(static_cast<std::size_t>(core), &set);
-  return sched_setaffinity(0, sizeof set, &set) == 0;
-}
-
-void World::MakeRobots(std::size_t robots) {
-  identities.reserve(robots);
-  for (std::size_t i = identities.size(); i < robots; ++i) {
-    const testing::KeyPair pair = folder.authority().Issue(
-        testing::RobotSpec("rcan://bench.local/robots/" + std::to_string(i)));
-    auto identity = link::Identity::Parse(pair.certificate, pair.key);
-    UPLINK_CHECK(identity.ok(), identity.status().ToString());
-    identities.push_back(*std::move(identity));
-  }
 }
 
 Server::Server(const World& world, ServerKind kind, std::size_t frame_messages)

@@ -4,12 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "tests/bench/load/load.h"
-#include "tests/support/certificates.h"
+#include "tests/bench/world.h"
 #include "tests/support/server_process.h"
-#include "tests/support/uplinkd_folder.h"
 #include "tools/uplink-fleet/report/process_use.h"
 
 namespace uplink::bench {
@@ -19,21 +17,6 @@ enum class ServerKind : std::uint8_t { kUplinkd, kGrpcSink, kTlsSink, kMosquitto
 [[nodiscard]] std::string NameOf(ServerKind kind);
 /// False for a broker whose package is not installed.
 [[nodiscard]] bool IsInstalled(ServerKind kind);
-
-/// The core that servers run on, and that of the load. With one core, both are that.
-inline constexpr int kServerCore = 0;
-inline constexpr int kLoadCore = 1;
-/// Binds this thread, and what it starts, to a core; false if the machine has none of that number.
-bool PinTo(int core);
-
-/// Robots' certificates, and which authorities servers and robots trust; for a whole run.
-struct World {
-  /// Makes certificates until there are so many.
-  void MakeRobots(std::size_t robots);
-
-  testing::UplinkdFolder folder;
-  std::vector<link::Identity> identities;
-};
 
 /// One server, pinned to kServerCore, in a process of its own.
 ///

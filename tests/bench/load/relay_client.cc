@@ -1,22 +1,11 @@
 #include "tests/bench/load/relay_client.h"
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
+#include "tests/bench/load/session_id.h"
+
 namespace uplink::bench {
-namespace {
-
-constexpr std::size_t kSessionBytes = 16;
-
-std::string NewSession() {
-  std::random_device random;
-  std::string session(kSessionBytes, '\0');
-  std::ranges::generate(session, [&] { return static_cast<char>(random()); });
-  return session;
-}
-
-}  // namespace
 
 RelayClient::RelayClient(link::Loop& loop, link::LinkOptions options, std::size_t number)
     : number_(number),
@@ -27,7 +16,7 @@ RelayClient::RelayClient(link::Loop& loop, link::LinkOptions options, std::size_
 void RelayClient::OnConnected() {
   connection_.OpenStream("/uplink.v1.UplinkRelay/Relay");
   v1::RelayRequest frame;
-  frame.mutable_hello()->set_session_id(NewSession());
+  frame.mutable_hello()->set_session_id(NewSessionId());
   frame.mutable_hello()->set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
   frame.mutable_hello()->set_agent_version("benchmark");
   connection_.Send(frame.SerializeAsString());
