@@ -78,7 +78,7 @@ GrpcConnection::GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& ev
       events_(&events),
       authority_(options.address.text),
       record_per_message_(options.record_per_message),
-      http2_(*this, options.window_bytes),
+      http2_(*this, {.bytes = options.window_bytes, .renewed = options.window_renewed}),
       link_(std::make_shared<TlsLink>(loop, std::move(options), static_cast<LinkEvents&>(*this))) {}
 
 GrpcConnection::~GrpcConnection() { link_->Close(); }

@@ -60,7 +60,7 @@ struct Http2Session::Callbacks {
   }
 };
 
-Http2Session::Http2Session(Http2Events& events, std::uint32_t window_bytes)
+Http2Session::Http2Session(Http2Events& events, const Window& window)
     : events_(events), session_(nullptr, nghttp2_session_del) {
   nghttp2_session_callbacks* callbacks = nullptr;
   UPLINK_CHECK(nghttp2_session_callbacks_new(&callbacks) == 0, "nghttp2 makes callbacks");
@@ -68,15 +68,19 @@ Http2Session::Http2Session(Http2Events& events, std::uint32_t window_bytes)
   nghttp2_session_callbacks_set_on_data_chunk_recv_callback(callbacks, &Callbacks::Data);
   nghttp2_session_callbacks_set_on_stream_close_callback(callbacks, &Callbacks::Closed);
   nghttp2_session* session = nullptr;
-  const int made = nghttp2_session_client_new(&session, callbacks, this);
+  nghttp2_option* option = nullptr;
+  UPLINK_CHECK(nghttp2_option_new(&option) == 0, "nghttp2 makes options");
+  nghttp2_option_set_no_auto_window_update(option, window.renewed ? 0 : 1);
+  const int made = nghttp2_session_client_new2(&session, callbacks, this, option);
+  nghttp2_option_del(option);
   nghttp2_session_callbacks_del(callbacks);
   UPLINK_CHECK(made == 0, "nghttp2 makes a session");
   session_.reset(session);
   const std::array<nghttp2_settings_entry, 2> settings = {
-      {{NGHTTP2_SETTINGS_ENABLE_PUSH, 0}, {NGHTTP2_SETTINGS_INITIAL_WINDOW_SIZE, window_bytes}}};
+      {{NGHTTP2_SETTINGS_ENABLE_PUSH, 0}, {NGHTTP2_SETTINGS_INITIAL_WINDOW_SIZE, window.bytes}}};
   nghttp2_submit_settings(session, NGHTTP2_FLAG_NONE, settings.data(), settings.size());
   nghttp2_session_set_local_window_size(session, NGHTTP2_FLAG_NONE, 0,
-                                        static_cast<std::int32_t>(window_bytes));
+                                        static_cast<std::int32_t>(window.bytes));
 }
 
 Http2Session::~Http2Session() = default;

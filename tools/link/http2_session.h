@@ -32,8 +32,14 @@ class Http2Session final {
  public:
   using Header = std::pair<std::string_view, std::string_view>;
 
-  /// `window_bytes`: what the server may send ahead of its reader.
-  Http2Session(Http2Events& events, std::uint32_t window_bytes);
+  /// What the server may send ahead of its reader.
+  struct Window {
+    std::uint32_t bytes = 0;
+    /// False: what was read gives no room again, as if nothing ever were.
+    bool renewed = true;
+  };
+
+  Http2Session(Http2Events& events, const Window& window);
   ~Http2Session();
   Http2Session(const Http2Session&) = delete;
   Http2Session& operator=(const Http2Session&) = delete;

@@ -42,6 +42,8 @@ struct LinkOptions {
   milliseconds delay{0};
   /// What the server may send ahead of its reader, by HTTP/2's windows.
   std::uint32_t window_bytes = kWindowBytes;
+  /// False: after so many bytes the server may send nothing more, whatever is read.
+  bool window_renewed = true;
   /// Each message leaves in a DATA frame and a TLS record of its own, however many wait.
   bool record_per_message = false;
   /// A line in clear text comes before the handshake (NATS), and is skipped.
