@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|scrape|store] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store|fair] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
+# `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
+# store lies in TMPDIR.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 # shellcheck source=tools/dev/lib.sh
@@ -53,7 +55,37 @@ bench_scrape() {
   UPLINK_BIN_DIR="$bin" PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/scrape_acks.py --json "$json"
 }
 
+# The programs that it starts end with it, however it ends; so it is ended, and then what it wrote goes.
+bench_fair() {
+  local cluster="$folder/fair.state" temporary pid=""
+  mkdir -p "$folder"
+  temporary="$(mktemp -d)"
+  [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
+  clean_up() {
+    [[ -z "$pid" ]] || kill "$pid" 2>/dev/null || true
+    [[ -z "$pid" ]] || wait "$pid" || true
+    rm -rf "$temporary"
+    [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
+  }
+  trap clean_up EXIT
+  case " $* " in
+    *" --store postgres "* | *" --store=postgres "*)
+      tools/dev/postgres.sh start "$cluster"
+      export UPLINK_TEST_POSTGRES="$cluster"
+      ;;
+  esac
+  TMPDIR="$temporary" "$bin/uplink_bench_fair" --commit "$commit" "$@" &
+  pid=$!
+  wait "$pid"
+  pid=""
+}
+
 case "$name" in
+  fair)
+    need_packages
+    build_preset release bin/uplink_bench_fair bin/uplink_bench_bad_robot bin/uplinkd
+    bench_fair "$@"
+    ;;
   store)
     need_packages
     bench_store "$@"
@@ -73,5 +105,5 @@ case "$name" in
     build_preset release bin/uplink_bench_scrape bin/uplinkd bin/uplinkctl bin/uplink-fleet
     bench_scrape "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape or store)" ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store or fair)" ;;
 esac

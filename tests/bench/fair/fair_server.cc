@@ -1,0 +1,96 @@
+#include "tests/bench/fair/fair_server.h"
+
+#include <csignal>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+#include <sys/wait.h>
+
+namespace uplink::bench {
+namespace {
+
+constexpr milliseconds kStopWait{15'000};
+/// Of the log, in a failure.
+constexpr std::size_t kShownBytesMax = 2'000;
+
+/// What is started meanwhile takes signals, though who starts it takes them in its own time.
+class SignalsOfChildren final {
+ public:
+  SignalsOfChildren() {
+    sigset_t none{};
+    sigemptyset(&none);
+    pthread_sigmask(SIG_SETMASK, &none, &before_);
+  }
+  ~SignalsOfChildren() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsOfChildren(const SignalsOfChildren&) = delete;
+  SignalsOfChildren& operator=(const SignalsOfChildren&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+std::string TailOf(const std::string& text) {
+  return text.size() > kShownBytesMax ? text.substr(text.size() - kShownBytesMax) : text;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<FairServer>> FairServer::Start(const World& world,
+                                                              const Options& options) {
+  // setpriv becomes the program, which then dies with this thread.
+  const std::vector<std::string> command = {
+      "/usr/bin/setpriv", "--pdeathsig", "KILL",
+      options.program,    "--config",    world.folder.Path("uplinkd.toml")};
+  const std::vector<std::string> environment = {
+      "UPLINKD_STORE_URL=" + options.store_url, "UPLINKD_STORE_MIGRATE=true",
+      // Half of the default: a window must be long enough to show a robot as away.
+      "UPLINKD_PRESENCE_TIMEOUT=5s", "UPLINKD_DRAIN_TIMEOUT=5s"};
+  PinTo(kServerCore);
+  std::unique_ptr<testing::ServerProcess> process;
+  {
+    const SignalsOfChildren taken;
+    process = std::make_unique<testing::ServerProcess>(command, environment);
+  }
+  PinTo(kLoadCore);
+  std::unique_ptr<FairServer> server(new FairServer(std::move(process)));
+  const auto ports = testing::WaitForPorts(*server->process_);
+  if (!ports) {
+    return absl::UnavailableError(
+        fmt::format("{} does not listen: {}", options.program, TailOf(server->process_->text())));
+  }
+  server->ports_ = *ports;
+  return server;
+}
+
+synthetic::ProcessUse FairServer::use() const {
+  return synthetic::UseOf(process_->pid()).value_or(synthetic::ProcessUse());
+}
+
+bool FairServer::ended() const {
+  siginfo_t info{};
+  const auto pid = static_cast<id_t>(process_->pid());
+  return waitid(P_PID, pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+}
+
+void FairServer::ReadLog() {
+  // No line of a log says that: it reads what is there.
+  static_cast<void>(process_->WaitFor("\n\n\n", milliseconds(1), process_->text().size()));
+}
+
+std::string FairServer::Stop() {
+  const bool by_itself = ended();
+  if (!by_itself) process_->Signal(SIGTERM);
+  auto code = process_->WaitForExit(kStopWait);
+  if (!code) {
+    process_->Signal(SIGKILL);
+    code = process_->WaitForExit(kStopWait);
+    return fmt::format("did not end within {} s, and was killed", kStopWait.count() / 1000);
+  }
+  if (by_itself) {
+    return fmt::format("ENDED BY ITSELF with {}: {}", *code, TailOf(process_->text()));
+  }
+  return *code == 0 ? "drained" : fmt::format("ended with {}", *code);
+}
+
+}  // namespace uplink::bench

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "tests/bench/world.h"
+#include "tests/support/server_process.h"
+#include "tools/uplink-fleet/report/process_use.h"
+
+namespace uplink::bench {
+
+/// An uplinkd of any build, on the servers' core. It ends with this object, or with the process
+/// that started it, however that ends.
+///
+/// Errors: that it does not start, or ends by itself, is a value.
+/// Thread: confined to the thread that started it, which must outlive it.
+class FairServer final {
+ public:
+  struct Options {
+    std::string program;
+    std::string store_url;
+  };
+  /// Waits until it listens, at most half a minute.
+  ///
+  /// Errors: kUnavailable with its log.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<FairServer>> Start(const World& world,
+                                                                         const Options& options);
+
+  [[nodiscard]] const testing::Ports& ports() const { return ports_; }
+  /// CPU and memory so far; of one that ended what the kernel still knows.
+  [[nodiscard]] synthetic::ProcessUse use() const;
+  /// It has ended by itself.
+  [[nodiscard]] bool ended() const;
+  /// Reads its log, so that it need not wait for a reader. To be called every second or so.
+  void ReadLog();
+  /// Ends it, if need be by force: how it ended. With a lot still to write that may take some
+  /// seconds.
+  [[nodiscard]] std::string Stop();
+
+ private:
+  explicit FairServer(std::unique_ptr<testing::ServerProcess> process)
+      : process_(std::move(process)) {}
+
+  std::unique_ptr<testing::ServerProcess> process_;
+  testing::Ports ports_;
+};
+
+}  // namespace uplink::bench
