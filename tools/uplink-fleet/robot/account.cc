@@ -116,6 +116,12 @@ std::uint64_t Account::good_acked() const {
   return static_cast<std::uint64_t>(std::ranges::count_if(sent_, &SentMessage::acked));
 }
 
+void Account::GiveWay(std::uint64_t tag) {
+  if (tag == 0 || tag > sent_.size()) return;
+  sent_[tag - 1].gave_way = true;
+  ++gave_way_;
+}
+
 void Account::Settle(Settled settled) {
   if (const auto wrong = wrongs_.find(settled.tag); wrong != wrongs_.end()) {
     wrong->second.seq = settled.seq;

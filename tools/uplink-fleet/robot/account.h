@@ -29,6 +29,8 @@ struct SentMessage {
   model::Seq seq = 0;
   model::Variant variant = model::Variant::kFault;
   bool acked = false;
+  /// A later one of the same took its place before it was sent, or once it was rate-limited.
+  bool gave_way = false;
 };
 
 /// A message that is wrong on purpose, and what the server must say of it.
@@ -85,6 +87,8 @@ class Account final {
   std::uint64_t EnterWrong(model::RejectReason reason, std::string field);
   /// An Ack covered the message of that tag.
   void Settle(Settled settled);
+  /// The message of that tag gave way to a later one, and is not sent any more.
+  void GiveWay(std::uint64_t tag);
 
   /// The robot has sent as much as is remembered.
   [[nodiscard]] bool full() const { return sent_.size() >= kRememberedMax; }
@@ -92,7 +96,7 @@ class Account final {
   /// Good durable messages and wrong ones, by tag less one.
   [[nodiscard]] const std::vector<SentMessage>& sent() const { return sent_; }
   [[nodiscard]] const std::map<std::uint64_t, WrongReport>& wrongs() const { return wrongs_; }
-  [[nodiscard]] std::uint64_t good() const { return sent_.size() - wrongs_.size(); }
+  [[nodiscard]] std::uint64_t good() const { return sent_.size() - wrongs_.size() - gave_way_; }
   [[nodiscard]] std::uint64_t good_acked() const;
   /// Upserts that name an expiry: the server may call them superseded if they come too late.
   [[nodiscard]] std::uint64_t expiring() const { return expiring_; }
@@ -133,6 +137,7 @@ class Account final {
   std::optional<model::CurrentSettings> settings_;
   std::optional<model::UiCapabilities> ui_capabilities_;
   LastLive live_;
+  std::uint64_t gave_way_ = 0;
   std::uint64_t good_rejected_ = 0;
   std::string first_good_rejection_;
 };

@@ -48,6 +48,7 @@ void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime 
   }
   // That was no wait of a message: nobody was there to take it.
   static_cast<void>(model_.TakeGaveWay());
+  for (const std::uint64_t tag : model_.TakeReplaced()) account_.GiveWay(tag);
 }
 
 std::vector<Outgoing> Agent::LifeAt(std::int64_t now_ms) {
@@ -156,6 +157,7 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
 }
 
 void Agent::NoteGaveWay(SteadyTime now) {
+  for (const std::uint64_t tag : model_.TakeReplaced()) account_.GiveWay(tag);
   for (const SteadyTime due : model_.TakeGaveWay()) latencies_.gave_way.Record(now - due);
 }
 

@@ -116,12 +116,24 @@ absl::Status AgentModel::OnReject(const v1::Reject& reject, SteadyTime now) {
   kept_.erase(at);
   if (message.keeping == Keeping::kDurable) {
     --durable_kept_;
+    // An older one must not come after a newer one.
+    if (NewerSent(reject.seq(), message.latest_of)) {
+      send_queue_.Replace(message);
+      return absl::OkStatus();
+    }
     send_queue_.OfferLater(std::move(message),
                            now + milliseconds(std::max<std::int64_t>(reject.retry_after_ms(), 0)));
   } else {
     rate_limited_due_.push_back(message.due);
   }
   return absl::OkStatus();
+}
+
+bool AgentModel::NewerSent(model::Seq seq, const std::string& latest_of) const {
+  if (latest_of.empty()) return false;
+  return std::any_of(kept_.upper_bound(seq), kept_.end(), [&latest_of](const auto& kept) {
+    return kept.second.message.latest_of == latest_of;
+  });
 }
 
 void AgentModel::Forget() {

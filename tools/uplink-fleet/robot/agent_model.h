@@ -61,6 +61,9 @@ class AgentModel final {
 
   /// Durable messages that Acks covered since the last call, in number order.
   [[nodiscard]] std::vector<Settled> TakeSettled() { return std::exchange(settled_, {}); }
+  /// Tags of the durable messages that gave way to later ones of the same, unsent or rate-limited,
+  /// since the last call.
+  [[nodiscard]] std::vector<std::uint64_t> TakeReplaced() { return send_queue_.TakeReplaced(); }
   /// When the live messages that Acks covered since the last call were due.
   [[nodiscard]] std::vector<SteadyTime> TakeJudged() { return std::exchange(judged_due_, {}); }
   /// When the live messages were due that gave way, unsent or rate-limited, since the last call.
@@ -103,6 +106,8 @@ class AgentModel final {
   absl::Status OnAck(const v1::Ack& ack);
   absl::Status OnReject(const v1::Reject& reject, SteadyTime now);
   void Forget();
+  /// A message of the same that was sent after that number has no Ack yet.
+  [[nodiscard]] bool NewerSent(model::Seq seq, const std::string& latest_of) const;
   void Append(v1::UplinkBatch& batch, model::Seq seq, const Outgoing& message);
   [[nodiscard]] bool Fits(const v1::UplinkBatch& batch, std::size_t bytes, const Outgoing& message,
                           std::size_t uplinks_max) const;

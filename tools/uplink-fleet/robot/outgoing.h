@@ -20,6 +20,9 @@ struct Outgoing {
   std::uint64_t tag = 0;
   /// When it was to be sent.
   SteadyTime due{};
+  /// What the message is the latest of (a shape's or an object's id, settings): only the latest is
+  /// sent of those that wait. Empty: each one counts.
+  std::string latest_of{};
 };
 
 }  // namespace uplink::synthetic

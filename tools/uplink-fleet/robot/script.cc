@@ -24,12 +24,27 @@ Seeded SourceFor(const ScenarioOptions& options, std::size_t index, std::uint64_
   return Seeded(seed.Next() + behaviour);
 }
 
+/// As Outgoing::latest_of.
+std::string LatestOf(const model::Body& body) {
+  std::string kind(ToText(model::VariantOf(body)));
+  if (const auto* shape = std::get_if<model::ShapeOp>(&body)) return kind + "/" + shape->id();
+  if (const auto* object = std::get_if<model::ObjectOp>(&body)) return kind + "/" + object->id();
+  const bool one = std::holds_alternative<model::UiCapabilities>(body) ||
+                   std::holds_alternative<model::CurrentSettings>(body) ||
+                   std::holds_alternative<model::AgentInfo>(body);
+  return one ? kind : std::string();
+}
+
 Outgoing Enter(const model::Body& body, Account& account) {
+  Outgoing message{.payload = schema::Encode(body)};
   if (model::IsDurable(model::VariantOf(body))) {
-    return {Keeping::kDurable, Content::kRoverNexus, schema::Encode(body), account.Enter(body), {}};
+    message.keeping = Keeping::kDurable;
+    message.latest_of = LatestOf(body);
+    message.tag = account.Enter(body);
+  } else {
+    account.EnterLive(body);
   }
-  account.EnterLive(body);
-  return {Keeping::kLive, Content::kRoverNexus, schema::Encode(body), 0, {}};
+  return message;
 }
 
 std::vector<Outgoing> EnterAll(const Outbox& out, Account& account) {

@@ -4,8 +4,9 @@ namespace uplink::synthetic {
 
 bool SendQueue::Offer(Outgoing message) {
   if (message.keeping == Keeping::kDurable) {
-    if (durable_.size() >= kDurableWaitingMax) return false;
-    durable_.push_back({next_ticket_++, std::move(message)});
+    if (!message.latest_of.empty()) ReplaceAll(message.latest_of);
+    if (durable_waiting() >= kDurableWaitingMax) return false;
+    PushDurable(std::move(message));
     return true;
   }
   if (live_.size() >= kLiveWaitingMax) {
@@ -16,9 +17,42 @@ bool SendQueue::Offer(Outgoing message) {
   return true;
 }
 
+void SendQueue::PushDurable(Outgoing message) {
+  durable_.push_back({next_ticket_++, std::move(message)});
+  Waiting& waiting = durable_.back();
+  if (!waiting.message.latest_of.empty()) latest_[waiting.message.latest_of] = &waiting;
+}
+
+void SendQueue::ReplaceAll(const std::string& latest_of) {
+  std::erase_if(later_, [&](const auto& later) {
+    if (later.second.latest_of != latest_of) return false;
+    Replace(later.second);
+    return true;
+  });
+  const auto waits = latest_.find(latest_of);
+  if (waits == latest_.end()) return;
+  Replace(waits->second->message);
+  waits->second->replaced = true;
+  ++durable_replaced_;
+  latest_.erase(waits);
+  DropReplaced();
+}
+
+void SendQueue::DropReplaced() {
+  while (!durable_.empty() && durable_.front().replaced) {
+    durable_.pop_front();
+    --durable_replaced_;
+  }
+}
+
+void SendQueue::OfferLater(Outgoing message, SteadyTime when) {
+  if (latest_.contains(message.latest_of)) return Replace(message);
+  later_.emplace(when, std::move(message));
+}
+
 void SendQueue::AdmitLater(SteadyTime now) {
   while (!later_.empty() && later_.begin()->first <= now) {
-    durable_.push_back({next_ticket_++, std::move(later_.begin()->second)});
+    PushDurable(std::move(later_.begin()->second));
     later_.erase(later_.begin());
   }
 }
@@ -42,7 +76,9 @@ const Outgoing* SendQueue::Next() {
 Outgoing SendQueue::TakeNext() {
   std::deque<Waiting>& queue = *Longest();
   Outgoing message = std::move(queue.front().message);
+  if (!message.latest_of.empty()) latest_.erase(message.latest_of);
   queue.pop_front();
+  DropReplaced();
   return message;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,10 +25,12 @@ inline constexpr std::size_t kDurableWaitingMax = 100'000;
 /// Thread: confined to one thread.
 class SendQueue final {
  public:
-  /// Takes a message; false if too many durable ones wait.
+  /// Takes a message; false if too many durable ones wait. One that is the latest of something
+  /// takes the place of those of the same that wait.
   bool Offer(Outgoing message);
-  /// Takes a durable message that joins the others at `when` (AdmitLater).
-  void OfferLater(Outgoing message, SteadyTime when) { later_.emplace(when, std::move(message)); }
+  /// Takes a durable message that joins the others at `when` (AdmitLater), unless a newer one of
+  /// the same waits.
+  void OfferLater(Outgoing message, SteadyTime when);
   /// Those whose time has come join the others.
   void AdmitLater(SteadyTime now);
   /// What waits is due at `due`, whenever it was offered.
@@ -40,31 +43,49 @@ class SendQueue final {
 
   /// How many durable messages more Offer takes now.
   [[nodiscard]] std::size_t durable_room() const {
-    return kDurableWaitingMax - std::min(durable_.size(), kDurableWaitingMax);
+    return kDurableWaitingMax - std::min(durable_waiting(), kDurableWaitingMax);
   }
   /// Messages that may be sent now.
-  [[nodiscard]] std::size_t waiting() const { return live_.size() + durable_.size(); }
-  [[nodiscard]] bool holds_durable() const { return !durable_.empty() || !later_.empty(); }
+  [[nodiscard]] std::size_t waiting() const { return live_.size() + durable_waiting(); }
+  [[nodiscard]] bool holds_durable() const { return durable_waiting() > 0 || !later_.empty(); }
   [[nodiscard]] bool empty() const { return waiting() == 0 && later_.empty(); }
   /// When the live messages that gave way to newer ones since the last call were due.
   [[nodiscard]] std::vector<SteadyTime> TakeGaveWay() { return std::exchange(gave_way_due_, {}); }
+  /// Tags of the durable messages that gave way to later ones of the same since the last call.
+  [[nodiscard]] std::vector<std::uint64_t> TakeReplaced() { return std::exchange(replaced_, {}); }
+  /// This one gave way, too: a later one of the same was sent.
+  void Replace(const Outgoing& message) { replaced_.push_back(message.tag); }
 
  private:
   struct Waiting {
     std::uint64_t ticket = 0;
     Outgoing message;
+    /// It gave way to a later one, and is passed over.
+    bool replaced = false;
   };
+  void PushDurable(Outgoing message);
+  /// What waits and is the latest of that gives way.
+  void ReplaceAll(const std::string& latest_of);
+  /// Takes those that gave way from the front of the durable ones.
+  void DropReplaced();
 
   /// The queue whose front waits longest; null if nothing waits.
   [[nodiscard]] std::deque<Waiting>* Longest();
 
+  [[nodiscard]] std::size_t durable_waiting() const { return durable_.size() - durable_replaced_; }
+
   /// In the order of their tickets, across both.
   std::deque<Waiting> live_;
   std::deque<Waiting> durable_;
+  /// How many of durable_ gave way.
+  std::size_t durable_replaced_ = 0;
+  /// Those of durable_ that are the latest of something; a deque's elements stay where they are.
+  std::map<std::string, Waiting*> latest_;
   std::uint64_t next_ticket_ = 0;
   /// By the time at which they may be sent anew.
   std::multimap<SteadyTime, Outgoing> later_;
   std::vector<SteadyTime> gave_way_due_;
+  std::vector<std::uint64_t> replaced_;
 };
 
 }  // namespace uplink::synthetic

@@ -171,6 +171,28 @@ TEST_F(HoldBackTest, ARobotWithNothingInTheJournalAppendsOneRecordOfAnySize) {
   EXPECT_EQ(server().counts().stored, 3U) << "one after the other";
 }
 
+TEST_F(HoldBackTest, AStoreThatIsAwayForTenMinutesStopsTheGreedyRobotAlone) {
+  limits_.journal.bytes_max = 64'000;
+  BenchStream& greedy = Welcomed();
+  BenchStream& other = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
+  server().StoreAway();
+  greedy.Send(BatchFrame(Messages(1, 100, Fault())));
+  EXPECT_EQ(Shown().held_back, HeldBack::kJournalShare);
+  for (model::Seq minute = 1; minute <= 10; ++minute) {
+    server().Pass(std::chrono::minutes(1));
+    other.Send(BatchFrame({{minute, Motion()}}));
+    ASSERT_TRUE(other.reading()) << minute;
+  }
+  other.Send(BatchFrame({{11, Fault()}, {12, Motion()}}));
+  EXPECT_TRUE(other.reading()) << "there is room for its fault";
+  EXPECT_EQ(server().counts().applied, 11U);
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 101U);
+  EXPECT_EQ(greedy.Said().back(), "ack 100 judged 100");
+  EXPECT_EQ(other.Said().back(), "ack 12 judged 12");
+}
+
 TEST_F(HoldBackTest, AFenceFreesTheRobotsShare) {
   limits_.journal.bytes_max = 3'200;
   BenchStream& stream = Welcomed();

@@ -235,6 +235,23 @@ TEST_F(AgentModelTest, ARateLimitEndsTheNumberAndTheContentComesLaterUnderANewOn
   EXPECT_THAT(SendAll(), ElementsAre(2));
 }
 
+TEST_F(AgentModelTest, WhatWasLimitedGivesWayToALaterOneOfTheSameThatWasSent) {
+  Connect();
+  for (const std::uint64_t tag : {1U, 2U}) {
+    Outgoing message{.keeping = Keeping::kDurable, .tag = tag, .latest_of = "object/a"};
+    EXPECT_TRUE(model_.Offer(std::move(message)));
+    SendAll();
+  }
+  v1::RelayResponse limited = RejectOf(1, v1::REJECT_REASON_RATE_LIMITED);
+  ASSERT_TRUE(Receive(limited).ok());
+  EXPECT_THAT(model_.TakeReplaced(), ElementsAre(1));
+  EXPECT_THAT(SendAll(), IsEmpty());
+  ASSERT_TRUE(Receive(RejectOf(2, v1::REJECT_REASON_RATE_LIMITED)).ok());
+  EXPECT_THAT(model_.TakeReplaced(), IsEmpty());
+  EXPECT_THAT(SendAll(), ElementsAre(3)) << "the latest comes again";
+  EXPECT_FALSE(model_.durable_settled());
+}
+
 TEST_F(AgentModelTest, ADrainStopsSendingUntilTheNextStream) {
   Connect();
   v1::RelayResponse drain;

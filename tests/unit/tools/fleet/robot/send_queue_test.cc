@@ -54,6 +54,41 @@ TEST(SendQueue, LetsTheOldestLiveMessageGiveWayPastTheBound) {
   EXPECT_EQ(queue.Next()->tag, 1U);
 }
 
+Outgoing Latest(std::uint64_t tag, std::string of) {
+  Outgoing message = Message(Keeping::kDurable, tag);
+  message.latest_of = std::move(of);
+  return message;
+}
+
+TEST(SendQueue, OnlyTheLatestOfTheSameWaits) {
+  SendQueue queue;
+  EXPECT_TRUE(queue.Offer(Latest(1, "a")));
+  EXPECT_TRUE(queue.Offer(Latest(2, "b")));
+  EXPECT_TRUE(queue.Offer(Message(Keeping::kDurable, 3)));
+  EXPECT_TRUE(queue.Offer(Latest(4, "b")));
+  EXPECT_TRUE(queue.Offer(Latest(5, "a")));
+  EXPECT_EQ(queue.waiting(), 3U);
+  EXPECT_THAT(queue.TakeReplaced(), ElementsAre(2, 1));
+  EXPECT_THAT(TakeAll(queue), ElementsAre(3, 4, 5));
+  EXPECT_TRUE(queue.empty());
+  EXPECT_TRUE(queue.Offer(Latest(6, "a")));
+  EXPECT_THAT(queue.TakeReplaced(), IsEmpty()) << "5 was sent";
+  EXPECT_THAT(TakeAll(queue), ElementsAre(6));
+}
+
+TEST(SendQueue, WhatIsOfferedAnewGivesWayToALaterOneOfTheSame) {
+  SendQueue queue;
+  queue.OfferLater(Latest(1, "a"), kStart);
+  queue.OfferLater(Latest(2, "b"), kStart);
+  EXPECT_TRUE(queue.Offer(Latest(3, "a")));
+  EXPECT_THAT(queue.TakeReplaced(), ElementsAre(1));
+  queue.OfferLater(Latest(4, "a"), kStart);
+  EXPECT_THAT(queue.TakeReplaced(), ElementsAre(4)) << "3 is newer, and waits";
+  queue.AdmitLater(kStart);
+  EXPECT_THAT(TakeAll(queue), ElementsAre(3, 2));
+  EXPECT_TRUE(queue.empty());
+}
+
 TEST(SendQueue, RefusesADurableMessagePastTheBound) {
   SendQueue queue;
   for (std::size_t i = 0; i < kDurableWaitingMax; ++i) {
