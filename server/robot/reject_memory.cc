@@ -8,6 +8,9 @@
 namespace uplink::robot {
 
 void RejectMemory::Remember(RejectedSeq rejected) {
+  if (rejected.rejection.reason == model::RejectReason::kRateLimited) {
+    return RememberLimited(std::move(rejected));
+  }
   // It was counted when it came first, and would leave at once again.
   if (rejected.seq <= left_through_) return;
   const auto at = std::ranges::lower_bound(remembered_, rejected.seq, {}, &RejectedSeq::seq);

@@ -18,11 +18,9 @@ namespace uplink::robot {
 ///         many as messages of the robot wait for commits (in_flight_uplinks_max).
 class RejectMemory final {
  public:
-  /// For the next Welcome. A number that is remembered already stays as it is.
+  /// For the next Welcome. A number that is remembered already stays as it is. One that was limited
+  /// (kRateLimited) is in no quarantine, and need not be confirmed.
   void Remember(RejectedSeq rejected);
-  /// It was limited (kRateLimited), and is in no quarantine: the next Welcome repeats it beside the
-  /// others, without that it has to be confirmed.
-  void RememberLimited(RejectedSeq limited);
   /// The store refused it: the stream is to be told, and the next Welcome too.
   void AddUntold(RejectedSeq rejected);
   /// How many Rejects the agent has not said to have processed: those that the last TellAgain
@@ -36,6 +34,8 @@ class RejectMemory final {
                                                    std::vector<RejectedSeq> stored);
 
  private:
+  void RememberLimited(RejectedSeq limited);
+
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
   /// Ascending.

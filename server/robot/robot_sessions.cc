@@ -19,11 +19,6 @@ std::optional<Reconnects::Arrival> RobotSessions::Arrive(SteadyTime now,
   return reconnects_.Arrive(now, limits);
 }
 
-void RobotSessions::EndWait() {
-  const std::lock_guard lock(mutex_);
-  reconnects_.EndWait();
-}
-
 RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
                                               SystemTime system_now,
                                               std::optional<std::uint64_t> number) {
@@ -132,19 +127,11 @@ std::int64_t RobotSessions::AddWaiting(const model::SessionId& session, model::S
   return static_cast<std::int64_t>(grew);
 }
 
-void RobotSessions::Remember(const model::SessionId& session, model::Seq seq,
-                             const model::Rejection& rejection) {
+void RobotSessions::Remember(const model::SessionId& session, RejectedSeq rejected) {
   const std::lock_guard lock(mutex_);
   if (SessionMemory* memory = sessions_.Find(session)) {
-    memory->rejects.Remember({.seq = seq, .rejection = rejection});
+    memory->rejects.Remember(std::move(rejected));
     CountUnconfirmed();
-  }
-}
-
-void RobotSessions::RememberLimited(const model::SessionId& session, RejectedSeq limited) {
-  const std::lock_guard lock(mutex_);
-  if (SessionMemory* memory = sessions_.Find(session)) {
-    memory->rejects.RememberLimited(std::move(limited));
   }
 }
 
@@ -154,12 +141,6 @@ void RobotSessions::AddGap(const model::SessionId& session, const Seen& seen) {
   if (SessionMemory* memory = sessions_.Find(session)) {
     memory->numbers.AddMissing(seen.missing);
   }
-}
-
-JournalUse RobotSessions::journal_use() const {
-  const std::size_t gaps = gaps_in_flight_.load();
-  return {.records = in_flight_.load() + gaps,
-          .bytes = record_bytes_.load() + gaps * kRecordOverheadBytes};
 }
 
 bool RobotSessions::KeepPayload(model::RejectReason reason, SteadyTime now) {

@@ -16,6 +16,7 @@
 #include "server/robot/commit_client.h"
 #include "server/robot/held_back.h"
 #include "server/robot/journal_use.h"
+#include "server/robot/limits.h"
 #include "server/robot/numbering.h"
 #include "server/robot/opening.h"
 #include "server/robot/pacing.h"
@@ -77,7 +78,10 @@ class RobotSessions final {
   [[nodiscard]] std::optional<Reconnects::Arrival> Arrive(SteadyTime now,
                                                           const ReconnectLimits& limits);
   /// A stream that Arrive made wait does so no more.
-  void EndWait();
+  void EndWait() {
+    const std::lock_guard lock(mutex_);
+    reconnects_.EndWait();
+  }
   using Attached = Takeover::Attached;
   /// A new stream wants the robot. An older one is superseded and must confirm by Detach first. It
   /// is superseded itself if a stream wanted the robot that came later than the Arrive of `number`;
@@ -119,9 +123,7 @@ class RobotSessions final {
   [[nodiscard]] std::int64_t AddWaiting(const model::SessionId& session, model::Seq seq,
                                         std::size_t bytes = 0);
   /// A rejection made at judgement, remembered for the next Welcome.
-  void Remember(const model::SessionId& session, model::Seq seq, const model::Rejection& rejection);
-  /// The same of a message that was limited.
-  void RememberLimited(const model::SessionId& session, RejectedSeq limited);
+  void Remember(const model::SessionId& session, RejectedSeq rejected);
   /// The gap before the number just seen goes to the journal.
   void AddGap(const model::SessionId& session, const Seen& seen);
   /// Whether the payload of a rejection for this reason is kept now (Pacing).
@@ -136,7 +138,10 @@ class RobotSessions final {
   /// Messages and gap records of the robot that are not committed.
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.load() + gaps_in_flight_.load(); }
   /// What of the robot waits in the journal.
-  [[nodiscard]] JournalUse journal_use() const;
+  [[nodiscard]] JournalUse journal_use() const {
+    const std::size_t gaps = gaps_in_flight_.load();
+    return {in_flight_.load() + gaps, record_bytes_.load() + gaps * kRecordOverheadBytes};
+  }
   /// What the stream's session sends again was decided before up to here, as far as the store has
   /// said so: it costs no tokens. Until the store has answered, nothing does.
   [[nodiscard]] model::Seq free_through() const { return free_through_.load(); }

@@ -207,7 +207,7 @@ bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Proces
                              .retry_after_ms = again->count()};
   context_.ledger.CountRejected(variant, model::RejectReason::kRateLimited);
   processed.frames.push_back(RejectFrame(limited.seq, limited.rejection, limited.retry_after_ms));
-  robot_.sessions.RememberLimited(session_, std::move(limited));
+  robot_.sessions.Remember(session_, std::move(limited));
   numbers_.AddSettled(uplink.seq);
   ++counts_.received;
   ++counts_.rejected;
@@ -246,7 +246,7 @@ void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection,
   robot_.throttle.AddMalformed(context_.clock.Steady());
   context_.ledger.CountRejected(kind, rejection.reason);
   processed.frames.push_back(RejectFrame(uplink.seq, rejection));
-  robot_.sessions.Remember(session_, uplink.seq, rejection);
+  robot_.sessions.Remember(session_, {.seq = uplink.seq, .rejection = rejection});
   std::string kept;
   if (robot_.sessions.KeepPayload(rejection.reason, arrived_)) {
     kept = uplink.payload.substr(0, context_.limits.payload_bytes_max);

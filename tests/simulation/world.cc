@@ -51,7 +51,7 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
 void World::AddGreed() {
   limits_.journal.bytes_max = 64'000;
   limits_.journal.robot_share = 8;
-  limits_.allowance.flow = {.records = {.rate = 20, .burst = 20}, .bytes = {}};
+  limits_.allowance.flow = {.records = {.rate = 5, .burst = 4}, .bytes = {}};
 }
 
 void World::StartServer() {

@@ -371,6 +371,13 @@ class SettingsTest(RuleTest):
     def test_takes_equal_lists(self):
         self.assert_clean(whole.settings, self.files(self.TABLE, self.EXAMPLE))
 
+    def test_takes_the_two_keys_of_a_rate(self):
+        table = self.TABLE + '    UPLINK_RATE(shape, "shape"),\n'
+        example = self.EXAMPLE + "[rates]\n# shape = 50\n"
+        self.assert_clean(whole.settings, self.files(table, example + "# shape_burst = 2000\n"))
+        found = self.find(whole.settings, self.files(table, example))
+        self.assertEqual(found, [(whole.SETTINGS, 4, "settings")])
+
     def test_refuses_a_setting_that_the_example_lacks(self):
         found = self.find(whole.settings, self.files(self.TABLE, '[log]\n# level = "info"\n'))
         self.assertEqual(found, [(whole.SETTINGS, 2, "settings")])

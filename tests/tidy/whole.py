@@ -7,6 +7,7 @@ from tree import SOURCE_FOLDERS, Finding
 
 SETTINGS = "server/config/settings.cc"
 EXAMPLE = "deploy/uplinkd.toml"
+RATE = re.compile(r'^ *UPLINK_RATE\(([a-z_]+), "', re.MULTILINE)
 SETTING = re.compile(r'\.section\s*=\s*"([a-z_]+)",\s*\.key\s*=\s*"([a-z_]+)"')
 SECTION_LINE = re.compile(r"^\[([a-z_]+)\]")
 KEY_LINE = re.compile(r"^(?:#\s*)?([a-z_]+)\s*=\s")
@@ -81,6 +82,9 @@ def settings(tree):
     table = {}
     for match in SETTING.finditer(text):
         table[f"{match.group(1)}.{match.group(2)}"] = text.count("\n", 0, match.start()) + 1
+    for match in RATE.finditer(text):
+        for key in (match.group(1), match.group(1) + "_burst"):
+            table[f"rates.{key}"] = text.count("\n", 0, match.start()) + 1
     example, section = {}, ""
     for number, line in enumerate(tree.lines(EXAMPLE), 1):
         head, key = SECTION_LINE.match(line), KEY_LINE.match(line)

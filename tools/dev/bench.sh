@@ -57,7 +57,8 @@ bench_scrape() {
 
 # The programs that it starts end with it, however it ends; so it is ended, and then what it wrote goes.
 bench_fair() {
-  local cluster="$folder/fair.state" temporary pid=""
+  # Not local: the trap outlives the function.
+  cluster="$folder/fair.state" pid=""
   mkdir -p "$folder"
   temporary="$(mktemp -d)"
   [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
@@ -68,6 +69,9 @@ bench_fair() {
     [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
   }
   trap clean_up EXIT
+  # A cluster that is just being started is waited for, and then stopped.
+  trap 'exit 130' INT
+  trap 'exit 143' TERM
   case " $* " in
     *" --store postgres "* | *" --store=postgres "*)
       tools/dev/postgres.sh start "$cluster"

@@ -39,7 +39,7 @@ using Frame = std::vector<BadMessage>;
 template <typename Make>
 Flood::Style FramesOf(std::size_t messages, Make make) {
   Flood::Style style;
-  style.frame = [messages, make, number = std::size_t{0}]() mutable {
+  style.frame = [messages, make = std::move(make), number = std::size_t{0}]() mutable {
     Frame frame;
     for (std::size_t i = 0; i < messages; ++i) frame.push_back({make(number++)});
     return frame;

@@ -76,7 +76,7 @@ TEST_F(RobotSessionsTest, UnconfirmedRejectsAreThoseOfTheStreamsSession) {
   static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3));
   EXPECT_EQ(sessions_.unconfirmed(), 2U);
   EXPECT_EQ(sessions_.AddWaiting(Id(1), 10), 1);
-  sessions_.Remember(Id(1), 10, kBad);
+  sessions_.Remember(Id(1), {.seq = 10, .rejection = kBad});
   EXPECT_EQ(sessions_.unconfirmed(), 3U);
   Settle(10, {}, model::RejectReason::kMalformed);
   EXPECT_EQ(sessions_.unconfirmed(), 3U);
@@ -91,7 +91,7 @@ TEST_F(RobotSessionsTest, UnconfirmedRejectsAreThoseOfTheStreamsSession) {
 TEST_F(RobotSessionsTest, MemoryAndQuarantineAreJoinedInOrderWithoutDoubles) {
   for (const model::Seq seq : {2U, 6U, 8U}) {
     sessions_.AddSettled(Id(1), seq);
-    sessions_.Remember(Id(1), seq, kBad);
+    sessions_.Remember(Id(1), {.seq = seq, .rejection = kBad});
   }
   sessions_.OnOpened(begun_.open_id, {.cursor = 6, .rejects = {{4, kBad}, {6, kBad}}});
   EXPECT_THAT(Rejects(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0)), ElementsAre(2, 4, 6, 8));
@@ -125,7 +125,7 @@ TEST_F(RobotSessionsTest, CommitsWakeTheStreamAndCountOnce) {
 
 TEST_F(RobotSessionsTest, ARejectionMadeAtJudgementIsNotToldTwice) {
   EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
-  sessions_.Remember(Id(1), 1, kBad);
+  sessions_.Remember(Id(1), {.seq = 1, .rejection = kBad});
   Settle(1, {storage::OutcomeKind::kRefused, kBad}, kBad.reason);
   EXPECT_THAT(sessions_.Take(Id(1)).rejects, IsEmpty());
   EXPECT_EQ(ledger_.Read().uplinks.rejected, 1U);
