@@ -51,9 +51,9 @@ void Ledger::Publish(const UplinkCounts& delta) {
   page_.uplinks += delta;
 }
 
-void Ledger::CountDropped(std::size_t kind, model::RejectReason reason) {
+void Ledger::CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields) {
   const std::lock_guard lock(mutex_);
-  ++page_.dropped.at(kind)[static_cast<std::size_t>(reason)];
+  page_.dropped.at(kind)[static_cast<std::size_t>(reason)] += fields;
 }
 
 void Ledger::CountRejected(std::size_t kind, model::RejectReason reason) {

@@ -58,7 +58,7 @@ class Ledger final {
  public:
   void Publish(const UplinkCounts& delta);
   /// `kind`: a variant's number, or kRcanKind.
-  void CountDropped(std::size_t kind, model::RejectReason reason);
+  void CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields = 1);
   /// `kind`: as above, or kUnknownKind.
   void CountRejected(std::size_t kind, model::RejectReason reason);
   /// Times taken as unknown and enumerants kept as numbers.

@@ -82,8 +82,8 @@ capnp::ReaderOptions OptionsFor(std::size_t words) {
   return options;
 }
 
-Judgement Rejected(model::Rejection rejection, std::optional<model::Variant> variant = {}) {
-  return {.verdict = std::move(rejection),
+Judgement Rejected(const Violation& violation, std::optional<model::Variant> variant = {}) {
+  return {.verdict = violation.Describe(),
           .variant = variant,
           .sign_of_life = false,
           .times_unknown = 0,
@@ -141,7 +141,9 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     if (member >= model::kVariants) return Rejected(UnknownVariant(Path(), member));
     if (reader.getEnd() != words.end()) return Rejected(Malformed("bytes follow the message"));
     variant = static_cast<model::Variant>(member);
-    Violations violations(model::IsDurable(*variant), &scratch_->texts, limits_.extras_items_max);
+    Violations violations({.durable = model::IsDurable(*variant),
+                           .spare = &scratch_->texts,
+                           .extras_items_max = limits_.extras_items_max});
     const std::size_t bytes_max =
         MayBeLarge(*variant) ? limits_.payload_bytes_max : limits_.message_bytes_max;
     const bool too_large = payload.size() > bytes_max;
@@ -151,7 +153,7 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     return {.verdict = violations.rejected()
                            ? Verdict(violations.TakeRejection())
                            : Verdict(model::Record(std::move(body), violations.TakeDropped(),
-                                                   payload.size())),
+                                                   violations.TakeUntold(), payload.size())),
             .variant = variant,
             .sign_of_life = IsSignOfLife(*variant),
             .times_unknown = violations.times_unknown(),

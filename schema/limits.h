@@ -39,6 +39,12 @@ inline constexpr std::size_t kNameBytesMax = 256;
 inline constexpr std::size_t kDescriptionBytesMax = 4096;
 inline constexpr std::size_t kMessageTextBytesMax = 8192;
 
+// Violations
+/// Dropped fields of one message that are told, each with its path and a sentence. Further ones are
+/// dropped as well, and counted by their reason alone: a message full of invalid fields costs no
+/// more than a good one, and hides nothing of what is good in it.
+inline constexpr std::size_t kToldFieldsMax = 16;
+
 // Numbers
 /// 2100-01-01T00:00:00Z: times from here on are taken as unknown.
 inline constexpr std::int64_t kTimeMsEnd = 4'102'444'800'000;

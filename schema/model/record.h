@@ -64,10 +64,6 @@ UPLINK_VARIANTS(UPLINK_VARIANT)
   return static_cast<Variant>(body.index());
 }
 
-/// An invalid field of a live message, which was dropped (a status text: cut), while the rest
-/// was applied. `field` is spelled as in Rejection.
-using DroppedField = Rejection;
-
 /// A validated message. Only a passing judgement makes one (schema::Judge), so whoever holds a
 /// Record need not check it again. A value.
 class Record {
@@ -77,18 +73,26 @@ class Record {
   [[nodiscard]] const Body& body() const { return body_; }
   /// Moves the body out; the record must not be used afterwards.
   [[nodiscard]] Body&& TakeBody() && { return std::move(body_); }
-  /// What judgement dropped; always empty for durable kinds.
+  /// What judgement dropped, the first of it (schema::kToldFieldsMax); always empty for durable
+  /// kinds.
   [[nodiscard]] std::span<const DroppedField> dropped() const { return dropped_; }
+  /// What it dropped beyond that, by reason.
+  [[nodiscard]] std::span<const UntoldFields> untold() const { return untold_; }
   /// Size of the serialized payload it came from.
   [[nodiscard]] std::size_t payload_bytes() const { return payload_bytes_; }
 
  private:
   friend class uplink::schema::Judge;
-  Record(Body body, std::vector<DroppedField> dropped, std::size_t payload_bytes)
-      : body_(std::move(body)), dropped_(std::move(dropped)), payload_bytes_(payload_bytes) {}
+  Record(Body body, std::vector<DroppedField> dropped, std::vector<UntoldFields> untold,
+         std::size_t payload_bytes)
+      : body_(std::move(body)),
+        dropped_(std::move(dropped)),
+        untold_(std::move(untold)),
+        payload_bytes_(payload_bytes) {}
 
   Body body_;
   std::vector<DroppedField> dropped_;
+  std::vector<UntoldFields> untold_;
   std::size_t payload_bytes_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -57,6 +58,19 @@ struct Rejection {
   std::string detail;
 
   friend bool operator==(const Rejection&, const Rejection&) = default;
+};
+
+/// An invalid field of a live message, which was dropped (a status text: cut), while the rest
+/// was applied. `field` is spelled as in Rejection.
+using DroppedField = Rejection;
+
+/// Fields that were dropped for one reason, beyond those of a message that are told one by one. A
+/// value.
+struct UntoldFields {
+  RejectReason reason = RejectReason::kMalformed;
+  std::size_t fields = 0;
+
+  friend bool operator==(const UntoldFields&, const UntoldFields&) = default;
 };
 
 }  // namespace uplink::model

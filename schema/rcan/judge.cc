@@ -28,8 +28,8 @@ constexpr std::int64_t kPercentWhole = 100;
 /// Most states are parsed within this; larger ones take more from the heap.
 constexpr std::size_t kParseBytes = std::size_t{16} * 1024;
 
-RcanJudgement Rejected(model::Rejection rejection) {
-  return {.verdict = std::move(rejection), .dropped = {}};
+RcanJudgement Rejected(const Violation& violation) {
+  return {.verdict = violation.Describe(), .dropped = {}, .untold = {}};
 }
 
 std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root,
@@ -44,12 +44,7 @@ std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root,
   const Path path = root.Field("position");
   Members members(*object, path, violations);
   // Both are required, of a member that is not: without one the position is dropped.
-  for (const std::string_view name : {"x", "y"}) {
-    if (members.Find(name, Need::kMay) != nullptr) continue;
-    const Path field = path.Field(name);
-    members.Report(Need::kMay, MissingField(field, "is missing"));
-    return std::nullopt;
-  }
+  if (!members.Has("x") || !members.Has("y")) return std::nullopt;
   const std::optional<double> x = members.Number("x", Need::kMay);
   const std::optional<double> y = members.Number("y", Need::kMay);
   const std::optional<double> heading = members.Number("heading_rad", Need::kMay);
@@ -57,14 +52,27 @@ std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root,
   return model::RcanPosition{.x_m = *x, .y_m = *y, .heading_rad = heading};
 }
 
-model::RcanJoint JointOf(const js::object& object, const Path& path, Violations& violations) {
-  Members members(object, path, violations);
-  model::RcanJoint joint;
-  joint.joint = members.Text("joint", Need::kMust, kIdBytesMax).value_or("");
-  if (joint.joint.empty()) {
-    const Path name = path.Field("joint");
-    violations.Reject(MissingField(name, "is empty"));
+/// What the joint is called; empty, after reporting it, if that cannot be told.
+std::string NameOf(Members& joint, const Path& path) {
+  if (!joint.Has("joint")) return {};
+  std::optional<std::string> name = joint.Text("joint", Need::kMay, kIdBytesMax);
+  if (!name) return {};
+  if (name->empty()) {
+    const Path field = path.Field("joint");
+    joint.Report(Need::kMay, MissingField(field, "is empty"));
   }
+  return *std::move(name);
+}
+
+/// The joint of that name, or nothing after reporting it: name and time are required, and without
+/// one of them the joint is dropped, and nothing else with it.
+std::optional<model::RcanJoint> JointOf(Members& members, const std::string& name) {
+  if (name.empty() || !members.Has("timestamp_us")) return std::nullopt;
+  const std::optional<std::int64_t> time = members.Whole("timestamp_us", Need::kMay, {});
+  if (!time) return std::nullopt;
+  model::RcanJoint joint;
+  joint.joint = name;
+  joint.timestamp_us = *time;
   joint.position_rad = members.Number("position_rad", Need::kMay);
   joint.velocity_rad_s = members.Number("velocity_rad_s", Need::kMay);
   joint.position_m = members.Number("position_m", Need::kMay);
@@ -72,33 +80,7 @@ model::RcanJoint JointOf(const js::object& object, const Path& path, Violations&
   joint.effort_nm = members.Number("effort_nm", Need::kMay);
   joint.temperature_c = members.Number("temperature_c", Need::kMay);
   joint.error_flags = members.Bits("error_flags");
-  joint.timestamp_us = members.Whole("timestamp_us", Need::kMust, {}).value_or(0);
   return joint;
-}
-
-/// The joint, or nothing after reporting it: an invalid joint is dropped, and nothing else with it.
-/// `name` is what it is called, empty if that cannot be told.
-std::optional<model::RcanJoint> TakeJoint(const js::value& value, const Path& item,
-                                          Violations& violations, std::string& name) {
-  const js::object* object = value.if_object();
-  if (object == nullptr) {
-    violations.Content(TypeMismatch(item, KindOf(value), "object"));
-    return std::nullopt;
-  }
-  Violations own(/*durable=*/false);
-  model::RcanJoint joint = JointOf(*object, item, own);
-  name = joint.joint;
-  if (!own.rejected()) {
-    for (model::Rejection& dropped : own.TakeDropped()) violations.Content(std::move(dropped));
-    return joint;
-  }
-  model::Rejection violation = own.TakeRejection();
-  if (violation.reason == model::RejectReason::kNotFinite) {
-    violations.Reject(std::move(violation));
-  } else {
-    violations.Content(std::move(violation));
-  }
-  return std::nullopt;
 }
 
 std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Violations& violations) {
@@ -119,8 +101,14 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Violati
   std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < items->size() && !violations.rejected(); ++i) {
     const Path item = list.Item(i);
-    std::string name;
-    std::optional<model::RcanJoint> joint = TakeJoint((*items)[i], item, violations, name);
+    const js::object* object = (*items)[i].if_object();
+    if (object == nullptr) {
+      violations.Content(TypeMismatch(item, KindOf((*items)[i]), "object"));
+      continue;
+    }
+    Members members(*object, item, violations);
+    const std::string name = NameOf(members, item);
+    std::optional<model::RcanJoint> joint = JointOf(members, name);
     // Also of a joint that is dropped for another violation.
     if (!name.empty() && !names.insert(name).second) {
       const Path field = item.Field("joint");
@@ -139,22 +127,18 @@ bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Violatio
   const std::optional<std::string> said = state.Text("ruri", Need::kMust, text_bytes);
   if (!said) return false;
   const Path field = root.Field("ruri");
-  if (auto violation = TextViolation(field, WithoutSignature(*said), model::kRuriBytesMax)) {
-    violations.Reject(*std::move(violation));
+  if (const auto violation = TextViolation(field, WithoutSignature(*said), model::kRuriBytesMax)) {
+    violations.Reject(*violation);
     return false;
   }
   if (NormalRuri(*said) == NormalRuri(ruri)) return true;
-  violations.Reject(
-      {.reason = model::RejectReason::kIdentityMismatch,
-       .field = field.Text(),
-       .detail = PrintableUtf8(fmt::format("\"{}\" is not the stream's robot \"{}\"", *said, ruri),
-                               model::kDetailBytesMax)});
+  violations.Reject(IdentityMismatch(field, *said, ruri));
   return false;
 }
 
 RcanJudgement JudgeObject(const js::object& object, std::string_view ruri) {
   const Path root;
-  Violations violations(/*durable=*/false);
+  Violations violations({.durable = false});
   Members members(object, root, violations);
   const bool own = CheckRuri(members, root, ruri, violations);
   model::RcanState state;
@@ -167,9 +151,13 @@ RcanJudgement JudgeObject(const js::object& object, std::string_view ruri) {
   state.joints = JointsOf(members, root, violations);
   state.clock_source = members.Text("clock_source", Need::kMay, kNameBytesMax);
   if (violations.rejected()) {
-    return {.verdict = violations.TakeRejection(), .dropped = {}, .sign_of_life = own};
+    return {
+        .verdict = violations.TakeRejection(), .dropped = {}, .untold = {}, .sign_of_life = own};
   }
-  return {.verdict = std::move(state), .dropped = violations.TakeDropped(), .sign_of_life = own};
+  return {.verdict = std::move(state),
+          .dropped = violations.TakeDropped(),
+          .untold = violations.TakeUntold(),
+          .sign_of_life = own};
 }
 
 RcanJudgement JudgeText(std::string_view text, std::string_view ruri) {
@@ -180,12 +168,7 @@ RcanJudgement JudgeText(std::string_view text, std::string_view ruri) {
   js::error_code error;
   const js::value value =
       js::parse(js::string_view(text.data(), text.size()), error, &memory, options);
-  if (error == js::error::exponent_overflow) {
-    const Path root;
-    return Rejected({.reason = model::RejectReason::kNotFinite,
-                     .field = root.Text(),
-                     .detail = "a number is beyond a double"});
-  }
+  if (error == js::error::exponent_overflow) return Rejected(BeyondDouble());
   if (error) return Rejected(Malformed(error.message()));
   if (const js::object* object = value.if_object()) return JudgeObject(*object, ruri);
   return Rejected(TypeMismatch(Path(), KindOf(value), "object"));

@@ -19,8 +19,10 @@ inline constexpr std::size_t kRcanDepthMax = 32;
 /// What judging one Robot State found. A value.
 struct RcanJudgement {
   std::variant<model::RcanState, model::Rejection> verdict;
-  /// Invalid optional fields, which the state goes without.
-  std::vector<model::Rejection> dropped;
+  /// Invalid optional fields, which the state goes without: the first ones (kToldFieldsMax).
+  std::vector<model::DroppedField> dropped;
+  /// Further ones, by reason.
+  std::vector<model::UntoldFields> untold;
   /// It is an object of this robot, whatever the rules said of it.
   bool sign_of_life = false;
 
@@ -34,8 +36,7 @@ struct RcanJudgement {
 ///
 /// Units:   as model::RcanState.
 /// Errors:  bad content is a Rejection; no input makes it throw or abort. Violations of structure
-/// and
-///          of required fields reject, an invalid optional field is dropped. Unknown fields are
+///          and of required fields reject, an invalid optional field is dropped. Unknown fields are
 ///          ignored, of a key that stands twice the last one counts.
 /// Limits:  `bytes_max` bytes, kRcanJointsMax, kRcanDepthMax, and those of texts.
 /// Thread:  pure; any thread.

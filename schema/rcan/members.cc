@@ -1,7 +1,6 @@
 #include "schema/rcan/members.h"
 
 #include <cmath>
-#include <utility>
 
 #include "schema/rules/describe.h"
 #include "schema/rules/texts.h"
@@ -66,11 +65,11 @@ std::string_view KindOf(const js::value& value) {
   return "";
 }
 
-void Members::Report(Need need, model::Rejection violation) {
+void Members::Report(Need need, const Violation& violation) {
   if (need == Need::kMust) {
-    violations_.Reject(std::move(violation));
+    violations_.Reject(violation);
   } else {
-    violations_.Content(std::move(violation));
+    violations_.Content(violation);
   }
 }
 
@@ -87,6 +86,13 @@ const js::value* Members::Find(std::string_view name, Need need) {
     violations_.Reject(MissingField(field, "is missing"));
   }
   return value;
+}
+
+bool Members::Has(std::string_view name) {
+  if (Find(name, Need::kMay) != nullptr) return true;
+  const Path field = path_.Field(name);
+  violations_.Content(MissingField(field, "is missing"));
+  return false;
 }
 
 std::optional<double> Members::Number(std::string_view name, Need need) {
@@ -152,8 +158,8 @@ std::optional<std::string> Members::Text(std::string_view name, Need need, std::
   }
   const std::string_view content(text->data(), text->size());
   const Path field = path_.Field(name);
-  if (auto violation = TextViolation(field, content, bytes_max)) {
-    Report(need, *std::move(violation));
+  if (const auto violation = TextViolation(field, content, bytes_max)) {
+    Report(need, *violation);
     return std::nullopt;
   }
   return std::string(content);

@@ -44,9 +44,11 @@ class Members final {
   [[nodiscard]] std::optional<std::string> Text(std::string_view name, Need need,
                                                 std::size_t bytes_max);
 
+  /// Whether there is a member that only this object cannot go without; reported as content if not.
+  [[nodiscard]] bool Has(std::string_view name);
   /// Null if it is not there, and reported if it must be.
   [[nodiscard]] const boost::json::value* Find(std::string_view name, Need need);
-  void Report(Need need, model::Rejection violation);
+  void Report(Need need, const Violation& violation);
   void ReportType(Need need, std::string_view name, const boost::json::value& value,
                   std::string_view expected);
 

@@ -1,6 +1,5 @@
 #include "schema/rules/describe.h"
 
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,86 +16,189 @@ using model::RejectReason;
 constexpr std::size_t kQuotedBytesMax = 160;
 static_assert(kQuotedBytesMax * 2 < model::kDetailBytesMax);
 
-model::Rejection Make(RejectReason reason, const Path& path, std::string detail) {
-  if (detail.size() > model::kDetailBytesMax) {
-    detail = PrintableUtf8(detail, model::kDetailBytesMax);
-  }
-  return {.reason = reason, .field = path.Text(), .detail = std::move(detail)};
-}
+/// The path of a violation of the message as a whole.
+constexpr Path kWhole;
+
+std::string Quoted(std::string_view text) { return PrintableUtf8(text, kQuotedBytesMax); }
 
 }  // namespace
 
-model::Rejection Malformed(std::string_view why) {
-  return Make(
-      RejectReason::kMalformed, Path(),
-      PrintableUtf8(fmt::format("not a readable message: {}", why), model::kDetailBytesMax));
+model::Rejection Violation::Describe() const {
+  std::string detail = sentence(*this);
+  if (detail.size() > model::kDetailBytesMax) {
+    detail = PrintableUtf8(detail, model::kDetailBytesMax);
+  }
+  return {.reason = reason, .field = path->Text(), .detail = std::move(detail)};
 }
 
-model::Rejection UnknownVariant(const Path& path, unsigned member) {
-  return Make(RejectReason::kUnknownVariant, path,
-              fmt::format("union member {} is unknown", member));
+Violation Malformed(std::string_view why) {
+  return {.reason = RejectReason::kMalformed,
+          .path = &kWhole,
+          .sentence =
+              [](const Violation& self) {
+                return PrintableUtf8(fmt::format("not a readable message: {}", self.texts[0]),
+                                     model::kDetailBytesMax);
+              },
+          .texts = {why}};
 }
 
-model::Rejection PayloadTooLarge(std::size_t bytes, std::size_t bytes_max) {
-  return Make(RejectReason::kPayloadTooLarge, Path(),
-              fmt::format("payload has {} bytes, at most {} are allowed", bytes, bytes_max));
+Violation UnknownVariant(const Path& path, unsigned member) {
+  return {.reason = RejectReason::kUnknownVariant,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("union member {} is unknown", self.counts[0]);
+              },
+          .counts = {member}};
 }
 
-model::Rejection TooManyItems(const Path& path, std::size_t count, std::size_t max,
-                              std::string_view what) {
-  return Make(RejectReason::kTooManyItems, path,
-              fmt::format("{} {}, at most {} are allowed", count, what, max));
+Violation PayloadTooLarge(std::size_t bytes, std::size_t bytes_max) {
+  return {.reason = RejectReason::kPayloadTooLarge,
+          .path = &kWhole,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("payload has {} bytes, at most {} are allowed", self.counts[0],
+                                   self.counts[1]);
+              },
+          .counts = {bytes, bytes_max}};
 }
 
-model::Rejection TooFewItems(const Path& path, std::size_t count, std::size_t min,
-                             std::string_view what) {
-  return Make(RejectReason::kTooFewItems, path,
-              fmt::format("{} {}, at least {} are needed", count, what, min));
+Violation TooManyItems(const Path& path, std::size_t count, std::size_t max,
+                       std::string_view what) {
+  return {.reason = RejectReason::kTooManyItems,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("{} {}, at most {} are allowed", self.counts[0], self.texts[0],
+                                   self.counts[1]);
+              },
+          .counts = {count, max},
+          .texts = {what}};
 }
 
-model::Rejection TextTooLong(const Path& path, std::size_t bytes, std::size_t bytes_max) {
-  return Make(RejectReason::kTextTooLong, path,
-              fmt::format("text has {} bytes, at most {} are allowed", bytes, bytes_max));
+Violation TooFewItems(const Path& path, std::size_t count, std::size_t min, std::string_view what) {
+  return {.reason = RejectReason::kTooFewItems,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("{} {}, at least {} are needed", self.counts[0], self.texts[0],
+                                   self.counts[1]);
+              },
+          .counts = {count, min},
+          .texts = {what}};
 }
 
-model::Rejection TextNotUtf8(const Path& path, std::string_view text) {
-  return Make(
-      RejectReason::kTextNotUtf8, path,
-      fmt::format("text is not UTF-8 without NUL: \"{}\"", PrintableUtf8(text, kQuotedBytesMax)));
+Violation TextTooLong(const Path& path, std::size_t bytes, std::size_t bytes_max) {
+  return {.reason = RejectReason::kTextTooLong,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("text has {} bytes, at most {} are allowed", self.counts[0],
+                                   self.counts[1]);
+              },
+          .counts = {bytes, bytes_max}};
 }
 
-model::Rejection MissingField(const Path& path, std::string_view what) {
-  const std::string field = path.Text();
-  return Make(RejectReason::kMissingField, path,
-              fmt::format("{} {}", field.empty() ? "the message" : field, what));
+Violation TextNotUtf8(const Path& path, std::string_view text) {
+  return {.reason = RejectReason::kTextNotUtf8,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("text is not UTF-8 without NUL: \"{}\"", Quoted(self.texts[0]));
+              },
+          .texts = {text}};
 }
 
-model::Rejection OutOfRange(const Path& path, double value, double min, double max) {
-  return Make(RejectReason::kOutOfRange, path,
-              fmt::format("{} lies outside {} to {}", value, min, max));
+Violation MissingField(const Path& path, std::string_view what) {
+  return {.reason = RejectReason::kMissingField,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                const std::string field = self.path->Text();
+                return fmt::format("{} {}", field.empty() ? "the message" : field, self.texts[0]);
+              },
+          .texts = {what}};
 }
 
-model::Rejection BelowZero(const Path& path, double value) {
-  return Make(RejectReason::kOutOfRange, path, fmt::format("{} is below 0", value));
+Violation OutOfRange(const Path& path, double value, double min, double max) {
+  return {.reason = RejectReason::kOutOfRange,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("{} lies outside {} to {}", self.numbers[0], self.numbers[1],
+                                   self.numbers[2]);
+              },
+          .numbers = {value, min, max}};
 }
 
-model::Rejection MinAboveMax(const Path& path, double min, double max) {
-  return Make(RejectReason::kOutOfRange, path,
-              fmt::format("the minimum {} is above the maximum {}", min, max));
+Violation BelowZero(const Path& path, double value) {
+  return {.reason = RejectReason::kOutOfRange,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) { return fmt::format("{} is below 0", self.numbers[0]); },
+          .numbers = {value}};
 }
 
-model::Rejection NotFinite(const Path& path, double value) {
-  return Make(RejectReason::kNotFinite, path, fmt::format("{} is not a finite number", value));
+Violation MinAboveMax(const Path& path, double min, double max) {
+  return {.reason = RejectReason::kOutOfRange,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("the minimum {} is above the maximum {}", self.numbers[0],
+                                   self.numbers[1]);
+              },
+          .numbers = {min, max}};
 }
 
-model::Rejection TypeMismatch(const Path& path, std::string_view type, std::string_view declared) {
-  return Make(RejectReason::kTypeMismatch, path,
-              fmt::format("the value is of type {}, declared is {}", type, declared));
+Violation NotFinite(const Path& path, double value) {
+  return {.reason = RejectReason::kNotFinite,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("{} is not a finite number", self.numbers[0]);
+              },
+          .numbers = {value}};
 }
 
-model::Rejection DuplicateKey(const Path& path, std::string_view key) {
-  return Make(RejectReason::kDuplicateKey, path,
-              fmt::format("\"{}\" stands twice in its list", PrintableUtf8(key, kQuotedBytesMax)));
+Violation BeyondDouble() {
+  return {.reason = RejectReason::kNotFinite,
+          .path = &kWhole,
+          .sentence = [](const Violation& /*self*/) {
+            return std::string("a number is beyond a double");
+          }};
+}
+
+Violation TypeMismatch(const Path& path, std::string_view type, std::string_view declared) {
+  return {.reason = RejectReason::kTypeMismatch,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("the value is of type {}, declared is {}", self.texts[0],
+                                   self.texts[1]);
+              },
+          .texts = {type, declared}};
+}
+
+Violation DuplicateKey(const Path& path, std::string_view key) {
+  return {.reason = RejectReason::kDuplicateKey,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("\"{}\" stands twice in its list", Quoted(self.texts[0]));
+              },
+          .texts = {key}};
+}
+
+Violation IdentityMismatch(const Path& path, std::string_view said, std::string_view own) {
+  return {.reason = RejectReason::kIdentityMismatch,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return PrintableUtf8(fmt::format("\"{}\" is not the stream's robot \"{}\"",
+                                                 self.texts[0], self.texts[1]),
+                                     model::kDetailBytesMax);
+              },
+          .texts = {said, own}};
 }
 
 }  // namespace uplink::schema

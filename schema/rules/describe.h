@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 #include "schema/model/rejection.h"
@@ -8,27 +10,47 @@
 
 namespace uplink::schema {
 
-/// One function a reason: the Rejection with its path and a sentence that names value and limit.
-/// Only called once a violation is certain; they allocate.
+/// A violation as it was found, not yet in words: nobody reads those of most violations that follow
+/// the first ones of a message. It refers to its path and texts, and must not outlive them. A
+/// value.
+struct Violation {
+  model::RejectReason reason;
+  const Path* path;
+  /// The sentence that names value and limit.
+  std::string (*sentence)(const Violation& self);
+  // What the sentence is about.
+  std::array<double, 3> numbers{};
+  std::array<std::size_t, 2> counts{};
+  std::array<std::string_view, 2> texts{};
 
-[[nodiscard]] model::Rejection Malformed(std::string_view why);
-[[nodiscard]] model::Rejection UnknownVariant(const Path& path, unsigned member);
-[[nodiscard]] model::Rejection PayloadTooLarge(std::size_t bytes, std::size_t bytes_max);
-[[nodiscard]] model::Rejection TooManyItems(const Path& path, std::size_t count, std::size_t max,
-                                            std::string_view what);
-[[nodiscard]] model::Rejection TooFewItems(const Path& path, std::size_t count, std::size_t min,
-                                           std::string_view what);
-[[nodiscard]] model::Rejection TextTooLong(const Path& path, std::size_t bytes,
-                                           std::size_t bytes_max);
-[[nodiscard]] model::Rejection TextNotUtf8(const Path& path, std::string_view text);
+  /// In words; it allocates.
+  [[nodiscard]] model::Rejection Describe() const;
+};
+
+// One function per violation. `path` is where it was found; without one, the message as a whole.
+
+[[nodiscard]] Violation Malformed(std::string_view why);
+[[nodiscard]] Violation UnknownVariant(const Path& path, unsigned member);
+[[nodiscard]] Violation PayloadTooLarge(std::size_t bytes, std::size_t bytes_max);
+[[nodiscard]] Violation TooManyItems(const Path& path, std::size_t count, std::size_t max,
+                                     std::string_view what);
+[[nodiscard]] Violation TooFewItems(const Path& path, std::size_t count, std::size_t min,
+                                    std::string_view what);
+[[nodiscard]] Violation TextTooLong(const Path& path, std::size_t bytes, std::size_t bytes_max);
+[[nodiscard]] Violation TextNotUtf8(const Path& path, std::string_view text);
 /// `what` is what is missing, such as "is empty" or "is a null pointer".
-[[nodiscard]] model::Rejection MissingField(const Path& path, std::string_view what);
-[[nodiscard]] model::Rejection OutOfRange(const Path& path, double value, double min, double max);
-[[nodiscard]] model::Rejection BelowZero(const Path& path, double value);
-[[nodiscard]] model::Rejection MinAboveMax(const Path& path, double min, double max);
-[[nodiscard]] model::Rejection NotFinite(const Path& path, double value);
-[[nodiscard]] model::Rejection TypeMismatch(const Path& path, std::string_view type,
-                                            std::string_view declared);
-[[nodiscard]] model::Rejection DuplicateKey(const Path& path, std::string_view key);
+[[nodiscard]] Violation MissingField(const Path& path, std::string_view what);
+[[nodiscard]] Violation OutOfRange(const Path& path, double value, double min, double max);
+[[nodiscard]] Violation BelowZero(const Path& path, double value);
+[[nodiscard]] Violation MinAboveMax(const Path& path, double min, double max);
+[[nodiscard]] Violation NotFinite(const Path& path, double value);
+/// A number in a JSON text that no double holds.
+[[nodiscard]] Violation BeyondDouble();
+[[nodiscard]] Violation TypeMismatch(const Path& path, std::string_view type,
+                                     std::string_view declared);
+[[nodiscard]] Violation DuplicateKey(const Path& path, std::string_view key);
+/// `said` is the RURI that the message names, `own` that of its stream's robot.
+[[nodiscard]] Violation IdentityMismatch(const Path& path, std::string_view said,
+                                         std::string_view own);
 
 }  // namespace uplink::schema

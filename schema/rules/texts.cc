@@ -2,11 +2,9 @@
 
 #include <cstdint>
 #include <cstring>
-#include <utility>
 
 #include "schema/base/utf8.h"
 #include "schema/limits.h"
-#include "schema/rules/describe.h"
 
 namespace uplink::schema {
 namespace {
@@ -27,8 +25,8 @@ std::string_view SkipAscii(std::string_view text) {
 
 }  // namespace
 
-std::optional<model::Rejection> TextViolation(const Path& path, std::string_view text,
-                                              std::size_t bytes_max) {
+std::optional<Violation> TextViolation(const Path& path, std::string_view text,
+                                       std::size_t bytes_max) {
   if (text.size() > bytes_max) return TextTooLong(path, text.size(), bytes_max);
   if (!IsCleanUtf8(SkipAscii(text))) return TextNotUtf8(path, text);
   return std::nullopt;
@@ -36,8 +34,8 @@ std::optional<model::Rejection> TextViolation(const Path& path, std::string_view
 
 std::optional<std::string> Text(Violations& violations, const Path& path, std::string_view text,
                                 std::size_t bytes_max) {
-  if (auto violation = TextViolation(path, text, bytes_max)) {
-    violations.Content(*std::move(violation));
+  if (const auto violation = TextViolation(path, text, bytes_max)) {
+    violations.Content(*violation);
     return std::nullopt;
   }
   return std::string(text);
@@ -55,8 +53,8 @@ std::string RequiredText(Violations& violations, const Path& path, std::string_v
 }
 
 std::string LiveKey(Violations& violations, const Path& path, std::string_view text) {
-  if (auto violation = TextViolation(path, text, kIdBytesMax)) {
-    violations.Reject(*std::move(violation));
+  if (const auto violation = TextViolation(path, text, kIdBytesMax)) {
+    violations.Reject(*violation);
     return {};
   }
   return std::string(text);
@@ -69,8 +67,8 @@ std::string RequiredLiveKey(Violations& violations, const Path& path, std::strin
 
 std::optional<std::string> CutText(Violations& violations, const Path& path, std::string_view text,
                                    std::size_t bytes_max) {
-  if (auto violation = TextViolation(path, text, text.size())) {
-    violations.Content(*std::move(violation));
+  if (const auto violation = TextViolation(path, text, text.size())) {
+    violations.Content(*violation);
     return std::nullopt;
   }
   if (text.size() <= bytes_max) return violations.NewText(text);

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "schema/rules/describe.h"
 #include "schema/rules/path.h"
 #include "schema/rules/violations.h"
 
@@ -12,8 +13,8 @@
 namespace uplink::schema {
 
 /// The violation in a text, or nothing.
-[[nodiscard]] std::optional<model::Rejection> TextViolation(const Path& path, std::string_view text,
-                                                            std::size_t bytes_max);
+[[nodiscard]] std::optional<Violation> TextViolation(const Path& path, std::string_view text,
+                                                     std::size_t bytes_max);
 
 /// The text fit to keep, or nothing after reporting a violation of content.
 [[nodiscard]] std::optional<std::string> Text(Violations& violations, const Path& path,

@@ -9,8 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "schema/model/record.h"
+#include "schema/limits.h"
 #include "schema/model/rejection.h"
+#include "schema/rules/describe.h"
 
 namespace uplink::schema {
 
@@ -37,38 +38,45 @@ class SpareTexts final {
 /// the counts. Confined to one judgement.
 class Violations final {
  public:
-  explicit Violations(bool durable, SpareTexts* spare = nullptr,
-                      std::size_t extras_items_max = SIZE_MAX)
-      : durable_(durable), spare_(spare), extras_items_max_(extras_items_max) {}
+  /// What judgement of one message goes by.
+  struct Terms {
+    /// A violation of content rejects.
+    bool durable = false;
+    SpareTexts* spare = nullptr;
+    /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
+    std::size_t extras_items_max = SIZE_MAX;
+  };
+  explicit Violations(const Terms& terms) : terms_(terms) {}
 
-  /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
-  [[nodiscard]] std::size_t extras_items_max() const { return extras_items_max_; }
+  [[nodiscard]] std::size_t extras_items_max() const { return terms_.extras_items_max; }
 
   /// A violation that rejects whatever the kind: of structure, or of a live message's own key. The
   /// first one stays.
-  void Reject(model::Rejection violation) {
-    if (!rejection_) rejection_ = std::move(violation);
+  void Reject(const Violation& violation) {
+    if (!rejection_) rejection_ = violation.Describe();
   }
 
-  /// A violation of content: rejects a durable message, drops the field of a live one. The list of
-  /// dropped fields is bounded by the item limits, which are checked before items are read.
-  void Content(model::Rejection violation) {
-    if (durable_) {
-      Reject(std::move(violation));
-    } else if (!rejection_) {
-      dropped_.push_back(std::move(violation));
+  /// A violation of content: rejects a durable message, drops the field of a live one. The first
+  /// kToldFieldsMax are put in words, further ones are only counted.
+  void Content(const Violation& violation) {
+    if (terms_.durable) return Reject(violation);
+    if (rejection_) return;
+    if (dropped_.size() < kToldFieldsMax) {
+      dropped_.push_back(violation.Describe());
+    } else {
+      CountUntold(violation.reason);
     }
   }
 
   /// For a live message of which nothing is left: rejects it for the first violation, if violations
   /// are the cause (a message that came empty is good).
   void RejectIfAnyDropped() {
-    if (!dropped_.empty()) Reject(dropped_.front());
+    if (!dropped_.empty() && !rejection_) rejection_ = dropped_.front();
   }
 
   /// A text that comes with each message of a kind.
   [[nodiscard]] std::string NewText(std::string_view content) {
-    return spare_ == nullptr ? std::string(content) : spare_->Take(content);
+    return terms_.spare == nullptr ? std::string(content) : terms_.spare->Take(content);
   }
 
   void CountUnknownTime() { ++times_unknown_; }
@@ -80,15 +88,24 @@ class Violations final {
 
   [[nodiscard]] model::Rejection TakeRejection() { return *std::move(rejection_); }
   [[nodiscard]] std::vector<model::DroppedField> TakeDropped() { return std::move(dropped_); }
+  [[nodiscard]] std::vector<model::UntoldFields> TakeUntold() { return std::move(untold_); }
 
  private:
-  bool durable_;
-  SpareTexts* spare_;
-  std::size_t extras_items_max_;
+  void CountUntold(model::RejectReason reason) {
+    for (model::UntoldFields& untold : untold_) {
+      if (untold.reason != reason) continue;
+      ++untold.fields;
+      return;
+    }
+    untold_.push_back({.reason = reason, .fields = 1});
+  }
+
+  Terms terms_;
   std::uint32_t times_unknown_ = 0;
   std::uint32_t enumerants_unrecognized_ = 0;
   std::optional<model::Rejection> rejection_;
   std::vector<model::DroppedField> dropped_;
+  std::vector<model::UntoldFields> untold_;
 };
 
 }  // namespace uplink::schema

@@ -166,6 +166,7 @@ void Intake::AcceptState(const UplinkView& uplink, Judged& judged, Processed& pr
   }
   ++counts_.rcan_states;
   TellDropped(uplink.seq, judged.dropped, metrics::kRcanKind, processed);
+  CountUntold(judged.untold, metrics::kRcanKind);
   numbers_.AddSettled(uplink.seq);
   if (age == RcanOrder::Age::kSame) return CountSuperseded();
   rcan_order_->Apply(state);
@@ -178,8 +179,9 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
   if (Limit(uplink, record, processed)) return context_.judge.Reuse(std::move(record));
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
-    TellDropped(uplink.seq, record.dropped(), static_cast<std::size_t>(record.variant()),
-                processed);
+    const auto kind = static_cast<std::size_t>(record.variant());
+    TellDropped(uplink.seq, record.dropped(), kind, processed);
+    CountUntold(record.untold(), kind);
     numbers_.AddSettled(uplink.seq);
     return AddLive(std::move(record));
   }
@@ -237,6 +239,13 @@ void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dr
       context_.probe.notices_total.Add();
       processed.frames.push_back(NoticeFrame(seq, field));
     }
+  }
+}
+
+void Intake::CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind) {
+  for (const model::UntoldFields& fields : untold) {
+    robot_.state.CountDropped(fields.fields);
+    context_.ledger.CountDropped(kind, fields.reason, fields.fields);
   }
 }
 

@@ -33,6 +33,7 @@ Judged JudgeRcan(const SessionContext& context, const std::string& ruri, const U
   Judged judged{.content = model::Rejection(),
                 .kind = metrics::kRcanKind,
                 .dropped = std::move(judgement.dropped),
+                .untold = std::move(judgement.untold),
                 .sign_of_life = judgement.sign_of_life && context.limits.rcan_counts_as_life};
   if (auto* state = std::get_if<model::RcanState>(&judgement.verdict)) {
     judged.content = std::move(*state);

@@ -23,6 +23,7 @@ struct Judged {
   std::size_t kind = metrics::kUnknownKind;
   /// Of a Robot State.
   std::vector<model::DroppedField> dropped{};
+  std::vector<model::UntoldFields> untold{};
   bool sign_of_life = false;
   std::uint32_t times_unknown = 0;
   std::uint32_t enumerants_unrecognized = 0;

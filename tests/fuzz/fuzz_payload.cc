@@ -6,6 +6,7 @@
 #include "schema/base/check.h"
 #include "schema/encode.h"
 #include "schema/judge.h"
+#include "schema/limits.h"
 #include "tests/fuzz/check_violation.h"
 
 namespace {
@@ -42,6 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   UPLINK_CHECK(!judgement.record()->durable() || judgement.record()->dropped().empty(),
                "nothing is dropped from a durable message");
   for (const Rejection& field : judgement.record()->dropped()) CheckViolation(field);
+  UPLINK_CHECK(judgement.record()->dropped().size() <= uplink::schema::kToldFieldsMax,
+               "no more is told than may be");
   CheckAgain(judge, judgement);
   return 0;
 }

@@ -78,6 +78,8 @@ TEST(LedgerTest, APageHoldsWhatWasPublished) {
   ledger.Publish({.stored = 1, .in_flight = -1});
   ledger.CountDropped(static_cast<std::size_t>(model::Variant::kStatusTelemetry),
                       model::RejectReason::kOutOfRange);
+  ledger.CountDropped(static_cast<std::size_t>(model::Variant::kStatusTelemetry),
+                      model::RejectReason::kNotFinite, 240);
   ledger.CountOdd(3, 4);
   const Ledger::Page page = ledger.Read();
   EXPECT_EQ(page.uplinks.in_flight, 1);
@@ -85,6 +87,9 @@ TEST(LedgerTest, APageHoldsWhatWasPublished) {
   EXPECT_EQ(page.dropped[static_cast<std::size_t>(model::Variant::kStatusTelemetry)]
                         [static_cast<std::size_t>(model::RejectReason::kOutOfRange)],
             1U);
+  EXPECT_EQ(page.dropped[static_cast<std::size_t>(model::Variant::kStatusTelemetry)]
+                        [static_cast<std::size_t>(model::RejectReason::kNotFinite)],
+            240U);
   EXPECT_EQ(page.times_unknown, 3U);
   EXPECT_EQ(page.enumerants_unrecognized, 4U);
 }

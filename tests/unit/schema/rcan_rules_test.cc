@@ -1,4 +1,5 @@
 // RCAN's Robot State: each rule by its name, with a text that keeps it and one that breaks it.
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/json/render.h"
+#include "schema/limits.h"
 #include "schema/rcan/judge.h"
 #include "schema/rcan/ruri.h"
 
@@ -260,6 +262,30 @@ TEST(RcanState, EveryFieldIsReadAndRenderedAgain) {
   ASSERT_EQ(second.rejection(), nullptr);
   EXPECT_EQ(std::get<model::RcanState>(second.verdict), state);
 }
+
+class DroppedJoints : public ::testing::TestWithParam<int> {};
+
+TEST_P(DroppedJoints, AllAreCountedAndTheFirstAreTold) {
+  const int invalid = GetParam();
+  const int told_max = static_cast<int>(kToldFieldsMax);
+  std::string list;
+  for (int i = 0; i < invalid; ++i) list += R"({"joint":"j)" + std::to_string(i) + "\"},";
+  const RcanJudgement judgement =
+      JudgeOf(State("\"joints\":[" + list +
+                    R"({"joint":"good","timestamp_us":1,"effort_nm":"x","position_m":2}])"));
+  ASSERT_EQ(judgement.rejection(), nullptr);
+  const int dropped = invalid + 1;
+  EXPECT_EQ(judgement.dropped.size(), static_cast<std::size_t>(std::min(dropped, told_max)));
+  std::size_t untold = 0;
+  for (const model::UntoldFields& fields : judgement.untold) untold += fields.fields;
+  EXPECT_EQ(untold, static_cast<std::size_t>(std::max(0, dropped - told_max)));
+  const auto& joints = std::get<model::RcanState>(judgement.verdict).joints;
+  ASSERT_EQ(joints.size(), 1U);
+  EXPECT_EQ(joints[0].position_m, 2);
+  EXPECT_FALSE(joints[0].effort_nm.has_value());
+}
+
+INSTANTIATE_TEST_SUITE_P(Bound, DroppedJoints, ::testing::Values(14, 15, 16, 255));
 
 TEST(RcanState, AJointAtFaultGoesAloneAndItsNumberBeyondADoubleRejects) {
   const RcanJudgement judgement =

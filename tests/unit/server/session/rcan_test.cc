@@ -147,6 +147,18 @@ TEST_F(RcanTest, AFieldAtFaultIsDroppedWithANotice) {
   EXPECT_FALSE(Latest().battery_pct.has_value());
 }
 
+TEST_F(RcanTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
+  std::string joints = R"("joints":[)";
+  for (int i = 0; i < 99; ++i) joints += R"({"joint":""},)";
+  Send({State(1, joints + Joint("good", 1, 2) + "]")});
+  EXPECT_THAT(stream_->Said(), ElementsAre("notice 1 missing_field joints[0].joint"));
+  ASSERT_EQ(Latest().joints.size(), 1U);
+  EXPECT_EQ(server().robot().state.Snapshot(robot::RobotState::Parts::kNone).fields_dropped, 99);
+  EXPECT_EQ(server().page().dropped[metrics::kRcanKind]
+                                   [static_cast<std::size_t>(model::RejectReason::kMissingField)],
+            99U);
+}
+
 TEST_F(RcanTest, WhatIsRejectedLiesInQuarantine) {
   Send({R"({"ruri":"rcan://bench/2","timestamp_us":1})", "{"});
   EXPECT_THAT(stream_->Said(),

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "schema/encode.h"
+#include "schema/limits.h"
 #include "tests/support/fake_reader.h"
 #include "tests/unit/server/session/session_test.h"
 
@@ -236,6 +237,30 @@ TEST_F(RejectTest, NoticesOfOneFieldIgnoreItsIndex) {
   stream.Send(BatchFrame({{1, ExtrasWithNan(1)}, {2, ExtrasWithNan(3)}, {3, StatusWith(500)}}));
   EXPECT_THAT(stream.Said(), ElementsAre("notice 1 not_finite kv[1].value",
                                          "notice 3 out_of_range battery.socPct"));
+}
+
+std::string ExtrasOfNan(std::size_t readings) {
+  model::TelemetryExtras extras;
+  for (std::size_t i = 0; i < readings; ++i) {
+    const double value = std::numeric_limits<double>::quiet_NaN();
+    extras.kv.push_back({.key = "k" + std::to_string(i), .value = value, .unix_time_ms = {}});
+  }
+  extras.kv.push_back({.key = "good", .value = 7.0, .unix_time_ms = {}});
+  return schema::Encode(extras);
+}
+
+TEST_F(RejectTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
+  constexpr std::size_t kFields = 255;
+  static_assert(kFields > schema::kToldFieldsMax);
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, ExtrasOfNan(kFields)}}));
+  EXPECT_THAT(stream.Said(), ElementsAre("notice 1 not_finite kv[0].value"));
+  const auto state = server().robot().state.Snapshot(robot::RobotState::Parts::kAll);
+  EXPECT_EQ(state.fields_dropped, static_cast<std::int64_t>(kFields));
+  EXPECT_EQ(state.parts.extras.items().size(), 1U) << "the good one behind them";
+  const auto& dropped =
+      server().page().dropped[static_cast<std::size_t>(model::Variant::kTelemetryExtras)];
+  EXPECT_EQ(dropped[static_cast<std::size_t>(model::RejectReason::kNotFinite)], kFields);
 }
 
 TEST_F(RejectTest, ANoticeComesBeforeTheAckThatCoversIt) {

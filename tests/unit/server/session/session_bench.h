@@ -149,6 +149,7 @@ class BenchServer final : public robot::WakeInbox {
   [[nodiscard]] Allowances& allowances() { return allowances_; }
   [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
   [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
+  [[nodiscard]] metrics::Ledger::Page page() const { return book_.Sum(); }
 
  private:
   testing::ManualClock& clock_;
