@@ -45,6 +45,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Times of robots that were taken as unknown."},
     {kEnumerantsUnrecognized, "uplinkd_enumerants_unrecognized_total", kCounter, "fields",
      "Enumerants that this version does not know, kept as their number."},
+    {kControlCharacters, "uplinkd_control_characters_total", kCounter, "characters",
+     "Control characters in texts of good messages, kept as U+FFFD."},
     {kRobots, "uplinkd_robots", kGauge, "robots",
      "Robots that this server holds, or that have a stream here, by presence.", kByPresence},
     {kRobotsElsewhere, "uplinkd_robots_elsewhere", kGauge, "robots",

@@ -27,6 +27,7 @@ enum class MetricId : std::uint8_t {
   kRcanStatesMissing,
   kTimesUnknown,
   kEnumerantsUnrecognized,
+  kControlCharacters,
   kRobots,
   kRobotsElsewhere,
   kRobotsLimit,

@@ -115,8 +115,9 @@ void Exposition::AddLedger(const Ledger::Page& sum) {
     }
   }
   Add(MetricId::kRcanStatesMissing, Number(uplinks.rcan_missing));
-  Add(MetricId::kTimesUnknown, Number(sum.times_unknown));
-  Add(MetricId::kEnumerantsUnrecognized, Number(sum.enumerants_unrecognized));
+  Add(MetricId::kTimesUnknown, Number(sum.odd.times_unknown));
+  Add(MetricId::kEnumerantsUnrecognized, Number(sum.odd.enumerants_unrecognized));
+  Add(MetricId::kControlCharacters, Number(sum.odd.control_characters));
 }
 
 std::string Exposition::Text(Format format) const {

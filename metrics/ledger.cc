@@ -19,8 +19,7 @@ void AddPage(Ledger::Page& sum, const Ledger::Page& page) {
     for (std::size_t r = 0; r < page.rejected_kinds[k].size(); ++r)
       sum.rejected_kinds[k][r] += page.rejected_kinds[k][r];
   }
-  sum.times_unknown += page.times_unknown;
-  sum.enumerants_unrecognized += page.enumerants_unrecognized;
+  sum.odd += page.odd;
 }
 
 }  // namespace
@@ -46,6 +45,13 @@ bool UplinkCounts::Balanced() const {
   return static_cast<std::int64_t>(received) == static_cast<std::int64_t>(settled) + in_flight;
 }
 
+OddCounts& OddCounts::operator+=(const OddCounts& other) {
+  times_unknown += other.times_unknown;
+  enumerants_unrecognized += other.enumerants_unrecognized;
+  control_characters += other.control_characters;
+  return *this;
+}
+
 void Ledger::Publish(const UplinkCounts& delta) {
   const std::lock_guard lock(mutex_);
   page_.uplinks += delta;
@@ -61,10 +67,9 @@ void Ledger::CountRejected(std::size_t kind, model::RejectReason reason) {
   ++page_.rejected_kinds.at(kind)[static_cast<std::size_t>(reason)];
 }
 
-void Ledger::CountOdd(std::uint32_t times_unknown, std::uint32_t enumerants_unrecognized) {
+void Ledger::CountOdd(const OddCounts& delta) {
   const std::lock_guard lock(mutex_);
-  page_.times_unknown += times_unknown;
-  page_.enumerants_unrecognized += enumerants_unrecognized;
+  page_.odd += delta;
 }
 
 Ledger::Page Ledger::Read() const {

@@ -52,6 +52,21 @@ using DroppedCounts = std::array<std::array<std::uint64_t, model::kRejectReasons
 /// Messages that judgement rejected, by kind (kUnknownKind included) and reason.
 using RejectedCounts = std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, kKinds + 1>;
 
+/// What messages hold that is no violation and not kept as it is. A value.
+struct OddCounts {
+  /// Times taken as unknown.
+  std::uint64_t times_unknown = 0;
+  /// Enumerants kept as numbers.
+  std::uint64_t enumerants_unrecognized = 0;
+  /// Control characters of texts, replaced by U+FFFD.
+  std::uint64_t control_characters = 0;
+
+  OddCounts& operator+=(const OddCounts& other);
+  [[nodiscard]] bool any() const {
+    return (times_unknown | enumerants_unrecognized | control_characters) != 0;
+  }
+};
+
 /// One thread's page of counts. What belongs together is published together, so that the law holds
 /// on every page at every moment and so in their sum. Thread-safe; one writer in practice.
 class Ledger final {
@@ -61,15 +76,13 @@ class Ledger final {
   void CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields = 1);
   /// `kind`: as above, or kUnknownKind.
   void CountRejected(std::size_t kind, model::RejectReason reason);
-  /// Times taken as unknown and enumerants kept as numbers.
-  void CountOdd(std::uint32_t times_unknown, std::uint32_t enumerants_unrecognized);
+  void CountOdd(const OddCounts& delta);
 
   struct Page {
     UplinkCounts uplinks;
     DroppedCounts dropped{};
     RejectedCounts rejected_kinds{};
-    std::uint64_t times_unknown = 0;
-    std::uint64_t enumerants_unrecognized = 0;
+    OddCounts odd;
   };
   [[nodiscard]] Page Read() const;
 

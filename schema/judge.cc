@@ -87,7 +87,8 @@ Judgement Rejected(const Violation& violation, std::optional<model::Variant> var
           .variant = variant,
           .sign_of_life = false,
           .times_unknown = 0,
-          .enumerants_unrecognized = 0};
+          .enumerants_unrecognized = 0,
+          .control_characters = 0};
 }
 
 }  // namespace
@@ -143,7 +144,8 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     variant = static_cast<model::Variant>(member);
     Violations violations({.durable = model::IsDurable(*variant),
                            .spare = &scratch_->texts,
-                           .extras_items_max = limits_.extras_items_max});
+                           .extras_items_max = limits_.extras_items_max,
+                           .texts = limits_.texts});
     const std::size_t bytes_max =
         MayBeLarge(*variant) ? limits_.payload_bytes_max : limits_.message_bytes_max;
     const bool too_large = payload.size() > bytes_max;
@@ -157,7 +159,8 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
             .variant = variant,
             .sign_of_life = IsSignOfLife(*variant),
             .times_unknown = violations.times_unknown(),
-            .enumerants_unrecognized = violations.enumerants_unrecognized()};
+            .enumerants_unrecognized = violations.enumerants_unrecognized(),
+            .control_characters = violations.control_characters()};
   } catch (const kj::Exception& exception) {
     const kj::StringPtr why = exception.getDescription();
     return Rejected(Malformed({why.begin(), why.size()}), variant);

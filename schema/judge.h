@@ -7,6 +7,7 @@
 #include <span>
 #include <variant>
 
+#include "schema/limits.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 
@@ -20,6 +21,8 @@ struct JudgeLimits {
   std::size_t message_bytes_max = 64 * 1024;
   /// Most readings in one telemetryExtras (limits.extras_items_max).
   std::size_t extras_items_max = 256;
+  /// What limits of texts are judged by.
+  TextForm texts = TextForm::kAsSent;
 };
 
 using Verdict = std::variant<model::Record, model::Rejection>;
@@ -35,6 +38,8 @@ struct Judgement {
   std::uint32_t times_unknown = 0;
   /// Enumerants beyond those known, kept as their number.
   std::uint32_t enumerants_unrecognized = 0;
+  /// Control characters in texts of the record, which has U+FFFD in their place.
+  std::uint32_t control_characters = 0;
 
   [[nodiscard]] const model::Record* record() const { return std::get_if<model::Record>(&verdict); }
   [[nodiscard]] const model::Rejection* rejection() const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "schema/base/utf8.h"
 #include "schema/model/ids.h"
 
 /// The fixed numbers of judgement (the validation sheet's defaults); what an operator may change is
@@ -38,6 +39,20 @@ inline constexpr std::size_t kIdBytesMax = 128;
 inline constexpr std::size_t kNameBytesMax = 256;
 inline constexpr std::size_t kDescriptionBytesMax = 4096;
 inline constexpr std::size_t kMessageTextBytesMax = 8192;
+
+/// The form in which texts come to judgement.
+enum class TextForm : std::uint8_t {
+  /// By a robot: a text is as long as its limit at most.
+  kAsSent,
+  /// As this server keeps them, from a checkpoint: where a control character had one byte, its
+  /// replacement has three.
+  kAsKept,
+};
+
+/// Bytes that a text may have in that form.
+[[nodiscard]] constexpr std::size_t TextBytesMax(TextForm form, std::size_t bytes_max) {
+  return form == TextForm::kAsSent ? bytes_max : bytes_max * kReplacementBytes;
+}
 
 // Violations
 /// Dropped fields of one message that are told, each with its path and a sentence. Further ones are

@@ -1,6 +1,8 @@
 #include "schema/base/utf8.h"
 
+#include <bit>
 #include <cstdint>
+#include <cstring>
 
 namespace uplink {
 namespace {
@@ -37,6 +39,57 @@ std::size_t CodePointBytes(std::string_view text) {
 
 bool IsControl(unsigned char byte) { return byte < 0x20 || byte == 0x7F; }
 
+/// The well-formed code point that begins there is a control character that a text goes without.
+bool IsReplaced(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text[0]);
+  // U+0080 to U+009F are two bytes.
+  if (lead == 0xC2) return static_cast<unsigned char>(text[1]) <= 0x9F;
+  return IsControl(lead) && lead != '\t' && lead != '\n' && lead != '\r';
+}
+
+/// Eight bytes of a text at once.
+class Block {
+ public:
+  static constexpr std::size_t kBytes = sizeof(std::uint64_t);
+
+  explicit Block(const char* text) { std::memcpy(&bytes_, text, kBytes); }
+
+  /// All are printable ASCII: most blocks of most texts are.
+  [[nodiscard]] bool IsPrintable() const {
+    return ((bytes_ | (bytes_ + kOnes) | ~(bytes_ + 0x60 * kOnes)) & kHighBits) == 0;
+  }
+  [[nodiscard]] bool IsAscii() const { return (bytes_ & kHighBits) == 0; }
+
+  // Of ASCII alone: no sum of a byte then carries into the next one.
+  [[nodiscard]] bool HasNul() const { return Equal(0) != 0; }
+  /// Control characters that a text goes without.
+  [[nodiscard]] std::size_t Controls() const {
+    const std::uint64_t below_blank = ~(bytes_ + 0x60 * kOnes) & kHighBits;
+    const std::uint64_t kept = Equal('\t') | Equal('\n') | Equal('\r');
+    return static_cast<std::size_t>(std::popcount((below_blank & ~kept) | Equal(0x7F)));
+  }
+
+ private:
+  static constexpr std::uint64_t kOnes = 0x0101'0101'0101'0101U;
+  static constexpr std::uint64_t kHighBits = 0x80 * kOnes;
+
+  /// The high bit of each byte that is `byte`.
+  [[nodiscard]] std::uint64_t Equal(unsigned char byte) const {
+    return ~((bytes_ ^ (byte * kOnes)) + 0x7F * kOnes) & kHighBits;
+  }
+
+  std::uint64_t bytes_ = 0;
+};
+
+/// The text behind its leading blocks of printable ASCII: most texts are only that.
+std::string_view SkipPrintable(std::string_view text) {
+  std::size_t at = 0;
+  while (at + Block::kBytes <= text.size() && Block(text.data() + at).IsPrintable()) {
+    at += Block::kBytes;
+  }
+  return text.substr(at);
+}
+
 /// The well-formed code point that begins there changes how a terminal shows what follows: a
 /// control of C1 (U+0080 to U+009F), a mark of direction (U+200E, U+200F, U+202A to U+202E, U+2066
 /// to U+2069, U+061C), or another end of line (U+2028, U+2029).
@@ -51,14 +104,43 @@ bool Steers(std::string_view text) {
 
 }  // namespace
 
-bool IsCleanUtf8(std::string_view text) {
+std::optional<std::size_t> CountControls(std::string_view text) {
+  std::size_t controls = 0;
+  while (true) {
+    text = SkipPrintable(text);
+    if (text.empty()) return controls;
+    const char* block_end = text.data() + text.size();
+    if (text.size() >= Block::kBytes) {
+      block_end = text.data() + Block::kBytes;
+      if (const Block block(text.data()); block.IsAscii()) {
+        if (block.HasNul()) return std::nullopt;
+        controls += block.Controls();
+        text.remove_prefix(Block::kBytes);
+        continue;
+      }
+    }
+    // By code points, until blocks can be tried again.
+    while (text.data() < block_end) {
+      const std::size_t bytes = text.front() == '\0' ? 0 : CodePointBytes(text);
+      if (bytes == 0) return std::nullopt;
+      controls += IsReplaced(text) ? 1U : 0U;
+      text.remove_prefix(bytes);
+    }
+  }
+}
+
+std::string ReplaceControls(std::string_view text, std::size_t controls) {
+  static constexpr std::string_view kReplacement = "\uFFFD";
+  static_assert(kReplacement.size() == kReplacementBytes);
+  std::string out;
+  // A control character has one byte at least.
+  out.reserve(text.size() + controls * (kReplacementBytes - 1));
   while (!text.empty()) {
-    if (text.front() == '\0') return false;
     const std::size_t bytes = CodePointBytes(text);
-    if (bytes == 0) return false;
+    out.append(IsReplaced(text) ? kReplacement : text.substr(0, bytes));
     text.remove_prefix(bytes);
   }
-  return true;
+  return out;
 }
 
 std::string_view Utf8Prefix(std::string_view text, std::size_t bytes_max) {

@@ -1,13 +1,28 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace uplink {
 
-/// True if `text` is well-formed UTF-8 (RFC 3629: no overlong forms, no surrogates) without NUL.
-[[nodiscard]] bool IsCleanUtf8(std::string_view text);
+/// Bytes of U+FFFD, the replacement character.
+inline constexpr std::size_t kReplacementBytes = 3;
+
+/// The control characters in `text` (Unicode's category Cc) other than tab, line feed and carriage
+/// return; nothing if it is not well-formed UTF-8 (RFC 3629: no overlong forms, no surrogates)
+/// without NUL. One pass.
+[[nodiscard]] std::optional<std::size_t> CountControls(std::string_view text);
+
+/// True if `text` is well-formed UTF-8 without NUL.
+[[nodiscard]] inline bool IsCleanUtf8(std::string_view text) {
+  return CountControls(text).has_value();
+}
+
+/// `text` with U+FFFD for each of its `controls` control characters. `text` must be well-formed
+/// UTF-8, and `controls` what CountControls says of it.
+[[nodiscard]] std::string ReplaceControls(std::string_view text, std::size_t controls);
 
 /// The longest prefix of `text` of at most `bytes_max` bytes that does not split a code point.
 /// `text` must be well-formed UTF-8.

@@ -1,3 +1,5 @@
+#include <forward_list>
+#include <string>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -12,19 +14,26 @@
 namespace uplink::schema {
 namespace {
 
-/// Names of one list, each of which may stand once. Views into the message.
+/// Names of one list, each of which may stand once, as it is kept.
 class UniqueKeys {
  public:
   std::string Required(Violations& violations, const Path& path, std::string_view key,
                        std::size_t bytes_max) {
     std::string kept = RequiredText(violations, path, key, bytes_max);
-    if (!violations.rejected() && !seen_.insert(key).second)
-      violations.Content(DuplicateKey(path, key));
+    if (!violations.rejected() && !IsFirst(key, kept)) violations.Content(DuplicateKey(path, kept));
     return kept;
   }
 
  private:
+  bool IsFirst(std::string_view sent, const std::string& kept) {
+    // A replaced character makes a text longer.
+    const bool as_sent = kept.size() == sent.size();
+    return seen_.insert(as_sent ? sent : replaced_.emplace_front(kept)).second;
+  }
+
+  /// Views into the message, and of what was replaced.
   std::unordered_set<std::string_view> seen_;
+  std::forward_list<std::string> replaced_;
 };
 
 model::Value RequiredValue(Violations& violations, const Path& path, bool there,

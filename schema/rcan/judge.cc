@@ -2,7 +2,6 @@
 
 #include <array>
 #include <exception>
-#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_set>
@@ -121,14 +120,16 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Violati
 
 /// Whether the state is of this robot, as far as it says so; reports if it is not.
 bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Violations& violations) {
-  // The whole text has its limit already.
-  constexpr std::size_t text_bytes = std::numeric_limits<std::size_t>::max();
-  // Its length is that of the RURI without the signature, which may be longer than the rest.
-  const std::optional<std::string> said = state.Text("ruri", Need::kMust, text_bytes);
+  // As it was sent: it is compared, and not kept.
+  const std::optional<std::string_view> said = state.String("ruri", Need::kMust);
   if (!said) return false;
   const Path field = root.Field("ruri");
-  if (const auto violation = TextViolation(field, WithoutSignature(*said), model::kRuriBytesMax)) {
-    violations.Reject(*violation);
+  // The whole text has its limit already. The RURI's length is that without the signature, which
+  // may be longer than the rest.
+  TextFinding found = ReadText(field, *said, said->size());
+  if (!found.violation) found = ReadText(field, WithoutSignature(*said), model::kRuriBytesMax);
+  if (found.violation) {
+    violations.Reject(*found.violation);
     return false;
   }
   if (NormalRuri(*said) == NormalRuri(ruri)) return true;
@@ -136,9 +137,9 @@ bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Violatio
   return false;
 }
 
-RcanJudgement JudgeObject(const js::object& object, std::string_view ruri) {
+RcanJudgement JudgeObject(const js::object& object, std::string_view ruri, TextForm texts) {
   const Path root;
-  Violations violations({.durable = false});
+  Violations violations({.texts = texts});
   Members members(object, root, violations);
   const bool own = CheckRuri(members, root, ruri, violations);
   model::RcanState state;
@@ -157,10 +158,11 @@ RcanJudgement JudgeObject(const js::object& object, std::string_view ruri) {
   return {.verdict = std::move(state),
           .dropped = violations.TakeDropped(),
           .untold = violations.TakeUntold(),
+          .control_characters = violations.control_characters(),
           .sign_of_life = own};
 }
 
-RcanJudgement JudgeText(std::string_view text, std::string_view ruri) {
+RcanJudgement JudgeText(std::string_view text, std::string_view ruri, TextForm texts) {
   std::array<unsigned char, kParseBytes> buffer;  // NOLINT(*-member-init): the parser's to fill
   js::monotonic_resource memory(buffer.data(), buffer.size());
   js::parse_options options;
@@ -170,17 +172,18 @@ RcanJudgement JudgeText(std::string_view text, std::string_view ruri) {
       js::parse(js::string_view(text.data(), text.size()), error, &memory, options);
   if (error == js::error::exponent_overflow) return Rejected(BeyondDouble());
   if (error) return Rejected(Malformed(error.message()));
-  if (const js::object* object = value.if_object()) return JudgeObject(*object, ruri);
+  if (const js::object* object = value.if_object()) return JudgeObject(*object, ruri, texts);
   return Rejected(TypeMismatch(Path(), KindOf(value), "object"));
 }
 
 }  // namespace
 
-RcanJudgement JudgeRcanState(std::string_view text, std::string_view ruri, std::size_t bytes_max) {
+RcanJudgement JudgeRcanState(std::string_view text, std::string_view ruri, std::size_t bytes_max,
+                             TextForm texts) {
   if (text.size() > bytes_max) return Rejected(PayloadTooLarge(text.size(), bytes_max));
   if (!IsCleanUtf8(text)) return Rejected(TextNotUtf8(Path(), text));
   try {
-    return JudgeText(text, ruri);
+    return JudgeText(text, ruri, texts);
   } catch (const std::exception& error) {
     return Rejected(Malformed(error.what()));
   }

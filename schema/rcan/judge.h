@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "schema/limits.h"
 #include "schema/model/rcan.h"
 #include "schema/model/rejection.h"
 
@@ -23,6 +24,8 @@ struct RcanJudgement {
   std::vector<model::DroppedField> dropped;
   /// Further ones, by reason.
   std::vector<model::UntoldFields> untold;
+  /// Control characters in texts of the state, which has U+FFFD in their place.
+  std::uint32_t control_characters = 0;
   /// It is an object of this robot, whatever the rules said of it.
   bool sign_of_life = false;
 
@@ -38,10 +41,11 @@ struct RcanJudgement {
 /// Errors:  bad content is a Rejection; no input makes it throw or abort. Violations of structure
 ///          and of required fields reject, an invalid optional field is dropped. Unknown fields are
 ///          ignored, of a key that stands twice the last one counts.
-/// Limits:  `bytes_max` bytes, kRcanJointsMax, kRcanDepthMax, and those of texts.
+/// Limits:  `bytes_max` bytes, kRcanJointsMax, kRcanDepthMax, and those of texts in their form.
 /// Thread:  pure; any thread.
 [[nodiscard]] RcanJudgement JudgeRcanState(std::string_view text, std::string_view ruri,
-                                           std::size_t bytes_max);
+                                           std::size_t bytes_max,
+                                           TextForm texts = TextForm::kAsSent);
 
 /// A state, or a joint, whose time is before that of the one before.
 [[nodiscard]] model::Rejection NotMonotonic(std::string_view field, std::int64_t value,

@@ -148,7 +148,7 @@ std::optional<std::uint64_t> Members::Bits(std::string_view name) {
   return std::nullopt;
 }
 
-std::optional<std::string> Members::Text(std::string_view name, Need need, std::size_t bytes_max) {
+std::optional<std::string_view> Members::String(std::string_view name, Need need) {
   const js::value* value = Find(name, need);
   if (value == nullptr) return std::nullopt;
   const js::string* text = value->if_string();
@@ -156,13 +156,17 @@ std::optional<std::string> Members::Text(std::string_view name, Need need, std::
     ReportType(need, name, *value, "string");
     return std::nullopt;
   }
-  const std::string_view content(text->data(), text->size());
+  return std::string_view(text->data(), text->size());
+}
+
+std::optional<std::string> Members::Text(std::string_view name, Need need, std::size_t bytes_max) {
+  const std::optional<std::string_view> text = String(name, need);
+  if (!text) return std::nullopt;
   const Path field = path_.Field(name);
-  if (const auto violation = TextViolation(field, content, bytes_max)) {
-    Report(need, *violation);
-    return std::nullopt;
-  }
-  return std::string(content);
+  const TextFinding found = ReadText(field, *text, violations_.TextBytesMax(bytes_max));
+  if (!found.violation) return KeptText(violations_, *text, found.controls);
+  Report(need, *found.violation);
+  return std::nullopt;
 }
 
 }  // namespace uplink::schema

@@ -43,6 +43,8 @@ class Members final {
   [[nodiscard]] std::optional<std::uint64_t> Bits(std::string_view name);
   [[nodiscard]] std::optional<std::string> Text(std::string_view name, Need need,
                                                 std::size_t bytes_max);
+  /// A string as it was sent, by no rule of texts.
+  [[nodiscard]] std::optional<std::string_view> String(std::string_view name, Need need);
 
   /// Whether there is a member that only this object cannot go without; reported as content if not.
   [[nodiscard]] bool Has(std::string_view name);

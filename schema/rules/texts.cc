@@ -1,44 +1,32 @@
 #include "schema/rules/texts.h"
 
-#include <cstdint>
-#include <cstring>
-
 #include "schema/base/utf8.h"
 #include "schema/limits.h"
 
 namespace uplink::schema {
-namespace {
 
-/// The text behind its leading eight-byte blocks of ASCII without NUL: most texts are only that.
-std::string_view SkipAscii(std::string_view text) {
-  constexpr std::uint64_t kHighBits = 0x8080'8080'8080'8080U;
-  constexpr std::uint64_t kOnes = 0x0101'0101'0101'0101U;
-  while (text.size() >= sizeof(std::uint64_t)) {
-    std::uint64_t block = 0;
-    std::memcpy(&block, text.data(), sizeof(block));
-    // The subtraction sets a high bit where a byte is 0 (or follows one that is).
-    if (((block | (block - kOnes)) & kHighBits) != 0) break;
-    text.remove_prefix(sizeof(block));
-  }
-  return text;
+TextFinding ReadText(const Path& path, std::string_view text, std::size_t bytes_max) {
+  if (text.size() > bytes_max) return {.violation = TextTooLong(path, text.size(), bytes_max)};
+  const std::optional<std::size_t> controls = CountControls(text);
+  if (!controls) return {.violation = TextNotUtf8(path, text)};
+  return {.violation = {}, .controls = *controls};
 }
 
-}  // namespace
-
-std::optional<Violation> TextViolation(const Path& path, std::string_view text,
-                                       std::size_t bytes_max) {
-  if (text.size() > bytes_max) return TextTooLong(path, text.size(), bytes_max);
-  if (!IsCleanUtf8(SkipAscii(text))) return TextNotUtf8(path, text);
-  return std::nullopt;
+std::string KeptText(Violations& violations, std::string_view text, std::size_t controls) {
+  if (controls == 0) [[likely]]
+    return std::string(text);
+  violations.CountControls(controls);
+  return ReplaceControls(text, controls);
 }
 
 std::optional<std::string> Text(Violations& violations, const Path& path, std::string_view text,
                                 std::size_t bytes_max) {
-  if (const auto violation = TextViolation(path, text, bytes_max)) {
-    violations.Content(*violation);
+  const TextFinding found = ReadText(path, text, violations.TextBytesMax(bytes_max));
+  if (found.violation) {
+    violations.Content(*found.violation);
     return std::nullopt;
   }
-  return std::string(text);
+  return KeptText(violations, text, found.controls);
 }
 
 std::string DurableText(Violations& violations, const Path& path, std::string_view text,
@@ -53,11 +41,12 @@ std::string RequiredText(Violations& violations, const Path& path, std::string_v
 }
 
 std::string LiveKey(Violations& violations, const Path& path, std::string_view text) {
-  if (const auto violation = TextViolation(path, text, kIdBytesMax)) {
-    violations.Reject(*violation);
+  const TextFinding found = ReadText(path, text, violations.TextBytesMax(kIdBytesMax));
+  if (found.violation) {
+    violations.Reject(*found.violation);
     return {};
   }
-  return std::string(text);
+  return KeptText(violations, text, found.controls);
 }
 
 std::string RequiredLiveKey(Violations& violations, const Path& path, std::string_view text) {
@@ -67,13 +56,20 @@ std::string RequiredLiveKey(Violations& violations, const Path& path, std::strin
 
 std::optional<std::string> CutText(Violations& violations, const Path& path, std::string_view text,
                                    std::size_t bytes_max) {
-  if (const auto violation = TextViolation(path, text, text.size())) {
-    violations.Content(*violation);
+  TextFinding found = ReadText(path, text, text.size());
+  if (found.violation) {
+    violations.Content(*found.violation);
     return std::nullopt;
   }
-  if (text.size() <= bytes_max) return violations.NewText(text);
-  violations.Content(TextTooLong(path, text.size(), bytes_max));
-  return violations.NewText(Utf8Prefix(text, bytes_max));
+  const std::size_t kept_max = violations.TextBytesMax(bytes_max);
+  if (text.size() > kept_max) {
+    violations.Content(TextTooLong(path, text.size(), kept_max));
+    text = Utf8Prefix(text, kept_max);
+    if (found.controls > 0) found.controls = CountControls(text).value_or(0);
+  }
+  if (found.controls == 0) [[likely]]
+    return violations.NewText(text);
+  return KeptText(violations, text, found.controls);
 }
 
 }  // namespace uplink::schema

@@ -9,12 +9,22 @@
 #include "schema/rules/path.h"
 #include "schema/rules/violations.h"
 
-/// Rules of texts: length in bytes, well-formed UTF-8, no NUL.
+/// Rules of texts: length in bytes, well-formed UTF-8, no NUL. Control characters other than tab,
+/// line feed and carriage return are no violation: what is kept has U+FFFD in their place.
 namespace uplink::schema {
 
-/// The violation in a text, or nothing.
-[[nodiscard]] std::optional<Violation> TextViolation(const Path& path, std::string_view text,
-                                                     std::size_t bytes_max);
+/// What one pass over a text found.
+struct TextFinding {
+  std::optional<Violation> violation;
+  /// Control characters to replace.
+  std::size_t controls = 0;
+};
+
+[[nodiscard]] TextFinding ReadText(const Path& path, std::string_view text, std::size_t bytes_max);
+
+/// A text without violation as it is kept; what is replaced is counted.
+[[nodiscard]] std::string KeptText(Violations& violations, std::string_view text,
+                                   std::size_t controls);
 
 /// The text fit to keep, or nothing after reporting a violation of content.
 [[nodiscard]] std::optional<std::string> Text(Violations& violations, const Path& path,

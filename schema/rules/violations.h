@@ -45,10 +45,15 @@ class Violations final {
     SpareTexts* spare = nullptr;
     /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
     std::size_t extras_items_max = SIZE_MAX;
+    TextForm texts = TextForm::kAsSent;
   };
   explicit Violations(const Terms& terms) : terms_(terms) {}
 
   [[nodiscard]] std::size_t extras_items_max() const { return terms_.extras_items_max; }
+  /// The limit of a text that may have `bytes_max` bytes as it is sent.
+  [[nodiscard]] std::size_t TextBytesMax(std::size_t bytes_max) const {
+    return schema::TextBytesMax(terms_.texts, bytes_max);
+  }
 
   /// A violation that rejects whatever the kind: of structure, or of a live message's own key. The
   /// first one stays.
@@ -81,10 +86,18 @@ class Violations final {
 
   void CountUnknownTime() { ++times_unknown_; }
   void CountUnrecognized() { ++enumerants_unrecognized_; }
+  void CountControls(std::size_t controls) {
+    control_characters_ += static_cast<std::uint32_t>(controls);
+  }
 
   [[nodiscard]] bool rejected() const { return rejection_.has_value(); }
   [[nodiscard]] std::uint32_t times_unknown() const { return times_unknown_; }
   [[nodiscard]] std::uint32_t enumerants_unrecognized() const { return enumerants_unrecognized_; }
+
+  /// Of what was kept: 0 once the message is rejected.
+  [[nodiscard]] std::uint32_t control_characters() const {
+    return rejection_ ? 0 : control_characters_;
+  }
 
   [[nodiscard]] model::Rejection TakeRejection() { return *std::move(rejection_); }
   [[nodiscard]] std::vector<model::DroppedField> TakeDropped() { return std::move(dropped_); }
@@ -103,6 +116,7 @@ class Violations final {
   Terms terms_;
   std::uint32_t times_unknown_ = 0;
   std::uint32_t enumerants_unrecognized_ = 0;
+  std::uint32_t control_characters_ = 0;
   std::optional<model::Rejection> rejection_;
   std::vector<model::DroppedField> dropped_;
   std::vector<model::UntoldFields> untold_;

@@ -96,7 +96,8 @@ std::string PartBytes(const LatestByKey<Value, kMax>& part, std::string_view /*r
 bool TakeMessage(LivePart part, std::string_view message, std::string_view ruri,
                  schema::Judge& judge, LiveRead& read) {
   if (part == LivePart::kRcan) {
-    schema::RcanJudgement judgement = schema::JudgeRcanState(message, ruri, kLivePartBytesMax);
+    schema::RcanJudgement judgement =
+        schema::JudgeRcanState(message, ruri, kLivePartBytesMax, schema::TextForm::kAsKept);
     auto* state = std::get_if<model::RcanState>(&judgement.verdict);
     if (state == nullptr) return false;
     read.before.parts.rcan = std::move(*state);
@@ -155,6 +156,7 @@ schema::JudgeLimits JudgeLimitsOfLive() {
   limits.payload_bytes_max = kLivePartBytesMax;
   limits.message_bytes_max = kLivePartBytesMax;
   limits.extras_items_max = 1;
+  limits.texts = schema::TextForm::kAsKept;
   return limits;
 }
 

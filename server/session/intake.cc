@@ -137,9 +137,7 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
 
 void Intake::Accept(const UplinkView& uplink, Judged& judged, Processed& processed) {
   sign_of_life_ = sign_of_life_ || judged.sign_of_life;
-  if (judged.times_unknown > 0 || judged.enumerants_unrecognized > 0) {
-    context_.ledger.CountOdd(judged.times_unknown, judged.enumerants_unrecognized);
-  }
+  if (judged.odd.any()) context_.ledger.CountOdd(judged.odd);
   if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
     return Reject(uplink, *rejection, judged.kind, processed);
   }

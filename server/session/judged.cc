@@ -14,8 +14,9 @@ Judged JudgeRoverNexus(const SessionContext& context, const UplinkView& uplink,
   schema::Judgement judgement = context.judge.Payload(std::as_bytes(std::span(uplink.payload)));
   Judged judged{.content = model::Rejection(),
                 .sign_of_life = judgement.sign_of_life,
-                .times_unknown = judgement.times_unknown,
-                .enumerants_unrecognized = judgement.enumerants_unrecognized};
+                .odd = {.times_unknown = judgement.times_unknown,
+                        .enumerants_unrecognized = judgement.enumerants_unrecognized,
+                        .control_characters = judgement.control_characters}};
   if (judgement.variant) judged.kind = static_cast<std::size_t>(*judgement.variant);
   if (auto* record = std::get_if<model::Record>(&judgement.verdict)) {
     judged.expired =
@@ -34,7 +35,8 @@ Judged JudgeRcan(const SessionContext& context, const std::string& ruri, const U
                 .kind = metrics::kRcanKind,
                 .dropped = std::move(judgement.dropped),
                 .untold = std::move(judgement.untold),
-                .sign_of_life = judgement.sign_of_life && context.limits.rcan_counts_as_life};
+                .sign_of_life = judgement.sign_of_life && context.limits.rcan_counts_as_life,
+                .odd = {.control_characters = judgement.control_characters}};
   if (auto* state = std::get_if<model::RcanState>(&judgement.verdict)) {
     judged.content = std::move(*state);
   } else {

@@ -25,8 +25,7 @@ struct Judged {
   std::vector<model::DroppedField> dropped{};
   std::vector<model::UntoldFields> untold{};
   bool sign_of_life = false;
-  std::uint32_t times_unknown = 0;
-  std::uint32_t enumerants_unrecognized = 0;
+  metrics::OddCounts odd{};
   /// A durable upsert whose expiry has passed.
   bool expired = false;
 };

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "schema/base/utf8.h"
 #include "schema/json/text.h"
 #include "schema/limits.h"
 #include "tests/contract/store_contract.h"
@@ -77,7 +78,7 @@ class AllKindsContract : public StoreContract {
 
   /// A text of exactly so many bytes that makes trouble where it is not quoted.
   static std::string Odd(std::size_t bytes) {
-    std::string text = "' \" \\ ; -- %s \xF0\x9F\xA4\x96 \t\n\x01\x7F {} \\u0000 \xE2\x80\xAE";
+    std::string text = "' \" \\ ; -- %s \xF0\x9F\xA4\x96 \t\n\uFFFD {} \\u0000 \xE2\x80\xAE";
     text.resize(bytes, 'x');
     return text;
   }
@@ -147,6 +148,39 @@ TEST_P(AllKindsContract, AreKeptBesideOneThatTheDatabaseRefuses) {
   EXPECT_THAT(Objects(), SizeIs(1));
   EXPECT_THAT(LatestRows(), SizeIs(storage::kLatestKinds));
   EXPECT_THAT(Changes(), SizeIs(2));
+}
+
+TEST_P(AllKindsContract, KeepTextsThatGrewBeyondTheirLimit) {
+  Open();
+  const std::string id(schema::kIdBytesMax, '\x01');
+  const std::string name(schema::kNameBytesMax, '\x01');
+  model::MissionRunStatus report = test::SampleMission();
+  report.mission_id = id;
+  report.run_id = id;
+  model::ReportedShape shape = test::SampleShape();
+  shape.identity = {id, name, 1, id};
+  model::Object object = test::SampleObject();
+  object.id = id;
+  model::Fault fault = Fault(id);
+  fault.source = name;
+  EXPECT_THAT(Commit({Good(1, report), Good(2, model::ShapeOp{shape}),
+                      Good(3, model::ObjectOp{object}), Good(4, fault)}),
+              Each(OutcomeKind::kStored));
+  const std::string kept = ReplaceControls(id, id.size());
+  ASSERT_THAT(Runs(), SizeIs(1));
+  EXPECT_EQ(Runs()[0].run_id, kept);
+  ASSERT_THAT(Shapes(), SizeIs(1));
+  EXPECT_EQ(Shapes()[0].identity.id, kept);
+  ASSERT_THAT(Objects(), SizeIs(1));
+  ASSERT_THAT(Active(), SizeIs(1));
+  EXPECT_EQ(Active()[0].fault.source, ReplaceControls(name, name.size()));
+
+  fault.active = false;
+  Commit({Good(5, model::ShapeOp{model::Deletion{id}}),
+          Good(6, model::ObjectOp{model::Deletion{id}}), Good(7, fault)});
+  EXPECT_THAT(Shapes(), SizeIs(0));
+  EXPECT_THAT(Objects(), SizeIs(0));
+  EXPECT_THAT(Active(), SizeIs(0));
 }
 
 TEST_P(AllKindsContract, KeepTheLongestAndOddestTexts) {

@@ -6,7 +6,6 @@
 #include "schema/base/check.h"
 #include "schema/encode.h"
 #include "schema/judge.h"
-#include "schema/limits.h"
 #include "tests/fuzz/check_violation.h"
 
 namespace {
@@ -17,10 +16,11 @@ using uplink::schema::Judge;
 using uplink::schema::JudgeLimits;
 using uplink::schema::Judgement;
 
-/// What was judged good is good when it comes again, and comes back as it was.
-void CheckAgain(Judge& judge, const Judgement& first) {
+/// What was judged good is good when it is read again as it was kept, and comes back as it was.
+void CheckAgain(const Judgement& first) {
   if (!first.record()->dropped().empty()) return;
   const std::string encoded = uplink::schema::Encode(first.record()->body());
+  Judge judge{JudgeLimits{.texts = uplink::schema::TextForm::kAsKept}};
   const Judgement second = judge.Payload(std::as_bytes(std::span(encoded.data(), encoded.size())));
   if (second.record() == nullptr) {
     // Shared pointers let a message hold more than its bytes; unshared it may pass the size limit.
@@ -28,6 +28,7 @@ void CheckAgain(Judge& judge, const Judgement& first) {
                  "a good message stays good");
     return;
   }
+  UPLINK_CHECK(second.control_characters == 0, "what was replaced stays replaced");
   UPLINK_CHECK(second.record()->body() == first.record()->body(), "a good message stays the same");
 }
 
@@ -45,6 +46,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const Rejection& field : judgement.record()->dropped()) CheckViolation(field);
   UPLINK_CHECK(judgement.record()->dropped().size() <= uplink::schema::kToldFieldsMax,
                "no more is told than may be");
-  CheckAgain(judge, judgement);
+  CheckAgain(judgement);
   return 0;
 }

@@ -36,7 +36,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // What was judged good is good when it is written again, and comes back as it was.
   const auto& state = std::get<RcanState>(first.verdict);
   const std::string again = boost::json::serialize(uplink::json::Render(state, kRuri));
-  const RcanJudgement second = JudgeRcanState(again, kRuri, kAgainBytesMax);
+  const RcanJudgement second =
+      JudgeRcanState(again, kRuri, kAgainBytesMax, uplink::schema::TextForm::kAsKept);
+  UPLINK_CHECK(second.control_characters == 0, "what was replaced stays replaced");
   UPLINK_CHECK(second.rejection() == nullptr && second.dropped.empty(), "a good state stays good");
   const auto& kept = std::get<RcanState>(second.verdict);
   UPLINK_CHECK(kept.joints.size() == state.joints.size() && kept.seq == state.seq &&

@@ -80,7 +80,7 @@ TEST(LedgerTest, APageHoldsWhatWasPublished) {
                       model::RejectReason::kOutOfRange);
   ledger.CountDropped(static_cast<std::size_t>(model::Variant::kStatusTelemetry),
                       model::RejectReason::kNotFinite, 240);
-  ledger.CountOdd(3, 4);
+  ledger.CountOdd({.times_unknown = 3, .enumerants_unrecognized = 4, .control_characters = 5});
   const Ledger::Page page = ledger.Read();
   EXPECT_EQ(page.uplinks.in_flight, 1);
   EXPECT_TRUE(page.uplinks.Balanced());
@@ -90,8 +90,9 @@ TEST(LedgerTest, APageHoldsWhatWasPublished) {
   EXPECT_EQ(page.dropped[static_cast<std::size_t>(model::Variant::kStatusTelemetry)]
                         [static_cast<std::size_t>(model::RejectReason::kNotFinite)],
             240U);
-  EXPECT_EQ(page.times_unknown, 3U);
-  EXPECT_EQ(page.enumerants_unrecognized, 4U);
+  EXPECT_EQ(page.odd.times_unknown, 3U);
+  EXPECT_EQ(page.odd.enumerants_unrecognized, 4U);
+  EXPECT_EQ(page.odd.control_characters, 5U);
 }
 
 TEST(LedgerBookTest, TheLawHoldsInTheSumOverPages) {
@@ -100,8 +101,8 @@ TEST(LedgerBookTest, TheLawHoldsInTheSumOverPages) {
   Ledger& journal = book.NewPage();
   intake.Publish({.received = 5, .in_flight = 5});
   journal.Publish({.stored = 3, .in_flight = -3});
-  intake.CountOdd(1, 1);
-  journal.CountOdd(1, 1);
+  intake.CountOdd({.times_unknown = 1, .control_characters = 2});
+  journal.CountOdd({.times_unknown = 1, .control_characters = 3});
   intake.CountDropped(static_cast<std::size_t>(model::Variant::kFault),
                       model::RejectReason::kMalformed);
   journal.CountDropped(static_cast<std::size_t>(model::Variant::kFault),
@@ -109,7 +110,8 @@ TEST(LedgerBookTest, TheLawHoldsInTheSumOverPages) {
   const Ledger::Page sum = book.Sum();
   EXPECT_TRUE(sum.uplinks.Balanced());
   EXPECT_EQ(sum.uplinks.in_flight, 2);
-  EXPECT_EQ(sum.times_unknown, 2U);
+  EXPECT_EQ(sum.odd.times_unknown, 2U);
+  EXPECT_EQ(sum.odd.control_characters, 5U);
   EXPECT_EQ(sum.dropped[static_cast<std::size_t>(model::Variant::kFault)]
                        [static_cast<std::size_t>(model::RejectReason::kMalformed)],
             2U);

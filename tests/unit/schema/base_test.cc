@@ -36,6 +36,43 @@ TEST(Utf8Test, RefusesWhatIsNotUtf8) {
   }
 }
 
+TEST(Utf8Test, CountsControlCharactersOtherThanTabAndLineEnds) {
+  EXPECT_EQ(CountControls(""), 0U);
+  EXPECT_EQ(CountControls("\t\n\r plain Ölkännchen \u00A0🦊\uFFFD"), 0U);
+  for (const std::string_view control : {"\x01"sv, "\x08"sv, "\x0B"sv, "\x0C"sv, "\x0E"sv, "\x1F"sv,
+                                         "\x7F"sv, "\u0080"sv, "\u0085"sv, "\u009F"sv}) {
+    // Wherever it stands in a block of eight, and behind one.
+    for (std::size_t before = 0; before < 20; ++before) {
+      const std::string text =
+          std::string(before, 'x') + std::string(control) + std::string(before % 3 * 8, 'y');
+      EXPECT_EQ(CountControls(text), 1U) << PrintableUtf8(text, 64);
+      EXPECT_EQ(ReplaceControls(text, 1),
+                std::string(before, 'x') + "\uFFFD" + std::string(before % 3 * 8, 'y'));
+    }
+  }
+  EXPECT_EQ(CountControls("\0"sv), std::nullopt);
+  EXPECT_EQ(CountControls("\x01\xFF"), std::nullopt);
+}
+
+TEST(Utf8Test, NeitherPrintableAsciiNorItsNeighboursAreControls) {
+  for (int byte = 0x20; byte < 0x7F; ++byte) {
+    EXPECT_EQ(CountControls(std::string(8, static_cast<char>(byte))), 0U) << byte;
+  }
+  for (int byte = 0x80; byte < 0x100; ++byte) {
+    EXPECT_EQ(CountControls(std::string(8, static_cast<char>(byte))), std::nullopt) << byte;
+  }
+  EXPECT_EQ(CountControls(std::string(8, '\x1F')), 8U);
+  EXPECT_EQ(CountControls(std::string(8, '\x7F')), 8U);
+  EXPECT_EQ(CountControls("\u007E\u00A0"), 0U);
+}
+
+TEST(Utf8Test, ReplacesEachControlCharacterByItself) {
+  EXPECT_EQ(ReplaceControls("\x01\x02", 2), "\uFFFD\uFFFD");
+  EXPECT_EQ(ReplaceControls("a\u009Bb\tc\x7F🦊\x1B[0m\r\n", 3),
+            "a\uFFFDb\tc\uFFFD🦊\uFFFD[0m\r\n");
+  EXPECT_EQ(CountControls(ReplaceControls("\x01\u0080", 2)), 0U);
+}
+
 TEST(Utf8Test, CutsBetweenCodePoints) {
   EXPECT_EQ(Utf8Prefix("abc", 3), "abc");
   EXPECT_EQ(Utf8Prefix("abc", 2), "ab");

@@ -263,6 +263,47 @@ TEST(RcanState, EveryFieldIsReadAndRenderedAgain) {
   EXPECT_EQ(std::get<model::RcanState>(second.verdict), state);
 }
 
+TEST(RcanState, ControlCharactersAreReplacedAndCounted) {
+  const RcanJudgement judgement = JudgeOf(State(
+      R"("clock_source":"a\u0001\u0085\t","joints":[{"joint":"\u001b[1m","timestamp_us":1}])"));
+  ASSERT_EQ(judgement.rejection(), nullptr);
+  const auto& state = std::get<model::RcanState>(judgement.verdict);
+  EXPECT_EQ(state.clock_source, "a\uFFFD\uFFFD\t");
+  EXPECT_EQ(state.joints[0].joint, "\uFFFD[1m");
+  EXPECT_EQ(judgement.control_characters, 3U);
+}
+
+TEST(RcanState, JointsThatBecomeTheSameAreTheSame) {
+  const RcanJudgement judgement = JudgeOf(State(
+      R"("joints":[{"joint":"\u0001","timestamp_us":1},{"joint":"\u0002","timestamp_us":1}])"));
+  ASSERT_NE(judgement.rejection(), nullptr);
+  EXPECT_EQ(judgement.rejection()->reason, RejectReason::kDuplicateKey);
+  EXPECT_EQ(judgement.control_characters, 0U);
+}
+
+TEST(RcanState, TheRuriIsComparedAsItWasSent) {
+  const std::string text = R"({"ruri":"rcan://local.rcan/acme/arm/\u0001","timestamp_us":1})";
+  const RcanJudgement judgement =
+      JudgeRcanState(text, "rcan://local.rcan/acme/arm/\uFFFD", kBytesMax);
+  ASSERT_NE(judgement.rejection(), nullptr);
+  EXPECT_EQ(judgement.rejection()->reason, RejectReason::kIdentityMismatch);
+}
+
+TEST(RcanState, ATextAtItsLimitComesBackThoughItGrew) {
+  std::string name;
+  for (std::size_t i = 0; i < kIdBytesMax; ++i) name += "\\u0001";
+  const std::string text = State(R"("joints":[{"timestamp_us":1,"joint":")" + name + "\"}]");
+  const RcanJudgement first = JudgeOf(text);
+  ASSERT_EQ(first.rejection(), nullptr);
+  ASSERT_TRUE(first.dropped.empty());
+  const auto& state = std::get<model::RcanState>(first.verdict);
+  EXPECT_EQ(state.joints[0].joint.size(), kIdBytesMax * kReplacementBytes);
+  const std::string again = boost::json::serialize(json::Render(state, kRuri));
+  const RcanJudgement second = JudgeRcanState(again, kRuri, kBytesMax, TextForm::kAsKept);
+  ASSERT_EQ(second.rejection(), nullptr);
+  EXPECT_EQ(std::get<model::RcanState>(second.verdict), state);
+}
+
 class DroppedJoints : public ::testing::TestWithParam<int> {};
 
 TEST_P(DroppedJoints, AllAreCountedAndTheFirstAreTold) {

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "schema/json/render.h"
 #include "schema/limits.h"
 #include "tests/unit/schema/judging.h"
 #include "tests/unit/schema/samples.h"
@@ -225,6 +226,13 @@ class TextRuleTest : public testing::TestWithParam<TextCase> {
       ExpectThinned(judgement, reason, GetParam().field);
     }
   }
+  /// Bytes of the good message with this text as JSON.
+  static std::size_t RenderedBytes(const std::string& text) {
+    const schema::Judgement judgement = JudgeBody(GetParam().body(text));
+    ExpectGood(judgement);
+    if (judgement.record() == nullptr) return 0;
+    return boost::json::serialize(json::RenderBody(judgement.record()->body())).size();
+  }
 };
 
 TEST_P(TextRuleTest, TakesTextAtTheLimit) {
@@ -243,6 +251,58 @@ TEST_P(TextRuleTest, FaultsWhatIsNotUtf8) {
 TEST_P(TextRuleTest, FaultsNul) {
   ExpectFault(std::string("NUL\0 in the middle", 18), RejectReason::kTextNotUtf8);
   ExpectFault(std::string("seven..\0", 8), RejectReason::kTextNotUtf8);
+}
+
+TEST_P(TextRuleTest, ShowsControlCharactersAsReplacements) {
+  // The same message from an agent that wrote the replacements itself.
+  const schema::Judgement expected = JudgeBody(GetParam().body("a\t\uFFFDb\r\n\uFFFD\uFFFDc"));
+  ExpectGood(expected);
+  const schema::Judgement judgement =
+      JudgeBody(GetParam().body("a\t\x01"
+                                "b\r\n\x7F\u009Bc"));
+  ExpectGood(judgement);
+  ASSERT_NE(judgement.record(), nullptr);
+  EXPECT_EQ(judgement.record()->body(), expected.record()->body());
+  EXPECT_EQ(judgement.control_characters, 3U);
+  EXPECT_EQ(expected.control_characters, 0U);
+}
+
+TEST_P(TextRuleTest, CountsTheBytesThatWereSent) {
+  const std::string sent(GetParam().bytes_max, '\x01');
+  const schema::Judgement judgement = JudgeBody(GetParam().body(sent));
+  ExpectGood(judgement);
+  EXPECT_EQ(judgement.control_characters, GetParam().bytes_max);
+  ExpectFault(sent + '\x01', RejectReason::kTextTooLong);
+  // Three bytes each, and no replacement of ours.
+  std::string replacements;
+  for (std::size_t i = 0; i <= GetParam().bytes_max / kReplacementBytes; ++i) {
+    replacements += "\uFFFD";
+  }
+  ExpectFault(replacements, RejectReason::kTextTooLong);
+}
+
+TEST_P(TextRuleTest, IsRenderedInThreeTimesItsSizeAtMost) {
+  const std::size_t bytes = GetParam().bytes_max;
+  const std::size_t plain = RenderedBytes(std::string(bytes, 'x'));
+  // U+0001 unreplaced would be six bytes each.
+  EXPECT_EQ(RenderedBytes(std::string(bytes, '\x01')), plain + 2 * bytes);
+  EXPECT_EQ(RenderedBytes(std::string(bytes, '\x7F')), plain + 2 * bytes);
+  EXPECT_LE(RenderedBytes(std::string(bytes, '\n')), plain + bytes);
+}
+
+TEST_P(TextRuleTest, ComesBackFromACheckpointThoughItGrew) {
+  const std::string sent(GetParam().bytes_max, '\x01');
+  const schema::Judgement first = JudgeBody(GetParam().body(sent));
+  ASSERT_NE(first.record(), nullptr);
+  const schema::JudgeLimits kept{.texts = schema::TextForm::kAsKept};
+  const schema::Judgement again = JudgeBody(first.record()->body(), kept);
+  ExpectGood(again);
+  ASSERT_NE(again.record(), nullptr);
+  EXPECT_EQ(again.record()->body(), first.record()->body());
+  EXPECT_EQ(again.control_characters, 0U);
+  const schema::Judgement beyond = JudgeBody(
+      GetParam().body(std::string(GetParam().bytes_max * kReplacementBytes + 1, 'x')), kept);
+  EXPECT_TRUE(beyond.record() == nullptr || beyond.record()->dropped().size() == 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Fields, TextRuleTest, testing::ValuesIn(AllCases()),
@@ -264,6 +324,44 @@ TEST(StatusTextTest, IsDroppedWhenTooLongAndNotUtf8) {
   const schema::Judgement judgement = JudgeBody(status);
   ExpectThinned(judgement, RejectReason::kTextNotUtf8, "status");
   EXPECT_EQ(BodyOf<model::StatusTelemetry>(judgement).status, std::nullopt);
+}
+
+TEST(StatusTextTest, CountsWhatTheCutLeavesOfControlCharacters) {
+  model::StatusTelemetry status = SampleStatus();
+  status.status = "\x01" + std::string(schema::kDescriptionBytesMax - 1, 'x') + "\x02\x03";
+  const schema::Judgement judgement = JudgeBody(status);
+  ExpectThinned(judgement, RejectReason::kTextTooLong, "status");
+  EXPECT_EQ(judgement.control_characters, 1U);
+  EXPECT_EQ(BodyOf<model::StatusTelemetry>(judgement).status,
+            "\uFFFD" + std::string(schema::kDescriptionBytesMax - 1, 'x'));
+}
+
+TEST(ControlCharactersTest, AreNotCountedInWhatIsRejected) {
+  model::Fault fault = SampleFault();
+  fault.description = "\x01";
+  fault.suggested_action = std::string(schema::kDescriptionBytesMax + 1, 'x');
+  const schema::Judgement judgement = JudgeBody(fault);
+  ExpectRejected(judgement, RejectReason::kTextTooLong, "suggestedAction");
+  EXPECT_EQ(judgement.control_characters, 0U);
+}
+
+TEST(ControlCharactersTest, KeysThatBecomeTheSameAreTheSame) {
+  const std::string replaced = "a\uFFFD";
+  model::CurrentSettings settings;
+  settings.settings = {{.key = "a\x01", .value = 1.0}, {.key = "a\x02", .value = 2.0}};
+  ExpectRejected(JudgeBody(settings), RejectReason::kDuplicateKey, "[1].key");
+  settings.settings = {{.key = replaced, .value = 1.0}, {.key = "a\x02", .value = 2.0}};
+  ExpectRejected(JudgeBody(settings), RejectReason::kDuplicateKey, "[1].key");
+  settings.settings = {{.key = "a\x02", .value = 1.0}, {.key = "ab", .value = 2.0}};
+  ExpectGood(JudgeBody(settings));
+
+  model::TelemetryExtras extras = SampleExtras();
+  extras.kv = {{.key = "a\x01", .value = 1.0, .unix_time_ms = {}},
+               {.key = "a\x02", .value = 2.0, .unix_time_ms = {}}};
+  const auto kept = BodyOf<model::TelemetryExtras>(JudgeBody(extras));
+  ASSERT_EQ(kept.kv.size(), 1U);
+  EXPECT_EQ(kept.kv[0].key, replaced);
+  EXPECT_EQ(kept.kv[0].value, model::Value(2.0)) << "the later one wins";
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "schema/base/utf8.h"
 #include "schema/encode.h"
+#include "schema/limits.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 #include "tests/support/vector_files.h"
@@ -115,6 +117,50 @@ TEST_F(LiveBytesTest, ARobotStateComesBackAsItWas) {
   expected.seq_missing = 0;  // counted from each stream's begin
   EXPECT_EQ(read.before.parts.rcan, expected);
   EXPECT_FALSE(FromRow(ToRow("rcan://a", {}), judge_).before.parts.rcan);
+}
+
+/// A live message with texts of control characters, as long as they may be.
+model::Body Judged(const model::Body& body) {
+  model::Record record = test::RecordOf(body);
+  EXPECT_TRUE(record.dropped().empty());
+  return std::move(record).TakeBody();
+}
+
+TEST_F(LiveBytesTest, TextsThatGrewBeyondTheirLimitComeBackAsTheyWere) {
+  const std::string id(schema::kIdBytesMax, '\x01');
+  const std::string name(schema::kNameBytesMax, '\x02');
+  const std::string description(schema::kDescriptionBytesMax, '\x03');
+  model::StatusTelemetry status;
+  status.status = description;
+  status.estop = model::EStop{.unix_time_ms = 0, .active = true, .ids = {id}};
+  model::FuelStatus fuel;
+  fuel.volume_unit = name;
+  status.fuel = fuel;
+  model::TelemetryExtras extras;
+  extras.kv.push_back({.key = id, .value = description, .unix_time_ms = {}});
+  LiveChanges changes;
+  changes.changed.set();
+  for (const model::Body& body : std::vector<model::Body>{
+           status, extras, model::SystemHealth{.unix_time_ms = kNow, .device_id = id},
+           model::SpatialDirectiveStatus{.directive_id = id, .active = true}}) {
+    PutInto(changes.parts, Judged(body));
+  }
+  const LiveRead read = FromRow(ToRow("rcan://a", changes), judge_);
+  EXPECT_EQ(read.left_out, 0U);
+  EXPECT_EQ(read.before.parts.status, changes.parts.status);
+  EXPECT_EQ(read.before.parts.status->status->size(),
+            schema::kDescriptionBytesMax * kReplacementBytes);
+  EXPECT_EQ(read.before.parts.health.items(), changes.parts.health.items());
+  EXPECT_EQ(read.before.parts.directives.items(), changes.parts.directives.items());
+  EXPECT_EQ(KeysOf(read.before.parts.extras.items()), KeysOf(changes.parts.extras.items()));
+  EXPECT_EQ(read.before.parts.extras.items().front().second.value,
+            changes.parts.extras.items().front().second.value);
+}
+
+TEST_F(LiveBytesTest, WhatAnEarlierBuildKeptLosesItsControlCharacters) {
+  const LiveRead read = Again({model::SystemHealth{.unix_time_ms = kNow, .device_id = "a\x01"}});
+  EXPECT_EQ(read.left_out, 0U);
+  EXPECT_THAT(KeysOf(read.before.parts.health.items()), ElementsAre("a\uFFFD"));
 }
 
 TEST_F(LiveBytesTest, ARobotStateThatIsNoneIsLeftOut) {

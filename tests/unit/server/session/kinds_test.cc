@@ -124,6 +124,17 @@ TEST_F(KindsTest, AFaultIsNoSignOfLife) {
   EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOffline);
 }
 
+TEST_F(KindsTest, ControlCharactersAreReplacedAndCounted) {
+  model::Message message;
+  message.message = "\x1B[2Jcleared\n";
+  stream_.Send(BatchFrame({{1, schema::Encode(message)}, {2, Health("a\x01\u0085")}}));
+  const auto health = Parts().health.items();
+  ASSERT_EQ(health.size(), 1U);
+  EXPECT_EQ(health.front().first, "a\uFFFD\uFFFD");
+  EXPECT_EQ(server().page().odd.control_characters, 3U);
+  EXPECT_EQ(server().page().odd.times_unknown, 0U);
+}
+
 TEST_F(KindsTest, GoodRecordsAreCountedByVariant) {
   stream_.Send(BatchFrame({{1, Motion()}, {2, Motion()}, {3, Fault()}, {4, BadFault()}}));
   const metrics::UplinkCounts counts = server().counts();

@@ -147,6 +147,12 @@ TEST_F(RcanTest, AFieldAtFaultIsDroppedWithANotice) {
   EXPECT_FALSE(Latest().battery_pct.has_value());
 }
 
+TEST_F(RcanTest, ControlCharactersAreReplacedAndCounted) {
+  Send({State(1, R"("clock_source":"n\u0001tp")")});
+  EXPECT_EQ(Latest().clock_source, "n\uFFFDtp");
+  EXPECT_EQ(server().page().odd.control_characters, 1U);
+}
+
 TEST_F(RcanTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
   std::string joints = R"("joints":[)";
   for (int i = 0; i < 99; ++i) joints += R"({"joint":""},)";

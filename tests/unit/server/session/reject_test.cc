@@ -263,6 +263,20 @@ TEST_F(RejectTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
   EXPECT_EQ(dropped[static_cast<std::size_t>(model::RejectReason::kNotFinite)], kFields);
 }
 
+TEST_F(RejectTest, WhatLiesInQuarantineKeepsItsControlCharacters) {
+  BenchStream& stream = Welcomed();
+  model::Fault fault;
+  fault.description = "\x1B[2J";
+  const std::string payload = schema::Encode(fault);
+  stream.Send(BatchFrame({{1, payload}}));
+  server().Commit();
+  EXPECT_THAT(stream.Said(), ElementsAre(BadReject(1), "ack 1 judged 1"));
+  const auto page = testing::FakeReader(database_).Quarantine({.page_size = 100});
+  ASSERT_TRUE(page.ok() && page->rows.size() == 1);
+  EXPECT_EQ(page->rows[0].payload, payload);
+  EXPECT_EQ(server().page().odd.control_characters, 0U);
+}
+
 TEST_F(RejectTest, ANoticeComesBeforeTheAckThatCoversIt) {
   BenchStream& stream = Welcomed();
   std::vector<Message> messages = Messages(1, 63, Motion());
