@@ -1,0 +1,130 @@
+// What the real program shows Prometheus of a robot that names its joints anew, and of its
+// neighbour.
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/raw_http.h"
+#include "tests/support/test_agent.h"
+#include "tests/support/uplinkd_folder.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+using Names = std::set<std::string>;
+
+constexpr const char* kRenames = "rcan://a";
+constexpr const char* kHonest = "rcan://b";
+constexpr int kSeriesPerJoint = 3;
+
+/// A Robot State; its joints are called `word` and their number.
+std::string State(const std::string& ruri, std::uint64_t seq, const std::string& word, int joints) {
+  std::string state = fmt::format(R"({{"ruri":"{}","timestamp_us":{},"joints":[)", ruri, seq);
+  for (int i = 0; i < joints; ++i) {
+    state += fmt::format(
+        R"({}{{"joint":"{}{}","timestamp_us":{},"position_rad":1,"effort_nm":2,"temperature_c":3}})",
+        i == 0 ? "" : ",", word, i, seq);
+  }
+  return state + "]}";
+}
+
+/// Prometheus' own checker; 3: it has remarks on units of RCAN's names, which are not ours.
+std::optional<int> Promtool(const std::string& path) {
+  ServerProcess checker({"/bin/sh", "-c", "exec promtool check metrics < \"$0\"", path});
+  return checker.WaitForExit();
+}
+
+class RobotSeries : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    process_ = folder_.Start();
+    const auto ports = WaitForPorts(*process_);
+    ASSERT_TRUE(ports) << process_->text();
+    http_ = ports->http;
+    relay_ = ports->relay;
+  }
+  std::unique_ptr<TestAgent> Agent(const std::string& ruri) {
+    auto agent = std::make_unique<TestAgent>(
+        MakeChannel({.port = relay_,
+                     .server_ca = folder_.authority().certificate(),
+                     .identity = folder_.authority().Issue(RobotSpec(ruri))}),
+        TestAgent::Options{.patience = 3 * kPatience});
+    EXPECT_TRUE(agent->Connect(model::SessionId()));
+    return agent;
+  }
+  static void Send(TestAgent& agent, std::uint64_t seq, const std::string& state) {
+    v1::RelayRequest frame;
+    v1::Uplink& uplink = *frame.mutable_batch()->add_uplinks();
+    uplink.set_seq(seq);
+    uplink.set_rcan_robot_state(state);
+    ASSERT_TRUE(agent.Send(frame));
+    ASSERT_TRUE(agent.ReadJudged(seq));
+    ASSERT_THAT(agent.rejects(), SizeIs(0));
+  }
+  void Scrape() { text_ = HttpGet(http_, "/metrics/robots").body; }
+  /// The names of a robot's series in the last scrape that have this in them.
+  [[nodiscard]] Names NamesOf(const std::string& ruri, const std::string& part) const {
+    Names names;
+    std::istringstream lines(text_);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find("ruri=\"" + ruri + "\"") == std::string::npos) continue;
+      if (line.find(part) != std::string::npos) names.insert(line.substr(0, line.rfind(' ')));
+    }
+    return names;
+  }
+
+  UplinkdFolder folder_;
+  std::unique_ptr<ServerProcess> process_;
+  std::uint16_t http_ = 0;
+  std::uint16_t relay_ = 0;
+  std::string text_;
+};
+
+TEST_F(RobotSeries, ARobotThatRenamesItsJointsCostsItselfAlone) {
+  constexpr int kRounds = 5;
+  constexpr int kJoints = 200;
+  const auto renames = Agent(kRenames);
+  const auto honest = Agent(kHonest);
+  Names all;
+  for (int round = 1; round <= kRounds; ++round) {
+    const auto seq = static_cast<std::uint64_t>(round);
+    Send(*renames, seq, State(kRenames, seq, fmt::format("round{}_", round), kJoints));
+    Send(*honest, seq, State(kHonest, seq, "joint", 10));
+    Scrape();
+    EXPECT_THAT(NamesOf(kHonest, "joint="), SizeIs(10 * kSeriesPerJoint));
+    EXPECT_LE(NamesOf(kRenames, "").size(), 512U);
+    EXPECT_THAT(NamesOf(kRenames, "rcan_robot_online"), SizeIs(1));
+    all.merge(NamesOf(kRenames, "joint="));
+  }
+  EXPECT_GE(all.size(), 500U) << "its first names are there at once";
+  EXPECT_LE(all.size(), 512U) << "and no place is free before rcan.series_ttl";
+
+  const std::string metrics = HttpGet(http_, "/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("\nuplinkd_rcan_robots_incomplete 1\n"));
+  EXPECT_THAT(metrics, HasSubstr("\nuplinkd_rcan_robots_left_out 0\n"));
+  EXPECT_THAT(
+      metrics,
+      ContainsRegex("\nuplinkd_rcan_series_left_out_total\\{cause=\"robot_series_max\"\\} [1-9]"));
+  ASSERT_TRUE(process_->WaitFor("warn rcan_series_left_out robot=rcan://a ")) << process_->text();
+  const std::size_t named = process_->text().find("rcan_series_left_out");
+  EXPECT_EQ(process_->text().find("rcan_series_left_out", named + 1), std::string::npos);
+
+  std::ofstream(folder_.Path("scrape.txt")) << text_;
+  const std::optional<int> code = Promtool(folder_.Path("scrape.txt"));
+  EXPECT_TRUE(code == 0 || code == 3) << code.value_or(-1);
+}
+
+}  // namespace
+}  // namespace uplink::testing
