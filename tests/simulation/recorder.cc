@@ -30,7 +30,11 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
   return results;
 }
 
-bool Recorder::OnRowDeleted(const std::string& ruri) { return rows_.erase(ruri) > 0; }
+bool Recorder::OnRowDeleted(const std::string& ruri) {
+  const bool deleted = rows_.erase(ruri) > 0;
+  rows_deleted_ = rows_deleted_ || deleted;
+  return deleted;
+}
 
 void Recorder::CheckHold(const std::string& ruri, storage::Epoch held_since,
                          storage::OutcomeKind outcome) {
@@ -99,7 +103,8 @@ void Recorder::NotePresence(const storage::Batch& batch,
     const storage::PresenceItem& item = batch.presence[i];
     CheckHold(item.robot->ruri, item.held_since, outcomes[i].kind);
     if (item.number <= cursor) continue;
-    if (item.number != cursor + 1) {
+    // Of a robot whose row was deleted the changes that wait are dropped with its hold.
+    if (item.number != cursor + 1 && !rows_deleted_) {
       violation_(fmt::format("change of presence {} follows {}", item.number, cursor));
     }
     cursor = item.number;

@@ -89,6 +89,8 @@ class Recorder final : public storage::Store {
   storage::Store* store_ = nullptr;
   StoreFault fault_ = StoreFault::kNone;
   bool away_ = false;
+  /// A row of a robot was deleted.
+  bool rows_deleted_ = false;
   std::map<std::pair<std::string, model::SessionId>, DurableSession> sessions_;
   /// Robots that have a row in the store, with the hold in it.
   std::map<std::string, storage::Epoch> rows_;
