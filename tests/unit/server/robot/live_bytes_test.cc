@@ -122,7 +122,8 @@ TEST_F(LiveBytesTest, ARobotStateComesBackAsItWas) {
 /// A live message with texts of control characters, as long as they may be.
 model::Body Judged(const model::Body& body) {
   model::Record record = test::RecordOf(body);
-  EXPECT_TRUE(record.dropped().empty());
+  EXPECT_TRUE(record.dropped().empty())
+      << record.dropped().front().field << ": " << record.dropped().front().detail;
   return std::move(record).TakeBody();
 }
 
@@ -134,6 +135,7 @@ TEST_F(LiveBytesTest, TextsThatGrewBeyondTheirLimitComeBackAsTheyWere) {
   status.status = description;
   status.estop = model::EStop{.unix_time_ms = 0, .active = true, .ids = {id}};
   model::FuelStatus fuel;
+  fuel.level_pct = fuel.volume_remaining = fuel.capacity = fuel.efficiency = 1;
   fuel.volume_unit = name;
   status.fuel = fuel;
   model::TelemetryExtras extras;

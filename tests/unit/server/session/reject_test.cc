@@ -258,7 +258,7 @@ TEST_F(RejectTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
   const auto state = server().robot().state.Snapshot(robot::RobotState::Parts::kAll);
   EXPECT_EQ(state.fields_dropped, static_cast<std::int64_t>(kFields));
   EXPECT_EQ(state.parts.extras.items().size(), 1U) << "the good one behind them";
-  const auto& dropped =
+  const auto dropped =
       server().page().dropped[static_cast<std::size_t>(model::Variant::kTelemetryExtras)];
   EXPECT_EQ(dropped[static_cast<std::size_t>(model::RejectReason::kNotFinite)], kFields);
 }

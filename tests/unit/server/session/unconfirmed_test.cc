@@ -204,6 +204,7 @@ TEST_F(UnconfirmedByDefaultTest, TenThousandEndAStreamAndTheNextOneGoesOn) {
   EXPECT_EQ(stream.Said().back(), "ack 10000 judged 10000");
   EXPECT_THAT(stream.end(), ::testing::StartsWith("UNAVAILABLE: 10000 Rejects"));
   server().Pass(std::chrono::seconds(1));
+  server().Commit();
   BenchStream& next = server().Connect(SessionOf(1), kMax, kMax);
   EXPECT_THAT(next.Said(), ElementsAre("welcome 10000", "ack 10000 judged 10000"));
   next.Send(BatchFrame({{kMax + 1, BadFault()}, {kMax + 2, Fault()}}));
