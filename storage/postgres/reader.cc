@@ -17,6 +17,9 @@ namespace {
 
 /// The server may have gone to another machine.
 constexpr std::chrono::seconds kFolderEvery{10};
+/// After a failure it is asked for so much later: each try may take a connect's time, on the thread
+/// that answers operators.
+constexpr std::chrono::minutes kFolderLater{1};
 /// Robots of which the latest is read in one round trip: their bodies come at once.
 constexpr std::size_t kRobotsPerTrip = 16;
 
@@ -109,8 +112,13 @@ absl::StatusOr<std::optional<DiskSpace>> PostgresReader::Space() {
     folder_asked_ = now;
     absl::StatusOr<std::string> folder =
         pool_->With([](Connection& connection) { return ReadDataFolder(connection); });
-    // While the server is away, its disk is where it was.
-    if (folder.ok()) folder_ = *std::move(folder);
+    if (folder.ok()) {
+      folder_ = *std::move(folder);
+    } else {
+      // While the server is away, its disk is where it was; and who asks for rows waits long
+      // enough.
+      folder_asked_ = now + kFolderLater;
+    }
   }
   if (folder_.empty()) return std::nullopt;
   return DiskSpaceOf(folder_);

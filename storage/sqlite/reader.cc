@@ -11,6 +11,10 @@
 namespace uplink::storage::sqlite {
 namespace {
 
+/// After the file could not be read, so many looks at its disk go by what it said before: each try
+/// may take the whole wait for a lock, on the thread that answers operators.
+constexpr int kLooksWithout = 30;
+
 RobotRow RobotOf(const Rows& rows) {
   RobotRow robot{.robot = {std::string(rows.Bytes(0)), std::string(rows.Bytes(1))},
                  .first_seen = FromUnixMs(rows.Int(2)),
@@ -80,13 +84,25 @@ absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
 absl::StatusOr<DiskSpace> SqliteReader::Space() {
   absl::StatusOr<DiskSpace> space = DiskSpaceOf(pool_->path());
   if (!space.ok()) return space;
+  space->free_bytes += ReusableBytes();
+  return space;
+}
+
+std::uint64_t SqliteReader::ReusableBytes() {
+  if (looks_without_ > 0) {
+    --looks_without_;
+    return reusable_bytes_;
+  }
   const auto reusable = pool_->With([](Database& database) -> absl::StatusOr<std::int64_t> {
     return database.ReadInt(
         "SELECT freelist_count * page_size FROM pragma_freelist_count, pragma_page_size");
   });
-  if (!reusable.ok()) return reusable.status();
-  space->free_bytes += static_cast<std::uint64_t>(*reusable);
-  return space;
+  if (reusable.ok()) {
+    reusable_bytes_ = static_cast<std::uint64_t>(*reusable);
+  } else {
+    looks_without_ = kLooksWithout;
+  }
+  return reusable_bytes_;
 }
 
 absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const std::string& ruri) {

@@ -66,7 +66,13 @@ class SqliteReader final : public Reader {
  private:
   class Pool;
   explicit SqliteReader(std::unique_ptr<Pool> pool);
+  /// Of the file's free pages.
+  [[nodiscard]] std::uint64_t ReusableBytes();
+
   std::unique_ptr<Pool> pool_;
+  /// As of the last look that could ask, and how many looks more do not ask.
+  std::uint64_t reusable_bytes_ = 0;
+  int looks_without_ = 0;
 };
 
 }  // namespace uplink::storage::sqlite
