@@ -16,10 +16,8 @@ void Inbox::Open(OpenEntry entry) {
 
 void Inbox::Append(robot::CommitClient& client, std::uint64_t generation,
                    storage::CommitRecord record, SteadyTime arrived) {
-  Push({.origin = {.client = &client,
-                   .generation = generation,
-                   .arrived = arrived,
-                   .bytes = CostOf(record)},
+  const std::size_t bytes = CostOf(record);
+  Push({.origin = {.client = &client, .generation = generation, .arrived = arrived, .bytes = bytes},
         .item = std::move(record)});
 }
 

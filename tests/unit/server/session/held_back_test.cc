@@ -9,9 +9,7 @@ namespace {
 
 class HoldTest : public ::testing::Test {
  protected:
-  HoldTest() {
-    static_cast<void>(robot_.sessions.Begin(SessionOf(1), clock_.Steady()));
-  }
+  HoldTest() { static_cast<void>(robot_.sessions.Begin(SessionOf(1), clock_.Steady())); }
   HeldBackSources Sources() {
     return {.robot = robot_,
             .journal = server_.journal(),
