@@ -27,7 +27,7 @@ namespace uplink::testing {
 /// What stands behind the HTTP site, on a fake store and a clock moved by hand.
 class ServerWorld {
  public:
-  static constexpr std::size_t kRobotsMax = 32;
+  static constexpr std::size_t kRobotsMax = 5;
 
   ServerWorld();
   ~ServerWorld();
@@ -72,7 +72,8 @@ class ServerWorld {
   store::LeaseProbe lease_probe;
   metrics::Cell handshakes_failed;
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
-  config::RcanConfig rcan_config;
+  /// A text of few robots is to be more than a socket takes.
+  config::RcanConfig rcan_config{.robot_series_max = 2'000};
   log::Logger logger;
   fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
   journal::Journal journal;
