@@ -55,6 +55,8 @@ enum class MetricId : std::uint8_t {
   kProtocolErrors,
   kPeerStalls,
   kRejectsUnconfirmed,
+  kRejectPages,
+  kRejectReadsFailed,
   kResumes,
   kFrames,
   kFrameBytes,

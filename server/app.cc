@@ -32,6 +32,7 @@
 #include "server/store/forget_rounds.h"
 #include "server/store/lease_rounds.h"
 #include "server/store/open.h"
+#include "server/store/reject_reads.h"
 #include "server/store/seed_rounds.h"
 #include "server/store/space_rounds.h"
 #include "server/store/watch.h"
@@ -169,7 +170,7 @@ class App::Impl {
     auto relay = relay::RelayServer::Start(
         lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         lifecycle::JudgeLimitsOf(options_.config.limits), allowances_, *stores_.clock,
+         lifecycle::JudgeLimitsOf(options_.config.limits), allowances_, rejects_, *stores_.clock,
          &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
@@ -251,6 +252,7 @@ class App::Impl {
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
   store::Stores stores_;
+  store::RejectReads rejects_{*stores_.reader, ground_.OnReads()};
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();
   fleet::Forgetting forgetting_;

@@ -117,6 +117,15 @@ struct ActiveFaults {
   }
 };
 
+/// Which quarantined numbers of a session: those in (above, through], the first rows_max.
+struct RejectsQuery {
+  std::string ruri;
+  model::SessionId session;
+  model::Seq above = 0;
+  model::Seq through = 0;
+  std::size_t rows_max = kRejectPageMax;
+};
+
 /// The query side of the store.
 ///
 /// Errors:  kInvalidArgument for a page token that is none of ours (the message begins with
@@ -143,6 +152,10 @@ class Reader {
   /// which none did are left out.
   [[nodiscard]] virtual absl::StatusOr<std::vector<DroppedRow>> QuarantineDropped(
       const std::string& ruri) = 0;
+  /// Quarantined numbers of a session, ascending; none of a session that the store does not know,
+  /// nor of an earlier one that had the same id. Fewer than rows_max: there are no more.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<StoredReject>> Rejects(
+      const RejectsQuery& query) = 0;
   /// The number of active faults of each of `ruris`; robots without any may be left out.
   [[nodiscard]] virtual absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) = 0;

@@ -36,13 +36,14 @@ inline constexpr std::size_t kSweepRowsMax = 1'000;
 inline constexpr std::size_t kRetainRowsMax = 1'000;
 /// Payloads that one robot's quarantine keeps; older rows lose theirs.
 inline constexpr std::size_t kQuarantinePayloadsPerRobotMax = 1'000;
-/// Quarantined numbers that one OpenStream returns; with more, the answer is not complete.
-inline constexpr std::size_t kOpenRejectsMax = 16'384;
+/// Quarantined numbers that one OpenStream returns, the lowest; further ones are read by pages
+/// (Reader::Rejects), which holds up no commit.
+inline constexpr std::size_t kOpenRejectsMax = 256;
+/// Quarantined numbers of such a page.
+inline constexpr std::size_t kRejectPageMax = 512;
 /// Rows of one robot's quarantine that the store keeps, but for those that a Hello may still ask
 /// for. At as many above Hello.settled_seq a stream ends: more would be read for each Welcome.
 inline constexpr std::size_t kQuarantineRowsPerRobotMax = 10'000;
-static_assert(kQuarantineRowsPerRobotMax < kOpenRejectsMax,
-              "what one session may have unconfirmed is told whole by one OpenStream");
 /// Rows that one call of Store::TrimQuarantine deletes of one robot.
 inline constexpr std::size_t kTrimRowsMax = 1'000;
 /// Open mission runs of one robot; one more closes the one that was reported least recently.
@@ -84,6 +85,8 @@ struct OpenRequest {
   std::vector<model::SessionId> sessions_held;
   /// One that has ended takes its robot from no process that has a lease and did not release it.
   StreamState stream = StreamState::kOpen;
+  /// How many quarantined numbers are returned at most: 1 or more.
+  std::size_t rejects_max = kOpenRejectsMax;
 };
 
 /// The last change of a robot's presence that the store has.
@@ -113,10 +116,10 @@ struct OpenResult {
   Epoch held_since = 0;
   /// Highest committed durable number of the session; 0 if the store does not know the session.
   model::Seq cursor = 0;
-  /// Quarantined numbers in (settled_seq, cursor], ascending.
+  /// Quarantined numbers in (settled_seq, cursor], ascending: the first rejects_max.
   std::vector<StoredReject> rejects;
-  /// False when there were more than kOpenRejectsMax: the cursor must not be used then.
-  bool rejects_complete = true;
+  /// How many there are, counted up to kQuarantineRowsPerRobotMax.
+  std::size_t rejects_total = 0;
   /// Nothing if the store has no change of the robot's presence.
   std::optional<StoredPresence> presence;
 };

@@ -17,6 +17,7 @@
 #include "server/session/allowances.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
+#include "server/session/reject_source.h"
 
 namespace uplink::relay {
 
@@ -69,6 +70,8 @@ struct RelayContext {
   schema::JudgeLimits judge_limits;
   // As SessionContext's.
   const session::Allowances& allowances;
+  /// As SessionContext's.
+  session::RejectSource& rejects;
   const storage::ClockTrust& clock_trust;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.
   log::RateLimited* refusals = nullptr;

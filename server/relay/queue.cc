@@ -22,8 +22,17 @@ Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> com
       relay_(relay),
       clock_(relay.clock),
       judge_(relay.judge_limits),
-      context_{clock_, relay.fleet,  relay.journals, relay.session_probe, relay.ledgers.NewPage(),
-               judge_, relay.limits, scratch_,       relay.allowances,    relay.clock_trust} {}
+      context_{clock_,
+               relay.fleet,
+               relay.journals,
+               relay.session_probe,
+               relay.ledgers.NewPage(),
+               judge_,
+               relay.limits,
+               scratch_,
+               relay.allowances,
+               relay.rejects,
+               relay.clock_trust} {}
 
 Queue::~Queue() {
   UPLINK_CHECK(!thread_.joinable(), "a queue that was started must be closed");

@@ -15,6 +15,8 @@ enum class Mutation : std::uint8_t {
   kSettleLost,
   /// A duplicate that was settled long ago gets no Ack.
   kDuplicateNotAcked,
+  /// Acks do not wait for the Rejects that are read by pages.
+  kPagesNotAwaited,
   /// A process that learns that another one holds a robot goes on to judge it.
   kFenceKeepsState,
 };

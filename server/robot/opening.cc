@@ -1,12 +1,33 @@
 #include "server/robot/opening.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace uplink::robot {
 
+std::vector<RejectedSeq> RejectedOf(std::vector<storage::StoredReject> stored) {
+  std::vector<RejectedSeq> rejects;
+  rejects.reserve(stored.size());
+  for (storage::StoredReject& reject : stored) {
+    rejects.push_back({.seq = reject.seq, .rejection = std::move(reject.rejection)});
+  }
+  return rejects;
+}
+
+StoredSession StoredOf(std::optional<storage::OpenResult> answer) {
+  StoredSession stored;
+  if (!answer) return stored;
+  stored.through = answer->cursor;
+  stored.more = std::max(answer->rejects_total, answer->rejects.size()) - answer->rejects.size();
+  stored.rejects = RejectedOf(std::move(answer->rejects));
+  if (stored.more > 0) stored.unread = {stored.rejects.back().seq, stored.through};
+  return stored;
+}
+
 std::uint64_t Opening::Ask() {
   answer_.reset();
   wanted_ = true;
+  late_ = false;
   return ++open_id_;
 }
 
@@ -21,7 +42,7 @@ bool Opening::answered(std::uint64_t open_id) const {
 }
 
 std::optional<storage::OpenResult> Opening::Take(std::uint64_t open_id) {
-  wanted_ = false;
+  wanted_ = late_ = false;
   if (open_id != open_id_) return std::nullopt;
   return std::exchange(answer_, std::nullopt);
 }

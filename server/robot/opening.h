@@ -1,11 +1,29 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "schema/model/ids.h"
+#include "server/robot/reject_memory.h"
+#include "server/robot/rejected_seq.h"
 #include "storage/types.h"
 
 namespace uplink::robot {
+
+/// What the store has of a session.
+struct StoredSession {
+  /// The cursor; 0 without an answer.
+  model::Seq through = 0;
+  /// Quarantined numbers up to it, ascending: the first ones.
+  std::vector<RejectedSeq> rejects;
+  /// How many more there are up to it, and where.
+  std::size_t more = 0;
+  UnreadRejects unread;
+};
+[[nodiscard]] std::vector<RejectedSeq> RejectedOf(std::vector<storage::StoredReject> stored);
+[[nodiscard]] StoredSession StoredOf(std::optional<storage::OpenResult> answer);
 
 /// The store's answer to the last OpenStream of a robot, until Welcome has used it. Confined to its
 /// owner's lock.
@@ -19,14 +37,19 @@ class Opening final {
   [[nodiscard]] bool answered(std::uint64_t open_id) const;
   /// Welcome goes out now, with the answer if it is here; a later one is not wanted any more.
   [[nodiscard]] std::optional<storage::OpenResult> Take(std::uint64_t open_id);
+  /// After a Take without an answer: it is wanted all the same, once it comes.
+  void WantLate() { wanted_ = late_ = true; }
+  /// The answer came that WantLate asked for, and was not taken.
+  [[nodiscard]] bool came_late() const { return late_ && answer_.has_value(); }
   /// Another process holds the robot: what the store said is void.
   void Forget() { answer_.reset(); }
 
  private:
   std::uint64_t open_id_ = 0;
   std::optional<storage::OpenResult> answer_;
-  /// Welcome still waits for it.
+  /// Welcome still waits for it; or went out without it, and it is wanted late.
   bool wanted_ = false;
+  bool late_ = false;
 };
 
 }  // namespace uplink::robot

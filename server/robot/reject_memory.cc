@@ -34,6 +34,8 @@ void RejectMemory::AddUntold(RejectedSeq rejected) {
 
 std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
                                                  std::vector<RejectedSeq> stored) {
+  told_through_.reset();
+  pages_through_ = 0;
   std::map<model::Seq, RejectedSeq> known;
   const auto add = [&](const RejectedSeq& rejected) {
     if (rejected.seq > settled_seq) known.try_emplace(rejected.seq, rejected);
@@ -50,6 +52,53 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
   again.reserve(known.size());
   for (auto& [seq, rejected] : known) again.push_back(std::move(rejected));
   return again;
+}
+
+bool RejectMemory::AwaitLate(model::Seq settled_seq) {
+  if (left_through_ <= settled_seq) return false;
+  told_through_ = settled_seq;
+  return true;
+}
+
+void RejectMemory::AddLate(std::vector<RejectedSeq> stored) {
+  if (!told_through_ || pages_through_ > 0) return;
+  told_through_.reset();
+  const std::size_t before = untold_.size();
+  AddUnlessRemembered(std::move(stored));
+  unconfirmed_ += untold_.size() - before;
+}
+
+void RejectMemory::AddUnlessRemembered(std::vector<RejectedSeq> stored) {
+  for (RejectedSeq& rejected : stored) {
+    if (std::ranges::binary_search(remembered_, rejected.seq, {}, &RejectedSeq::seq)) continue;
+    untold_.push_back(std::move(rejected));
+  }
+}
+
+void RejectMemory::BeginPages(UnreadRejects unread, std::size_t more) {
+  told_through_ = unread.after;
+  pages_through_ = unread.through;
+  // Memory does not keep what pages hold: the next Welcome needs the store as well.
+  left_through_ = std::max(left_through_, unread.through);
+  // Those that memory has are in quarantine too, and were counted.
+  const auto in_both = std::ranges::count_if(remembered_, [&](const RejectedSeq& rejected) {
+    return rejected.seq > unread.after && rejected.seq <= unread.through;
+  });
+  unconfirmed_ += more - std::min(more, static_cast<std::size_t>(in_both));
+}
+
+std::optional<UnreadRejects> RejectMemory::unread() const {
+  if (!told_through_ || pages_through_ == 0) return std::nullopt;
+  return UnreadRejects{.after = *told_through_, .through = pages_through_};
+}
+
+void RejectMemory::AddPage(std::vector<RejectedSeq> page, model::Seq through) {
+  if (!unread()) return;
+  AddUnlessRemembered(std::move(page));
+  told_through_ = through;
+  if (through < pages_through_) return;
+  told_through_.reset();
+  pages_through_ = 0;
 }
 
 }  // namespace uplink::robot

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,12 +11,20 @@
 
 namespace uplink::robot {
 
+/// Quarantined numbers in (after, through] that are to be read. A value.
+struct UnreadRejects {
+  model::Seq after = 0;
+  model::Seq through = 0;
+};
+
 /// The Rejects of one session: those that the next Welcome repeats, and the store's that the stream
-/// was not told yet. It decides none. Confined to its owner's lock.
+/// was not told yet. It decides none. The store's quarantine holds more, which a stream is told by
+/// pages, or late, where a Welcome goes out before the store has answered: until it is told the
+/// last, no Ack may cover the first that it may lack. Confined to its owner's lock.
 ///
 /// Bounds: kRejectsRememberedMax are remembered, and as many that were limited; the lowest numbers
-///         go first. Untold are at most as
-///         many as messages of the robot wait for commits (in_flight_uplinks_max).
+///         go first. Untold are at most as many as messages of the robot wait for commits
+///         (in_flight_uplinks_max), and a page.
 class RejectMemory final {
  public:
   /// For the next Welcome. A number that is remembered already stays as it is. One that was limited
@@ -32,16 +41,36 @@ class RejectMemory final {
   /// `stored` is what the store knows besides; it is remembered. Nothing is untold afterwards.
   [[nodiscard]] std::vector<RejectedSeq> TellAgain(model::Seq settled_seq,
                                                    std::vector<RejectedSeq> stored);
+  /// After a TellAgain without the store's answer. True if memory let go of numbers above
+  /// `settled_seq`: the stream was not told those, and told_through holds until AddLate.
+  bool AwaitLate(model::Seq settled_seq);
+  /// The store's answer came after the Welcome: what memory does not have is untold. Does nothing
+  /// unless it is awaited.
+  void AddLate(std::vector<RejectedSeq> stored);
+  /// The numbers of the store's answer were told, or are untold, up to `after`; up to `through`
+  /// `more` are to be read.
+  void BeginPages(UnreadRejects unread, std::size_t more);
+  /// What is to be read next; nothing if nothing is.
+  [[nodiscard]] std::optional<UnreadRejects> unread() const;
+  /// It was read up to `through`: what memory does not have is untold.
+  void AddPage(std::vector<RejectedSeq> page, model::Seq through);
+  /// The number above which the stream may not have been told a Reject; nothing while it was told
+  /// all that are known.
+  [[nodiscard]] const std::optional<model::Seq>& told_through() const { return told_through_; }
 
  private:
   void RememberLimited(RejectedSeq limited);
+  void AddUnlessRemembered(std::vector<RejectedSeq> stored);
 
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
   /// Ascending.
   std::deque<RejectedSeq> limited_;
-  /// The highest number that had to leave; 0: none.
+  /// The highest number that had to leave, or that is kept by the store alone; 0: none.
   model::Seq left_through_ = 0;
+  std::optional<model::Seq> told_through_;
+  /// The last number that pages hold; 0: there are none.
+  model::Seq pages_through_ = 0;
   std::vector<RejectedSeq> untold_;
   std::size_t unconfirmed_ = 0;
 };

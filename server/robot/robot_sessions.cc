@@ -63,36 +63,19 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   return Begun{.open_id = opening_.Ask(), .generation = generation_.load()};
 }
 
-std::vector<model::SessionId> RobotSessions::Held() const {
-  const std::lock_guard lock(mutex_);
-  return sessions_.Ids();
-}
-
-bool RobotSessions::Opened(std::uint64_t open_id) const {
-  const std::lock_guard lock(mutex_);
-  return opening_.answered(open_id);
-}
-
 Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t open_id,
                                  model::Seq settled_seq, model::Seq judged_seq) {
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
   if (memory == nullptr) return {.committed = settled_seq, .rejects = {}};
-  std::vector<RejectedSeq> stored;
-  model::Seq stored_seq = 0;
-  if (std::optional<storage::OpenResult> answer = opening_.Take(open_id)) {
-    for (storage::StoredReject& reject : answer->rejects) {
-      stored.push_back({.seq = reject.seq, .rejection = std::move(reject.rejection)});
-    }
-    // As far as they are all known; what lies above is decided once more, by number.
-    if (answer->rejects_complete) {
-      stored_seq = answer->cursor;
-    } else if (!stored.empty()) {
-      stored_seq = stored.back().seq;
-    }
-  }
-  std::vector<RejectedSeq> rejects = memory->rejects.TellAgain(settled_seq, std::move(stored));
-  Resume resume{.committed = memory->numbers.Resume(settled_seq, judged_seq, stored_seq),
+  std::optional<storage::OpenResult> answer = opening_.Take(open_id);
+  const bool answered = answer.has_value();
+  StoredSession stored = StoredOf(std::move(answer));
+  std::vector<RejectedSeq> rejects =
+      memory->rejects.TellAgain(settled_seq, std::move(stored.rejects));
+  if (!answered && memory->rejects.AwaitLate(settled_seq)) opening_.WantLate();
+  if (stored.more > 0) memory->rejects.BeginPages(stored.unread, stored.more);
+  Resume resume{.committed = memory->numbers.Resume(settled_seq, judged_seq, stored.through),
                 .rejects = {}};
   if (!Planted(Mutation::kRejectNotRepeated)) resume.rejects = std::move(rejects);
   CountUnconfirmed();
@@ -101,6 +84,7 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
 
 void RobotSessions::CountUnconfirmed() {
   const SessionMemory* memory = CurrentSession();
+  has_unread_.store(memory != nullptr && memory->rejects.unread().has_value());
   unconfirmed_.store(memory == nullptr ? 0 : memory->rejects.unconfirmed());
 }
 
@@ -135,30 +119,15 @@ void RobotSessions::Remember(const model::SessionId& session, RejectedSeq reject
   }
 }
 
-void RobotSessions::AddGap(const model::SessionId& session, const Seen& seen) {
-  gaps_in_flight_.fetch_add(1);
-  const std::lock_guard lock(mutex_);
-  if (SessionMemory* memory = sessions_.Find(session)) {
-    memory->numbers.AddMissing(seen.missing);
-  }
-}
-
-bool RobotSessions::KeepPayload(model::RejectReason reason, SteadyTime now) {
-  const std::lock_guard lock(mutex_);
-  return pacing_.KeepPayload(reason, now);
-}
-
-bool RobotSessions::MayNotice(const std::string& field, SteadyTime now) {
-  const std::lock_guard lock(mutex_);
-  return pacing_.MayNotice(field, now);
-}
-
 Progress RobotSessions::Take(const model::SessionId& session) {
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
   if (memory == nullptr) return {};
   const Numbering& numbers = memory->numbers;
-  return {.through = Planted(Mutation::kAckBeforeCommit) ? numbers.seen() : numbers.through(),
+  const model::Seq through =
+      Planted(Mutation::kAckBeforeCommit) ? numbers.seen() : numbers.through();
+  const model::Seq told = memory->rejects.told_through().value_or(through);
+  return {.through = Planted(Mutation::kPagesNotAwaited) ? through : std::min(through, told),
           .judged = numbers.judged(),
           .rejects = memory->rejects.TakeUntold(),
           .released = std::exchange(memory->released, {})};
@@ -168,6 +137,28 @@ void RobotSessions::SetHeldBack(HeldBack by, SystemTime now) {
   const std::lock_guard lock(mutex_);
   if (held_back_ == HeldBack::kNone) held_back_since_ = now;
   held_back_ = by;
+}
+
+std::optional<UnreadRejects> RobotSessions::UnreadOf(const model::SessionId& session) const {
+  if (!has_unread_.load()) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  const SessionMemory* memory = sessions_.Find(session);
+  return memory == nullptr ? std::nullopt : memory->rejects.unread();
+}
+
+void RobotSessions::AddPage(const model::SessionId& session,
+                            std::vector<storage::StoredReject> page, model::Seq through) {
+  const std::lock_guard lock(mutex_);
+  SessionMemory* memory = sessions_.Find(session);
+  if (memory == nullptr) return;
+  memory->rejects.AddPage(RejectedOf(std::move(page)), through);
+  CountUnconfirmed();
+}
+
+bool RobotSessions::AwaitsRejects(const model::SessionId& session) const {
+  const std::lock_guard lock(mutex_);
+  const SessionMemory* memory = sessions_.Find(session);
+  return memory != nullptr && memory->rejects.told_through().has_value();
 }
 
 std::size_t RobotSessions::waiting(const model::SessionId& session) const {
@@ -241,6 +232,14 @@ bool RobotSessions::HasStream() const {
 StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
   if (opening_.Answer(open_id, result)) free_through_.store(result.cursor);
+  if (opening_.came_late()) {
+    StoredSession stored = StoredOf(opening_.Take(open_id));
+    if (SessionMemory* memory = sessions_.Find(*current_session_)) {
+      memory->rejects.AddLate(std::move(stored.rejects));
+      if (stored.more > 0) memory->rejects.BeginPages(stored.unread, stored.more);
+      CountUnconfirmed();
+    }
+  }
   return takeover_.current();
 }
 

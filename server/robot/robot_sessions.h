@@ -106,9 +106,15 @@ class RobotSessions final {
   /// one over kSessionsMax. Nothing if all sessions wait for commits.
   [[nodiscard]] std::optional<Begun> Begin(const model::SessionId& session, SteadyTime now);
   /// Sessions in memory, for OpenRequest.sessions_held.
-  [[nodiscard]] std::vector<model::SessionId> Held() const;
+  [[nodiscard]] std::vector<model::SessionId> Held() const {
+    const std::lock_guard lock(mutex_);
+    return sessions_.Ids();
+  }
   /// True once the store has answered OpenStream `open_id`.
-  [[nodiscard]] bool Opened(std::uint64_t open_id) const;
+  [[nodiscard]] bool Opened(std::uint64_t open_id) const {
+    const std::lock_guard lock(mutex_);
+    return opening_.answered(open_id);
+  }
   /// What Welcome says, from what is known now: session memory, and the store's answer if it is
   /// here.
   [[nodiscard]] Resume ResumeFrom(const model::SessionId& session, std::uint64_t open_id,
@@ -125,11 +131,21 @@ class RobotSessions final {
   /// A rejection made at judgement, remembered for the next Welcome.
   void Remember(const model::SessionId& session, RejectedSeq rejected);
   /// The gap before the number just seen goes to the journal.
-  void AddGap(const model::SessionId& session, const Seen& seen);
+  void AddGap(const model::SessionId& session, const Seen& seen) {
+    gaps_in_flight_.fetch_add(1);
+    const std::lock_guard lock(mutex_);
+    if (SessionMemory* memory = sessions_.Find(session)) memory->numbers.AddMissing(seen.missing);
+  }
   /// Whether the payload of a rejection for this reason is kept now (Pacing).
-  [[nodiscard]] bool KeepPayload(model::RejectReason reason, SteadyTime now);
+  [[nodiscard]] bool KeepPayload(model::RejectReason reason, SteadyTime now) {
+    const std::lock_guard lock(mutex_);
+    return pacing_.KeepPayload(reason, now);
+  }
   /// Whether a Notice of this field may be sent now (Pacing).
-  [[nodiscard]] bool MayNotice(const std::string& field, SteadyTime now);
+  [[nodiscard]] bool MayNotice(const std::string& field, SteadyTime now) {
+    const std::lock_guard lock(mutex_);
+    return pacing_.MayNotice(field, now);
+  }
 
   /// Takes the state for an Ack, and the store's Rejects that were not told yet, in one look.
   [[nodiscard]] Progress Take(const model::SessionId& session);
@@ -148,6 +164,16 @@ class RobotSessions final {
   /// Rejects of the stream's session that its agent has not said to have processed, as far as this
   /// process knows: the store tells of earlier ones if it answers before Welcome.
   [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_.load(); }
+  /// Rejects of the session that its stream is to be told, and that are to be read from quarantine
+  /// first; nothing if none are.
+  [[nodiscard]] std::optional<UnreadRejects> UnreadOf(const model::SessionId& session) const;
+  /// They were read up to `through`; Take has them now.
+  void AddPage(const model::SessionId& session, std::vector<storage::StoredReject> page,
+               model::Seq through);
+  /// There may be Rejects of the session that its stream was not told, since they are to be read,
+  /// or since the store did not answer before the Welcome (it wakes the stream when it does): no
+  /// Ack covers them until then.
+  [[nodiscard]] bool AwaitsRejects(const model::SessionId& session) const;
   /// Of this session alone.
   [[nodiscard]] std::size_t waiting(const model::SessionId& session) const;
 
@@ -180,7 +206,8 @@ class RobotSessions final {
 
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
   [[nodiscard]] const SessionMemory* CurrentSession() const;
-  /// Of the current session, after it was given Rejects. Under the lock.
+  /// Of the current session, after it was given Rejects; also whether some are to be read. Under
+  /// the lock.
   void CountUnconfirmed();
 
   mutable std::mutex mutex_;
@@ -202,6 +229,8 @@ class RobotSessions final {
   std::atomic<std::size_t> record_bytes_{0};
   std::atomic<std::size_t> unconfirmed_{0};
   std::atomic<model::Seq> free_through_{kNotKnown};
+  /// Spares a stream the lock where nothing is to be read.
+  std::atomic<bool> has_unread_{false};
   std::atomic<std::uint64_t> generation_{1};
 };
 

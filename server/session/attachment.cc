@@ -77,7 +77,8 @@ absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
                   .session = terms_.session,
                   .settled_seq = terms_.settled_seq,
                   .at = context_.clock.System(),
-                  .sessions_held = robot_->sessions.Held()});
+                  .sessions_held = robot_->sessions.Held(),
+                  .rejects_max = context_.limits.open_rejects_max});
   return begun->generation;
 }
 

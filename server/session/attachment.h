@@ -2,6 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -55,6 +58,16 @@ class Attachment final {
   [[nodiscard]] bool opened() const { return robot_->sessions.Opened(open_id_); }
   /// Messages of the session that wait for their commit.
   [[nodiscard]] std::size_t waiting() const { return robot_->sessions.waiting(terms_.session); }
+  /// As robot::RobotSessions::UnreadOf, AddPage and AwaitsRejects.
+  [[nodiscard]] std::optional<robot::UnreadRejects> Unread() const {
+    return robot_->sessions.UnreadOf(terms_.session);
+  }
+  void AddPage(std::vector<storage::StoredReject> page, model::Seq through) {
+    robot_->sessions.AddPage(terms_.session, std::move(page), through);
+  }
+  [[nodiscard]] bool AwaitsRejects() const {
+    return robot_->sessions.AwaitsRejects(terms_.session);
+  }
   /// How far the session is, with the store's Rejects that were not told yet.
   [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
 

@@ -10,6 +10,7 @@
 #include "server/session/frame_view.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
+#include "server/session/reject_source.h"
 #include "storage/clock_trust.h"
 
 namespace uplink::session {
@@ -33,6 +34,7 @@ struct SessionContext {
   const SessionLimits& limits;
   IntakeScratch& scratch;
   const Allowances& allowances;
+  RejectSource& rejects;
   /// Who vouches for the civil clock.
   const storage::ClockTrust& clock_trust;
 };

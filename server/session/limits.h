@@ -26,14 +26,16 @@ inline constexpr std::chrono::seconds kWelcomeWait{1};
 inline constexpr std::chrono::seconds kPeerStallMax{30};
 /// A superseded or refused call whose peer does not read is cancelled after this.
 inline constexpr std::chrono::seconds kFinishWait{1};
+/// After how long Rejects are read again that could not be.
+inline constexpr std::chrono::seconds kRejectsReadAgain{1};
 /// Largest jump of numbers, but at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
 /// Arrivals that a stream keeps for the ack latency until its next Ack is written.
 inline constexpr std::size_t kReleasedMax = 4096;
 
-static_assert(robot::kRejectsRememberedMax <= kOutgoingFramesMax,
-              "the Rejects that memory repeats after a Welcome must fit the outgoing queue; those "
-              "that quarantine adds (storage::kOpenRejectsMax) come on top, once per stream");
+static_assert(robot::kRejectsRememberedMax + storage::kOpenRejectsMax <= kOutgoingFramesMax &&
+                  storage::kRejectPageMax < kOutgoingFramesMax,
+              "what is told again at once, and each page after it, must fit the outgoing queue");
 
 /// The configurable limits of a session, each far below 2^32; Welcome tells the agent the same
 /// numbers. Immutable.
@@ -56,6 +58,9 @@ struct SessionLimits {
   /// quarantine, and is read for the next Welcome.
   std::size_t unconfirmed_rejects_max = storage::kQuarantineRowsPerRobotMax;
   robot::ReconnectLimits reconnects;
+  /// Rejects that come with the store's answer to an opening, and those of each page after it.
+  std::size_t open_rejects_max = storage::kOpenRejectsMax;
+  std::size_t reject_page_max = storage::kRejectPageMax;
   std::chrono::milliseconds ack_interval = config::LimitsConfig().ack_interval;
   std::chrono::milliseconds session_idle = config::LimitsConfig().session_idle;
   std::chrono::milliseconds drain_timeout = config::DrainConfig().timeout;

@@ -65,6 +65,9 @@ struct SessionProbe {
   std::array<metrics::Cell, robot::kHeldBackReasons> held_back_by_total;
   metrics::Cell peer_stalls_total;
   metrics::Cell superseded_total;
+  /// Pages of Rejects that were read for streams, and reads that failed.
+  metrics::Cell reject_pages_total;
+  metrics::Cell reject_reads_failed_total;
   /// Streams that ended with limits.unconfirmed_rejects_max Rejects that were not confirmed.
   metrics::Cell unconfirmed_total;
   /// Streams that ended, by kStreamEnds.

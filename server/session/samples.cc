@@ -26,6 +26,8 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
   page.Add(kProtocolErrors, probe.protocol_errors_total);
   page.Add(kPeerStalls, probe.peer_stalls_total);
   page.Add(kRejectsUnconfirmed, probe.unconfirmed_total);
+  page.Add(kRejectPages, probe.reject_pages_total);
+  page.Add(kRejectReadsFailed, probe.reject_reads_failed_total);
   page.Add(kResumes, probe.resumes_total);
   page.Add(kFrames, probe.frames_total);
   page.Add(kFrameBytes, probe.frame_bytes_total);

@@ -23,6 +23,7 @@ Session::Session(const SessionContext& context, identity::PeerIdentity peer, rob
       robot_(context_, self),
       reading_({.context = context_, .robot = robot_, .source = source, .timers = timers_}),
       outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}),
+      reject_pages_({.context = context_, .robot = robot_, .timers = timers_}),
       settling_({context_, robot_, outgoing_, reading_, timers_}) {
   context_.probe.streams.Add();
   context_.probe.streams_total.Add();
@@ -148,8 +149,10 @@ void Session::ProcessAndWrite(News news) {
     // scratch that all streams of the thread share.
     intake_->Keep();
   }
-  if (news == News::kCommits) outgoing_.AddProgress();
+  if (reject_pages_.Collect() || news == News::kCommits) outgoing_.AddProgress();
   outgoing_.Flush();
+  if (state_ != State::kStreaming && state_ != State::kSettling) return;
+  reject_pages_.Ask(outgoing_.size());
 }
 
 bool Session::EndForRejects() {

@@ -14,6 +14,7 @@
 #include "server/session/intake.h"
 #include "server/session/outgoing.h"
 #include "server/session/read_gate.h"
+#include "server/session/reject_pages.h"
 #include "server/session/settling.h"
 #include "server/session/stream_timers.h"
 
@@ -118,6 +119,7 @@ class Session final {
   /// From kOpening on.
   std::unique_ptr<Intake> intake_;
   Outgoing outgoing_;
+  RejectPages reject_pages_;
   Settling settling_;
 };
 

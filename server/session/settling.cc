@@ -51,7 +51,7 @@ void Settling::OnWritten() {
 }
 
 std::optional<absl::Status> Settling::Ended() {
-  if (sources_.robot.waiting() > 0) return std::nullopt;
+  if (sources_.robot.waiting() > 0 || sources_.robot.AwaitsRejects()) return std::nullopt;
   // Another process took the robot, and what waited with it: the wake that is on its way ends this.
   if (sources_.robot.standing() != robot::Standing::kCurrent) return std::nullopt;
   if (!last_ack_queued_) {

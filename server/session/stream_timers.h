@@ -23,10 +23,12 @@ enum class Timer : std::uint8_t {
   kStall,
   /// The next Ack of messages that were not acked (limits.ack_interval).
   kAck,
+  /// The next try to read Rejects (kRejectsReadAgain).
+  kReadRejects,
   /// The end of a throttle, when the stream is read again.
   kReadAgain,
 };
-inline constexpr std::size_t kTimers = 7;
+inline constexpr std::size_t kTimers = 8;
 
 /// The deadlines of one stream, at most one for each Timer. Confined to the stream's thread.
 class StreamTimers final {

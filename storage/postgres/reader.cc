@@ -40,6 +40,13 @@ constexpr std::string_view kActiveFaultCounts =
     " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";
 constexpr std::string_view kQuarantineDropped =
     "SELECT reason, count FROM uplinkd.quarantine_dropped WHERE ruri = $1::text ORDER BY reason";
+// A session's row is looked for from the greatest part down (see the migration of session parts).
+constexpr std::string_view kRejects =
+    "SELECT q.seq, q.reason, q.field, q.detail FROM (SELECT l.first_entry FROM uplinkd.sessions AS "
+    "l WHERE l.ruri = $1::text AND l.session = $2::uuid ORDER BY l.part DESC LIMIT 1) AS s"
+    " JOIN uplinkd.quarantine AS q ON q.ruri = $1::text AND q.session = $2::uuid"
+    " AND q.seq > $3::bigint AND q.seq <= $4::bigint AND q.entry >= s.first_entry"
+    " ORDER BY q.seq LIMIT $5::bigint";
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
@@ -160,6 +167,27 @@ absl::StatusOr<std::vector<DroppedRow>> PostgresReader::QuarantineDropped(const 
           {ReasonOf(rows->Int(row, 0)), static_cast<std::uint64_t>(rows->Int(row, 1))});
     }
     return dropped;
+  });
+}
+
+absl::StatusOr<std::vector<StoredReject>> PostgresReader::Rejects(const RejectsQuery& query) {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<StoredReject>> {
+    OwnedStoreCall call{std::string(kRejects), {}};
+    call.parameters.Text(query.ruri);
+    call.parameters.Uuid(query.session);
+    call.parameters.Int8(static_cast<std::int64_t>(query.above));
+    call.parameters.Int8(static_cast<std::int64_t>(query.through));
+    call.parameters.Int8(static_cast<std::int64_t>(query.rows_max));
+    const auto rows = RunOne(connection, std::move(call));
+    if (!rows.ok()) return rows.status();
+    std::vector<StoredReject> rejects;
+    rejects.reserve(static_cast<std::size_t>(rows->rows()));
+    for (int row = 0; row < rows->rows(); ++row) {
+      rejects.push_back({static_cast<model::Seq>(rows->Int(row, 0)),
+                         {ReasonOf(rows->Int(row, 1)), std::string(rows->Bytes(row, 2)),
+                          std::string(rows->Bytes(row, 3))}});
+    }
+    return rejects;
   });
 }
 

@@ -121,6 +121,28 @@ absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const st
   });
 }
 
+absl::StatusOr<std::vector<StoredReject>> SqliteReader::Rejects(const RejectsQuery& query) {
+  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<StoredReject>> {
+    auto statement = database.Prepare(
+        "SELECT q.seq, q.reason, q.field, q.detail FROM sessions AS s JOIN quarantine AS q"
+        " ON q.ruri = s.ruri AND q.session = s.session AND q.entry >= s.first_entry"
+        " WHERE s.ruri = ? AND s.session = ? AND q.seq > ? AND q.seq <= ? ORDER BY q.seq LIMIT ?");
+    if (!statement.ok()) return statement.status();
+    Rows rows = (*statement)
+                    ->Select(std::string_view(query.ruri), Blob{query.session.AsBytes()},
+                             query.above, query.through, static_cast<std::int64_t>(query.rows_max));
+    std::vector<StoredReject> rejects;
+    while (true) {
+      const absl::StatusOr<bool> found = rows.Next();
+      if (!found.ok()) return found.status();
+      if (!*found) return rejects;
+      rejects.push_back(
+          {static_cast<model::Seq>(rows.Int(0)),
+           {ReasonOf(rows.Int(1)), std::string(rows.Bytes(2)), std::string(rows.Bytes(3))}});
+    }
+  });
+}
+
 absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<ActiveFaults>> {

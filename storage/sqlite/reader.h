@@ -51,6 +51,8 @@ class SqliteReader final : public Reader {
   // NOLINTEND(bugprone-macro-parentheses)
   [[nodiscard]] absl::StatusOr<std::vector<DroppedRow>> QuarantineDropped(
       const std::string& ruri) override;
+  [[nodiscard]] absl::StatusOr<std::vector<StoredReject>> Rejects(
+      const RejectsQuery& query) override;
   [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,

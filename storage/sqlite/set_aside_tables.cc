@@ -24,6 +24,9 @@ absl::Status SetAsideTables::Prepare(Database& database) {
   prepare.Into(rejects_,
                "SELECT seq, reason, field, detail FROM quarantine WHERE ruri = ? AND session = ?"
                " AND seq > ? AND seq <= ? AND entry >= ? ORDER BY seq LIMIT ?");
+  prepare.Into(count_rejects_,
+               "SELECT COUNT(*) FROM (SELECT 1 FROM quarantine WHERE ruri = ? AND session = ?"
+               " AND seq > ? AND seq <= ? AND entry >= ? LIMIT ?)");
   prepare.Into(count_payloads_,
                "SELECT COUNT(*) FROM quarantine WHERE ruri = ? AND payload IS NOT NULL");
   prepare.Into(thin_,
@@ -50,6 +53,16 @@ absl::StatusOr<std::vector<StoredReject>> SetAsideTables::Rejects(const RejectRa
         {static_cast<model::Seq>(rows.Int(0)),
          {ReasonOf(rows.Int(1)), std::string(rows.Bytes(2)), std::string(rows.Bytes(3))}});
   }
+}
+
+absl::StatusOr<std::size_t> SetAsideTables::CountRejects(const RejectRange& range,
+                                                         std::size_t rejects_max) {
+  Rows rows =
+      count_rejects_->Select(range.ruri, Blob{range.session.AsBytes()}, range.above, range.through,
+                             range.first_entry, static_cast<std::int64_t>(rejects_max));
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  return static_cast<std::size_t>(rows.Int(0));
 }
 
 absl::Status SetAsideTables::ThinPayloads(std::string_view ruri) {

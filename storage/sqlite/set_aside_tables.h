@@ -37,13 +37,17 @@ class SetAsideTables final {
   /// The first `rejects_max` of the range, ascending.
   [[nodiscard]] absl::StatusOr<std::vector<StoredReject>> Rejects(const RejectRange& range,
                                                                   std::size_t rejects_max);
+  /// How many the range has; more than `rejects_max` are not counted.
+  [[nodiscard]] absl::StatusOr<std::size_t> CountRejects(const RejectRange& range,
+                                                         std::size_t rejects_max);
   /// Drops the oldest payloads of the robot over kQuarantinePayloadsPerRobotMax.
   [[nodiscard]] absl::Status ThinPayloads(std::string_view ruri);
   /// Deletes the oldest gaps of the robot over kGapsPerRobotMax.
   [[nodiscard]] absl::Status TrimGaps(std::string_view ruri);
 
  private:
-  std::unique_ptr<Statement> rejects_, count_payloads_, thin_, count_gaps_, trim_gaps_;
+  std::unique_ptr<Statement> rejects_, count_rejects_, count_payloads_, thin_, count_gaps_,
+      trim_gaps_;
 };
 
 }  // namespace uplink::storage::sqlite

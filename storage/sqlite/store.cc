@@ -119,13 +119,13 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   range.above = std::min(request.settled_seq, session->cursor);
   range.through = session->cursor;
   absl::StatusOr<std::vector<StoredReject>> rejects =
-      impl_->tables.set_aside.Rejects(range, kOpenRejectsMax + 1);
+      impl_->tables.set_aside.Rejects(range, request.rejects_max);
   if (!rejects.ok()) return rejects.status();
   result.rejects = *std::move(rejects);
-  if (result.rejects.size() > kOpenRejectsMax) {
-    result.rejects.pop_back();
-    result.rejects_complete = false;
-  }
+  const absl::StatusOr<std::size_t> total =
+      impl_->tables.set_aside.CountRejects(range, kQuarantineRowsPerRobotMax);
+  if (!total.ok()) return total.status();
+  result.rejects_total = *total;
   absl::Status evicted = EvictSessions(request);
   if (!evicted.ok()) return evicted;
   const auto presence = deciding.Presence(request.robot->ruri);

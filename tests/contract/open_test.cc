@@ -1,4 +1,6 @@
+#include <memory>
 #include <set>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -13,12 +15,18 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
+std::vector<model::Seq> SeqsOf(const std::vector<storage::StoredReject>& rejects) {
+  std::vector<model::Seq> seqs;
+  for (const storage::StoredReject& reject : rejects) seqs.push_back(reject.seq);
+  return seqs;
+}
+
 TEST_P(StoreContract, RaisesTheEpochAndKeepsTheHoldOfOneProcess) {
   const OpenResult first = Open();
   EXPECT_GE(first.epoch, 1) << "0 is no epoch";
   EXPECT_EQ(first.held_since, first.epoch);
   EXPECT_EQ(first.cursor, 0);
-  EXPECT_TRUE(first.rejects_complete);
+  EXPECT_EQ(first.rejects_total, 0U);
   const OpenResult second = Open();
   EXPECT_GT(second.epoch, first.epoch);
   EXPECT_EQ(second.held_since, first.held_since);
@@ -180,21 +188,61 @@ TEST_P(StoreContract, ReturnsTheRejectsAboveWhatIsSettled) {
   EXPECT_THAT(Open(request).rejects, SizeIs(0));
 }
 
-TEST_P(StoreContract, SaysWhenThereAreMoreRejectsThanOneAnswerHolds) {
+TEST_P(StoreContract, SaysHowManyRejectsThereAreBesideThoseThatItReturns) {
   Open();
   std::vector<storage::CommitRecord> records;
   for (model::Seq seq = 1; seq <= storage::kOpenRejectsMax; ++seq) records.push_back(Bad(seq, ""));
   Commit(std::move(records));
   OpenResult result = Open();
   EXPECT_THAT(result.rejects, SizeIs(storage::kOpenRejectsMax));
-  EXPECT_TRUE(result.rejects_complete);
+  EXPECT_EQ(result.rejects_total, storage::kOpenRejectsMax);
   Commit({Bad(storage::kOpenRejectsMax + 1, "")});
-  EXPECT_FALSE(Open().rejects_complete);
+  result = Open();
+  EXPECT_THAT(result.rejects, SizeIs(storage::kOpenRejectsMax));
+  EXPECT_EQ(result.rejects.back().seq, storage::kOpenRejectsMax) << "the lowest";
+  EXPECT_EQ(result.rejects_total, storage::kOpenRejectsMax + 1);
   storage::OpenRequest request = Request();
   request.settled_seq = 1;
+  request.rejects_max = 2;
   result = Open(request);
-  EXPECT_THAT(result.rejects, SizeIs(storage::kOpenRejectsMax));
-  EXPECT_TRUE(result.rejects_complete);
+  EXPECT_THAT(SeqsOf(result.rejects), ElementsAre(2, 3));
+  EXPECT_EQ(result.rejects_total, storage::kOpenRejectsMax);
+}
+
+TEST_P(StoreContract, ReturnsAsManyRejectsOfEachStreamAsItAsksFor) {
+  Open();
+  Commit({Bad(1, ""), Bad(2, ""), Bad(3, "")});
+  std::vector<storage::OpenRequest> requests = {Request(), Request()};
+  requests[0].rejects_max = 1;
+  requests[1].robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://b", "fleet"});
+  const auto results = store_->Process(kProcess).OpenStreams(requests);
+  ASSERT_TRUE(results.ok()) << results.status();
+  EXPECT_THAT(SeqsOf((*results)[0].rejects), ElementsAre(1));
+  EXPECT_EQ((*results)[0].rejects_total, 3U);
+  EXPECT_EQ((*results)[1].rejects_total, 0U);
+}
+
+TEST_P(StoreContract, ReadsRejectsByPages) {
+  Open();
+  Commit({Bad(2, "a"), Good(3), Bad(5, "b"), Bad(6, "c"), Bad(9, "d")});
+  storage::RejectsQuery query{
+      .ruri = robot_->ruri, .session = Session(1), .above = 2, .through = 9, .rows_max = 2};
+  const auto read = [&] {
+    const auto rows = store_->reader().Rejects(query);
+    EXPECT_TRUE(rows.ok()) << rows.status();
+    return rows.value_or(std::vector<storage::StoredReject>());
+  };
+  const std::vector<storage::StoredReject> first = read();
+  EXPECT_THAT(SeqsOf(first), ElementsAre(5, 6));
+  EXPECT_EQ(first[0].rejection, BadReason());
+  query.above = 6;
+  EXPECT_THAT(SeqsOf(read()), ElementsAre(9));
+  query.through = 8;
+  EXPECT_THAT(read(), SizeIs(0));
+  query.session = Session(2);
+  EXPECT_THAT(read(), SizeIs(0)) << "a session that is not known";
+  query.ruri = "rcan://nobody";
+  EXPECT_THAT(read(), SizeIs(0));
 }
 
 TEST_P(StoreContract, ForgetsTheSessionThatWasUsedLongestAgo) {

@@ -113,7 +113,9 @@ TEST_P(QuarantineBoundContract, RowsOfAKeptSessionThatNobodyConfirmedStay) {
   Fill(1, kMax + 10);
   EXPECT_EQ(Trim(), 0U);
   EXPECT_THAT(Numbers(), SizeIs(kMax + 10));
-  EXPECT_THAT(Open().rejects, SizeIs(kMax + 10));
+  storage::OpenRequest request = Request();
+  request.rejects_max = kMax + 20;
+  EXPECT_THAT(Open(request).rejects, SizeIs(kMax + 10));
 }
 
 TEST_P(QuarantineBoundContract, RowsThatAHelloConfirmedGoAfterThoseOfSessionsNotKept) {

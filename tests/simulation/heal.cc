@@ -16,7 +16,9 @@ constexpr int kRoundsMax = 2000;
 }  // namespace
 
 void World::Heal() {
+  away_ = false;
   recorder_.SetAway(false);
+  server_->rejects().SetAway(false);
   recorder_.FailNext(StoreFault::kNone);
   if (server_->draining) Kill();
   for (int round = 0; round < kRoundsMax && result_.violation.empty(); ++round) {
@@ -56,6 +58,7 @@ void World::HealRound() {
     }
   }
   server_->journal().turns().Advance();
+  server_->rejects().ReadOne();
   while (server_->HasWakes()) server_->DeliverWake(0);
   clock_.Advance(milliseconds(50));
   server_->FireTimers();

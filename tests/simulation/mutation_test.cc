@@ -52,7 +52,8 @@ TEST_P(PlantedFault, ReplaysToTheSameViolation) {
 
 INSTANTIATE_TEST_SUITE_P(Simulation, PlantedFault,
                          ::testing::Values(Mutation::kAckBeforeCommit, Mutation::kRejectNotRepeated,
-                                           Mutation::kSettleLost, Mutation::kDuplicateNotAcked));
+                                           Mutation::kSettleLost, Mutation::kDuplicateNotAcked,
+                                           Mutation::kPagesNotAwaited));
 
 TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kCursorMayFall), 0U);

@@ -95,6 +95,7 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
       fleet_(clock_, kRobotsMax, limits_.presence),
       journal_(ground.store, limits_.journal, clock_, book_.NewPage(), journal_probe_, process),
       judge_({}),
+      rejects_(ground.rows, testing::FakeRejectSource::Reads::kWhenTold),
       ledger_(book_.NewPage()) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { journal_.NotePresence(robot, presence, at); });
@@ -115,6 +116,7 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .limits = limits_.session,
                                         .scratch = scratch_,
                                         .allowances = allowances_,
+                                        .rejects = rejects_,
                                         .clock_trust = clock_trust_};
   identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),

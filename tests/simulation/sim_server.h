@@ -16,6 +16,7 @@
 #include "storage/reader.h"
 #include "tests/simulation/recorder.h"
 #include "tests/simulation/trace.h"
+#include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_trust.h"
 #include "tests/support/manual_clock.h"
 
@@ -139,6 +140,8 @@ class SimServer final : public robot::WakeInbox {
   void FireTimers();
   void Forget(std::uint64_t stream) { streams_.erase(stream); }
 
+  /// Reads of quarantined Rejects, each a step.
+  [[nodiscard]] testing::FakeRejectSource& rejects() { return rejects_; }
   [[nodiscard]] journal::Journal& journal() { return journal_; }
   [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
   [[nodiscard]] metrics::Ledger::Page counts() const { return book_.Sum(); }
@@ -158,6 +161,7 @@ class SimServer final : public robot::WakeInbox {
   session::IntakeScratch scratch_;
   const session::Allowances allowances_{limits_.allowance};
   const testing::FakeTrust clock_trust_;
+  testing::FakeRejectSource rejects_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;
   std::map<std::string, std::uint64_t> newest_;

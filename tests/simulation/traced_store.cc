@@ -22,9 +22,8 @@ std::string TextOf(const storage::OpenRequest& request) {
 }
 
 std::string TextOf(const storage::OpenResult& result) {
-  std::string text =
-      fmt::format("opened epoch {} held since {} cursor {} rejects complete {}", result.epoch,
-                  result.held_since, result.cursor, result.rejects_complete);
+  std::string text = fmt::format("opened epoch {} held since {} cursor {} rejects {}", result.epoch,
+                                 result.held_since, result.cursor, result.rejects_total);
   for (const storage::StoredReject& reject : result.rejects) {
     text += fmt::format(", {} {}", reject.seq, TextOf(reject.rejection));
   }

@@ -27,6 +27,8 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   limits_.session.reconnects = {
       .per_minute = random_.Percent(30) ? 2 : static_cast<std::uint32_t>(robot::kStreamTimesMax),
       .delay_max = milliseconds(400)};
+  if (random_.Percent(60)) limits_.session.open_rejects_max = 1;
+  limits_.session.reject_page_max = 1 + random_.Below(2);
   limits_.journal.bytes_max = random_.Percent(30) ? 4'000 : 1'000'000;
   limits_.journal.batch_records_max = 1 + random_.Below(8);
   limits_.presence = {.timeout = milliseconds(400), .startup_grace = milliseconds(2'000)};
@@ -63,6 +65,7 @@ void World::StartServer() {
                       .store = traced_ ? static_cast<storage::Store&>(*traced_) : recorder_,
                       .trace = options_.trace};
   server_ = std::make_unique<SimServer>(ground, limits_, process);
+  server_->rejects().SetAway(away_);
 }
 
 RunResult World::Run() {
@@ -101,8 +104,12 @@ void World::Step() {
     return NetworkStep(*at->second, OwnerOf(at->first));
   }
   if (pick < 60) return AgentStep(*robots_[random_.Below(robots_.size())]);
-  if (pick < 76) {
+  if (pick < 73) {
     server_->journal().turns().Advance();
+    return;
+  }
+  if (pick < 76) {
+    server_->rejects().ReadOne();
     return;
   }
   if (pick < 94) {
@@ -195,6 +202,7 @@ void World::FaultStep() {
   }
   if (pick < 90) {
     away_ = pick < 80 && !away_;
+    server_->rejects().SetAway(away_);
     return recorder_.SetAway(away_);
   }
   if (pick < 93) {

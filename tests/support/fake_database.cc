@@ -253,11 +253,10 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   const auto end = session.rejects.upper_bound(session.cursor);
   auto it = session.rejects.upper_bound(std::min(request.settled_seq, session.cursor));
   for (; it != end; ++it) {
-    if (result.rejects.size() == storage::kOpenRejectsMax) {
-      result.rejects_complete = false;
-      break;
+    result.rejects_total = std::min(result.rejects_total + 1, storage::kQuarantineRowsPerRobotMax);
+    if (result.rejects.size() < request.rejects_max) {
+      result.rejects.push_back({it->first, it->second});
     }
-    result.rejects.push_back({it->first, it->second});
   }
   EvictSessions(robot, request);
   return result;

@@ -31,6 +31,8 @@ class FakeReader final : public storage::Reader {
   // NOLINTEND(bugprone-macro-parentheses)
   [[nodiscard]] absl::StatusOr<std::vector<storage::DroppedRow>> QuarantineDropped(
       const std::string& ruri) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::StoredReject>> Rejects(
+      const storage::RejectsQuery& query) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,

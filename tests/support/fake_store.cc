@@ -232,6 +232,11 @@ absl::StatusOr<std::vector<storage::DroppedRow>> FakeStore::QuarantineDropped(
   return FakeReader(database_).QuarantineDropped(ruri);
 }
 
+absl::StatusOr<std::vector<storage::StoredReject>> FakeStore::Rejects(
+    const storage::RejectsQuery& query) {
+  return FakeReader(database_).Rejects(query);
+}
+
 absl::StatusOr<std::vector<storage::ActiveFaults>> FakeStore::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   return FakeReader(database_).ActiveFaultCounts(ruris);

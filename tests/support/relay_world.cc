@@ -45,6 +45,7 @@ relay::RelayContext RelayWorld::Context() {
                            .message_bytes_max = options.session.message_bytes_max,
                            .extras_items_max = options.session.extras_items_max},
           .allowances = allowances_,
+          .rejects = rejects_,
           .clock_trust = clock_trust_};
 }
 

@@ -14,6 +14,7 @@
 #include "server/session/limits.h"
 #include "tests/support/certificates.h"
 #include "tests/support/eventually.h"
+#include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/fake_trust.h"
 #include "tests/support/test_agent.h"
@@ -76,6 +77,7 @@ class RelayWorld final {
   KeyPair server_identity_;
   const session::Allowances allowances_;
   const FakeTrust clock_trust_;
+  FakeRejectSource rejects_{&store};
   std::optional<journal::JournalWriter> writer_;
   std::unique_ptr<relay::RelayServer> server_;
 };

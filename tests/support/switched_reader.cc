@@ -66,6 +66,12 @@ absl::StatusOr<std::vector<storage::DroppedRow>> SwitchedReader::QuarantineDropp
   return reader_.QuarantineDropped(ruri);
 }
 
+absl::StatusOr<std::vector<storage::StoredReject>> SwitchedReader::Rejects(
+    const storage::RejectsQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Rejects(query);
+}
+
 absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCounts(
     std::span<const std::string> ruris) {
   if (absl::Status here = Enter(); !here.ok()) return here;

@@ -37,6 +37,8 @@ class SwitchedReader final : public storage::Reader {
   absl::StatusOr<std::size_t> RobotCount() override;
   absl::StatusOr<std::vector<storage::DroppedRow>> QuarantineDropped(
       const std::string& ruri) override;
+  absl::StatusOr<std::vector<storage::StoredReject>> Rejects(
+      const storage::RejectsQuery& query) override;
   absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,

@@ -67,6 +67,15 @@ constexpr std::string_view kReadRejects =
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
     " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint) AS q"
     " ORDER BY u.ruri, q.seq";
+// The same rows, which the primary key tells without the table.
+constexpr std::string_view kCountRejects =
+    "SELECT u.ruri, q.total"
+    " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, settled)"
+    " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
+    " CROSS JOIN LATERAL (SELECT count(*) AS total FROM (SELECT FROM uplinkd.quarantine AS p"
+    " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
+    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry LIMIT $4::bigint) AS rows) AS q";
 // Of each robot, the least recently used sessions over the bound that nobody holds. From one
 // session to the next by its key, so that dead versions of their rows are passed over.
 constexpr std::string_view kEvictSessions =
@@ -110,6 +119,8 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
   Array ended{Type::kText}, evict_ruri{Type::kText}, held_ruri{Type::kText},
       held_session{Type::kUuid};
+  Array counted_ruri{Type::kText}, counted_session{Type::kUuid}, counted{Type::kInt8};
+  std::size_t rejects_max = 0;
   std::vector<std::string_view> ruris;
   for (const auto& [name, index] : wave) {
     const OpenRequest& request = requests[index];
@@ -126,6 +137,10 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
     settled_ruri.Text(name);
     settled_session.Uuid(request.session);
     settled.Int8(request.settled_seq);
+    counted_ruri.Text(name);
+    counted_session.Uuid(request.session);
+    counted.Int8(request.settled_seq);
+    rejects_max = std::max(rejects_max, request.rejects_max);
     evict_ruri.Text(name);
     held_ruri.Text(name);
     held_session.Uuid(request.session);
@@ -145,7 +160,9 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.back().parameters.Uuid(model::SessionId(process));
   calls.back().parameters.Add(std::move(told));
   calls.push_back(StoreCallOf(kReadRejects, {&settled_ruri, &settled_session, &settled}));
-  calls.back().parameters.Int8(static_cast<std::int64_t>(kOpenRejectsMax) + 1);
+  calls.back().parameters.Int8(static_cast<std::int64_t>(rejects_max));
+  calls.push_back(StoreCallOf(kCountRejects, {&counted_ruri, &counted_session, &counted}));
+  calls.back().parameters.Int8(static_cast<std::int64_t>(kQuarantineRowsPerRobotMax));
   calls.push_back(StoreCallOf(kEvictSessions, {&evict_ruri, &held_ruri, &held_session}));
   calls.back().parameters.Int8(static_cast<std::int64_t>(kSessionsPerRobotMax));
   calls.back().parameters.Uuid(model::SessionId(process));
@@ -154,7 +171,8 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
 }
 
 /// `answers` are those of CallsOf, from the first on.
-void Take(const Wave& wave, std::span<const Result> answers, std::vector<OpenResult>& results) {
+void Take(const Wave& wave, std::span<const OpenRequest> requests, std::span<const Result> answers,
+          std::vector<OpenResult>& results) {
   const auto result_of = [&](const Result& rows, int row) -> OpenResult& {
     const auto found = wave.find(rows.Bytes(row, 0));
     UPLINK_CHECK(found != wave.end(), "an answer of a robot that was not asked for");
@@ -178,19 +196,20 @@ void Take(const Wave& wave, std::span<const Result> answers, std::vector<OpenRes
   for (int row = 0; row < sessions.rows(); ++row) {
     result_of(sessions, row).cursor = static_cast<model::Seq>(sessions.Int(row, 1));
   }
-  TakePresence(answers[6], [&](std::string_view name, StoredPresence presence) {
+  TakePresence(answers[7], [&](std::string_view name, StoredPresence presence) {
     OpenResult& result = results[wave.find(name)->second];
     if (result.taken) result.presence = presence;
   });
   const Result& rejects = answers[4];
   for (int row = 0; row < rejects.rows(); ++row) {
-    OpenResult& result = result_of(rejects, row);
-    if (result.rejects.size() == kOpenRejectsMax) {
-      result.rejects_complete = false;
-      continue;
-    }
-    result.rejects.push_back(
+    const std::size_t index = wave.find(rejects.Bytes(row, 0))->second;
+    if (results[index].rejects.size() == requests[index].rejects_max) continue;
+    results[index].rejects.push_back(
         {static_cast<model::Seq>(rejects.Int(row, 1)), ReadRejection(rejects, row, 2)});
+  }
+  const Result& counts = answers[5];
+  for (int row = 0; row < counts.rows(); ++row) {
+    result_of(counts, row).rejects_total = static_cast<std::size_t>(counts.Int(row, 1));
   }
 }
 
@@ -210,7 +229,7 @@ absl::StatusOr<std::vector<OpenResult>> OpenAll(
   const auto answers = RunAndCommitFor(connection, std::move(calls), kDoing, before_commit);
   if (!answers.ok()) return Decisive(answers.status());
   for (std::size_t i = 0; i < waves.size(); ++i) {
-    Take(waves[i], std::span(*answers).subspan(firsts[i]), results);
+    Take(waves[i], requests, std::span(*answers).subspan(firsts[i]), results);
   }
   return results;
 }

@@ -96,5 +96,74 @@ TEST(RejectMemoryTest, PastTheBoundTheLowestNumberIsForgotten) {
   EXPECT_EQ(again.front().seq, 2U);
 }
 
+TEST(RejectMemoryTest, WhatItLetGoIsAwaitedAboveWhatTheAgentConfirmed) {
+  RejectMemory memory;
+  for (model::Seq seq = 1; seq <= kRejectsRememberedMax; ++seq) memory.Remember(Rejected(seq));
+  EXPECT_FALSE(memory.AwaitLate(0)) << "it has all";
+  memory.Remember(Rejected(kRejectsRememberedMax + 1));
+  EXPECT_FALSE(memory.AwaitLate(1)) << "the agent confirmed what it lacks";
+  EXPECT_FALSE(memory.told_through().has_value());
+  EXPECT_TRUE(memory.AwaitLate(0));
+  EXPECT_EQ(memory.told_through(), 0U);
+}
+
+TEST(RejectMemoryTest, WhatComesLateIsUntoldUnlessItIsRemembered) {
+  RejectMemory memory;
+  for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 2; ++seq) memory.Remember(Rejected(seq));
+  static_cast<void>(memory.TellAgain(0, {}));
+  ASSERT_TRUE(memory.AwaitLate(0));
+  memory.AddLate({Rejected(1), Rejected(2), Rejected(3)});
+  EXPECT_FALSE(memory.told_through().has_value());
+  EXPECT_EQ(memory.unconfirmed(), kRejectsRememberedMax + 2);
+  EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(1, 2));
+  memory.AddLate({Rejected(1)});
+  EXPECT_THAT(memory.TakeUntold(), IsEmpty()) << "it is not awaited";
+}
+
+TEST(RejectMemoryTest, ARepetitionAwaitsNothing) {
+  RejectMemory memory;
+  for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 1; ++seq) memory.Remember(Rejected(seq));
+  ASSERT_TRUE(memory.AwaitLate(0));
+  EXPECT_THAT(memory.TellAgain(0, {Rejected(1)}), SizeIs(kRejectsRememberedMax + 1));
+  EXPECT_FALSE(memory.told_through().has_value());
+}
+
+TEST(RejectMemoryTest, PagesAreToldOnceAndMergedWithWhatItHas) {
+  RejectMemory memory;
+  memory.Remember(Rejected(6));
+  memory.Remember(Rejected(12));
+  EXPECT_THAT(Seqs(memory.TellAgain(0, {Rejected(2)})), ElementsAre(2, 6, 12));
+  memory.BeginPages({.after = 2, .through = 9}, 4);
+  EXPECT_EQ(memory.unconfirmed(), 6U) << "6 is one of the four";
+  EXPECT_EQ(memory.told_through(), 2U);
+  memory.AddPage({Rejected(4), Rejected(6)}, 6);
+  EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(4)) << "6 was told";
+  EXPECT_EQ(memory.told_through(), 6U);
+  EXPECT_EQ(memory.unread()->after, 6U);
+  memory.AddPage({Rejected(7), Rejected(8)}, 9);
+  EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(7, 8));
+  EXPECT_FALSE(memory.told_through().has_value());
+  EXPECT_FALSE(memory.unread().has_value());
+}
+
+TEST(RejectMemoryTest, WhatItIsToldOnlyByPagesIsAwaitedTheNextTime) {
+  RejectMemory memory;
+  static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
+  memory.BeginPages({.after = 2, .through = 9}, 1);
+  memory.AddPage({Rejected(7)}, 9);
+  EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(7));
+  EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(2));
+  EXPECT_TRUE(memory.AwaitLate(0));
+  EXPECT_FALSE(memory.AwaitLate(9));
+}
+
+TEST(RejectMemoryTest, RateLimitedNumbersAreInNoPage) {
+  RejectMemory memory;
+  memory.Remember({.seq = 5, .rejection = {.reason = model::RejectReason::kRateLimited}});
+  static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
+  memory.BeginPages({.after = 2, .through = 9}, 1);
+  EXPECT_EQ(memory.unconfirmed(), 3U);
+}
+
 }  // namespace
 }  // namespace uplink::robot

@@ -62,12 +62,37 @@ TEST_F(RobotSessionsTest, OpenedOnlyByTheAnswerThatWasAskedFor) {
   EXPECT_FALSE(sessions_.Opened(again->open_id));
 }
 
-TEST_F(RobotSessionsTest, ACursorCountsAsFarAsItsQuarantineIsKnown) {
+TEST_F(RobotSessionsTest, WhereTheAnswerLeavesRejectsOutTheCursorCountsAndAcksWait) {
   sessions_.OnOpened(begun_.open_id,
-                     {.cursor = 9, .rejects = {{4, kBad}, {5, kBad}}, .rejects_complete = false});
+                     {.cursor = 9, .rejects = {{4, kBad}, {5, kBad}}, .rejects_total = 4});
   const Resume resume = sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3);
-  EXPECT_EQ(resume.committed, 5U);
+  EXPECT_EQ(resume.committed, 9U);
   EXPECT_THAT(Rejects(resume), ElementsAre(4, 5));
+  EXPECT_EQ(sessions_.unconfirmed(), 4U) << "those that are unread count";
+  EXPECT_EQ(sessions_.Take(Id(1)).through, 5U);
+  EXPECT_TRUE(sessions_.AwaitsRejects(Id(1)));
+  ASSERT_TRUE(sessions_.UnreadOf(Id(1)).has_value());
+  EXPECT_EQ(sessions_.UnreadOf(Id(1))->after, 5U);
+  EXPECT_EQ(sessions_.UnreadOf(Id(1))->through, 9U);
+  sessions_.AddPage(Id(1), {{7, kBad}}, 7);
+  const Progress part = sessions_.Take(Id(1));
+  EXPECT_EQ(part.through, 7U);
+  ASSERT_THAT(part.rejects, SizeIs(1));
+  EXPECT_EQ(part.rejects.front().seq, 7U);
+  sessions_.AddPage(Id(1), {{8, kBad}}, 9);
+  EXPECT_EQ(sessions_.Take(Id(1)).through, 9U);
+  EXPECT_FALSE(sessions_.AwaitsRejects(Id(1)));
+  EXPECT_FALSE(sessions_.UnreadOf(Id(1)).has_value());
+  EXPECT_EQ(sessions_.unconfirmed(), 4U);
+}
+
+TEST_F(RobotSessionsTest, AFenceDropsWhatIsYetToBeRead) {
+  sessions_.OnOpened(begun_.open_id, {.cursor = 9, .rejects = {{4, kBad}}, .rejects_total = 2});
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3));
+  sessions_.OnFenced(ledger_);
+  EXPECT_FALSE(sessions_.UnreadOf(Id(1)).has_value());
+  sessions_.AddPage(Id(1), {{7, kBad}}, 9);
+  EXPECT_THAT(sessions_.Take(Id(1)).rejects, IsEmpty());
 }
 
 TEST_F(RobotSessionsTest, UnconfirmedRejectsAreThoseOfTheStreamsSession) {

@@ -85,6 +85,7 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
                             .limits = limits_.session,
                             .scratch = scratch_,
                             .allowances = allowances_,
+                            .rejects = rejects_,
                             .clock_trust = clock_trust_};
   Attachment last(full, Stream(1));
   ASSERT_TRUE(Attach(last, Terms(SessionOf(1))).ok());

@@ -131,6 +131,89 @@ TEST_F(ResumeTest, DurableBetweenCommittedAndJudgedIsNewAfterARestart) {
   EXPECT_EQ(server().counts().missing, 0U) << "3 was judged before";
 }
 
+/// More Rejects than memory keeps, committed but not confirmed, and then a store that does not
+/// answer.
+class LateResumeTest : public ResumeTest {
+ protected:
+  static constexpr model::Seq kRejects = robot::kRejectsRememberedMax + 3;
+
+  /// Streams until the store is away.
+  LateResumeTest() {
+    limits_.session.batch_uplinks_max = kRejects;
+    limits_.session.open_rejects_max = kRejects;
+    BenchStream& stream = server().Connect(SessionOf(1));
+    stream.Send(BatchFrame(Messages(1, kRejects, BadFault())));
+    server().Commit();
+    stream.Break();
+    server().StoreAway();
+  }
+  BenchStream& WelcomedLate(model::Seq settled = 0) {
+    BenchStream& stream = server().Connect(SessionOf(1), settled, settled);
+    server().Pass(kWelcomeWait);
+    return stream;
+  }
+};
+
+TEST_F(LateResumeTest, NoAckCoversARejectThatMemoryLetGo) {
+  BenchStream& stream = WelcomedLate();
+  const std::vector<std::string> said = stream.Said();
+  ASSERT_EQ(said.size(), robot::kRejectsRememberedMax + 2);
+  EXPECT_EQ(said.front(), "welcome 259");
+  EXPECT_EQ(said[1], "reject 4 missing_field faultId");
+  EXPECT_EQ(said.back(), "ack 0 judged 259");
+  stream.Send(BatchFrame({{kRejects + 1, Motion()}}));
+  server().Pass(limits_.session.ack_interval);
+  EXPECT_THAT(stream.Said(), ElementsAre("ack 0 judged 260"));
+  server().StoreBack();
+  server().Commit();
+  EXPECT_THAT(stream.Said(),
+              ElementsAre("reject 1 missing_field faultId", "reject 2 missing_field faultId",
+                          "reject 3 missing_field faultId", "ack 260 judged 260"));
+}
+
+TEST_F(LateResumeTest, WhatTheAgentConfirmedNeedNotBeTold) {
+  BenchStream& stream = WelcomedLate(3);
+  EXPECT_EQ(stream.Said().back(), "ack 259 judged 259");
+}
+
+TEST_F(LateResumeTest, OneThatTheAgentDidNotConfirmHoldsAcksBack) {
+  BenchStream& stream = WelcomedLate(2);
+  EXPECT_EQ(stream.Said().back(), "ack 2 judged 259");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_THAT(stream.Said(), ElementsAre("reject 3 missing_field faultId", "ack 259 judged 259"));
+}
+
+TEST_F(LateResumeTest, AHalfClosedStreamEndsOnceTheyAreTold) {
+  BenchStream& stream = WelcomedLate();
+  stream.HalfClose();
+  EXPECT_EQ(stream.end(), "");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(stream.Said().back(), "ack 259 judged 259");
+  EXPECT_EQ(stream.end(), "OK");
+}
+
+TEST_F(LateResumeTest, AHalfClosedStreamIsNotToldThatAllIsSettledWhileTheStoreIsAway) {
+  BenchStream& stream = WelcomedLate();
+  stream.HalfClose();
+  server().Pass(limits_.session.drain_timeout);
+  EXPECT_EQ(stream.end(), "UNAVAILABLE: not all was settled within drain.timeout");
+  EXPECT_EQ(stream.Said().back(), "ack 0 judged 259");
+}
+
+TEST_F(LateResumeTest, ANewerStreamIsToldThemInsteadOfTheOlder) {
+  BenchStream& older = WelcomedLate();
+  static_cast<void>(older.Said());
+  BenchStream& newer = WelcomedLate(1);
+  EXPECT_EQ(newer.Said().back(), "ack 1 judged 259");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_THAT(newer.Said(), ElementsAre("reject 2 missing_field faultId",
+                                        "reject 3 missing_field faultId", "ack 259 judged 259"));
+  EXPECT_THAT(older.Said(), IsEmpty());
+}
+
 TEST_F(ResumeTest, AJumpIsListedWholeAndCountedUpToItsBound) {
   BenchStream& stream = server().Connect(SessionOf(1));
   stream.Send(BatchFrame({{1, Motion()}, {1 + kSeqJumpMax, Motion()}}));

@@ -216,6 +216,7 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .limits = limits_.session,
                                .scratch = scratch_,
                                .allowances = allowances_,
+                               .rejects = rejects_,
                                .clock_trust = clock_trust_};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
@@ -249,8 +250,14 @@ journal::Step BenchServer::Advance() {
 void BenchServer::Commit() {
   do {
     DeliverWakes();
-  } while (Advance() == journal::Step::kWorked);
+  } while (Advance() == journal::Step::kWorked || rejects_.ReadOne());
   DeliverWakes();
+}
+
+bool BenchServer::ReadRejects() {
+  const bool read = rejects_.ReadOne();
+  DeliverWakes();
+  return read;
 }
 
 void BenchServer::DeliverWakes() {

@@ -16,6 +16,7 @@
 
 #include "server/journal/step.h"
 #include "server/session/session.h"
+#include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/fake_trust.h"
 #include "tests/support/manual_clock.h"
@@ -144,6 +145,10 @@ class BenchServer final : public robot::WakeInbox {
   [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
   [[nodiscard]] journal::Journal& journal() { return journal_; }
   [[nodiscard]] testing::FakeStore& store() { return store_; }
+  /// Its reads are done by Commit, and by ReadRejects.
+  [[nodiscard]] testing::FakeRejectSource& rejects() { return rejects_; }
+  /// One read is done and told of. False if none waits.
+  bool ReadRejects();
   [[nodiscard]] SessionProbe& probe() { return probe_; }
   /// For a reload.
   [[nodiscard]] Allowances& allowances() { return allowances_; }
@@ -157,6 +162,7 @@ class BenchServer final : public robot::WakeInbox {
   testing::FakeStore store_;
   Allowances allowances_;
   testing::FakeTrust clock_trust_;
+  testing::FakeRejectSource rejects_{&store_, testing::FakeRejectSource::Reads::kWhenTold};
   metrics::LedgerBook book_;
   SessionProbe probe_;
   journal::JournalProbe journal_probe_;

@@ -9,6 +9,7 @@
 
 #include "server/session/attachment.h"
 #include "server/session/stream_timers.h"
+#include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_trust.h"
 #include "tests/unit/server/session/session_bench.h"
 
@@ -50,6 +51,7 @@ class StreamPartTest : public ::testing::Test {
   IntakeScratch scratch_;
   const Allowances allowances_;
   const testing::FakeTrust clock_trust_;
+  testing::FakeRejectSource rejects_{&server_.store()};
   journal::Shards shards_{{&server_.journal()}};
   SessionContext context_{.clock = clock_,
                           .fleet = server_.fleet(),
@@ -60,6 +62,7 @@ class StreamPartTest : public ::testing::Test {
                           .limits = limits_.session,
                           .scratch = scratch_,
                           .allowances = allowances_,
+                          .rejects = rejects_,
                           .clock_trust = clock_trust_};
   StreamTimers timers_;
   Attachment robot_{context_, Stream(1)};

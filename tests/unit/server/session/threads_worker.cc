@@ -83,6 +83,7 @@ void ThreadsWorker::Open() {
                                .limits = core_.limits.session,
                                .scratch = scratch_,
                                .allowances = allowances_,
+                               .rejects = core_.rejects,
                                .clock_trust = clock_trust_};
   stream_ = std::make_unique<ThreadsStream>(context, agent_.ruri(),
                                             robot::StreamRef{.inbox = this, .stream = id});

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_trust.h"
 #include "tests/unit/server/session/threads_agent.h"
 
@@ -47,6 +48,7 @@ struct ThreadsCore {
   journal::Journal journal{store,          limits.journal, clock,
                            book.NewPage(), journal_probe,  storage::ProcessId{1}};
   journal::Shards shards{{&journal}};
+  testing::FakeRejectSource rejects{&store};
   std::atomic<std::uint64_t> next_stream{1};
 };
 

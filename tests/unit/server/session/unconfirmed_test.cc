@@ -120,6 +120,21 @@ TEST_F(UnconfirmedTest, AnotherProcessKnowsThemFromTheStore) {
   EXPECT_TRUE(confirming.reading());
 }
 
+TEST_F(UnconfirmedTest, ThoseThatAreYetToBeReadCountToo) {
+  FillTheBound();
+  limits_.session.open_rejects_max = 2;
+  limits_.session.reject_page_max = 2;
+  Start();
+  BenchStream& next = server().Connect(SessionOf(1));
+  EXPECT_THAT(next.Said(), ElementsAre("welcome 5", BadReject(1), BadReject(2), "ack 2 judged 5"));
+  EXPECT_FALSE(next.reading());
+  EXPECT_EQ(next.end(), "") << "it is told them first";
+  server().Commit();
+  EXPECT_THAT(next.Said(), ElementsAre(BadReject(3), BadReject(4), "ack 4 judged 5", BadReject(5),
+                                       "ack 5 judged 5"));
+  EXPECT_EQ(next.end(), EndAt(5));
+}
+
 TEST_F(UnconfirmedTest, OtherSessionsOfTheRobotCountByThemselves) {
   FillTheBound();
   BenchStream& other = server().Connect(SessionOf(2));
@@ -211,30 +226,6 @@ TEST_F(UnconfirmedByDefaultTest, TenThousandEndAStreamAndTheNextOneGoesOn) {
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(kMax + 2));
   EXPECT_TRUE(next.reading());
-}
-
-TEST_F(UnconfirmedByDefaultTest, MoreThanOneAnswerOfTheStoreHoldsAreConfirmedInSteps) {
-  constexpr model::Seq kRows = storage::kOpenRejectsMax + 100;
-  static_cast<void>(server().Connect(SessionOf(1)));
-  storage::Batch batch;
-  const model::RobotId robot{std::string(kRobot), ""};
-  for (model::Seq seq = 1; seq <= kRows; ++seq) {
-    batch.records.push_back({.robot = std::make_shared<const model::RobotId>(robot),
-                             .session = SessionOf(1),
-                             .seq = seq,
-                             .held_since = database_.EpochOf(kRobot),
-                             .content = storage::QuarantineItem{}});
-  }
-  ASSERT_TRUE(server().store().Commit(batch).ok());
-  Start();
-  BenchStream& first = server().Connect(SessionOf(1));
-  const std::string through = std::to_string(storage::kOpenRejectsMax);
-  EXPECT_EQ(first.Said().back(), "ack " + through + " judged " + through);
-  EXPECT_THAT(first.end(), ::testing::StartsWith("UNAVAILABLE: "));
-  BenchStream& second =
-      server().Connect(SessionOf(1), storage::kOpenRejectsMax, storage::kOpenRejectsMax);
-  EXPECT_TRUE(second.reading());
-  EXPECT_EQ(second.Said().front(), "welcome " + std::to_string(kRows));
 }
 
 }  // namespace
