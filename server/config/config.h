@@ -129,12 +129,12 @@ struct RatesConfig {
   std::size_t agent_info_burst = 20;
   std::size_t system_health = 20;
   std::size_t system_health_burst = 200;
-  std::size_t usage = 20;
-  std::size_t usage_burst = 200;
-  std::size_t consumable = 20;
-  std::size_t consumable_burst = 200;
-  std::size_t directive_status = 20;
-  std::size_t directive_status_burst = 200;
+  std::size_t usage_telemetry = 20;
+  std::size_t usage_telemetry_burst = 200;
+  std::size_t consumable_status = 20;
+  std::size_t consumable_status_burst = 200;
+  std::size_t spatial_directive_status = 20;
+  std::size_t spatial_directive_status_burst = 200;
 };
 
 struct PresenceConfig {

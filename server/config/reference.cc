@@ -34,7 +34,18 @@ std::string Escaped(std::string_view cell) {
   return escaped;
 }
 
-constexpr std::string_view kNoEffect = "No effect in this version.";
+/// What a key's text does not say of when it counts; empty if it is read once, at the start.
+std::string_view EffectText(const Setting& setting) {
+  switch (setting.effect) {
+    case Effect::kNone:
+      return "No effect in this version.";
+    case Effect::kReload:
+      return "Taken over by SIGHUP.";
+    case Effect::kRestart:
+      return "";
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -52,9 +63,8 @@ std::string ExampleToml() {
       if (setting.section != section.name) {
         continue;
       }
-      const bool none = setting.effect == Effect::kNone;
       text +=
-          fmt::format("\n{}{}{}# {} = {}\n", Comment(setting.text), Comment(none ? kNoEffect : ""),
+          fmt::format("\n{}{}{}# {} = {}\n", Comment(setting.text), Comment(EffectText(setting)),
                       Comment(fmt::format("Takes {}.", AllowedText(setting))), setting.key,
                       ValueText(setting, setting.get(defaults)));
     }
@@ -66,10 +76,10 @@ std::string SettingsTable() {
   const Config defaults;
   std::string text = "| key | default | takes | what it does |\n| --- | --- | --- | --- |\n";
   for (const Setting& setting : Settings()) {
-    text += fmt::format("| `{}` | `{}` | {} | {}{} |\n", FullKey(setting),
+    const std::string_view effect = EffectText(setting);
+    text += fmt::format("| `{}` | `{}` | {} | {}{}{} |\n", FullKey(setting),
                         ValueText(setting, setting.get(defaults)), Escaped(AllowedText(setting)),
-                        Escaped(setting.text),
-                        setting.effect == Effect::kNone ? fmt::format(" {}", kNoEffect) : "");
+                        Escaped(setting.text), effect.empty() ? "" : " ", effect);
   }
   return text;
 }

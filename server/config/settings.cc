@@ -53,11 +53,12 @@ void Set(Config& config, const Value& value) {
    .max = 1'000'000,                                                                              \
    .zero = "as many as come",                                                                     \
    .effect = Effect::kReload,                                                                     \
-   .text = "Messages of " variant " per second.",                                                 \
+   .text = "Messages of " variant " that one robot may send per second.",                         \
    UPLINK_BIND(rates, RatesConfig, name)},                                                        \
   {                                                                                               \
     .section = "rates", .key = #name "_burst", .kind = Kind::kCount, .min = 1, .max = 10'000'000, \
-    .effect = Effect::kReload, .text = "Messages of " variant " at once, after a pause.",         \
+    .effect = Effect::kReload,                                                                    \
+    .text = "Messages of " variant " that one robot may send at once, after a pause.",            \
     UPLINK_BIND(rates, RatesConfig, name##_burst)                                                 \
   }
 
@@ -214,9 +215,10 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = kMiB,
      .max = 64 * 1024 * kGiB,
      .zero = "5 % of the disk or 1 GiB, whichever is smaller",
-     .text = "What the store's disk is to have free, at most half of it. Below that, robots that "
-             "store over four times as much as the median are slowed down to it; below half of "
-             "that nothing is stored. PostgreSQL: only where the server's folder can be seen.",
+     .text = "What the store's disk is to have free, at most half of the disk. Below that, robots "
+             "that store over four times as much as the median are slowed down to the median's "
+             "rate; below half of that nothing is stored. PostgreSQL: only where the server's "
+             "folder can be seen.",
      UPLINK_BIND(store, StoreConfig, free_min)},
     {.section = "store",
      .key = "checkpoint",
@@ -271,8 +273,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kCount,
      .min = 1,
      .max = 100'000,
-     .text = "One robot may have this part of its journal's bytes and records, as 1 / robot_share; "
-             "at it, its stream is held back. One record always passes.",
+     .text = "One robot may have 1 / robot_share of the bytes and records of its journal's shard; "
+             "at that, its stream is held back. One record always passes.",
      UPLINK_BIND(journal, JournalConfig, robot_share)},
 
     {.section = "fleet",
@@ -370,7 +372,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 1'000'000,
      .zero = "as many as it sends",
      .effect = Effect::kReload,
-     .text = "Durable messages of one robot per second that are stored; past that and the burst "
+     .text = "Durable messages of one robot that are stored per second; past that and the burst "
              "its stream is held back, and nothing is lost.",
      UPLINK_BIND(limits, LimitsConfig, durable_records_rate)},
     {.section = "limits",
@@ -388,7 +390,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 16 * kGiB,
      .zero = "as many as it sends",
      .effect = Effect::kReload,
-     .text = "The same in bytes of payloads per second.",
+     .text = "Bytes of one robot's durable payloads that are stored per second; past that and the "
+             "burst its stream is held back, and nothing is lost.",
      UPLINK_BIND(limits, LimitsConfig, durable_bytes_rate)},
     {.section = "limits",
      .key = "durable_bytes_burst",
@@ -396,7 +399,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = kKiB,
      .max = 64 * kGiB,
      .effect = Effect::kReload,
-     .text = "The same in bytes at once.",
+     .text = "Bytes of one robot's durable payloads that are stored at once, after a pause.",
      UPLINK_BIND(limits, LimitsConfig, durable_bytes_burst)},
 
     UPLINK_RATE(shape, "shape"),
@@ -405,9 +408,9 @@ constexpr auto kSettings = std::to_array<Setting>({
     UPLINK_RATE(current_settings, "currentSettings"),
     UPLINK_RATE(agent_info, "agentInfo"),
     UPLINK_RATE(system_health, "systemHealth"),
-    UPLINK_RATE(usage, "usageTelemetry"),
-    UPLINK_RATE(consumable, "consumableStatus"),
-    UPLINK_RATE(directive_status, "spatialDirectiveStatus"),
+    UPLINK_RATE(usage_telemetry, "usageTelemetry"),
+    UPLINK_RATE(consumable_status, "consumableStatus"),
+    UPLINK_RATE(spatial_directive_status, "spatialDirectiveStatus"),
 
     {.section = "presence",
      .key = "timeout",
@@ -543,7 +546,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kChoice,
      .choices = kLogLevels,
      .effect = Effect::kReload,
-     .text = "The least severe line that is written; read again at SIGHUP.",
+     .text = "The least severe line that is written.",
      UPLINK_BIND(log, LogConfig, level)},
 
     {.section = "drain",

@@ -40,9 +40,9 @@ session::Allowance AllowanceOf(const config::Config& config) {
   set(kCurrentSettings, rates.current_settings, rates.current_settings_burst);
   set(kAgentInfo, rates.agent_info, rates.agent_info_burst);
   set(kSystemHealth, rates.system_health, rates.system_health_burst);
-  set(kUsageTelemetry, rates.usage, rates.usage_burst);
-  set(kConsumableStatus, rates.consumable, rates.consumable_burst);
-  set(kSpatialDirectiveStatus, rates.directive_status, rates.directive_status_burst);
+  set(kUsageTelemetry, rates.usage_telemetry, rates.usage_telemetry_burst);
+  set(kConsumableStatus, rates.consumable_status, rates.consumable_status_burst);
+  set(kSpatialDirectiveStatus, rates.spatial_directive_status, rates.spatial_directive_status_burst);
   return allowance;
 }
 

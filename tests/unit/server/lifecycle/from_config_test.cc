@@ -1,5 +1,9 @@
 #include "server/lifecycle/from_config.h"
 
+#include <cstddef>
+#include <tuple>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace uplink::lifecycle {
@@ -38,14 +42,54 @@ TEST(FromConfig, JournalAndPresenceGetTheirs) {
   journal.bytes_max = 1;
   journal.records_max = 2;
   journal.batch_records_max = 3;
+  journal.robot_share = 4;
   EXPECT_EQ(JournalLimitsOf(journal).bytes_max, 1U);
   EXPECT_EQ(JournalLimitsOf(journal).records_max, 2U);
   EXPECT_EQ(JournalLimitsOf(journal).batch_records_max, 3U);
+  EXPECT_EQ(JournalLimitsOf(journal).robot_share, 4U);
   config::PresenceConfig presence;
   presence.timeout = milliseconds(4);
   presence.startup_grace = milliseconds(5);
   EXPECT_EQ(PresenceLimitsOf(presence).timeout, milliseconds(4));
   EXPECT_EQ(PresenceLimitsOf(presence).startup_grace, milliseconds(5));
+}
+
+TEST(FromConfig, EveryRateReachesItsVariant) {
+  config::Config config;
+  config.limits.durable_records_rate = 1;
+  config.limits.durable_records_burst = 2;
+  config.limits.durable_bytes_rate = 3;
+  config.limits.durable_bytes_burst = 4;
+  config::RatesConfig& rates = config.rates;
+  using enum model::Variant;
+  const std::vector<std::tuple<model::Variant, std::size_t*, std::size_t*>> all = {
+      {kShape, &rates.shape, &rates.shape_burst},
+      {kObject, &rates.object, &rates.object_burst},
+      {kUiCapabilities, &rates.ui_capabilities, &rates.ui_capabilities_burst},
+      {kCurrentSettings, &rates.current_settings, &rates.current_settings_burst},
+      {kAgentInfo, &rates.agent_info, &rates.agent_info_burst},
+      {kSystemHealth, &rates.system_health, &rates.system_health_burst},
+      {kUsageTelemetry, &rates.usage_telemetry, &rates.usage_telemetry_burst},
+      {kConsumableStatus, &rates.consumable_status, &rates.consumable_status_burst},
+      {kSpatialDirectiveStatus, &rates.spatial_directive_status,
+       &rates.spatial_directive_status_burst}};
+  std::size_t number = 10;
+  for (const auto& [variant, rate, burst] : all) {
+    *rate = number++;
+    *burst = number++;
+  }
+  const session::Allowance allowance = AllowanceOf(config);
+  EXPECT_EQ(allowance.flow.records, (robot::BucketSize{1, 2}));
+  EXPECT_EQ(allowance.flow.bytes, (robot::BucketSize{3, 4}));
+  std::size_t limited = 0;
+  for (const robot::BucketSize& size : allowance.rates) limited += size.rate > 0 ? 1 : 0;
+  EXPECT_EQ(limited, all.size()) << "no other variant has a rate";
+  number = 10;
+  for (const auto& [variant, rate, burst] : all) {
+    const auto& size = allowance.rates[static_cast<std::size_t>(variant)];
+    EXPECT_EQ(size, (robot::BucketSize{number, number + 1})) << model::ToText(variant);
+    number += 2;
+  }
 }
 
 TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
