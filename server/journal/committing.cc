@@ -21,15 +21,16 @@ Committing::Committing(const WriterContext& context, Holds& holds, const Limits&
                        const model::SessionId& presence_session)
     : context_(context),
       holds_(holds),
-      batch_bytes_max_(limits.bytes_max),
+      limits_(limits),
       size_({.most = limits.records_max}),
       batch_(presence_session) {}
 
 bool Committing::Gather() {
   if (batch_.empty()) {
-    batch_ = context_.inbox.Fill(std::move(batch_),
-                                 {.records_max = size_.now(), .bytes_max = batch_bytes_max_},
-                                 holds_.robots());
+    batch_ = context_.inbox.Fill(
+        std::move(batch_),
+        {.records_max = size_.now(), .bytes_max = limits_.bytes_max, .robot = limits_.robot},
+        holds_.robots());
   }
   return HasBatch();
 }

@@ -23,6 +23,7 @@ class Committing final {
   struct Limits {
     std::size_t records_max = 0;
     std::size_t bytes_max = 0;
+    BatchShare robot;
   };
   /// All of `context`, and `holds`, outlive it. `presence_session` numbers the changes of presence.
   Committing(const WriterContext& context, Holds& holds, const Limits& limits,
@@ -48,7 +49,7 @@ class Committing final {
 
   const WriterContext context_;
   Holds& holds_;
-  const std::size_t batch_bytes_max_;
+  const Limits limits_;
   CallSize size_;
   GatheredBatch batch_;
   std::optional<std::vector<storage::Outcome>> outcomes_;

@@ -34,7 +34,7 @@ void Inbox::Push(Entry entry) {
     const std::lock_guard lock(mutex_);
     records_.fetch_add(1);
     bytes_.fetch_add(entry.origin.bytes);
-    queue_.push_back(std::move(entry));
+    queue_.Push(std::move(entry));
   }
   work_.notify_one();
 }
@@ -104,8 +104,9 @@ void Inbox::WhenRoom(robot::StreamRef stream) {
 
 milliseconds Inbox::oldest(SteadyTime now) const {
   const std::lock_guard lock(mutex_);
-  std::optional<SteadyTime> oldest = batch_oldest_;
-  if (!oldest && !queue_.empty()) oldest = queue_.front().origin.arrived;
+  // What lags may be older than what was taken.
+  std::optional<SteadyTime> oldest = queue_.oldest();
+  if (batch_oldest_ && (!oldest || *batch_oldest_ < *oldest)) oldest = batch_oldest_;
   return oldest ? std::chrono::duration_cast<milliseconds>(now - *oldest) : milliseconds(0);
 }
 

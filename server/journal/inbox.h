@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "schema/base/clock.h"
 #include "server/journal/adopt_queue.h"
 #include "server/journal/entry.h"
+#include "server/journal/entry_queue.h"
 #include "server/journal/limits.h"
 #include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
@@ -77,7 +77,7 @@ class Inbox final {
 
   mutable std::mutex mutex_;
   std::condition_variable_any work_;
-  std::deque<Entry> queue_;
+  EntryQueue queue_;
   OpenQueue opens_;
   AdoptQueue adopts_;
   PresenceLog presence_;

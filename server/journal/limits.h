@@ -18,6 +18,15 @@ inline constexpr std::size_t kAdoptsPerCallMax = 256;
 inline constexpr int kFailuresToHalve = 3;
 inline constexpr int kSuccessesToDouble = 16;
 
+/// What one robot may have in one commit, for which all robots of the shard wait: a few
+/// milliseconds' work of a store (128 rows take PostgreSQL one to three; 256 KiB take SQLite two).
+struct BatchShare {
+  std::size_t records_max = 128;
+  std::size_t bytes_max = std::size_t{256} * 1024;
+};
+/// Entries of robots that have their share of a batch, which are put aside while it is filled.
+inline constexpr std::size_t kPassedMax = 4096;
+
 struct JournalLimits {
   /// Bytes above which streams are held back (journal.bytes_max).
   std::size_t bytes_max = config::JournalConfig().bytes_max;
@@ -26,6 +35,7 @@ struct JournalLimits {
   /// Records of one commit (journal.batch_records_max).
   std::size_t batch_records_max = config::JournalConfig().batch_records_max;
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
+  BatchShare batch_robot;
   /// One robot may have 1 / robot_share of bytes_max and records_max (journal.robot_share).
   std::size_t robot_share = config::JournalConfig().robot_share;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server

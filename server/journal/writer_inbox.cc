@@ -57,24 +57,14 @@ GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
                                 const HeldRobots& held) {
   const std::lock_guard lock(inbox_.mutex_);
   batch.SetPresence(inbox_.presence_.Take(bounds.records_max));
-  std::size_t bytes = 0;
-  while (!inbox_.queue_.empty() && batch.entries() < bounds.records_max &&
-         bytes < bounds.bytes_max && held.MayCommit(inbox_.queue_.front().origin)) {
-    const Origin& origin = inbox_.queue_.front().origin;
-    bytes += origin.bytes;
-    if (!inbox_.batch_oldest_) inbox_.batch_oldest_ = origin.arrived;
-    batch.Add(std::move(inbox_.queue_.front()));
-    inbox_.queue_.pop_front();
-  }
+  const auto oldest = inbox_.queue_.MoveTo(batch, bounds, held);
+  if (!inbox_.batch_oldest_) inbox_.batch_oldest_ = oldest;
   return batch;
 }
 
 void WriterInbox::PutBack(GatheredBatch::Rest rest) {
   const std::lock_guard lock(inbox_.mutex_);
-  while (!rest.entries.empty()) {
-    inbox_.queue_.push_front(std::move(rest.entries.back()));
-    rest.entries.pop_back();
-  }
+  inbox_.queue_.PutBack(std::move(rest.entries));
   inbox_.presence_.PutBack(std::move(rest.presence));
 }
 

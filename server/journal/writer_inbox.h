@@ -51,13 +51,8 @@ class WriterInbox final {
 
   // --- Batches ---
 
-  struct BatchBounds {
-    std::size_t records_max = 0;
-    /// A batch ends with the record that reaches this.
-    std::size_t bytes_max = 0;
-  };
   /// Moves what goes first into `batch`, which is empty: changes of presence, and records and gaps
-  /// up to the first that may not be committed yet.
+  /// (EntryQueue::MoveTo).
   [[nodiscard]] GatheredBatch Fill(GatheredBatch batch, const BatchBounds& bounds,
                                    const HeldRobots& held);
   /// What was taken waits again, ahead of all else.

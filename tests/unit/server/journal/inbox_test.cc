@@ -22,7 +22,8 @@ class InboxTest : public ::testing::Test, protected StepBench {
 
   [[nodiscard]] GatheredBatch Fill(std::size_t records_max, std::size_t bytes_max = 1'000'000) {
     return writer_inbox.Fill(GatheredBatch(model::SessionId()),
-                             {.records_max = records_max, .bytes_max = bytes_max}, holds.robots());
+                             {.records_max = records_max, .bytes_max = bytes_max, .robot = share_},
+                             holds.robots());
   }
   /// All that waits is taken, and done.
   void Drain() {
@@ -35,6 +36,7 @@ class InboxTest : public ::testing::Test, protected StepBench {
   }
 
   CountingInbox wakes_;
+  BatchShare share_;
   RecordingClient robot_{"rcan://a"};
   RecordingClient other_{"rcan://b"};
 };
@@ -113,6 +115,75 @@ TEST_F(InboxTest, ABatchEndsWithTheRecordThatReachesItsBytes) {
   const std::size_t each = inbox.bytes() / 3;
   EXPECT_THAT(SeqsOf(Fill(9, each + 1).batch()), ElementsAre(1, 2));
   EXPECT_THAT(SeqsOf(Fill(9, 1).batch()), ElementsAre(3));
+}
+
+TEST_F(InboxTest, ARobotThatHasItsShareOfABatchIsPassedOverAndKeepsItsOrder) {
+  holds.Begin(other_, other_.robot(), {.since = 1});
+  for (model::Seq seq = 1; seq <= 3; ++seq) Append(robot_, seq);
+  AppendGap(robot_, 4);
+  Append(other_, 10);
+  Append(robot_, 5);
+  Append(other_, 11);
+  share_.records_max = 2;
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(1, 2, 10, 11));
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(3, 4)) << "a gap is one of its entries";
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(5));
+}
+
+TEST_F(InboxTest, ARecordOverTheShareOfABatchGoesAlone) {
+  holds.Begin(other_, other_.robot(), {.since = 1});
+  for (model::Seq seq = 1; seq <= 3; ++seq) Append(robot_, seq);
+  Append(other_, 10);
+  share_.bytes_max = 1;
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(1, 10));
+  share_.bytes_max = 2 * (inbox.bytes() / 4);
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 3)) << "at the share, not past it";
+}
+
+TEST_F(InboxTest, ManyThatLagLeaveHalfOfABatchToOthersAndTakeTurns) {
+  RecordingClient third("rcan://c");
+  holds.Begin(other_, other_.robot(), {.since = 1});
+  holds.Begin(third, third.robot(), {.since = 1});
+  share_.records_max = 1;
+  for (model::Seq seq = 1; seq <= 4; ++seq) {
+    Append(robot_, seq);
+    Append(other_, 10 + seq);
+  }
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(1, 11));
+  Append(third, 21);
+  EXPECT_THAT(SeqsOf(Fill(2).batch()), ElementsAre(2, 21));
+  EXPECT_THAT(SeqsOf(Fill(2).batch()), ElementsAre(12, 3)) << "the half that is left is theirs";
+  std::vector<model::Seq> alternately;
+  for (int i = 0; i < 4; ++i) {
+    Append(third, static_cast<model::Seq>(30 + i));
+    for (const model::Seq seq : SeqsOf(Fill(1).batch())) alternately.push_back(seq);
+  }
+  EXPECT_THAT(alternately, ::testing::UnorderedElementsAre(13, 30, 4, 31));
+}
+
+TEST_F(InboxTest, WhatIsPutBackGoesAheadOfWhatLags) {
+  holds.Begin(other_, other_.robot(), {.since = 1});
+  for (model::Seq seq = 1; seq <= 5; ++seq) Append(robot_, seq);
+  Append(other_, 10);
+  share_.records_max = 2;
+  GatheredBatch taken = Fill(9);
+  EXPECT_THAT(SeqsOf(taken.batch()), ElementsAre(1, 2, 10));
+  EXPECT_EQ(inbox.oldest(clock.Steady()), milliseconds(0));
+  writer_inbox.PutBack(taken.TakeRest(1));
+  Append(robot_, 6);
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 3, 10));
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(4, 5));
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(6));
+}
+
+TEST_F(InboxTest, ABatchPassesOverSoManyEntriesAndNoMore) {
+  holds.Begin(other_, other_.robot(), {.since = 1});
+  share_.records_max = 1;
+  for (model::Seq seq = 1; seq <= kPassedMax + 1; ++seq) Append(robot_, seq);
+  Append(other_, 1);
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(1)) << "the other lies behind too many";
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(2, 1));
+  EXPECT_THAT(SeqsOf(Fill(9).batch()), ElementsAre(3));
 }
 
 TEST_F(InboxTest, ABatchEndsBeforeARobotThatIsNotHeld) {
