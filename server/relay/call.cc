@@ -37,7 +37,7 @@ Call::Call(Queue& queue, std::uint64_t id) : queue_(queue), id_(id) {}
 Call::~Call() {
   queue_.Forget(id_, timer_);
   session_.reset();
-  if (admitted_) queue_.gate().Leave();
+  if (admitted_) queue_.gate().Leave(who_);
 }
 
 void Call::Offer() {
@@ -56,18 +56,14 @@ void Call::OnStarted(bool ok) {
 }
 
 absl::Status Call::Admit() {
-  RelayProbe& probe = queue_.relay().probe;
-  if (absl::Status status = queue_.gate().Enter(); !status.ok()) {
-    (absl::IsUnavailable(status) ? probe.refused_draining_total : probe.refused_full_total).Add();
-    return status;
-  }
-  admitted_ = true;
   auto peer = PeerOf(context_, queue_.peer_reader());
   if (!peer.ok()) {
-    probe.refused_identity_total.Add();
+    queue_.relay().probe.refused_identity_total.Add();
     return peer.status();
   }
-  if (!peer->ruris.empty()) who_ = peer->ruris.front();
+  if (peer->role == identity::Role::kRobot) who_ = peer->ruri();
+  if (absl::Status status = queue_.gate().Enter(who_); !status.ok()) return status;
+  admitted_ = true;
   session_.emplace(queue_.session_context(), *std::move(peer), robot::StreamRef{&queue_, id_},
                    *this, *this);
   return absl::OkStatus();

@@ -89,7 +89,7 @@ class Call final : public session::FrameSource, public session::FrameSink {
   int tags_out_ = 0;
 
   bool admitted_ = false;
-  /// The first name of the certificate, for the log; empty before it is known.
+  /// The robot of the certificate; empty before it is known, and of a gateway.
   std::string who_;
   bool reading_ = false;
   bool writing_ = false;

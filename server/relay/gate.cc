@@ -4,20 +4,36 @@
 
 namespace uplink::relay {
 
-absl::Status Gate::Enter() {
+absl::Status Gate::Enter(const std::string& robot) {
   const std::lock_guard lock(mutex_);
-  if (closed_) return absl::UnavailableError("the server drains");
+  if (closed_) {
+    probe_.refused_draining_total.Add();
+    return absl::UnavailableError("the server drains");
+  }
   if (streams_ >= streams_max_) {
+    probe_.refused_full_total.Add();
     return absl::ResourceExhaustedError(
         fmt::format("the server admits no more streams: it has {}", streams_));
+  }
+  if (!robot.empty()) {
+    std::size_t& of_robot = by_robot_[robot];
+    if (of_robot >= kStreamsPerCertificateMax) {
+      probe_.refused_robot_total.Add();
+      return absl::ResourceExhaustedError(fmt::format(
+          "the server admits no more streams of this certificate: it has {}", of_robot));
+    }
+    ++of_robot;
   }
   ++streams_;
   return absl::OkStatus();
 }
 
-void Gate::Leave() {
+void Gate::Leave(const std::string& robot) {
   const std::lock_guard lock(mutex_);
   --streams_;
+  if (const auto found = by_robot_.find(robot); found != by_robot_.end() && --found->second == 0) {
+    by_robot_.erase(found);
+  }
   if (streams_ == 0) empty_.notify_all();
 }
 

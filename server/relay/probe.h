@@ -8,6 +8,8 @@ namespace uplink::relay {
 struct RelayProbe {
   /// Calls that ended before they became a session.
   metrics::Cell refused_full_total;
+  /// One certificate has too many streams.
+  metrics::Cell refused_robot_total;
   metrics::Cell refused_draining_total;
   metrics::Cell refused_identity_total;
   /// Calls that were cancelled because the peer did not take their end.

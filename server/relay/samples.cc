@@ -11,7 +11,8 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
   page.Add(kStreamsRefused,
            probe.refused_identity_total.value() + sessions.refused_identity_total.value(),
            {"identity"});
-  page.Add(kStreamsRefused, sessions.refused_waiting_total, {"waiting"});
+  page.Add(kStreamsRefused,
+           sessions.refused_waiting_total.value() + probe.refused_robot_total.value(), {"waiting"});
   page.Add(kHandshakesFailed, handshakes_failed);
   page.Add(kFinishTimeouts, probe.finish_timeouts_total);
   page.Add(kWakes, probe.wakes_total);

@@ -39,7 +39,7 @@ std::size_t UsableCores() {
 /// Members are destroyed from the last: the server before its queues and service.
 struct RelayServer::Impl {
   Impl(const RelayOptions& options, const RelayContext& given)
-      : context(given), gate(options.streams_max) {}
+      : context(given), gate(options.streams_max, given.probe) {}
 
   const RelayContext context;
   /// None with texts in place of files.

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/relay/gate.h"
 #include "tests/support/relay_world.h"
 
 namespace uplink::testing {
@@ -108,7 +109,10 @@ TEST(Bounds, RobotsAreBounded) {
 TEST(Bounds, StreamsOfOneConnectionWaitForEachOther) {
   constexpr int kStreamsPerConnectionMax = 64;
   RelayWorld world;
-  const auto channel = world.Channel(RuriOf(1));
+  // A gateway's: a robot's own certificate may have few.
+  CertificateSpec spec;
+  spec.units = {"gateway"};
+  const auto channel = world.Channel(world.authority.Issue(spec));
   std::vector<std::unique_ptr<TestAgent>> agents;
   agents.reserve(kStreamsPerConnectionMax);
   for (int i = 0; i < kStreamsPerConnectionMax; ++i) {
@@ -124,8 +128,28 @@ TEST(Bounds, StreamsOfOneConnectionWaitForEachOther) {
   EXPECT_EQ(streams.value(), kStreamsPerConnectionMax);
   agents.front()->Cancel();
   TestAgent next(channel);
-  EXPECT_TRUE(next.Connect(SessionOf(1)));
-  EXPECT_EQ(streams.value(), kStreamsPerConnectionMax + 1);
+  EXPECT_TRUE(Eventually([&] { return streams.value() == kStreamsPerConnectionMax + 1; }));
+}
+
+TEST(Bounds, StreamsOfOneCertificateAreBounded) {
+  RelayWorld world;
+  const auto channel = world.Channel(RuriOf(1));
+  std::vector<std::unique_ptr<TestAgent>> agents;
+  agents.reserve(relay::kStreamsPerCertificateMax);
+  for (std::size_t i = 0; i < relay::kStreamsPerCertificateMax; ++i) {
+    agents.push_back(std::make_unique<TestAgent>(channel));
+  }
+  ASSERT_TRUE(Eventually([&] { return world.server().streams() == agents.size(); }));
+  {
+    TestAgent ninth(world.Channel(RuriOf(1)));
+    const grpc::Status status = ninth.End();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_THAT(status.error_message(), HasSubstr("of this certificate: it has 8"));
+  }
+  EXPECT_EQ(world.relay_probe.refused_robot_total.value(), 1);
+  EXPECT_EQ(world.relay_probe.refused_full_total.value(), 0) << "the server is not full";
+  TestAgent other(world.Channel(RuriOf(2)));
+  EXPECT_TRUE(other.Connect(SessionOf(2)));
 }
 
 }  // namespace
