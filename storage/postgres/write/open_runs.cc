@@ -10,15 +10,17 @@
 namespace uplink::storage::postgres {
 namespace {
 
+// By their places in the table: a join by their names was planned as all runs of the robot times
+// those to close, until the table's first ANALYZE (95 ms per commit with 4,600 runs).
 // closed_why is RunClosed::kForBound. Rows from before last_entry was there come first.
 constexpr std::string_view kCloseOver =
     "UPDATE uplinkd.mission_runs AS m SET is_open = false, closed_why = 1, closed_at = u.at"
-    " FROM unnest($1::text[], $2::timestamptz[]) AS u (ruri, at) CROSS JOIN LATERAL"
-    " (SELECT p.mission_id, p.run_id FROM uplinkd.mission_runs AS p"
-    " WHERE p.ruri = u.ruri AND p.is_open"
+    " FROM unnest($1::text[], $2::timestamptz[]) AS u (ruri, at)"
+    " WHERE m.ruri = u.ruri AND m.ctid = ANY (ARRAY (SELECT old.row"
+    " FROM unnest($1::text[]) AS r (ruri) CROSS JOIN LATERAL"
+    " (SELECT p.ctid AS row FROM uplinkd.mission_runs AS p WHERE p.ruri = r.ruri AND p.is_open"
     " ORDER BY p.last_entry DESC, p.last_at DESC, p.entry DESC"
-    " OFFSET $3::bigint LIMIT $4::bigint) AS old"
-    " WHERE m.ruri = u.ruri AND m.mission_id = old.mission_id AND m.run_id = old.run_id";
+    " OFFSET $3::bigint LIMIT $4::bigint) AS old))";
 
 // closed_why is RunClosed::kForAge. A run's last report is hardly ever older than its first one, by
 // which the index goes. What a batch of another shard reports meanwhile is passed over.
