@@ -252,7 +252,7 @@ class App::Impl {
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
   store::Stores stores_;
-  store::RejectReads rejects_{*stores_.reader, ground_.OnReads()};
+  store::RejectReads rejects_{*stores_.reader, ground_.OnReadsAhead()};
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();
   fleet::Forgetting forgetting_;

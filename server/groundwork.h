@@ -66,6 +66,10 @@ class Groundwork final {
   [[nodiscard]] std::function<bool(std::function<void()>)> OnReads() {
     return [this](auto job) { return reads_->TryPost(std::move(job)); };
   }
+  /// The same, ahead of what others posted.
+  [[nodiscard]] std::function<bool(std::function<void()>)> OnReadsAhead() {
+    return [this](auto job) { return reads_->TryPostAhead(std::move(job)); };
+  }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
   [[nodiscard]] config::ListenAddress http_address() const;

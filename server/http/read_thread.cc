@@ -24,13 +24,21 @@ ReadThread::~ReadThread() {
 }
 
 bool ReadThread::TryPost(std::function<void()> job) {
+  return TryPost(jobs_, waiting_max_, std::move(job));
+}
+
+bool ReadThread::TryPostAhead(std::function<void()> job) {
+  return TryPost(ahead_, kReadsAheadMax, std::move(job));
+}
+
+bool ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max, std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
-    if (jobs_.size() >= waiting_max_) {
+    if (jobs.size() >= jobs_max) {
       refused_.Add();
       return false;
     }
-    jobs_.push_back(std::move(job));
+    jobs.push_back(std::move(job));
     waiting_.Add();
   }
   work_.notify_one();
@@ -44,11 +52,11 @@ void ReadThread::Run(const std::stop_token& stop) {
     std::function<void()> job;
     {
       std::unique_lock lock(mutex_);
-      if (!work_.wait(lock, stop, [this] { return !jobs_.empty(); }) || stop.stop_requested()) {
-        return;
-      }
-      job = std::move(jobs_.front());
-      jobs_.pop_front();
+      const auto some = [this] { return !ahead_.empty() || !jobs_.empty(); };
+      if (!work_.wait(lock, stop, some) || stop.stop_requested()) return;
+      Jobs& first = ahead_.empty() ? jobs_ : ahead_;
+      job = std::move(first.front());
+      first.pop_front();
       waiting_.Add(-1);
     }
     job();

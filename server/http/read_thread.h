@@ -15,6 +15,9 @@ namespace uplink::http {
 /// Jobs that wait for a thread at most, if nothing else is said.
 inline constexpr std::size_t kReadsWaitingMax = 64;
 
+/// Jobs that go ahead of those and wait, at most.
+inline constexpr std::size_t kReadsAheadMax = 1024;
+
 /// How such a thread is called (at most 15 bytes), and how far it gives way to others (0 to 19).
 struct ThreadKind {
   const char* name;
@@ -40,8 +43,13 @@ class ReadThread final {
 
   /// False, and the job is not taken, when `waiting_max` wait.
   [[nodiscard]] bool TryPost(std::function<void()> job);
+  /// The same ahead of all that TryPost was given, with a bound of its own (kReadsAheadMax).
+  [[nodiscard]] bool TryPostAhead(std::function<void()> job);
 
  private:
+  using Jobs = std::deque<std::function<void()>>;
+
+  [[nodiscard]] bool TryPost(Jobs& jobs, std::size_t jobs_max, std::function<void()> job);
   void Run(const std::stop_token& stop);
 
   metrics::Cell& waiting_;
@@ -50,7 +58,8 @@ class ReadThread final {
   const std::size_t waiting_max_;
   std::mutex mutex_;
   std::condition_variable_any work_;
-  std::deque<std::function<void()>> jobs_;
+  Jobs ahead_;
+  Jobs jobs_;
   std::jthread thread_;
 };
 

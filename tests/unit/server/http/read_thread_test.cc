@@ -1,6 +1,7 @@
 #include "server/http/read_thread.h"
 
 #include <future>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,33 @@ TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
   ASSERT_TRUE(thread.TryPost([&] { second.set_value(2); }));
   EXPECT_NE(first.get_future().get(), std::this_thread::get_id());
   EXPECT_EQ(second.get_future().get(), 2);
+}
+
+TEST(ReadThread, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
+  HttpProbe probe;
+  ReadThread thread(probe.reads_waiting, probe.reads_refused, kScrapeThread, 1);
+  std::promise<void> started;
+  std::promise<void> release;
+  std::promise<void> done;
+  std::string order;
+  ASSERT_TRUE(thread.TryPost([&] {
+    started.set_value();
+    release.get_future().wait();
+  }));
+  started.get_future().wait();
+  ASSERT_TRUE(thread.TryPost([&] {
+    order += "last";
+    done.set_value();
+  }));
+  EXPECT_FALSE(thread.TryPost([] {}));
+  ASSERT_TRUE(thread.TryPostAhead([&] { order += "first "; }));
+  for (std::size_t i = 1; i < kReadsAheadMax; ++i) ASSERT_TRUE(thread.TryPostAhead([] {}));
+  EXPECT_FALSE(thread.TryPostAhead([] {}));
+  EXPECT_EQ(probe.reads_refused.value(), 2);
+  release.set_value();
+  done.get_future().wait();
+  EXPECT_EQ(order, "first last");
+  EXPECT_EQ(probe.reads_waiting.value(), 0);
 }
 
 TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
