@@ -6,8 +6,9 @@
 namespace uplink::robot {
 namespace {
 
-/// How soon a robot looks again whose records the store's disk has no room for.
-constexpr std::chrono::seconds kDiskAgain{1};
+/// How soon a robot that is held back looks again: a reload, or room on the disk, may let it go on
+/// before its bucket says so.
+constexpr std::chrono::seconds kAgain{1};
 /// What a robot that is limited for the disk may store at once, in seconds of its rate.
 constexpr std::uint64_t kDiskBurstSeconds = 10;
 
@@ -18,18 +19,22 @@ BucketSize DurableFlow::DiskSize(std::int64_t rate) const {
   return {.rate = bytes, .burst = bytes * kDiskBurstSeconds};
 }
 
+DurableFlow::Answer DurableFlow::LookAtDisk(SteadyTime now) const {
+  if (disk_rate_.load(std::memory_order_relaxed) != 0) return {};
+  return {HeldBack::kDisk, now + kAgain};
+}
+
 DurableFlow::Answer DurableFlow::LookAt(std::size_t bytes, const FlowLimits& limits,
                                         SteadyTime now) const {
+  if (const Answer disk = LookAtDisk(now); disk.by != HeldBack::kNone) return disk;
   const std::int64_t disk_rate = disk_rate_.load(std::memory_order_relaxed);
-  if (disk_rate == 0) return {HeldBack::kDisk, now + kDiskAgain};
   const SteadyTime flow = std::max(records_.PassesAt(1, limits.records, now),
                                    bytes_.PassesAt(bytes, limits.bytes, now));
-  if (flow > now) return {HeldBack::kFlow, flow};
+  if (flow > now) return {HeldBack::kFlow, std::min<SteadyTime>(flow, now + kAgain)};
   if (disk_rate == kNoLimit) return {};
   const SteadyTime disk = disk_.PassesAt(bytes, DiskSize(disk_rate), now);
   if (disk <= now) return {};
-  // The limit may be over before its bucket says so.
-  return {HeldBack::kDisk, std::min<SteadyTime>(disk, now + kDiskAgain)};
+  return {HeldBack::kDisk, std::min<SteadyTime>(disk, now + kAgain)};
 }
 
 void DurableFlow::Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now) {

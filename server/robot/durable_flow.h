@@ -36,7 +36,14 @@ class DurableFlow final {
   /// It is stored, whatever was said.
   void Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now);
 
-  /// Bytes that were taken since the start.
+  /// The payload of a rejection is stored beside the flow.
+  void CountKept(std::size_t bytes) { bytes_total_.fetch_add(bytes, std::memory_order_relaxed); }
+  /// The store's disk asks for less, or for nothing: no payload of a rejection is kept.
+  [[nodiscard]] bool disk_limits() const { return disk_rate_.load() != kNoLimit; }
+  /// Whether anything may be stored at all, also what the flow does not count.
+  [[nodiscard]] Answer LookAtDisk(SteadyTime now) const;
+
+  /// Bytes that were taken or kept since the start.
   [[nodiscard]] std::uint64_t bytes_total() const { return bytes_total_.load(); }
   /// From now on so many bytes per second at most: at 0 none; nothing: no such limit.
   void LimitForDisk(std::optional<std::uint64_t> bytes_per_second);

@@ -24,4 +24,13 @@ std::string_view ToText(HeldBack by) {
   return "";
 }
 
+void HeldBackTrack::Set(HeldBack by, SystemTime now) {
+  if (by == HeldBack::kNone) {
+    let_go_at_ = now;
+  } else if (by_ == HeldBack::kNone && now - let_go_at_ > kHeldBackAgain) {
+    since_ = now;
+  }
+  by_ = by;
+}
+
 }  // namespace uplink::robot

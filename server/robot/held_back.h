@@ -1,8 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+
+#include "schema/base/clock.h"
 
 namespace uplink::robot {
 
@@ -22,14 +25,32 @@ enum class HeldBack : std::uint8_t {
   kDisk,
   /// The peer does not read.
   kUnread,
-  /// Too many malformed messages of the robot in this second.
+  /// Too many malformed messages of the robot per second.
   kMalformed,
 };
 
 /// kNone included.
-inline constexpr std::size_t kHeldBackReasons = 8;
+inline constexpr std::size_t kHeldBackReasons = static_cast<std::size_t>(HeldBack::kMalformed) + 1;
 
 /// The word of the fleet contract (Robot.held_back); empty for kNone.
 [[nodiscard]] std::string_view ToText(HeldBack by);
+
+/// Since when a robot's stream is held back. Flow and disk let it go on record by record: who is
+/// held back again within kHeldBackAgain was so all the time. Confined to its owner.
+class HeldBackTrack final {
+ public:
+  void Set(HeldBack by, SystemTime now);
+
+  [[nodiscard]] HeldBack by() const { return by_; }
+  /// Only while something holds it back.
+  [[nodiscard]] SystemTime since() const { return since_; }
+
+ private:
+  HeldBack by_ = HeldBack::kNone;
+  SystemTime since_;
+  /// When it was let go on last.
+  SystemTime let_go_at_;
+};
+inline constexpr std::chrono::seconds kHeldBackAgain{10};
 
 }  // namespace uplink::robot

@@ -10,9 +10,11 @@ namespace uplink::robot {
 inline constexpr std::size_t kRejectsRememberedMax = 256;
 /// Sessions of one robot in memory (protocol: Numbers).
 inline constexpr std::size_t kSessionsMax = 8;
-/// Malformed messages of a robot per second, over all its streams, after which its stream is held
-/// back to the next second.
-inline constexpr std::uint32_t kMalformedPerSecondMax = 1000;
+/// Malformed messages of a robot per second, over all its streams, and as many at once after a
+/// pause; past them its stream is held back. The same of messages over their rate.
+inline constexpr std::uint32_t kRejectsPerSecondMax = 1000;
+/// So many follow at a time: less than one robot may have in a commit (journal::BatchShare).
+inline constexpr std::uint32_t kRejectsAtOnce = 100;
 /// What one jump of numbers adds to the count of missing ones, at most: an agent may jump by 2^32,
 /// and at a stream's first message by more, so that one mistake would bury every honest count.
 inline constexpr std::uint64_t kMissingPerJumpMax = std::uint64_t{1} << 20U;

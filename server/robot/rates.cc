@@ -5,8 +5,14 @@
 #include <string>
 #include <variant>
 
+#include <fmt/format.h>
+
 namespace uplink::robot {
 namespace {
+
+/// How often those that are limited no more are looked for where there are too many: each look
+/// walks over all of them.
+constexpr std::chrono::seconds kForgetEvery{1};
 
 /// The id by which an upsert is limited; nothing of other messages.
 std::optional<std::size_t> UpsertId(const model::Body& body) {
@@ -32,13 +38,20 @@ milliseconds Until(SteadyTime time, SteadyTime now) {
 
 }  // namespace
 
+model::Rejection RateLimited(const BucketSize& size) {
+  return {
+      .reason = model::RejectReason::kRateLimited,
+      .field = "",
+      .detail = fmt::format("more than {} per second, after {} at once", size.rate, size.burst)};
+}
+
 std::optional<SteadyTime> Rates::LimitedIds::Until(std::size_t id, SteadyTime now) {
   if (until_.empty()) return std::nullopt;
   if (last_ <= now) {
     until_.clear();
     return std::nullopt;
   }
-  if (until_.size() >= kLimitedIdsMax) Forget(now);
+  if (until_.size() >= kLimitedIdsMax && now >= forget_at_) Forget(now);
   if (until_.size() >= kLimitedIdsMax) return last_;
   const auto known = until_.find(id);
   if (known == until_.end()) return std::nullopt;
@@ -54,6 +67,7 @@ void Rates::LimitedIds::Add(std::size_t id, SteadyTime until) {
 
 void Rates::LimitedIds::Forget(SteadyTime now) {
   std::erase_if(until_, [now](const auto& id) { return id.second <= now; });
+  forget_at_ = now + kForgetEvery;
 }
 
 std::optional<SteadyTime> Rates::UpsertLimitedUntil(LimitedIds& ids, std::size_t id,

@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
+#include "schema/model/rejection.h"
 #include "server/robot/token_bucket.h"
 
 namespace uplink::robot {
@@ -20,6 +21,9 @@ using RateTable = std::array<BucketSize, model::kVariants>;
 /// Ids of shapes, and of objects, that are limited at a time. Past it every upsert of the kind is,
 /// so that order is kept.
 inline constexpr std::size_t kLimitedIdsMax = 4'096;
+
+/// Why a message over this rate is rejected.
+[[nodiscard]] model::Rejection RateLimited(const BucketSize& size);
 
 /// How many messages one robot may send, by variant (validation rules: rates).
 ///
@@ -59,6 +63,7 @@ class Rates final {
     std::unordered_map<std::size_t, SteadyTime> until_;
     /// The latest of them.
     SteadyTime last_{};
+    SteadyTime forget_at_{};
   };
 
   /// Until when the upsert is limited by its id, or by the bucket; nothing if it is not.

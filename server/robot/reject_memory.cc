@@ -54,8 +54,9 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
   return again;
 }
 
-bool RejectMemory::AwaitLate(model::Seq settled_seq) {
-  if (left_through_ <= settled_seq) return false;
+bool RejectMemory::AwaitLate(model::Seq settled_seq, model::Seq judged_seq) {
+  const bool unknown = !complete_ && judged_seq > settled_seq;
+  if (left_through_ <= settled_seq && !unknown) return false;
   told_through_ = settled_seq;
   return true;
 }
@@ -63,6 +64,7 @@ bool RejectMemory::AwaitLate(model::Seq settled_seq) {
 void RejectMemory::AddLate(std::vector<RejectedSeq> stored) {
   if (!told_through_ || pages_through_ > 0) return;
   told_through_.reset();
+  complete_ = true;
   const std::size_t before = untold_.size();
   AddUnlessRemembered(std::move(stored));
   unconfirmed_ += untold_.size() - before;
@@ -90,6 +92,11 @@ void RejectMemory::BeginPages(UnreadRejects unread, std::size_t more) {
 std::optional<UnreadRejects> RejectMemory::unread() const {
   if (!told_through_ || pages_through_ == 0) return std::nullopt;
   return UnreadRejects{.after = *told_through_, .through = pages_through_};
+}
+
+std::optional<model::Seq> RejectMemory::judged_through(model::Seq known_judged) const {
+  if (!unread() || pages_through_ <= known_judged) return std::nullopt;
+  return std::max(*told_through_, known_judged);
 }
 
 void RejectMemory::AddPage(std::vector<RejectedSeq> page, model::Seq through) {

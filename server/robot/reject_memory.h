@@ -41,9 +41,12 @@ class RejectMemory final {
   /// `stored` is what the store knows besides; it is remembered. Nothing is untold afterwards.
   [[nodiscard]] std::vector<RejectedSeq> TellAgain(model::Seq settled_seq,
                                                    std::vector<RejectedSeq> stored);
-  /// After a TellAgain without the store's answer. True if memory let go of numbers above
-  /// `settled_seq`: the stream was not told those, and told_through holds until AddLate.
-  bool AwaitLate(model::Seq settled_seq);
+  /// The TellAgain before had the store's answer: memory knows all since.
+  void SetComplete() { complete_ = true; }
+  /// After a TellAgain without the store's answer. True if the stream may not have been told a
+  /// number above `settled_seq`: memory let go of some, or is new while the agent knows of messages
+  /// up to `judged_seq` that were judged. Then told_through holds until AddLate.
+  bool AwaitLate(model::Seq settled_seq, model::Seq judged_seq);
   /// The store's answer came after the Welcome: what memory does not have is untold. Does nothing
   /// unless it is awaited.
   void AddLate(std::vector<RejectedSeq> stored);
@@ -57,6 +60,10 @@ class RejectMemory final {
   /// The number above which the stream may not have been told a Reject; nothing while it was told
   /// all that are known.
   [[nodiscard]] const std::optional<model::Seq>& told_through() const { return told_through_; }
+  /// The number above which no message may be called judged; nothing if any may. An agent that
+  /// knows what was judged up to `known_judged` learns no more from being told that; what pages
+  /// hold beyond it, it has yet to forget.
+  [[nodiscard]] std::optional<model::Seq> judged_through(model::Seq known_judged) const;
 
  private:
   void RememberLimited(RejectedSeq limited);
@@ -69,6 +76,8 @@ class RejectMemory final {
   /// The highest number that had to leave, or that is kept by the store alone; 0: none.
   model::Seq left_through_ = 0;
   std::optional<model::Seq> told_through_;
+  /// Every Reject of the session is known, but for those up to left_through_.
+  bool complete_ = false;
   /// The last number that pages hold; 0: there are none.
   model::Seq pages_through_ = 0;
   std::vector<RejectedSeq> untold_;

@@ -81,7 +81,9 @@ class Robot final : public CommitClient {
   DurableFlow flow;
   Rates rates;
   /// Of its stream alone.
+  /// Of malformed messages, and of those over their rate.
   Throttle throttle;
+  Throttle limited_throttle;
 
  private:
   enum class Leaving : std::uint8_t { kNo, kAsked, kLeft };

@@ -10,8 +10,7 @@
 
 namespace uplink::robot {
 
-static_assert(kSessionsMax == storage::kSessionsPerRobotMax,
-              "memory and the store keep as many sessions of a robot");
+static_assert(kSessionsMax == storage::kSessionsPerRobotMax, "memory and the store keep as many");
 
 std::optional<Reconnects::Arrival> RobotSessions::Arrive(SteadyTime now,
                                                          const ReconnectLimits& limits) {
@@ -68,16 +67,18 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
   if (memory == nullptr) return {.committed = settled_seq, .rejects = {}};
+  memory->known_judged = judged_seq;
   std::optional<storage::OpenResult> answer = opening_.Take(open_id);
   const bool answered = answer.has_value();
   StoredSession stored = StoredOf(std::move(answer));
   std::vector<RejectedSeq> rejects =
       memory->rejects.TellAgain(settled_seq, std::move(stored.rejects));
-  if (!answered && memory->rejects.AwaitLate(settled_seq)) opening_.WantLate();
+  if (answered) memory->rejects.SetComplete();
+  if (!answered && memory->rejects.AwaitLate(settled_seq, judged_seq)) opening_.WantLate();
   if (stored.more > 0) memory->rejects.BeginPages(stored.unread, stored.more);
   Resume resume{.committed = memory->numbers.Resume(settled_seq, judged_seq, stored.through),
-                .rejects = {}};
-  if (!Planted(Mutation::kRejectNotRepeated)) resume.rejects = std::move(rejects);
+                .rejects = std::move(rejects)};
+  if (Planted(Mutation::kRejectNotRepeated)) resume.rejects.clear();
   CountUnconfirmed();
   return resume;
 }
@@ -126,17 +127,19 @@ Progress RobotSessions::Take(const model::SessionId& session) {
   const Numbering& numbers = memory->numbers;
   const model::Seq through =
       Planted(Mutation::kAckBeforeCommit) ? numbers.seen() : numbers.through();
+  // An Ack covers no Reject that was not told, neither as settled nor as judged.
+  const bool awaits = !Planted(Mutation::kPagesNotAwaited);
   const model::Seq told = memory->rejects.told_through().value_or(through);
-  return {.through = Planted(Mutation::kPagesNotAwaited) ? through : std::min(through, told),
-          .judged = numbers.judged(),
+  const auto judged = memory->rejects.judged_through(memory->known_judged);
+  return {.through = awaits ? std::min(through, told) : through,
+          .judged = std::min(numbers.judged(), judged.value_or(numbers.judged())),
           .rejects = memory->rejects.TakeUntold(),
           .released = std::exchange(memory->released, {})};
 }
 
 void RobotSessions::SetHeldBack(HeldBack by, SystemTime now) {
   const std::lock_guard lock(mutex_);
-  if (held_back_ == HeldBack::kNone) held_back_since_ = now;
-  held_back_ = by;
+  held_back_.Set(by, now);
 }
 
 std::optional<UnreadRejects> RobotSessions::UnreadOf(const model::SessionId& session) const {
@@ -173,8 +176,8 @@ SessionView RobotSessions::View() const {
   view.connected = static_cast<bool>(takeover_.current());
   view.connected_since = takeover_.connected_since();
   view.contested = takeover_.contested();
-  view.held_back = held_back_;
-  view.held_back_since = held_back_since_;
+  view.held_back = held_back_.by();
+  view.held_back_since = held_back_.since();
   if (const SessionMemory* memory = CurrentSession()) {
     view.session = current_session_;
     view.settled_seq = memory->numbers.through();

@@ -219,8 +219,7 @@ class RobotSessions final {
   /// The session of the robot's stream, or of its last one.
   std::optional<model::SessionId> current_session_;
   std::optional<storage::SettledSession> settled_taken_;
-  HeldBack held_back_ = HeldBack::kNone;
-  SystemTime held_back_since_;
+  HeldBackTrack held_back_;
   /// For View alone, while the current session is not held.
   std::optional<storage::SettledSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};

@@ -16,6 +16,8 @@ namespace uplink::robot {
 struct SessionMemory {
   Numbering numbers;
   RejectMemory rejects;
+  /// What the agent knows to be judged, by its last Hello.
+  model::Seq known_judged = 0;
   /// Arrivals of what commits released and the stream has not taken yet: at most
   /// in_flight_uplinks_max.
   std::vector<SteadyTime> released;

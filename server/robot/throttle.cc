@@ -1,22 +1,20 @@
 #include "server/robot/throttle.h"
 
-#include <chrono>
-
 #include "server/robot/limits.h"
 
 namespace uplink::robot {
+namespace {
 
-void Throttle::AddMalformed(SteadyTime now) {
-  if (now - since_ >= std::chrono::seconds(1)) {
-    since_ = now;
-    malformed_ = 0;
-  }
-  ++malformed_;
-}
+constexpr BucketSize kRejects{.rate = kRejectsPerSecondMax, .burst = kRejectsPerSecondMax};
 
-std::optional<SteadyTime> Throttle::end() const {
-  if (malformed_ <= kMalformedPerSecondMax) return std::nullopt;
-  return since_ + std::chrono::seconds(1);
+}  // namespace
+
+void Throttle::Add(SteadyTime now) {
+  if (end_ && now >= *end_) end_.reset();
+  bucket_.Take(1, kRejects, now);
+  // At the bound it is empty, past it less than that.
+  if (end_ || bucket_.PassesAt(0, kRejects, now) <= now) return;
+  end_ = bucket_.PassesAt(kRejectsAtOnce, kRejects, now);
 }
 
 }  // namespace uplink::robot

@@ -15,18 +15,30 @@ SteadyTime::duration TimeFor(std::uint64_t tokens, const BucketSize& size) {
       std::chrono::duration<double>(std::min(seconds, kFillMaxSeconds)));
 }
 
+/// What a bucket of this rate gives in that time.
+std::uint64_t TokensOf(SteadyTime::duration time, const BucketSize& size) {
+  const double seconds = std::chrono::duration<double>(time).count();
+  return static_cast<std::uint64_t>(seconds * static_cast<double>(size.rate));
+}
+
 }  // namespace
+
+SteadyTime TokenBucket::FullAt(const BucketSize& size, SteadyTime now) const {
+  if (size == size_ || full_at_ <= now) return full_at_;
+  const std::uint64_t lacks = std::min(TokensOf(full_at_ - now, size_), size.burst);
+  return now + TimeFor(lacks, size);
+}
 
 SteadyTime TokenBucket::PassesAt(std::uint64_t cost, const BucketSize& size, SteadyTime now) const {
   if (size.rate == 0 || full_at_ <= now) return now;
   const std::uint64_t may_lack = size.burst - std::min(size.burst, cost);
-  // A smaller bucket than before may lack more than it holds: it is empty, then.
-  return full_at_ - TimeFor(may_lack, size);
+  return FullAt(size, now) - TimeFor(may_lack, size);
 }
 
 void TokenBucket::Take(std::uint64_t cost, const BucketSize& size, SteadyTime now) {
   if (size.rate == 0) return;
-  full_at_ = std::max(full_at_, now) + TimeFor(cost, size);
+  full_at_ = std::max(FullAt(size, now), now) + TimeFor(cost, size);
+  size_ = size;
 }
 
 }  // namespace uplink::robot

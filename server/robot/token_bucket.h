@@ -28,7 +28,13 @@ class TokenBucket final {
   void Take(std::uint64_t cost, const BucketSize& size, SteadyTime now);
 
  private:
+  /// When it is full again, at this size from now on: what it lacks stays, but for what the size
+  /// cannot hold.
+  [[nodiscard]] SteadyTime FullAt(const BucketSize& size, SteadyTime now) const;
+
   SteadyTime full_at_{};
+  /// With which full_at_ was made.
+  BucketSize size_;
 };
 
 }  // namespace uplink::robot

@@ -14,6 +14,13 @@ using google::protobuf::io::CodedInputStream;
 /// Views whose memory stays for the next frame: a frame of nothing but empty messages can ask for a
 /// thousand times as many.
 constexpr std::size_t kViewsKeptMax = 4096;
+/// Fields of a frame that this version does not know. Protobuf's own parser keeps each as an
+/// object: half a million fit into a frame, and take it 40 ms (measured).
+constexpr std::size_t kUnknownFieldsMax = 256;
+/// Fields of a frame itself, known or not.
+constexpr std::size_t kPartsMax = kUnknownFieldsMax + 16;
+/// A Hello says an address, a session and a version. As much of something else is parsed as well.
+constexpr std::size_t kHelloFrameBytesMax = std::size_t{16} * 1024;
 
 constexpr std::uint32_t LengthDelimited(int field) {
   return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
@@ -41,7 +48,8 @@ class Walk {
   FrameContent Request(BatchView& batch) {
     FrameContent content = FrameContent::kNothing;
     while (const std::uint32_t tag = NextTag()) {
-      bool good = true;
+      bool good = CountPart();
+      if (!good) return FrameContent::kMalformed;
       if (tag == kBatchTag) {
         // A hello before it no longer counts; another batch before it does.
         if (content != FrameContent::kBatch) Clear(batch);
@@ -62,6 +70,8 @@ class Walk {
 
   /// Something was met that agents of today do not send: protobuf's own parser has the last word.
   [[nodiscard]] bool unusual() const { return unusual_; }
+  /// More was met than any version of the protocol would send.
+  [[nodiscard]] bool foreign() const { return foreign_; }
 
   static void Clear(BatchView& batch) {
     batch.uplinks.clear();
@@ -114,9 +124,20 @@ class Walk {
     return tag;
   }
 
+  /// One hello or one batch is all that a frame of today has. Each is parsed.
+  bool CountPart() {
+    ++parts_;
+    foreign_ = foreign_ || parts_ > kPartsMax;
+    return !foreign_;
+  }
+
   bool SkipUnknown(std::uint32_t tag) {
     unusual_ = true;
-    return WireFormatLite::SkipField(&input_, tag);
+    ++unknown_;
+    // No message of ours has groups, and fields within one would not be counted.
+    const bool group = WireFormatLite::GetTagWireType(tag) == WireFormatLite::WIRETYPE_START_GROUP;
+    foreign_ = foreign_ || group || unknown_ > kUnknownFieldsMax;
+    return !foreign_ && WireFormatLite::SkipField(&input_, tag);
   }
 
   bool Size(int& size) {
@@ -155,15 +176,24 @@ class Walk {
   std::string_view bytes_;
   CodedInputStream input_;
   bool unusual_ = false;
+  bool foreign_ = false;
+  std::size_t unknown_ = 0;
+  std::size_t parts_ = 0;
 };
 
 }  // namespace
 
-FrameContent ReadFrame(std::string_view bytes, BatchView& batch) {
+FrameContent ReadFrame(std::string_view bytes, BatchView& batch, std::size_t uplinks_max) {
   if (batch.uplinks.capacity() > kViewsKeptMax) std::vector<UplinkView>().swap(batch.uplinks);
   Walk::Clear(batch);
   Walk walk(bytes);
   const FrameContent content = walk.Request(batch);
+  if (walk.foreign()) return FrameContent::kForeign;
+  if (content == FrameContent::kHello && bytes.size() > kHelloFrameBytesMax) {
+    return FrameContent::kForeign;
+  }
+  // It is refused for that, whatever protobuf says of it.
+  if (content == FrameContent::kBatch && batch.uplinks.size() > uplinks_max) return content;
   if (!walk.unusual() || content == FrameContent::kMalformed) return content;
   v1::RelayRequest whole;
   return whole.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))

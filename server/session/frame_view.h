@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -27,17 +28,30 @@ struct BatchView {
 enum class FrameContent : std::uint8_t {
   /// Not a RelayRequest.
   kMalformed,
+  /// It holds more than 256 unknown fields, hundreds of hellos or batches, a group, or is a Hello
+  /// of more than 16 KiB: no version
+  /// of the protocol sends that, and parsing it is dear.
+  kForeign,
   kNothing,
   /// Parse it whole: it comes once per stream.
   kHello,
   kBatch,
 };
 
+/// What a frame is told that has no content to be handled.
+inline constexpr std::string_view kNoRequest =
+    "not a RelayRequest (bad protobuf, or a text that is not UTF-8)";
+inline constexpr std::string_view kForeignRequest =
+    "more than 256 unknown fields, a group, or a hello of more than 16 KiB";
+
 /// Reads a serialized RelayRequest; a batch becomes views into `bytes`, which must live as long as
 /// they do. What protobuf allows holds: unknown fields are skipped, the last of a oneof counts,
 /// parts of a message that comes in pieces are put together.
 ///
+/// A batch of more than `uplinks_max` messages is only counted.
+///
 /// Thread: pure; any thread.
-[[nodiscard]] FrameContent ReadFrame(std::string_view bytes, BatchView& batch);
+[[nodiscard]] FrameContent ReadFrame(std::string_view bytes, BatchView& batch,
+                                     std::size_t uplinks_max);
 
 }  // namespace uplink::session

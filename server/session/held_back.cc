@@ -8,6 +8,10 @@ Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing) {
   if (throttled && sources.clock.Steady() < *throttled) {
     return {.by = HeldBack::kMalformed, .until = throttled};
   }
+  const std::optional<SteadyTime> limited = sources.robot.limited_throttle.end();
+  if (limited && sources.clock.Steady() < *limited) {
+    return {.by = HeldBack::kFlow, .until = limited};
+  }
   return {};
 }
 
@@ -22,9 +26,10 @@ Hold HoldOfRecord(const HeldBackSources& sources, const RecordCost& cost) {
     case journal::Room::kFree:
       break;
   }
-  if (!cost.flow_bytes) return {};
+  const SteadyTime now = sources.clock.Steady();
   const robot::DurableFlow::Answer flow =
-      sources.robot.flow.LookAt(*cost.flow_bytes, sources.flow, sources.clock.Steady());
+      cost.flow_bytes ? sources.robot.flow.LookAt(*cost.flow_bytes, sources.flow, now)
+                      : sources.robot.flow.LookAtDisk(now);
   if (flow.by == HeldBack::kNone) return {};
   return {.by = flow.by, .until = flow.again};
 }

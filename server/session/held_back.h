@@ -33,7 +33,7 @@ struct HeldBackSources {
 };
 
 /// What keeps any message: the peer does not read (`outgoing` frames wait for it), or sends too
-/// much that is malformed.
+/// much that is malformed or over its rate.
 [[nodiscard]] Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing);
 
 /// A record that is to be appended to the journal.

@@ -2,24 +2,11 @@
 
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "schema/rcan/judge.h"
 #include "server/robot/mutation.h"
 #include "server/session/frames.h"
 
 namespace uplink::session {
-namespace {
-
-model::Rejection RateLimited(const robot::BucketSize& size) {
-  return {
-      .reason = model::RejectReason::kRateLimited,
-      .field = "",
-      .detail = fmt::format("more than {} per second, after {} at once", size.rate, size.burst)};
-}
-
-}  // namespace
-
 Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::SessionId& session,
                std::uint64_t generation)
     : context_(context),
@@ -34,10 +21,6 @@ Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
   batch_.Begin(uplinks);
-  if (allowance_version_ != context_.allowances.version()) {
-    allowance_version_ = context_.allowances.version();
-    allowance_ = context_.allowances.Get();
-  }
   arrived_ = arrived;
   received_at_ = received_at;
 }
@@ -50,7 +33,12 @@ HeldBackSources Intake::Sources() const {
           .clock = context_.clock};
 }
 
-Hold Intake::HoldNow(std::size_t outgoing) const {
+Hold Intake::HoldNow(std::size_t outgoing) {
+  // Also while a message waits: a reload may be what lets it go on.
+  if (allowance_version_ != context_.allowances.version()) {
+    allowance_version_ = context_.allowances.version();
+    allowance_ = context_.allowances.Get();
+  }
   const Hold hold = HoldOfAll(Sources(), outgoing);
   return hold.none() && front_cost_ ? HoldOfRecord(Sources(), *front_cost_) : hold;
 }
@@ -58,7 +46,8 @@ Hold Intake::HoldNow(std::size_t outgoing) const {
 Intake::Processed Intake::Process(std::size_t outgoing) {
   Processed processed;
   numbers_.Begin();
-  while (pending() && !processed.is_void && !rejects_full() &&
+  costly_ = 0;
+  while (pending() && !processed.is_void && !rejects_full() && !yields() &&
          HoldNow(outgoing + processed.frames.size()).none()) {
     if (!ProcessUplink(batch_.front(), processed)) break;
     front_cost_.reset();
@@ -109,6 +98,7 @@ void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
 void Intake::AppendGap(const robot::Seen& seen) {
   counts_.missing += seen.missing;
   robot_.sessions.AddGap(session_, seen);
+  if (IsNew(seen.missing_last)) TakeFlow(0);
   journal_.AppendGap(robot_, generation_,
                      {.robot = id_,
                       .session = session_,
@@ -121,11 +111,14 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
                                          const Judged& judged) const {
   const std::size_t payload = uplink.payload.size();
   RecordCost cost;
-  if (seen.missing_first > 0) cost.journal_bytes = robot::kRecordOverheadBytes;
+  if (seen.missing_first > 0) {
+    cost.journal_bytes = robot::kRecordOverheadBytes;
+    if (IsNew(seen.missing_last)) cost.flow_bytes = 0;
+  }
   if (const auto* record = std::get_if<model::Record>(&judged.content)) {
     if (record->durable() && !judged.expired) {
       cost.journal_bytes += journal::CostOf(payload, *record);
-      if (uplink.seq > robot_.sessions.free_through()) cost.flow_bytes = payload;
+      if (IsNew(uplink.seq)) cost.flow_bytes = payload;
     }
   } else if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
     cost.journal_bytes += journal::CostOf(payload, *rejection);
@@ -187,9 +180,7 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
     numbers_.AddSettled(uplink.seq);
     return CountSuperseded();
   }
-  if (uplink.seq > robot_.sessions.free_through()) {
-    robot_.flow.Take(uplink.payload.size(), allowance_->flow, context_.clock.Steady());
-  }
+  if (IsNew(uplink.seq)) TakeFlow(uplink.payload.size());
   robot_.state.KeepReport(record.body(), received_at_);
   Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
 }
@@ -197,13 +188,14 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
 bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Processed& processed) {
   const std::size_t variant = static_cast<std::size_t>(record.variant());
   if (allowance_->rates[variant].rate == 0) return false;
-  // What is sent again was decided before.
-  if (uplink.seq <= robot_.sessions.free_through()) return false;
+  if (!IsNew(uplink.seq)) return false;
   const std::optional<milliseconds> again =
       robot_.rates.Limit(record.body(), allowance_->rates, context_.clock.Steady());
   if (!again) return false;
+  ++costly_;
+  robot_.limited_throttle.Add(context_.clock.Steady());
   robot::RejectedSeq limited{.seq = uplink.seq,
-                             .rejection = RateLimited(allowance_->rates[variant]),
+                             .rejection = robot::RateLimited(allowance_->rates[variant]),
                              .retry_after_ms = again->count()};
   context_.ledger.CountRejected(variant, model::RejectReason::kRateLimited);
   processed.frames.push_back(RejectFrame(limited.seq, limited.rejection, limited.retry_after_ms));
@@ -230,6 +222,7 @@ void Intake::CountSuperseded() {
 void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
                          std::size_t kind, Processed& processed) {
   if (dropped.empty()) return;
+  ++costly_;
   robot_.state.CountDropped(dropped.size());
   for (const model::DroppedField& field : dropped) {
     context_.ledger.CountDropped(kind, field.reason);
@@ -250,13 +243,15 @@ void Intake::CountUntold(std::span<const model::UntoldFields> untold, std::size_
 void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
                     Processed& processed) {
   // Now, not the frame's arrival: a large frame may be processed over several seconds.
-  robot_.throttle.AddMalformed(context_.clock.Steady());
+  robot_.throttle.Add(context_.clock.Steady());
+  ++costly_;
   context_.ledger.CountRejected(kind, rejection.reason);
   processed.frames.push_back(RejectFrame(uplink.seq, rejection));
   robot_.sessions.Remember(session_, {.seq = uplink.seq, .rejection = rejection});
   std::string kept;
-  if (robot_.sessions.KeepPayload(rejection.reason, arrived_)) {
+  if (!robot_.flow.disk_limits() && robot_.sessions.KeepPayload(rejection.reason, arrived_)) {
     kept = uplink.payload.substr(0, context_.limits.payload_bytes_max);
+    robot_.flow.CountKept(kept.size());
   }
   Append(uplink.seq, storage::QuarantineItem{.rejection = rejection}, std::move(kept),
          uplink.payload.size());

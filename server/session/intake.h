@@ -27,7 +27,7 @@ namespace uplink::session {
 /// durable and rejected to the journal. It stops in the middle of a batch where the server must
 /// hold the stream back, and goes on there.
 ///
-/// Reject is the one place where a session decides a Reject.
+/// Reject and Limit are the two places where a session decides a Reject.
 ///
 /// Thread:  confined to the stream's thread.
 class Intake final {
@@ -67,9 +67,12 @@ class Intake final {
   [[nodiscard]] bool rejects_full() const {
     return robot_.sessions.unconfirmed() >= context_.limits.unconfirmed_rejects_max;
   }
+  /// Processing has stopped so that other streams of the thread have their turn: call it again
+  /// soon.
+  [[nodiscard]] bool yields() const { return costly_ >= kCostlyPerTurn; }
   /// What keeps the next message from being processed: of one that is not here yet, what keeps any;
   /// of one at which processing stopped, also what keeps a record like it.
-  [[nodiscard]] Hold HoldNow(std::size_t outgoing) const;
+  [[nodiscard]] Hold HoldNow(std::size_t outgoing);
 
  private:
   /// False if the message has to wait.
@@ -78,6 +81,11 @@ class Intake final {
   [[nodiscard]] std::optional<RecordCost> CostOf(const UplinkView& uplink, const robot::Seen& seen,
                                                  const Judged& judged) const;
   [[nodiscard]] HeldBackSources Sources() const;
+  /// It was not decided before: neither sent again, nor before the store has said how far it is.
+  [[nodiscard]] bool IsNew(model::Seq seq) const { return seq > robot_.sessions.free_through(); }
+  void TakeFlow(std::size_t bytes) {
+    robot_.flow.Take(bytes, allowance_->flow, context_.clock.Steady());
+  }
   [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
   void CountDuplicate(const robot::Seen& seen, Processed& processed);
   void AppendGap(const robot::Seen& seen);
@@ -117,6 +125,8 @@ class Intake final {
   SteadyTime arrived_;
   SystemTime received_at_;
   bool sign_of_life_ = false;
+  /// Messages of this turn that were rejected, limited, or had invalid fields.
+  std::size_t costly_ = 0;
   /// Once the stream has sent a Robot State.
   std::unique_ptr<RcanOrder> rcan_order_;
   metrics::UplinkCounts counts_;

@@ -1,5 +1,9 @@
 #include "server/session/rcan_order.h"
 
+#include <algorithm>
+
+#include "server/robot/limits.h"
+
 namespace uplink::session {
 
 RcanOrder::Age RcanOrder::AgeOf(const model::RcanState& state) const {
@@ -15,8 +19,9 @@ std::uint64_t RcanOrder::See(const model::RcanState& state) {
   last_seq_ = state.seq;
   // Going back is a robot that began anew, or a number that wrapped: nothing is known to miss.
   if (!before || *state.seq <= *before) return 0;
-  const std::uint64_t skipped = static_cast<std::uint64_t>(*state.seq - *before) - 1;
-  missing_ = missing_ + skipped < missing_ ? UINT64_MAX : missing_ + skipped;
+  const std::uint64_t skipped =
+      std::min(static_cast<std::uint64_t>(*state.seq - *before) - 1, robot::kMissingPerJumpMax);
+  missing_ += skipped;
   return skipped;
 }
 

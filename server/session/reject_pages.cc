@@ -47,6 +47,7 @@ void RejectPages::Ask(std::size_t outgoing) {
   if (taken) {
     asked_ = std::move(box);
   } else {
+    sources_.context.probe.reject_reads_failed_total.Add();
     SetTry();
   }
 }

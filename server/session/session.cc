@@ -8,12 +8,6 @@
 #include "server/session/frames.h"
 
 namespace uplink::session {
-namespace {
-
-constexpr std::string_view kNoRequest =
-    "not a RelayRequest (bad protobuf, or a text that is not UTF-8)";
-
-}  // namespace
 
 Session::Session(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self,
                  FrameSource& source, FrameSink& sink)
@@ -47,9 +41,11 @@ void Session::OnFrame(std::string_view bytes) {
   ++frames_;
   context_.probe.frames_total.Add();
   context_.probe.frame_bytes_total.Add(static_cast<std::int64_t>(bytes.size()));
-  switch (ReadFrame(bytes, context_.scratch.batch)) {
+  switch (ReadFrame(bytes, context_.scratch.batch, context_.limits.batch_uplinks_max)) {
     case FrameContent::kMalformed:
       return ProtocolError(kNoRequest);
+    case FrameContent::kForeign:
+      return ProtocolError(kForeignRequest);
     case FrameContent::kHello:
       return HandleHello(bytes);
     case FrameContent::kBatch:
@@ -175,6 +171,7 @@ void Session::Read() {
   // The last look decides: what keeps the stream back is what it then waits for.
   Hold hold = intake_->HoldNow(outgoing_.size());
   while (intake_->pending() && hold.none()) {
+    if (intake_->yields()) return robot_.self().Wake();
     ProcessAndWrite(News::kNone);
     if (EndForRejects()) return EndWhenSettled();
     hold = intake_->HoldNow(outgoing_.size());

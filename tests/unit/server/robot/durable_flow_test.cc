@@ -86,5 +86,23 @@ TEST_F(DurableFlowTest, ItsOwnBucketsComeFirst) {
   EXPECT_EQ(LookAt(1), HeldBack::kFlow);
 }
 
+TEST_F(DurableFlowTest, AFullDiskStopsAlsoWhatTheFlowDoesNotCount) {
+  EXPECT_FALSE(flow_.disk_limits());
+  flow_.LimitForDisk(10);
+  EXPECT_TRUE(flow_.disk_limits());
+  EXPECT_EQ(flow_.LookAtDisk(clock_.Steady()).by, HeldBack::kNone);
+  flow_.LimitForDisk(0);
+  EXPECT_EQ(flow_.LookAtDisk(clock_.Steady()).by, HeldBack::kDisk);
+  flow_.LimitForDisk(std::nullopt);
+  EXPECT_FALSE(flow_.disk_limits());
+  EXPECT_EQ(flow_.LookAtDisk(clock_.Steady()).by, HeldBack::kNone);
+}
+
+TEST_F(DurableFlowTest, WhatIsKeptOfRejectionsCountsAsStored) {
+  flow_.CountKept(300);
+  Take(5);
+  EXPECT_EQ(flow_.bytes_total(), 305U);
+}
+
 }  // namespace
 }  // namespace uplink::robot

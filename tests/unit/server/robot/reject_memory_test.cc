@@ -99,11 +99,11 @@ TEST(RejectMemoryTest, PastTheBoundTheLowestNumberIsForgotten) {
 TEST(RejectMemoryTest, WhatItLetGoIsAwaitedAboveWhatTheAgentConfirmed) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax; ++seq) memory.Remember(Rejected(seq));
-  EXPECT_FALSE(memory.AwaitLate(0)) << "it has all";
+  EXPECT_FALSE(memory.AwaitLate(0, 0)) << "it has all";
   memory.Remember(Rejected(kRejectsRememberedMax + 1));
-  EXPECT_FALSE(memory.AwaitLate(1)) << "the agent confirmed what it lacks";
+  EXPECT_FALSE(memory.AwaitLate(1, 1)) << "the agent confirmed what it lacks";
   EXPECT_FALSE(memory.told_through().has_value());
-  EXPECT_TRUE(memory.AwaitLate(0));
+  EXPECT_TRUE(memory.AwaitLate(0, 0));
   EXPECT_EQ(memory.told_through(), 0U);
 }
 
@@ -111,7 +111,7 @@ TEST(RejectMemoryTest, WhatComesLateIsUntoldUnlessItIsRemembered) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 2; ++seq) memory.Remember(Rejected(seq));
   static_cast<void>(memory.TellAgain(0, {}));
-  ASSERT_TRUE(memory.AwaitLate(0));
+  ASSERT_TRUE(memory.AwaitLate(0, 0));
   memory.AddLate({Rejected(1), Rejected(2), Rejected(3)});
   EXPECT_FALSE(memory.told_through().has_value());
   EXPECT_EQ(memory.unconfirmed(), kRejectsRememberedMax + 2);
@@ -123,7 +123,7 @@ TEST(RejectMemoryTest, WhatComesLateIsUntoldUnlessItIsRemembered) {
 TEST(RejectMemoryTest, ARepetitionAwaitsNothing) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 1; ++seq) memory.Remember(Rejected(seq));
-  ASSERT_TRUE(memory.AwaitLate(0));
+  ASSERT_TRUE(memory.AwaitLate(0, 0));
   EXPECT_THAT(memory.TellAgain(0, {Rejected(1)}), SizeIs(kRejectsRememberedMax + 1));
   EXPECT_FALSE(memory.told_through().has_value());
 }
@@ -153,8 +153,8 @@ TEST(RejectMemoryTest, WhatItIsToldOnlyByPagesIsAwaitedTheNextTime) {
   memory.AddPage({Rejected(7)}, 9);
   EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(7));
   EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(2));
-  EXPECT_TRUE(memory.AwaitLate(0));
-  EXPECT_FALSE(memory.AwaitLate(9));
+  EXPECT_TRUE(memory.AwaitLate(0, 0));
+  EXPECT_FALSE(memory.AwaitLate(9, 9));
 }
 
 TEST(RejectMemoryTest, RateLimitedNumbersAreInNoPage) {
@@ -162,7 +162,34 @@ TEST(RejectMemoryTest, RateLimitedNumbersAreInNoPage) {
   memory.Remember({.seq = 5, .rejection = {.reason = model::RejectReason::kRateLimited}});
   static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
   memory.BeginPages({.after = 2, .through = 9}, 1);
-  EXPECT_EQ(memory.unconfirmed(), 3U);
+  EXPECT_EQ(memory.unconfirmed(), 2U) << "it need not be confirmed, nor does it stand for one";
+}
+
+TEST(RejectMemoryTest, ANewOneAwaitsTheStoreIfTheAgentKnowsOfMore) {
+  RejectMemory memory;
+  static_cast<void>(memory.TellAgain(4, {}));
+  EXPECT_FALSE(memory.AwaitLate(4, 4)) << "what comes is judged on this stream";
+  EXPECT_TRUE(memory.AwaitLate(4, 9)) << "another process may have rejected 5 to 9";
+  EXPECT_EQ(memory.told_through(), 4U);
+  memory.AddLate({Rejected(6)});
+  EXPECT_FALSE(memory.told_through());
+  EXPECT_THAT(memory.TakeUntold(), SizeIs(1));
+  static_cast<void>(memory.TellAgain(4, {}));
+  EXPECT_FALSE(memory.AwaitLate(4, 9)) << "it knows all since";
+}
+
+TEST(RejectMemoryTest, NothingThatPagesHoldIsCalledJudgedUntilItIsTold) {
+  RejectMemory memory;
+  static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
+  EXPECT_FALSE(memory.judged_through(0));
+  memory.BeginPages({.after = 2, .through = 9}, 3);
+  EXPECT_EQ(memory.judged_through(0), 2U);
+  EXPECT_EQ(memory.judged_through(5), 5U);
+  EXPECT_FALSE(memory.judged_through(9)) << "the agent knows that already";
+  memory.AddPage({Rejected(3), Rejected(6)}, 6);
+  EXPECT_EQ(memory.judged_through(5), 6U);
+  memory.AddPage({Rejected(8)}, 9);
+  EXPECT_FALSE(memory.judged_through(0));
 }
 
 }  // namespace

@@ -280,7 +280,11 @@ TEST_F(RobotSessionsTest, ViewsShowWhatHoldsTheStreamBackAndSinceWhen) {
   EXPECT_EQ(sessions_.View().held_back_since, since) << "it was not read in between";
   sessions_.SetHeldBack(HeldBack::kNone, clock_.System());
   EXPECT_EQ(sessions_.View().held_back, HeldBack::kNone);
-  clock_.Advance(milliseconds(5));
+  clock_.Advance(kHeldBackAgain);
+  sessions_.SetHeldBack(HeldBack::kUnread, clock_.System());
+  EXPECT_EQ(sessions_.View().held_back_since, since) << "it was so nearly all the time";
+  sessions_.SetHeldBack(HeldBack::kNone, clock_.System());
+  clock_.Advance(kHeldBackAgain + milliseconds(1));
   sessions_.SetHeldBack(HeldBack::kUnread, clock_.System());
   EXPECT_EQ(sessions_.View().held_back_since, clock_.System());
 }

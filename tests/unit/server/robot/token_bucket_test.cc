@@ -71,10 +71,12 @@ TEST_F(TokenBucketTest, WithoutARateEverythingPasses) {
 
 TEST_F(TokenBucketTest, AnotherSizeHoldsFromTheNextCallOn) {
   EXPECT_TRUE(TryTake(100));
-  size_ = {.rate = 1000, .burst = 10};
-  EXPECT_FALSE(TryTake(1)) << "it is as long until it is full as it was";
-  clock_.Advance(milliseconds(9'991));
+  size_ = {.rate = 1000, .burst = 100};
+  EXPECT_FALSE(TryTake(1)) << "it lacks as much as it did";
+  clock_.Advance(milliseconds(100));
   EXPECT_TRUE(TryTake(1));
+  clock_.Advance(milliseconds(100));
+  EXPECT_TRUE(TryTake(100)) << "and fills as the new size says";
   size_ = {};
   EXPECT_TRUE(TryTake(1'000'000));
 }
@@ -83,6 +85,24 @@ TEST_F(TokenBucketTest, NumbersWithoutEndDoNotOverflow) {
   size_ = {.rate = 1, .burst = ~std::uint64_t{0}};
   EXPECT_TRUE(TryTake(~std::uint64_t{0}));
   EXPECT_GT(bucket_.PassesAt(~std::uint64_t{0}, size_, Now()), Now());
+}
+
+TEST_F(TokenBucketTest, ARaisedRateDoesNotWaitForWhatTheOldOneOwed) {
+  size_ = {.rate = 1, .burst = 20'000};
+  EXPECT_TRUE(TryTake(20'000));
+  size_.rate = 200;
+  clock_.Advance(seconds(1));
+  EXPECT_TRUE(TryTake(1)) << "20,000 s by the old rate";
+  clock_.Advance(seconds(1));
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(TryTake(1)) << i;
+  EXPECT_FALSE(TryTake(1));
+}
+
+TEST_F(TokenBucketTest, ASmallerBucketOwesNoMoreThanItHolds) {
+  size_ = {.rate = 10, .burst = 2'000};
+  EXPECT_TRUE(TryTake(2'000));
+  size_.burst = 20;
+  EXPECT_EQ(bucket_.PassesAt(1, size_, Now()), Now() + milliseconds(100));
 }
 
 }  // namespace

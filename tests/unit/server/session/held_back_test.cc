@@ -61,6 +61,7 @@ TEST_F(HoldTest, ARecordOverTheFlowWaitsForItsTime) {
   EXPECT_EQ(hold.by, HeldBack::kFlow);
   EXPECT_EQ(hold.until, clock_.Steady() + std::chrono::seconds(1));
   EXPECT_TRUE(OfRecord({.journal_bytes = 1}).none()) << "quarantine costs nothing";
+  EXPECT_FALSE(OfRecord({.journal_bytes = 1, .flow_bytes = 0}).none()) << "a gap is a row";
 }
 
 TEST_F(HoldTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
@@ -69,8 +70,8 @@ TEST_F(HoldTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
 }
 
 TEST_F(HoldTest, AThrottledStreamIsHeldBackUntilItsEnd) {
-  for (std::uint32_t i = 0; i <= robot::kMalformedPerSecondMax; ++i) {
-    robot_.throttle.AddMalformed(clock_.Steady());
+  for (std::uint32_t i = 0; i <= robot::kRejectsPerSecondMax; ++i) {
+    robot_.throttle.Add(clock_.Steady());
   }
   EXPECT_EQ(OfAll(), HeldBack::kMalformed);
   EXPECT_EQ(OfAll(kOutgoingFramesMax), HeldBack::kUnread) << "the first that applies";

@@ -32,12 +32,12 @@ class RejectPagesTest : public SessionTest {
 
 TEST_F(RejectPagesTest, AreToldPageByPageAndAckedSoFar) {
   BenchStream& stream = Welcomed();
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 7"));
+  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 2"));
   EXPECT_TRUE(stream.reading());
   EXPECT_TRUE(server().ReadRejects());
-  EXPECT_THAT(stream.Said(), ElementsAre(Bad(3), Bad(4), "ack 4 judged 7"));
+  EXPECT_THAT(stream.Said(), ElementsAre(Bad(3), Bad(4), "ack 4 judged 4"));
   EXPECT_TRUE(server().ReadRejects());
-  EXPECT_THAT(stream.Said(), ElementsAre(Bad(5), Bad(6), "ack 6 judged 7"));
+  EXPECT_THAT(stream.Said(), ElementsAre(Bad(5), Bad(6), "ack 6 judged 6"));
   EXPECT_TRUE(server().ReadRejects());
   EXPECT_THAT(stream.Said(), ElementsAre(Bad(7), "ack 7 judged 7"));
   EXPECT_FALSE(server().ReadRejects());
@@ -46,10 +46,10 @@ TEST_F(RejectPagesTest, AreToldPageByPageAndAckedSoFar) {
 
 TEST_F(RejectPagesTest, AFullLastPageIsFollowedByAnEmptyOne) {
   BenchStream& stream = Welcomed(1);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(2), Bad(3), "ack 3 judged 7"));
+  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(2), Bad(3), "ack 3 judged 3"));
   server().Commit();
   EXPECT_THAT(stream.Said(),
-              ElementsAre(Bad(4), Bad(5), "ack 5 judged 7", Bad(6), Bad(7), "ack 7 judged 7"));
+              ElementsAre(Bad(4), Bad(5), "ack 5 judged 5", Bad(6), Bad(7), "ack 7 judged 7"));
 }
 
 TEST_F(RejectPagesTest, WhatComesWithTheAnswerAloneIsReadByNobody) {
@@ -64,10 +64,34 @@ TEST_F(RejectPagesTest, NoAckOfOtherMessagesCoversOneThatIsUnread) {
   stream.Send(BatchFrame({{8, Motion()}, {9, Fault()}}));
   while (server().Advance() == journal::Step::kWorked) server().DeliverWakes();
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 2 judged 9"));
+  EXPECT_THAT(stream.Said(), ElementsAre("ack 2 judged 2"));
   EXPECT_THAT(Stored(1), ElementsAre(9));
   server().Commit();
   EXPECT_EQ(stream.Said().back(), "ack 9 judged 9");
+}
+
+TEST_F(RejectPagesTest, AnAgentThatKnowsWhatWasJudgedIsToldThatNewOnesAre) {
+  BenchStream& stream = server().Connect(SessionOf(1), 0, 7);
+  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 7"));
+  stream.Send(BatchFrame({{8, Motion()}}));
+  server().Pass(limits_.session.ack_interval);
+  EXPECT_THAT(stream.Said(), ElementsAre("ack 2 judged 8"));
+}
+
+TEST_F(RejectPagesTest, ANewProcessWithoutTheStoreCoversNoneThatAnotherMayHaveRejected) {
+  server().StoreAway();
+  BenchStream& stream = server().Connect(SessionOf(1), 2, 7);
+  server().Pass(kWelcomeWait);
+  stream.Send(BatchFrame({{8, Motion()}}));
+  server().Pass(limits_.session.ack_interval);
+  for (const std::string& said : stream.Said()) {
+    EXPECT_TRUE(!said.starts_with("ack ") || said.starts_with("ack 2 ")) << said;
+  }
+  server().StoreBack();
+  server().Commit();
+  const std::vector<std::string> said = stream.Said();
+  for (model::Seq seq = 3; seq <= 7; ++seq) EXPECT_THAT(said, ::testing::Contains(Bad(seq)));
+  EXPECT_EQ(said.back(), "ack 8 judged 8");
 }
 
 TEST_F(RejectPagesTest, ANewRejectIsToldAtOnce) {
@@ -139,12 +163,12 @@ TEST_F(RejectPagesTest, ANewerStreamReadsItsOwnPages) {
   EXPECT_EQ(server().rejects().waiting(), 1U);
   BenchStream& newer = Welcomed(2);
   EXPECT_EQ(older.end(), "ABORTED: superseded");
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 7", Bad(3), Bad(4), "ack 4 judged 7"));
+  EXPECT_THAT(newer.Said(), ElementsAre("welcome 7", Bad(3), Bad(4), "ack 4 judged 4"));
   EXPECT_TRUE(server().ReadRejects()) << "the older one's";
   EXPECT_THAT(newer.Said(), IsEmpty());
   server().Commit();
   EXPECT_THAT(newer.Said(),
-              ElementsAre(Bad(5), Bad(6), "ack 6 judged 7", Bad(7), "ack 7 judged 7"));
+              ElementsAre(Bad(5), Bad(6), "ack 6 judged 6", Bad(7), "ack 7 judged 7"));
 }
 
 TEST_F(RejectPagesTest, AStreamThatBreaksMeanwhileLeavesThemToTheNext) {

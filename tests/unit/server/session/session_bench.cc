@@ -107,7 +107,7 @@ std::string ToLine(const v1::RelayResponse& frame) {
 
 BenchStream::BenchStream(const SessionContext& context, identity::PeerIdentity peer,
                          robot::StreamRef self)
-    : session_(context, std::move(peer), self, *this, *this) {}
+    : self_(self), session_(context, std::move(peer), self, *this, *this) {}
 
 BenchStream::~BenchStream() = default;
 
@@ -119,6 +119,12 @@ void BenchStream::Write(const v1::RelayResponse& frame) {
 }
 
 void BenchStream::SendBytes(std::string_view bytes) {
+  SendBytesOnce(bytes);
+  // It has given its thread to others, and its turn comes again.
+  while (static_cast<BenchServer&>(*self_.inbox).TakeWake(self_.stream)) Wake();
+}
+
+void BenchStream::SendBytesOnce(std::string_view bytes) {
   UPLINK_CHECK(reading_, "the server does not read");
   reading_ = false;
   session_.OnFrame(bytes);

@@ -68,6 +68,9 @@ class BenchStream final : public FrameSource, public FrameSink {
   // The agent's side. Sending needs a read under way.
   void Send(const v1::RelayRequest& frame) { SendBytes(frame.SerializeAsString()); }
   void SendBytes(std::string_view bytes);
+  /// Without the further turns that the stream asks for.
+  void SendOnce(const v1::RelayRequest& frame) { SendBytesOnce(frame.SerializeAsString()); }
+  void SendBytesOnce(std::string_view bytes);
   void SendTooLarge(std::uint64_t bytes);
   void HalfClose();
   void Break();
@@ -97,6 +100,7 @@ class BenchStream final : public FrameSource, public FrameSink {
  private:
   void Pump();
 
+  const robot::StreamRef self_;
   std::vector<v1::RelayResponse> frames_;
   std::size_t told_ = 0;
   bool reading_ = false;
@@ -124,6 +128,8 @@ class BenchServer final : public robot::WakeInbox {
   ~BenchServer() override;
 
   void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
+  /// Whether the stream is to be woken; it is not any more.
+  bool TakeWake(std::uint64_t stream) { return wakes_.erase(stream) > 0; }
 
   /// A new stream that waits for Hello.
   BenchStream& Open(std::string_view ruri = kRobot);
