@@ -206,7 +206,7 @@ class DiskScarce(EndToEnd):
         return self.running.get("/readyz")["degraded"]
 
     def flood(self):
-        """One robot stores as fast as it can until it is held back, and then waits with what it has."""
+        """One robot stores as fast as it can, and is held back."""
         process = self.running.process
         self.disk.leave(process, (FREE_MIN_MIB + 4) * MIB)
         greedy = self.fleet(
@@ -215,7 +215,6 @@ class DiskScarce(EndToEnd):
         self.wait_for(lambda: "store_space" in self.degraded(), "the flood passes free_min")
         self.wait_for(lambda: self.running.metric("uplinkd_store_robots_limited") == 1, "one robot is limited")
         self.wait_for(lambda: self.held_back().get(f"{GREEDY}/robot-0001") == "disk", "it is held back")
-        greedy.process.send_signal(signal.SIGINT)
         return greedy
 
     def assert_nothing_is_lost(self, greedy):
@@ -237,14 +236,16 @@ class DiskScarce(EndToEnd):
         self.assertRegex(self.running.text(), rf"store_space_(scarce|limits) .*{GREEDY}")
         # The others go on, though nobody made space.
         self.campaign.wait_for_more(500)
+        # It comes and goes: the greedy one stores a record now and then, at the median's rate.
         held = {ruri for ruri, why in self.held_back().items() if why == "disk"}
-        self.assertEqual(held, {f"{GREEDY}/robot-0001"})
+        self.assertLessEqual(held, {f"{GREEDY}/robot-0001"})
         self.assertEqual(self.running.metric("uplinkd_store_stopped"), 0)
 
         self.disk.leave(process, (STOP_MIB - 1) * MIB)
         self.wait_for(lambda: self.running.metric("uplinkd_store_stopped") == 1, "nothing is stored")
         self.wait_for(lambda: set(self.held_back().values()) == {"disk"}, "all are held back")
         self.assertNotIn("store", self.degraded())
+        greedy.process.send_signal(signal.SIGINT)
 
         self.disk.make_space(process)
         self.wait_for(lambda: "store_space_enough" in self.running.text(), "there is space")
