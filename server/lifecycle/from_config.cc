@@ -42,7 +42,8 @@ session::Allowance AllowanceOf(const config::Config& config) {
   set(kSystemHealth, rates.system_health, rates.system_health_burst);
   set(kUsageTelemetry, rates.usage_telemetry, rates.usage_telemetry_burst);
   set(kConsumableStatus, rates.consumable_status, rates.consumable_status_burst);
-  set(kSpatialDirectiveStatus, rates.spatial_directive_status, rates.spatial_directive_status_burst);
+  set(kSpatialDirectiveStatus, rates.spatial_directive_status,
+      rates.spatial_directive_status_burst);
   return allowance;
 }
 

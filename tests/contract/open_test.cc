@@ -17,6 +17,7 @@ using ::testing::SizeIs;
 
 std::vector<model::Seq> SeqsOf(const std::vector<storage::StoredReject>& rejects) {
   std::vector<model::Seq> seqs;
+  seqs.reserve(rejects.size());
   for (const storage::StoredReject& reject : rejects) seqs.push_back(reject.seq);
   return seqs;
 }

@@ -154,8 +154,8 @@ TEST_F(InboxTest, ManyThatLagLeaveHalfOfABatchToOthersAndTakeTurns) {
   EXPECT_THAT(SeqsOf(Fill(2).batch()), ElementsAre(2, 21));
   EXPECT_THAT(SeqsOf(Fill(2).batch()), ElementsAre(12, 3)) << "the half that is left is theirs";
   std::vector<model::Seq> alternately;
-  for (int i = 0; i < 4; ++i) {
-    Append(third, static_cast<model::Seq>(30 + i));
+  for (model::Seq i = 0; i < 4; ++i) {
+    Append(third, 30 + i);
     for (const model::Seq seq : SeqsOf(Fill(1).batch())) alternately.push_back(seq);
   }
   EXPECT_THAT(alternately, ::testing::UnorderedElementsAre(13, 30, 4, 31));
