@@ -14,7 +14,7 @@ SeriesId At(SeriesId first, std::size_t i) {
   return static_cast<SeriesId>(static_cast<std::size_t>(first) + i);
 }
 
-constexpr bool Has(Set set, std::size_t i) { return (set >> i & 1U) != 0; }
+constexpr bool Has(Set set, std::size_t i) { return ((unsigned{set} >> i) & 1U) != 0; }
 
 std::size_t Count(unsigned set) { return static_cast<std::size_t>(std::popcount(set)); }
 
