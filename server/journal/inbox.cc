@@ -6,6 +6,7 @@
 #include "server/robot/limits.h"
 
 namespace uplink::journal {
+
 void Inbox::Open(OpenEntry entry) {
   {
     const std::lock_guard lock(mutex_);

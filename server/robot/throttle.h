@@ -7,7 +7,7 @@
 
 namespace uplink::robot {
 
-/// Counts the malformed messages of one robot, and says when there were too many
+/// Counts the messages of one robot that a Reject answers, and says when there were too many
 /// (kRejectsPerSecondMax): a robot that connects again has no more of them. What is over is then
 /// spread over the seconds, kRejectsAtOnce at a time, so that no burst of it keeps others
 /// waiting.

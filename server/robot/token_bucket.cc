@@ -25,8 +25,10 @@ std::uint64_t TokensOf(SteadyTime::duration time, const BucketSize& size) {
 
 SteadyTime TokenBucket::FullAt(const BucketSize& size, SteadyTime now) const {
   if (size == size_ || full_at_ <= now) return full_at_;
-  const std::uint64_t lacks = std::min(TokensOf(full_at_ - now, size_), size.burst);
-  return now + TimeFor(lacks, size);
+  const std::uint64_t lacks = TokensOf(full_at_ - now, size_);
+  // By more than the division's rounding.
+  const bool overdrawn = lacks > 0 && lacks - 1 > size_.burst;
+  return now + TimeFor(overdrawn ? lacks : std::min(lacks, size.burst), size);
 }
 
 SteadyTime TokenBucket::PassesAt(std::uint64_t cost, const BucketSize& size, SteadyTime now) const {

@@ -29,7 +29,7 @@ class TokenBucket final {
 
  private:
   /// When it is full again, at this size from now on: what it lacks stays, but for what the size
-  /// cannot hold.
+  /// cannot hold; all of it if it gave more than it held.
   [[nodiscard]] SteadyTime FullAt(const BucketSize& size, SteadyTime now) const;
 
   SteadyTime full_at_{};

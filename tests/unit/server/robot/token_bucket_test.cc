@@ -105,5 +105,14 @@ TEST_F(TokenBucketTest, ASmallerBucketOwesNoMoreThanItHolds) {
   EXPECT_EQ(bucket_.PassesAt(1, size_, Now()), Now() + milliseconds(100));
 }
 
+TEST_F(TokenBucketTest, WhatItGaveMoreThanItHeldIsNotForgivenWithAnotherSize) {
+  EXPECT_TRUE(TryTake(1000));
+  clock_.Advance(seconds(10));
+  size_ = {.rate = 20, .burst = 200};
+  EXPECT_EQ(bucket_.PassesAt(200, size_, Now()), Now() + seconds(45)) << "900 lack, 20 a second";
+  size_ = {.rate = 10, .burst = 50};
+  EXPECT_EQ(bucket_.PassesAt(50, size_, Now()), Now() + seconds(90)) << "a smaller one neither";
+}
+
 }  // namespace
 }  // namespace uplink::robot
