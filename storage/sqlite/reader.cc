@@ -7,6 +7,7 @@
 #include "storage/sqlite/lists.h"
 #include "storage/sqlite/live_table.h"
 #include "storage/sqlite/reader_pool.h"
+#include "storage/sqlite/set_aside_tables.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -128,18 +129,10 @@ absl::StatusOr<std::vector<StoredReject>> SqliteReader::Rejects(const RejectsQue
         " ON q.ruri = s.ruri AND q.session = s.session AND q.entry >= s.first_entry"
         " WHERE s.ruri = ? AND s.session = ? AND q.seq > ? AND q.seq <= ? ORDER BY q.seq LIMIT ?");
     if (!statement.ok()) return statement.status();
-    Rows rows = (*statement)
-                    ->Select(std::string_view(query.ruri), Blob{query.session.AsBytes()},
-                             query.above, query.through, static_cast<std::int64_t>(query.rows_max));
-    std::vector<StoredReject> rejects;
-    while (true) {
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (!*found) return rejects;
-      rejects.push_back(
-          {static_cast<model::Seq>(rows.Int(0)),
-           {ReasonOf(rows.Int(1)), std::string(rows.Bytes(2)), std::string(rows.Bytes(3))}});
-    }
+    return ReadRejects((*statement)
+                           ->Select(std::string_view(query.ruri), Blob{query.session.AsBytes()},
+                                    query.above, query.through,
+                                    static_cast<std::int64_t>(query.rows_max)));
   });
 }
 

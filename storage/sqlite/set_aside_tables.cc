@@ -39,12 +39,8 @@ absl::Status SetAsideTables::Prepare(Database& database) {
   return prepare.status();
 }
 
-absl::StatusOr<std::vector<StoredReject>> SetAsideTables::Rejects(const RejectRange& range,
-                                                                  std::size_t rejects_max) {
+absl::StatusOr<std::vector<StoredReject>> ReadRejects(Rows rows) {
   std::vector<StoredReject> rejects;
-  Rows rows =
-      rejects_->Select(range.ruri, Blob{range.session.AsBytes()}, range.above, range.through,
-                       range.first_entry, static_cast<std::int64_t>(rejects_max));
   while (true) {
     const absl::StatusOr<bool> found = rows.Next();
     if (!found.ok()) return found.status();
@@ -53,6 +49,13 @@ absl::StatusOr<std::vector<StoredReject>> SetAsideTables::Rejects(const RejectRa
         {static_cast<model::Seq>(rows.Int(0)),
          {ReasonOf(rows.Int(1)), std::string(rows.Bytes(2)), std::string(rows.Bytes(3))}});
   }
+}
+
+absl::StatusOr<std::vector<StoredReject>> SetAsideTables::Rejects(const RejectRange& range,
+                                                                  std::size_t rejects_max) {
+  return ReadRejects(rejects_->Select(range.ruri, Blob{range.session.AsBytes()}, range.above,
+                                      range.through, range.first_entry,
+                                      static_cast<std::int64_t>(rejects_max)));
 }
 
 absl::StatusOr<std::size_t> SetAsideTables::CountRejects(const RejectRange& range,

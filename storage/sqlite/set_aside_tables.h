@@ -16,6 +16,9 @@
 
 namespace uplink::storage::sqlite {
 
+/// Rejects from rows of seq, reason, field and detail of the quarantine. Errors: the database's.
+absl::StatusOr<std::vector<StoredReject>> ReadRejects(Rows rows);
+
 /// Which numbers of a session to read quarantine for.
 struct RejectRange {
   std::string_view ruri;
