@@ -37,6 +37,7 @@
 #include "server/store/space_rounds.h"
 #include "server/store/watch.h"
 #include "server/store/writers.h"
+#include "server/transport/listener.h"
 #include "server/view/queries.h"
 
 namespace uplink {
@@ -196,7 +197,7 @@ class App::Impl {
       forgetting_.Round();
     };
     work.look_at_certificate = [this] {
-      const relay::FilesLook look = relay_->RefreshFiles();
+      const transport::FilesLook look = relay_->RefreshFiles();
       certificate_watch_.OnLook(look.expiry, look.status);
     };
     work.look_at_store = [this] { store_watch_.Look(); };
@@ -247,7 +248,7 @@ class App::Impl {
   log::RateLimited refusals_{options_.logger};
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;
-  relay::RelayProbe relay_probe_;
+  transport::RelayProbe relay_probe_;
   store::LeaseProbe lease_probe_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
@@ -272,7 +273,7 @@ class App::Impl {
   rcan::RobotScrape robots_scrape_;
   http::Site site_;
   lifecycle::Reload reload_;
-  std::unique_ptr<relay::RelayServer> relay_;
+  std::unique_ptr<transport::Listener> relay_;
 };
 
 App::App(std::unique_ptr<Groundwork> ground, std::unique_ptr<Impl> impl)

@@ -6,9 +6,9 @@
 #include "server/http/samples.h"
 #include "server/journal/samples.h"
 #include "server/rcan/samples.h"
-#include "server/relay/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
+#include "server/transport/samples.h"
 
 namespace uplink {
 
@@ -33,7 +33,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
         health::AddProcessSamples(start, page);
       },
       [parts](auto& page) {
-        relay::AddSamples(parts.relay, parts.sessions, parts.handshakes_failed, page);
+        transport::AddSamples(parts.relay, parts.sessions, parts.handshakes_failed, page);
       },
   };
 }

@@ -14,11 +14,11 @@
 #include "server/journal/probe.h"
 #include "server/journal/shards.h"
 #include "server/rcan/probe.h"
-#include "server/relay/probe.h"
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
 #include "server/store/open.h"
 #include "server/store/space_rounds.h"
+#include "server/transport/probe.h"
 
 namespace uplink {
 
@@ -41,7 +41,7 @@ struct PageParts {
   const rcan::RcanProbe& rcan;
   std::size_t rcan_series_max = 0;
   health::Monitor& monitor;
-  const relay::RelayProbe& relay;
+  const transport::RelayProbe& relay;
   const metrics::Cell& handshakes_failed;
 };
 

@@ -63,14 +63,14 @@ session::SessionLimits SessionLimitsOf(const config::Config& config, const std::
           .server_version = version};
 }
 
-relay::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t memory_max) {
-  relay::RelayOptions options;
+transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t memory_max) {
+  transport::RelayOptions options;
   options.address = config.listen.relay;
-  options.key_material = relay::PemFiles{.certificate = config.tls.certificate_file,
-                                         .key = config.tls.key_file,
-                                         .client_ca = config.tls.client_ca_file};
+  options.key_material = transport::PemFiles{.certificate = config.tls.certificate_file,
+                                             .key = config.tls.key_file,
+                                             .client_ca = config.tls.client_ca_file};
   options.queues = config.listen.relay_threads;
-  options.streams_max = relay::kStreamsPerRobot * config.limits.robots_max;
+  options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
   options.connection_age_max = config.limits.connection_age_max;
   options.memory_bytes_max = memory_max / 2;
   return options;

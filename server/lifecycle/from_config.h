@@ -7,10 +7,10 @@
 #include "server/config/config.h"
 #include "server/journal/limits.h"
 #include "server/log/logger.h"
-#include "server/relay/options.h"
 #include "server/robot/presence.h"
 #include "server/session/allowances.h"
 #include "server/session/limits.h"
+#include "server/transport/options.h"
 
 namespace uplink::lifecycle {
 
@@ -23,8 +23,8 @@ namespace uplink::lifecycle {
 [[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
                                                      const std::string& version);
 /// `memory_max`: what the process may use; the transport gets half of it.
-[[nodiscard]] relay::RelayOptions RelayOptionsOf(const config::Config& config,
-                                                 std::size_t memory_max);
+[[nodiscard]] transport::RelayOptions RelayOptionsOf(const config::Config& config,
+                                                     std::size_t memory_max);
 [[nodiscard]] log::Level LogLevelOf(config::LogLevel level);
 [[nodiscard]] log::Format LogFormatOf(config::LogFormat format);
 

@@ -5,7 +5,7 @@
 
 #include "server/health/liveness.h"
 #include "server/rcan/fault_counts.h"
-#include "server/relay/options.h"
+#include "server/transport/options.h"
 
 namespace uplink::lifecycle {
 namespace {
@@ -27,7 +27,7 @@ constexpr std::chrono::seconds kClockEvery{5};
 void DoPeriodically(const std::function<void(milliseconds, std::function<void()>)>& every,
                     PeriodicWork work) {
   every(kSweepEvery, std::move(work.sweep));
-  every(relay::kFilesRefresh, std::move(work.look_at_certificate));
+  every(transport::kFilesRefresh, std::move(work.look_at_certificate));
   every(kStoreEvery, std::move(work.look_at_store));
   every(kSeedEvery, std::move(work.read_robots));
   every(kSnapshotEvery, std::move(work.ask_for_snapshot));

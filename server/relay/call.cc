@@ -11,6 +11,7 @@
 #include "server/identity/peer_identity.h"
 #include "server/relay/frame_bytes.h"
 #include "server/relay/status.h"
+#include "server/transport/refusals.h"
 
 namespace uplink::relay {
 namespace {
@@ -81,7 +82,7 @@ void Call::OnRead(bool ok) {
   if (broken_ || finishing()) return;
   if (!ok) {
     // A half-close, or the stream broke: then the done tag is on its way and comes before the tick.
-    half_close_at_ = queue_.now() + kTimerTick;
+    half_close_at_ = queue_.now() + transport::kTimerTick;
     return;
   }
   HandleFrame();
@@ -117,23 +118,10 @@ void Call::OnWritten(bool ok) {
 
 void Call::Finish(const absl::Status& status) {
   UPLINK_CHECK(!finishing(), "a call ends once");
-  LogRefusal(status);
+  transport::LogRefusal(queue_.relay().refusals, context_.peer(), who_, status);
   finish_status_ = status;
   finish_by_ = queue_.now() + session::kFinishWait;
   if (!writing_) StartFinish();
-}
-
-void Call::LogRefusal(const absl::Status& status) {
-  log::RateLimited* const lines = queue_.relay().refusals;
-  if (lines == nullptr) return;
-  const bool protocol = absl::IsInvalidArgument(status);
-  if (!protocol && !absl::IsUnauthenticated(status) && !absl::IsPermissionDenied(status) &&
-      !absl::IsResourceExhausted(status)) {
-    return;
-  }
-  lines->Write(
-      log::Level::kWarn, protocol ? "protocol_error" : "stream_refused",
-      {{"peer", context_.peer()}, {"robot", who_}, {"why", std::string(status.message())}});
 }
 
 void Call::StartFinish() {

@@ -10,9 +10,9 @@
 
 #include "server/relay/queue.h"
 #include "server/relay/tag.h"
-#include "server/relay/timers.h"
 #include "server/session/frame_sink.h"
 #include "server/session/session.h"
+#include "server/transport/timers.h"
 
 namespace uplink::relay {
 
@@ -67,7 +67,6 @@ class Call final : public session::FrameSource, public session::FrameSink {
 
   [[nodiscard]] absl::Status Admit();
   void HandleFrame();
-  void LogRefusal(const absl::Status& status);
   void StartFinish();
   void Break();
   void AfterStep();
@@ -103,7 +102,7 @@ class Call final : public session::FrameSource, public session::FrameSink {
   SteadyTime drain_end_;
   /// What the session last answered: asked again once it has passed, it may say nothing.
   std::optional<SteadyTime> session_due_;
-  Timers::Slot timer_;
+  transport::Timers::Slot timer_;
 
   /// Last, so that it goes before what it writes to.
   std::optional<session::Session> session_;

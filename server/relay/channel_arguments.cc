@@ -51,7 +51,7 @@ void SetHttp2(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
 }
 
-void SetConnections(const RelayOptions& options, grpc::ServerBuilder& builder) {
+void SetConnections(const transport::RelayOptions& options, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
@@ -82,8 +82,8 @@ void SetMessages(const session::SessionLimits& limits, grpc::ServerBuilder& buil
 
 }  // namespace
 
-void SetChannelArguments(const RelayOptions& options, const session::SessionLimits& limits,
-                         grpc::ServerBuilder& builder) {
+void SetChannelArguments(const transport::RelayOptions& options,
+                         const session::SessionLimits& limits, grpc::ServerBuilder& builder) {
   SetHttp2(builder);
   SetConnections(options, builder);
   SetMessages(limits, builder);

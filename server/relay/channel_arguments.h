@@ -2,12 +2,12 @@
 
 #include <grpcpp/server_builder.h>
 
-#include "server/relay/options.h"
+#include "server/transport/options.h"
 
 namespace uplink::relay {
 
 /// Sets every limit of the listener that gRPC would otherwise choose.
-void SetChannelArguments(const RelayOptions& options, const session::SessionLimits& limits,
-                         grpc::ServerBuilder& builder);
+void SetChannelArguments(const transport::RelayOptions& options,
+                         const session::SessionLimits& limits, grpc::ServerBuilder& builder);
 
 }  // namespace uplink::relay

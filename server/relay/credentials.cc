@@ -6,35 +6,20 @@
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 
-#include "server/identity/authorities.h"
-#include "server/identity/server_pair.h"
+#include "server/transport/key_files.h"
 
 namespace uplink::relay {
-namespace {
-
-using identity::NamedPem;
-
-absl::Status CheckTexts(const PemTexts& texts) {
-  if (absl::Status status =
-          identity::CheckAuthorities(NamedPem{"the client authority", texts.client_ca});
-      !status.ok()) {
-    return status;
-  }
-  return identity::CheckServerPair({"the certificate", texts.certificate}, {"the key", texts.key});
-}
-
-}  // namespace
-
-absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MutualTls(const KeyMaterial& material) {
+absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MutualTls(
+    const transport::KeyMaterial& material) {
   namespace tls = grpc::experimental;
   std::shared_ptr<tls::CertificateProviderInterface> provider;
-  if (const auto* files = std::get_if<PemFiles>(&material)) {
+  if (const auto* files = std::get_if<transport::PemFiles>(&material)) {
     provider = std::make_shared<tls::FileWatcherCertificateProvider>(
         files->key, files->certificate, files->client_ca,
-        static_cast<unsigned int>(kFilesRefresh.count()));
+        static_cast<unsigned int>(transport::kFilesRefresh.count()));
   } else {
-    const auto& texts = std::get<PemTexts>(material);
-    if (const absl::Status status = CheckTexts(texts); !status.ok()) return status;
+    const auto& texts = std::get<transport::PemTexts>(material);
+    if (const absl::Status status = transport::CheckTexts(texts); !status.ok()) return status;
     provider = std::make_shared<tls::StaticDataCertificateProvider>(
         texts.client_ca, std::vector<tls::IdentityKeyCertPair>{{texts.key, texts.certificate}});
   }

@@ -5,7 +5,7 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/security/server_credentials.h>
 
-#include "server/relay/options.h"
+#include "server/transport/options.h"
 
 namespace uplink::relay {
 
@@ -17,6 +17,6 @@ namespace uplink::relay {
 ///          to the certificate: gRPC itself would start and then fail each handshake without a
 ///          word.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MutualTls(
-    const KeyMaterial& material);
+    const transport::KeyMaterial& material);
 
 }  // namespace uplink::relay

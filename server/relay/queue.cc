@@ -10,11 +10,12 @@
 
 #include "schema/base/check.h"
 #include "server/relay/call.h"
+#include "server/transport/drain.h"
 
 namespace uplink::relay {
 
 Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
-             RelayService& service, Gate& gate, const RelayContext& relay)
+             RelayService& service, transport::Gate& gate, const transport::RelayContext& relay)
     : index_(index),
       completions_(std::move(completions)),
       service_(service),
@@ -138,16 +139,13 @@ void Queue::RunTimers() {
 }
 
 void Queue::BeginDrain(milliseconds grace) {
-  const SteadyTime end = now() + grace;
   std::vector<Call*> streams;
   for (const auto& [id, call] : calls_) {
     if (call->has_session()) streams.push_back(call.get());
   }
-  if (streams.empty()) return;
-  const auto count = static_cast<milliseconds::rep>(streams.size());
-  const auto spread = std::min<SteadyTime::duration>(grace / kDrainPart, count * kDrainSpacing);
+  const transport::DrainSpread spread(streams.size(), now(), grace);
   for (std::size_t i = 0; i < streams.size(); ++i) {
-    streams[i]->DrainAt(now() + spread * static_cast<milliseconds::rep>(i) / count, end);
+    streams[i]->DrainAt(spread.At(i), now() + grace);
   }
 }
 
@@ -167,7 +165,7 @@ void Queue::Offer() {
 
 void Queue::Retire(Call& call) { calls_.erase(call.id()); }
 
-void Queue::CallAt(std::uint64_t id, Timers::Slot& slot, SteadyTime deadline) {
+void Queue::CallAt(std::uint64_t id, transport::Timers::Slot& slot, SteadyTime deadline) {
   timers_.Want(id, slot, deadline, now());
 }
 

@@ -13,14 +13,14 @@
 #include <grpcpp/completion_queue.h>
 
 #include "server/identity/peer_identity.h"
-#include "server/relay/event_clock.h"
-#include "server/relay/gate.h"
-#include "server/relay/options.h"
 #include "server/relay/service.h"
 #include "server/relay/tag.h"
-#include "server/relay/timers.h"
 #include "server/robot/wake.h"
 #include "server/session/session.h"
+#include "server/transport/event_clock.h"
+#include "server/transport/gate.h"
+#include "server/transport/options.h"
+#include "server/transport/timers.h"
 
 namespace uplink::relay {
 
@@ -29,11 +29,6 @@ class Call;
 /// Calls that a queue offers to gRPC at once. With fewer, a burst of new streams spills over to the
 /// queues of other connections' threads.
 inline constexpr std::size_t kOffersMax = 16;
-/// Streams of one queue that a drain tells a millisecond.
-inline constexpr milliseconds kDrainSpacing{1};
-/// The part of the grace over which streams are told, at most.
-inline constexpr int kDrainPart = 4;
-
 /// One completion queue with its thread, the streams that stay on it, their timers, and the inbox
 /// through which other threads wake them.
 ///
@@ -44,7 +39,7 @@ inline constexpr int kDrainPart = 4;
 class Queue final : public robot::WakeInbox {
  public:
   Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> completions,
-        RelayService& service, Gate& gate, const RelayContext& relay);
+        RelayService& service, transport::Gate& gate, const transport::RelayContext& relay);
   ~Queue() override;
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
@@ -63,13 +58,13 @@ class Queue final : public robot::WakeInbox {
   /// The last tag of the call has returned; destroys it.
   void Retire(Call& call);
   /// When the call wants OnTimer.
-  void CallAt(std::uint64_t id, Timers::Slot& slot, SteadyTime deadline);
-  void Forget(std::uint64_t id, Timers::Slot& slot) { timers_.Forget(id, slot); }
+  void CallAt(std::uint64_t id, transport::Timers::Slot& slot, SteadyTime deadline);
+  void Forget(std::uint64_t id, transport::Timers::Slot& slot) { timers_.Forget(id, slot); }
 
   [[nodiscard]] grpc::ServerCompletionQueue& completions() { return *completions_; }
   [[nodiscard]] RelayService& service() { return service_; }
-  [[nodiscard]] Gate& gate() { return gate_; }
-  [[nodiscard]] const RelayContext& relay() const { return relay_; }
+  [[nodiscard]] transport::Gate& gate() { return gate_; }
+  [[nodiscard]] const transport::RelayContext& relay() const { return relay_; }
   [[nodiscard]] const session::SessionContext& session_context() const { return context_; }
   [[nodiscard]] const identity::PeerReader& peer_reader() const { return peer_reader_; }
   /// The time at the event that is being handled.
@@ -106,15 +101,15 @@ class Queue final : public robot::WakeInbox {
   const std::size_t index_;
   const std::unique_ptr<grpc::ServerCompletionQueue> completions_;
   RelayService& service_;
-  Gate& gate_;
-  const RelayContext& relay_;
-  EventClock clock_;
+  transport::Gate& gate_;
+  const transport::RelayContext& relay_;
+  transport::EventClock clock_;
   const identity::PeerReader peer_reader_;
   schema::Judge judge_;
   session::IntakeScratch scratch_;
   const session::SessionContext context_;
 
-  Timers timers_;
+  transport::Timers timers_;
   /// The earliest timer, and the same on gRPC's clock.
   std::optional<SteadyTime> next_timer_;
   gpr_timespec next_deadline_ = gpr_inf_future(GPR_CLOCK_MONOTONIC);

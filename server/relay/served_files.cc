@@ -8,10 +8,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "server/config/file_modes.h"
-#include "server/identity/authorities.h"
-#include "server/identity/server_pair.h"
-
 namespace uplink::relay {
 namespace {
 
@@ -40,7 +36,7 @@ absl::StatusOr<int> MemoryFile(const std::string& text) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<ServedFiles>> ServedFiles::Make(const PemFiles& files) {
+absl::StatusOr<std::unique_ptr<ServedFiles>> ServedFiles::Make(const transport::PemFiles& files) {
   std::unique_ptr<ServedFiles> served(new ServedFiles(files));
   if (absl::Status status = served->Refresh(); !status.ok()) return status;
   return served;
@@ -53,27 +49,13 @@ ServedFiles::~ServedFiles() {
 }
 
 absl::Status ServedFiles::Refresh() {
-  const auto certificate = identity::ReadPem(files_.certificate);
-  if (!certificate.ok()) return certificate.status();
-  const auto key = identity::ReadPem(files_.key);
-  if (!key.ok()) return key.status();
-  const auto client_ca = identity::ReadPem(files_.client_ca);
-  if (!client_ca.ok()) return client_ca.status();
-  // Whoever may write them chooses which robots are let in. After they were read: what is
-  // checked before may be written in between.
-  for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
-    if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
-  }
-  const std::array<std::string, kFiles> texts = {certificate->text, key->text, client_ca->text};
-  if (texts == texts_) return absl::OkStatus();
-  if (absl::Status fit = identity::CheckServerPair(*certificate, *key); !fit.ok()) return fit;
-  if (absl::Status good = identity::CheckAuthorities(*client_ca); !good.ok()) return good;
-  const auto expiry = identity::ExpiryOf(*certificate);
-  if (!expiry.ok()) return expiry.status();
-  if (absl::Status replaced = Replace(texts); !replaced.ok()) return replaced;
-  expiry_ = *expiry;
-  texts_ = texts;
-  return absl::OkStatus();
+  const auto fresh = files_.Refresh();
+  if (!fresh.ok()) return fresh.status();
+  if (!*fresh && served_) return absl::OkStatus();
+  const transport::PemTexts& texts = files_.texts();
+  absl::Status replaced = Replace({texts.certificate, texts.key, texts.client_ca});
+  served_ = replaced.ok();
+  return replaced;
 }
 
 absl::Status ServedFiles::Replace(const std::array<std::string, kFiles>& texts) {
@@ -83,12 +65,13 @@ absl::Status ServedFiles::Replace(const std::array<std::string, kFiles>& texts) 
     if (!fresh.ok()) return fresh.status();
     if (descriptors_[i] < 0) {
       descriptors_[i] = *fresh;
-      continue;
+    } else {
+      const bool swapped = dup3(*fresh, descriptors_[i], O_CLOEXEC) >= 0;
+      absl::Status failed = swapped ? absl::OkStatus() : SystemError("dup3");
+      close(*fresh);
+      if (!swapped) return failed;
     }
-    const bool swapped = dup3(*fresh, descriptors_[i], O_CLOEXEC) >= 0;
-    absl::Status failed = swapped ? absl::OkStatus() : SystemError("dup3");
-    close(*fresh);
-    if (!swapped) return failed;
+    texts_[i] = texts[i];
   }
   const auto path = [this](std::size_t i) {
     return fmt::format("/proc/self/fd/{}", descriptors_[i]);

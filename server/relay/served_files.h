@@ -7,7 +7,8 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
-#include "server/relay/options.h"
+#include "server/transport/key_files.h"
+#include "server/transport/options.h"
 
 namespace uplink::relay {
 
@@ -23,7 +24,8 @@ class ServedFiles final {
  public:
   /// Errors: kFailedPrecondition names the file that cannot be read, that does not fit, or that
   ///         everybody may write.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<ServedFiles>> Make(const PemFiles& files);
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<ServedFiles>> Make(
+      const transport::PemFiles& files);
   ~ServedFiles();
   ServedFiles(const ServedFiles&) = delete;
   ServedFiles& operator=(const ServedFiles&) = delete;
@@ -33,22 +35,24 @@ class ServedFiles final {
   [[nodiscard]] absl::Status Refresh();
 
   /// Of the certificate that is served.
-  [[nodiscard]] SystemTime expiry() const { return expiry_; }
+  [[nodiscard]] SystemTime expiry() const { return files_.expiry(); }
   /// Where gRPC reads.
-  [[nodiscard]] const PemFiles& paths() const { return paths_; }
+  [[nodiscard]] const transport::PemFiles& paths() const { return paths_; }
 
  private:
   static constexpr std::size_t kFiles = 3;
 
-  explicit ServedFiles(PemFiles files) : files_(std::move(files)) {}
+  explicit ServedFiles(transport::PemFiles files) : files_(std::move(files)) {}
   [[nodiscard]] absl::Status Replace(const std::array<std::string, kFiles>& texts);
 
-  const PemFiles files_;
-  PemFiles paths_;
+  transport::KeyFiles files_;
+  transport::PemFiles paths_;
   /// Certificate, key, client authority; -1 before the first.
   std::array<int, kFiles> descriptors_{-1, -1, -1};
+  /// What they hold.
   std::array<std::string, kFiles> texts_;
-  SystemTime expiry_;
+  /// They hold the last good texts.
+  bool served_ = false;
 };
 
 }  // namespace uplink::relay

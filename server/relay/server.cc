@@ -1,61 +1,43 @@
 #include "server/relay/server.h"
 
-#include <algorithm>
 #include <memory>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
-#include <sched.h>
 
 #include "server/relay/channel_arguments.h"
 #include "server/relay/credentials.h"
-#include "server/relay/gate.h"
-#include "server/relay/listenable.h"
 #include "server/relay/queue.h"
 #include "server/relay/served_files.h"
 #include "server/relay/service.h"
+#include "server/transport/cores.h"
+#include "server/transport/gate.h"
+#include "server/transport/listenable.h"
 
 namespace uplink::relay {
-namespace {
-
-/// Cores that this process may use, which may be fewer than the machine has: two queues on one core
-/// cost half as much again as one (measured).
-std::size_t UsableCores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  // More cores than the set has room for.
-  if (sched_getaffinity(0, sizeof cores, &cores) != 0) {
-    return std::max(1U, std::thread::hardware_concurrency());
-  }
-  return std::max<std::size_t>(1, static_cast<std::size_t>(CPU_COUNT(&cores)));
-}
-
-}  // namespace
-
 /// Members are destroyed from the last: the server before its queues and service.
 struct RelayServer::Impl {
-  Impl(const RelayOptions& options, const RelayContext& given)
+  Impl(const transport::RelayOptions& options, const transport::RelayContext& given)
       : context(given), gate(options.streams_max, given.probe) {}
 
-  const RelayContext context;
+  const transport::RelayContext context;
   /// None with texts in place of files.
   std::unique_ptr<ServedFiles> files;
-  Gate gate;
+  transport::Gate gate;
   RelayService service;
   std::vector<std::unique_ptr<Queue>> queues;
   std::unique_ptr<grpc::Server> server;
   int port = 0;
 };
 
-absl::StatusOr<std::unique_ptr<RelayServer>> RelayServer::Start(const RelayOptions& options,
-                                                                const RelayContext& context) {
+absl::StatusOr<std::unique_ptr<RelayServer>> RelayServer::Start(
+    const transport::RelayOptions& options, const transport::RelayContext& context) {
   auto impl = std::make_unique<Impl>(options, context);
-  KeyMaterial material = options.key_material;
-  if (const auto* files = std::get_if<PemFiles>(&material)) {
+  transport::KeyMaterial material = options.key_material;
+  if (const auto* files = std::get_if<transport::PemFiles>(&material)) {
     auto served = ServedFiles::Make(*files);
     if (!served.ok()) return served.status();
     impl->files = *std::move(served);
@@ -63,13 +45,14 @@ absl::StatusOr<std::unique_ptr<RelayServer>> RelayServer::Start(const RelayOptio
   }
   auto credentials = MutualTls(material);
   if (!credentials.ok()) return credentials.status();
-  if (absl::Status status = CheckListenable(options.address); !status.ok()) return status;
+  if (absl::Status status = transport::CheckListenable(options.address); !status.ok())
+    return status;
 
   grpc::ServerBuilder builder;
   SetChannelArguments(options, context.limits, builder);
   builder.AddListeningPort(config::ToText(options.address), *credentials, &impl->port);
   builder.RegisterService(&impl->service);
-  const std::size_t queues = options.queues > 0 ? options.queues : UsableCores();
+  const std::size_t queues = options.queues > 0 ? options.queues : transport::UsableCores();
   for (std::size_t i = 0; i < queues; ++i) {
     impl->queues.push_back(std::make_unique<Queue>(i, builder.AddCompletionQueue(), impl->service,
                                                    impl->gate, impl->context));
@@ -94,7 +77,7 @@ std::size_t RelayServer::streams() const { return impl_->gate.streams(); }
 
 bool RelayServer::draining() const { return impl_->gate.closed(); }
 
-FilesLook RelayServer::RefreshFiles() {
+transport::FilesLook RelayServer::RefreshFiles() {
   if (impl_->files == nullptr) return {};
   absl::Status status = impl_->files->Refresh();
   return {std::move(status), impl_->files->expiry()};

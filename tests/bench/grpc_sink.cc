@@ -113,7 +113,7 @@ class Call final {
 [[noreturn]] void Run(const std::string& folder, const std::string& port,
                       std::uint64_t frame_messages) {
   const auto credentials = relay::MutualTls(
-      relay::PemFiles{folder + "/server.crt", folder + "/server.key", folder + "/ca.crt"});
+      transport::PemFiles{folder + "/server.crt", folder + "/server.key", folder + "/ca.crt"});
   UPLINK_CHECK(credentials.ok(), credentials.status().ToString());
   Service service;
   grpc::ServerBuilder builder;

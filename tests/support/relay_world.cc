@@ -33,7 +33,7 @@ RelayWorld::~RelayWorld() {
   writer_->Stop();
 }
 
-relay::RelayContext RelayWorld::Context() {
+transport::RelayContext RelayWorld::Context() {
   return {.clock = clock,
           .fleet = fleet,
           .journals = shards,
@@ -52,7 +52,7 @@ relay::RelayContext RelayWorld::Context() {
 void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }
 
 absl::StatusOr<std::unique_ptr<relay::RelayServer>> RelayWorld::StartAnother(
-    const config::ListenAddress& address, const relay::KeyMaterial& material) {
+    const config::ListenAddress& address, const transport::KeyMaterial& material) {
   return relay::RelayServer::Start(
       {.address = address, .key_material = material, .queues = 1, .streams_max = 10}, Context());
 }
@@ -72,7 +72,7 @@ std::shared_ptr<grpc::Channel> RelayWorld::Channel(const KeyPair& identity) cons
       {.port = server_->port(), .server_ca = authority.certificate(), .identity = identity});
 }
 
-relay::PemTexts RelayWorld::ServerTexts() const {
+transport::PemTexts RelayWorld::ServerTexts() const {
   return {.certificate = server_identity_.certificate,
           .key = server_identity_.key,
           .client_ca = authority.certificate()};

@@ -45,13 +45,13 @@ class RelayWorld final {
   void StopServer();
   /// Starts a second server in this world, on `address`.
   [[nodiscard]] absl::StatusOr<std::unique_ptr<relay::RelayServer>> StartAnother(
-      const config::ListenAddress& address, const relay::KeyMaterial& material);
+      const config::ListenAddress& address, const transport::KeyMaterial& material);
 
   [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const std::string& ruri) const;
   [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const KeyPair& identity) const;
   [[nodiscard]] ChannelSpec SpecFor(const std::string& ruri) const;
   /// What the server shows and trusts.
-  [[nodiscard]] relay::PemTexts ServerTexts() const;
+  [[nodiscard]] transport::PemTexts ServerTexts() const;
 
   /// The sum of the ledger's pages.
   [[nodiscard]] metrics::UplinkCounts Counts() const { return ledgers.Sum().uplinks; }
@@ -65,14 +65,14 @@ class RelayWorld final {
   metrics::LedgerBook ledgers;
   journal::JournalProbe journal_probe;
   session::SessionProbe session_probe;
-  relay::RelayProbe relay_probe;
+  transport::RelayProbe relay_probe;
   const Options options;
   fleet::Fleet fleet;
   journal::Journal journal;
   journal::Shards shards{{&journal}};
 
  private:
-  [[nodiscard]] relay::RelayContext Context();
+  [[nodiscard]] transport::RelayContext Context();
 
   KeyPair server_identity_;
   const session::Allowances allowances_;

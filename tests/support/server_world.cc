@@ -8,9 +8,9 @@
 #include "server/http/samples.h"
 #include "server/journal/samples.h"
 #include "server/rcan/samples.h"
-#include "server/relay/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
+#include "server/transport/samples.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/records.h"
 
@@ -55,7 +55,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [start = health::ProcessStart{"9.9.9", clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [this](auto& page) { relay::AddSamples(relay_probe, sessions, handshakes_failed, page); },
+      [this](auto& page) { transport::AddSamples(relay_probe, sessions, handshakes_failed, page); },
   };
 }
 

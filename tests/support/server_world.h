@@ -12,11 +12,11 @@
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
-#include "server/relay/probe.h"
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
 #include "server/store/space_view.h"
 #include "server/store/vouched_clock.h"
+#include "server/transport/probe.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
@@ -66,7 +66,7 @@ class ServerWorld {
   session::SessionProbe sessions;
   http::HttpProbe http_probe;
   rcan::RcanProbe rcan_probe;
-  relay::RelayProbe relay_probe;
+  transport::RelayProbe relay_probe;
   store::VouchedClock vouched_clock{clock};
   store::SpaceView space_view{.space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9}};
   store::LeaseProbe lease_probe;

@@ -65,6 +65,7 @@ ROOMS = (
     ("journal",),  # what stands before the store
     ("session", "view"),  # one stream's protocol; the queries
     ("health", "rcan"),  # health counts streams by the sessions' probe; the robots' series
+    ("transport",),  # what every listener for robots needs
     ("relay", "http"),  # the adapters: they translate and enqueue
     ("store", "loop", "lifecycle"),  # what runs it all
 )

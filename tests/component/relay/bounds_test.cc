@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/relay/gate.h"
+#include "server/transport/gate.h"
 #include "tests/support/relay_world.h"
 
 namespace uplink::testing {
@@ -135,8 +135,8 @@ TEST(Bounds, StreamsOfOneCertificateAreBounded) {
   RelayWorld world;
   const auto channel = world.Channel(RuriOf(1));
   std::vector<std::unique_ptr<TestAgent>> agents;
-  agents.reserve(relay::kStreamsPerCertificateMax);
-  for (std::size_t i = 0; i < relay::kStreamsPerCertificateMax; ++i) {
+  agents.reserve(transport::kStreamsPerCertificateMax);
+  for (std::size_t i = 0; i < transport::kStreamsPerCertificateMax; ++i) {
     agents.push_back(std::make_unique<TestAgent>(channel));
   }
   ASSERT_TRUE(Eventually([&] { return world.server().streams() == agents.size(); }));

@@ -37,7 +37,7 @@ TEST(Lifecycle, AnAddressThatIsNotOursIsNamed) {
 
 TEST(Lifecycle, AKeyOfAnotherCertificateIsNamed) {
   RelayWorld world;
-  relay::PemTexts texts = world.ServerTexts();
+  transport::PemTexts texts = world.ServerTexts();
   texts.key = world.authority.Issue(ServerSpec()).key;
   const auto started = world.StartAnother(kAnyPort, texts);
   ASSERT_FALSE(started.ok());
@@ -48,12 +48,12 @@ TEST(Lifecycle, AKeyOfAnotherCertificateIsNamed) {
 
 TEST(Lifecycle, PartsThatAreNoPemAreNamed) {
   RelayWorld world;
-  const auto expect = [&](const relay::PemTexts& texts, const char* text) {
+  const auto expect = [&](const transport::PemTexts& texts, const char* text) {
     const auto started = world.StartAnother(kAnyPort, texts);
     ASSERT_FALSE(started.ok());
     EXPECT_THAT(std::string(started.status().message()), HasSubstr(text));
   };
-  const relay::PemTexts good = world.ServerTexts();
+  const transport::PemTexts good = world.ServerTexts();
   expect({"", good.key, good.client_ca}, "the certificate: holds no PEM certificate");
   expect({good.certificate, "x", good.client_ca}, "the key: holds no PEM private key");
   expect({good.certificate, good.key, "x"}, "the client authority: holds no PEM certificate");
@@ -62,7 +62,8 @@ TEST(Lifecycle, PartsThatAreNoPemAreNamed) {
 TEST(Lifecycle, AMissingFileIsNamed) {
   RelayWorld world;
   const auto started = world.StartAnother(
-      kAnyPort, relay::PemFiles{"/no/such/server.crt", "/no/such/server.key", "/no/such/ca.crt"});
+      kAnyPort,
+      transport::PemFiles{"/no/such/server.crt", "/no/such/server.key", "/no/such/ca.crt"});
   ASSERT_FALSE(started.ok());
   EXPECT_EQ(std::string(started.status().message()), "/no/such/server.crt: cannot be read");
 }

@@ -100,13 +100,13 @@ TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config.tls.certificate_file = "c";
   config.tls.key_file = "k";
   config.tls.client_ca_file = "a";
-  const relay::RelayOptions options = RelayOptionsOf(config, 1000);
+  const transport::RelayOptions options = RelayOptionsOf(config, 1000);
   EXPECT_EQ(options.streams_max, 20U);
   EXPECT_EQ(options.memory_bytes_max, 500U);
   EXPECT_EQ(options.queues, 3U);
   EXPECT_EQ(options.connection_age_max, milliseconds(6));
   EXPECT_EQ(options.address.port, config.listen.relay.port);
-  const auto& files = std::get<relay::PemFiles>(options.key_material);
+  const auto& files = std::get<transport::PemFiles>(options.key_material);
   EXPECT_EQ(files.certificate, "c");
   EXPECT_EQ(files.key, "k");
   EXPECT_EQ(files.client_ca, "a");

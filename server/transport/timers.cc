@@ -1,8 +1,8 @@
-#include "server/relay/timers.h"
+#include "server/transport/timers.h"
 
 #include <algorithm>
 
-namespace uplink::relay {
+namespace uplink::transport {
 namespace {
 
 /// The first tick that is at or after `time`.
@@ -40,4 +40,4 @@ std::optional<std::uint64_t> Timers::PopDue(SteadyTime now) {
   return stream;
 }
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

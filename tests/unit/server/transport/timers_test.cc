@@ -1,8 +1,8 @@
-#include "server/relay/timers.h"
+#include "server/transport/timers.h"
 
 #include <gtest/gtest.h>
 
-namespace uplink::relay {
+namespace uplink::transport {
 namespace {
 
 constexpr SteadyTime kNow{std::chrono::hours(1)};
@@ -78,4 +78,4 @@ TEST(Timers, ForgetsAStream) {
 }
 
 }  // namespace
-}  // namespace uplink::relay
+}  // namespace uplink::transport

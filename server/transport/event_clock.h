@@ -4,7 +4,7 @@
 
 #include "schema/base/clock.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 /// The time at the event that a queue handles: read once, whatever asks for it while the event
 /// lasts. A system call's worth for each message otherwise.
@@ -33,4 +33,4 @@ class EventClock final : public Clock {
   mutable std::optional<SystemTime> system_;
 };
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

@@ -1,6 +1,6 @@
-#include "server/relay/samples.h"
+#include "server/transport/samples.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
                 const metrics::Cell& handshakes_failed, metrics::Exposition& page) {
@@ -18,4 +18,4 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
   page.Add(kWakes, probe.wakes_total);
 }
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

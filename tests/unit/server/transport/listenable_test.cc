@@ -1,4 +1,4 @@
-#include "server/relay/listenable.h"
+#include "server/transport/listenable.h"
 
 #include <array>
 #include <cerrno>
@@ -13,7 +13,7 @@
 #include <sys/socket.h>
 #include <sys/syscall.h>
 
-namespace uplink::relay {
+namespace uplink::transport {
 namespace {
 
 /// From now on this process is one of a machine without IPv6.
@@ -51,4 +51,4 @@ TEST_F(ListenableDeathTest, WithoutIpv6AnAddressOfItIsNone) {
 }
 
 }  // namespace
-}  // namespace uplink::relay
+}  // namespace uplink::transport

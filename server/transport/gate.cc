@@ -1,8 +1,8 @@
-#include "server/relay/gate.h"
+#include "server/transport/gate.h"
 
 #include <fmt/format.h>
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 absl::Status Gate::Enter(const std::string& robot) {
   const std::lock_guard lock(mutex_);
@@ -57,4 +57,4 @@ bool Gate::WaitEmpty(milliseconds wait) const {
   return empty_.wait_for(lock, wait, [this] { return streams_ == 0; });
 }
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

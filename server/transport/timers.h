@@ -7,7 +7,7 @@
 
 #include "schema/base/clock.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 /// Deadlines are rounded up to this, so that thousands of streams with timers of a second wake a
 /// queue at most a hundred times per second.
@@ -36,4 +36,4 @@ class Timers final {
   std::set<std::pair<SteadyTime, std::uint64_t>> entries_;
 };
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

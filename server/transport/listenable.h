@@ -1,14 +1,19 @@
 #pragma once
 
+#include <string>
+
 #include <absl/status/status.h>
 
 #include "server/config/address.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 /// OK if the system lets us bind `address`, asked before gRPC, which says only that it failed.
 /// On a machine without IPv6 `::` stands for all of IPv4, as for gRPC.
 /// kUnavailable names the address and the system's reason.
 [[nodiscard]] absl::Status CheckListenable(const config::ListenAddress& address);
 
-}  // namespace uplink::relay
+/// The host to bind: that of the address, but `0.0.0.0` for `::` on a machine without IPv6.
+[[nodiscard]] std::string ListenHost(const config::ListenAddress& address);
+
+}  // namespace uplink::transport

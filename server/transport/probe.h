@@ -2,7 +2,7 @@
 
 #include "metrics/cells.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 /// What the transport counts beside its sessions. Thread-safe; one for all queues.
 struct RelayProbe {
@@ -18,4 +18,4 @@ struct RelayProbe {
   metrics::Cell wakes_total;
 };
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

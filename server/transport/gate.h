@@ -9,9 +9,9 @@
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
-#include "server/relay/probe.h"
+#include "server/transport/probe.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 /// Streams of one robot's certificate: one, two at takeover, four that wait since they come too
 /// often, and one more to be told so.
@@ -46,4 +46,4 @@ class Gate final {
   bool closed_ = false;
 };
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

@@ -1,11 +1,11 @@
-#include "server/relay/gate.h"
+#include "server/transport/gate.h"
 
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace uplink::relay {
+namespace uplink::transport {
 namespace {
 
 using ::testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(Gate, WaitsUntilTheLastHasLeft) {
 }
 
 }  // namespace
-}  // namespace uplink::relay
+}  // namespace uplink::transport

@@ -13,13 +13,13 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
-#include "server/relay/probe.h"
 #include "server/session/allowances.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 #include "server/session/reject_source.h"
+#include "server/transport/probe.h"
 
-namespace uplink::relay {
+namespace uplink::transport {
 
 /// PEM files; new handshakes use what replaced them (swap by rename) within kFilesRefresh.
 struct PemFiles {
@@ -46,7 +46,7 @@ inline constexpr std::size_t kStreamsPerRobot = 2;
 struct RelayOptions {
   config::ListenAddress address;
   KeyMaterial key_material;
-  /// Completion queues, each with a thread; 0: one per core.
+  /// Threads, each with its own streams; 0: one per core.
   std::size_t queues = config::ListenConfig().relay_threads;
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
@@ -77,4 +77,4 @@ struct RelayContext {
   log::RateLimited* refusals = nullptr;
 };
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

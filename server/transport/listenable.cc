@@ -1,4 +1,4 @@
-#include "server/relay/listenable.h"
+#include "server/transport/listenable.h"
 
 #include <cerrno>
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace uplink::relay {
+namespace uplink::transport {
 namespace {
 
 std::string SystemReason() { return std::error_code(errno, std::generic_category()).message(); }
@@ -49,13 +49,15 @@ bool HasIpv6() {
 
 }  // namespace
 
+std::string ListenHost(const config::ListenAddress& address) {
+  return address.host == "::" && !HasIpv6() ? "0.0.0.0" : address.host;
+}
+
 absl::Status CheckListenable(const config::ListenAddress& address) {
-  // gRPC listens on all of IPv4 then.
-  const bool only_ipv4 = address.host == "::" && !HasIpv6();
-  const std::string reason = TryBind(only_ipv4 ? "0.0.0.0" : address.host, address.port);
+  const std::string reason = TryBind(ListenHost(address), address.port);
   if (reason.empty()) return absl::OkStatus();
   return absl::UnavailableError(
       fmt::format("cannot listen on {}: {}", config::ToText(address), reason));
 }
 
-}  // namespace uplink::relay
+}  // namespace uplink::transport

@@ -1,0 +1,51 @@
+#include "server/transport/key_files.h"
+
+#include <utility>
+
+#include "server/config/file_modes.h"
+#include "server/identity/authorities.h"
+#include "server/identity/server_pair.h"
+
+namespace uplink::transport {
+namespace {
+
+using identity::NamedPem;
+
+absl::Status CheckNamed(const NamedPem& certificate, const NamedPem& key,
+                        const NamedPem& client_ca) {
+  if (absl::Status fit = identity::CheckServerPair(certificate, key); !fit.ok()) return fit;
+  return identity::CheckAuthorities(client_ca);
+}
+
+}  // namespace
+
+absl::Status CheckTexts(const PemTexts& texts) {
+  return CheckNamed({"the certificate", texts.certificate}, {"the key", texts.key},
+                    {"the client authority", texts.client_ca});
+}
+
+absl::StatusOr<bool> KeyFiles::Refresh() {
+  auto certificate = identity::ReadPem(files_.certificate);
+  if (!certificate.ok()) return certificate.status();
+  auto key = identity::ReadPem(files_.key);
+  if (!key.ok()) return key.status();
+  auto client_ca = identity::ReadPem(files_.client_ca);
+  if (!client_ca.ok()) return client_ca.status();
+  // Whoever may write them chooses which robots are let in. After they were read: what is
+  // checked before may be written in between.
+  for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
+    if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
+  }
+  if (certificate->text == texts_.certificate && key->text == texts_.key &&
+      client_ca->text == texts_.client_ca) {
+    return false;
+  }
+  if (absl::Status good = CheckNamed(*certificate, *key, *client_ca); !good.ok()) return good;
+  const auto expiry = identity::ExpiryOf(*certificate);
+  if (!expiry.ok()) return expiry.status();
+  expiry_ = *expiry;
+  texts_ = {std::move(certificate->text), std::move(key->text), std::move(client_ca->text)};
+  return true;
+}
+
+}  // namespace uplink::transport
