@@ -35,7 +35,7 @@ class Answer:
 def request(server, target, method="GET"):
     asked = urllib.request.Request(f"http://{server.http}{target}", method=method)
     try:
-        with urllib.request.urlopen(asked, timeout=30) as answer:
+        with urllib.request.urlopen(asked, timeout=120) as answer:
             return Answer(answer.status, answer.headers, answer.read().decode("utf-8"))
     except urllib.error.HTTPError as answer:
         with answer:
