@@ -243,17 +243,21 @@ PeerReader::~PeerReader() = default;
 absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(std::string_view certificate_pem) const {
   const Certificate certificate = Parse(certificate_pem, library_->context);
   if (certificate == nullptr) return Wrong("it cannot be read");
-  if (const absl::Status status = CheckKeyUsage(*certificate); !status.ok()) return status;
+  return IdentityOf(*certificate);
+}
 
-  const auto unit = SubjectPart(*certificate, NID_organizationalUnitName, "OU");
+absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(X509& certificate) {
+  if (const absl::Status status = CheckKeyUsage(certificate); !status.ok()) return status;
+
+  const auto unit = SubjectPart(certificate, NID_organizationalUnitName, "OU");
   if (!unit.ok()) return unit.status();
-  const auto organization = SubjectPart(*certificate, NID_organizationName, "O");
+  const auto organization = SubjectPart(certificate, NID_organizationName, "O");
   if (!organization.ok()) return organization.status();
   const auto role = RoleOf(*unit);
   if (!role.ok()) return role.status();
   auto fleet = FleetOf(*organization);
   if (!fleet.ok()) return fleet.status();
-  auto ruris = RurisOf(*certificate);
+  auto ruris = RurisOf(certificate);
   if (!ruris.ok()) return ruris.status();
 
   PeerIdentity identity{*role, *std::move(fleet), *std::move(ruris)};

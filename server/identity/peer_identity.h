@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <absl/status/statusor.h>
+#include <openssl/types.h>
 
 namespace uplink::identity {
 
@@ -44,6 +45,8 @@ class PeerReader final {
   /// Errors: kUnauthenticated with a sentence of its own for each way to be wrong; it repeats no
   ///         more of the certificate than the invalid part, printable and cut.
   [[nodiscard]] absl::StatusOr<PeerIdentity> IdentityOf(std::string_view certificate_pem) const;
+  /// The same of one that the TLS layer holds. Reading its extensions caches them in it.
+  [[nodiscard]] static absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate);
 
  private:
   struct Library;
