@@ -22,12 +22,12 @@
 #include "server/lifecycle/reload.h"
 #include "server/lifecycle/start.h"
 #include "server/lifecycle/supervisor.h"
+#include "server/listen_by.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
 #include "server/page_sources.h"
 #include "server/rcan/scrape.h"
-#include "server/relay/server.h"
 #include "server/store/clock_rounds.h"
 #include "server/store/forget_rounds.h"
 #include "server/store/lease_rounds.h"
@@ -168,11 +168,10 @@ class App::Impl {
   }
 
   absl::Status ListenForRobots() {
-    auto relay = relay::RelayServer::Start(
-        lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
-        {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
-         lifecycle::JudgeLimitsOf(options_.config.limits), allowances_, rejects_, *stores_.clock,
-         &refusals_});
+    auto relay = ListenBy(
+        options_.config, {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
+                          session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits),
+                          allowances_, rejects_, *stores_.clock, &options_.logger, &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();

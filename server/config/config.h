@@ -19,6 +19,8 @@ using std::chrono::milliseconds;
 inline constexpr std::size_t kKiB = 1024;
 inline constexpr std::size_t kMiB = 1024 * kKiB;
 
+/// What carries the relay's frames: a transport of our own, or the gRPC library.
+enum class Transport : std::uint8_t { kNative, kGrpc };
 /// Lowest TLS version that the relay listener accepts.
 enum class TlsVersion : std::uint8_t { k12, k13 };
 /// Who may open a stream: every robot with a certificate, or only enrolled ones.
@@ -31,9 +33,13 @@ enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
 // the schema and the storage bound themselves is taken from there; the rooms of the server take
 // theirs from here. settings.cc binds each member to its key, bounds and text.
 
+/// limits.connection_age_max of the native transport where it is not set.
+inline constexpr milliseconds kNativeConnectionAge = std::chrono::hours(24);
+
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
-  /// Completion queues, each with a thread; 0: one per core.
+  Transport transport = Transport::kGrpc;
+  /// Threads of the relay; 0: one per core.
   std::size_t relay_threads = 0;
   ListenAddress fleet{"127.0.0.1", 7444};
   ListenAddress http{"127.0.0.1", 7480};
@@ -46,6 +52,7 @@ struct TlsConfig {
   std::string client_ca_file;
   /// Empty: client_ca_file.
   std::string operator_ca_file;
+  /// Where it is not set: 1.3 on the native transport.
   TlsVersion min_version = TlsVersion::k12;
 };
 

@@ -69,6 +69,7 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.key_material = transport::PemFiles{.certificate = config.tls.certificate_file,
                                              .key = config.tls.key_file,
                                              .client_ca = config.tls.client_ca_file};
+  options.tls_minimum = config.tls.min_version;
   options.queues = config.listen.relay_threads;
   options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
   options.connection_age_max = config.limits.connection_age_max;

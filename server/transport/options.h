@@ -48,6 +48,8 @@ struct RelayOptions {
   KeyMaterial key_material;
   /// Threads, each with its own streams; 0: one per core.
   std::size_t queues = config::ListenConfig().relay_threads;
+  /// tls.min_version; of the native transport alone: gRPC has it from its environment.
+  config::TlsVersion tls_minimum = config::TlsConfig().min_version;
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
   /// limits.connection_age_max; zero: never.
@@ -73,6 +75,8 @@ struct RelayContext {
   /// As SessionContext's.
   session::RejectSource& rejects;
   const storage::ClockTrust& clock_trust;
+  /// For lines about what strangers do; none if null.
+  const log::Logger* logger = nullptr;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.
   log::RateLimited* refusals = nullptr;
 };

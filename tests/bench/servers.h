@@ -12,8 +12,16 @@
 
 namespace uplink::bench {
 
-/// What is measured, and what it is measured beside.
-enum class ServerKind : std::uint8_t { kUplinkd, kGrpcSink, kTlsSink, kMosquitto, kNats };
+/// What is measured, on its own transport, and what it is measured beside: the same on the gRPC
+/// library, bare servers, brokers.
+enum class ServerKind : std::uint8_t {
+  kUplinkd,
+  kUplinkdGrpc,
+  kGrpcSink,
+  kTlsSink,
+  kMosquitto,
+  kNats
+};
 [[nodiscard]] std::string NameOf(ServerKind kind);
 /// False for a broker whose package is not installed.
 [[nodiscard]] bool IsInstalled(ServerKind kind);

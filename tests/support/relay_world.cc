@@ -1,10 +1,14 @@
 #include "tests/support/relay_world.h"
 
 #include <array>
+#include <cstdlib>
+#include <string_view>
 #include <utility>
 
 #include "schema/base/check.h"
 #include "schema/encode.h"
+#include "server/front/server.h"
+#include "server/relay/server.h"
 
 namespace uplink::testing {
 
@@ -17,12 +21,11 @@ RelayWorld::RelayWorld(const Options& given)
   writer_.emplace(journal,
                   storage::BackoffLimits{.first = milliseconds(2), .longest = milliseconds(5)},
                   [] { return std::uint64_t{0}; });
-  auto started = relay::RelayServer::Start({.address = {"127.0.0.1", 0},
-                                            .key_material = ServerTexts(),
-                                            .queues = options.queues,
-                                            .streams_max = options.streams_max,
-                                            .connection_age_max = options.connection_age_max},
-                                           Context());
+  auto started = Start({.address = {"127.0.0.1", 0},
+                        .key_material = ServerTexts(),
+                        .queues = options.queues,
+                        .streams_max = options.streams_max,
+                        .connection_age_max = options.connection_age_max});
   UPLINK_CHECK(started.ok(), started.status().ToString());
   server_ = *std::move(started);
 }
@@ -51,10 +54,26 @@ transport::RelayContext RelayWorld::Context() {
 
 void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }
 
-absl::StatusOr<std::unique_ptr<relay::RelayServer>> RelayWorld::StartAnother(
+absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::StartAnother(
     const config::ListenAddress& address, const transport::KeyMaterial& material) {
-  return relay::RelayServer::Start(
-      {.address = address, .key_material = material, .queues = 1, .streams_max = 10}, Context());
+  return Start({.address = address, .key_material = material, .queues = 1, .streams_max = 10});
+}
+
+absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::Start(
+    const transport::RelayOptions& relay_options) {
+  switch (TestedTransport()) {
+    case config::Transport::kNative:
+      return front::FrontServer::Start(relay_options, Context());
+    case config::Transport::kGrpc:
+      return relay::RelayServer::Start(relay_options, Context());
+  }
+  return absl::InternalError("no such transport");
+}
+
+config::Transport TestedTransport() {
+  const char* name = std::getenv("UPLINK_TEST_TRANSPORT");
+  return name != nullptr && std::string_view(name) == "native" ? config::Transport::kNative
+                                                               : config::Transport::kGrpc;
 }
 
 ChannelSpec RelayWorld::SpecFor(const std::string& ruri) const {

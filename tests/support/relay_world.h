@@ -7,11 +7,13 @@
 #include <string>
 
 #include "metrics/ledger.h"
+#include "server/config/config.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
-#include "server/relay/server.h"
 #include "server/session/limits.h"
+#include "server/transport/listener.h"
+#include "server/transport/options.h"
 #include "tests/support/certificates.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_reject_source.h"
@@ -20,6 +22,10 @@
 #include "tests/support/test_agent.h"
 
 namespace uplink::testing {
+
+/// The transport that this run of the tests is about: UPLINK_TEST_TRANSPORT, `grpc` if it is not
+/// set.
+[[nodiscard]] config::Transport TestedTransport();
 
 /// The real relay on loopback with real sessions, journal and writer thread, on the fake store.
 class RelayWorld final {
@@ -40,11 +46,11 @@ class RelayWorld final {
   RelayWorld(const RelayWorld&) = delete;
   RelayWorld& operator=(const RelayWorld&) = delete;
 
-  [[nodiscard]] relay::RelayServer& server() { return *server_; }
+  [[nodiscard]] transport::Listener& server() { return *server_; }
   /// Stops the server; agents see their streams break.
   void StopServer();
   /// Starts a second server in this world, on `address`.
-  [[nodiscard]] absl::StatusOr<std::unique_ptr<relay::RelayServer>> StartAnother(
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<transport::Listener>> StartAnother(
       const config::ListenAddress& address, const transport::KeyMaterial& material);
 
   [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const std::string& ruri) const;
@@ -73,13 +79,15 @@ class RelayWorld final {
 
  private:
   [[nodiscard]] transport::RelayContext Context();
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<transport::Listener>> Start(
+      const transport::RelayOptions& relay_options);
 
   KeyPair server_identity_;
   const session::Allowances allowances_;
   const FakeTrust clock_trust_;
   FakeRejectSource rejects_{&store};
   std::optional<journal::JournalWriter> writer_;
-  std::unique_ptr<relay::RelayServer> server_;
+  std::unique_ptr<transport::Listener> server_;
 };
 
 /// A fault report, as an agent encodes it: durable.

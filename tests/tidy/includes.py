@@ -31,9 +31,9 @@ FOREIGN = (
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("server/session/", "server/view/", "server/relay/", "server/http/", "tools/", "tests/"),
+        ("server/session/", "server/view/", "server/front/", "server/relay/", "server/http/", "tools/", "tests/"),
     ),
-    Foreign("nghttp2", re.compile(r"^nghttp2/"), ("tools/", "tests/")),
+    Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
     Foreign("libpq", re.compile(r"^(postgresql/)?libpq"), ("storage/postgres/", "tests/")),
     Foreign(
@@ -45,7 +45,7 @@ FOREIGN = (
     Foreign(
         "Boost",
         re.compile(r"^boost/(?!json)"),
-        ("server/http/", "server/loop/", "tools/", "tests/"),
+        ("server/front/", "server/http/", "server/loop/", "tools/", "tests/"),
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
     Foreign("spdlog", re.compile(r"^spdlog/"), ("server/log/",)),
@@ -66,11 +66,11 @@ ROOMS = (
     ("session", "view"),  # one stream's protocol; the queries
     ("health", "rcan"),  # health counts streams by the sessions' probe; the robots' series
     ("transport",),  # what every listener for robots needs
-    ("relay", "http"),  # the adapters: they translate and enqueue
+    ("front", "relay", "http"),  # the adapters: they translate and enqueue
     ("store", "loop", "lifecycle"),  # what runs it all
 )
 # Tools do not see these.
-ADAPTERS = ("relay", "http")
+ADAPTERS = ("front", "relay", "http")
 # The rooms of uplink-fleet, in the same way: its README says what each holds.
 FLEET_ROOMS = (("scenario",), ("robot",), ("compare",), ("report",), ("run",))
 

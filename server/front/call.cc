@@ -1,0 +1,281 @@
+#include "server/front/call.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nghttp2/nghttp2.h>
+
+#include "schema/base/check.h"
+#include "server/front/grpc_status.h"
+#include "server/front/limits.h"
+#include "server/front/thread.h"
+#include "server/session/limits.h"
+
+namespace uplink::front {
+Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
+    : thread_(thread),
+      owner_(owner),
+      http2_(http2),
+      stream_(stream),
+      id_(thread.next_call++),
+      head_(std::make_unique<RequestHead>()),
+      response_(http2, stream) {
+  thread_.calls.emplace(id_, this);
+}
+
+Call::~Call() {
+  thread_.calls.erase(id_);
+  thread_.call_timers.Forget(id_, timer_);
+  if (unfinished_) thread_.unfinished.Set(id_, 0, thread_.clock.Steady());
+}
+
+// --- The request ---
+
+bool Call::OnHeader(std::string_view name, std::string_view value) {
+  return head_ != nullptr && head_->Add(name, value);
+}
+
+void Call::OnHeadersEnd() {
+  const std::unique_ptr<RequestHead> head = std::move(head_);
+  if (const std::optional<int> http_status = head->NotGrpc()) {
+    over_ = true;
+    response_.FinishHttp(*http_status);
+  } else {
+    Serve(*head);
+  }
+  owner_.Touch(*this);
+}
+
+void Call::Serve(const RequestHead& head) {
+  if (absl::Status good = head.Judge(); !good.ok()) {
+    if (head.foreign_encoding()) response_.NameEncodings();
+    return Finish(good);
+  }
+  if (std::optional<absl::Status> refusal = owner_.refusal()) return Finish(*refusal);
+  const auto method = thread_.methods.find(head.path());
+  if (method == thread_.methods.end()) {
+    return Finish(absl::UnimplementedError("no such method is served here"));
+  }
+  kind_ = method->second.kind;
+  reader_ = MessageReader(method->second.message_bytes_max);
+  auto handler = method->second.serve(*this);
+  if (!handler.ok()) return Finish(handler.status());
+  handler_ = *std::move(handler);
+  if (head.timeout()) give_up_at_ = thread_.clock.Steady() + *head.timeout();
+  handler_->Start();
+}
+
+void Call::OnData(std::string_view bytes) {
+  if (!serving()) return http2_.ConsumeStream(stream_, bytes.size());
+  reader_.Add(bytes);
+  Deliver();
+  reader_.Keep();
+  ConsumeUnfinished();
+  owner_.Touch(*this);
+}
+
+void Call::OnEnd() {
+  peer_ended_ = true;
+  Deliver();
+  owner_.Touch(*this);
+}
+
+void Call::RequestMessage() {
+  UPLINK_CHECK(!wants_message_, "a message has been asked for");
+  wants_message_ = true;
+  owner_.Touch(*this);
+}
+
+void Call::Deliver() {
+  while (wants_message_ && serving()) {
+    if (!DeliverOne()) break;
+  }
+  if (!serving()) DropReceived();
+}
+
+bool Call::DeliverOne() {
+  using Kind = MessageReader::Next::Kind;
+  const MessageReader::Next next = reader_.Peek();
+  switch (next.kind) {
+    case Kind::kNone:
+      if (peer_ended_) EndOfMessages();
+      return false;
+    case Kind::kMessage:
+      if (kind_ != MethodKind::kBidirectional && std::exchange(had_message_, true)) {
+        Fail(absl::InternalError("the method takes one message, and more came"));
+        return false;
+      }
+      wants_message_ = false;
+      handler_->OnMessage(next.message);
+      Consume(reader_.Pop());
+      return true;
+    case Kind::kTooLarge:
+      wants_message_ = false;
+      handler_->OnTooLarge(next.bytes);
+      return false;
+    case Kind::kBadFlag:
+      Fail(absl::InternalError(
+          "a message is flagged as compressed, and the call names no encoding"));
+      return false;
+  }
+  return false;
+}
+
+void Call::EndOfMessages() {
+  if (reader_.waiting() > 0) return Fail(absl::InternalError("the stream ended within a message"));
+  wants_message_ = false;
+  handler_->OnHalfClose();
+}
+
+void Call::Consume(std::size_t taken) {
+  const std::size_t early = std::exchange(consumed_early_, 0);
+  if (taken > early) http2_.ConsumeStream(stream_, taken - early);
+}
+
+void Call::ConsumeUnfinished() {
+  const std::optional<std::size_t> whole =
+      serving() && wants_message_ ? reader_.unfinished() : std::nullopt;
+  if (whole && *whole > static_cast<std::size_t>(kStreamWindowBytes)) {
+    // All that waits belongs to it.
+    const std::size_t waiting = reader_.waiting();
+    http2_.ConsumeStream(stream_, waiting - consumed_early_);
+    consumed_early_ = waiting;
+  }
+  if (!whole && !unfinished_) return;
+  unfinished_ = whole.has_value();
+  thread_.unfinished.Set(id_, whole ? reader_.waiting() : 0, thread_.clock.Steady());
+  if (const std::optional<std::uint64_t> slowest = thread_.unfinished.TooSlow()) {
+    thread_.calls.at(*slowest)->too_slow_ = true;
+    // It may be another connection's: not from here.
+    thread_.inbox.Wake(*slowest);
+  }
+}
+
+void Call::DropReceived() {
+  Consume(reader_.waiting());
+  reader_.Clear();
+}
+
+// --- The response ---
+
+void Call::Write(std::string message_with_prefix) {
+  UPLINK_CHECK(!response_.writing() && serving(), "a write is under way, or the call ends");
+  response_.Write(std::move(message_with_prefix));
+  owner_.Touch(*this);
+}
+
+Http2Stream::Body Call::OnBody(char* into, std::size_t size) {
+  const bool was_writing = response_.writing();
+  const Body body = response_.Take(into, size);
+  if (was_writing && !response_.writing()) {
+    written_ = true;
+    owner_.Touch(*this);
+  }
+  return body;
+}
+
+void Call::Finish(const absl::Status& status) {
+  UPLINK_CHECK(!over_, "a call ends once");
+  over_ = true;
+  finish_by_ = thread_.clock.Steady() + session::kFinishWait;
+  response_.Finish(status);
+  owner_.Touch(*this);
+}
+
+void Call::Fail(const absl::Status& status) {
+  if (over_ || cancelled_ || closed_) return;
+  if (handler_ != nullptr) handler_->OnBroken();
+  // What the handler still wanted to say is lost with it.
+  response_.DropMessage();
+  Finish(status);
+}
+
+void Call::Cancel() {
+  cancelled_ = true;
+  owner_.Touch(*this);
+}
+
+// --- What its connection asks ---
+
+void Call::OnClosed(std::uint32_t /*code*/) {
+  closed_ = true;
+  owner_.Touch(*this);
+}
+
+void Call::Break() {
+  if (handler_ != nullptr) handler_->OnBroken();
+  handler_.reset();
+  finish_by_.reset();
+  DropReceived();
+}
+
+void Call::Settle() {
+  if (closed_) return Break();
+  if (cancelled_) {
+    if (!std::exchange(reset_sent_, true)) {
+      Break();
+      http2_.Reset(stream_, NGHTTP2_CANCEL);
+    }
+    return;
+  }
+  if (std::exchange(written_, false) && serving()) handler_->OnWritten();
+  Deliver();
+  ConsumeUnfinished();
+  SetTimer();
+}
+
+void Call::OnWake() {
+  if (std::exchange(too_slow_, false)) {
+    Fail(absl::ResourceExhaustedError(
+        "the memory for unfinished frames is used up, and this one was the slowest"));
+  }
+  if (serving()) handler_->OnWake();
+  owner_.Touch(*this);
+}
+
+void Call::DrainAt(SteadyTime at, SteadyTime end) {
+  drain_at_ = at;
+  drain_end_ = end;
+  SetTimer();
+}
+
+void Call::OnTimer() {
+  timer_.reset();
+  const SteadyTime now = thread_.clock.Steady();
+  if (finish_by_ && now >= *finish_by_ && !closed_) {
+    finish_by_.reset();
+    thread_.relay.probe.finish_timeouts_total.Add();
+    return Cancel();
+  }
+  if (serving()) {
+    if (give_up_at_ && now >= *give_up_at_) {
+      give_up_at_.reset();
+      Fail(absl::DeadlineExceededError("the time that grpc-timeout gave is over"));
+    } else if (drain_at_ && now >= *drain_at_) {
+      drain_at_.reset();
+      handler_->OnDrain(
+          std::max(milliseconds(0), std::chrono::duration_cast<milliseconds>(drain_end_ - now)));
+    } else if (handler_due_ && now >= *handler_due_) {
+      handler_->OnTimer();
+    }
+  }
+  owner_.Touch(*this);
+}
+
+void Call::SetTimer() {
+  std::optional<SteadyTime> deadline = cancelled_ ? std::nullopt : finish_by_;
+  const auto consider = [&deadline](const std::optional<SteadyTime>& at) {
+    if (at && (!deadline || *at < *deadline)) deadline = at;
+  };
+  if (serving()) {
+    handler_due_ = handler_->deadline();
+    consider(handler_due_);
+    consider(give_up_at_);
+    consider(drain_at_);
+  }
+  if (deadline) thread_.call_timers.Want(id_, timer_, *deadline, thread_.clock.Steady());
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,300 @@
+#include "server/front/connection.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <nghttp2/nghttp2.h>
+
+#include "server/front/causes.h"
+#include "server/front/limits.h"
+#include "server/front/thread.h"
+
+namespace uplink::front {
+using transport::TurnedAway;
+
+Connection::Connection(Thread& thread, boost::asio::io_context& context, ConnectionOwner& owner,
+                       Setup setup)
+    : thread_(thread),
+      owner_(owner),
+      id_(setup.id),
+      origin_(std::move(setup.origin)),
+      age_max_(setup.age_max),
+      socket_(context, setup.descriptor, *this, thread.received),
+      tls_(std::make_unique<TlsEngine>(std::move(setup.tls), thread.buffer_method, thread.tls)),
+      place_(thread.book, setup.id) {}
+
+Connection::~Connection() { thread_.connection_timers.Forget(id_, timer_); }
+
+void Connection::Start() {
+  phase_by_ = thread_.clock.Steady() + kHandshakeWaitPressed;
+  handshake_by_ = thread_.clock.Steady() + kHandshakeWait;
+  AfterEvent();
+}
+
+void Connection::OnReceived(std::string_view bytes) {
+  thread_.clock.Advance();
+  const SteadyTime now = thread_.clock.Steady();
+  lifetime_.Heard(now);
+  place_.NoteHeard(now);
+  if (phase_ == Phase::kLinger || phase_ == Phase::kClosed) return;
+  thread_.tls.in = bytes;
+  if (phase_ == Phase::kHandshake) Handshake();
+  if (phase_ == Phase::kOpen) ReadPlain();
+  thread_.tls.in = {};
+}
+
+void Connection::Handshake() {
+  switch (tls_->Handshake()) {
+    case TlsEngine::Step::kMore:
+      return;
+    case TlsEngine::Step::kFailed:
+      FailHandshake(CauseOf(tls_->failure()));
+      return Linger();
+    case TlsEngine::Step::kDone:
+      return BeginHttp2();
+  }
+}
+
+void Connection::BeginHttp2() {
+  const SteadyTime now = thread_.clock.Steady();
+  peer_ = tls_->Peer();
+  phase_ = Phase::kOpen;
+  phase_by_.reset();
+  const bool gateway = peer_->identity.ok() && peer_->identity->role == identity::Role::kGateway;
+  http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this,
+                                   gateway ? kGatewayStreamsMax : kRobotStreamsMax);
+  lifetime_.Open(now, age_max_, peer_->expiry - thread_.clock.System(), peer_->jitter());
+  owner_.OnHandshakeEnded(*this);
+  if (!place_.Take()) {
+    return TurnAway(TurnedAway::kFull, "the server has no place for more connections");
+  }
+  if (const auto evicted = place_.Count(*peer_, origin_, now)) owner_.OnEvicted(*evicted);
+}
+
+void Connection::ReadPlain() {
+  while (const std::optional<std::string_view> plain = tls_->Read()) {
+    if (http2_->Receive(*plain)) continue;
+    TurnAway(TurnedAway::kProtocol, "");
+    break;
+  }
+  if (tls_->over()) Close();
+}
+
+void Connection::OnReceiveEnd() {
+  thread_.clock.Advance();
+  Close();
+}
+
+void Connection::AfterEvent() {
+  Settle();
+  if (phase_ != Phase::kClosed) socket_.Receive();
+}
+
+void Connection::OnUnblocked() {
+  thread_.clock.Advance();
+  if (phase_ == Phase::kLinger) socket_.EndOutput();
+}
+
+// --- Streams ---
+
+Http2Stream* Connection::OnStream(std::int32_t id) {
+  auto& call = calls_[id];
+  call = std::make_unique<Call>(thread_, *this, *http2_, id);
+  if (calls_.size() == 1) NoteCalls();
+  return call.get();
+}
+
+void Connection::OnFrame(FrameKind kind) {
+  const SteadyTime now = thread_.clock.Steady();
+  if (!frames_.Take(kind, now)) return TurnAway(CauseOf(kind), LimitOf(kind).label);
+  if (kind == FrameKind::kPing && pings_.OnPing(now) == PingStrikes::Verdict::kTooMany) {
+    // The words that gRPC's clients know: they ping less from then on.
+    TurnAway(TurnedAway::kPings, "too_many_pings");
+  }
+}
+
+void Connection::TurnAway(TurnedAway cause, std::string_view text) {
+  if (std::exchange(turned_away_, true)) return;
+  thread_.book.Note(cause, origin_, thread_.clock.Steady());
+  // After Receive has failed the session has said itself why it ends.
+  if (cause != TurnedAway::kProtocol) http2_->End(NGHTTP2_ENHANCE_YOUR_CALM, text);
+}
+
+void Connection::FailHandshake(TurnedAway cause) {
+  thread_.relay.probe.handshakes_failed_total.Add();
+  thread_.book.Note(cause, origin_, thread_.clock.Steady());
+}
+
+void Connection::CutHandshake() {
+  if (phase_ != Phase::kHandshake) return;
+  FailHandshake(TurnedAway::kGaveWay);
+  Close();
+}
+
+void Connection::Evict() {
+  if (phase_ != Phase::kOpen) return;
+  TurnAway(TurnedAway::kKey, "too many connections of this certificate");
+  Settle();
+}
+
+std::optional<absl::Status> Connection::refusal() const {
+  // A server that drains says so itself.
+  if (!ending_ || thread_.gate.closed()) return std::nullopt;
+  return absl::UnavailableError("the connection ends; a new one is served");
+}
+
+void Connection::Touch(Call& call) {
+  if (std::exchange(call.touched, true)) return;
+  touched_.push_back(&call);
+}
+
+void Connection::NoteCalls() {
+  lifetime_.SetCalls(calls_.size(), thread_.clock.Steady());
+  place_.SetStreams(calls_.size());
+}
+
+void Connection::SettleCalls() {
+  // Those that are touched meanwhile come behind.
+  for (std::size_t i = 0; i < touched_.size(); ++i) {
+    Call& call = *touched_[i];
+    call.touched = false;
+    call.Settle();
+    if (!call.finished()) continue;
+    touched_.erase(
+        std::remove(touched_.begin() + static_cast<std::ptrdiff_t>(i) + 1, touched_.end(), &call),
+        touched_.end());
+    calls_.erase(call.stream());
+    if (calls_.empty()) NoteCalls();
+    // Whoever may not be here has been told why.
+    if (!peer_->identity.ok()) ending_ = true;
+  }
+  touched_.clear();
+}
+
+// --- What is said ---
+
+void Connection::Settle() {
+  if (phase_ == Phase::kClosed) return;
+  do {
+    SettleCalls();
+  } while (Flush() || !touched_.empty());
+  EndIfDone();
+  if (phase_ != Phase::kClosed) SetTimer();
+}
+
+bool Connection::Flush() {
+  std::string& out = thread_.tls.out;
+  bool good = true;
+  while (good && phase_ == Phase::kOpen && !socket_.blocked() && out.size() < kSendBytesMax) {
+    http2_->Gather(thread_.gathered, kRecordBytes);
+    if (thread_.gathered.empty()) break;
+    good = tls_->Write(thread_.gathered);
+  }
+  const bool something = !out.empty();
+  if (something && phase_ != Phase::kClosed) good = socket_.Send(out) && good;
+  out.clear();
+  if (!good || socket_.kept_bytes() > kKeptBytesMax) Close();
+  return something && phase_ == Phase::kOpen && !socket_.blocked();
+}
+
+void Connection::EndIfDone() {
+  if (phase_ != Phase::kOpen) return;
+  if (ending_ && calls_.empty() && !std::exchange(last_streams_told_, true)) {
+    http2_->End(NGHTTP2_NO_ERROR, "");
+    static_cast<void>(Flush());
+  }
+  if (phase_ == Phase::kOpen && http2_->over()) Linger();
+}
+
+void Connection::Linger() {
+  if (phase_ == Phase::kOpen) tls_->WriteEnd();
+  static_cast<void>(Flush());
+  if (phase_ == Phase::kClosed) return;
+  const bool was_handshake = phase_ == Phase::kHandshake;
+  phase_ = Phase::kLinger;
+  if (was_handshake) owner_.OnHandshakeEnded(*this);
+  for (const auto& [id, call] : calls_) call->Break();
+  // A peer that has not read all yet gets the time to.
+  const bool blocked = socket_.blocked();
+  if (!blocked) socket_.EndOutput();
+  phase_by_ = thread_.clock.Steady() + (blocked ? kAgeGrace : kLingerWait);
+}
+
+void Connection::Close() {
+  if (phase_ == Phase::kClosed) return;
+  const bool was_handshake = phase_ == Phase::kHandshake;
+  phase_ = Phase::kClosed;
+  for (const auto& [id, call] : calls_) call->Break();
+  socket_.Close();
+  place_.Leave();
+  thread_.connection_timers.Forget(id_, timer_);
+  if (was_handshake) owner_.OnHandshakeEnded(*this);
+  owner_.OnClosed(*this);
+}
+
+void Connection::DrainAt(SteadyTime at, SteadyTime end) {
+  if (phase_ != Phase::kOpen) {
+    if (phase_ == Phase::kHandshake) Close();
+    return;
+  }
+  if (!std::exchange(ending_, true)) http2_->NoticeEnd();
+  lifetime_.EndBy(end);
+  for (const auto& [id, call] : calls_) call->DrainAt(at, end);
+  Settle();
+}
+
+void Connection::Shutdown() {
+  if (phase_ == Phase::kOpen) {
+    http2_->End(NGHTTP2_NO_ERROR, "");
+    static_cast<void>(Flush());
+  }
+  Close();
+}
+
+void Connection::OnTimer() {
+  timer_.reset();
+  const SteadyTime now = thread_.clock.Steady();
+  if (phase_ == Phase::kHandshake) LookAtHandshake(now);
+  if (phase_ == Phase::kLinger && now >= *phase_by_) return Close();
+  if (phase_ == Phase::kOpen) LookAtLifetime(now);
+  Settle();
+}
+
+void Connection::LookAtHandshake(SteadyTime now) {
+  if (now < *phase_by_) return;
+  if (now < handshake_by_ && !thread_.book.pressed()) {
+    // Nobody waits for its place: it may go on, and is looked at again.
+    phase_by_ = std::min(handshake_by_, now + kLookAgain);
+    return;
+  }
+  FailHandshake(TurnedAway::kHandshakeTimeout);
+  Close();
+}
+
+void Connection::LookAtLifetime(SteadyTime now) {
+  switch (lifetime_.Take(now, thread_.book.pressed())) {
+    case Lifetime::Due::kNothing:
+      return;
+    case Lifetime::Due::kPing:
+      return http2_->Ping();
+    case Lifetime::Due::kSilent:
+      return Close();
+    case Lifetime::Due::kAge:
+      return DrainAt(now, now + kAgeGrace);
+    case Lifetime::Due::kOver:
+      return http2_->End(NGHTTP2_NO_ERROR, "");
+    case Lifetime::Due::kIdle:
+      ending_ = true;
+      return;
+    case Lifetime::Due::kNoCall:
+      return TurnAway(TurnedAway::kNoStream, "no stream was opened");
+  }
+}
+
+void Connection::SetTimer() {
+  const SteadyTime now = thread_.clock.Steady();
+  const SteadyTime at = phase_by_ ? *phase_by_ : lifetime_.next(now);
+  thread_.connection_timers.Want(id_, timer_, at, now);
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,149 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "server/front/call.h"
+#include "server/front/door_book.h"
+#include "server/front/frame_rates.h"
+#include "server/front/http2.h"
+#include "server/front/lifetime.h"
+#include "server/front/ping_strikes.h"
+#include "server/front/place.h"
+#include "server/front/socket.h"
+#include "server/front/tls_engine.h"
+#include "server/transport/timers.h"
+
+namespace uplink::front {
+
+struct Thread;
+class Connection;
+
+/// What a connection tells its thread.
+class ConnectionOwner {
+ public:
+  virtual ~ConnectionOwner() = default;
+  /// The TLS handshake is over, well or not.
+  virtual void OnHandshakeEnded(Connection& connection) = 0;
+  /// Another connection of the same certificate has to go.
+  virtual void OnEvicted(std::uint64_t connection) = 0;
+  /// It is closed: it may be destroyed once `quiet()`, and not from here.
+  virtual void OnClosed(Connection& connection) = 0;
+};
+
+/// One TCP connection: TLS, HTTP/2 and its calls, and when it ends.
+///
+/// Every event ends in Settle: calls are settled, what they say goes out, and when nothing is left
+/// to be said the connection closes.
+/// Thread: confined to its thread's.
+class Connection final : public SocketOwner, public Http2Peer, public CallOwner {
+ public:
+  struct Setup {
+    std::uint64_t id = 0;
+    int descriptor = -1;
+    Origin origin;
+    std::shared_ptr<const TlsContext> tls;
+    /// limits.connection_age_max; zero: never.
+    milliseconds age_max{0};
+  };
+
+  Connection(Thread& thread, boost::asio::io_context& context, ConnectionOwner& owner, Setup setup);
+  ~Connection() override;
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  void Start();
+  void OnTimer();
+  /// The handshake gives way to others; nothing once it is over.
+  void CutHandshake();
+  /// Its certificate has too many connections.
+  void Evict();
+  /// The server drains: its calls are told at `at`, and have until `end`.
+  void DrainAt(SteadyTime at, SteadyTime end);
+  /// Ends all at once; what can be said goes out.
+  void Shutdown();
+  /// What other events left to do.
+  void Settle() override;
+
+  [[nodiscard]] std::uint64_t id() const { return id_; }
+  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
+  [[nodiscard]] bool quiet() const { return socket_.quiet(); }
+
+  // SocketOwner
+  void OnReceived(std::string_view bytes) override;
+  void OnReceiveEnd() override;
+  void OnUnblocked() override;
+  void AfterEvent() override;
+  void OnQuiet() override { owner_.OnClosed(*this); }
+  // Http2Peer
+  Http2Stream* OnStream(std::int32_t id) override;
+  void OnFrame(FrameKind kind) override;
+  void OnSent() override { pings_.OnSent(); }
+  // CallOwner
+  void Touch(Call& call) override;
+  [[nodiscard]] const TlsPeer& tls_peer() const override { return *peer_; }
+  [[nodiscard]] const std::string& address() const override { return origin_.text; }
+  [[nodiscard]] const SourceAddress& source() const override { return origin_.source; }
+  [[nodiscard]] std::optional<absl::Status> refusal() const override;
+
+ private:
+  enum class Phase : std::uint8_t {
+    kHandshake,
+    kOpen,
+    /// Our last word is said; we read on for a moment.
+    kLinger,
+    kClosed,
+  };
+
+  void Handshake();
+  void BeginHttp2();
+  void ReadPlain();
+  void SettleCalls();
+  /// Writes what is to be said, as far as the peer takes it; true if anything went out.
+  bool Flush();
+  void EndIfDone();
+  /// Nothing more is said: the peer may read what was.
+  void Linger();
+  void Close();
+  void SetTimer();
+  void LookAtHandshake(SteadyTime now);
+  void LookAtLifetime(SteadyTime now);
+  /// How many calls there are has changed from or to none.
+  void NoteCalls();
+  void FailHandshake(transport::TurnedAway cause);
+  /// Ends the connection for what its peer does, with the reason in a GOAWAY.
+  void TurnAway(transport::TurnedAway cause, std::string_view text);
+
+  Thread& thread_;
+  ConnectionOwner& owner_;
+  const std::uint64_t id_;
+  const Origin origin_;
+  const milliseconds age_max_;
+
+  Phase phase_ = Phase::kHandshake;
+  Socket socket_;
+  std::unique_ptr<TlsEngine> tls_;
+  Place place_;
+  Lifetime lifetime_;
+  std::unique_ptr<Http2> http2_;
+  std::optional<TlsPeer> peer_;
+  std::unordered_map<std::int32_t, std::unique_ptr<Call>> calls_;
+  std::vector<Call*> touched_;
+  /// No call is served here any more, and the connection ends with its last.
+  bool ending_ = false;
+  bool last_streams_told_ = false;
+  bool turned_away_ = false;
+  FrameRates frames_;
+  PingStrikes pings_;
+
+  /// Until when the phase may last: the handshake, or the time that we linger.
+  std::optional<SteadyTime> phase_by_;
+  SteadyTime handshake_by_;
+  transport::Timers::Slot timer_;
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,100 @@
+#include "server/front/door.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <unistd.h>
+
+namespace uplink::front {
+namespace {
+
+using transport::TurnedAway;
+
+/// A handshake that is younger may be an honest one that was just slow to be served.
+constexpr std::chrono::seconds kSpared{1};
+/// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
+constexpr std::size_t kHandshakesMax = 512;
+constexpr std::size_t kWaitingMax = 4096;
+/// Of the descriptors, those without a certificate may have this part, and the reserve is this part
+/// of them, at most kReserveMax.
+constexpr std::size_t kUnprovenPart = 4;
+constexpr std::size_t kReservePart = 4;
+constexpr std::size_t kReserveMax = 256;
+/// Connections beyond one for each stream: those that come anew before the old one has ended.
+constexpr std::size_t kSpareConnections = 1024;
+
+}  // namespace
+
+DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max) {
+  const std::size_t reserve = std::min(kReserveMax, descriptors_max / kReservePart);
+  const std::size_t unproven =
+      std::clamp<std::size_t>(descriptors_max / kUnprovenPart, 2, kHandshakesMax + kWaitingMax);
+  const std::size_t handshakes = std::clamp<std::size_t>(unproven / 2, 1, kHandshakesMax);
+  const std::size_t taken = reserve + unproven;
+  const std::size_t left = descriptors_max > taken ? descriptors_max - taken : 1;
+  return {.connections_max = std::min(streams_max + kSpareConnections, left),
+          .handshakes = {.under_way_max = handshakes, .waiting_max = unproven - handshakes}};
+}
+
+Door::Door(const HandshakeLimits& limits, DoorBook& book, transport::RelayProbe& probe,
+           Actions actions)
+    : book_(book), probe_(probe), actions_(std::move(actions)), queue_(limits) {}
+
+Door::~Door() {
+  for (const auto& [id, visitor] : waiting_) ::close(visitor.descriptor);
+  probe_.handshakes_waiting.Set(0);
+  probe_.handshakes_under_way.Set(0);
+}
+
+void Door::Arrive(Visitor visitor, SteadyTime now) {
+  const std::uint64_t id = next_id_++;
+  const SourceAddress source = visitor.origin.source;
+  const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
+  waiting_.emplace(id, std::move(visitor));
+  if (const auto refused = queue_.Arrive(id, source, rank)) {
+    const auto found = waiting_.find(*refused);
+    book_.Note(TurnedAway::kCrowded, found->second.origin, now);
+    ::close(found->second.descriptor);
+    waiting_.erase(found);
+  }
+  Admit(now);
+}
+
+void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
+  queue_.Ended(id);
+  began_.erase(id);
+  Admit(now);
+}
+
+void Door::Tend(SteadyTime now) {
+  // One per place that somebody could use: each that is cut makes room for one who waits.
+  for (std::size_t i = 0; i < queue_.waiting(); ++i) {
+    const auto longest = queue_.ToGiveWay();
+    if (!longest || now < began_.at(*longest) + kSpared) return;
+    const std::uint64_t id = *longest;
+    queue_.Ended(id);
+    began_.erase(id);
+    actions_.cut(id);
+    Admit(now);
+  }
+}
+
+void Door::Admit(SteadyTime now) {
+  while (const auto id = queue_.Next()) {
+    const auto found = waiting_.find(*id);
+    began_.emplace(*id, now);
+    Visitor visitor = std::move(found->second);
+    waiting_.erase(found);
+    actions_.admit(*id, std::move(visitor));
+  }
+  Publish();
+}
+
+void Door::Publish() {
+  book_.SetPressed(queue_.waiting());
+  probe_.handshakes_waiting.Set(static_cast<std::int64_t>(queue_.waiting()));
+  probe_.handshakes_under_way.Set(static_cast<std::int64_t>(queue_.under_way()));
+}
+
+}  // namespace uplink::front

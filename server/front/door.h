@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <unordered_map>
+
+#include "server/front/door_book.h"
+#include "server/front/handshake_queue.h"
+
+namespace uplink::front {
+
+/// How many connections there may be, by what they have shown.
+struct DoorLimits {
+  /// With a trusted certificate.
+  std::size_t connections_max = 0;
+  HandshakeLimits handshakes;
+};
+
+/// The limits for this many streams and descriptors of the process: what has shown no certificate
+/// never takes the place of what has, and a reserve is left for the store, HTTP, files, and our own
+/// handshake with our listener.
+[[nodiscard]] DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max);
+
+/// A connection that was accepted.
+struct Visitor {
+  int descriptor = -1;
+  Origin origin;
+};
+
+/// Who may begin a handshake, and when: until a certificate was shown, sources share the places.
+///
+/// Thread: confined to the acceptor's.
+class Door final {
+ public:
+  struct Actions {
+    /// The handshake of this connection begins.
+    std::function<void(std::uint64_t id, Visitor visitor)> admit;
+    /// The handshake that is under way is cut short; HandshakeEnded follows.
+    std::function<void(std::uint64_t id)> cut;
+  };
+
+  Door(const HandshakeLimits& limits, DoorBook& book, transport::RelayProbe& probe,
+       Actions actions);
+  /// Closes what waits.
+  ~Door();
+  Door(const Door&) = delete;
+  Door& operator=(const Door&) = delete;
+
+  void Arrive(Visitor visitor, SteadyTime now);
+  /// The handshake is over, whatever came of it.
+  void HandshakeEnded(std::uint64_t id, SteadyTime now);
+  /// A second has passed: handshakes that have become long may give way.
+  void Tend(SteadyTime now);
+  [[nodiscard]] std::size_t waiting() const { return queue_.waiting(); }
+
+ private:
+  void Admit(SteadyTime now);
+  void Publish();
+
+  DoorBook& book_;
+  transport::RelayProbe& probe_;
+  const Actions actions_;
+  HandshakeQueue queue_;
+  std::uint64_t next_id_ = 1;
+  std::unordered_map<std::uint64_t, Visitor> waiting_;
+  /// When the handshakes that are under way began.
+  std::unordered_map<std::uint64_t, SteadyTime> began_;
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,25 @@
+#include "server/front/door_book.h"
+
+namespace uplink::front {
+
+void DoorBook::Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now) {
+  const auto index = static_cast<std::size_t>(cause);
+  probe_.turned_away_total[index].Add();
+  Tell("connection_turned_away", transport::kTurnedAwayTexts[index], origin, now);
+}
+
+bool DoorBook::Enter() {
+  if (connections_.fetch_add(1) >= connections_max_) {
+    connections_.fetch_sub(1);
+    return false;
+  }
+  probe_.connections.Add();
+  return true;
+}
+
+void DoorBook::Leave() {
+  connections_.fetch_sub(1);
+  probe_.connections.Add(-1);
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <string>
+
+#include "server/front/key_table.h"
+#include "server/front/known_sources.h"
+#include "server/front/source_lines.h"
+#include "server/transport/probe.h"
+#include "server/transport/turned_away.h"
+
+namespace uplink::front {
+
+/// Where a connection comes from.
+struct Origin {
+  SourceAddress source;
+  /// Address and port, for logs.
+  std::string text;
+};
+
+/// What all threads know of who comes and who is here. Thread-safe.
+class DoorBook final {
+ public:
+  DoorBook(std::size_t connections_max, transport::RelayProbe& probe, const log::Logger* logger)
+      : connections_max_(connections_max), probe_(probe), lines_(logger) {}
+
+  /// Somebody is turned away: counts it by cause, and writes a line that names the source.
+  void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
+  /// A line alone.
+  void Tell(std::string_view event, std::string_view why, const Origin& origin, SteadyTime now) {
+    lines_.Write(event, why, origin.source, origin.text, now);
+  }
+
+  /// A connection has shown a trusted certificate; false if there is no place for it.
+  [[nodiscard]] bool Enter();
+  void Leave();
+
+  /// Connections wait for their handshake: those that others let wait get less time.
+  [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
+  void SetPressed(std::size_t waiting) { pressed_.store(waiting > 0, std::memory_order_relaxed); }
+
+  [[nodiscard]] KeyTable& keys() { return keys_; }
+  [[nodiscard]] KnownSources& known() { return known_; }
+
+ private:
+  const std::size_t connections_max_;
+  transport::RelayProbe& probe_;
+  SourceLines lines_;
+  KeyTable keys_;
+  KnownSources known_;
+  std::atomic<std::size_t> connections_{0};
+  std::atomic<bool> pressed_{false};
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,80 @@
+#include "server/front/lifetime.h"
+
+#include <algorithm>
+
+#include "server/front/limits.h"
+
+namespace uplink::front {
+namespace {
+
+/// `span` without up to a tenth, so that robots which came together do not go together.
+milliseconds Shortened(milliseconds span, std::uint16_t jitter) {
+  constexpr milliseconds::rep kParts = 65'536;
+  return span - span / 10 * milliseconds::rep{jitter} / kParts;
+}
+
+}  // namespace
+
+void Lifetime::Open(SteadyTime now, milliseconds age, milliseconds until_expiry,
+                    std::uint16_t jitter) {
+  heard_at_ = now;
+  empty_since_ = now;
+  if (age > milliseconds(0)) age_at_ = now + Shortened(age, jitter);
+  // With a certificate that is nearly over already it may stay until that is.
+  const milliseconds left = until_expiry > kBeforeExpiry
+                                ? Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter)
+                                : until_expiry;
+  if (!age_at_ || now + left < *age_at_) age_at_ = now + left;
+}
+
+void Lifetime::Heard(SteadyTime now) {
+  heard_at_ = now;
+  answer_by_.reset();
+}
+
+void Lifetime::SetCalls(std::size_t calls, SteadyTime now) {
+  if (calls > 0) {
+    had_call_ = true;
+    empty_since_.reset();
+  } else if (!empty_since_) {
+    empty_since_ = now;
+  }
+}
+
+Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
+  if (answer_by_) {
+    if (now >= *answer_by_) return Due::kSilent;
+  } else if (now >= heard_at_ + kKeepaliveAfter) {
+    answer_by_ = now + kKeepaliveWait;
+    return Due::kPing;
+  }
+  if (ends_by_ && now >= *ends_by_) {
+    ends_by_.reset();
+    return Due::kOver;
+  }
+  if (age_at_ && now >= *age_at_) {
+    age_at_.reset();
+    return Due::kAge;
+  }
+  if (!empty_since_) return Due::kNothing;
+  if (had_call_) return now >= *empty_since_ + kIdleWait ? Due::kIdle : Due::kNothing;
+  const auto wait = pressed ? kFirstStreamWaitPressed : kFirstStreamWait;
+  return now >= *empty_since_ + wait ? Due::kNoCall : Due::kNothing;
+}
+
+SteadyTime Lifetime::next(SteadyTime now) const {
+  SteadyTime next = answer_by_ ? *answer_by_ : heard_at_ + kKeepaliveAfter;
+  if (age_at_) next = std::min(next, *age_at_);
+  if (ends_by_) next = std::min(next, *ends_by_);
+  if (empty_since_) next = std::min(next, EmptyUntil(now));
+  return next;
+}
+
+SteadyTime Lifetime::EmptyUntil(SteadyTime now) const {
+  if (had_call_) return *empty_since_ + kIdleWait;
+  const SteadyTime pressed = *empty_since_ + kFirstStreamWaitPressed;
+  // From then on it may stay only as long as nobody waits.
+  return now < pressed ? pressed : std::min(now + kLookAgain, *empty_since_ + kFirstStreamWait);
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "schema/base/clock.h"
+
+namespace uplink::front {
+
+/// When an open connection is asked whether its peer is there, and when it ends: silence, age, its
+/// certificate's expiry, no calls. A value with no clock of its own; confined to its connection's
+/// thread.
+class Lifetime final {
+ public:
+  enum class Due : std::uint8_t {
+    kNothing,
+    /// Nothing was heard for long: ask.
+    kPing,
+    /// The peer did not answer.
+    kSilent,
+    /// Its age, or its certificate's: its calls are to settle.
+    kAge,
+    /// The time for that is over.
+    kOver,
+    /// It has had no call for long.
+    kIdle,
+    /// It never had a call.
+    kNoCall,
+  };
+
+  /// The connection opened. `age` is limits.connection_age_max, zero for never; `until_expiry` what
+  /// is left of its certificates; of both a tenth at most is taken, by `jitter` of 65,536 parts.
+  void Open(SteadyTime now, milliseconds age, milliseconds until_expiry, std::uint16_t jitter);
+  void Heard(SteadyTime now);
+  /// So many calls are open now.
+  void SetCalls(std::size_t calls, SteadyTime now);
+  /// It ends by then, whatever its calls do.
+  void EndBy(SteadyTime end) { ends_by_ = end; }
+
+  /// What is due, once each. `pressed`: others wait for a place.
+  [[nodiscard]] Due Take(SteadyTime now, bool pressed);
+  /// When Take may find something; the earliest.
+  [[nodiscard]] SteadyTime next(SteadyTime now) const;
+
+ private:
+  /// When a connection without a call is looked at next.
+  [[nodiscard]] SteadyTime EmptyUntil(SteadyTime now) const;
+
+  SteadyTime heard_at_;
+  /// The peer was asked whether it is there.
+  std::optional<SteadyTime> answer_by_;
+  std::optional<SteadyTime> age_at_;
+  std::optional<SteadyTime> ends_by_;
+  /// Since when there has been no call; nothing while there is one.
+  std::optional<SteadyTime> empty_since_;
+  bool had_call_ = false;
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "schema/base/clock.h"
+
+namespace uplink::front {
+
+/// Bytes that a stream may send ahead of what its session has taken: its HTTP/2 window. What a
+/// stream that is held back costs.
+inline constexpr std::int32_t kStreamWindowBytes = 65'535;
+/// Bytes under way on a connection, over all its streams. They are given back as they arrive, so
+/// that a stream that is held back never holds up its neighbours.
+inline constexpr std::int32_t kConnectionWindowBytes = 1024 * 1024;
+/// Bytes of all headers of a request, counted as HTTP/2 does (32 more for each).
+inline constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
+/// Bytes of a path that is told apart from others; longer ones are no method of ours.
+inline constexpr std::size_t kPathBytesMax = 256;
+/// Streams of one connection: a robot needs one, and two at takeover.
+inline constexpr std::uint32_t kRobotStreamsMax = 16;
+/// Streams of a gateway's connection: one for each of its robots.
+inline constexpr std::uint32_t kGatewayStreamsMax = 128;
+/// Answers to PING and SETTINGS that wait for a peer which does not read, before it is ended.
+inline constexpr std::size_t kAnswersWaitingMax = 64;
+
+/// What a connection reads at once into memory of its own: one paced message and what surrounds it.
+/// More comes through the thread's buffer.
+inline constexpr std::size_t kOwnReadBytes = 512;
+/// What a thread reads at once, over all its connections.
+inline constexpr std::size_t kSharedReadBytes = 64 * 1024;
+/// Bytes that go out in one call of the system at most; what does not fit waits at its connection.
+inline constexpr std::size_t kSendBytesMax = 64 * 1024;
+
+/// Bytes that wait for a peer that takes nothing, past which it is cut: what TLS itself says is not
+/// held back by it.
+inline constexpr std::size_t kKeptBytesMax = 4 * kSendBytesMax;
+
+/// A peer that is gone without a word is noticed within these two; robots' networks are bad.
+inline constexpr std::chrono::seconds kKeepaliveAfter{25};
+inline constexpr std::chrono::seconds kKeepaliveWait{15};
+/// How long a handshake may wait for its peer, and how long while others wait for a place.
+inline constexpr std::chrono::seconds kHandshakeWait{20};
+inline constexpr std::chrono::seconds kHandshakeWaitPressed{5};
+/// A connection that has had no stream yet is closed after this, the same.
+inline constexpr std::chrono::seconds kFirstStreamWait{10};
+inline constexpr std::chrono::seconds kFirstStreamWaitPressed{3};
+/// How often who may stay as long as nobody waits is looked at.
+inline constexpr std::chrono::seconds kLookAgain{1};
+/// Connections of one public key: more than one only while an old one is not known to be gone, and
+/// a gateway's may spread its robots.
+inline constexpr std::size_t kRobotConnectionsMax = 4;
+inline constexpr std::size_t kGatewayConnectionsMax = 16;
+/// A connection whose streams have all ended is closed after this.
+inline constexpr std::chrono::minutes kIdleWait{5};
+/// How long we read on after our last word, so that no reset destroys it on its way.
+inline constexpr std::chrono::seconds kLingerWait{1};
+/// Streams of a connection that has reached its age have so long to settle.
+inline constexpr std::chrono::seconds kAgeGrace{10};
+/// A connection ends so long before its certificate does.
+inline constexpr std::chrono::minutes kBeforeExpiry{10};
+
+/// Bytes of unfinished frames that the streams of all threads may hold together, unless the process
+/// may use less memory.
+inline constexpr std::size_t kUnfinishedBytesMax = std::size_t{256} * 1024 * 1024;
+
+}  // namespace uplink::front

@@ -1,0 +1,51 @@
+#include "server/front/place.h"
+
+#include <utility>
+
+#include "server/front/limits.h"
+
+namespace uplink::front {
+namespace {
+
+/// How often the table of keys is told that a connection is alive: it orders them no finer.
+constexpr std::chrono::seconds kNoteHeardEvery{5};
+
+}  // namespace
+
+bool Place::Take() {
+  taken_ = book_.Enter();
+  return taken_;
+}
+
+std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& origin,
+                                          SteadyTime now) {
+  const bool known = peer.identity.ok();
+  const bool gateway = known && peer.identity->role == identity::Role::kGateway;
+  KeyTable& keys = book_.keys();
+  noted_at_ = now;
+  const auto evicted =
+      keys.Add(peer.key, connection_, gateway ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
+  if (!evicted || keys.evicted_lately(peer.key, now) < kEvictionsFlagged) return evicted;
+  const bool robot = known && peer.identity->role == identity::Role::kRobot;
+  book_.Tell("connections_contested", "one certificate opens connections again and again",
+             {origin.source, robot ? peer.identity->ruri() : origin.text}, now);
+  return evicted;
+}
+
+void Place::NoteHeard(SteadyTime now) {
+  if (!taken_ || now < noted_at_ + kNoteHeardEvery) return;
+  noted_at_ = now;
+  book_.keys().Heard(connection_, now);
+}
+
+void Place::SetStreams(std::size_t streams) {
+  if (taken_) book_.keys().SetStreams(connection_, streams);
+}
+
+void Place::Leave() {
+  if (!std::exchange(taken_, false)) return;
+  book_.keys().Remove(connection_);
+  book_.Leave();
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/front/door_book.h"
+#include "server/front/tls_engine.h"
+
+namespace uplink::front {
+
+/// The place that a connection has among those that have shown a certificate, from Take until it is
+/// left: the number of all, and those of its key. Confined to its connection's thread.
+class Place final {
+ public:
+  Place(DoorBook& book, std::uint64_t connection) : book_(book), connection_(connection) {}
+  ~Place() { Leave(); }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+  /// False if there is none.
+  [[nodiscard]] bool Take();
+  /// Counts it to its key; says who has too many of it and must go.
+  [[nodiscard]] std::optional<std::uint64_t> Count(const TlsPeer& peer, const Origin& origin,
+                                                   SteadyTime now);
+  /// The peer said something. Costs nothing most times.
+  void NoteHeard(SteadyTime now);
+  void SetStreams(std::size_t streams);
+  void Leave();
+
+ private:
+  DoorBook& book_;
+  const std::uint64_t connection_;
+  bool taken_ = false;
+  /// When the table of keys was told last that it was heard.
+  SteadyTime noted_at_{};
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,71 @@
+#include "server/front/relay_handler.h"
+
+#include <array>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "server/front/message_reader.h"
+#include "server/front/thread.h"
+#include "server/transport/refusals.h"
+
+namespace uplink::front {
+namespace {
+
+/// The frame as it goes out: not compressed, its length, itself.
+std::string WithPrefix(const v1::RelayResponse& frame) {
+  const std::size_t bytes = frame.ByteSizeLong();
+  std::string message(kPrefixBytes + bytes, '\0');
+  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
+    message[i] = static_cast<char>((bytes >> (8 * (kPrefixBytes - 1 - i))) & 0xFFU);
+  }
+  const bool done = frame.SerializeToArray(message.data() + kPrefixBytes, static_cast<int>(bytes));
+  UPLINK_CHECK(done, "a frame of ours does not serialize");
+  return message;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
+  Thread& thread = call.thread();
+  const auto refused = [&call, &thread](absl::Status status, const std::string& robot) {
+    transport::LogRefusal(thread.relay.refusals, call.owner().address(), robot, status);
+    return status;
+  };
+  const auto& identity = call.owner().tls_peer().identity;
+  if (!identity.ok()) {
+    thread.relay.probe.refused_identity_total.Add();
+    return refused(identity.status(), "");
+  }
+  std::string robot = identity->role == identity::Role::kRobot ? identity->ruri() : "";
+  if (absl::Status in = thread.gate.Enter(robot); !in.ok()) return refused(in, robot);
+  std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(robot)));
+  handler->session_.emplace(thread.sessions, *identity, robot::StreamRef{&thread.inbox, call.id()},
+                            *handler, *handler);
+  handler->NoteSource();
+  return handler;
+}
+
+void RelayHandler::NoteSource() {
+  Thread& thread = call_.thread();
+  thread.book.known().Note(call_.owner().source(), thread.clock.Steady());
+}
+
+RelayHandler::~RelayHandler() {
+  session_.reset();
+  // A stream may have lasted for days: its robot comes back to a door that knows it.
+  NoteSource();
+  call_.thread().gate.Leave(robot_);
+}
+
+void RelayHandler::OnBroken() {
+  if (!session_->done()) session_->OnBroken();
+}
+
+void RelayHandler::Write(const v1::RelayResponse& frame) { call_.Write(WithPrefix(frame)); }
+
+void RelayHandler::Finish(const absl::Status& status) {
+  transport::LogRefusal(call_.thread().relay.refusals, call_.owner().address(), robot_, status);
+  call_.Finish(status);
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/statusor.h>
+
+#include "server/front/call.h"
+#include "server/front/call_handler.h"
+#include "server/session/frame_sink.h"
+#include "server/session/session.h"
+
+namespace uplink::front {
+
+/// UplinkRelay's Relay: one call between the wire and a Session.
+///
+/// Thread: confined to its connection's.
+class RelayHandler final : public CallHandler,
+                           public session::FrameSource,
+                           public session::FrameSink {
+ public:
+  /// The path of the method.
+  static constexpr std::string_view kPath = "/uplink.v1.UplinkRelay/Relay";
+
+  /// Errors: kUnauthenticated with what the certificate lacks; those of transport::Gate::Enter.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<CallHandler>> Serve(Call& call);
+  ~RelayHandler() override;
+  RelayHandler(const RelayHandler&) = delete;
+  RelayHandler& operator=(const RelayHandler&) = delete;
+
+  // CallHandler
+  void Start() override { session_->Start(); }
+  void OnMessage(std::string_view bytes) override { session_->OnFrame(bytes); }
+  void OnTooLarge(std::uint64_t bytes) override { session_->OnFrameTooLarge(bytes); }
+  void OnHalfClose() override { session_->OnHalfClose(); }
+  void OnBroken() override;
+  void OnWritten() override { session_->OnWritten(); }
+  void OnWake() override { session_->OnWake(); }
+  void OnTimer() override { session_->OnTimer(); }
+  [[nodiscard]] std::optional<SteadyTime> deadline() const override { return session_->deadline(); }
+  void OnDrain(milliseconds grace) override { session_->OnDrain(grace); }
+
+  // session::FrameSource
+  void RequestRead() override { call_.RequestMessage(); }
+  // session::FrameSink
+  void Write(const v1::RelayResponse& frame) override;
+  void Finish(const absl::Status& status) override;
+  void Cancel() override { call_.Cancel(); }
+
+ private:
+  RelayHandler(Call& call, std::string robot) : call_(call), robot_(std::move(robot)) {}
+
+  /// A robot streams from there.
+  void NoteSource();
+
+  Call& call_;
+  /// The robot of the certificate; empty of a gateway.
+  const std::string robot_;
+  /// Last, so that it goes before what it writes to.
+  std::optional<session::Session> session_;
+};
+
+}  // namespace uplink::front

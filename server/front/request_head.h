@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+
+namespace uplink::front {
+
+/// `grpc-timeout`: at most 8 digits and a unit. Nothing if the text is none (Source: gRPC over
+/// HTTP/2, Requests). A timeout under a millisecond is one millisecond.
+[[nodiscard]] std::optional<milliseconds> ParseTimeout(std::string_view text);
+
+/// The headers of one request, as they arrive, and whether they are gRPC's. Confined to its
+/// connection's thread.
+class RequestHead final {
+ public:
+  /// False once the headers are over kHeaderBytesMax; the rest is not kept.
+  bool Add(std::string_view name, std::string_view value);
+
+  /// The HTTP status that answers what is no gRPC at all (405, 415); nothing for a gRPC request.
+  [[nodiscard]] std::optional<int> NotGrpc() const;
+  /// What is wrong with a gRPC request; the method is not looked at.
+  ///
+  /// Errors: kResourceExhausted for headers past their limit; kUnimplemented for an encoding;
+  ///         kInvalidArgument for a timeout that is none; kInternal for a request without
+  ///         `te: trailers`, of which a proxy has lost a part.
+  [[nodiscard]] absl::Status Judge() const;
+  /// Whether the encoding is one that we do not have: the answer then says which we do.
+  [[nodiscard]] bool foreign_encoding() const { return !encoding_.empty(); }
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::optional<milliseconds> timeout() const { return timeout_; }
+
+ private:
+  std::uint32_t bytes_ = 0;
+  bool too_large_ = false;
+  bool is_post_ = false;
+  bool is_grpc_ = false;
+  bool takes_trailers_ = false;
+  bool bad_timeout_ = false;
+  std::string path_;
+  /// Anything but identity.
+  std::string encoding_;
+  std::optional<milliseconds> timeout_;
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,191 @@
+#include "server/front/server.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <sys/resource.h>
+
+#include "server/front/acceptor.h"
+#include "server/front/door.h"
+#include "server/front/limits.h"
+#include "server/front/relay_handler.h"
+#include "server/front/tls_context.h"
+#include "server/front/worker.h"
+#include "server/transport/cores.h"
+#include "server/transport/gate.h"
+#include "server/transport/key_files.h"
+
+namespace uplink::front {
+namespace {
+
+/// What unfinished frames may take of the memory that the transport may use.
+constexpr std::size_t kUnfinishedPart = 4;
+/// Where the system does not say how many descriptors we may have: what it usually gives.
+constexpr std::size_t kDescriptorsDefault = 1024;
+
+std::size_t UnfinishedBytes(const transport::RelayOptions& options) {
+  if (options.memory_bytes_max == 0) return kUnfinishedBytesMax;
+  return std::min(kUnfinishedBytesMax, options.memory_bytes_max / kUnfinishedPart);
+}
+
+/// Descriptors that the process may have.
+std::size_t DescriptorsMax() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return kDescriptorsDefault;
+  return static_cast<std::size_t>(limit.rlim_cur);
+}
+
+Methods ServedMethods(const session::SessionLimits& limits) {
+  Methods methods;
+  methods.emplace(RelayHandler::kPath, Method{.kind = MethodKind::kBidirectional,
+                                              .message_bytes_max = limits.frame_bytes_max,
+                                              .serve = RelayHandler::Serve});
+  return methods;
+}
+
+}  // namespace
+
+/// Members are destroyed from the last.
+struct FrontServer::Impl {
+  Impl(const transport::RelayOptions& given_options, const transport::RelayContext& given)
+      : options(given_options),
+        context(given),
+        methods(ServedMethods(given.limits)),
+        limits(DoorLimitsFor(given_options.streams_max, DescriptorsMax())),
+        gate(given_options.streams_max, given.probe),
+        book(limits.connections_max, given.probe, given.logger) {}
+
+  absl::Status ServeFiles();
+  absl::Status Serve(const transport::PemTexts& texts);
+  void StartWorkers();
+  void OpenDoor();
+  /// Nobody comes in any more; who waited is sent away.
+  void CloseDoor();
+  [[nodiscard]] Worker& LeastLoaded();
+
+  const transport::RelayOptions options;
+  const transport::RelayContext context;
+  const Methods methods;
+  /// None with texts in place of files.
+  std::unique_ptr<transport::KeyFiles> files;
+  ServedContext tls;
+  const DoorLimits limits;
+  transport::Gate gate;
+  DoorBook book;
+  std::vector<std::unique_ptr<Worker>> workers;
+  std::unique_ptr<Acceptor> acceptor;
+  /// Used on the acceptor's thread.
+  std::unique_ptr<Door> door;
+};
+
+absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
+  auto made = TlsContext::Make(texts, options.tls_minimum);
+  if (!made.ok()) return made.status();
+  tls.Set(*std::move(made));
+  return absl::OkStatus();
+}
+
+absl::Status FrontServer::Impl::ServeFiles() {
+  const auto fresh = files->Refresh();
+  if (!fresh.ok()) return fresh.status();
+  return *fresh ? Serve(files->texts()) : absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<FrontServer>> FrontServer::Start(
+    const transport::RelayOptions& options, const transport::RelayContext& context) {
+  auto impl = std::make_unique<Impl>(options, context);
+  absl::Status served;
+  if (const auto* files = std::get_if<transport::PemFiles>(&options.key_material)) {
+    impl->files = std::make_unique<transport::KeyFiles>(*files);
+    served = impl->ServeFiles();
+  } else {
+    served = impl->Serve(std::get<transport::PemTexts>(options.key_material));
+  }
+  if (!served.ok()) return served;
+  auto acceptor = Acceptor::Listen(options.address);
+  if (!acceptor.ok()) return acceptor.status();
+  impl->acceptor = *std::move(acceptor);
+
+  impl->StartWorkers();
+  impl->OpenDoor();
+  return std::unique_ptr<FrontServer>(new FrontServer(std::move(impl)));
+}
+
+void FrontServer::Impl::StartWorkers() {
+  const std::size_t count = options.queues > 0 ? options.queues : transport::UsableCores();
+  for (std::size_t i = 0; i < count; ++i) {
+    Worker::Setup setup{.index = i,
+                        .unfinished_bytes_max = UnfinishedBytes(options) / count,
+                        .connection_age_max = options.connection_age_max};
+    setup.handshake_ended = [this](std::uint64_t id) {
+      acceptor->Post([this, id] { door->HandshakeEnded(id, context.clock.Steady()); });
+    };
+    setup.evict = [this](std::uint64_t id) {
+      // Whoever has it; that is rare enough to ask all.
+      for (const auto& worker : workers) worker->Evict(id);
+    };
+    workers.push_back(std::make_unique<Worker>(setup, context, gate, methods, tls, book));
+  }
+  for (const auto& worker : workers) worker->Start();
+}
+
+Worker& FrontServer::Impl::LeastLoaded() {
+  return **std::min_element(workers.begin(), workers.end(),
+                            [](const auto& a, const auto& b) { return a->load() < b->load(); });
+}
+
+void FrontServer::Impl::OpenDoor() {
+  door = std::make_unique<Door>(limits.handshakes, book, context.probe,
+                                Door::Actions{.admit =
+                                                  [this](std::uint64_t id, Visitor visitor) {
+                                                    LeastLoaded().Adopt(id, std::move(visitor));
+                                                  },
+                                              .cut =
+                                                  [this](std::uint64_t id) {
+                                                    for (const auto& worker : workers)
+                                                      worker->CutHandshake(id);
+                                                  }});
+  acceptor->Start(
+      [this](Visitor visitor) { door->Arrive(std::move(visitor), context.clock.Steady()); },
+      [this] { door->Tend(context.clock.Steady()); });
+}
+
+void FrontServer::Impl::CloseDoor() {
+  acceptor->Stop();
+  // What workers still post is not run.
+  door.reset();
+}
+
+FrontServer::FrontServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+FrontServer::~FrontServer() { Shutdown(milliseconds(0)); }
+
+std::uint16_t FrontServer::port() const { return impl_->acceptor->port(); }
+
+std::size_t FrontServer::streams() const { return impl_->gate.streams(); }
+
+bool FrontServer::draining() const { return impl_->gate.closed(); }
+
+transport::FilesLook FrontServer::RefreshFiles() {
+  if (impl_->files == nullptr) return {};
+  absl::Status status = impl_->ServeFiles();
+  return {std::move(status), impl_->files->expiry()};
+}
+
+void FrontServer::Drain(milliseconds grace) {
+  if (impl_->gate.closed()) return;
+  impl_->gate.Close();
+  impl_->CloseDoor();
+  for (const auto& worker : impl_->workers) worker->Drain(grace);
+}
+
+bool FrontServer::WaitForStreams(milliseconds wait) const { return impl_->gate.WaitEmpty(wait); }
+
+void FrontServer::Shutdown(milliseconds /*wait*/) {
+  impl_->gate.Close();
+  impl_->CloseDoor();
+  for (const auto& worker : impl_->workers) worker->Stop();
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include <absl/hash/hash.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+namespace uplink::front {
+
+/// Who shares places as one: an IPv4 address, or the /64 of an IPv6 address, since whoever has one
+/// address of a /64 usually has all of them. A value; the default one is "unknown".
+class SourceAddress final {
+ public:
+  SourceAddress() = default;
+
+  /// Of a peer. IPv4 in IPv6 (::ffff:192.0.2.1) is the same source as the IPv4 address; another
+  /// family than the two is unknown.
+  [[nodiscard]] static SourceAddress Of(const sockaddr_storage& peer);
+  [[nodiscard]] static SourceAddress Of(const in_addr& address);
+  [[nodiscard]] static SourceAddress Of(const in6_addr& address);
+
+  /// "192.0.2.1", "2001:db8:1:2::/64" or "unknown".
+  [[nodiscard]] std::string ToText() const;
+
+  friend auto operator<=>(const SourceAddress&, const SourceAddress&) = default;
+
+  template <typename State>
+  friend State AbslHashValue(State state, const SourceAddress& source) {
+    return State::combine(std::move(state), source.bytes_);
+  }
+
+ private:
+  /// IPv4 as IPv4 in IPv6; of IPv6 the first 64 bits, zeros and the prefix length, so that ::/64 is
+  /// not unknown.
+  std::array<std::uint8_t, 16> bytes_{};
+};
+
+static_assert(sizeof(SourceAddress) == 16);
+
+}  // namespace uplink::front
+
+/// Abseil's, which starts from a seed of the process: sources choose their addresses.
+template <>
+struct std::hash<uplink::front::SourceAddress> {
+  std::size_t operator()(const uplink::front::SourceAddress& source) const noexcept {
+    return absl::Hash<uplink::front::SourceAddress>{}(source);
+  }
+};

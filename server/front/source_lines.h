@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "schema/base/clock.h"
+#include "server/front/source_address.h"
+#include "server/log/logger.h"
+
+namespace uplink::front {
+
+/// Lines about what strangers do, so many per source and event, and so many in all: a noisy peer
+/// hides nobody else.
+///
+/// Limits: kLinesPerSource and kLinesMax in any kSpan; kSourcesMax sources are told apart, past
+/// which
+///         the one that was written about least recently is forgotten.
+/// Thread: thread-safe; no lock is held while a line is written.
+class SourceLines final {
+ public:
+  static constexpr std::uint32_t kLinesPerSource = 2;
+  static constexpr std::uint32_t kLinesMax = 50;
+  static constexpr std::chrono::seconds kSpan{10};
+  static constexpr std::size_t kSourcesMax = 1024;
+
+  /// Null: no lines.
+  explicit SourceLines(const log::Logger* logger) : logger_(logger) {}
+
+  /// `event` and `why` are words of ours, which outlive this.
+  void Write(std::string_view event, std::string_view why, const SourceAddress& source,
+             const std::string& peer, SteadyTime now);
+
+ private:
+  /// Lines of one span.
+  struct Window {
+    SteadyTime start{};
+    std::uint32_t lines = 0;
+    std::uint64_t suppressed = 0;
+  };
+  using Key = std::pair<SourceAddress, std::string_view>;
+  struct Entry {
+    Key key;
+    Window window;
+  };
+
+  /// Whether one more line fits; begins a new span where the last is over.
+  [[nodiscard]] static bool Take(Window& window, std::uint32_t lines_max, SteadyTime now);
+  [[nodiscard]] Window& WindowOf(const Key& key);
+
+  const log::Logger* const logger_;
+  std::mutex mutex_;
+  Window all_;
+  /// From the most recent to the least.
+  std::list<Entry> entries_;
+  std::map<Key, std::list<Entry>::iterator> by_key_;
+};
+
+}  // namespace uplink::front

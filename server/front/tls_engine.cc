@@ -1,0 +1,230 @@
+#include "server/front/tls_engine.h"
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+#include <fmt/format.h>
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+#include "schema/base/check.h"
+
+namespace uplink::front {
+namespace {
+
+TlsBuffers& BuffersOf(BIO* bio) { return *static_cast<TlsBuffers*>(BIO_get_data(bio)); }
+
+int ReadBuffers(BIO* bio, char* into, int size) {
+  BIO_clear_retry_flags(bio);
+  std::string_view& in = BuffersOf(bio).in;
+  if (in.empty()) {
+    BIO_set_retry_read(bio);
+    return -1;
+  }
+  const std::size_t taken = std::min(in.size(), static_cast<std::size_t>(size));
+  std::memcpy(into, in.data(), taken);
+  in.remove_prefix(taken);
+  return static_cast<int>(taken);
+}
+
+int WriteBuffers(BIO* bio, const char* bytes, int size) {
+  BIO_clear_retry_flags(bio);
+  BuffersOf(bio).out.append(bytes, static_cast<std::size_t>(size));
+  return size;
+}
+
+// NOLINTNEXTLINE(google-runtime-int): the library's type
+long ControlBuffers(BIO* /*bio*/, int command, long /*number*/, void* /*pointer*/) {
+  return command == BIO_CTRL_FLUSH ? 1 : 0;
+}
+
+int CreateBuffers(BIO* bio) {
+  BIO_set_init(bio, 1);
+  return 1;
+}
+
+/// Whether a chain with this flaw is still one that our authorities signed.
+bool IsTrusted(int flaw, int depth) {
+  if (flaw == X509_V_ERR_CERT_HAS_EXPIRED || flaw == X509_V_ERR_CERT_NOT_YET_VALID) return true;
+  return flaw == X509_V_ERR_INVALID_PURPOSE && depth == 0;
+}
+
+/// What is told to who shows a trusted chain with this flaw.
+absl::Status SentenceOf(int flaw) {
+  switch (flaw) {
+    case X509_V_ERR_CERT_HAS_EXPIRED:
+      return absl::UnauthenticatedError(
+          "client certificate: it, or one that signed it, has expired");
+    case X509_V_ERR_CERT_NOT_YET_VALID:
+      return absl::UnauthenticatedError(
+          "client certificate: it, or one that signed it, is not valid yet");
+    case X509_V_ERR_INVALID_PURPOSE:
+      return absl::UnauthenticatedError(
+          "client certificate: its extended key usage lacks clientAuth");
+    default:  // IsTrusted lets no other through
+      return absl::UnauthenticatedError("client certificate: it is not valid");
+  }
+}
+
+SystemTime ExpiryOf(const X509* certificate) {
+  std::tm utc{};
+  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &utc) != 1) return SystemTime{};
+  return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
+}
+
+}  // namespace
+
+BufferMethod::BufferMethod()
+    : method_(BIO_meth_new(BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "uplinkd buffers")) {
+  UPLINK_CHECK(method_ != nullptr, "out of memory");
+  BIO_meth_set_read(method_, ReadBuffers);
+  BIO_meth_set_write(method_, WriteBuffers);
+  BIO_meth_set_ctrl(method_, ControlBuffers);
+  BIO_meth_set_create(method_, CreateBuffers);
+}
+
+BufferMethod::~BufferMethod() { BIO_meth_free(method_); }
+
+TlsEngine::TlsEngine(std::shared_ptr<const TlsContext> context, const BufferMethod& method,
+                     TlsBuffers& buffers)
+    : context_(std::move(context)), buffers_(buffers), ssl_(SSL_new(context_->get())) {
+  BIO* bio = BIO_new(method.get());
+  UPLINK_CHECK(ssl_ != nullptr && bio != nullptr, "out of memory");
+  BIO_set_data(bio, &buffers_);
+  SSL_set_bio(ssl_, bio, bio);
+  SSL_set_app_data(ssl_, this);
+  SSL_set_accept_state(ssl_);
+}
+
+TlsEngine::~TlsEngine() { SSL_free(ssl_); }
+
+int TlsEngine::OnVerified(int good, X509_STORE_CTX* store) {
+  if (good == 1) return 1;
+  const int flaw = X509_STORE_CTX_get_error(store);
+  if (!IsTrusted(flaw, X509_STORE_CTX_get_error_depth(store))) return 0;
+  const auto* ssl = static_cast<const SSL*>(
+      X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
+  auto* engine = static_cast<TlsEngine*>(SSL_get_app_data(ssl));
+  if (engine->flaw_ == 0) engine->flaw_ = flaw;
+  return 1;
+}
+
+TlsEngine::Step TlsEngine::Handshake() {
+  ERR_clear_error();
+  const int result = SSL_do_handshake(ssl_);
+  if (result != 1) {
+    if (SSL_get_error(ssl_, result) == SSL_ERROR_WANT_READ) return Step::kMore;
+    NoteFailure();
+    return Step::kFailed;
+  }
+  const unsigned char* protocol = nullptr;
+  unsigned int size = 0;
+  SSL_get0_alpn_selected(ssl_, &protocol, &size);
+  if (size == 0) {
+    // It offered none at all; one that is not ours has failed before.
+    failure_ = Failure::kNothingShared;
+    return Step::kFailed;
+  }
+  return Step::kDone;
+}
+
+void TlsEngine::NoteFailure() {
+  const unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
+  ERR_clear_error();
+  switch (ERR_GET_REASON(error)) {
+    case SSL_R_WRONG_VERSION_NUMBER:
+    case SSL_R_HTTP_REQUEST:
+    case SSL_R_HTTPS_PROXY_REQUEST:
+    case SSL_R_PACKET_LENGTH_TOO_LONG:
+    case SSL_R_BAD_RECORD_TYPE:
+      failure_ = Failure::kNoTls;
+      return;
+    case SSL_R_UNSUPPORTED_PROTOCOL:
+    case SSL_R_NO_SHARED_CIPHER:
+    case SSL_R_NO_APPLICATION_PROTOCOL:
+    case SSL_R_NO_SUITABLE_KEY_SHARE:
+    case SSL_R_NO_SHARED_SIGNATURE_ALGORITHMS:
+      failure_ = Failure::kNothingShared;
+      return;
+    case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
+      failure_ = Failure::kNoCertificate;
+      return;
+    case SSL_R_CERTIFICATE_VERIFY_FAILED:
+      failure_ = Failure::kUntrusted;
+      return;
+    default:  // the library has hundreds
+      failure_ = Failure::kOther;
+  }
+}
+
+TlsPeer TlsEngine::Peer() const {
+  X509* certificate = SSL_get0_peer_certificate(ssl_);
+  TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),
+               .expiry = SystemTime{}};
+  if (certificate == nullptr) return peer;
+  unsigned int size = 0;
+  X509_pubkey_digest(certificate, EVP_sha256(), peer.key.data(), &size);
+  peer.expiry = ExpiryOf(certificate);
+  const STACK_OF(X509)* chain = SSL_get0_verified_chain(ssl_);
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
+  }
+  peer.identity = flaw_ == 0 ? identity::PeerReader::IdentityOf(*certificate) : SentenceOf(flaw_);
+  ERR_clear_error();
+  return peer;
+}
+
+std::optional<std::string_view> TlsEngine::Read() {
+  if (over_) return std::nullopt;
+  const int size = static_cast<int>(buffers_.plain.size());
+  const int result = SSL_read(ssl_, buffers_.plain.data(), size);
+  if (result > 0) {
+    return std::string_view(buffers_.plain.data(), static_cast<std::size_t>(result));
+  }
+  over_ = SSL_get_error(ssl_, result) != SSL_ERROR_WANT_READ;
+  if (over_) ERR_clear_error();
+  return std::nullopt;
+}
+
+bool TlsEngine::Write(std::string_view plain) {
+  while (!plain.empty()) {
+    const int size = static_cast<int>(std::min(plain.size(), kRecordBytes));
+    const int written = SSL_write(ssl_, plain.data(), size);
+    if (written <= 0) {
+      ERR_clear_error();
+      return false;
+    }
+    plain.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+void TlsEngine::WriteEnd() {
+  SSL_shutdown(ssl_);
+  ERR_clear_error();
+}
+
+std::string_view ToText(TlsEngine::Failure failure) {
+  switch (failure) {
+    case TlsEngine::Failure::kNone:
+      return "none";
+    case TlsEngine::Failure::kNoTls:
+      return "no_tls";
+    case TlsEngine::Failure::kNothingShared:
+      return "nothing_shared";
+    case TlsEngine::Failure::kNoCertificate:
+      return "no_certificate";
+    case TlsEngine::Failure::kUntrusted:
+      return "untrusted";
+    case TlsEngine::Failure::kOther:
+      return "other";
+  }
+  return "";
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/statusor.h>
+#include <openssl/bio.h>
+#include <openssl/types.h>
+
+#include "schema/base/clock.h"
+#include "server/front/tls_context.h"
+#include "server/identity/peer_identity.h"
+
+namespace uplink::front {
+
+/// Bytes of the largest TLS record's content.
+inline constexpr std::size_t kRecordBytes = 16 * 1024;
+
+/// What the connections of a thread encrypt and decrypt through, one after the other.
+struct TlsBuffers {
+  /// Ciphertext that has arrived and was not processed.
+  std::string_view in;
+  /// Ciphertext that is to go out.
+  std::string out;
+  std::array<char, kRecordBytes> plain;
+};
+
+/// OpenSSL's way to TlsBuffers; one for all engines of a thread, and their context.
+class BufferMethod final {
+ public:
+  BufferMethod();
+  ~BufferMethod();
+  BufferMethod(const BufferMethod&) = delete;
+  BufferMethod& operator=(const BufferMethod&) = delete;
+  [[nodiscard]] BIO_METHOD* get() const { return method_; }
+
+ private:
+  BIO_METHOD* const method_;
+};
+
+/// Whom a finished handshake has shown. A value.
+struct TlsPeer {
+  /// Not OK: what the certificate lacks; whoever shows it is told, and not served.
+  absl::StatusOr<identity::PeerIdentity> identity;
+  /// SHA-256 of its public key.
+  std::array<std::uint8_t, 32> key{};
+  /// When the first certificate of its chain expires.
+  SystemTime expiry;
+
+  /// Spreads what robots with different keys do, evenly.
+  [[nodiscard]] std::uint16_t jitter() const {
+    return static_cast<std::uint16_t>(key[0] * 256 + key[1]);
+  }
+};
+
+/// The TLS of one connection, without its socket: bytes in, bytes out, by the thread's buffers.
+///
+/// Thread: confined to that of the buffers.
+class TlsEngine final {
+ public:
+  enum class Step : std::uint8_t {
+    /// Waits for more bytes.
+    kMore,
+    kDone,
+    /// An alert may wait in `out`.
+    kFailed,
+  };
+  enum class Failure : std::uint8_t {
+    kNone,
+    /// It speaks no TLS.
+    kNoTls,
+    /// It offers no version, no suite or no protocol that we take.
+    kNothingShared,
+    kNoCertificate,
+    /// No authority of ours signed its certificate.
+    kUntrusted,
+    kOther,
+  };
+
+  TlsEngine(std::shared_ptr<const TlsContext> context, const BufferMethod& method,
+            TlsBuffers& buffers);
+  ~TlsEngine();
+  TlsEngine(const TlsEngine&) = delete;
+  TlsEngine& operator=(const TlsEngine&) = delete;
+
+  /// Goes on with the handshake by what is in `in`.
+  [[nodiscard]] Step Handshake();
+  /// Why it failed.
+  [[nodiscard]] Failure failure() const { return failure_; }
+  /// Who is there; after the handshake.
+  [[nodiscard]] TlsPeer Peer() const;
+
+  /// The next piece of what the peer said; nothing if more bytes are needed, or it is over.
+  [[nodiscard]] std::optional<std::string_view> Read();
+  /// The peer said that nothing follows, or broke the rules.
+  [[nodiscard]] bool over() const { return over_; }
+  /// Encrypts into `out`; false if the connection is broken.
+  [[nodiscard]] bool Write(std::string_view plain);
+  /// Says that nothing follows.
+  void WriteEnd();
+
+  /// OpenSSL asks what we think of a certificate of a peer's chain.
+  static int OnVerified(int good, X509_STORE_CTX* store);
+
+ private:
+  void NoteFailure();
+
+  const std::shared_ptr<const TlsContext> context_;
+  TlsBuffers& buffers_;
+  SSL* ssl_;
+  Failure failure_ = Failure::kNone;
+  /// What a trusted chain lacks: X509_V_ERR_..., and 0 for nothing.
+  int flaw_ = 0;
+  bool over_ = false;
+};
+
+/// As a label and in logs.
+[[nodiscard]] std::string_view ToText(TlsEngine::Failure failure);
+
+}  // namespace uplink::front

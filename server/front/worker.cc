@@ -1,0 +1,206 @@
+#include "server/front/worker.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/post.hpp>
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include "server/transport/drain.h"
+
+namespace uplink::front {
+
+namespace asio = boost::asio;
+
+Worker::Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
+               const Methods& methods, const ServedContext& tls, DoorBook& book)
+    : setup_(setup),
+      tls_(tls),
+      thread_state_(relay, gate, methods, *this, book, setup.unfinished_bytes_max),
+      // Its sockets are used by its own thread alone; others post.
+      context_(BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO),
+      work_(context_.get_executor()),
+      timer_(context_) {}
+
+Worker::~Worker() { Stop(); }
+
+void Worker::Start() {
+  thread_ = std::jthread([this] { Run(); });
+}
+
+void Worker::Run() {
+  const std::string name = fmt::format("relay-{}", setup_.index);
+  ::pthread_setname_np(::pthread_self(), name.c_str());
+  while (context_.run_one() > 0) {
+    SetTimer();
+  }
+}
+
+template <typename Work>
+void Worker::Post(Work work) {
+  asio::post(context_, [this, work = std::move(work)]() mutable {
+    thread_state_.clock.Advance();
+    work();
+  });
+}
+
+void Worker::Adopt(std::uint64_t id, Visitor visitor) {
+  load_.fetch_add(1, std::memory_order_relaxed);
+  Post([this, id, visitor = std::move(visitor)]() mutable { Begin(id, std::move(visitor)); });
+}
+
+void Worker::Begin(std::uint64_t id, Visitor visitor) {
+  auto& connection = connections_[id];
+  connection =
+      std::make_unique<Connection>(thread_state_, context_, *this,
+                                   Connection::Setup{.id = id,
+                                                     .descriptor = visitor.descriptor,
+                                                     .origin = std::move(visitor.origin),
+                                                     .tls = tls_.get(),
+                                                     .age_max = setup_.connection_age_max});
+  if (ending_) return connection->Shutdown();
+  connection->Start();
+}
+
+void Worker::CutHandshake(std::uint64_t id) {
+  Post([this, id] {
+    if (const auto found = connections_.find(id); found != connections_.end()) {
+      found->second->CutHandshake();
+    }
+  });
+}
+
+void Worker::Evict(std::uint64_t id) {
+  Post([this, id] {
+    if (const auto found = connections_.find(id); found != connections_.end()) {
+      found->second->Evict();
+    }
+  });
+}
+
+// --- Wakes ---
+
+void Worker::Wake(std::uint64_t call) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopped_) return;
+    wakes_.insert(call);
+    if (std::exchange(wake_posted_, true)) return;
+  }
+  Post([this] { EmptyInbox(); });
+}
+
+void Worker::EmptyInbox() {
+  std::unordered_set<std::uint64_t> wakes;
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(wakes, wakes_);
+    wake_posted_ = false;
+  }
+  thread_state_.relay.probe.wakes_total.Add();
+  for (const std::uint64_t id : wakes) {
+    const auto found = thread_state_.calls.find(id);
+    if (found == thread_state_.calls.end()) continue;
+    CallOwner& owner = found->second->owner();
+    found->second->OnWake();
+    owner.Settle();
+  }
+}
+
+// --- Timers ---
+
+void Worker::SetTimer() {
+  const std::optional<SteadyTime> calls = thread_state_.call_timers.next();
+  const std::optional<SteadyTime> connections = thread_state_.connection_timers.next();
+  std::optional<SteadyTime> next = calls;
+  if (!next || (connections && *connections < *next)) next = connections;
+  if (next == timer_at_) return;
+  timer_at_ = next;
+  if (!next) {
+    timer_.cancel();
+    return;
+  }
+  // Our clock is not Asio's, so only the distance counts.
+  const SteadyTime now = thread_state_.clock.Steady();
+  timer_.expires_after(std::max(*next - now, SteadyTime::duration(0)));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    thread_state_.clock.Advance();
+    RunTimers();
+  });
+}
+
+void Worker::RunTimers() {
+  timer_at_.reset();
+  const SteadyTime now = thread_state_.clock.Steady();
+  while (const std::optional<std::uint64_t> id = thread_state_.call_timers.PopDue(now)) {
+    // An entry is taken out when its call goes, so the call is there.
+    Call& call = *thread_state_.calls.at(*id);
+    CallOwner& owner = call.owner();
+    call.OnTimer();
+    owner.Settle();
+  }
+  while (const std::optional<std::uint64_t> id = thread_state_.connection_timers.PopDue(now)) {
+    connections_.at(*id)->OnTimer();
+  }
+}
+
+// --- The end of connections ---
+
+void Worker::OnHandshakeEnded(Connection& connection) { setup_.handshake_ended(connection.id()); }
+
+void Worker::OnEvicted(std::uint64_t connection) { setup_.evict(connection); }
+
+void Worker::OnClosed(Connection& connection) {
+  closed_.insert(connection.id());
+  if (std::exchange(reaping_, true)) return;
+  Post([this] { Reap(); });
+}
+
+void Worker::Reap() {
+  reaping_ = false;
+  std::erase_if(closed_, [this](std::uint64_t id) {
+    const auto found = connections_.find(id);
+    if (!found->second->quiet()) return false;
+    connections_.erase(found);
+    load_.fetch_sub(1, std::memory_order_relaxed);
+    return true;
+  });
+  if (ending_ && connections_.empty()) work_.reset();
+}
+
+void Worker::Drain(milliseconds grace) {
+  Post([this, grace] { BeginDrain(grace); });
+}
+
+void Worker::BeginDrain(milliseconds grace) {
+  const SteadyTime now = thread_state_.clock.Steady();
+  std::vector<Connection*> connections;
+  connections.reserve(connections_.size());
+  for (const auto& [id, connection] : connections_) connections.push_back(connection.get());
+  const transport::DrainSpread spread(connections.size(), now, grace);
+  for (std::size_t i = 0; i < connections.size(); ++i) {
+    connections[i]->DrainAt(spread.At(i), now + grace);
+  }
+}
+
+void Worker::Stop() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  Post([this] { EndAll(); });
+  thread_.join();
+}
+
+void Worker::EndAll() {
+  ending_ = true;
+  for (const auto& [id, connection] : connections_) connection->Shutdown();
+  if (connections_.empty()) work_.reset();
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "server/front/connection.h"
+#include "server/front/door.h"
+#include "server/front/thread.h"
+#include "server/robot/wake.h"
+
+namespace uplink::front {
+
+/// One Asio context and its thread, the connections that stay on it with their calls, their timers,
+/// and the inbox through which other threads wake them.
+///
+/// Order:  Start; Stop, which ends all connections. Wakes do nothing afterwards.
+/// Thread: Adopt, CutHandshake, Evict, Drain, Wake, load: any; Start, Stop: main; the rest: its
+/// own.
+class Worker final : public robot::WakeInbox, public ConnectionOwner {
+ public:
+  struct Setup {
+    std::size_t index = 0;
+    std::size_t unfinished_bytes_max = 0;
+    milliseconds connection_age_max{0};
+    /// On this thread: a handshake is over; a connection of any thread has to go.
+    std::function<void(std::uint64_t)> handshake_ended;
+    std::function<void(std::uint64_t)> evict;
+  };
+
+  Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
+         const Methods& methods, const ServedContext& tls, DoorBook& book);
+  ~Worker() override;
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void Start();
+  /// Takes over a connection, by the door's number.
+  void Adopt(std::uint64_t id, Visitor visitor);
+  /// The handshake gives way; the connection is one too many of its certificate: nothing if it is
+  /// not here, or no more.
+  void CutHandshake(std::uint64_t id);
+  void Evict(std::uint64_t id);
+  void Wake(std::uint64_t call) override;
+  /// Tells every stream to drain, one after the other, over a part of the grace.
+  void Drain(milliseconds grace);
+  /// Ends all connections and the thread. Blocks. Idempotent.
+  void Stop();
+  /// Connections that it has or was given.
+  [[nodiscard]] std::size_t load() const { return load_.load(std::memory_order_relaxed); }
+
+  // ConnectionOwner
+  void OnHandshakeEnded(Connection& connection) override;
+  void OnEvicted(std::uint64_t connection) override;
+  void OnClosed(Connection& connection) override;
+
+ private:
+  void Run();
+  void Begin(std::uint64_t id, Visitor visitor);
+  void EmptyInbox();
+  void BeginDrain(milliseconds grace);
+  void EndAll();
+  /// Destroys what is closed and quiet.
+  void Reap();
+  /// Has the timers run when the next is due.
+  void SetTimer();
+  void RunTimers();
+  template <typename Work>
+  void Post(Work work);
+
+  const Setup setup_;
+  const ServedContext& tls_;
+  Thread thread_state_;
+  std::unordered_map<std::uint64_t, std::unique_ptr<Connection>> connections_;
+  /// Closed ones that wait for the system's last word.
+  std::unordered_set<std::uint64_t> closed_;
+  bool reaping_ = false;
+  bool ending_ = false;
+  std::atomic<std::size_t> load_{0};
+
+  std::mutex mutex_;
+  /// Calls to wake; each once, so at most as many as there are.
+  std::unordered_set<std::uint64_t> wakes_;
+  bool wake_posted_ = false;
+  bool stopped_ = false;
+
+  boost::asio::io_context context_;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+  boost::asio::steady_timer timer_;
+  std::optional<SteadyTime> timer_at_;
+  std::jthread thread_;
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace uplink::transport {
+
+/// Why a connection was ended before it had a stream, or for what its peer did to us. Closed.
+enum class TurnedAway : std::uint8_t {
+  /// No place for one more connection that has shown its certificate.
+  kFull,
+  /// Too many waited for their handshake.
+  kCrowded,
+  /// Its handshake took long while others waited, and its source had the most.
+  kGaveWay,
+  /// The peer did not go on with the handshake.
+  kHandshakeTimeout,
+  /// It speaks no TLS.
+  kNoTls,
+  /// It offers no version, no suite or no protocol that we take.
+  kNothingShared,
+  kNoCertificate,
+  /// No authority of ours signed its certificate.
+  kUntrusted,
+  kHandshakeError,
+  /// Its certificate has more connections than it may.
+  kKey,
+  /// It opened no stream.
+  kNoStream,
+  /// Bytes that are no HTTP/2.
+  kProtocol,
+  kPings,
+  kResets,
+  kSettings,
+  kEmptyData,
+  kPriorities,
+  kWindowUpdates,
+  kUnknownFrames,
+  kHeaders,
+  /// It came through a load balancer, without the header that says from where.
+  kProxyHeader,
+};
+
+/// As metric labels and in logs.
+inline constexpr std::array<std::string_view, 21> kTurnedAwayTexts = {"full",
+                                                                      "crowded",
+                                                                      "gave_way",
+                                                                      "handshake_timeout",
+                                                                      "no_tls",
+                                                                      "nothing_shared",
+                                                                      "no_certificate",
+                                                                      "untrusted",
+                                                                      "handshake_error",
+                                                                      "key",
+                                                                      "no_stream",
+                                                                      "protocol",
+                                                                      "pings",
+                                                                      "resets",
+                                                                      "settings",
+                                                                      "empty_data",
+                                                                      "priorities",
+                                                                      "window_updates",
+                                                                      "unknown_frames",
+                                                                      "headers",
+                                                                      "proxy_header"};
+static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kProxyHeader) + 1);
+
+}  // namespace uplink::transport

@@ -1,0 +1,137 @@
+#include "server/front/door.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace uplink::front {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using transport::TurnedAway;
+
+SourceAddress SourceOf(std::uint32_t number) {
+  in_addr address{};
+  address.s_addr = htonl(0xC0000200U + number);
+  return SourceAddress::Of(address);
+}
+
+class DoorTest : public ::testing::Test {
+ protected:
+  /// A connection of this source; its number is that of its arrival, from 1.
+  void Arrive(std::uint32_t source) {
+    const int descriptor = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    door_.Arrive({descriptor, {SourceOf(source), "peer"}}, now_);
+  }
+  [[nodiscard]] std::int64_t TurnedAwayFor(TurnedAway cause) const {
+    return probe_.turned_away_total[static_cast<std::size_t>(cause)].value();
+  }
+
+  SteadyTime now_{};
+  transport::RelayProbe probe_;
+  DoorBook book_{10, probe_, nullptr};
+  std::vector<std::uint64_t> admitted_;
+  std::vector<std::uint64_t> cut_;
+  Door door_{{.under_way_max = 2, .waiting_max = 3},
+             book_,
+             probe_,
+             {.admit =
+                  [this](std::uint64_t id, const Visitor& visitor) {
+                    admitted_.push_back(id);
+                    ::close(visitor.descriptor);
+                  },
+              .cut = [this](std::uint64_t id) { cut_.push_back(id); }}};
+};
+
+TEST_F(DoorTest, AdmitsAsManyAsThereArePlacesAndLetsOthersWait) {
+  for (int i = 0; i < 4; ++i) Arrive(1);
+  EXPECT_THAT(admitted_, ElementsAre(1, 2));
+  EXPECT_EQ(door_.waiting(), 2U);
+  EXPECT_TRUE(book_.pressed());
+  EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
+  EXPECT_EQ(probe_.handshakes_waiting.value(), 2);
+}
+
+TEST_F(DoorTest, TheNextComesInWhenAHandshakeEnds) {
+  for (int i = 0; i < 3; ++i) Arrive(1);
+  door_.HandshakeEnded(1, now_);
+  EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
+  EXPECT_FALSE(book_.pressed());
+  door_.HandshakeEnded(1, now_);  // told twice
+  EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
+}
+
+TEST_F(DoorTest, PastWhatMayWaitTheGreediestSourceIsTurnedAway) {
+  for (int i = 0; i < 5; ++i) Arrive(1);
+  Arrive(2);
+  EXPECT_EQ(TurnedAwayFor(TurnedAway::kCrowded), 1);
+  EXPECT_EQ(door_.waiting(), 3U);
+  door_.HandshakeEnded(1, now_);
+  EXPECT_EQ(admitted_.back(), 6U) << "the other source is next";
+}
+
+TEST_F(DoorTest, AHandshakeThatLastsGivesWayToAnotherSource) {
+  Arrive(1);
+  Arrive(1);
+  Arrive(2);
+  door_.Tend(now_ + milliseconds(999));
+  EXPECT_THAT(cut_, IsEmpty()) << "it has only just begun";
+  door_.Tend(now_ + milliseconds(1000));
+  EXPECT_THAT(cut_, ElementsAre(1));
+  EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
+}
+
+TEST_F(DoorTest, ASourceThatWaitsForItselfCutsNobody) {
+  for (int i = 0; i < 5; ++i) Arrive(1);
+  door_.Tend(now_ + std::chrono::seconds(60));
+  EXPECT_THAT(cut_, IsEmpty());
+}
+
+TEST_F(DoorTest, SourcesOfRobotsComeFirst) {
+  book_.known().Note(SourceOf(7), now_);
+  for (int i = 0; i < 4; ++i) Arrive(1);
+  Arrive(7);
+  door_.HandshakeEnded(1, now_);
+  EXPECT_EQ(admitted_.back(), 5U);
+}
+
+TEST(DoorBook, PlacesAreBounded) {
+  transport::RelayProbe probe;
+  DoorBook book(2, probe, nullptr);
+  EXPECT_TRUE(book.Enter());
+  EXPECT_TRUE(book.Enter());
+  EXPECT_FALSE(book.Enter());
+  book.Leave();
+  EXPECT_TRUE(book.Enter());
+  EXPECT_EQ(probe.connections.value(), 2);
+}
+
+TEST(DoorLimits, LeaveAReserveAndNeverShareWithStrangers) {
+  for (const std::size_t descriptors : {64U, 256U, 1024U, 20'000U, 1'000'000U}) {
+    const DoorLimits limits = DoorLimitsFor(40'000, descriptors);
+    const std::size_t unproven = limits.handshakes.under_way_max + limits.handshakes.waiting_max;
+    EXPECT_LE(limits.connections_max + unproven + std::min<std::size_t>(256, descriptors / 4),
+              descriptors)
+        << descriptors;
+    EXPECT_GE(limits.connections_max, 1U);
+    EXPECT_GE(limits.handshakes.under_way_max, 1U);
+    EXPECT_GE(limits.handshakes.waiting_max, 1U);
+  }
+  EXPECT_EQ(DoorLimitsFor(40'000, 1'000'000).connections_max, 41'024U);
+}
+
+TEST(DoorLimits, HoldWithHardlyAnyDescriptors) {
+  const DoorLimits limits = DoorLimitsFor(40'000, 1);
+  EXPECT_GE(limits.connections_max, 1U);
+  EXPECT_GE(limits.handshakes.under_way_max, 1U);
+  EXPECT_GE(limits.handshakes.waiting_max, 1U);
+}
+
+}  // namespace
+}  // namespace uplink::front

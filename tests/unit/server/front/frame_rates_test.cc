@@ -1,0 +1,91 @@
+#include "server/front/frame_rates.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace uplink::front {
+namespace {
+
+constexpr SteadyTime kNow{std::chrono::hours(1)};
+constexpr std::chrono::seconds kSecond{1};
+
+/// How many of so many frames that come at once are within the limit.
+std::uint32_t TakeAtOnce(FrameRates& rates, FrameKind kind, std::uint32_t frames, SteadyTime now) {
+  std::uint32_t taken = 0;
+  for (std::uint32_t i = 0; i < frames; ++i) {
+    if (rates.Take(kind, now)) ++taken;
+  }
+  return taken;
+}
+
+class FrameRatesOfAKind : public ::testing::TestWithParam<FrameLimit> {};
+
+INSTANTIATE_TEST_SUITE_P(All, FrameRatesOfAKind, ::testing::ValuesIn(kFrameLimits),
+                         [](const auto& each) { return std::string(each.param.label); });
+
+TEST_P(FrameRatesOfAKind, TakesABurstAndNoMore) {
+  FrameRates rates;
+  const auto& [kind, rate, burst, label] = GetParam();
+  EXPECT_EQ(TakeAtOnce(rates, kind, burst, kNow), burst);
+  EXPECT_FALSE(rates.Take(kind, kNow));
+}
+
+TEST_P(FrameRatesOfAKind, TakesTheNextOneAfterItsInterval) {
+  FrameRates rates;
+  const auto& [kind, rate, burst, label] = GetParam();
+  TakeAtOnce(rates, kind, burst, kNow);
+  const SteadyTime next = kNow + SteadyTime::duration(kSecond) / rate;
+  EXPECT_FALSE(rates.Take(kind, next - SteadyTime::duration(1)));
+  EXPECT_TRUE(rates.Take(kind, next));
+  EXPECT_FALSE(rates.Take(kind, next));
+}
+
+TEST_P(FrameRatesOfAKind, TakesItsRateForEver) {
+  FrameRates rates;
+  const auto& [kind, rate, burst, label] = GetParam();
+  const auto interval = SteadyTime::duration(kSecond) / rate;
+  for (std::uint32_t i = 0; i < 3 * burst; ++i) {
+    ASSERT_TRUE(rates.Take(kind, kNow + interval * i)) << i;
+  }
+  EXPECT_EQ(TakeAtOnce(rates, kind, burst, kNow + interval * (3 * burst)), burst);
+}
+
+TEST_P(FrameRatesOfAKind, APauseGivesNoMoreThanABurst) {
+  FrameRates rates;
+  const auto& [kind, rate, burst, label] = GetParam();
+  TakeAtOnce(rates, kind, burst, kNow);
+  EXPECT_EQ(TakeAtOnce(rates, kind, 2 * burst, kNow + std::chrono::hours(24)), burst);
+}
+
+TEST(FrameRates, OneThatIsPastTheLimitCostsNothing) {
+  FrameRates rates;
+  TakeAtOnce(rates, FrameKind::kReset, 100'000, kNow);
+  EXPECT_EQ(TakeAtOnce(rates, FrameKind::kReset, 100, kNow + kSecond), 20U);
+}
+
+TEST(FrameRates, KindsDoNotShareALimit) {
+  FrameRates rates;
+  TakeAtOnce(rates, FrameKind::kSettings, 100, kNow);
+  EXPECT_FALSE(rates.Take(FrameKind::kSettings, kNow));
+  for (const FrameLimit& limit : kFrameLimits) {
+    if (limit.kind != FrameKind::kSettings) {
+      EXPECT_TRUE(rates.Take(limit.kind, kNow)) << limit.label;
+    }
+  }
+}
+
+TEST(FrameRates, HoldsFromTheFirstMomentOfTheClock) {
+  FrameRates rates;
+  EXPECT_EQ(TakeAtOnce(rates, FrameKind::kSettings, 100, SteadyTime()), 20U);
+}
+
+TEST(FrameRates, EachKindHasALabelOfItsOwn) {
+  std::set<std::string_view> labels;
+  for (const FrameLimit& limit : kFrameLimits) labels.insert(limit.label);
+  EXPECT_EQ(labels.size(), kFrameKinds);
+  EXPECT_EQ(LimitOf(FrameKind::kEmptyData).label, "empty_data");
+}
+
+}  // namespace
+}  // namespace uplink::front

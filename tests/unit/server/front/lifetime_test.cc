@@ -1,0 +1,115 @@
+#include "server/front/lifetime.h"
+
+#include <gtest/gtest.h>
+
+#include "server/front/limits.h"
+
+namespace uplink::front {
+namespace {
+
+using Due = Lifetime::Due;
+
+constexpr SteadyTime kStart{std::chrono::hours(1)};
+constexpr milliseconds kYear = std::chrono::hours(24 * 365);
+constexpr milliseconds kHour = std::chrono::hours(1);
+
+class LifetimeTest : public ::testing::Test {
+ protected:
+  void Open(milliseconds age, milliseconds until_expiry, std::uint16_t jitter = 0) {
+    lifetime_.Open(kStart, age, until_expiry, jitter);
+    lifetime_.SetCalls(1, kStart);
+  }
+  /// The peer was heard just before.
+  Due HeardAndDueAt(milliseconds at) {
+    lifetime_.Heard(kStart + at);
+    return lifetime_.Take(kStart + at, false);
+  }
+  Due DueAt(milliseconds at) { return lifetime_.Take(kStart + at, false); }
+
+  Lifetime lifetime_;
+};
+
+TEST_F(LifetimeTest, SilenceIsAskedAboutAndThenTheEnd) {
+  Open(milliseconds(0), kYear);
+  EXPECT_EQ(DueAt(kKeepaliveAfter - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(DueAt(kKeepaliveAfter), Due::kPing);
+  EXPECT_EQ(DueAt(kKeepaliveAfter + milliseconds(1)), Due::kNothing) << "asked once";
+  EXPECT_EQ(DueAt(kKeepaliveAfter + kKeepaliveWait), Due::kSilent);
+}
+
+TEST_F(LifetimeTest, AnyByteIsAnAnswer) {
+  Open(milliseconds(0), kYear);
+  EXPECT_EQ(DueAt(kKeepaliveAfter), Due::kPing);
+  lifetime_.Heard(kStart + kKeepaliveAfter + milliseconds(1));
+  EXPECT_EQ(DueAt(kKeepaliveAfter + kKeepaliveWait), Due::kNothing);
+}
+
+TEST_F(LifetimeTest, AgeEndsItOnce) {
+  Open(kHour, kYear);
+  EXPECT_EQ(HeardAndDueAt(kHour - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kHour), Due::kAge);
+  EXPECT_EQ(HeardAndDueAt(kHour), Due::kNothing);
+}
+
+TEST_F(LifetimeTest, JitterTakesATenthAtMost) {
+  Open(kHour, kYear, 65'535);
+  EXPECT_EQ(HeardAndDueAt(kHour * 9 / 10 - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kHour * 9 / 10 + milliseconds(200)), Due::kAge);
+}
+
+TEST_F(LifetimeTest, ItEndsTenMinutesBeforeItsCertificate) {
+  Open(kHour * 24, kHour);
+  EXPECT_EQ(HeardAndDueAt(kHour - kBeforeExpiry - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kHour - kBeforeExpiry), Due::kAge);
+}
+
+TEST_F(LifetimeTest, WithLessLeftItStaysUntilTheExpiry) {
+  Open(milliseconds(0), kBeforeExpiry);
+  EXPECT_EQ(HeardAndDueAt(kBeforeExpiry - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kBeforeExpiry), Due::kAge);
+}
+
+TEST_F(LifetimeTest, AnAgeOfZeroIsNone) {
+  Open(milliseconds(0), kYear);
+  EXPECT_EQ(HeardAndDueAt(kHour * 24 * 30), Due::kNothing);
+}
+
+TEST_F(LifetimeTest, TheTimeToSettleEnds) {
+  Open(milliseconds(0), kYear);
+  lifetime_.EndBy(kStart + milliseconds(500));
+  EXPECT_EQ(DueAt(milliseconds(499)), Due::kNothing);
+  EXPECT_EQ(DueAt(milliseconds(500)), Due::kOver);
+}
+
+TEST_F(LifetimeTest, WithoutACallItIsIdle) {
+  Open(milliseconds(0), kYear);
+  lifetime_.SetCalls(0, kStart + milliseconds(10));
+  EXPECT_EQ(HeardAndDueAt(milliseconds(9) + kIdleWait), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(milliseconds(10) + kIdleWait), Due::kIdle);
+  lifetime_.SetCalls(1, kStart + milliseconds(11) + kIdleWait);
+  EXPECT_EQ(HeardAndDueAt(milliseconds(12) + kIdleWait), Due::kNothing);
+}
+
+TEST_F(LifetimeTest, WhoNeverOpensAStreamGoesSoonerWhileOthersWait) {
+  lifetime_.Open(kStart, milliseconds(0), kYear, 0);
+  EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWaitPressed - milliseconds(1), true),
+            Due::kNothing);
+  EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWaitPressed, false), Due::kNothing);
+  EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWaitPressed, true), Due::kNoCall);
+  EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWait - milliseconds(1), false), Due::kNothing);
+  EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWait, false), Due::kNoCall);
+}
+
+TEST_F(LifetimeTest, NextIsNeverBehindWhatIsDue) {
+  lifetime_.Open(kStart, kHour, kYear, 0);
+  EXPECT_EQ(lifetime_.next(kStart), kStart + kFirstStreamWaitPressed);
+  EXPECT_EQ(lifetime_.next(kStart + kFirstStreamWaitPressed),
+            kStart + kFirstStreamWaitPressed + kLookAgain);
+  lifetime_.SetCalls(1, kStart);
+  EXPECT_EQ(lifetime_.next(kStart), kStart + kKeepaliveAfter);
+  lifetime_.EndBy(kStart + milliseconds(7));
+  EXPECT_EQ(lifetime_.next(kStart), kStart + milliseconds(7));
+}
+
+}  // namespace
+}  // namespace uplink::front
