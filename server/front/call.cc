@@ -12,6 +12,7 @@
 #include "server/front/limits.h"
 #include "server/front/thread.h"
 #include "server/session/limits.h"
+#include "server/transport/refusals.h"
 
 namespace uplink::front {
 Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
@@ -23,6 +24,8 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
       head_(std::make_unique<RequestHead>()),
       response_(http2, stream) {
   thread_.calls.emplace(id_, this);
+  // Headers that trickle in, and never end, keep a place no longer than silence does.
+  give_up_at_ = thread_.clock.Steady() + kFirstStreamWait;
 }
 
 Call::~Call() {
@@ -38,7 +41,9 @@ bool Call::OnHeader(std::string_view name, std::string_view value) {
 }
 
 void Call::OnHeadersEnd() {
+  if (cancelled_) return;
   const std::unique_ptr<RequestHead> head = std::move(head_);
+  give_up_at_.reset();
   if (const std::optional<int> http_status = head->NotGrpc()) {
     over_ = true;
     response_.FinishHttp(*http_status);
@@ -63,7 +68,9 @@ void Call::Serve(const RequestHead& head) {
   auto handler = method->second.serve(*this);
   if (!handler.ok()) return Finish(handler.status());
   handler_ = *std::move(handler);
-  if (head.timeout()) give_up_at_ = thread_.clock.Steady() + *head.timeout();
+  if (head.timeout()) {
+    give_up_at_ = thread_.clock.Steady() + std::min<milliseconds>(*head.timeout(), kFarAway);
+  }
   handler_->Start();
 }
 
@@ -137,7 +144,9 @@ void Call::Consume(std::size_t taken) {
 void Call::ConsumeUnfinished() {
   const std::optional<std::size_t> whole =
       serving() && wants_message_ ? reader_.unfinished() : std::nullopt;
-  if (whole && *whole > static_cast<std::size_t>(kStreamWindowBytes)) {
+  // nghttp2 tells the peer of a window once half of it was given back: as much as that half may be
+  // missing from what a message can count on.
+  if (whole && *whole > static_cast<std::size_t>(kStreamWindowBytes) / 2) {
     // All that waits belongs to it.
     const std::size_t waiting = reader_.waiting();
     http2_.ConsumeStream(stream_, waiting - consumed_early_);
@@ -145,7 +154,7 @@ void Call::ConsumeUnfinished() {
   }
   if (!whole && !unfinished_) return;
   unfinished_ = whole.has_value();
-  thread_.unfinished.Set(id_, whole ? reader_.waiting() : 0, thread_.clock.Steady());
+  thread_.unfinished.Set(id_, whole ? reader_.held() : 0, thread_.clock.Steady());
   if (const std::optional<std::uint64_t> slowest = thread_.unfinished.TooSlow()) {
     thread_.calls.at(*slowest)->too_slow_ = true;
     // It may be another connection's: not from here.
@@ -186,6 +195,7 @@ void Call::Finish(const absl::Status& status) {
 
 void Call::Fail(const absl::Status& status) {
   if (over_ || cancelled_ || closed_) return;
+  transport::LogRefusal(thread_.relay.refusals, owner_.address(), "", status);
   if (handler_ != nullptr) handler_->OnBroken();
   // What the handler still wanted to say is lost with it.
   response_.DropMessage();
@@ -209,6 +219,7 @@ void Call::Break() {
   handler_.reset();
   finish_by_.reset();
   DropReceived();
+  if (std::exchange(unfinished_, false)) thread_.unfinished.Set(id_, 0, thread_.clock.Steady());
 }
 
 void Call::Settle() {
@@ -249,6 +260,7 @@ void Call::OnTimer() {
     thread_.relay.probe.finish_timeouts_total.Add();
     return Cancel();
   }
+  if (head_ != nullptr && now >= *give_up_at_) return Cancel();
   if (serving()) {
     if (give_up_at_ && now >= *give_up_at_) {
       give_up_at_.reset();
@@ -272,9 +284,9 @@ void Call::SetTimer() {
   if (serving()) {
     handler_due_ = handler_->deadline();
     consider(handler_due_);
-    consider(give_up_at_);
     consider(drain_at_);
   }
+  if (serving() || head_ != nullptr) consider(give_up_at_);
   if (deadline) thread_.call_timers.Want(id_, timer_, *deadline, thread_.clock.Steady());
 }
 

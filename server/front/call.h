@@ -130,7 +130,7 @@ class Call final : public Http2Stream {
   /// How it ends is decided.
   bool over_ = false;
   std::optional<SteadyTime> finish_by_;
-  /// By grpc-timeout.
+  /// By grpc-timeout; until the headers are whole, by when they must be.
   std::optional<SteadyTime> give_up_at_;
   std::optional<SteadyTime> drain_at_;
   SteadyTime drain_end_;

@@ -63,7 +63,9 @@ void Connection::BeginHttp2() {
   const bool gateway = peer_->identity.ok() && peer_->identity->role == identity::Role::kGateway;
   http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this,
                                    gateway ? kGatewayStreamsMax : kRobotStreamsMax);
-  lifetime_.Open(now, age_max_, peer_->expiry - thread_.clock.System(), peer_->jitter());
+  const bool vouched = thread_.relay.clock_trust.vouched();
+  lifetime_.Open(now, age_max_, peer_->UntilExpiry(thread_.clock.System(), vouched),
+                 peer_->jitter());
   owner_.OnHandshakeEnded(*this);
   if (!place_.Take()) {
     return TurnAway(TurnedAway::kFull, "the server has no place for more connections");
@@ -98,10 +100,10 @@ void Connection::OnUnblocked() {
 // --- Streams ---
 
 Http2Stream* Connection::OnStream(std::int32_t id) {
-  auto& call = calls_[id];
-  call = std::make_unique<Call>(thread_, *this, *http2_, id);
+  Call& call = calls_.Open(std::make_unique<Call>(thread_, *this, *http2_, id));
+  calls_.Touch(call);
   if (calls_.size() == 1) NoteCalls();
-  return call.get();
+  return &call;
 }
 
 void Connection::OnFrame(FrameKind kind) {
@@ -143,32 +145,19 @@ std::optional<absl::Status> Connection::refusal() const {
   return absl::UnavailableError("the connection ends; a new one is served");
 }
 
-void Connection::Touch(Call& call) {
-  if (std::exchange(call.touched, true)) return;
-  touched_.push_back(&call);
-}
-
 void Connection::NoteCalls() {
   lifetime_.SetCalls(calls_.size(), thread_.clock.Steady());
   place_.SetStreams(calls_.size());
 }
 
 void Connection::SettleCalls() {
-  // Those that are touched meanwhile come behind.
-  for (std::size_t i = 0; i < touched_.size(); ++i) {
-    Call& call = *touched_[i];
-    call.touched = false;
-    call.Settle();
-    if (!call.finished()) continue;
-    touched_.erase(
-        std::remove(touched_.begin() + static_cast<std::ptrdiff_t>(i) + 1, touched_.end(), &call),
-        touched_.end());
-    calls_.erase(call.stream());
-    if (calls_.empty()) NoteCalls();
+  const bool had_calls = calls_.size() > 0;
+  calls_.Settle([this](const Call& call) {
+    if (call.has_handler()) lifetime_.NoteServed();
     // Whoever may not be here has been told why.
-    if (!peer_->identity.ok()) ending_ = true;
-  }
-  touched_.clear();
+    if (call.finished() && !peer_->identity.ok()) ending_ = true;
+  });
+  if (had_calls && calls_.size() == 0) NoteCalls();
 }
 
 // --- What is said ---
@@ -177,9 +166,12 @@ void Connection::Settle() {
   if (phase_ == Phase::kClosed) return;
   do {
     SettleCalls();
-  } while (Flush() || !touched_.empty());
+  } while (Flush() || !calls_.settled());
   EndIfDone();
-  if (phase_ != Phase::kClosed) SetTimer();
+  if (phase_ == Phase::kClosed) return;
+  const bool goes = turned_away_ || ending_;
+  lifetime_.SetBlocked(socket_.blocked(), goes ? kAgeGrace : kBlockedWait, thread_.clock.Steady());
+  SetTimer();
 }
 
 bool Connection::Flush() {
@@ -199,7 +191,7 @@ bool Connection::Flush() {
 
 void Connection::EndIfDone() {
   if (phase_ != Phase::kOpen) return;
-  if (ending_ && calls_.empty() && !std::exchange(last_streams_told_, true)) {
+  if (ending_ && calls_.size() == 0 && !std::exchange(last_streams_told_, true)) {
     http2_->End(NGHTTP2_NO_ERROR, "");
     static_cast<void>(Flush());
   }
@@ -211,9 +203,14 @@ void Connection::Linger() {
   static_cast<void>(Flush());
   if (phase_ == Phase::kClosed) return;
   const bool was_handshake = phase_ == Phase::kHandshake;
+  if (was_handshake) {
+    // An alert means nothing to who speaks no TLS; and only so many descriptors may wait.
+    lingers_ = tls_->failure() != TlsEngine::Failure::kNoTls && thread_.book.BeginLinger();
+    if (!lingers_) return Close();
+  }
   phase_ = Phase::kLinger;
   if (was_handshake) owner_.OnHandshakeEnded(*this);
-  for (const auto& [id, call] : calls_) call->Break();
+  calls_.Break();
   // A peer that has not read all yet gets the time to.
   const bool blocked = socket_.blocked();
   if (!blocked) socket_.EndOutput();
@@ -224,7 +221,10 @@ void Connection::Close() {
   if (phase_ == Phase::kClosed) return;
   const bool was_handshake = phase_ == Phase::kHandshake;
   phase_ = Phase::kClosed;
-  for (const auto& [id, call] : calls_) call->Break();
+  // What TLS still wanted to say is this connection's, and the buffer the thread's.
+  thread_.tls.out.clear();
+  if (std::exchange(lingers_, false)) thread_.book.EndLinger();
+  calls_.Break();
   socket_.Close();
   place_.Leave();
   thread_.connection_timers.Forget(id_, timer_);
@@ -239,7 +239,7 @@ void Connection::DrainAt(SteadyTime at, SteadyTime end) {
   }
   if (!std::exchange(ending_, true)) http2_->NoticeEnd();
   lifetime_.EndBy(end);
-  for (const auto& [id, call] : calls_) call->DrainAt(at, end);
+  calls_.DrainAt(at, end);
   Settle();
 }
 

@@ -4,10 +4,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
-#include <vector>
 
 #include "server/front/call.h"
+#include "server/front/call_set.h"
 #include "server/front/door_book.h"
 #include "server/front/frame_rates.h"
 #include "server/front/http2.h"
@@ -70,7 +69,6 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Settle() override;
 
   [[nodiscard]] std::uint64_t id() const { return id_; }
-  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
   [[nodiscard]] bool quiet() const { return socket_.quiet(); }
 
   // SocketOwner
@@ -83,8 +81,9 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   Http2Stream* OnStream(std::int32_t id) override;
   void OnFrame(FrameKind kind) override;
   void OnSent() override { pings_.OnSent(); }
+  void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
   // CallOwner
-  void Touch(Call& call) override;
+  void Touch(Call& call) override { calls_.Touch(call); }
   [[nodiscard]] const TlsPeer& tls_peer() const override { return *peer_; }
   [[nodiscard]] const std::string& address() const override { return origin_.text; }
   [[nodiscard]] const SourceAddress& source() const override { return origin_.source; }
@@ -131,8 +130,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   Lifetime lifetime_;
   std::unique_ptr<Http2> http2_;
   std::optional<TlsPeer> peer_;
-  std::unordered_map<std::int32_t, std::unique_ptr<Call>> calls_;
-  std::vector<Call*> touched_;
+  CallSet calls_;
   /// No call is served here any more, and the connection ends with its last.
   bool ending_ = false;
   bool last_streams_told_ = false;
@@ -143,6 +141,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   /// Until when the phase may last: the handshake, or the time that we linger.
   std::optional<SteadyTime> phase_by_;
   SteadyTime handshake_by_;
+  /// The door counts it among those that linger without a place.
+  bool lingers_ = false;
   transport::Timers::Slot timer_;
 };
 

@@ -16,6 +16,8 @@ constexpr std::chrono::seconds kSpared{1};
 /// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
 constexpr std::size_t kHandshakesMax = 512;
 constexpr std::size_t kWaitingMax = 4096;
+/// Failed handshakes whose peers may still read why.
+constexpr std::size_t kLingersMax = 256;
 /// Of the descriptors, those without a certificate may have this part, and the reserve is this part
 /// of them, at most kReserveMax.
 constexpr std::size_t kUnprovenPart = 4;
@@ -31,9 +33,11 @@ DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max) {
   const std::size_t unproven =
       std::clamp<std::size_t>(descriptors_max / kUnprovenPart, 2, kHandshakesMax + kWaitingMax);
   const std::size_t handshakes = std::clamp<std::size_t>(unproven / 2, 1, kHandshakesMax);
-  const std::size_t taken = reserve + unproven;
+  const std::size_t lingers = std::min(kLingersMax, handshakes);
+  const std::size_t taken = reserve + unproven + lingers;
   const std::size_t left = descriptors_max > taken ? descriptors_max - taken : 1;
-  return {.connections_max = std::min(streams_max + kSpareConnections, left),
+  return {.book = {.connections_max = std::min(streams_max + kSpareConnections, left),
+                   .lingers_max = lingers},
           .handshakes = {.under_way_max = handshakes, .waiting_max = unproven - handshakes}};
 }
 

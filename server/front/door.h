@@ -13,8 +13,7 @@ namespace uplink::front {
 
 /// How many connections there may be, by what they have shown.
 struct DoorLimits {
-  /// With a trusted certificate.
-  std::size_t connections_max = 0;
+  DoorBook::Limits book;
   HandshakeLimits handshakes;
 };
 

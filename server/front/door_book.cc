@@ -9,12 +9,18 @@ void DoorBook::Note(transport::TurnedAway cause, const Origin& origin, SteadyTim
 }
 
 bool DoorBook::Enter() {
-  if (connections_.fetch_add(1) >= connections_max_) {
+  if (connections_.fetch_add(1) >= limits_.connections_max) {
     connections_.fetch_sub(1);
     return false;
   }
   probe_.connections.Add();
   return true;
+}
+
+bool DoorBook::BeginLinger() {
+  if (lingers_.fetch_add(1) < limits_.lingers_max) return true;
+  lingers_.fetch_sub(1);
+  return false;
 }
 
 void DoorBook::Leave() {

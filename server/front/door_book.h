@@ -22,8 +22,15 @@ struct Origin {
 /// What all threads know of who comes and who is here. Thread-safe.
 class DoorBook final {
  public:
-  DoorBook(std::size_t connections_max, transport::RelayProbe& probe, const log::Logger* logger)
-      : connections_max_(connections_max), probe_(probe), lines_(logger) {}
+  struct Limits {
+    /// That have shown a trusted certificate.
+    std::size_t connections_max = 0;
+    /// Whose handshake failed, and that we read on so that they learn why.
+    std::size_t lingers_max = 0;
+  };
+
+  DoorBook(const Limits& limits, transport::RelayProbe& probe, const log::Logger* logger)
+      : limits_(limits), probe_(probe), lines_(logger) {}
 
   /// Somebody is turned away: counts it by cause, and writes a line that names the source.
   void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
@@ -35,6 +42,9 @@ class DoorBook final {
   /// A connection has shown a trusted certificate; false if there is no place for it.
   [[nodiscard]] bool Enter();
   void Leave();
+  /// A connection whose handshake failed stays for a moment; false if too many do.
+  [[nodiscard]] bool BeginLinger();
+  void EndLinger() { lingers_.fetch_sub(1); }
 
   /// Connections wait for their handshake: those that others let wait get less time.
   [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
@@ -44,12 +54,13 @@ class DoorBook final {
   [[nodiscard]] KnownSources& known() { return known_; }
 
  private:
-  const std::size_t connections_max_;
+  const Limits limits_;
   transport::RelayProbe& probe_;
   SourceLines lines_;
   KeyTable keys_;
   KnownSources known_;
   std::atomic<std::size_t> connections_{0};
+  std::atomic<std::size_t> lingers_{0};
   std::atomic<bool> pressed_{false};
 };
 

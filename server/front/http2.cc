@@ -54,6 +54,12 @@ int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, v
   return 0;
 }
 
+/// Frames of types that we do not know: OnBeginFrame has counted this one, its content is dropped.
+int OnExtension(nghttp2_session* /*session*/, void** /*payload*/,
+                const nghttp2_frame_hd* /*header*/, void* /*self*/) {
+  return NGHTTP2_ERR_CANCEL;
+}
+
 int OnBeginHeaders(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
   if (frame->hd.type != NGHTTP2_HEADERS || frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;
   Http2Stream* stream = Self(self).peer().OnStream(frame->hd.stream_id);
@@ -108,6 +114,10 @@ int OnStreamClose(nghttp2_session* session, std::int32_t id, std::uint32_t code,
 }
 
 int OnFrameSent(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
+  if (frame->hd.type == NGHTTP2_GOAWAY && frame->goaway.error_code != NGHTTP2_NO_ERROR) {
+    // The library ends the session by itself for most rules, and Receive does not fail.
+    Self(self).peer().OnFault();
+  }
   const bool is_headers = frame->hd.type == NGHTTP2_HEADERS;
   if (!is_headers && frame->hd.type != NGHTTP2_DATA) return 0;
   Self(self).peer().OnSent();
@@ -168,6 +178,11 @@ Http2Rules::Http2Rules() {
   Done(nghttp2_option_new(&options_));
   nghttp2_option_set_no_auto_window_update(options_, 1);
   nghttp2_option_set_max_outbound_ack(options_, kAnswersWaitingMax);
+  // Without this the library passes over frames of unknown types, and OnBeginFrame is not called.
+  nghttp2_session_callbacks_set_unpack_extension_callback(callbacks_, OnExtension);
+  for (unsigned type = NGHTTP2_CONTINUATION + 1; type <= 0xFF; ++type) {
+    nghttp2_option_set_user_recv_extension_type(options_, static_cast<std::uint8_t>(type));
+  }
 }
 
 Http2Rules::~Http2Rules() {

@@ -64,6 +64,8 @@ class Http2Peer {
   virtual void OnFrame(FrameKind kind) = 0;
   /// We sent HEADERS or DATA.
   virtual void OnSent() = 0;
+  /// We sent a GOAWAY with an error: the session ends, by a rule that the peer broke or by End.
+  virtual void OnFault() = 0;
 };
 
 /// The callbacks and options that all sessions of a thread share.

@@ -17,7 +17,7 @@ milliseconds Shortened(milliseconds span, std::uint16_t jitter) {
 
 void Lifetime::Open(SteadyTime now, milliseconds age, milliseconds until_expiry,
                     std::uint16_t jitter) {
-  heard_at_ = now;
+  opened_at_ = heard_at_ = now;
   empty_since_ = now;
   if (age > milliseconds(0)) age_at_ = now + Shortened(age, jitter);
   // With a certificate that is nearly over already it may stay until that is.
@@ -34,14 +34,20 @@ void Lifetime::Heard(SteadyTime now) {
 
 void Lifetime::SetCalls(std::size_t calls, SteadyTime now) {
   if (calls > 0) {
-    had_call_ = true;
     empty_since_.reset();
   } else if (!empty_since_) {
-    empty_since_ = now;
+    // Calls that nobody served bought no time.
+    empty_since_ = had_call_ ? now : opened_at_;
   }
 }
 
+void Lifetime::SetBlocked(bool blocked, std::chrono::seconds wait, SteadyTime now) {
+  if (!blocked) return blocked_by_.reset();
+  blocked_by_ = blocked_by_ ? std::min<SteadyTime>(*blocked_by_, now + wait) : now + wait;
+}
+
 Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
+  if (blocked_by_ && now >= *blocked_by_) return Due::kSilent;
   if (answer_by_) {
     if (now >= *answer_by_) return Due::kSilent;
   } else if (now >= heard_at_ + kKeepaliveAfter) {
@@ -57,15 +63,18 @@ Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
     return Due::kAge;
   }
   if (!empty_since_) return Due::kNothing;
-  if (had_call_) return now >= *empty_since_ + kIdleWait ? Due::kIdle : Due::kNothing;
-  const auto wait = pressed ? kFirstStreamWaitPressed : kFirstStreamWait;
-  return now >= *empty_since_ + wait ? Due::kNoCall : Due::kNothing;
+  const auto first = pressed ? kFirstStreamWaitPressed : kFirstStreamWait;
+  const auto wait = had_call_ ? SteadyTime::duration(kIdleWait) : first;
+  if (now < *empty_since_ + wait) return Due::kNothing;
+  empty_since_ = now;
+  return had_call_ ? Due::kIdle : Due::kNoCall;
 }
 
 SteadyTime Lifetime::next(SteadyTime now) const {
   SteadyTime next = answer_by_ ? *answer_by_ : heard_at_ + kKeepaliveAfter;
   if (age_at_) next = std::min(next, *age_at_);
   if (ends_by_) next = std::min(next, *ends_by_);
+  if (blocked_by_) next = std::min(next, *blocked_by_);
   if (empty_since_) next = std::min(next, EmptyUntil(now));
   return next;
 }

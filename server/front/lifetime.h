@@ -16,7 +16,7 @@ class Lifetime final {
     kNothing,
     /// Nothing was heard for long: ask.
     kPing,
-    /// The peer did not answer.
+    /// The peer did not answer, or did not take what waited for it.
     kSilent,
     /// Its age, or its certificate's: its calls are to settle.
     kAge,
@@ -24,7 +24,7 @@ class Lifetime final {
     kOver,
     /// It has had no call for long.
     kIdle,
-    /// It never had a call.
+    /// It never had a call that was served.
     kNoCall,
   };
 
@@ -32,8 +32,13 @@ class Lifetime final {
   /// is left of its certificates; of both a tenth at most is taken, by `jitter` of 65,536 parts.
   void Open(SteadyTime now, milliseconds age, milliseconds until_expiry, std::uint16_t jitter);
   void Heard(SteadyTime now);
+  /// A call of it was served: from then on it may be without one for long.
+  void NoteServed() { had_call_ = true; }
   /// So many calls are open now.
   void SetCalls(std::size_t calls, SteadyTime now);
+  /// Whether bytes wait for a peer that does not read, which it must take within `wait`; a shorter
+  /// one counts from when it is named.
+  void SetBlocked(bool blocked, std::chrono::seconds wait, SteadyTime now);
   /// It ends by then, whatever its calls do.
   void EndBy(SteadyTime end) { ends_by_ = end; }
 
@@ -46,9 +51,11 @@ class Lifetime final {
   /// When a connection without a call is looked at next.
   [[nodiscard]] SteadyTime EmptyUntil(SteadyTime now) const;
 
+  SteadyTime opened_at_;
   SteadyTime heard_at_;
   /// The peer was asked whether it is there.
   std::optional<SteadyTime> answer_by_;
+  std::optional<SteadyTime> blocked_by_;
   std::optional<SteadyTime> age_at_;
   std::optional<SteadyTime> ends_by_;
   /// Since when there has been no call; nothing while there is one.

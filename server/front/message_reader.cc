@@ -60,6 +60,10 @@ std::size_t MessageReader::Pop() {
     if (kept_.capacity() > kKeptIdleBytes) std::string().swap(kept_);
     kept_.clear();
     kept_from_ = 0;
+  } else if (kept_from_ >= kept_.size() / 2 && kept_.capacity() > kKeptIdleBytes) {
+    // A large message must not leave its memory to the few bytes behind it.
+    std::string(kept_, kept_from_).swap(kept_);
+    kept_from_ = 0;
   }
   return bytes;
 }

@@ -50,6 +50,8 @@ class MessageReader final {
 
   /// Bytes that arrived and were not taken.
   [[nodiscard]] std::size_t waiting() const { return Rest().size(); }
+  /// Memory that is kept for them.
+  [[nodiscard]] std::size_t held() const { return kept_.capacity(); }
   /// The whole length, prefix included, of a message that has begun within the limit and is not
   /// whole; nothing else.
   [[nodiscard]] std::optional<std::size_t> unfinished() const;

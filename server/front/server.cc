@@ -54,7 +54,7 @@ struct FrontServer::Impl {
         methods(ServedMethods(given.limits)),
         limits(DoorLimitsFor(given_options.streams_max, DescriptorsMax())),
         gate(given_options.streams_max, given.probe),
-        book(limits.connections_max, given.probe, given.logger) {}
+        book(limits.book, given.probe, given.logger) {}
 
   absl::Status ServeFiles();
   absl::Status Serve(const transport::PemTexts& texts);
@@ -69,6 +69,8 @@ struct FrontServer::Impl {
   const Methods methods;
   /// None with texts in place of files.
   std::unique_ptr<transport::KeyFiles> files;
+  /// Whether the last texts of the files could be served.
+  absl::Status served;
   ServedContext tls;
   const DoorLimits limits;
   transport::Gate gate;
@@ -89,7 +91,9 @@ absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
 absl::Status FrontServer::Impl::ServeFiles() {
   const auto fresh = files->Refresh();
   if (!fresh.ok()) return fresh.status();
-  return *fresh ? Serve(files->texts()) : absl::OkStatus();
+  // The same texts again are as good as they were.
+  if (*fresh) served = Serve(files->texts());
+  return served;
 }
 
 absl::StatusOr<std::unique_ptr<FrontServer>> FrontServer::Start(

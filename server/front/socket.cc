@@ -6,6 +6,7 @@
 
 #include <boost/asio/buffer.hpp>
 #include <sys/socket.h>
+#include <unistd.h>
 
 namespace uplink::front {
 
@@ -17,6 +18,7 @@ Socket::Socket(asio::io_context& context, int descriptor, SocketOwner& owner,
   boost::system::error_code ignored;
   // The family only matters to calls that are not made here.
   socket_.assign(asio::ip::tcp::v6(), descriptor, ignored);
+  if (ignored) ::close(descriptor);
   socket_.native_non_blocking(true, ignored);
 }
 

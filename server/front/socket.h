@@ -31,8 +31,8 @@ class SocketOwner {
 
 /// A connected socket: reads when asked, sends at once and keeps back what does not fit.
 ///
-/// It receives into a small buffer of its own, so that the kernel is asked once for each paced
-/// message and never in vain; what is larger comes through the thread's buffer.
+/// It receives into a small buffer of its own, which takes a paced message whole without a call to
+/// wait for it; what is larger comes through the thread's buffer.
 /// Thread: confined to its context's.
 class Socket final {
  public:

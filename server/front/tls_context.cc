@@ -37,7 +37,7 @@ Bio Reader(std::string_view text) {
 /// The next certificate of a text; null at its end.
 Certificate NextOf(BIO* bio) {
   char no_phrase[] = "";
-  return Certificate(PEM_read_bio_X509(bio, nullptr, nullptr, no_phrase));
+  return Certificate(PEM_read_bio_X509_AUX(bio, nullptr, nullptr, no_phrase));
 }
 
 bool UseChain(SSL_CTX* context, std::string_view text) {
@@ -60,12 +60,16 @@ bool UseKey(SSL_CTX* context, std::string_view text) {
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
   const Bio bio = Reader(text);
   X509_STORE* store = SSL_CTX_get_cert_store(context);
+  // As the gRPC library does: the authority that signs robots may be one that another has signed.
+  X509_STORE_set_flags(store, X509_V_FLAG_PARTIAL_CHAIN | X509_V_FLAG_TRUSTED_FIRST);
+  int added = 0;
   while (const Certificate next = NextOf(bio.get())) {
     if (X509_STORE_add_cert(store, next.get()) != 1) return false;
     // Tells clients with several certificates which one is asked for.
     if (SSL_CTX_add_client_CA(context, next.get()) != 1) return false;
+    ++added;
   }
-  return true;
+  return added > 0;
 }
 
 int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* chosen_size,

@@ -13,6 +13,7 @@
 #include <openssl/x509.h>
 
 #include "schema/base/check.h"
+#include "server/front/limits.h"
 
 namespace uplink::front {
 namespace {
@@ -65,7 +66,7 @@ absl::Status SentenceOf(int flaw) {
           "client certificate: it, or one that signed it, is not valid yet");
     case X509_V_ERR_INVALID_PURPOSE:
       return absl::UnauthenticatedError(
-          "client certificate: its extended key usage lacks clientAuth");
+          "client certificate: its key usage or extended key usage lacks what a client needs");
     default:  // IsTrusted lets no other through
       return absl::UnauthenticatedError("client certificate: it is not valid");
   }
@@ -78,6 +79,10 @@ SystemTime ExpiryOf(const X509* certificate) {
 }
 
 }  // namespace
+
+milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
+  return identity.ok() && vouched ? std::min<milliseconds>(expiry - now, kFarAway) : kFarAway;
+}
 
 BufferMethod::BufferMethod()
     : method_(BIO_meth_new(BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "uplinkd buffers")) {

@@ -52,6 +52,9 @@ struct TlsPeer {
   /// When the first certificate of its chain expires.
   SystemTime expiry;
 
+  /// What is left of its chain, at most kFarAway: that much for who is only told what is wrong, and
+  /// where nobody vouches for the clock.
+  [[nodiscard]] milliseconds UntilExpiry(SystemTime now, bool vouched) const;
   /// Spreads what robots with different keys do, evenly.
   [[nodiscard]] std::uint16_t jitter() const {
     return static_cast<std::uint16_t>(key[0] * 256 + key[1]);

@@ -169,7 +169,14 @@ void Worker::Reap() {
     load_.fetch_sub(1, std::memory_order_relaxed);
     return true;
   });
-  if (ending_ && connections_.empty()) work_.reset();
+  EndIfEmpty();
+}
+
+void Worker::EndIfEmpty() {
+  if (!ending_ || !connections_.empty()) return;
+  work_.reset();
+  // A wait that nobody needs any more would keep the thread.
+  timer_.cancel();
 }
 
 void Worker::Drain(milliseconds grace) {
@@ -200,7 +207,7 @@ void Worker::Stop() {
 void Worker::EndAll() {
   ending_ = true;
   for (const auto& [id, connection] : connections_) connection->Shutdown();
-  if (connections_.empty()) work_.reset();
+  EndIfEmpty();
 }
 
 }  // namespace uplink::front

@@ -73,6 +73,8 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
   void EndAll();
   /// Destroys what is closed and quiet.
   void Reap();
+  /// Lets the thread end once it is to and nothing is left.
+  void EndIfEmpty();
   /// Has the timers run when the next is due.
   void SetTimer();
   void RunTimers();

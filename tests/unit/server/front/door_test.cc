@@ -35,7 +35,7 @@ class DoorTest : public ::testing::Test {
 
   SteadyTime now_{};
   transport::RelayProbe probe_;
-  DoorBook book_{10, probe_, nullptr};
+  DoorBook book_{{.connections_max = 10, .lingers_max = 1}, probe_, nullptr};
   std::vector<std::uint64_t> admitted_;
   std::vector<std::uint64_t> cut_;
   Door door_{{.under_way_max = 2, .waiting_max = 3},
@@ -103,7 +103,7 @@ TEST_F(DoorTest, SourcesOfRobotsComeFirst) {
 
 TEST(DoorBook, PlacesAreBounded) {
   transport::RelayProbe probe;
-  DoorBook book(2, probe, nullptr);
+  DoorBook book({.connections_max = 2, .lingers_max = 1}, probe, nullptr);
   EXPECT_TRUE(book.Enter());
   EXPECT_TRUE(book.Enter());
   EXPECT_FALSE(book.Enter());
@@ -112,23 +112,33 @@ TEST(DoorBook, PlacesAreBounded) {
   EXPECT_EQ(probe.connections.value(), 2);
 }
 
+TEST(DoorBook, WhoLingersIsBounded) {
+  transport::RelayProbe probe;
+  DoorBook book({.connections_max = 1, .lingers_max = 1}, probe, nullptr);
+  EXPECT_TRUE(book.BeginLinger());
+  EXPECT_FALSE(book.BeginLinger());
+  book.EndLinger();
+  EXPECT_TRUE(book.BeginLinger());
+}
+
 TEST(DoorLimits, LeaveAReserveAndNeverShareWithStrangers) {
   for (const std::size_t descriptors : {64U, 256U, 1024U, 20'000U, 1'000'000U}) {
     const DoorLimits limits = DoorLimitsFor(40'000, descriptors);
     const std::size_t unproven = limits.handshakes.under_way_max + limits.handshakes.waiting_max;
-    EXPECT_LE(limits.connections_max + unproven + std::min<std::size_t>(256, descriptors / 4),
+    EXPECT_LE(limits.book.connections_max + limits.book.lingers_max + unproven +
+                  std::min<std::size_t>(256, descriptors / 4),
               descriptors)
         << descriptors;
-    EXPECT_GE(limits.connections_max, 1U);
+    EXPECT_GE(limits.book.connections_max, 1U);
     EXPECT_GE(limits.handshakes.under_way_max, 1U);
     EXPECT_GE(limits.handshakes.waiting_max, 1U);
   }
-  EXPECT_EQ(DoorLimitsFor(40'000, 1'000'000).connections_max, 41'024U);
+  EXPECT_EQ(DoorLimitsFor(40'000, 1'000'000).book.connections_max, 41'024U);
 }
 
 TEST(DoorLimits, HoldWithHardlyAnyDescriptors) {
   const DoorLimits limits = DoorLimitsFor(40'000, 1);
-  EXPECT_GE(limits.connections_max, 1U);
+  EXPECT_GE(limits.book.connections_max, 1U);
   EXPECT_GE(limits.handshakes.under_way_max, 1U);
   EXPECT_GE(limits.handshakes.waiting_max, 1U);
 }

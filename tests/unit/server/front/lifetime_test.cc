@@ -18,6 +18,7 @@ class LifetimeTest : public ::testing::Test {
   void Open(milliseconds age, milliseconds until_expiry, std::uint16_t jitter = 0) {
     lifetime_.Open(kStart, age, until_expiry, jitter);
     lifetime_.SetCalls(1, kStart);
+    lifetime_.NoteServed();
   }
   /// The peer was heard just before.
   Due HeardAndDueAt(milliseconds at) {
@@ -96,8 +97,38 @@ TEST_F(LifetimeTest, WhoNeverOpensAStreamGoesSoonerWhileOthersWait) {
             Due::kNothing);
   EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWaitPressed, false), Due::kNothing);
   EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWaitPressed, true), Due::kNoCall);
+  lifetime_.Open(kStart, milliseconds(0), kYear, 0);
   EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWait - milliseconds(1), false), Due::kNothing);
   EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWait, false), Due::kNoCall);
+}
+
+TEST_F(LifetimeTest, CallsThatNobodyServedBuyNoTime) {
+  lifetime_.Open(kStart, milliseconds(0), kYear, 0);
+  lifetime_.SetCalls(1, kStart + milliseconds(1));
+  lifetime_.SetCalls(0, kStart + kFirstStreamWait - milliseconds(1));
+  EXPECT_EQ(lifetime_.Take(kStart + kFirstStreamWait, false), Due::kNoCall);
+}
+
+TEST_F(LifetimeTest, ATimeFarAwayIsNever) {
+  Open(milliseconds(0), kFarAway);
+  EXPECT_EQ(HeardAndDueAt(kYear), Due::kNothing);
+}
+
+TEST_F(LifetimeTest, WhoDoesNotReadIsCutHoweverMuchItSays) {
+  Open(milliseconds(0), kYear);
+  lifetime_.SetBlocked(true, kBlockedWait, kStart);
+  EXPECT_EQ(HeardAndDueAt(kBlockedWait - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kBlockedWait), Due::kSilent);
+}
+
+TEST_F(LifetimeTest, WhoReadsAllBeginsAnewAndWhoGoesHasLess) {
+  Open(milliseconds(0), kYear);
+  lifetime_.SetBlocked(true, kBlockedWait, kStart);
+  lifetime_.SetBlocked(false, kBlockedWait, kStart + milliseconds(1));
+  EXPECT_EQ(HeardAndDueAt(kBlockedWait), Due::kNothing);
+  lifetime_.SetBlocked(true, kBlockedWait, kStart + kBlockedWait);
+  lifetime_.SetBlocked(true, kAgeGrace, kStart + kBlockedWait);
+  EXPECT_EQ(HeardAndDueAt(kBlockedWait + kAgeGrace), Due::kSilent);
 }
 
 TEST_F(LifetimeTest, NextIsNeverBehindWhatIsDue) {

@@ -122,6 +122,22 @@ TEST(MessageReader, APartOfAPrefixIsNotUnfinishedYet) {
   EXPECT_EQ(reader.waiting(), kPrefixBytes - 1);
 }
 
+TEST(MessageReader, ALargeMessageDoesNotLeaveItsMemoryToWhatComesBehind) {
+  MessageReader reader(1 << 20);
+  const std::string large = Framed(std::string(1 << 20, 'x'));
+  for (std::size_t from = 0; from < large.size(); from += 10'000) {
+    const std::string piece = large.substr(from, 10'000);
+    reader.Add(piece);
+    reader.Keep();
+  }
+  const std::string next(1, '\0');
+  reader.Add(next);
+  reader.Keep();
+  reader.Pop();
+  EXPECT_EQ(reader.waiting(), 1U);
+  EXPECT_LT(reader.held(), 1000U);
+}
+
 TEST(MessageReader, ClearForgetsAll) {
   MessageReader reader(kBytesMax);
   const std::string bytes = Framed("one") + Prefix(9);
