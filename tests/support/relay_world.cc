@@ -24,8 +24,10 @@ RelayWorld::RelayWorld(const Options& given)
   auto started = Start({.address = {"127.0.0.1", 0},
                         .key_material = ServerTexts(),
                         .queues = options.queues,
+                        .tls_minimum = options.tls_minimum,
                         .streams_max = options.streams_max,
-                        .connection_age_max = options.connection_age_max});
+                        .connection_age_max = options.connection_age_max,
+                        .memory_bytes_max = options.memory_bytes_max});
   UPLINK_CHECK(started.ok(), started.status().ToString());
   server_ = *std::move(started);
 }
@@ -61,7 +63,7 @@ absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::StartAnother(
 
 absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::Start(
     const transport::RelayOptions& relay_options) {
-  switch (TestedTransport()) {
+  switch (options.transport) {
     case config::Transport::kNative:
       return front::FrontServer::Start(relay_options, Context());
     case config::Transport::kGrpc:

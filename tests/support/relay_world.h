@@ -37,6 +37,10 @@ class RelayWorld final {
     std::size_t streams_max = 1000;
     std::size_t queues = 2;
     milliseconds connection_age_max{0};
+    config::Transport transport = TestedTransport();
+    /// Both of the native transport alone.
+    config::TlsVersion tls_minimum = config::TlsConfig().min_version;
+    std::size_t memory_bytes_max = 0;
   };
 
   RelayWorld() : RelayWorld(Options{}) {}

@@ -1,0 +1,169 @@
+// What bounds the memory of a stream, and what a stream that is held back costs others.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/component/front/front_world.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The window of a stream, as it is agreed on without a word.
+constexpr std::size_t kWindowBytes = 65'535;
+
+TEST(Flow, AnAnnouncementOverTheLimitIsRefusedBeforeAByteOfIt) {
+  RelayWorld world(Native({.session = {.frame_bytes_max = 100'000}}));
+  RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + Prefix(100'001)));
+  ASSERT_TRUE(client.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client.At(1)), "8");
+  EXPECT_EQ(client.At(1).Trailer("grpc-message"),
+            "frame 2: 100001 bytes, the limit is 100000 (limits.frame_bytes_max)");
+}
+
+TEST(Flow, AnAnnouncementAtTheLimitIsWaitedFor) {
+  RelayWorld world(Native({.session = {.frame_bytes_max = 100'000}}));
+  RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + Prefix(100'000)));
+  ASSERT_TRUE(client.Sync());
+  EXPECT_FALSE(client.At(1).over());
+}
+
+TEST(Flow, AFrameLargerThanTheWindowComesThrough) {
+  RelayWorld world(Native());
+  RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1));
+  const std::string frame = BatchFrame({{1, std::string(1'048'000, 'x')}}).SerializeAsString();
+  ASSERT_LE(frame.size(), world.options.session.frame_bytes_max);
+  const std::string bytes = HelloMessage(1) + WithPrefix(frame);
+  EXPECT_EQ(client.SendData(1, bytes), bytes.size());
+  EXPECT_TRUE(client.ReadUntil([&] { return LastAck(client.At(1)).through_seq() == 1; }));
+  EXPECT_EQ(world.Counts().received, 1U);
+}
+
+/// nghttp2 tells of a window once half of it was given back, so that a message about as large as
+/// the window may find less than the whole of it.
+TEST(Flow, MessagesAboutAsLargeAsTheWindowComeThroughWhateverCameBefore) {
+  RelayWorld world(Native());
+  int robot = 10;
+  for (const std::size_t before : {0U, 16'000U, 30'000U, 32'600U}) {
+    for (const std::size_t bytes : {32'700U, 40'000U, 65'000U, 65'600U}) {
+      RawHttp2 client(ClientOf(world, RobotKeys(world, ++robot)));
+      ASSERT_TRUE(client.Begin());
+      client.Send(OpenRelay(1));
+      std::string all = HelloMessage(1);
+      for (const auto& [seq, size] : {std::pair{1U, before}, std::pair{2U, bytes}}) {
+        all += WithPrefix(BatchFrame({{seq, std::string(size, 'x')}}).SerializeAsString());
+      }
+      ASSERT_EQ(client.SendData(1, all), all.size()) << before << " bytes, then " << bytes;
+      EXPECT_TRUE(client.ReadUntil([&] { return LastAck(client.At(1)).through_seq() == 2; }));
+    }
+  }
+}
+
+std::string LiveMessage(model::Seq seq) {
+  return WithPrefix(BatchFrame({{seq, MotionPayload()}}).SerializeAsString());
+}
+
+TEST(Flow, AStreamThatIsHeldBackStopsAtItsWindowWhileOtherRobotsFlowOn) {
+  constexpr std::size_t kInFlightMax = 16;
+  RelayWorld world(Native(
+      {.session = {.in_flight_uplinks_max = kInFlightMax, .ack_interval = milliseconds(20)}}));
+  RawHttp2 greedy(ClientOf(world, RobotKeys(world, 1)));
+  RawHttp2 other(ClientOf(world, RobotKeys(world, 2)));
+  for (RawHttp2* one : {&greedy, &other}) {
+    ASSERT_TRUE(one->Begin());
+    one->Send(OpenRelay(1));
+    EXPECT_GT(one->SendData(1, HelloMessage(1)), 0U);
+    ASSERT_TRUE(one->ReadUntil([&] { return !one->At(1).data.empty(); }));
+  }
+  world.store.Block();
+  std::string all;
+  model::Seq last = 0;
+  for (; all.size() < 3 * kWindowBytes; last += 8) all += FaultsMessage(last + 1, 8);
+  const std::size_t sent = greedy.SendData(1, all, milliseconds(500));
+  EXPECT_EQ(greedy.WindowOf(1), 0U);
+  EXPECT_EQ(world.session_probe.held_back.value(), 1);
+  EXPECT_EQ(world.Counts().received, kInFlightMax);
+  // Little was taken of it: all but these two messages is unread.
+  EXPECT_LE(sent, kWindowBytes + 2 * FaultsMessage(1, 8).size());
+
+  EXPECT_EQ(other.SendData(1, LiveMessage(1)), LiveMessage(1).size());
+  EXPECT_TRUE(other.ReadUntil([&] { return LastAck(other.At(1)).judged_seq() == 1; }));
+  EXPECT_EQ(world.session_probe.held_back.value(), 1);
+
+  world.store.Release();
+  EXPECT_EQ(greedy.SendData(1, std::string_view(all).substr(sent)), all.size() - sent);
+  EXPECT_TRUE(greedy.ReadUntil([&] { return LastAck(greedy.At(1)).through_seq() == last; }));
+}
+
+TEST(Flow, AStreamThatSendsPastItsWindowIsReset) {
+  RelayWorld world(Native({.session = {.in_flight_uplinks_max = 16}}));
+  RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1));
+  EXPECT_GT(client.SendData(1, HelloMessage(1)), 0U);
+  ASSERT_TRUE(client.ReadUntil([&] { return !client.At(1).data.empty(); }));
+  world.store.Block();
+  std::string all;
+  for (model::Seq seq = 1; all.size() < 2 * kWindowBytes; seq += 8) all += FaultsMessage(seq, 8);
+  EXPECT_LT(client.SendData(1, all, milliseconds(200)), all.size());
+  ASSERT_EQ(client.WindowOf(1), 0U);
+  client.Send(http2::Data(1, "x"));
+  ASSERT_TRUE(client.ReadUntilOver(1));
+  EXPECT_EQ(client.At(1).reset, http2::kFlowControlError);
+  EXPECT_TRUE(Eventually([&] { return world.server().streams() == 0; }));
+  EXPECT_TRUE(client.Sync()) << "the connection goes on";
+}
+
+/// Together they have six times the connection's window unread: it is given back as bytes arrive.
+TEST(Flow, AHundredStreamsThatStandStillHoldNoneOfTheirConnectionUp) {
+  constexpr std::uint32_t kStill = 99;
+  RelayWorld world(Native());
+  RawHttp2 gateway(ClientOf(world, GatewayKeys(world)));
+  ASSERT_TRUE(gateway.Begin());
+  // Below half a window: nothing of it is given back before the message is whole.
+  const std::string half = Prefix(32'000) + std::string(30'000, 'x');
+  for (std::uint32_t i = 0; i < kStill; ++i) {
+    gateway.Send(OpenRelay(2 * i + 1));
+    ASSERT_EQ(gateway.SendData(2 * i + 1, half), half.size());
+    EXPECT_EQ(gateway.At(2 * i + 1).window_given, 0U);
+  }
+  constexpr std::uint32_t kNext = 2 * kStill + 1;
+  gateway.Send(OpenRelay(kNext));
+  const std::string whole = HelloMessage(1, RuriOf(1));
+  EXPECT_EQ(gateway.SendData(kNext, whole), whole.size());
+  EXPECT_TRUE(gateway.ReadUntilOver(kNext));
+  EXPECT_EQ(StatusOf(gateway.At(kNext)), "16") << "gateways are known, and not served yet";
+  EXPECT_FALSE(gateway.At(1).over());
+}
+
+/// A quarter of the memory is for unfinished frames, and one thread has all of it.
+TEST(Flow, TheSlowestUnfinishedFrameEndsWhereTheirMemoryIsUsedUp) {
+  RelayWorld world(Native(
+      {.session = {}, .journal = {}, .queues = 1, .memory_bytes_max = std::size_t{1024} * 1024}));
+  RawHttp2 slow(ClientOf(world, RobotKeys(world, 1)));
+  RawHttp2 fast(ClientOf(world, RobotKeys(world, 2)));
+  ASSERT_TRUE(slow.Begin() && fast.Begin());
+  slow.Send(OpenRelay(1));
+  fast.Send(OpenRelay(1));
+  const std::string most = Prefix(200'000) + std::string(150'000, 'x');
+  EXPECT_EQ(slow.SendData(1, most), most.size());
+  ASSERT_TRUE(slow.Sync());
+  EXPECT_FALSE(slow.At(1).over());
+  EXPECT_EQ(fast.SendData(1, most), most.size());
+  ASSERT_TRUE(slow.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(slow.At(1)), "8");
+  EXPECT_THAT(slow.At(1).Trailer("grpc-message"), HasSubstr("unfinished frames"));
+  ASSERT_TRUE(fast.Sync());
+  EXPECT_FALSE(fast.At(1).over()) << "the memory does for one";
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,176 @@
+// Crowds at the door: connections that show nothing, or that leave at once.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/component/front/hostile.h"
+
+namespace uplink::testing {
+namespace {
+
+using transport::TurnedAway;
+
+/// So few that a test can take every place: 128 handshakes, and as many that wait.
+constexpr std::size_t kDescriptors = 1024;
+/// More than have a place and may wait.
+constexpr std::size_t kCrowd = 300;
+/// How long an honest robot may have to wait before the door.
+constexpr std::chrono::milliseconds kGetsInWithin{10'000};
+constexpr int kSources = 50;
+constexpr std::size_t kHandshakes = 200;
+
+using Crowd = std::vector<std::unique_ptr<RawTcp>>;
+
+/// A world that believes it has few descriptors.
+class HostileDoor : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(victim_.GoesOn()); }
+  void TearDown() override {
+    EXPECT_TRUE(victim_.GoesOn());
+    EXPECT_TRUE(Eventually([this] { return world_->server().streams() == 1; }));
+    EXPECT_TRUE(victim_.Finish());
+    EXPECT_EQ(world_->database.Log(victim_.ruri(), Victim::session()).stored.size(),
+              victim_.acked());
+  }
+
+  static std::unique_ptr<RelayWorld> MakeWorld() {
+    const DescriptorLimit limit(kDescriptors);
+    return std::make_unique<RelayWorld>(Native());
+  }
+  /// Connections that say this and no more, from each source in turn.
+  Crowd Gather(std::size_t count, const std::vector<std::string>& sources, std::string_view word) {
+    Crowd crowd;
+    for (std::size_t i = 0; i < count; ++i) {
+      crowd.push_back(
+          std::make_unique<RawTcp>(world_->server().port(), sources[i % sources.size()]));
+      static_cast<void>(crowd.back()->SendSome(word));
+    }
+    return crowd;
+  }
+  /// A robot from an address where nobody has streamed gets in, though it is a stranger.
+  void ExpectStrangerGetsIn(int number) {
+    const SteadyTime begun = world_->clock.Steady();
+    RawHttp2 robot(ClientOf(*world_, RobotKeys(*world_, number), "127.0.0.200"));
+    ASSERT_TRUE(robot.Begin());
+    robot.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + FaultsMessage(1, 1)));
+    EXPECT_TRUE(
+        robot.ReadUntil([&] { return LastAck(robot.At(1)).through_seq() == 1; }, kGetsInWithin));
+    EXPECT_LT(world_->clock.Steady() - begun, kGetsInWithin);
+  }
+
+  std::unique_ptr<RelayWorld> world_ = MakeWorld();
+  Victim victim_{*world_, 1};
+};
+
+std::vector<std::string> ManySources() {
+  std::vector<std::string> sources;
+  for (int i = 0; i < kSources; ++i) sources.push_back("127.0.0." + std::to_string(2 + i));
+  return sources;
+}
+
+TEST_F(HostileDoor, HalfOpenHandshakesOfOneAddressKeepNobodyOut) {
+  const Crowd crowd = Gather(kCrowd, {"127.0.0.66"}, TlsClientHello());
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
+  EXPECT_TRUE(victim_.GoesOn());
+  ExpectStrangerGetsIn(20);
+  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
+}
+
+TEST_F(HostileDoor, HalfOpenHandshakesOfFiftyAddressesKeepNobodyOut) {
+  const Crowd crowd = Gather(kCrowd, ManySources(), TlsClientHello());
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
+  EXPECT_TRUE(victim_.GoesOn());
+  ExpectStrangerGetsIn(20);
+  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
+}
+
+TEST_F(HostileDoor, HalfOpenHandshakesFromTheVictimsAddressKeepNobodyOut) {
+  const Crowd crowd = Gather(kCrowd, {"127.0.0.1"}, TlsClientHello());
+  EXPECT_TRUE(victim_.GoesOn());
+  ExpectStrangerGetsIn(20);
+}
+
+TEST_F(HostileDoor, SilentConnectionsKeepNobodyOut) {
+  const Crowd crowd = Gather(kCrowd, {"127.0.0.66"}, "");
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
+  ExpectStrangerGetsIn(20);
+  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
+}
+
+TEST_F(HostileDoor, GarbageInPlaceOfAHandshakeIsTurnedAway) {
+  const Crowd crowd = Gather(kCrowd, {"127.0.0.66"}, std::string(2000, '\x07'));
+  for (const auto& one : crowd) EXPECT_TRUE(one->WaitForEnd(kPatience));
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kNoTls) > 0; }));
+  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
+}
+
+TEST_F(HostileDoor, HandshakesThatLeaveAtOnceCostNobodyHisPlace) {
+  const KeyPair keys = RobotKeys(*world_, 666);
+  for (std::size_t i = 0; i < kHandshakes; ++i) {
+    const RawHttp2 passer_by(ClientOf(*world_, keys, "127.0.0.66"));
+    EXPECT_TRUE(passer_by.handshaken());
+  }
+  EXPECT_TRUE(victim_.GoesOn());
+  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
+  EXPECT_TRUE(Eventually([&] { return world_->relay_probe.handshakes_under_way.value() == 0; }));
+}
+
+TEST_F(HostileDoor, HandshakesWithoutACertificateCostNobodyHisPlace) {
+  for (std::size_t i = 0; i < kHandshakes; ++i) {
+    const RawHttp2 stranger(ClientOf(*world_, {}, "127.0.0.66"));
+  }
+  EXPECT_TRUE(victim_.GoesOn());
+  ExpectStrangerGetsIn(20);
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kNoCertificate) > 100; }));
+}
+
+// --- One robot's own certificate ---
+
+std::unique_ptr<RawHttp2> Begun(const RelayWorld& world, const KeyPair& keys) {
+  auto client = std::make_unique<RawHttp2>(ClientOf(world, keys));
+  EXPECT_TRUE(client->Begin());
+  return client;
+}
+
+TEST_F(HostileDoor, TheFifthConnectionOfACertificateEvictsTheOldestWithoutAStream) {
+  const KeyPair keys = RobotKeys(*world_, 666);
+  std::vector<std::unique_ptr<RawHttp2>> clients;
+  for (int i = 0; i < 4; ++i) clients.push_back(Begun(*world_, keys));
+  clients[0]->Send(OpenRelay(1));
+  ASSERT_TRUE(Eventually([&] { return world_->server().streams() == 2; }));
+  const auto fifth = Begun(*world_, keys);
+  EXPECT_TRUE(clients[1]->ReadUntilEnd());
+  EXPECT_EQ(clients[1]->goaway_code(), http2::kEnhanceYourCalm);
+  EXPECT_EQ(clients[1]->goaway_text(), "too many connections of this certificate");
+  for (RawHttp2* stays : {clients[0].get(), clients[2].get(), clients[3].get(), fifth.get()}) {
+    EXPECT_TRUE(stays->Sync());
+  }
+  EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kKey), 1);
+}
+
+TEST_F(HostileDoor, WhereAllHaveStreamsTheOneHeardLeastRecentlyIsEvicted) {
+  const KeyPair keys = RobotKeys(*world_, 666);
+  std::vector<std::unique_ptr<RawHttp2>> clients;
+  for (int i = 0; i < 4; ++i) {
+    clients.push_back(Begun(*world_, keys));
+    clients.back()->Send(OpenRelay(1));
+    ASSERT_TRUE(clients.back()->Sync());
+  }
+  const auto fifth = Begun(*world_, keys);
+  EXPECT_TRUE(clients[0]->ReadUntilEnd());
+  EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kKey), 1);
+  EXPECT_TRUE(clients[3]->Sync());
+}
+
+TEST_F(HostileDoor, ManyConnectionsOfOneCertificateEvictNobodyElses) {
+  const KeyPair keys = RobotKeys(*world_, 666);
+  std::vector<std::unique_ptr<RawHttp2>> clients;
+  for (int i = 0; i < 60; ++i) clients.push_back(Begun(*world_, keys));
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kKey) == 56; }));
+  EXPECT_TRUE(victim_.GoesOn());
+  EXPECT_TRUE(clients.back()->Sync());
+  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,168 @@
+// Floods of frames that cost their sender nearly nothing.
+#include <string>
+
+#include "tests/component/front/hostile.h"
+
+namespace uplink::testing {
+namespace {
+
+using transport::TurnedAway;
+
+constexpr std::size_t kFrames = 20'000;
+
+class HostileFrames : public Hostile {
+ protected:
+  void SetUp() override {
+    ASSERT_NO_FATAL_FAILURE(Hostile::SetUp());
+    ASSERT_TRUE(attacker_.Begin());
+  }
+
+  /// Sends the flood, in parts, until it is over or the server has ended the connection, and
+  /// expects that it has, for this.
+  void ExpectEnded(std::string_view flood, TurnedAway cause, std::uint32_t code) {
+    while (!flood.empty() && attacker_.Send(flood.substr(0, RawTcp::kReceiveBytesMax))) {
+      flood.remove_prefix(std::min(flood.size(), RawTcp::kReceiveBytesMax));
+      static_cast<void>(attacker_.ReadUntil([] { return false; }, std::chrono::milliseconds(1)));
+    }
+    ExpectVictimGoesOn();
+    EXPECT_TRUE(attacker_.ReadUntilEnd());
+    EXPECT_EQ(attacker_.goaway_code(), code) << attacker_.goaway_text();
+    EXPECT_TRUE(Turned(cause));
+    EXPECT_EQ(TurnedAwayFor(world_, cause), 1);
+  }
+  void ExpectCalmed(std::string_view flood, TurnedAway cause) {
+    ExpectEnded(flood, cause, http2::kEnhanceYourCalm);
+  }
+
+  RawHttp2 attacker_{Attacker()};
+};
+
+TEST_F(HostileFrames, Settings) {
+  ExpectCalmed(http2::Times(kFrames, http2::Settings({{http2::kMaxConcurrentStreams, 1}})),
+               TurnedAway::kSettings);
+}
+
+TEST_F(HostileFrames, Pings) {
+  ExpectCalmed(http2::Times(kFrames, http2::Ping()), TurnedAway::kPings);
+  EXPECT_EQ(attacker_.goaway_text(), "too_many_pings");
+}
+
+TEST_F(HostileFrames, EmptyData) {
+  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, http2::Data(1, "")), TurnedAway::kEmptyData);
+}
+
+TEST_F(HostileFrames, Priorities) {
+  ExpectCalmed(http2::Times(kFrames, http2::Priority(1)), TurnedAway::kPriorities);
+}
+
+TEST_F(HostileFrames, PrioritiesOfManyIdleStreams) {
+  std::string flood;
+  for (std::uint32_t i = 0; i < kFrames; ++i) flood += http2::Priority(2 * i + 1);
+  ExpectCalmed(flood, TurnedAway::kPriorities);
+}
+
+TEST_F(HostileFrames, WindowUpdates) {
+  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, http2::WindowUpdate(1, 1)),
+               TurnedAway::kWindowUpdates);
+}
+
+TEST_F(HostileFrames, UnknownTypes) {
+  ExpectCalmed(http2::Times(kFrames, http2::Frame(http2::kUnknown, 0, 0, "x")),
+               TurnedAway::kUnknownFrames);
+}
+
+TEST_F(HostileFrames, RapidResets) {
+  std::string flood;
+  for (std::uint32_t i = 0; i < kFrames / 2; ++i) {
+    flood += OpenRelay(2 * i + 1) + http2::RstStream(2 * i + 1, http2::kCancel);
+  }
+  ExpectCalmed(flood, TurnedAway::kResets);
+  EXPECT_LT(world_.session_probe.streams_total.value(), 2000) << "most were never begun";
+}
+
+TEST_F(HostileFrames, EmptyContinuations) {
+  ASSERT_TRUE(attacker_.Send(http2::Frame(http2::kHeaders, 0, 1, http2::Hpack(RelayFields()))));
+  // The library takes no more than eight.
+  ExpectEnded(http2::Times(kFrames, http2::Frame(http2::kContinuation, 0, 1)),
+              TurnedAway::kProtocol, http2::kProtocolError);
+}
+
+TEST_F(HostileFrames, Garbage) {
+  ExpectEnded(std::string(100'000, '\xFF'), TurnedAway::kProtocol, http2::kFrameSizeError);
+}
+
+TEST_F(HostileFrames, AWindowUpdateOfNothing) {
+  ExpectEnded(http2::WindowUpdate(0, 0), TurnedAway::kProtocol, http2::kProtocolError);
+}
+
+TEST_F(HostileFrames, AWindowThatOverflows) {
+  ExpectEnded(http2::WindowUpdate(0, 0x7FFFFFFF), TurnedAway::kProtocol, http2::kFlowControlError);
+}
+
+TEST_F(HostileFrames, AWindowOfAStreamThatOverflowsEndsTheStreamAlone) {
+  attacker_.Send(OpenRelay(1) + http2::WindowUpdate(1, 0x7FFFFFFF));
+  ASSERT_TRUE(attacker_.ReadUntilOver(1));
+  EXPECT_EQ(attacker_.At(1).reset, http2::kFlowControlError);
+  EXPECT_TRUE(attacker_.Sync());
+}
+
+TEST_F(HostileFrames, AWindowThatShrinksBelowNothing) {
+  attacker_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
+  ASSERT_TRUE(attacker_.ReadUntil([&] { return !attacker_.At(1).data.empty(); }));
+  attacker_.Send(http2::Settings({{http2::kInitialWindowSize, 0}}));
+  // What was sent before the server knew is here after this.
+  ASSERT_TRUE(attacker_.Sync());
+  const std::size_t before = attacker_.At(1).data.size();
+  for (model::Seq seq = 1; seq <= 20; ++seq) {
+    ASSERT_TRUE(attacker_.Send(http2::Data(1, FaultsMessage(seq, 1))));
+  }
+  ExpectVictimGoesOn();
+  ASSERT_TRUE(attacker_.Sync());
+  EXPECT_EQ(attacker_.At(1).data.size(), before) << "the window was below nothing";
+  attacker_.Send(http2::Settings({{http2::kInitialWindowSize, 0x7FFFFFFF}}));
+  EXPECT_TRUE(attacker_.ReadUntil([&] { return LastAck(attacker_.At(1)).through_seq() == 20; }));
+  attacker_.Send(http2::RstStream(1, http2::kCancel));
+}
+
+TEST_F(HostileFrames, HalfAFrameAndSilence) {
+  ASSERT_TRUE(attacker_.Send(OpenRelay(1).substr(0, 20)));
+  RawHttp2 in_the_payload(Attacker());
+  ASSERT_TRUE(in_the_payload.Begin());
+  in_the_payload.Send(OpenRelay(1) + http2::Data(1, std::string(1000, '\0')).substr(0, 30));
+  ExpectVictimGoesOn();
+}
+
+/// What TLS wants to tell a connection that ends, by a buffer of the thread, is not told to the
+/// next one: the victim would take it for a forgery, and its stream would break.
+class HostileRecords : public Hostile {
+ protected:
+  HostileRecords() : Hostile({.queues = 1}) {}
+};
+
+TEST_F(HostileRecords, ARecordThatIsNoneDisturbsNobodyElse) {
+  constexpr int kTimes = 10;
+  for (int i = 0; i < kTimes; ++i) {
+    RawHttp2 attacker(Attacker());
+    ASSERT_TRUE(attacker.Begin());
+    // A header of application data, and nothing that any key has made.
+    EXPECT_TRUE(attacker.SendPlain(std::string("\x17\x03\x03\x00\x20", 5) + std::string(32, 'x')));
+    EXPECT_TRUE(attacker.ReadUntilEnd());
+    ExpectVictimGoesOn();
+  }
+}
+
+TEST_F(HostileFrames, AFrameOverItsLimit) {
+  ExpectEnded(http2::Frame(http2::kData, 0, 1, std::string(16'385, 'x')), TurnedAway::kProtocol,
+              http2::kFrameSizeError);
+}
+
+TEST_F(HostileFrames, AGoawayOfTheClientEndsNothingByForce) {
+  attacker_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)) + http2::Goaway(0));
+  EXPECT_TRUE(attacker_.ReadUntil([&] { return !attacker_.At(1).data.empty(); }));
+  attacker_.Send(http2::Data(1, "", http2::kEndStream));
+  EXPECT_TRUE(attacker_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(attacker_.At(1)), "0");
+}
+
+}  // namespace
+}  // namespace uplink::testing

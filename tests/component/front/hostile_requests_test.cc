@@ -1,0 +1,143 @@
+// Requests that announce, open or say too much.
+#include <string>
+
+#include "tests/component/front/hostile.h"
+
+namespace uplink::testing {
+namespace {
+
+using transport::TurnedAway;
+
+class HostileRequests : public Hostile {
+ protected:
+  void SetUp() override {
+    ASSERT_NO_FATAL_FAILURE(Hostile::SetUp());
+    ASSERT_TRUE(robot_.Begin());
+  }
+
+  RawHttp2 robot_{Attacker()};
+};
+
+TEST_F(HostileRequests, AnnouncementsOf600MegabytesOnManyStreams) {
+  constexpr std::uint32_t kStreams = 128;
+  RawHttp2 gateway(ClientOf(world_, GatewayKeys(world_)));
+  ASSERT_TRUE(gateway.Begin());
+  for (std::uint32_t i = 0; i < kStreams; ++i) {
+    gateway.Send(OpenRelay(2 * i + 1) +
+                 http2::Data(2 * i + 1, Prefix(600'000'000) + std::string(1000, 'x')));
+  }
+  ExpectVictimGoesOn();
+  for (std::uint32_t i = 0; i < kStreams; ++i) {
+    ASSERT_TRUE(gateway.ReadUntilOver(2 * i + 1));
+    EXPECT_EQ(StatusOf(gateway.At(2 * i + 1)), "8");
+  }
+}
+
+TEST_F(HostileRequests, TenThousandStreams) {
+  std::string flood;
+  for (std::uint32_t i = 0; i < 10'000; ++i) flood += OpenRelay(2 * i + 1);
+  robot_.Send(flood);
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(robot_.ReadUntilEnd());
+  EXPECT_TRUE(robot_.goaway_code());
+  EXPECT_EQ(
+      TurnedAwayFor(world_, TurnedAway::kProtocol) + TurnedAwayFor(world_, TurnedAway::kHeaders),
+      1);
+  EXPECT_LT(world_.session_probe.streams_total.value(), 100);
+}
+
+TEST_F(HostileRequests, TenThousandStreamsWithoutHavingReadTheLimit) {
+  RawHttp2 hasty(Attacker());
+  std::string flood = http2::Preface() + http2::Settings({});
+  for (std::uint32_t i = 0; i < 10'000; ++i) flood += OpenRelay(2 * i + 1);
+  hasty.Send(flood);
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(hasty.ReadUntilEnd());
+  EXPECT_EQ(hasty.goaway_code(), http2::kEnhanceYourCalm);
+  EXPECT_TRUE(Turned(TurnedAway::kHeaders));
+  EXPECT_LT(world_.session_probe.streams_total.value(), 100);
+}
+
+TEST_F(HostileRequests, ManyRefusedRequests) {
+  std::string flood;
+  for (std::uint32_t i = 0; i < 10'000; ++i) {
+    flood += http2::Headers(2 * i + 1, RelayFields({{":path", "/nothing"}}),
+                            http2::kEndHeaders | http2::kEndStream);
+  }
+  robot_.Send(flood);
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(robot_.ReadUntilEnd());
+  EXPECT_TRUE(robot_.goaway_code());
+}
+
+TEST_F(HostileRequests, HeadersOver64Kilobytes) {
+  const std::string block = http2::Hpack(RelayFields({{"x-long", std::string(200'000, 'x')}}));
+  std::string flood = http2::Frame(http2::kHeaders, 0, 1, block.substr(0, 16'000));
+  for (std::size_t at = 16'000; at < block.size(); at += 16'000) {
+    const bool last = at + 16'000 >= block.size();
+    flood += http2::Frame(http2::kContinuation, last ? http2::kEndHeaders : http2::kNone, 1,
+                          block.substr(at, 16'000));
+  }
+  robot_.Send(flood);
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(robot_.ReadUntilEnd());
+  EXPECT_TRUE(robot_.goaway_code());
+}
+
+/// A name of the dynamic table, thousands of times: a byte on the wire is 4 KB of headers.
+TEST_F(HostileRequests, AHeaderBomb) {
+  const std::string value(3900, 'b');
+  std::string stored = http2::Hpack({{"a", value}});
+  stored.front() = '\x40';
+  robot_.Send(
+      http2::Frame(http2::kHeaders, http2::kEndHeaders, 1, http2::Hpack(RelayFields()) + stored));
+  for (std::uint32_t i = 1; i < 16; ++i) {
+    robot_.Send(http2::Frame(http2::kHeaders, http2::kEndHeaders, 2 * i + 1,
+                             http2::Hpack(RelayFields()) + std::string(16'000, '\xBE')));
+  }
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(robot_.ReadUntil(
+      [&] { return StatusOf(robot_.At(31)) == "8" || robot_.goaway_code().has_value(); }));
+  robot_.Send(http2::RstStream(1, http2::kCancel));
+}
+
+TEST_F(HostileRequests, EndlessContinuations) {
+  std::string field = http2::Hpack({{"a", std::string(16'000, 'b')}});
+  robot_.Send(http2::Frame(http2::kHeaders, 0, 1, http2::Hpack(RelayFields())));
+  for (int i = 0; i < 300; ++i) {
+    if (!robot_.Send(http2::Frame(http2::kContinuation, 0, 1, field))) break;
+  }
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(robot_.ReadUntilEnd());
+  EXPECT_TRUE(robot_.goaway_code() || robot_.end() == RawTcp::End::kReset);
+}
+
+TEST_F(HostileRequests, MessagesThatAreAnnouncedAndNeverCome) {
+  std::vector<std::unique_ptr<RawHttp2>> robots;
+  for (int i = 0; i < 20; ++i) {
+    robots.push_back(std::make_unique<RawHttp2>(ClientOf(world_, RobotKeys(world_, 700 + i))));
+    ASSERT_TRUE(robots.back()->Begin());
+    for (std::uint32_t stream = 1; stream <= 15; stream += 2) {
+      robots.back()->Send(OpenRelay(stream) +
+                          http2::Data(stream, Prefix(200'000) + std::string(100, 'x')));
+    }
+  }
+  ExpectVictimGoesOn();
+}
+
+/// Answers that nobody reads: what waits for one peer is bounded.
+TEST_F(HostileRequests, APeerThatOpensNoWindow) {
+  robot_.Send(http2::Settings({{http2::kInitialWindowSize, 0}}) + OpenRelay(1));
+  EXPECT_EQ(robot_.SendData(1, HelloMessage(1), kPatience), HelloMessage(1).size());
+  model::Seq seq = 1;
+  while (robot_.SendData(1, WithPrefix(BatchFrame({{seq, "rubbish"}}).SerializeAsString()),
+                         std::chrono::milliseconds(200)) > 0) {
+    if (++seq > 20'000) break;
+  }
+  EXPECT_LT(seq, 20'000U) << "the stream is held back";
+  ExpectVictimGoesOn();
+  robot_.Send(http2::RstStream(1, http2::kCancel));
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,163 @@
+// gRPC over HTTP/2 as it is published: requests, statuses, and how calls end.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/component/front/front_world.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Protocol : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(client_.Begin()); }
+
+  /// The answer to a call with these headers changed.
+  const RawStream& Answer(const http2::Fields& changes) {
+    client_.Send(OpenRelay(1, changes));
+    EXPECT_TRUE(client_.ReadUntilOver(1));
+    return client_.At(1);
+  }
+
+  RelayWorld world_{Native()};
+  RawHttp2 client_{ClientOf(world_, RobotKeys(world_, 1))};
+};
+
+TEST_F(Protocol, ACallIsHeadersThenMessagesThenTrailers) {
+  client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + FaultsMessage(1, 3)));
+  ASSERT_TRUE(client_.ReadUntil([&] { return LastAck(client_.At(1)).through_seq() == 3; }));
+  const RawStream& stream = client_.At(1);
+  EXPECT_EQ(stream.Header(":status"), "200");
+  EXPECT_EQ(stream.Header("content-type"), "application/grpc");
+  EXPECT_EQ(stream.Header("grpc-status"), "");
+  EXPECT_TRUE(FramesOf(stream).front().has_welcome());
+  client_.Send(http2::Data(1, "", http2::kEndStream));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  EXPECT_TRUE(stream.ended);
+  EXPECT_EQ(stream.header_blocks, 2U);
+  EXPECT_EQ(StatusOf(stream), "0");
+  EXPECT_EQ(stream.reset, std::nullopt);
+}
+
+TEST_F(Protocol, HalfCloseGetsTheLastAckThenOk) {
+  client_.Send(OpenRelay(1) +
+               http2::Data(1, HelloMessage(1) + FaultsMessage(1, 5), http2::kEndStream));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  const auto frames = FramesOf(client_.At(1));
+  ASSERT_TRUE(frames.back().has_ack());
+  EXPECT_EQ(frames.back().ack().through_seq(), 5U);
+  EXPECT_EQ(StatusOf(client_.At(1)), "0");
+}
+
+TEST_F(Protocol, ARefusalIsOfTrailersOnly) {
+  const RawStream& stream = Answer({{":path", "/uplink.v1.UplinkRelay/Other"}});
+  EXPECT_EQ(stream.header_blocks, 1U);
+  EXPECT_EQ(stream.data_frames, 0U);
+  EXPECT_EQ(stream.Header(":status"), "200");
+  EXPECT_EQ(stream.Header("content-type"), "application/grpc");
+  EXPECT_EQ(StatusOf(stream), "12");
+}
+
+TEST_F(Protocol, AfterARefusalThePeerIsToldToStopSending) {
+  static_cast<void>(Answer({{":path", "/nothing"}}));
+  ASSERT_TRUE(client_.ReadUntil([&] { return client_.At(1).reset.has_value(); }));
+  EXPECT_EQ(client_.At(1).reset, http2::kNoError);
+}
+
+TEST_F(Protocol, AVeryLongPathIsUnimplemented) {
+  EXPECT_EQ(StatusOf(Answer({{":path", "/" + std::string(4000, 'x')}})), "12");
+}
+
+TEST_F(Protocol, AStatusMessageIsPercentEncoded) {
+  const RawStream& stream = Answer({{"grpc-encoding", "50%\xC3\xBC"}});
+  EXPECT_EQ(stream.Trailer("grpc-message"), "grpc-encoding 50%25%C3%BC: only identity is taken");
+}
+
+TEST_F(Protocol, AForeignEncodingIsUnimplementedWithWhatIsTaken) {
+  const RawStream& stream = Answer({{"grpc-encoding", "gzip"}});
+  EXPECT_EQ(StatusOf(stream), "12");
+  EXPECT_THAT(stream.Trailer("grpc-message"), HasSubstr("gzip"));
+  EXPECT_EQ(stream.Trailer("grpc-accept-encoding"), "identity");
+}
+
+TEST_F(Protocol, IdentityIsNoForeignEncoding) {
+  client_.Send(OpenRelay(1, {{"grpc-encoding", "identity"}}) +
+               http2::Data(1, HelloMessage(1), http2::kEndStream));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client_.At(1)), "0");
+}
+
+TEST_F(Protocol, ARequestWithoutTeIsInternal) { EXPECT_EQ(StatusOf(Answer({{"te", ""}})), "13"); }
+
+TEST_F(Protocol, AnotherMethodOfHttpIs405) {
+  const RawStream& stream = Answer({{":method", "GET"}});
+  EXPECT_EQ(stream.Header(":status"), "405");
+  EXPECT_EQ(StatusOf(stream), "");
+}
+
+TEST_F(Protocol, AnotherContentTypeIs415) {
+  EXPECT_EQ(Answer({{"content-type", "application/json"}}).Header(":status"), "415");
+}
+
+TEST_F(Protocol, AContentTypeThatOnlyBeginsLikeOursIs415) {
+  EXPECT_EQ(Answer({{"content-type", "application/grpc-web"}}).Header(":status"), "415");
+}
+
+TEST_F(Protocol, AMalformedTimeoutIsInvalid) {
+  EXPECT_EQ(StatusOf(Answer({{"grpc-timeout", "123456789S"}})), "3");
+}
+
+TEST_F(Protocol, ATimeoutEndsTheCall) {
+  client_.Send(OpenRelay(1, {{"grpc-timeout", "100m"}}) + http2::Data(1, HelloMessage(1)));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client_.At(1)), "4");
+  EXPECT_TRUE(Eventually([&] { return world_.server().streams() == 0; }));
+}
+
+TEST_F(Protocol, ACancelFreesTheStream) {
+  client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
+  ASSERT_TRUE(client_.ReadUntil([&] { return !client_.At(1).data.empty(); }));
+  EXPECT_EQ(world_.server().streams(), 1U);
+  client_.Send(http2::RstStream(1, http2::kCancel));
+  EXPECT_TRUE(Eventually([&] { return world_.server().streams() == 0; }));
+  client_.Send(OpenRelay(3) + http2::Data(3, HelloMessage(1), http2::kEndStream));
+  ASSERT_TRUE(client_.ReadUntilOver(3));
+  EXPECT_EQ(StatusOf(client_.At(3)), "0");
+}
+
+TEST_F(Protocol, ACutConnectionFreesTheStream) {
+  {
+    RawHttp2 other(ClientOf(world_, RobotKeys(world_, 2)));
+    ASSERT_TRUE(other.Begin());
+    other.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
+    ASSERT_TRUE(other.ReadUntil([&] { return !other.At(1).data.empty(); }));
+  }
+  EXPECT_TRUE(Eventually([&] { return world_.server().streams() == 0; }));
+}
+
+TEST_F(Protocol, TrailersOfARequestEndIt) {
+  client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)) +
+               http2::Headers(1, {{"x-last", "word"}}, http2::kEndHeaders | http2::kEndStream));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client_.At(1)), "0");
+}
+
+TEST_F(Protocol, HeadersOverTheirLimitAreResourceExhausted) {
+  EXPECT_EQ(StatusOf(Answer({{"x-long", std::string(8 * 1024, 'x')}})), "8");
+}
+
+TEST_F(Protocol, ContinuedHeadersAreOneRequest) {
+  const std::string block = http2::Hpack(RelayFields());
+  client_.Send(http2::Frame(http2::kHeaders, http2::kNone, 1, block.substr(0, 10)) +
+               http2::Frame(http2::kContinuation, http2::kNone, 1, block.substr(10, 20)) +
+               http2::Frame(http2::kContinuation, http2::kEndHeaders, 1, block.substr(30)) +
+               http2::Data(1, HelloMessage(1), http2::kEndStream));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client_.At(1)), "0");
+}
+
+}  // namespace
+}  // namespace uplink::testing

@@ -1,0 +1,138 @@
+// Who gets through the handshake, and what those are told that do not.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <openssl/ssl.h>
+
+#include "tests/component/front/front_world.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using transport::TurnedAway;
+
+/// The server ends it: with this alert, in order, so that the alert is not lost on its way.
+void ExpectAlert(RawHttp2& client, int description) {
+  // What a client would say at once: it must not turn the end into a reset.
+  client.Send(http2::Preface() + http2::Settings({}));
+  EXPECT_TRUE(client.ReadUntilEnd());
+  EXPECT_EQ(client.alert(), description);
+  EXPECT_EQ(client.end(), RawTcp::End::kClosed);
+}
+
+TEST(Tls, HttpTwoIsAgreedOn) {
+  RelayWorld world(Native());
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  options.protocols = {"http/1.1", "h2"};
+  RawHttp2 client(options);
+  EXPECT_EQ(client.protocol(), "h2");
+  EXPECT_TRUE(client.Begin());
+  EXPECT_TRUE(client.Sync());
+}
+
+TEST(Tls, WithoutAProtocolNothingIsServed) {
+  RelayWorld world(Native());
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  options.protocols.clear();
+  RawHttp2 client(options);
+  client.Send(http2::Preface() + http2::Settings({}) + OpenRelay(1));
+  EXPECT_TRUE(client.ReadUntilEnd());
+  EXPECT_EQ(client.settings().size(), 0U);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
+  EXPECT_EQ(world.session_probe.streams_total.value(), 0);
+}
+
+TEST(Tls, WithHttpOneAloneNothingIsServed) {
+  RelayWorld world(Native());
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  options.protocols = {"http/1.1"};
+  RawHttp2 client(options);
+  ExpectAlert(client, SSL_AD_NO_APPLICATION_PROTOCOL);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
+}
+
+TEST(Tls, Tls12IsServed) {
+  RelayWorld world(Native());
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  options.tls_max = TLS1_2_VERSION;
+  RawHttp2 client(options);
+  EXPECT_TRUE(client.Begin());
+}
+
+TEST(Tls, Tls12IsRefusedWhere13IsTheMinimum) {
+  RelayWorld world(Native({.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k13}));
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  {
+    RawHttp2 client(options);
+    EXPECT_TRUE(client.Begin());
+  }
+  options.tls_max = TLS1_2_VERSION;
+  RawHttp2 client(options);
+  EXPECT_FALSE(client.handshaken());
+  ExpectAlert(client, SSL_AD_PROTOCOL_VERSION);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
+}
+
+TEST(Tls, Tls11IsRefused) {
+  RelayWorld world(Native());
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  options.tls_max = TLS1_1_VERSION;
+  RawHttp2 client(options);
+  EXPECT_FALSE(client.handshaken());
+}
+
+TEST(Tls, AForeignCertificateIsToldSoByAnAlert) {
+  RelayWorld world(Native());
+  const TestAuthority foreign("another authority");
+  RawHttp2 client(ClientOf(world, foreign.Issue(RobotSpec(RuriOf(1)))));
+  ExpectAlert(client, SSL_AD_UNKNOWN_CA);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kUntrusted), 1);
+  EXPECT_EQ(world.relay_probe.handshakes_failed_total.value(), 1);
+}
+
+TEST(Tls, AForeignCertificateIsToldSoByAnAlertInTls12) {
+  RelayWorld world(Native());
+  const TestAuthority foreign("another authority");
+  RawHttp2::Options options = ClientOf(world, foreign.Issue(RobotSpec(RuriOf(1))));
+  options.tls_max = TLS1_2_VERSION;
+  RawHttp2 client(options);
+  EXPECT_FALSE(client.handshaken());
+  ExpectAlert(client, SSL_AD_UNKNOWN_CA);
+}
+
+TEST(Tls, NoCertificateIsToldSoByAnAlert) {
+  RelayWorld world(Native());
+  RawHttp2 client(ClientOf(world, {}));
+  ExpectAlert(client, SSL_AD_CERTIFICATE_REQUIRED);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNoCertificate), 1);
+}
+
+TEST(Tls, PlainBytesAreNoTls) {
+  RelayWorld world(Native());
+  RawTcp client(world.server().port());
+  static_cast<void>(client.SendSome("GET / HTTP/1.1\r\nHost: x\r\n\r\n"));
+  EXPECT_TRUE(client.WaitForEnd(kPatience));
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kNoTls) == 1; }));
+}
+
+TEST(Tls, AnExpiredCertificateIsToldSoThenTheConnectionEnds) {
+  RelayWorld world(Native());
+  CertificateSpec spec = RobotSpec(RuriOf(1));
+  spec.not_after_s = -60;
+  RawHttp2 client(ClientOf(world, world.authority.Issue(spec)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
+  ASSERT_TRUE(client.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client.At(1)), "16");
+  EXPECT_THAT(client.At(1).Trailer("grpc-message"), HasSubstr("has expired"));
+  EXPECT_TRUE(client.ReadUntilEnd());
+  EXPECT_EQ(client.goaway_code(), http2::kNoError);
+  EXPECT_EQ(client.end(), RawTcp::End::kClosed);
+  EXPECT_EQ(world.session_probe.streams_total.value(), 0);
+  EXPECT_TRUE(Eventually([&] { return world.relay_probe.connections.value() == 0; }));
+}
+
+}  // namespace
+}  // namespace uplink::testing
