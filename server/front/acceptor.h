@@ -35,7 +35,7 @@ class Acceptor final {
   Acceptor(const Acceptor&) = delete;
   Acceptor& operator=(const Acceptor&) = delete;
 
-  /// Has `tend` called once a second, too.
+  /// Has `tend` called every second, too.
   void Start(Hand hand, std::function<void()> tend);
   /// Runs `work` on its thread; never, once it has stopped. Any thread.
   void Post(std::function<void()> work);

@@ -262,11 +262,6 @@ void Http2::Ping() { Done(nghttp2_submit_ping(session_, NGHTTP2_FLAG_NONE, nullp
 
 void Http2::NoticeEnd() { Done(nghttp2_submit_shutdown_notice(session_)); }
 
-void Http2::LastStreams() {
-  const std::int32_t last = nghttp2_session_get_last_proc_stream_id(session_);
-  Done(nghttp2_submit_goaway(session_, NGHTTP2_FLAG_NONE, last, NGHTTP2_NO_ERROR, nullptr, 0));
-}
-
 void Http2::End(std::uint32_t code, std::string_view text) {
   if (!text.empty()) {
     // The library's own, which ends the session, carries no text.

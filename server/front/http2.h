@@ -117,8 +117,6 @@ class Http2 final {
   void Ping();
   /// Tells the peer to open no more streams here; those that it opens meanwhile still count.
   void NoticeEnd();
-  /// Tells the peer that streams which it opens from now on are not served; the others go on.
-  void LastStreams();
   /// Ends the connection with a code, and a text for who looks: no stream goes on.
   void End(std::uint32_t code, std::string_view text);
 

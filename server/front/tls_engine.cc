@@ -214,22 +214,4 @@ void TlsEngine::WriteEnd() {
   ERR_clear_error();
 }
 
-std::string_view ToText(TlsEngine::Failure failure) {
-  switch (failure) {
-    case TlsEngine::Failure::kNone:
-      return "none";
-    case TlsEngine::Failure::kNoTls:
-      return "no_tls";
-    case TlsEngine::Failure::kNothingShared:
-      return "nothing_shared";
-    case TlsEngine::Failure::kNoCertificate:
-      return "no_certificate";
-    case TlsEngine::Failure::kUntrusted:
-      return "untrusted";
-    case TlsEngine::Failure::kOther:
-      return "other";
-  }
-  return "";
-}
-
 }  // namespace uplink::front

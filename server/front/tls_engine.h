@@ -122,7 +122,4 @@ class TlsEngine final {
   bool over_ = false;
 };
 
-/// As a label and in logs.
-[[nodiscard]] std::string_view ToText(TlsEngine::Failure failure);
-
 }  // namespace uplink::front
