@@ -73,6 +73,7 @@ absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::Start(
 }
 
 config::Transport TestedTransport() {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody sets a variable in a test's process.
   const char* name = std::getenv("UPLINK_TEST_TRANSPORT");
   return name != nullptr && std::string_view(name) == "native" ? config::Transport::kNative
                                                                : config::Transport::kGrpc;

@@ -64,6 +64,7 @@ class HostileDoor : public ::testing::Test {
 
 std::vector<std::string> ManySources() {
   std::vector<std::string> sources;
+  sources.reserve(kSources);
   for (int i = 0; i < kSources; ++i) sources.push_back("127.0.0." + std::to_string(2 + i));
   return sources;
 }
@@ -135,6 +136,7 @@ std::unique_ptr<RawHttp2> Begun(const RelayWorld& world, const KeyPair& keys) {
 TEST_F(HostileDoor, TheFifthConnectionOfACertificateEvictsTheOldestWithoutAStream) {
   const KeyPair keys = RobotKeys(*world_, 666);
   std::vector<std::unique_ptr<RawHttp2>> clients;
+  clients.reserve(4);
   for (int i = 0; i < 4; ++i) clients.push_back(Begun(*world_, keys));
   clients[0]->Send(OpenRelay(1));
   ASSERT_TRUE(Eventually([&] { return world_->server().streams() == 2; }));
@@ -165,6 +167,7 @@ TEST_F(HostileDoor, WhereAllHaveStreamsTheOneHeardLeastRecentlyIsEvicted) {
 TEST_F(HostileDoor, ManyConnectionsOfOneCertificateEvictNobodyElses) {
   const KeyPair keys = RobotKeys(*world_, 666);
   std::vector<std::unique_ptr<RawHttp2>> clients;
+  clients.reserve(60);
   for (int i = 0; i < 60; ++i) clients.push_back(Begun(*world_, keys));
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kKey) == 56; }));
   EXPECT_TRUE(victim_.GoesOn());
