@@ -12,14 +12,13 @@
 namespace uplink::front {
 using transport::TurnedAway;
 
-Connection::Connection(Thread& thread, boost::asio::io_context& context, ConnectionOwner& owner,
-                       Setup setup)
+Connection::Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, Setup setup)
     : thread_(thread),
       owner_(owner),
       id_(setup.id),
       origin_(std::move(setup.origin)),
       age_max_(setup.age_max),
-      socket_(context, setup.descriptor, *this, thread.received),
+      socket_(loop, setup.descriptor, *this, thread.received),
       tls_(std::make_unique<TlsEngine>(std::move(setup.tls), thread.buffer_method, thread.tls)),
       place_(thread.book, setup.id) {}
 
@@ -28,7 +27,8 @@ Connection::~Connection() { thread_.connection_timers.Forget(id_, timer_); }
 void Connection::Start() {
   phase_by_ = thread_.clock.Steady() + kHandshakeWaitPressed;
   handshake_by_ = thread_.clock.Steady() + kHandshakeWait;
-  AfterEvent();
+  if (!socket_.Start()) return Close();
+  Settle();
 }
 
 void Connection::OnReceived(std::string_view bytes) {
@@ -85,11 +85,6 @@ void Connection::ReadPlain() {
 void Connection::OnReceiveEnd() {
   thread_.clock.Advance();
   Close();
-}
-
-void Connection::AfterEvent() {
-  Settle();
-  if (phase_ != Phase::kClosed) socket_.Receive();
 }
 
 void Connection::OnUnblocked() {

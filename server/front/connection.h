@@ -30,7 +30,7 @@ class ConnectionOwner {
   virtual void OnHandshakeEnded(Connection& connection) = 0;
   /// Another connection of the same certificate has to go.
   virtual void OnEvicted(std::uint64_t connection) = 0;
-  /// It is closed: it may be destroyed once `quiet()`, and not from here.
+  /// It is closed: it may be destroyed, and not from here.
   virtual void OnClosed(Connection& connection) = 0;
 };
 
@@ -50,7 +50,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
     milliseconds age_max{0};
   };
 
-  Connection(Thread& thread, boost::asio::io_context& context, ConnectionOwner& owner, Setup setup);
+  Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, Setup setup);
   ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -69,14 +69,12 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Settle() override;
 
   [[nodiscard]] std::uint64_t id() const { return id_; }
-  [[nodiscard]] bool quiet() const { return socket_.quiet(); }
 
   // SocketOwner
   void OnReceived(std::string_view bytes) override;
   void OnReceiveEnd() override;
   void OnUnblocked() override;
-  void AfterEvent() override;
-  void OnQuiet() override { owner_.OnClosed(*this); }
+  void AfterEvent() override { Settle(); }
   // Http2Peer
   Http2Stream* OnStream(std::int32_t id) override;
   void OnFrame(FrameKind kind) override;

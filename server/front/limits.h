@@ -25,9 +25,6 @@ inline constexpr std::uint32_t kGatewayStreamsMax = 128;
 /// Answers to PING and SETTINGS that wait for a peer which does not read, before it is ended.
 inline constexpr std::size_t kAnswersWaitingMax = 64;
 
-/// What a connection reads at once into memory of its own: one paced message and what surrounds it.
-/// More comes through the thread's buffer.
-inline constexpr std::size_t kOwnReadBytes = 512;
 /// What a thread reads at once, over all its connections.
 inline constexpr std::size_t kSharedReadBytes = 64 * 1024;
 /// Bytes that go out in one call of the system at most; what does not fit waits at its connection.

@@ -2,13 +2,11 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-
+#include "server/front/event_loop.h"
 #include "server/front/limits.h"
 
 namespace uplink::front {
@@ -25,25 +23,24 @@ class SocketOwner {
   virtual void OnUnblocked() = 0;
   /// After each of the above, or several.
   virtual void AfterEvent() = 0;
-  /// After Close: no operation of the system is under way any more.
-  virtual void OnQuiet() = 0;
 };
 
-/// A connected socket: reads when asked, sends at once and keeps back what does not fit.
+/// A connected socket: reads through the thread's buffer, sends at once and keeps back what does
+/// not fit.
 ///
-/// It receives into a small buffer of its own, which takes a paced message whole without a call to
-/// wait for it; what is larger comes through the thread's buffer.
-/// Thread: confined to its context's.
-class Socket final {
+/// Thread: confined to that of its loop.
+class Socket final : public ReadyOwner {
  public:
-  /// Takes the descriptor over. `shared` is the thread's.
-  Socket(boost::asio::io_context& context, int descriptor, SocketOwner& owner,
-         std::array<char, kSharedReadBytes>& shared);
+  /// Takes the descriptor over, which does not block. `shared` is the thread's.
+  Socket(EventLoop& loop, int descriptor, SocketOwner& owner,
+         std::array<char, kSharedReadBytes>& shared)
+      : loop_(loop), descriptor_(descriptor), owner_(owner), shared_(shared) {}
+  ~Socket() override { Close(); }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
-  /// Wants the next bytes; nothing if it waits for them already.
-  void Receive();
+  /// Tells its owner from now on; false: the system has no room for it.
+  [[nodiscard]] bool Start() { return loop_.Watch(descriptor_, *this); }
   /// False if the connection broke.
   [[nodiscard]] bool Send(std::string_view bytes);
   /// Bytes wait for a peer that does not read.
@@ -52,23 +49,20 @@ class Socket final {
   /// Tells the peer that nothing follows.
   void EndOutput();
   void Close();
-  /// Whether it may be destroyed: closed, and no operation is under way.
-  [[nodiscard]] bool quiet() const { return closed_ && operations_ == 0; }
+
+  void OnReady(std::uint32_t events) override;
 
  private:
-  void OnReceived(const boost::system::error_code& error, std::size_t bytes);
-  void ReceiveMore();
-  void WaitToSend();
-  void OnSendable(const boost::system::error_code& error);
+  void Receive();
+  void SendKept();
+  [[nodiscard]] bool closed() const { return descriptor_ < 0; }
 
-  boost::asio::ip::tcp::socket socket_;
+  EventLoop& loop_;
+  /// Below 0: closed.
+  int descriptor_;
   SocketOwner& owner_;
   std::array<char, kSharedReadBytes>& shared_;
   std::string kept_;
-  int operations_ = 0;
-  bool receiving_ = false;
-  bool closed_ = false;
-  std::array<char, kOwnReadBytes> own_;
 };
 
 }  // namespace uplink::front

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include <boost/asio/post.hpp>
 #include <fmt/format.h>
 #include <pthread.h>
 
@@ -13,17 +12,17 @@
 
 namespace uplink::front {
 
-namespace asio = boost::asio;
-
 Worker::Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
                const Methods& methods, const ServedContext& tls, DoorBook& book)
     : setup_(setup),
       tls_(tls),
       thread_state_(relay, gate, methods, *this, book, setup.unfinished_bytes_max),
-      // Its sockets are used by its own thread alone; others post.
-      context_(BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO),
-      work_(context_.get_executor()),
-      timer_(context_) {}
+      loop_({.timer =
+                 [this] {
+                   thread_state_.clock.Advance();
+                   RunTimers();
+                 },
+             .after = [this] { SetTimer(); }}) {}
 
 Worker::~Worker() { Stop(); }
 
@@ -34,14 +33,11 @@ void Worker::Start() {
 void Worker::Run() {
   const std::string name = fmt::format("relay-{}", setup_.index);
   ::pthread_setname_np(::pthread_self(), name.c_str());
-  while (context_.run_one() > 0) {
-    SetTimer();
-  }
+  loop_.Run();
 }
 
-template <typename Work>
-void Worker::Post(Work work) {
-  asio::post(context_, [this, work = std::move(work)]() mutable {
+void Worker::Post(std::function<void()> work) {
+  loop_.Post([this, work = std::move(work)] {
     thread_state_.clock.Advance();
     work();
   });
@@ -55,7 +51,7 @@ void Worker::Adopt(std::uint64_t id, Visitor visitor) {
 void Worker::Begin(std::uint64_t id, Visitor visitor) {
   auto& connection = connections_[id];
   connection =
-      std::make_unique<Connection>(thread_state_, context_, *this,
+      std::make_unique<Connection>(thread_state_, loop_, *this,
                                    Connection::Setup{.id = id,
                                                      .descriptor = visitor.descriptor,
                                                      .origin = std::move(visitor.origin),
@@ -119,18 +115,9 @@ void Worker::SetTimer() {
   if (!next || (connections && *connections < *next)) next = connections;
   if (next == timer_at_) return;
   timer_at_ = next;
-  if (!next) {
-    timer_.cancel();
-    return;
-  }
-  // Our clock is not Asio's, so only the distance counts.
-  const SteadyTime now = thread_state_.clock.Steady();
-  timer_.expires_after(std::max(*next - now, SteadyTime::duration(0)));
-  timer_.async_wait([this](const boost::system::error_code& error) {
-    if (error) return;
-    thread_state_.clock.Advance();
-    RunTimers();
-  });
+  if (!next) return loop_.SetTimer(std::nullopt);
+  // Our clock is not the system's, so only the distance counts.
+  loop_.SetTimer(*next - thread_state_.clock.Steady());
 }
 
 void Worker::RunTimers() {
@@ -155,28 +142,19 @@ void Worker::OnHandshakeEnded(Connection& connection) { setup_.handshake_ended(c
 void Worker::OnEvicted(std::uint64_t connection) { setup_.evict(connection); }
 
 void Worker::OnClosed(Connection& connection) {
-  closed_.insert(connection.id());
-  if (std::exchange(reaping_, true)) return;
-  Post([this] { Reap(); });
+  closed_.push_back(connection.id());
+  if (closed_.size() == 1) Post([this] { Reap(); });
 }
 
 void Worker::Reap() {
-  reaping_ = false;
-  std::erase_if(closed_, [this](std::uint64_t id) {
-    const auto found = connections_.find(id);
-    if (!found->second->quiet()) return false;
-    connections_.erase(found);
-    load_.fetch_sub(1, std::memory_order_relaxed);
-    return true;
-  });
+  const std::vector<std::uint64_t> closed = std::exchange(closed_, {});
+  for (const std::uint64_t id : closed) connections_.erase(id);
+  load_.fetch_sub(closed.size(), std::memory_order_relaxed);
   EndIfEmpty();
 }
 
 void Worker::EndIfEmpty() {
-  if (!ending_ || !connections_.empty()) return;
-  work_.reset();
-  // A wait that nobody needs any more would keep the thread.
-  timer_.cancel();
+  if (ending_ && connections_.empty()) loop_.Stop();
 }
 
 void Worker::Drain(milliseconds grace) {

@@ -10,19 +10,17 @@
 #include <thread>
 #include <unordered_map>
 #include <unordered_set>
-
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
+#include <vector>
 
 #include "server/front/connection.h"
 #include "server/front/door.h"
+#include "server/front/event_loop.h"
 #include "server/front/thread.h"
 #include "server/robot/wake.h"
 
 namespace uplink::front {
 
-/// One Asio context and its thread, the connections that stay on it with their calls, their timers,
+/// One event loop and its thread, the connections that stay on it with their calls, their timers,
 /// and the inbox through which other threads wake them.
 ///
 /// Order:  Start; Stop, which ends all connections. Wakes do nothing afterwards.
@@ -71,23 +69,21 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
   void EmptyInbox();
   void BeginDrain(milliseconds grace);
   void EndAll();
-  /// Destroys what is closed and quiet.
+  /// Destroys what is closed.
   void Reap();
   /// Lets the thread end once it is to and nothing is left.
   void EndIfEmpty();
   /// Has the timers run when the next is due.
   void SetTimer();
   void RunTimers();
-  template <typename Work>
-  void Post(Work work);
+  void Post(std::function<void()> work);
 
   const Setup setup_;
   const ServedContext& tls_;
   Thread thread_state_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Connection>> connections_;
-  /// Closed ones that wait for the system's last word.
-  std::unordered_set<std::uint64_t> closed_;
-  bool reaping_ = false;
+  /// Closed ones that are to be destroyed.
+  std::vector<std::uint64_t> closed_;
   bool ending_ = false;
   std::atomic<std::size_t> load_{0};
 
@@ -97,9 +93,7 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
   bool wake_posted_ = false;
   bool stopped_ = false;
 
-  boost::asio::io_context context_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
-  boost::asio::steady_timer timer_;
+  EventLoop loop_;
   std::optional<SteadyTime> timer_at_;
   std::jthread thread_;
 };

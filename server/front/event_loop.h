@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <sys/epoll.h>
+
+#include "schema/base/clock.h"
+
+namespace uplink::front {
+
+/// What a descriptor became ready for.
+class ReadyOwner {
+ public:
+  virtual ~ReadyOwner() = default;
+  /// May close its own descriptor, and must outlive the events that are being told: what is posted
+  /// from here runs after them.
+  virtual void OnReady(std::uint32_t events) = 0;
+};
+
+/// Waits for what one thread has to do: descriptors that can be read or written, one timer, and
+/// what other threads post.
+///
+/// Not Asio's, whose sockets try to read once more after each message to find nothing, and whose
+/// waits cost a call of the system each.
+/// Thread: Post: any; the rest: that of Run, or before it.
+class EventLoop final {
+ public:
+  struct Hooks {
+    /// The timer is due.
+    std::function<void()> timer;
+    /// Some events were handled; there may be more.
+    std::function<void()> after;
+  };
+
+  explicit EventLoop(Hooks hooks);
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  /// Blocks until Stop.
+  void Run();
+  /// Ends Run; what is posted and did not run is dropped.
+  void Stop() { stopped_ = true; }
+  void Post(std::function<void()> work);
+
+  /// Tells `owner` whenever there is something to read; false: the system has no room for it. A
+  /// descriptor that is closed is out by itself.
+  [[nodiscard]] bool Watch(int descriptor, ReadyOwner& owner);
+  /// Whether `owner` is told of room to write, too.
+  void WatchSending(int descriptor, ReadyOwner& owner, bool wanted);
+  /// In place of what was set before; nothing: no timer.
+  void SetTimer(std::optional<SteadyTime::duration> after);
+
+ private:
+  void Handle(const epoll_event& event);
+  void RunPosted();
+
+  /// Events that are told before what was posted has its turn.
+  static constexpr std::size_t kEventsAtOnce = 128;
+
+  const Hooks hooks_;
+  const int set_;
+  const int timer_;
+  const int posts_;
+  std::array<epoll_event, kEventsAtOnce> events_{};
+  bool posts_due_ = false;
+  bool stopped_ = false;
+
+  std::mutex mutex_;
+  std::vector<std::function<void()>> posted_;
+};
+
+}  // namespace uplink::front
