@@ -15,6 +15,11 @@ namespace {
 
 /// HTTP/2 in ALPN's form: its length, its name.
 constexpr unsigned char kHttp2[] = {2, 'h', '2'};
+/// The suites of TLS 1.2: those that HTTP/2 allows, and no others. What has CBC, or no key of its
+/// own for each connection, is left out.
+constexpr char kSuitesOf12[] = "ECDHE+AESGCM:ECDHE+CHACHA20";
+/// Cheap ones first.
+constexpr char kGroups[] = "X25519:P-256:P-384:P-521";
 /// Intermediate certificates between a robot and an authority.
 constexpr int kChainDepthMax = 8;
 
@@ -83,7 +88,8 @@ int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* ch
   return SSL_TLSEXT_ERR_OK;
 }
 
-void SetProtocol(SSL_CTX* context, config::TlsVersion minimum) {
+/// False if the library has none of the suites or groups.
+bool SetProtocol(SSL_CTX* context, config::TlsVersion minimum) {
   SSL_CTX_set_min_proto_version(
       context, minimum == config::TlsVersion::k13 ? TLS1_3_VERSION : TLS1_2_VERSION);
   SSL_CTX_set_options(context, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
@@ -97,6 +103,8 @@ void SetProtocol(SSL_CTX* context, config::TlsVersion minimum) {
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
                      TlsEngine::OnVerified);
   SSL_CTX_set_verify_depth(context, kChainDepthMax);
+  return SSL_CTX_set_cipher_list(context, kSuitesOf12) == 1 &&
+         SSL_CTX_set1_groups_list(context, kGroups) == 1;
 }
 
 }  // namespace
@@ -107,9 +115,11 @@ absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(const transpo
   SSL_CTX* context = SSL_CTX_new(TLS_server_method());
   if (context == nullptr) return absl::InternalError("OpenSSL: no context");
   std::shared_ptr<const TlsContext> made(new TlsContext(context));
-  SetProtocol(context, minimum);
-  const bool cheap_first = SSL_CTX_set1_groups_list(context, "X25519:P-256:P-384:P-521") == 1;
-  if (!cheap_first || !UseChain(context, texts.certificate) || !UseKey(context, texts.key) ||
+  if (!SetProtocol(context, minimum)) {
+    ERR_clear_error();
+    return absl::InternalError("OpenSSL: none of the suites or groups");
+  }
+  if (!UseChain(context, texts.certificate) || !UseKey(context, texts.key) ||
       !TrustAuthorities(context, texts.client_ca)) {
     ERR_clear_error();
     return absl::FailedPreconditionError("OpenSSL does not take certificate, key or authority");

@@ -84,6 +84,9 @@ struct RawHttp2::Tls {
                         CertificateOf(options.server_ca).get());
     SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
     SSL_CTX_set_max_proto_version(context.get(), options.tls_max);
+    if (!options.suites_of_12.empty()) {
+      SSL_CTX_set_cipher_list(context.get(), options.suites_of_12.c_str());
+    }
     UseIdentity(context.get(), options.identity);
     std::string offer;
     for (const std::string& protocol : options.protocols) {

@@ -69,6 +69,8 @@ class RawHttp2 final {
     std::vector<std::string> protocols{"h2"};
     /// OpenSSL's number of the highest version of TLS; 0: what the library has.
     int tls_max = 0;
+    /// OpenSSL's names of the suites of TLS 1.2 that are offered; empty: those of the library.
+    std::string suites_of_12;
   };
   struct Goaway {
     std::uint32_t last_stream = 0;

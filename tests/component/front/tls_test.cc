@@ -61,6 +61,29 @@ TEST(Tls, Tls12IsServed) {
   EXPECT_TRUE(client.Begin());
 }
 
+/// Whether a client that offers these alone is served by TLS 1.2.
+bool Serves12With(const RelayWorld& world, const std::string& suites) {
+  RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
+  options.tls_max = TLS1_2_VERSION;
+  options.suites_of_12 = suites;
+  RawHttp2 client(options);
+  return client.Begin();
+}
+
+TEST(Tls, Tls12HasTheSuitesThatHttpTwoAllowsAlone) {
+  RelayWorld world(Native());
+  EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-AES128-GCM-SHA256"));
+  EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-AES256-GCM-SHA384"));
+  EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-CHACHA20-POLY1305"));
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 0);
+  // CBC, which padding oracles have read (Lucky 13).
+  EXPECT_FALSE(Serves12With(world, "ECDHE-ECDSA-AES256-SHA384"));
+  EXPECT_FALSE(Serves12With(world, "ECDHE-ECDSA-AES128-SHA256"));
+  EXPECT_FALSE(Serves12With(world, "ECDHE-ECDSA-AES128-SHA"));
+  EXPECT_FALSE(Serves12With(world, "ECDHE-ECDSA-AES128-CCM"));
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kNothingShared) == 4; }));
+}
+
 TEST(Tls, Tls12IsRefusedWhere13IsTheMinimum) {
   RelayWorld world(Native({.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k13}));
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
