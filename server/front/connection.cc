@@ -63,9 +63,7 @@ void Connection::BeginHttp2() {
   const bool gateway = peer_->identity.ok() && peer_->identity->role == identity::Role::kGateway;
   http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this,
                                    gateway ? kGatewayStreamsMax : kRobotStreamsMax);
-  const bool vouched = thread_.relay.clock_trust.vouched();
-  lifetime_.Open(now, age_max_, peer_->UntilExpiry(thread_.clock.System(), vouched),
-                 peer_->jitter());
+  lifetime_.Open(now, age_max_, UntilExpiry(), peer_->jitter());
   owner_.OnHandshakeEnded(*this);
   if (!place_.Take()) {
     return TurnAway(TurnedAway::kFull, "the server has no place for more connections");
@@ -266,6 +264,10 @@ void Connection::LookAtHandshake(SteadyTime now) {
   Close();
 }
 
+milliseconds Connection::UntilExpiry() const {
+  return peer_->UntilExpiry(thread_.clock.System(), thread_.relay.clock_trust.vouched());
+}
+
 void Connection::LookAtLifetime(SteadyTime now) {
   switch (lifetime_.Take(now, thread_.book.pressed())) {
     case Lifetime::Due::kNothing:
@@ -283,6 +285,8 @@ void Connection::LookAtLifetime(SteadyTime now) {
       return;
     case Lifetime::Due::kNoCall:
       return TurnAway(TurnedAway::kNoStream, "no stream was opened");
+    case Lifetime::Due::kLookAtExpiry:
+      return lifetime_.SetExpiry(now, UntilExpiry());
   }
 }
 

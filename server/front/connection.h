@@ -109,6 +109,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void SetTimer();
   void LookAtHandshake(SteadyTime now);
   void LookAtLifetime(SteadyTime now);
+  [[nodiscard]] milliseconds UntilExpiry() const;
   /// How many calls there are has changed from or to none.
   void NoteCalls();
   void FailHandshake(transport::TurnedAway cause);

@@ -19,12 +19,21 @@ void Lifetime::Open(SteadyTime now, milliseconds age, milliseconds until_expiry,
                     std::uint16_t jitter) {
   opened_at_ = heard_at_ = now;
   empty_since_ = now;
-  if (age > milliseconds(0)) age_at_ = now + Shortened(age, jitter);
+  jitter_ = jitter;
+  old_at_.reset();
+  if (age > milliseconds(0)) old_at_ = now + Shortened(age, jitter);
+  look_at_ = now;
+  SetExpiry(now, until_expiry);
+}
+
+void Lifetime::SetExpiry(SteadyTime now, milliseconds until_expiry) {
+  if (!look_at_) return;
+  look_at_ = now + kExpiryLook;
   // With a certificate that is nearly over already it may stay until that is.
   const milliseconds left = until_expiry > kBeforeExpiry
-                                ? Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter)
+                                ? Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter_)
                                 : until_expiry;
-  if (!age_at_ || now + left < *age_at_) age_at_ = now + left;
+  age_at_ = old_at_ ? std::min<SteadyTime>(*old_at_, now + left) : now + left;
 }
 
 void Lifetime::Heard(SteadyTime now) {
@@ -60,7 +69,12 @@ Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
   }
   if (age_at_ && now >= *age_at_) {
     age_at_.reset();
+    look_at_.reset();
     return Due::kAge;
+  }
+  if (look_at_ && now >= *look_at_) {
+    look_at_ = now + kExpiryLook;
+    return Due::kLookAtExpiry;
   }
   if (!empty_since_) return Due::kNothing;
   const auto first = pressed ? kFirstStreamWaitPressed : kFirstStreamWait;
@@ -73,6 +87,7 @@ Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
 SteadyTime Lifetime::next(SteadyTime now) const {
   SteadyTime next = answer_by_ ? *answer_by_ : heard_at_ + kKeepaliveAfter;
   if (age_at_) next = std::min(next, *age_at_);
+  if (look_at_) next = std::min(next, *look_at_);
   if (ends_by_) next = std::min(next, *ends_by_);
   if (blocked_by_) next = std::min(next, *blocked_by_);
   if (empty_since_) next = std::min(next, EmptyUntil(now));

@@ -26,11 +26,15 @@ class Lifetime final {
     kIdle,
     /// It never had a call that was served.
     kNoCall,
+    /// What is left of its certificates may have changed with the civil clock: SetExpiry.
+    kLookAtExpiry,
   };
 
   /// The connection opened. `age` is limits.connection_age_max, zero for never; `until_expiry` what
   /// is left of its certificates; of both a tenth at most is taken, by `jitter` of 65,536 parts.
   void Open(SteadyTime now, milliseconds age, milliseconds until_expiry, std::uint16_t jitter);
+  /// So much is left of its certificates now. Nothing once its age was told.
+  void SetExpiry(SteadyTime now, milliseconds until_expiry);
   void Heard(SteadyTime now);
   /// A call of it was served: from then on it may be without one for long.
   void NoteServed() { had_call_ = true; }
@@ -56,7 +60,12 @@ class Lifetime final {
   /// The peer was asked whether it is there.
   std::optional<SteadyTime> answer_by_;
   std::optional<SteadyTime> blocked_by_;
+  std::uint16_t jitter_ = 0;
+  /// By limits.connection_age_max alone.
+  std::optional<SteadyTime> old_at_;
+  /// By that or its certificates, and when those are looked at next; nothing once it was told.
   std::optional<SteadyTime> age_at_;
+  std::optional<SteadyTime> look_at_;
   std::optional<SteadyTime> ends_by_;
   /// Since when there has been no call; nothing while there is one.
   std::optional<SteadyTime> empty_since_;

@@ -60,6 +60,9 @@ inline constexpr std::chrono::seconds kBlockedWait{40};
 inline constexpr std::chrono::hours kFarAway{24 * 365 * 10};
 /// Streams of a connection that has reached its age have so long to settle.
 inline constexpr std::chrono::seconds kAgeGrace{10};
+/// How often what is left of a certificate is looked at: the civil clock may be set, or be vouched
+/// for only then.
+inline constexpr std::chrono::minutes kExpiryLook{1};
 /// A connection ends so long before its certificate does.
 inline constexpr std::chrono::minutes kBeforeExpiry{10};
 

@@ -23,9 +23,13 @@ class LifetimeTest : public ::testing::Test {
   /// The peer was heard just before.
   Due HeardAndDueAt(milliseconds at) {
     lifetime_.Heard(kStart + at);
-    return lifetime_.Take(kStart + at, false);
+    return DueAt(at);
   }
-  Due DueAt(milliseconds at) { return lifetime_.Take(kStart + at, false); }
+  /// Besides looks at the expiry, which find what they found before.
+  Due DueAt(milliseconds at) {
+    const Due due = lifetime_.Take(kStart + at, false);
+    return due == Due::kLookAtExpiry ? lifetime_.Take(kStart + at, false) : due;
+  }
 
   Lifetime lifetime_;
 };
@@ -68,6 +72,43 @@ TEST_F(LifetimeTest, WithLessLeftItStaysUntilTheExpiry) {
   Open(milliseconds(0), kBeforeExpiry);
   EXPECT_EQ(HeardAndDueAt(kBeforeExpiry - milliseconds(1)), Due::kNothing);
   EXPECT_EQ(HeardAndDueAt(kBeforeExpiry), Due::kAge);
+}
+
+TEST_F(LifetimeTest, TheExpiryIsLookedAtEveryMinute) {
+  Open(milliseconds(0), kYear);
+  lifetime_.Heard(kStart + kExpiryLook);
+  EXPECT_EQ(lifetime_.Take(kStart + kExpiryLook - milliseconds(1), false), Due::kNothing);
+  EXPECT_LE(lifetime_.next(kStart), kStart + kExpiryLook);
+  EXPECT_EQ(lifetime_.Take(kStart + kExpiryLook, false), Due::kLookAtExpiry);
+  EXPECT_EQ(lifetime_.Take(kStart + kExpiryLook, false), Due::kNothing) << "once";
+}
+
+TEST_F(LifetimeTest, AClockThatIsSetAheadEndsItSooner) {
+  Open(kHour * 24, kYear);
+  lifetime_.SetExpiry(kStart + kHour, kHour);
+  EXPECT_EQ(HeardAndDueAt(kHour * 2 - kBeforeExpiry - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kHour * 2 - kBeforeExpiry), Due::kAge);
+}
+
+TEST_F(LifetimeTest, AClockThatIsSetBackLeavesTheAge) {
+  Open(kHour * 24, kHour);
+  lifetime_.SetExpiry(kStart + kHour / 2, kYear);
+  EXPECT_EQ(HeardAndDueAt(kHour), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kHour * 24), Due::kAge);
+}
+
+TEST_F(LifetimeTest, AnExpiryThatHasPassedEndsItNow) {
+  Open(milliseconds(0), kFarAway);
+  lifetime_.SetExpiry(kStart + kHour, -kHour);
+  EXPECT_EQ(HeardAndDueAt(kHour), Due::kAge);
+}
+
+TEST_F(LifetimeTest, OnceItsAgeWasToldTheExpirySaysNothing) {
+  Open(kHour, kYear);
+  EXPECT_EQ(HeardAndDueAt(kHour), Due::kAge);
+  lifetime_.SetExpiry(kStart + kHour, milliseconds(0));
+  lifetime_.Heard(kStart + kHour * 2);
+  EXPECT_EQ(lifetime_.Take(kStart + kHour * 2, false), Due::kNothing);
 }
 
 TEST_F(LifetimeTest, AnAgeOfZeroIsNone) {
