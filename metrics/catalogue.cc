@@ -128,6 +128,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "TLS handshakes of the relay that have begun and not ended (native transport)."},
     {kHandshakesWaiting, "uplinkd_handshakes_waiting", kGauge, "connections",
      "Connections of the relay that wait for their handshake to begin (native transport)."},
+    {kProxyHeadersWaiting, "uplinkd_proxy_headers_waiting", kGauge, "connections",
+     "Connections of load balancers whose PROXY header is not whole (native transport)."},
     {kFinishTimeouts, "uplinkd_finish_timeouts_total", kCounter, "streams",
      "Streams that were cancelled because the peer did not take their end."},
     {kWakes, "uplinkd_relay_wakes_total", kCounter, "wakes",

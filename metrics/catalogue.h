@@ -68,6 +68,7 @@ enum class MetricId : std::uint8_t {
   kConnections,
   kHandshakesUnderWay,
   kHandshakesWaiting,
+  kProxyHeadersWaiting,
   kFinishTimeouts,
   kWakes,
   kAckSeconds,

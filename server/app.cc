@@ -210,7 +210,8 @@ class App::Impl {
     };
     work.ask_relay = [this] {
       watch_.AskRelay([this](auto done) {
-        loop::ProbeHandshake(loop_, RelayAddress(), health::kHandshakeWait, std::move(done));
+        loop::ProbeHandshake(loop_, {RelayAddress(), options_.config.listen.proxy_protocol_from},
+                             health::kHandshakeWait, std::move(done));
       });
     };
     work.feed_watchdog = [this] { watchdog_.Beat(); };

@@ -9,6 +9,7 @@
 #include "metrics/rcan/series.h"
 #include "schema/judge.h"
 #include "server/config/address.h"
+#include "server/config/networks.h"
 #include "storage/postgres/defaults.h"
 #include "storage/types.h"
 
@@ -41,6 +42,8 @@ struct ListenConfig {
   Transport transport = Transport::kGrpc;
   /// Threads of the relay; 0: one per core.
   std::size_t relay_threads = 0;
+  /// Load balancers whose connections begin with a PROXY header; of the native transport alone.
+  std::vector<Network> proxy_protocol_from;
   ListenAddress fleet{"127.0.0.1", 7444};
   ListenAddress http{"127.0.0.1", 7480};
 };

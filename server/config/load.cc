@@ -175,11 +175,12 @@ class Loader {
     if (setting.kind == Kind::kCount && node.is_integer()) {
       return InterpretInteger(setting, node.value_or(std::int64_t{0}));
     }
-    if (setting.kind == Kind::kList && node.is_array()) {
+    const bool list = setting.kind == Kind::kList || setting.kind == Kind::kNetworks;
+    if (list && node.is_array()) {
       return InterpretArray(setting, *node.as_array());
     }
-    if (setting.kind != Kind::kSwitch && setting.kind != Kind::kCount &&
-        setting.kind != Kind::kList && node.is_string()) {
+    if (setting.kind != Kind::kSwitch && setting.kind != Kind::kCount && !list &&
+        node.is_string()) {
       return InterpretText(setting, node.value_or(std::string_view()));
     }
     return BadValue{fmt::format("it must be {}", AllowedText(setting))};

@@ -56,6 +56,7 @@ std::string NumberText(const Setting& setting, std::uint64_t number) {
     case Kind::kChoice:
     case Kind::kAddress:
     case Kind::kList:
+    case Kind::kNetworks:
       return fmt::format("{}", number);
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
@@ -88,6 +89,12 @@ struct ValueTextVisitor {
       list += Quoted(item);
     }
     return list + "]";
+  }
+  std::string operator()(const std::vector<Network>& networks) const {
+    std::vector<std::string> items;
+    items.reserve(networks.size());
+    for (const Network& network : networks) items.push_back(network.ToText());
+    return (*this)(items);
   }
 };
 
@@ -131,6 +138,11 @@ std::string AllowedText(const Setting& setting) {
     case Kind::kList:
       return fmt::format("a list of at most {} strings of 1 to {} bytes", kListItemsMax,
                          kListItemBytesMax);
+    case Kind::kNetworks:
+      return fmt::format(
+          "a list of at most {} networks, such as [\"10.0.0.0/8\", \"192.0.2.7\", "
+          "\"2001:db8::/32\"]",
+          kListItemsMax);
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
 }

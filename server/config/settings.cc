@@ -119,6 +119,13 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "Threads of the relay; each stream stays on one. Measure before raising it.",
      UPLINK_BIND(listen, ListenConfig, relay_threads)},
     {.section = "listen",
+     .key = "proxy_protocol_from",
+     .kind = Kind::kNetworks,
+     .text = "Load balancers before the relay whose connections begin with a PROXY protocol header "
+             "of version 2: from them it is required, and the address that it names counts as the "
+             "robot's; from others it is never read. With the native transport alone.",
+     UPLINK_BIND(listen, ListenConfig, proxy_protocol_from)},
+    {.section = "listen",
      .key = "fleet",
      .kind = Kind::kAddress,
      .effect = Effect::kNone,

@@ -24,6 +24,7 @@ enum class Kind : std::uint8_t {
   kChoice,    // one of a few words
   kAddress,   // "[::]:7443"
   kList,      // ["a", "b"]; in the environment a,b
+  kNetworks,  // ["10.0.0.0/8", "::1"]; in the environment 10.0.0.0/8,::1
 };
 
 /// When a changed value counts.
@@ -42,9 +43,9 @@ struct Choice {
 
 /// The value of one setting; the alternative follows from its Kind (counts and sizes share one).
 using Value = std::variant<bool, std::uint64_t, std::chrono::milliseconds, std::string, Choice,
-                           ListenAddress, std::vector<std::string>>;
+                           ListenAddress, std::vector<std::string>, std::vector<Network>>;
 
-/// Items of a kList setting, and bytes of one.
+/// Items of a kList or kNetworks setting, and bytes of one.
 inline constexpr std::size_t kListItemsMax = 256;
 inline constexpr std::size_t kListItemBytesMax = 256;
 

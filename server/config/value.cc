@@ -67,6 +67,12 @@ std::vector<std::string> SplitAtCommas(std::string_view text) {
   return items;
 }
 
+Interpreted Networks(const std::vector<std::string>& items) {
+  absl::StatusOr<std::vector<Network>> networks = ParseNetworks(items);
+  if (!networks.ok()) return BadValue{std::string(networks.status().message())};
+  return Value(*std::move(networks));
+}
+
 }  // namespace
 
 Interpreted InterpretList(const Setting& setting, std::vector<std::string> items) {
@@ -79,6 +85,7 @@ Interpreted InterpretList(const Setting& setting, std::vector<std::string> items
       return Bad(setting, Shown(item));
     }
   }
+  if (setting.kind == Kind::kNetworks) return Networks(items);
   return Value(std::move(items));
 }
 
@@ -110,6 +117,7 @@ Interpreted InterpretText(const Setting& setting, std::string_view text) {
       }
       return Bad(setting, shown);
     case Kind::kList:
+    case Kind::kNetworks:
       return InterpretList(setting, SplitAtCommas(text));
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");

@@ -1,6 +1,5 @@
 #include "server/front/acceptor.h"
 
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
@@ -13,7 +12,6 @@
 #include <netinet/tcp.h>
 #include <pthread.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "server/front/limits.h"
 #include "server/transport/listenable.h"
@@ -30,21 +28,6 @@ constexpr int kBacklog = 4096;
 constexpr int kAcceptsAtOnce = 64;
 /// How long nobody is accepted when descriptors have run out.
 constexpr std::chrono::milliseconds kNoDescriptorsPause{100};
-
-class Descriptor final {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return value_; }
-  int Release() { return std::exchange(value_, -1); }
-
- private:
-  int value_;
-};
 
 struct InfoFree {
   void operator()(addrinfo* info) const { ::freeaddrinfo(info); }
@@ -66,23 +49,6 @@ std::uint16_t PortOf(int descriptor) {
   ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&bound), &size);
   // Both families keep the port at the same place.
   return ntohs(reinterpret_cast<const sockaddr_in*>(&bound)->sin_port);
-}
-
-/// The peer's address and port, as gRPC names peers.
-std::string TextOf(const sockaddr_storage& peer, socklen_t size) {
-  std::array<char, NI_MAXHOST> host{};
-  std::array<char, NI_MAXSERV> port{};
-  if (::getnameinfo(reinterpret_cast<const sockaddr*>(&peer), size, host.data(), host.size(),
-                    port.data(), port.size(), NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
-    return "unknown";
-  }
-  constexpr std::string_view kMapped = "::ffff:";
-  std::string_view text = host.data();
-  if (peer.ss_family != AF_INET6) return fmt::format("{}:{}", text, port.data());
-  if (text.starts_with(kMapped)) {
-    return fmt::format("{}:{}", text.substr(kMapped.size()), port.data());
-  }
-  return fmt::format("[{}]:{}", text, port.data());
 }
 
 void SetUp(int descriptor) {
@@ -169,13 +135,14 @@ void Acceptor::AcceptAll() {
 }
 
 bool Acceptor::AcceptOne() {
-  sockaddr_storage peer{};
-  socklen_t size = sizeof peer;
-  const int descriptor = ::accept4(listener_.native_handle(), reinterpret_cast<sockaddr*>(&peer),
-                                   &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  if (descriptor >= 0) {
-    SetUp(descriptor);
-    hand_({descriptor, {SourceAddress::Of(peer), TextOf(peer, size)}});
+  Accepted accepted;
+  socklen_t size = sizeof accepted.peer;
+  accepted.descriptor =
+      Descriptor(::accept4(listener_.native_handle(), reinterpret_cast<sockaddr*>(&accepted.peer),
+                           &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (accepted.descriptor.get() >= 0) {
+    SetUp(accepted.descriptor.get());
+    hand_(std::move(accepted));
     return true;
   }
   switch (errno) {

@@ -10,11 +10,18 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <sys/socket.h>
 
 #include "server/config/address.h"
-#include "server/front/door.h"
+#include "server/front/descriptor.h"
 
 namespace uplink::front {
+
+/// A connection as the system gives it.
+struct Accepted {
+  Descriptor descriptor;
+  sockaddr_storage peer{};
+};
 
 /// Accepts connections on one address, on a thread of its own, and hands each on.
 ///
@@ -23,7 +30,7 @@ namespace uplink::front {
 class Acceptor final {
  public:
   /// Takes what was accepted, on the acceptor's thread.
-  using Hand = std::function<void(Visitor visitor)>;
+  using Hand = std::function<void(Accepted accepted)>;
 
   /// Listens; nobody is accepted before Start.
   ///
@@ -43,6 +50,8 @@ class Acceptor final {
   /// Idempotent.
   void Stop();
   [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Its thread runs it.
+  [[nodiscard]] boost::asio::io_context& context() { return context_; }
 
  private:
   Acceptor(int descriptor, std::uint16_t port);

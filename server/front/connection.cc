@@ -58,6 +58,7 @@ void Connection::Handshake() {
 void Connection::BeginHttp2() {
   const SteadyTime now = thread_.clock.Steady();
   peer_ = tls_->Peer();
+  origin_.health_check = false;  // whoever has a certificate does more than look
   phase_ = Phase::kOpen;
   phase_by_.reset();
   const bool gateway = peer_->identity.ok() && peer_->identity->role == identity::Role::kGateway;
@@ -116,8 +117,7 @@ void Connection::TurnAway(TurnedAway cause, std::string_view text) {
 }
 
 void Connection::FailHandshake(TurnedAway cause) {
-  thread_.relay.probe.handshakes_failed_total.Add();
-  thread_.book.Note(cause, origin_, thread_.clock.Steady());
+  thread_.book.NoteFailedHandshake(cause, origin_, thread_.clock.Steady());
 }
 
 void Connection::CutHandshake() {

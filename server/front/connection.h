@@ -119,7 +119,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   Thread& thread_;
   ConnectionOwner& owner_;
   const std::uint64_t id_;
-  const Origin origin_;
+  Origin origin_;
   const milliseconds age_max_;
 
   Phase phase_ = Phase::kHandshake;

@@ -4,8 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include <unistd.h>
-
 namespace uplink::front {
 namespace {
 
@@ -16,11 +14,15 @@ constexpr std::chrono::seconds kSpared{1};
 /// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
 constexpr std::size_t kHandshakesMax = 512;
 constexpr std::size_t kWaitingMax = 4096;
+/// Connections whose load balancer has not said where they come from: it says so at once.
+constexpr std::size_t kProxyHeadersMax = 1024;
 /// Failed handshakes whose peers may still read why.
 constexpr std::size_t kLingersMax = 256;
 /// Of the descriptors, those without a certificate may have this part, and the reserve is this part
 /// of them, at most kReserveMax.
 constexpr std::size_t kUnprovenPart = 4;
+/// Of those without a certificate, those whose load balancer has said nothing yet.
+constexpr std::size_t kProxyHeadersPart = 4;
 constexpr std::size_t kReservePart = 4;
 constexpr std::size_t kReserveMax = 256;
 /// Connections beyond one for each stream: those that come anew before the old one has ended.
@@ -28,17 +30,24 @@ constexpr std::size_t kSpareConnections = 1024;
 
 }  // namespace
 
-DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max) {
+DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max,
+                         ProxyHeaders headers) {
+  const bool expected = headers == ProxyHeaders::kExpected;
   const std::size_t reserve = std::min(kReserveMax, descriptors_max / kReservePart);
+  const std::size_t unproven_max = kHandshakesMax + kWaitingMax + (expected ? kProxyHeadersMax : 0);
   const std::size_t unproven =
-      std::clamp<std::size_t>(descriptors_max / kUnprovenPart, 2, kHandshakesMax + kWaitingMax);
+      std::clamp<std::size_t>(descriptors_max / kUnprovenPart, expected ? 3 : 2, unproven_max);
   const std::size_t handshakes = std::clamp<std::size_t>(unproven / 2, 1, kHandshakesMax);
+  const std::size_t proxy_headers =
+      expected ? std::clamp<std::size_t>(unproven / kProxyHeadersPart, 1, kProxyHeadersMax) : 0;
   const std::size_t lingers = std::min(kLingersMax, handshakes);
   const std::size_t taken = reserve + unproven + lingers;
   const std::size_t left = descriptors_max > taken ? descriptors_max - taken : 1;
   return {.book = {.connections_max = std::min(streams_max + kSpareConnections, left),
                    .lingers_max = lingers},
-          .handshakes = {.under_way_max = handshakes, .waiting_max = unproven - handshakes}};
+          .handshakes = {.under_way_max = handshakes,
+                         .waiting_max = unproven - handshakes - proxy_headers},
+          .proxy_headers_max = proxy_headers};
 }
 
 Door::Door(const HandshakeLimits& limits, DoorBook& book, transport::RelayProbe& probe,
@@ -46,7 +55,6 @@ Door::Door(const HandshakeLimits& limits, DoorBook& book, transport::RelayProbe&
     : book_(book), probe_(probe), actions_(std::move(actions)), queue_(limits) {}
 
 Door::~Door() {
-  for (const auto& [id, visitor] : waiting_) ::close(visitor.descriptor);
   probe_.handshakes_waiting.Set(0);
   probe_.handshakes_under_way.Set(0);
 }
@@ -59,7 +67,6 @@ void Door::Arrive(Visitor visitor, SteadyTime now) {
   if (const auto refused = queue_.Arrive(id, source, rank)) {
     const auto found = waiting_.find(*refused);
     book_.Note(TurnedAway::kCrowded, found->second.origin, now);
-    ::close(found->second.descriptor);
     waiting_.erase(found);
   }
   Admit(now);

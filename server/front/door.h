@@ -6,6 +6,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "server/front/descriptor.h"
 #include "server/front/door_book.h"
 #include "server/front/handshake_queue.h"
 
@@ -15,16 +16,22 @@ namespace uplink::front {
 struct DoorLimits {
   DoorBook::Limits book;
   HandshakeLimits handshakes;
+  /// Those whose load balancer has not said where they come from.
+  std::size_t proxy_headers_max = 0;
 };
+
+/// Whether load balancers say where connections come from.
+enum class ProxyHeaders : std::uint8_t { kNone, kExpected };
 
 /// The limits for this many streams and descriptors of the process: what has shown no certificate
 /// never takes the place of what has, and a reserve is left for the store, HTTP, files, and our own
 /// handshake with our listener.
-[[nodiscard]] DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max);
+[[nodiscard]] DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max,
+                                       ProxyHeaders headers = ProxyHeaders::kNone);
 
 /// A connection that was accepted.
 struct Visitor {
-  int descriptor = -1;
+  Descriptor descriptor;
   Origin origin;
 };
 

@@ -3,9 +3,16 @@
 namespace uplink::front {
 
 void DoorBook::Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now) {
+  if (origin.health_check) return;
   const auto index = static_cast<std::size_t>(cause);
   probe_.turned_away_total[index].Add();
   Tell("connection_turned_away", transport::kTurnedAwayTexts[index], origin, now);
+}
+
+void DoorBook::NoteFailedHandshake(transport::TurnedAway cause, const Origin& origin,
+                                   SteadyTime now) {
+  if (!origin.health_check) probe_.handshakes_failed_total.Add();
+  Note(cause, origin, now);
 }
 
 bool DoorBook::Enter() {

@@ -2,22 +2,15 @@
 
 #include <atomic>
 #include <cstddef>
-#include <string>
 
 #include "server/front/key_table.h"
 #include "server/front/known_sources.h"
+#include "server/front/origin.h"
 #include "server/front/source_lines.h"
 #include "server/transport/probe.h"
 #include "server/transport/turned_away.h"
 
 namespace uplink::front {
-
-/// Where a connection comes from.
-struct Origin {
-  SourceAddress source;
-  /// Address and port, for logs.
-  std::string text;
-};
 
 /// What all threads know of who comes and who is here. Thread-safe.
 class DoorBook final {
@@ -32,8 +25,11 @@ class DoorBook final {
   DoorBook(const Limits& limits, transport::RelayProbe& probe, const log::Logger* logger)
       : limits_(limits), probe_(probe), lines_(logger) {}
 
-  /// Somebody is turned away: counts it by cause, and writes a line that names the source.
+  /// Somebody is turned away: counts it by cause, and writes a line that names the source. Not of a
+  /// health check.
   void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
+  /// The same of a handshake that failed.
+  void NoteFailedHandshake(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
   /// A line alone.
   void Tell(std::string_view event, std::string_view why, const Origin& origin, SteadyTime now) {
     lines_.Write(event, why, origin.source, origin.text, now);

@@ -8,6 +8,7 @@
 
 #include "server/front/acceptor.h"
 #include "server/front/door.h"
+#include "server/front/greeter.h"
 #include "server/front/limits.h"
 #include "server/front/relay_handler.h"
 #include "server/front/tls_context.h"
@@ -52,7 +53,9 @@ struct FrontServer::Impl {
       : options(given_options),
         context(given),
         methods(ServedMethods(given.limits)),
-        limits(DoorLimitsFor(given_options.streams_max, DescriptorsMax())),
+        limits(DoorLimitsFor(given_options.streams_max, DescriptorsMax(),
+                             given_options.proxy_protocol_from.empty() ? ProxyHeaders::kNone
+                                                                       : ProxyHeaders::kExpected)),
         gate(given_options.streams_max, given.probe),
         book(limits.book, given.probe, given.logger) {}
 
@@ -77,8 +80,9 @@ struct FrontServer::Impl {
   DoorBook book;
   std::vector<std::unique_ptr<Worker>> workers;
   std::unique_ptr<Acceptor> acceptor;
-  /// Used on the acceptor's thread.
+  /// Both are used on the acceptor's thread.
   std::unique_ptr<Door> door;
+  std::unique_ptr<Greeter> greeter;
 };
 
 absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
@@ -150,14 +154,24 @@ void FrontServer::Impl::OpenDoor() {
                                                     for (const auto& worker : workers)
                                                       worker->CutHandshake(id);
                                                   }});
-  acceptor->Start(
-      [this](Visitor visitor) { door->Arrive(std::move(visitor), context.clock.Steady()); },
-      [this] { door->Tend(context.clock.Steady()); });
+  greeter = std::make_unique<Greeter>(acceptor->context(), book, context.probe, context.clock,
+                                      Greeter::Setup{.load_balancers = options.proxy_protocol_from,
+                                                     .waiting_max = limits.proxy_headers_max,
+                                                     .hand = [this](Visitor visitor) {
+                                                       door->Arrive(std::move(visitor),
+                                                                    context.clock.Steady());
+                                                     }});
+  acceptor->Start([this](Accepted accepted) { greeter->Arrive(std::move(accepted)); },
+                  [this] {
+                    greeter->Tend();
+                    door->Tend(context.clock.Steady());
+                  });
 }
 
 void FrontServer::Impl::CloseDoor() {
   acceptor->Stop();
   // What workers still post is not run.
+  greeter.reset();
   door.reset();
 }
 

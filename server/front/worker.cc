@@ -45,7 +45,9 @@ void Worker::Post(std::function<void()> work) {
 
 void Worker::Adopt(std::uint64_t id, Visitor visitor) {
   load_.fetch_add(1, std::memory_order_relaxed);
-  Post([this, id, visitor = std::move(visitor)]() mutable { Begin(id, std::move(visitor)); });
+  // A function may be copied, and a descriptor has one owner.
+  auto shared = std::make_shared<Visitor>(std::move(visitor));
+  Post([this, id, shared = std::move(shared)] { Begin(id, std::move(*shared)); });
 }
 
 void Worker::Begin(std::uint64_t id, Visitor visitor) {
@@ -53,7 +55,7 @@ void Worker::Begin(std::uint64_t id, Visitor visitor) {
   connection =
       std::make_unique<Connection>(thread_state_, loop_, *this,
                                    Connection::Setup{.id = id,
-                                                     .descriptor = visitor.descriptor,
+                                                     .descriptor = visitor.descriptor.Release(),
                                                      .origin = std::move(visitor.origin),
                                                      .tls = tls_.get(),
                                                      .age_max = setup_.connection_age_max});

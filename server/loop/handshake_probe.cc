@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -15,6 +16,7 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 
+#include "server/front/proxy_header.h"
 #include "server/loop/client_hello.h"
 
 namespace uplink::loop {
@@ -50,9 +52,11 @@ bool IsNobodyThere(const beast::error_code& error) {
 /// One handshake under way; keeps itself alive by its handlers.
 class Probe final : public std::enable_shared_from_this<Probe> {
  public:
-  Probe(asio::io_context& io, Targets targets, std::function<void(bool)> done)
+  Probe(asio::io_context& io, Targets targets, std::vector<config::Network> proxy_protocol_from,
+        std::function<void(bool)> done)
       : stream_(io),
         targets_(std::move(targets)),
+        proxy_protocol_from_(std::move(proxy_protocol_from)),
         hello_(MakeClientHello()),
         done_(std::move(done)) {}
 
@@ -76,7 +80,17 @@ class Probe final : public std::enable_shared_from_this<Probe> {
                           });
   }
 
+  /// A listener on this machine sees us come from the address at which we asked it, mostly.
+  [[nodiscard]] bool IsLoadBalancer() {
+    beast::error_code error;
+    const tcp::endpoint own = stream_.socket().local_endpoint(error);
+    sockaddr_storage address{};
+    if (!error) std::memcpy(&address, own.data(), own.size());
+    return config::Contains(proxy_protocol_from_, address);
+  }
+
   void SendHello() {
+    if (IsLoadBalancer()) hello_.insert(0, front::kLocalProxyHeader);
     asio::async_write(stream_, asio::buffer(hello_),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         if (error) return self->done_(false);
@@ -93,7 +107,8 @@ class Probe final : public std::enable_shared_from_this<Probe> {
 
   beast::tcp_stream stream_;
   const Targets targets_;
-  const std::string hello_;
+  const std::vector<config::Network> proxy_protocol_from_;
+  std::string hello_;
   std::array<char, kServerHelloPrefix> answer_{};
   const std::function<void(bool)> done_;
 };
@@ -109,12 +124,14 @@ Targets TargetsOf(const asio::ip::address& address, std::uint16_t port) {
 
 }  // namespace
 
-void ProbeHandshake(EventLoop& loop, const config::ListenAddress& address, milliseconds wait,
+void ProbeHandshake(EventLoop& loop, const ProbeTarget& target, milliseconds wait,
                     std::function<void(bool)> done) {
   beast::error_code error;
-  const asio::ip::address target = asio::ip::make_address(address.host, error);
+  const asio::ip::address address = asio::ip::make_address(target.address.host, error);
   if (error) return done(false);
-  std::make_shared<Probe>(loop.io(), TargetsOf(target, address.port), std::move(done))->Start(wait);
+  std::make_shared<Probe>(loop.io(), TargetsOf(address, target.address.port),
+                          target.proxy_protocol_from, std::move(done))
+      ->Start(wait);
 }
 
 }  // namespace uplink::loop

@@ -1,11 +1,21 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "server/config/address.h"
+#include "server/config/networks.h"
 #include "server/loop/event_loop.h"
 
 namespace uplink::loop {
+
+/// A listener as its robots see it. A value.
+struct ProbeTarget {
+  config::ListenAddress address;
+  /// From whom it requires a PROXY header: if we come from one of them, ours says that we come on
+  /// our own account.
+  std::vector<config::Network> proxy_protocol_from;
+};
 
 /// Asks a TLS listener for a ServerHello and closes: `done(true)` if one came within `wait`, else
 /// `done(false)`, on the loop's thread. An unspecified address is asked by its loopback: `::` by
@@ -13,7 +23,7 @@ namespace uplink::loop {
 /// holds for both together. A `::1` that takes the connection and does not answer is the answer.
 ///
 /// Thread: the loop's.
-void ProbeHandshake(EventLoop& loop, const config::ListenAddress& address, milliseconds wait,
+void ProbeHandshake(EventLoop& loop, const ProbeTarget& target, milliseconds wait,
                     std::function<void(bool)> done);
 
 }  // namespace uplink::loop

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
@@ -50,6 +51,8 @@ struct RelayOptions {
   std::size_t queues = config::ListenConfig().relay_threads;
   /// tls.min_version; of the native transport alone: gRPC has it from its environment.
   config::TlsVersion tls_minimum = config::TlsConfig().min_version;
+  /// listen.proxy_protocol_from; of the native transport alone.
+  std::vector<config::Network> proxy_protocol_from;
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
   /// limits.connection_age_max; zero: never.

@@ -18,13 +18,15 @@ struct RelayProbe {
   /// Handshakes that failed, where the transport is our own; gRPC tells of them in its log alone.
   metrics::Cell handshakes_failed_total;
   /// Connections that were ended before they had a stream or for what they did, by TurnedAway; of
-  /// the native transport, as the next three.
+  /// the native transport, as the next four.
   std::array<metrics::Cell, kTurnedAwayTexts.size()> turned_away_total;
   /// Connections that have shown a trusted certificate.
   metrics::Cell connections;
   metrics::Cell handshakes_under_way;
   /// Connections that wait for their handshake to begin.
   metrics::Cell handshakes_waiting;
+  /// Connections of load balancers whose PROXY header is not whole.
+  metrics::Cell proxy_headers_waiting;
   /// Calls that were cancelled because the peer did not take their end.
   metrics::Cell finish_timeouts_total;
   /// Wakes that a queue's thread answered; one may stand for many.

@@ -20,6 +20,7 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
   page.Add(kConnections, probe.connections);
   page.Add(kHandshakesUnderWay, probe.handshakes_under_way);
   page.Add(kHandshakesWaiting, probe.handshakes_waiting);
+  page.Add(kProxyHeadersWaiting, probe.proxy_headers_waiting);
   page.Add(kFinishTimeouts, probe.finish_timeouts_total);
   page.Add(kWakes, probe.wakes_total);
 }

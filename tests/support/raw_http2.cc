@@ -131,6 +131,8 @@ RawHttp2::RawHttp2(const Options& options)
       inflater_(std::make_unique<Inflater>()) {
   SSL_set_msg_callback(tls_->ssl.get(), SawMessage);
   SSL_set_msg_callback_arg(tls_->ssl.get(), &alert_);
+  if (options.at_first) options.at_first(tcp_);
+  out_ = options.before_tls;
   Handshake(SystemClock{}.Steady() + kPatience);
 }
 

@@ -71,6 +71,10 @@ class RawHttp2 final {
     int tls_max = 0;
     /// OpenSSL's names of the suites of TLS 1.2 that are offered; empty: those of the library.
     std::string suites_of_12;
+    /// Called once the connection is there.
+    std::function<void(RawTcp& connection)> at_first;
+    /// Bytes that go out in one piece with what TLS says first.
+    std::string before_tls;
   };
   struct Goaway {
     std::uint32_t last_stream = 0;

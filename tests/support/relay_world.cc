@@ -25,6 +25,7 @@ RelayWorld::RelayWorld(const Options& given)
                         .key_material = ServerTexts(),
                         .queues = options.queues,
                         .tls_minimum = options.tls_minimum,
+                        .proxy_protocol_from = options.proxy_protocol_from,
                         .streams_max = options.streams_max,
                         .connection_age_max = options.connection_age_max,
                         .memory_bytes_max = options.memory_bytes_max});
@@ -51,7 +52,8 @@ transport::RelayContext RelayWorld::Context() {
                            .extras_items_max = options.session.extras_items_max},
           .allowances = allowances_,
           .rejects = rejects_,
-          .clock_trust = clock_trust_};
+          .clock_trust = clock_trust_,
+          .logger = options.logger};
 }
 
 void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "metrics/ledger.h"
 #include "server/config/config.h"
@@ -38,9 +39,12 @@ class RelayWorld final {
     std::size_t queues = 2;
     milliseconds connection_age_max{0};
     config::Transport transport = TestedTransport();
-    /// Both of the native transport alone.
+    /// What follows is of the native transport alone.
     config::TlsVersion tls_minimum = config::TlsConfig().min_version;
     std::size_t memory_bytes_max = 0;
+    std::vector<config::Network> proxy_protocol_from;
+    /// Of the lines about strangers; none if null.
+    const log::Logger* logger = nullptr;
   };
 
   RelayWorld() : RelayWorld(Options{}) {}

@@ -1,10 +1,12 @@
 #include "server/loop/handshake_probe.h"
 
+#include <algorithm>
 #include <atomic>
 #include <future>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -15,6 +17,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include "server/front/proxy_header.h"
 #include "server/loop/client_hello.h"
 #include "tests/support/certificates.h"
 #include "tests/support/no_lines.h"
@@ -41,13 +44,15 @@ class Listener {
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
-  /// Accepts one connection, reads a little, answers and closes.
-  void AnswerOnce(const std::string& answer) const {
+  /// Accepts one connection, reads a little, answers and closes. Says what it read.
+  std::string AnswerOnce(const std::string& answer) const {
     const int peer = accept(socket_, nullptr, nullptr);
     char bytes[2048];
-    EXPECT_GT(recv(peer, bytes, sizeof(bytes), 0), 0);
+    const ssize_t size = recv(peer, bytes, sizeof(bytes), 0);
+    EXPECT_GT(size, 0);
     send(peer, answer.data(), answer.size(), MSG_NOSIGNAL);
     close(peer);
+    return {bytes, static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
   }
 
  private:
@@ -79,10 +84,12 @@ class HandshakeProbeTest : public ::testing::Test {
   HandshakeProbeTest() { loop_.Start(); }
 
   bool Probe(std::uint16_t port, milliseconds wait = std::chrono::seconds(10),
-             const std::string& host = "127.0.0.1") {
+             const std::string& host = "127.0.0.1",
+             const std::vector<config::Network>& proxy_protocol_from = {}) {
     std::promise<bool> answered;
     loop_.Post([&] {
-      ProbeHandshake(loop_, {host, port}, wait, [&](bool good) { answered.set_value(good); });
+      ProbeHandshake(loop_, {{host, port}, proxy_protocol_from}, wait,
+                     [&](bool good) { answered.set_value(good); });
     });
     return answered.get_future().get();
   }
@@ -127,6 +134,23 @@ TEST_F(HandshakeProbeTest, AnUnspecifiedAddressIsAskedByItsLoopback) {
   const Listener listener;
   const std::jthread peer([&] { listener.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6}); });
   EXPECT_TRUE(Probe(listener.port(), std::chrono::seconds(10), "0.0.0.0"));
+}
+
+// Where a load balancer of this machine stands before the listener, we come from its address.
+TEST_F(HandshakeProbeTest, AListenerThatWantsAProxyHeaderFromUsGetsOneOfOurOwn) {
+  const auto said_to = [this](const char* network) {
+    const Listener listener;
+    std::string said;
+    std::jthread peer([&] { said = listener.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6}); });
+    EXPECT_TRUE(Probe(listener.port(), std::chrono::seconds(10), "127.0.0.1",
+                      {*config::Network::Parse(network)}));
+    peer.join();
+    return said;
+  };
+  const std::string with = said_to("127.0.0.0/8");
+  EXPECT_TRUE(with.starts_with(front::kLocalProxyHeader));
+  EXPECT_EQ(with.substr(front::kLocalProxyHeader.size(), 2), "\x16\x03");
+  EXPECT_EQ(said_to("192.0.2.0/24").substr(0, 2), "\x16\x03");
 }
 
 // As on a machine without IPv6, or where gRPC found none: the listener has IPv4 alone.

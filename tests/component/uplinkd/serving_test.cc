@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <future>
@@ -5,6 +6,7 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +131,7 @@ TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
     loop::EventLoop loop(logger);
     std::promise<bool> answered;
     loop.Post([&] {
-      loop::ProbeHandshake(loop, {"127.0.0.1", relay_}, seconds(10),
+      loop::ProbeHandshake(loop, {{"127.0.0.1", relay_}, {}}, seconds(10),
                            [&](bool good) { answered.set_value(good); });
     });
     loop.Start();
@@ -137,6 +139,27 @@ TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
     process_->Signal(SIGTERM);
     EXPECT_EQ(process_->WaitForExit(), 0);
   }
+}
+
+// It comes from an address from which a PROXY header is required.
+TEST_F(ServingTest, TheBackgroundHandshakeSucceedsBehindALoadBalancerOfThisMachine) {
+  Serve({"UPLINKD_LISTEN_TRANSPORT=native", "UPLINKD_LISTEN_PROXY_PROTOCOL_FROM=127.0.0.0/8,::1"});
+  const auto age = [this] {
+    constexpr std::string_view kKey = R"("relayLastHandshakeSeconds":)";
+    const std::string body = HttpGet(http_, "/livez").body;
+    const std::size_t at = body.find(kKey);
+    return at == std::string::npos ? -1 : std::stod(body.substr(at + kKey.size()));
+  };
+  double oldest = 0;
+  EXPECT_TRUE(Eventually([&] {
+    const double now = age();
+    const bool younger = now < oldest;
+    oldest = std::max(oldest, now);
+    return younger;
+  })) << "the last handshake is "
+      << oldest << " s old";
+  EXPECT_THAT(HttpGet(http_, "/metrics").body,
+              HasSubstr("uplinkd_connections_turned_away_total{cause=\"proxy_header\"} 0\n"));
 }
 
 TEST_F(ServingTest, EveryLineOfTheLogIsOursEvenWhenGrpcComplains) {

@@ -7,10 +7,16 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
+#include "tests/unit/server/config/minimal.h"
+
 namespace uplink::config {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::uplink::config::testing::ParseWith;
 
 sockaddr_storage AddressOf(const std::string& text) {
   sockaddr_storage address{};
@@ -104,6 +110,59 @@ TEST(Network, SaysWhichBitsAreTooMany) {
   EXPECT_THAT(Error("2001:db8::1/64"), HasSubstr("the network is \"2001:db8::/64\""));
   EXPECT_THAT(Error("::ffff:10.0.0.0/90"), HasSubstr("beyond its prefix"))
       << "the prefix is no network of IPv4";
+}
+
+// --- The setting ---
+
+TEST(Networks, AreReadFromTheFileAndFromTheEnvironment) {
+  constexpr std::string_view kNative = "[listen]\ntransport = \"native\"\n";
+  const LoadResult file =
+      ParseWith(std::string(kNative) + "proxy_protocol_from = [\"10.0.0.0/8\", \"::1\"]\n");
+  const LoadResult environment =
+      ParseWith(kNative, {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", "10.0.0.0/8,::1"}});
+  for (const LoadResult* each : {&file, &environment}) {
+    ASSERT_TRUE(each->ok()) << ToText(each->problems.at(0));
+    EXPECT_THAT(each->config->listen.proxy_protocol_from,
+                ElementsAre(*Network::Parse("10.0.0.0/8"), *Network::Parse("::1")));
+    EXPECT_THAT(PrintConfig(*each->config),
+                HasSubstr("proxy_protocol_from = [\"10.0.0.0/8\", \"::1\"]\n"));
+  }
+  const LoadResult none =
+      ParseWith(std::string(kNative) + "proxy_protocol_from = [\"10.0.0.0/8\"]\n",
+                {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", ""}});
+  ASSERT_TRUE(none.ok());
+  EXPECT_THAT(none.config->listen.proxy_protocol_from, IsEmpty());
+}
+
+TEST(Networks, AnErrorNamesTheSettingAndTheEntry) {
+  const auto error = [](const std::string& value) {
+    const LoadResult result =
+        ParseWith("[listen]\ntransport = \"native\"\nproxy_protocol_from = " + value + "\n");
+    EXPECT_THAT(result.problems, SizeIs(1)) << value;
+    return result.problems.empty() ? std::string() : ToText(result.problems[0]);
+  };
+  EXPECT_THAT(error("[\"::1\", \"10.0.0.1/8\"]"),
+              HasSubstr("u.toml:7: listen.proxy_protocol_from: \"10.0.0.1/8\" has bits set"));
+  EXPECT_THAT(error("[\"balancer.example.org\"]"),
+              HasSubstr("listen.proxy_protocol_from: \"balancer.example.org\" is no network"));
+  EXPECT_THAT(error("[\"::1\", \"::1\"]"), HasSubstr("\"::1\" stands in it twice"));
+  EXPECT_THAT(error("[\"\"]"), HasSubstr("a list of at most 256 networks"));
+  EXPECT_THAT(error("[8]"), HasSubstr("a list of at most 256 networks"));
+  EXPECT_THAT(error("\"10.0.0.0/8\""), HasSubstr("a list of at most 256 networks"));
+}
+
+TEST(Networks, AreBoundedInNumber) {
+  const auto many = [](int count) {
+    std::string list;
+    for (int i = 0; i < count; ++i) {
+      list += (i > 0 ? "," : "") + std::string("10.0.") + std::to_string(i / 256) + "." +
+              std::to_string(i % 256);
+    }
+    return ParseWith("[listen]\ntransport = \"native\"\n",
+                     {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", list}});
+  };
+  EXPECT_TRUE(many(256).ok());
+  EXPECT_THAT(many(257).problems, SizeIs(1));
 }
 
 }  // namespace

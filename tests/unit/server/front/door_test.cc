@@ -7,7 +7,6 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace uplink::front {
 namespace {
@@ -26,14 +25,16 @@ class DoorTest : public ::testing::Test {
  protected:
   /// A connection of this source; its number is that of its arrival, from 1.
   void Arrive(std::uint32_t source) {
-    const int descriptor = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
-    door_.Arrive({descriptor, {SourceOf(source), "peer"}}, now_);
+    door_.Arrive({Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
+                  {.source = SourceOf(source), .text = "peer", .health_check = health_check_}},
+                 now_);
   }
   [[nodiscard]] std::int64_t TurnedAwayFor(TurnedAway cause) const {
     return probe_.turned_away_total[static_cast<std::size_t>(cause)].value();
   }
 
   SteadyTime now_{};
+  bool health_check_ = false;
   transport::RelayProbe probe_;
   DoorBook book_{{.connections_max = 10, .lingers_max = 1}, probe_, nullptr};
   std::vector<std::uint64_t> admitted_;
@@ -41,11 +42,7 @@ class DoorTest : public ::testing::Test {
   Door door_{{.under_way_max = 2, .waiting_max = 3},
              book_,
              probe_,
-             {.admit =
-                  [this](std::uint64_t id, const Visitor& visitor) {
-                    admitted_.push_back(id);
-                    ::close(visitor.descriptor);
-                  },
+             {.admit = [this](std::uint64_t id, const Visitor&) { admitted_.push_back(id); },
               .cut = [this](std::uint64_t id) { cut_.push_back(id); }}};
 };
 
@@ -74,6 +71,13 @@ TEST_F(DoorTest, PastWhatMayWaitTheGreediestSourceIsTurnedAway) {
   EXPECT_EQ(door_.waiting(), 3U);
   door_.HandshakeEnded(1, now_);
   EXPECT_EQ(admitted_.back(), 6U) << "the other source is next";
+}
+
+TEST_F(DoorTest, AHealthCheckThatIsTurnedAwayMakesNoNoise) {
+  health_check_ = true;
+  for (int i = 0; i < 6; ++i) Arrive(1);
+  EXPECT_EQ(door_.waiting(), 3U);
+  EXPECT_EQ(TurnedAwayFor(TurnedAway::kCrowded), 0);
 }
 
 TEST_F(DoorTest, AHandshakeThatLastsGivesWayToAnotherSource) {
@@ -137,10 +141,34 @@ TEST(DoorLimits, LeaveAReserveAndNeverShareWithStrangers) {
 }
 
 TEST(DoorLimits, HoldWithHardlyAnyDescriptors) {
-  const DoorLimits limits = DoorLimitsFor(40'000, 1);
-  EXPECT_GE(limits.book.connections_max, 1U);
-  EXPECT_GE(limits.handshakes.under_way_max, 1U);
-  EXPECT_GE(limits.handshakes.waiting_max, 1U);
+  for (const ProxyHeaders headers : {ProxyHeaders::kNone, ProxyHeaders::kExpected}) {
+    for (std::size_t descriptors = 0; descriptors < 64; ++descriptors) {
+      const DoorLimits limits = DoorLimitsFor(40'000, descriptors, headers);
+      EXPECT_GE(limits.book.connections_max, 1U);
+      EXPECT_GE(limits.handshakes.under_way_max, 1U);
+      EXPECT_GE(limits.handshakes.waiting_max, 1U);
+      EXPECT_LE(limits.handshakes.waiting_max, 64U);
+      EXPECT_EQ(limits.proxy_headers_max > 0, headers == ProxyHeaders::kExpected);
+    }
+  }
+}
+
+TEST(DoorLimits, WhoseHeaderIsAwaitedIsOneOfThoseWithoutACertificate) {
+  for (const std::size_t descriptors : {256U, 1024U, 20'000U, 1'000'000U}) {
+    const DoorLimits limits = DoorLimitsFor(40'000, descriptors, ProxyHeaders::kExpected);
+    const std::size_t unproven =
+        limits.handshakes.under_way_max + limits.handshakes.waiting_max + limits.proxy_headers_max;
+    EXPECT_LE(unproven, descriptors / 4);
+    EXPECT_LE(limits.book.connections_max + limits.book.lingers_max + unproven +
+                  std::min<std::size_t>(256, descriptors / 4),
+              descriptors)
+        << descriptors;
+  }
+  const DoorLimits most = DoorLimitsFor(40'000, 1'000'000, ProxyHeaders::kExpected);
+  EXPECT_EQ(most.proxy_headers_max, 1024U);
+  EXPECT_EQ(most.handshakes.under_way_max, 512U);
+  EXPECT_EQ(most.handshakes.waiting_max, 4096U);
+  EXPECT_EQ(DoorLimitsFor(40'000, 1'000'000).proxy_headers_max, 0U);
 }
 
 }  // namespace

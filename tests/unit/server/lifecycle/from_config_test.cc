@@ -96,6 +96,7 @@ TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config::Config config;
   config.limits.robots_max = 10;
   config.listen.relay_threads = 3;
+  config.listen.proxy_protocol_from = {*config::Network::Parse("10.0.0.0/8")};
   config.limits.connection_age_max = milliseconds(6);
   config.tls.certificate_file = "c";
   config.tls.key_file = "k";
@@ -104,6 +105,7 @@ TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   EXPECT_EQ(options.streams_max, 20U);
   EXPECT_EQ(options.memory_bytes_max, 500U);
   EXPECT_EQ(options.queues, 3U);
+  EXPECT_EQ(options.proxy_protocol_from, config.listen.proxy_protocol_from);
   EXPECT_EQ(options.connection_age_max, milliseconds(6));
   EXPECT_EQ(options.address.port, config.listen.relay.port);
   const auto& files = std::get<transport::PemFiles>(options.key_material);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include <sys/socket.h>
+
+#include "server/front/source_address.h"
+
+namespace uplink::front {
+
+/// Where a connection comes from. A value.
+struct Origin {
+  SourceAddress source;
+  /// Address and port, for logs.
+  std::string text;
+  /// A load balancer came on its own account, to see whether we answer: unless it shows a
+  /// certificate, what becomes of it is neither counted nor logged.
+  bool health_check = false;
+};
+
+[[nodiscard]] Origin OriginOf(const sockaddr_storage& peer);
+
+}  // namespace uplink::front
