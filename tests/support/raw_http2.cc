@@ -126,14 +126,15 @@ std::string RawStream::Trailer(std::string_view name) const {
 std::string RawStream::Header(std::string_view name) const { return FieldOf(headers, name); }
 
 RawHttp2::RawHttp2(const Options& options)
-    : tcp_(options.port, options.source),
+    : patience_(options.patience),
+      tcp_(options.port, options.source),
       tls_(std::make_unique<Tls>(options)),
       inflater_(std::make_unique<Inflater>()) {
   SSL_set_msg_callback(tls_->ssl.get(), SawMessage);
   SSL_set_msg_callback_arg(tls_->ssl.get(), &alert_);
   if (options.at_first) options.at_first(tcp_);
   out_ = options.before_tls;
-  Handshake(SystemClock{}.Steady() + kPatience);
+  Handshake(SystemClock{}.Steady() + patience_);
 }
 
 RawHttp2::~RawHttp2() = default;
@@ -182,7 +183,7 @@ bool RawHttp2::Send(std::string_view bytes) {
     bytes.remove_prefix(part.size());
     if (SSL_write(tls_->ssl.get(), part.data(), static_cast<int>(part.size())) <= 0) return false;
     out_ += Drain(tls_->out);
-    if (!Flush(SystemClock{}.Steady() + kSendPatience)) return false;
+    if (!Flush(SystemClock{}.Steady() + std::min(kSendPatience, patience_))) return false;
   }
   return true;
 }
@@ -217,12 +218,12 @@ std::size_t RawHttp2::SendData(std::uint32_t stream, std::string_view bytes,
 
 bool RawHttp2::SendPlain(std::string_view bytes) {
   out_ += bytes;
-  return Flush(SystemClock{}.Steady() + kSendPatience);
+  return Flush(SystemClock{}.Steady() + std::min(kSendPatience, patience_));
 }
 
 bool RawHttp2::Begin(const std::vector<std::pair<std::uint16_t, std::uint32_t>>& settings) {
   if (!Send(http2::Preface() + http2::Settings(settings))) return false;
-  if (!ReadUntil([this] { return settings_came_; })) return false;
+  if (!ReadUntil([this] { return settings_came_; }, patience_)) return false;
   return Send(http2::SettingsAck());
 }
 

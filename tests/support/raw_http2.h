@@ -75,6 +75,9 @@ class RawHttp2 final {
     std::function<void(RawTcp& connection)> at_first;
     /// Bytes that go out in one piece with what TLS says first.
     std::string before_tls;
+    /// How long the handshake and the peer's SETTINGS may take, and, below kSendPatience, how long
+    /// the peer may take nothing.
+    std::chrono::milliseconds patience = kPatience;
   };
   struct Goaway {
     std::uint32_t last_stream = 0;
@@ -90,7 +93,7 @@ class RawHttp2 final {
 
   // --- To the peer ---
 
-  /// False once the connection has ended, or if the peer takes nothing for kSendPatience. What
+  /// False once the connection has ended, or if the peer takes nothing for the patience. What
   /// arrives meanwhile is read.
   bool Send(std::string_view bytes);
   /// DATA of the stream, as far as the peer's windows allow: waits up to `patience` for them to
@@ -156,6 +159,7 @@ class RawHttp2 final {
   void OnGoaway(std::string_view payload);
   void OnSettings(std::string_view payload);
 
+  const std::chrono::milliseconds patience_;
   RawTcp tcp_;
   std::unique_ptr<Tls> tls_;
   std::unique_ptr<Inflater> inflater_;

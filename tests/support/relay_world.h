@@ -20,6 +20,7 @@
 #include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/fake_trust.h"
+#include "tests/support/relay_samples.h"
 #include "tests/support/test_agent.h"
 
 namespace uplink::testing {
@@ -97,14 +98,5 @@ class RelayWorld final {
   std::optional<journal::JournalWriter> writer_;
   std::unique_ptr<transport::Listener> server_;
 };
-
-/// A fault report, as an agent encodes it: durable.
-[[nodiscard]] std::string FaultPayload(const std::string& fault_id);
-/// A motion report: live.
-[[nodiscard]] std::string MotionPayload(double lat_deg = 52.0);
-/// A session id that `number` tells apart.
-[[nodiscard]] model::SessionId SessionOf(std::uint8_t number);
-/// A robot's address that `number` tells apart.
-[[nodiscard]] std::string RuriOf(int number);
 
 }  // namespace uplink::testing

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/component/front/hostile.h"
+#include "tests/support/tcp_crowd.h"
 
 namespace uplink::testing {
 namespace {
@@ -16,10 +17,8 @@ constexpr std::size_t kDescriptors = 1024;
 constexpr std::size_t kCrowd = 300;
 /// How long an honest robot may have to wait before the door.
 constexpr std::chrono::milliseconds kGetsInWithin{10'000};
-constexpr int kSources = 50;
+constexpr std::size_t kSources = 50;
 constexpr std::size_t kHandshakes = 200;
-
-using Crowd = std::vector<std::unique_ptr<RawTcp>>;
 
 /// A world that believes it has few descriptors.
 class HostileDoor : public ::testing::Test {
@@ -37,14 +36,11 @@ class HostileDoor : public ::testing::Test {
     const DescriptorLimit limit(kDescriptors);
     return std::make_unique<RelayWorld>(Native());
   }
-  /// Connections that say this and no more, from each source in turn.
-  Crowd Gather(std::size_t count, const std::vector<std::string>& sources, std::string_view word) {
-    Crowd crowd;
-    for (std::size_t i = 0; i < count; ++i) {
-      crowd.push_back(
-          std::make_unique<RawTcp>(world_->server().port(), sources[i % sources.size()]));
-      static_cast<void>(crowd.back()->SendSome(word));
-    }
+  /// Connections that say this and no more.
+  TcpCrowd Gather(std::size_t count, const std::vector<std::string>& sources,
+                  const std::string& word) {
+    TcpCrowd crowd(world_->server().port(), sources, word);
+    crowd.Grow(count);
     return crowd;
   }
   /// A robot from an address where nobody has streamed gets in, though it is a stranger.
@@ -62,15 +58,8 @@ class HostileDoor : public ::testing::Test {
   Victim victim_{*world_, 1};
 };
 
-std::vector<std::string> ManySources() {
-  std::vector<std::string> sources;
-  sources.reserve(kSources);
-  for (int i = 0; i < kSources; ++i) sources.push_back("127.0.0." + std::to_string(2 + i));
-  return sources;
-}
-
 TEST_F(HostileDoor, HalfOpenHandshakesOfOneAddressKeepNobodyOut) {
-  const Crowd crowd = Gather(kCrowd, {"127.0.0.66"}, TlsClientHello());
+  const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.66"}, TlsClientHello());
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
   EXPECT_TRUE(victim_.GoesOn());
   ExpectStrangerGetsIn(20);
@@ -78,7 +67,7 @@ TEST_F(HostileDoor, HalfOpenHandshakesOfOneAddressKeepNobodyOut) {
 }
 
 TEST_F(HostileDoor, HalfOpenHandshakesOfFiftyAddressesKeepNobodyOut) {
-  const Crowd crowd = Gather(kCrowd, ManySources(), TlsClientHello());
+  const TcpCrowd crowd = Gather(kCrowd, LoopbackSources(2, kSources), TlsClientHello());
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
   EXPECT_TRUE(victim_.GoesOn());
   ExpectStrangerGetsIn(20);
@@ -86,21 +75,21 @@ TEST_F(HostileDoor, HalfOpenHandshakesOfFiftyAddressesKeepNobodyOut) {
 }
 
 TEST_F(HostileDoor, HalfOpenHandshakesFromTheVictimsAddressKeepNobodyOut) {
-  const Crowd crowd = Gather(kCrowd, {"127.0.0.1"}, TlsClientHello());
+  const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.1"}, TlsClientHello());
   EXPECT_TRUE(victim_.GoesOn());
   ExpectStrangerGetsIn(20);
 }
 
 TEST_F(HostileDoor, SilentConnectionsKeepNobodyOut) {
-  const Crowd crowd = Gather(kCrowd, {"127.0.0.66"}, "");
+  const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.66"}, "");
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
   ExpectStrangerGetsIn(20);
   EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
 }
 
 TEST_F(HostileDoor, GarbageInPlaceOfAHandshakeIsTurnedAway) {
-  const Crowd crowd = Gather(kCrowd, {"127.0.0.66"}, std::string(2000, '\x07'));
-  for (const auto& one : crowd) EXPECT_TRUE(one->WaitForEnd(kPatience));
+  const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.66"}, std::string(2000, '\x07'));
+  for (const auto& one : crowd.members()) EXPECT_TRUE(one->WaitForEnd(kPatience));
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kNoTls) > 0; }));
   EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
 }

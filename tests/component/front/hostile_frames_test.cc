@@ -2,6 +2,7 @@
 #include <string>
 
 #include "tests/component/front/hostile.h"
+#include "tests/support/attack_bytes.h"
 
 namespace uplink::testing {
 namespace {
@@ -72,16 +73,12 @@ TEST_F(HostileFrames, UnknownTypes) {
 }
 
 TEST_F(HostileFrames, RapidResets) {
-  std::string flood;
-  for (std::uint32_t i = 0; i < kFrames / 2; ++i) {
-    flood += OpenRelay(2 * i + 1) + http2::RstStream(2 * i + 1, http2::kCancel);
-  }
-  ExpectCalmed(flood, TurnedAway::kResets);
+  ExpectCalmed(attack::RapidResets(1, kFrames / 2), TurnedAway::kResets);
   EXPECT_LT(world_.session_probe.streams_total.value(), 2000) << "most were never begun";
 }
 
 TEST_F(HostileFrames, EmptyContinuations) {
-  ASSERT_TRUE(attacker_.Send(http2::Frame(http2::kHeaders, 0, 1, http2::Hpack(RelayFields()))));
+  ASSERT_TRUE(attacker_.Send(attack::HeadersWithoutEnd(1)));
   // The library takes no more than eight.
   ExpectEnded(http2::Times(kFrames, http2::Frame(http2::kContinuation, 0, 1)),
               TurnedAway::kProtocol, http2::kProtocolError);

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "tests/component/front/hostile.h"
+#include "tests/support/attack_bytes.h"
 
 namespace uplink::testing {
 namespace {
@@ -23,8 +24,7 @@ TEST_F(HostileRequests, AnnouncementsOf600MegabytesOnManyStreams) {
   RawHttp2 gateway(ClientOf(world_, GatewayKeys(world_)));
   ASSERT_TRUE(gateway.Begin());
   for (std::uint32_t i = 0; i < kStreams; ++i) {
-    gateway.Send(OpenRelay(2 * i + 1) +
-                 http2::Data(2 * i + 1, Prefix(600'000'000) + std::string(1000, 'x')));
+    gateway.Send(attack::Announcement(2 * i + 1, 600'000'000, 1000));
   }
   ExpectVictimGoesOn();
   for (std::uint32_t i = 0; i < kStreams; ++i) {
@@ -34,9 +34,7 @@ TEST_F(HostileRequests, AnnouncementsOf600MegabytesOnManyStreams) {
 }
 
 TEST_F(HostileRequests, TenThousandStreams) {
-  std::string flood;
-  for (std::uint32_t i = 0; i < 10'000; ++i) flood += OpenRelay(2 * i + 1);
-  robot_.Send(flood);
+  robot_.Send(attack::Opened(1, 10'000));
   ExpectVictimGoesOn();
   EXPECT_TRUE(robot_.ReadUntilEnd());
   EXPECT_TRUE(robot_.goaway_code());
@@ -48,9 +46,7 @@ TEST_F(HostileRequests, TenThousandStreams) {
 
 TEST_F(HostileRequests, TenThousandStreamsWithoutHavingReadTheLimit) {
   RawHttp2 hasty(Attacker());
-  std::string flood = http2::Preface() + http2::Settings({});
-  for (std::uint32_t i = 0; i < 10'000; ++i) flood += OpenRelay(2 * i + 1);
-  hasty.Send(flood);
+  hasty.Send(http2::Preface() + http2::Settings({}) + attack::Opened(1, 10'000));
   ExpectVictimGoesOn();
   EXPECT_TRUE(hasty.ReadUntilEnd());
   EXPECT_EQ(hasty.goaway_code(), http2::kEnhanceYourCalm);
@@ -71,14 +67,7 @@ TEST_F(HostileRequests, ManyRefusedRequests) {
 }
 
 TEST_F(HostileRequests, HeadersOver64Kilobytes) {
-  const std::string block = http2::Hpack(RelayFields({{"x-long", std::string(200'000, 'x')}}));
-  std::string flood = http2::Frame(http2::kHeaders, 0, 1, block.substr(0, 16'000));
-  for (std::size_t at = 16'000; at < block.size(); at += 16'000) {
-    const bool last = at + 16'000 >= block.size();
-    flood += http2::Frame(http2::kContinuation, last ? http2::kEndHeaders : http2::kNone, 1,
-                          block.substr(at, 16'000));
-  }
-  robot_.Send(flood);
+  robot_.Send(attack::LongHeader(1, 200'000));
   ExpectVictimGoesOn();
   EXPECT_TRUE(robot_.ReadUntilEnd());
   EXPECT_TRUE(robot_.goaway_code());
@@ -86,15 +75,8 @@ TEST_F(HostileRequests, HeadersOver64Kilobytes) {
 
 /// A name of the dynamic table, thousands of times: a byte on the wire is 4 KB of headers.
 TEST_F(HostileRequests, AHeaderBomb) {
-  const std::string value(3900, 'b');
-  std::string stored = http2::Hpack({{"a", value}});
-  stored.front() = '\x40';
-  robot_.Send(
-      http2::Frame(http2::kHeaders, http2::kEndHeaders, 1, http2::Hpack(RelayFields()) + stored));
-  for (std::uint32_t i = 1; i < 16; ++i) {
-    robot_.Send(http2::Frame(http2::kHeaders, http2::kEndHeaders, 2 * i + 1,
-                             http2::Hpack(RelayFields()) + std::string(16'000, '\xBE')));
-  }
+  robot_.Send(attack::HeaderBombFuse(1));
+  for (std::uint32_t i = 1; i < 16; ++i) robot_.Send(attack::HeaderBomb(2 * i + 1));
   ExpectVictimGoesOn();
   EXPECT_TRUE(robot_.ReadUntil(
       [&] { return StatusOf(robot_.At(31)) == "8" || robot_.goaway_code().has_value(); }));
@@ -102,10 +84,10 @@ TEST_F(HostileRequests, AHeaderBomb) {
 }
 
 TEST_F(HostileRequests, EndlessContinuations) {
-  std::string field = http2::Hpack({{"a", std::string(16'000, 'b')}});
-  robot_.Send(http2::Frame(http2::kHeaders, 0, 1, http2::Hpack(RelayFields())));
+  robot_.Send(attack::HeadersWithoutEnd(1));
+  const std::string more = attack::EndlessContinuation(1);
   for (int i = 0; i < 300; ++i) {
-    if (!robot_.Send(http2::Frame(http2::kContinuation, 0, 1, field))) break;
+    if (!robot_.Send(more)) break;
   }
   ExpectVictimGoesOn();
   EXPECT_TRUE(robot_.ReadUntilEnd());
@@ -118,8 +100,7 @@ TEST_F(HostileRequests, MessagesThatAreAnnouncedAndNeverCome) {
     robots.push_back(std::make_unique<RawHttp2>(ClientOf(world_, RobotKeys(world_, 700 + i))));
     ASSERT_TRUE(robots.back()->Begin());
     for (std::uint32_t stream = 1; stream <= 15; stream += 2) {
-      robots.back()->Send(OpenRelay(stream) +
-                          http2::Data(stream, Prefix(200'000) + std::string(100, 'x')));
+      robots.back()->Send(attack::Announcement(stream, 200'000, 100));
     }
   }
   ExpectVictimGoesOn();
