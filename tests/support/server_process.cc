@@ -22,8 +22,9 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
   return pointers;
 }
 
+/// Rounded up: a wait of a millisecond is one, and reads what is there.
 milliseconds Left(SteadyTime end) {
-  return std::chrono::duration_cast<milliseconds>(end - SystemClock().Steady());
+  return std::chrono::ceil<milliseconds>(end - SystemClock().Steady());
 }
 
 }  // namespace
