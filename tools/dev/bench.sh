@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|scrape|store|fair] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
+# `hostile` takes `--only ATTACK`, `--transport native|grpc` and `--server-bin FILE`.
 # `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
 # store lies in TMPDIR.
 set -euo pipefail
@@ -55,8 +56,9 @@ bench_scrape() {
   UPLINK_BIN_DIR="$bin" PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/scrape_acks.py --json "$json"
 }
 
-# The programs that it starts end with it, however it ends; so it is ended, and then what it wrote goes.
-bench_fair() {
+# in_temporary PROGRAM ...: with a TMPDIR of its own. The programs that it starts end with it, however
+# it ends; so it is ended, and then what it wrote goes.
+in_temporary() {
   # Not local: the trap outlives the function.
   cluster="$folder/fair.state" pid=""
   mkdir -p "$folder"
@@ -78,7 +80,7 @@ bench_fair() {
       export UPLINK_TEST_POSTGRES="$cluster"
       ;;
   esac
-  TMPDIR="$temporary" "$bin/uplink_bench_fair" --commit "$commit" "$@" &
+  TMPDIR="$temporary" "$@" &
   pid=$!
   wait "$pid"
   pid=""
@@ -88,7 +90,12 @@ case "$name" in
   fair)
     need_packages
     build_preset release bin/uplink_bench_fair bin/uplink_bench_bad_robot bin/uplinkd
-    bench_fair "$@"
+    in_temporary "$bin/uplink_bench_fair" --commit "$commit" "$@"
+    ;;
+  hostile)
+    need_packages
+    build_preset release bin/uplink_bench_hostile bin/uplinkd
+    in_temporary "$bin/uplink_bench_hostile" --commit "$commit" "$@"
     ;;
   store)
     need_packages
@@ -109,5 +116,5 @@ case "$name" in
     build_preset release bin/uplink_bench_scrape bin/uplinkd bin/uplinkctl bin/uplink-fleet
     bench_scrape "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store or fair)" ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair or hostile)" ;;
 esac

@@ -9,9 +9,9 @@
 
 #include <fmt/core.h>
 
-#include "tests/bench/fair/fair_server.h"
 #include "tests/bench/fair/others.h"
 #include "tests/bench/fair/watch.h"
+#include "tests/bench/pinned_server.h"
 #include "tests/support/postgres_database.h"
 
 namespace uplink::bench {
@@ -62,7 +62,7 @@ class FreshStore final {
 
 class Scenario final {
  public:
-  Scenario(const FairRun& run, Misdeed misdeed, FairServer& server)
+  Scenario(const FairRun& run, Misdeed misdeed, PinnedServer& server)
       : run_(run),
         misdeed_(misdeed),
         server_(server),
@@ -100,7 +100,7 @@ class Scenario final {
  private:
   static std::string BadRuri() { return "rcan://bench.local/robots/bad"; }
 
-  static link::LinkOptions LinkTo(const World& world, const FairServer& server) {
+  static link::LinkOptions LinkTo(const World& world, const PinnedServer& server) {
     link::LinkOptions options;
     options.tls =
         *link::TlsClient::Create(world.folder.authority().certificate(), link::Alpn::kHttp2);
@@ -182,7 +182,7 @@ class Scenario final {
 
   const FairRun& run_;
   const Misdeed misdeed_;
-  FairServer& server_;
+  PinnedServer& server_;
   const SystemClock clock_{};
   link::Loop loop_;
   Others others_;
@@ -196,7 +196,8 @@ class Scenario final {
 FairResult RunScenario(const FairRun& run, Misdeed misdeed) {
   run.say(fmt::format("{}: {}", NameOf(misdeed), AboutOf(misdeed)));
   const FreshStore store(run.world, run.flags);
-  auto server = FairServer::Start(run.world, {run.server_bin, store.url()});
+  auto server =
+      PinnedServer::Start(run.world, {.program = run.server_bin, .store_url = store.url()});
   if (!server.ok()) {
     return {.misdeed = misdeed, .failure = std::string(server.status().message())};
   }

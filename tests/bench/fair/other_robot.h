@@ -52,6 +52,9 @@ class OtherRobot final : private link::StreamEvents {
   /// Connects again if it is time to. Not to be called within an event.
   void Mend();
   [[nodiscard]] bool open() const { return open_; }
+  /// All durable messages up to this number were acked.
+  [[nodiscard]] std::uint64_t settled_seq() const { return settled_seq_; }
+  [[nodiscard]] const std::string& session() const { return session_; }
   /// Moves what was sent in this window and is not acked to the tally.
   void GiveUp(std::uint64_t window, OthersTally& tally);
   [[nodiscard]] bool HasPending(std::uint64_t window) const;

@@ -1,4 +1,4 @@
-#include "tests/bench/fair/fair_server.h"
+#include "tests/bench/pinned_server.h"
 
 #include <csignal>
 #include <utility>
@@ -36,16 +36,23 @@ std::string TailOf(const std::string& text) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<FairServer>> FairServer::Start(const World& world,
-                                                              const Options& options) {
+absl::StatusOr<std::unique_ptr<PinnedServer>> PinnedServer::Start(const World& world,
+                                                                  const Options& options) {
   // setpriv becomes the program, which then dies with this thread.
-  const std::vector<std::string> command = {
-      "/usr/bin/setpriv", "--pdeathsig", "KILL",
-      options.program,    "--config",    world.folder.Path("uplinkd.toml")};
-  const std::vector<std::string> environment = {
+  std::vector<std::string> command = {"/usr/bin/setpriv", "--pdeathsig", "KILL"};
+  if (options.descriptors_max > 0) {
+    // prlimit becomes it, too.
+    command.insert(command.end(),
+                   {"/usr/bin/prlimit", fmt::format("--nofile={0}:{0}", options.descriptors_max)});
+  }
+  command.insert(command.end(), {options.program, "--config", world.folder.Path("uplinkd.toml")});
+  std::vector<std::string> environment = {
       "UPLINKD_STORE_URL=" + options.store_url, "UPLINKD_STORE_MIGRATE=true",
       // Half of the default: a window must be long enough to show a robot as away.
       "UPLINKD_PRESENCE_TIMEOUT=5s", "UPLINKD_DRAIN_TIMEOUT=5s"};
+  if (!options.transport.empty()) {
+    environment.push_back("UPLINKD_LISTEN_TRANSPORT=" + options.transport);
+  }
   PinTo(kServerCore);
   std::unique_ptr<testing::ServerProcess> process;
   {
@@ -53,7 +60,7 @@ absl::StatusOr<std::unique_ptr<FairServer>> FairServer::Start(const World& world
     process = std::make_unique<testing::ServerProcess>(command, environment);
   }
   PinTo(kLoadCore);
-  std::unique_ptr<FairServer> server(new FairServer(std::move(process)));
+  std::unique_ptr<PinnedServer> server(new PinnedServer(std::move(process)));
   const auto ports = testing::WaitForPorts(*server->process_);
   if (!ports) {
     return absl::UnavailableError(
@@ -63,22 +70,22 @@ absl::StatusOr<std::unique_ptr<FairServer>> FairServer::Start(const World& world
   return server;
 }
 
-synthetic::ProcessUse FairServer::use() const {
+synthetic::ProcessUse PinnedServer::use() const {
   return synthetic::UseOf(process_->pid()).value_or(synthetic::ProcessUse());
 }
 
-bool FairServer::ended() const {
+bool PinnedServer::ended() const {
   siginfo_t info{};
   const auto pid = static_cast<id_t>(process_->pid());
   return waitid(P_PID, pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
 }
 
-void FairServer::ReadLog() {
+void PinnedServer::ReadLog() {
   // No line of a log says that: it reads what is there.
   static_cast<void>(process_->WaitFor("\n\n\n", milliseconds(1), process_->text().size()));
 }
 
-std::string FairServer::Stop() {
+std::string PinnedServer::Stop() {
   const bool by_itself = ended();
   if (!by_itself) process_->Signal(SIGTERM);
   auto code = process_->WaitForExit(kStopWait);

@@ -18,17 +18,21 @@ namespace uplink::bench {
 ///
 /// Errors: that it does not start, or ends by itself, is a value.
 /// Thread: confined to the thread that started it, which must outlive it.
-class FairServer final {
+class PinnedServer final {
  public:
   struct Options {
     std::string program;
     std::string store_url;
+    /// `grpc` or `native`; empty: the program's default.
+    std::string transport;
+    /// Descriptors that it may have open; 0: as many as this process.
+    int descriptors_max = 0;
   };
   /// Waits until it listens, at most half a minute.
   ///
   /// Errors: kUnavailable with its log.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<FairServer>> Start(const World& world,
-                                                                         const Options& options);
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<PinnedServer>> Start(const World& world,
+                                                                           const Options& options);
 
   [[nodiscard]] const testing::Ports& ports() const { return ports_; }
   /// CPU and memory so far; of one that ended what the kernel still knows.
@@ -37,12 +41,14 @@ class FairServer final {
   [[nodiscard]] bool ended() const;
   /// Reads its log, so that it need not wait for a reader. To be called every second or so.
   void ReadLog();
+  /// All of it that was read.
+  [[nodiscard]] const std::string& log() const { return process_->text(); }
   /// Ends it, if need be by force: how it ended. With a lot still to write that may take some
   /// seconds.
   [[nodiscard]] std::string Stop();
 
  private:
-  explicit FairServer(std::unique_ptr<testing::ServerProcess> process)
+  explicit PinnedServer(std::unique_ptr<testing::ServerProcess> process)
       : process_(std::move(process)) {}
 
   std::unique_ptr<testing::ServerProcess> process_;

@@ -1,0 +1,70 @@
+// What hostile clients do to a server, on each transport: attacks one by one, each on a server and
+// a store of its own, beside an honest robot. The server has one core, everybody else the other.
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include "tests/bench/hostile/hostile_flags.h"
+#include "tests/bench/hostile/hostile_run.h"
+#include "tools/uplink-fleet/run/signals.h"
+
+namespace uplink::bench {
+namespace {
+
+void Say(const std::string& text) {
+  fmt::print(stderr, "{}{}", text, text.ends_with('\n') ? "" : "\n");
+}
+
+int Run(int argc, char** argv) {
+  HostileFlags flags;
+  if (const auto code = ParseHostileFlags(argc, argv, flags)) return *code;
+  const SystemClock clock;
+  synthetic::Signals signals(clock);
+  bool stopped = false;
+  const bool apart = PinTo(kLoadCore);
+  const World world;
+  const HostileRun run{.world = world,
+                       .server_bin = flags.server_bin.empty() ? UPLINKD_PROGRAM : flags.server_bin,
+                       .window = std::chrono::seconds(flags.seconds),
+                       .stopped = [&] { return stopped = stopped || signals.Came(); },
+                       .say = Say};
+  std::vector<HostileResult> results;
+  for (int round = 0; round < flags.rounds; ++round) {
+    for (const std::string& transport : flags.transports()) {
+      for (const Attack* attack : flags.attacks) {
+        if (run.stopped()) break;
+        results.push_back(RunAttack(run, transport, *attack));
+        fmt::print(stderr, "{}", HostileTables({results.back()}));
+      }
+    }
+  }
+  fmt::print(
+      "hostile: one robot with 20 durable messages per second, the server on {}; {} rounds, {} s"
+      " without each attack and at least as long with it\n{}",
+      apart ? "a core of its own" : "the only core", flags.rounds, flags.seconds,
+      HostileTables(results));
+  if (!flags.json.empty()) {
+    std::ofstream(flags.json) << JsonOf(HostileRows(results), flags.commit);
+  }
+  const bool measured = std::ranges::any_of(
+      results, [](const HostileResult& result) { return result.failure.empty(); });
+  return measured && !stopped ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace uplink::bench
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+  return uplink::bench::Run(argc, argv);
+}

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "schema/base/clock.h"
+#include "tests/support/certificates.h"
+
+namespace uplink::bench {
+
+/// A robot that nobody has seen before, at an address from which nobody has streamed.
+struct NewRobot {
+  std::uint16_t port = 0;
+  std::string server_ca;
+  testing::KeyPair identity;
+};
+inline constexpr const char* kNewRobotSource = "127.0.0.200";
+/// Whoever gets in later does not get in.
+inline constexpr milliseconds kGetsInWithin{10'000};
+
+/// How long it takes until one durable message of its own is acked; it tries again and again, for
+/// kGetsInWithin, after which there is no value.
+///
+/// Thread: any; blocks.
+[[nodiscard]] std::optional<milliseconds> TimeToGetIn(const NewRobot& robot, const Clock& clock);
+
+}  // namespace uplink::bench

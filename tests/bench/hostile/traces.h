@@ -1,0 +1,18 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace uplink::bench {
+
+/// The first warning or error of the log that has one of the attacker's addresses or its robot;
+/// empty if there is none.
+[[nodiscard]] std::string_view LineThatNames(std::string_view log);
+
+/// Of the metrics that count what is refused or ended, the one that grew the most, by its label if
+/// it has one: `resets 50`. Empty if none grew.
+[[nodiscard]] std::string GrownMost(const std::map<std::string, double>& before,
+                                    const std::map<std::string, double>& after);
+
+}  // namespace uplink::bench
