@@ -78,6 +78,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   // Http2Peer
   Http2Stream* OnStream(std::int32_t id) override;
   void OnFrame(FrameKind kind) override;
+  void OnHeaderBomb() override { TurnAway(transport::TurnedAway::kHeaders, "headers"); }
   void OnSent() override { pings_.OnSent(); }
   void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
   // CallOwner

@@ -61,6 +61,7 @@ int OnExtension(nghttp2_session* /*session*/, void** /*payload*/,
 }
 
 int OnBeginHeaders(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
+  Self(self).BeginHeaders();
   if (frame->hd.type != NGHTTP2_HEADERS || frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;
   Http2Stream* stream = Self(self).peer().OnStream(frame->hd.stream_id);
   if (stream == nullptr) {
@@ -74,7 +75,10 @@ int OnBeginHeaders(nghttp2_session* session, const nghttp2_frame* frame, void* s
 
 int OnHeader(nghttp2_session* session, const nghttp2_frame* frame, const std::uint8_t* name,
              std::size_t name_size, const std::uint8_t* value, std::size_t value_size,
-             std::uint8_t /*flags*/, void* /*self*/) {
+             std::uint8_t /*flags*/, void* self) {
+  if (!Self(self).CountHeader(name_size + value_size)) {
+    return NGHTTP2_ERR_TEMPORAL_CALLBACK_FAILURE;
+  }
   if (frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;  // trailers of a request mean nothing
   if (Http2Stream* stream = StreamOf(session, frame->hd.stream_id)) {
     static_cast<void>(stream->OnHeader(ViewOf(name, name_size), ViewOf(value, value_size)));
@@ -205,6 +209,13 @@ Http2::Http2(const Http2Rules& rules, Http2Memory& memory, Http2Peer& peer,
 }
 
 Http2::~Http2() { nghttp2_session_del(session_); }
+
+bool Http2::CountHeader(std::size_t bytes) {
+  header_bytes_ += bytes + kHeaderOverheadBytes;
+  if (header_bytes_ <= kHeaderBombBytes) return true;
+  peer_.OnHeaderBomb();
+  return false;
+}
 
 bool Http2::Receive(std::string_view bytes) {
   const ssize_t taken = nghttp2_session_mem_recv(

@@ -62,6 +62,8 @@ class Http2Peer {
   /// A frame of a kind that costs us more than its sender begins to arrive; acknowledgements are
   /// not told.
   virtual void OnFrame(FrameKind kind) = 0;
+  /// A list of headers is past kHeaderBombBytes: the rest of it is passed over.
+  virtual void OnHeaderBomb() = 0;
   /// We sent HEADERS or DATA.
   virtual void OnSent() = 0;
   /// We sent a GOAWAY with an error: the session ends, by a rule that the peer broke or by End.
@@ -120,13 +122,18 @@ class Http2 final {
   /// Ends the connection with a code, and a text for who looks: no stream goes on.
   void End(std::uint32_t code, std::string_view text);
 
-  /// Called by nghttp2's callbacks alone.
+  /// Called by nghttp2's callbacks alone, as what follows is.
   [[nodiscard]] Http2Peer& peer() { return peer_; }
   [[nodiscard]] nghttp2_session* session() { return session_; }
+  /// A list of headers begins; a field of so many bytes belongs to it, false if it is a bomb.
+  void BeginHeaders() { header_bytes_ = 0; }
+  [[nodiscard]] bool CountHeader(std::size_t bytes);
 
  private:
   Http2Peer& peer_;
   nghttp2_session* session_ = nullptr;
+  /// Of the list of headers that arrives.
+  std::size_t header_bytes_ = 0;
 };
 
 }  // namespace uplink::front

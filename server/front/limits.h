@@ -14,8 +14,13 @@ inline constexpr std::int32_t kStreamWindowBytes = 65'535;
 /// Bytes under way on a connection, over all its streams. They are given back as they arrive, so
 /// that a stream that is held back never holds up its neighbours.
 inline constexpr std::int32_t kConnectionWindowBytes = 1024 * 1024;
-/// Bytes of all headers of a request, counted as HTTP/2 does (32 more for each).
+/// HTTP/2's own overhead of a header in the size of a list of headers.
+inline constexpr std::size_t kHeaderOverheadBytes = 32;
+/// Bytes of all headers of a request, counted as HTTP/2 does.
 inline constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
+/// A peer whose headers are past this, counted the same, is not one that has overlooked the limit:
+/// a few bytes may stand for megabytes of them, each of which costs us time.
+inline constexpr std::size_t kHeaderBombBytes = std::size_t{8} * kHeaderBytesMax;
 /// Bytes of a path that is told apart from others; longer ones are no method of ours.
 inline constexpr std::size_t kPathBytesMax = 256;
 /// Streams of one connection: a robot needs one, and two at takeover.

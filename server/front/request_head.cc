@@ -12,8 +12,6 @@ namespace {
 
 constexpr std::string_view kContentType = "application/grpc";
 constexpr std::size_t kTimeoutDigitsMax = 8;
-/// HTTP/2's own overhead of a header in the size of a list of headers.
-constexpr std::size_t kHeaderOverheadBytes = 32;
 /// Bytes of an unknown encoding that the answer repeats.
 constexpr std::size_t kEncodingShownMax = 32;
 

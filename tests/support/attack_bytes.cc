@@ -59,6 +59,11 @@ std::string HeaderBomb(std::uint32_t stream) {
                       http2::Hpack(RelayFields()) + std::string(kFramePartBytes, kNewestKept));
 }
 
+std::string HeaderBombInTrailers(std::uint32_t stream) {
+  return http2::Frame(http2::kHeaders, http2::kEndHeaders | http2::kEndStream, stream,
+                      std::string(kFramePartBytes, kNewestKept));
+}
+
 std::string HeadersWithoutEnd(std::uint32_t stream) {
   return http2::Frame(http2::kHeaders, http2::kNone, stream, http2::Hpack(RelayFields()));
 }

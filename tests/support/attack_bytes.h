@@ -25,6 +25,8 @@ namespace uplink::testing::attack {
 [[nodiscard]] std::string HeaderBombFuse(std::uint32_t stream);
 /// A call that names the kept header 16,000 times: a byte on the wire is 4 KB of headers.
 [[nodiscard]] std::string HeaderBomb(std::uint32_t stream);
+/// The same in the trailers of a call that is open.
+[[nodiscard]] std::string HeaderBombInTrailers(std::uint32_t stream);
 /// A call whose headers do not end.
 [[nodiscard]] std::string HeadersWithoutEnd(std::uint32_t stream);
 /// One more CONTINUATION of them, with a header of 16 KB.

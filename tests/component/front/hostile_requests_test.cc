@@ -74,13 +74,27 @@ TEST_F(HostileRequests, HeadersOver64Kilobytes) {
 }
 
 /// A name of the dynamic table, thousands of times: a byte on the wire is 4 KB of headers.
-TEST_F(HostileRequests, AHeaderBomb) {
-  robot_.Send(attack::HeaderBombFuse(1));
-  for (std::uint32_t i = 1; i < 16; ++i) robot_.Send(attack::HeaderBomb(2 * i + 1));
+TEST_F(HostileRequests, AHeaderBombEndsItsConnection) {
+  robot_.Send(attack::HeaderBombFuse(1) + attack::HeaderBomb(3));
   ExpectVictimGoesOn();
-  EXPECT_TRUE(robot_.ReadUntil(
-      [&] { return StatusOf(robot_.At(31)) == "8" || robot_.goaway_code().has_value(); }));
-  robot_.Send(http2::RstStream(1, http2::kCancel));
+  EXPECT_TRUE(robot_.ReadUntilEnd());
+  EXPECT_EQ(robot_.goaway_code(), http2::kEnhanceYourCalm);
+  EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kHeaders), 1);
+}
+
+TEST_F(HostileRequests, AHeaderBombInTrailersEndsItsConnection) {
+  robot_.Send(attack::HeaderBombFuse(1) + attack::HeaderBombInTrailers(1));
+  EXPECT_TRUE(robot_.ReadUntilEnd());
+  EXPECT_EQ(robot_.goaway_code(), http2::kEnhanceYourCalm);
+  EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kHeaders), 1);
+}
+
+/// An agent with too many headers is told so, and its connection goes on.
+TEST_F(HostileRequests, HeadersOverTheLimitEndTheirStreamAlone) {
+  robot_.Send(OpenRelay(1, {{"x-long", std::string(10'000, 'x')}}));
+  EXPECT_TRUE(robot_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(robot_.At(1)), "8");
+  EXPECT_TRUE(robot_.Sync());
 }
 
 TEST_F(HostileRequests, EndlessContinuations) {
