@@ -78,11 +78,16 @@ void Connection::ReadPlain() {
     TurnAway(TurnedAway::kProtocol, "");
     break;
   }
-  if (tls_->over()) Close();
+  if (tls_->over()) OnReceiveEnd();
 }
 
 void Connection::OnReceiveEnd() {
   thread_.clock.Advance();
+  // A handshake for nothing, unless we sent it away.
+  const bool stays = phase_ == Phase::kOpen && !turned_away_ && !ending_;
+  if (stays && !lifetime_.served()) {
+    thread_.book.Note(TurnedAway::kNoStream, origin_, thread_.clock.Steady());
+  }
   Close();
 }
 
@@ -118,12 +123,6 @@ void Connection::TurnAway(TurnedAway cause, std::string_view text) {
 
 void Connection::FailHandshake(TurnedAway cause) {
   thread_.book.NoteFailedHandshake(cause, origin_, thread_.clock.Steady());
-}
-
-void Connection::CutHandshake() {
-  if (phase_ != Phase::kHandshake) return;
-  FailHandshake(TurnedAway::kGaveWay);
-  Close();
 }
 
 void Connection::Evict() {

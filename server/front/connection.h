@@ -58,7 +58,11 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Start();
   void OnTimer();
   /// The handshake gives way to others; nothing once it is over.
-  void CutHandshake();
+  void CutHandshake() {
+    if (phase_ != Phase::kHandshake) return;
+    FailHandshake(transport::TurnedAway::kGaveWay);
+    Close();
+  }
   /// Its certificate has too many connections.
   void Evict();
   /// The server drains: its calls are told at `at`, and have until `end`.

@@ -27,7 +27,7 @@ enum class TurnedAway : std::uint8_t {
   kHandshakeError,
   /// Its certificate has more connections than it may.
   kKey,
-  /// It opened no stream.
+  /// It opened no stream in time, or left without one.
   kNoStream,
   /// Bytes that are no HTTP/2.
   kProtocol,

@@ -103,6 +103,7 @@ TEST_F(HostileDoor, HandshakesThatLeaveAtOnceCostNobodyHisPlace) {
   EXPECT_TRUE(victim_.GoesOn());
   EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
   EXPECT_TRUE(Eventually([&] { return world_->relay_probe.handshakes_under_way.value() == 0; }));
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kNoStream) > 100; }));
 }
 
 TEST_F(HostileDoor, HandshakesWithoutACertificateCostNobodyHisPlace) {
