@@ -47,7 +47,18 @@ void Worker::Adopt(std::uint64_t id, Visitor visitor) {
   load_.fetch_add(1, std::memory_order_relaxed);
   // A function may be copied, and a descriptor has one owner.
   auto shared = std::make_shared<Visitor>(std::move(visitor));
-  Post([this, id, shared = std::move(shared)] { Begin(id, std::move(*shared)); });
+  Post([this, id, shared = std::move(shared)] {
+    arrived_.emplace_back(id, std::move(*shared));
+    if (arrived_.size() == 1) Post([this] { BeginNext(); });
+  });
+}
+
+void Worker::BeginNext() {
+  if (arrived_.empty()) return;
+  auto [id, visitor] = std::move(arrived_.front());
+  arrived_.pop_front();
+  Begin(id, std::move(visitor));
+  if (!arrived_.empty()) Post([this] { BeginNext(); });
 }
 
 void Worker::Begin(std::uint64_t id, Visitor visitor) {

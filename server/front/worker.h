@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -65,6 +66,8 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
 
  private:
   void Run();
+  /// Begins the first of those that have arrived, and the next one in a turn of its own.
+  void BeginNext();
   void Begin(std::uint64_t id, Visitor visitor);
   void EmptyInbox();
   void BeginDrain(milliseconds grace);
@@ -82,6 +85,9 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
   const ServedContext& tls_;
   Thread thread_state_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Connection>> connections_;
+  /// Visitors whose handshake is to begin, at most as many as the door admits. Each costs far more
+  /// than a message: what else is ready goes between any two.
+  std::deque<std::pair<std::uint64_t, Visitor>> arrived_;
   /// Closed ones that are to be destroyed.
   std::vector<std::uint64_t> closed_;
   bool ending_ = false;
