@@ -1,5 +1,6 @@
 #include "server/app.h"
 
+#include <atomic>
 #include <utility>
 #include <vector>
 
@@ -168,10 +169,11 @@ class App::Impl {
   }
 
   absl::Status ListenForRobots() {
-    auto relay = ListenBy(
-        options_.config, {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
-                          session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits),
-                          allowances_, rejects_, *stores_.clock, &options_.logger, &refusals_});
+    auto relay =
+        ListenBy(options_.config,
+                 {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
+                  session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits), allowances_,
+                  rejects_, *stores_.clock, &options_.logger, &refusals_, &probe_port_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();
@@ -210,8 +212,9 @@ class App::Impl {
     };
     work.ask_relay = [this] {
       watch_.AskRelay([this](auto done) {
-        loop::ProbeHandshake(loop_, {RelayAddress(), options_.config.listen.proxy_protocol_from},
-                             health::kHandshakeWait, std::move(done));
+        loop::ProbeHandshake(
+            loop_, {RelayAddress(), options_.config.listen.proxy_protocol_from, &probe_port_},
+            health::kHandshakeWait, std::move(done));
       });
     };
     work.feed_watchdog = [this] { watchdog_.Beat(); };
@@ -246,6 +249,7 @@ class App::Impl {
   session::Allowances allowances_{lifecycle::AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   log::RateLimited refusals_{options_.logger};
+  std::atomic<std::uint16_t> probe_port_{0};
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;
   transport::RelayProbe relay_probe_;

@@ -84,8 +84,8 @@ void Connection::ReadPlain() {
 void Connection::OnReceiveEnd() {
   thread_.clock.Advance();
   // A handshake for nothing, unless we sent it away.
-  const bool stays = phase_ == Phase::kOpen && !turned_away_ && !ending_;
-  if (stays && !lifetime_.served()) {
+  if (phase_ == Phase::kHandshake && tls_->begun()) FailHandshake(TurnedAway::kHandshakeError);
+  if (phase_ == Phase::kOpen && !turned_away_ && !ending_ && !lifetime_.served()) {
     thread_.book.Note(TurnedAway::kNoStream, origin_, thread_.clock.Steady());
   }
   Close();

@@ -61,6 +61,8 @@ Door::~Door() {
 
 void Door::Arrive(Visitor visitor, SteadyTime now) {
   const std::uint64_t id = next_id_++;
+  // There is one at a time: it takes nobody's place, and no crowd makes the server doubt itself.
+  if (visitor.origin.own) return actions_.admit(id, std::move(visitor));
   const SourceAddress source = visitor.origin.source;
   const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
   waiting_.emplace(id, std::move(visitor));

@@ -16,6 +16,8 @@ struct Origin {
   /// A load balancer came on its own account, to see whether we answer: unless it shows a
   /// certificate, what becomes of it is neither counted nor logged.
   bool health_check = false;
+  /// The server asks itself whether it still answers; a health check, too.
+  bool own = false;
 };
 
 [[nodiscard]] Origin OriginOf(const sockaddr_storage& peer);

@@ -167,6 +167,8 @@ void TlsEngine::NoteFailure() {
   }
 }
 
+bool TlsEngine::begun() const { return SSL_get_state(ssl_) != TLS_ST_BEFORE; }
+
 TlsPeer TlsEngine::Peer() const {
   X509* certificate = SSL_get0_peer_certificate(ssl_);
   TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),

@@ -93,6 +93,8 @@ class TlsEngine final {
 
   /// Goes on with the handshake by what is in `in`.
   [[nodiscard]] Step Handshake();
+  /// The peer's first message was whole: answering it has cost us a signature.
+  [[nodiscard]] bool begun() const;
   /// Why it failed.
   [[nodiscard]] Failure failure() const { return failure_; }
   /// Who is there; after the handshake.

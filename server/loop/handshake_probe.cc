@@ -52,11 +52,12 @@ bool IsNobodyThere(const beast::error_code& error) {
 /// One handshake under way; keeps itself alive by its handlers.
 class Probe final : public std::enable_shared_from_this<Probe> {
  public:
-  Probe(asio::io_context& io, Targets targets, std::vector<config::Network> proxy_protocol_from,
+  Probe(asio::io_context& io, Targets targets, const ProbeTarget& target,
         std::function<void(bool)> done)
       : stream_(io),
         targets_(std::move(targets)),
-        proxy_protocol_from_(std::move(proxy_protocol_from)),
+        proxy_protocol_from_(target.proxy_protocol_from),
+        own_port_(target.own_port),
         hello_(MakeClientHello()),
         done_(std::move(done)) {}
 
@@ -66,7 +67,20 @@ class Probe final : public std::enable_shared_from_this<Probe> {
   }
 
  private:
+  /// Takes a port before the listener can see it, and tells it. Where that fails, connecting does
+  /// or takes a port of its own.
+  void TakePort(const tcp::endpoint& target) {
+    if (own_port_ == nullptr) return;
+    beast::error_code error;
+    stream_.socket().open(target.protocol(), error);
+    if (!error) stream_.socket().bind({target.protocol(), 0}, error);
+    if (error) return;
+    const tcp::endpoint own = stream_.socket().local_endpoint(error);
+    if (!error) own_port_->store(own.port());
+  }
+
   void Connect(std::size_t target) {
+    TakePort(targets_[target]);
     stream_.async_connect(targets_[target],
                           [self = shared_from_this(), target](beast::error_code error) {
                             if (!error) return self->SendHello();
@@ -108,6 +122,7 @@ class Probe final : public std::enable_shared_from_this<Probe> {
   beast::tcp_stream stream_;
   const Targets targets_;
   const std::vector<config::Network> proxy_protocol_from_;
+  std::atomic<std::uint16_t>* const own_port_;
   std::string hello_;
   std::array<char, kServerHelloPrefix> answer_{};
   const std::function<void(bool)> done_;
@@ -129,8 +144,8 @@ void ProbeHandshake(EventLoop& loop, const ProbeTarget& target, milliseconds wai
   beast::error_code error;
   const asio::ip::address address = asio::ip::make_address(target.address.host, error);
   if (error) return done(false);
-  std::make_shared<Probe>(loop.io(), TargetsOf(address, target.address.port),
-                          target.proxy_protocol_from, std::move(done))
+  std::make_shared<Probe>(loop.io(), TargetsOf(address, target.address.port), target,
+                          std::move(done))
       ->Start(wait);
 }
 

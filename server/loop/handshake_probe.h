@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -15,6 +17,9 @@ struct ProbeTarget {
   /// From whom it requires a PROXY header: if we come from one of them, ours says that we come on
   /// our own account.
   std::vector<config::Network> proxy_protocol_from;
+  /// Set to the local port before each connection is made, so that the listener may know us by it;
+  /// may be null. It outlives the handshake.
+  std::atomic<std::uint16_t>* own_port = nullptr;
 };
 
 /// Asks a TLS listener for a ServerHello and closes: `done(true)` if one came within `wait`, else

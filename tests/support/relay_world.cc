@@ -51,7 +51,8 @@ transport::RelayContext RelayWorld::Context() {
           .allowances = allowances_,
           .rejects = rejects_,
           .clock_trust = clock_trust_,
-          .logger = options.logger};
+          .logger = options.logger,
+          .probe_port = &probe_port};
 }
 
 void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }

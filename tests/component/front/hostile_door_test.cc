@@ -106,6 +106,12 @@ TEST_F(HostileDoor, HandshakesThatLeaveAtOnceCostNobodyHisPlace) {
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kNoStream) > 100; }));
 }
 
+TEST_F(HostileDoor, WhoLeavesInTheMiddleOfAHandshakeIsNamed) {
+  { const TcpCrowd crowd = Gather(kHandshakes, {"127.0.0.66"}, TlsClientHello()); }
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kHandshakeError) > 0; }));
+  EXPECT_TRUE(victim_.GoesOn());
+}
+
 TEST_F(HostileDoor, HandshakesWithoutACertificateCostNobodyHisPlace) {
   for (std::size_t i = 0; i < kHandshakes; ++i) {
     const RawHttp2 stranger(ClientOf(*world_, {}, "127.0.0.66"));

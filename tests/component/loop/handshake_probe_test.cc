@@ -44,9 +44,13 @@ class Listener {
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
-  /// Accepts one connection, reads a little, answers and closes. Says what it read.
-  std::string AnswerOnce(const std::string& answer) const {
-    const int peer = accept(socket_, nullptr, nullptr);
+  /// Accepts one connection, reads a little, answers and closes. Says what it read, and from which
+  /// port it came.
+  std::string AnswerOnce(const std::string& answer, std::uint16_t* came_from = nullptr) const {
+    sockaddr_in address{};
+    socklen_t address_size = sizeof(address);
+    const int peer = accept(socket_, reinterpret_cast<sockaddr*>(&address), &address_size);
+    if (came_from != nullptr) *came_from = ntohs(address.sin_port);
     char bytes[2048];
     const ssize_t size = recv(peer, bytes, sizeof(bytes), 0);
     EXPECT_GT(size, 0);
@@ -151,6 +155,22 @@ TEST_F(HandshakeProbeTest, AListenerThatWantsAProxyHeaderFromUsGetsOneOfOurOwn) 
   EXPECT_TRUE(with.starts_with(front::kLocalProxyHeader));
   EXPECT_EQ(with.substr(front::kLocalProxyHeader.size(), 2), "\x16\x03");
   EXPECT_EQ(said_to("192.0.2.0/24").substr(0, 2), "\x16\x03");
+}
+
+TEST_F(HandshakeProbeTest, ThePortThatItComesFromIsTold) {
+  const Listener listener;
+  std::uint16_t came_from = 0;
+  std::jthread peer([&] { listener.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6}, &came_from); });
+  std::atomic<std::uint16_t> told = 0;
+  std::promise<bool> answered;
+  loop_.Post([&] {
+    ProbeHandshake(loop_, {{"127.0.0.1", listener.port()}, {}, &told}, std::chrono::seconds(10),
+                   [&](bool good) { answered.set_value(good); });
+  });
+  EXPECT_TRUE(answered.get_future().get());
+  peer.join();
+  EXPECT_NE(came_from, 0);
+  EXPECT_EQ(told, came_from);
 }
 
 // As on a machine without IPv6, or where gRPC found none: the listener has IPv4 alone.

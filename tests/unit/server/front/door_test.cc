@@ -25,9 +25,10 @@ class DoorTest : public ::testing::Test {
  protected:
   /// A connection of this source; its number is that of its arrival, from 1.
   void Arrive(std::uint32_t source) {
-    door_.Arrive({Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
-                  {.source = SourceOf(source), .text = "peer", .health_check = health_check_}},
-                 now_);
+    door_.Arrive(
+        {Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
+         {.source = SourceOf(source), .text = "peer", .health_check = health_check_, .own = own_}},
+        now_);
   }
   [[nodiscard]] std::int64_t TurnedAwayFor(TurnedAway cause) const {
     return probe_.turned_away_total[static_cast<std::size_t>(cause)].value();
@@ -35,6 +36,7 @@ class DoorTest : public ::testing::Test {
 
   SteadyTime now_{};
   bool health_check_ = false;
+  bool own_ = false;
   transport::RelayProbe probe_;
   DoorBook book_{{.connections_max = 10, .lingers_max = 1}, probe_, nullptr};
   std::vector<std::uint64_t> admitted_;
@@ -103,6 +105,19 @@ TEST_F(DoorTest, SourcesOfRobotsComeFirst) {
   Arrive(7);
   door_.HandshakeEnded(1, now_);
   EXPECT_EQ(admitted_.back(), 5U);
+}
+
+TEST_F(DoorTest, TheServersOwnHandshakeWaitsForNobodyAndTakesNobodysPlace) {
+  for (std::uint32_t source = 1; source <= 6; ++source) Arrive(source);
+  own_ = true;
+  Arrive(99);
+  EXPECT_THAT(admitted_, ElementsAre(1, 2, 7));
+  door_.Tend(now_ + std::chrono::seconds(60));
+  EXPECT_THAT(cut_, IsEmpty());
+  door_.HandshakeEnded(7, now_);
+  EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
+  door_.HandshakeEnded(1, now_);
+  EXPECT_EQ(admitted_.size(), 4U);
 }
 
 TEST(DoorBook, PlacesAreBounded) {
