@@ -1,6 +1,5 @@
 #include "server/app.h"
 
-#include <atomic>
 #include <utility>
 #include <vector>
 
@@ -108,13 +107,12 @@ class App::Impl {
 
   absl::Status Start() {
     leases_.SetPort(options_.config.listen.relay.port);
-    absl::Status started =
-        lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
-                          .start_writers = [this] { writers_.Start(); },
-                          .listen_for_robots = [this] { return ListenForRobots(); },
-                          .begin_work = [this] { BeginWork(); }});
+    auto started = lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
+                                     .start_writers = [this] { writers_.Start(); },
+                                     .listen_for_robots = [this] { return ListenForRobots(); },
+                                     .begin_work = [this] { BeginWork(); }});
     if (!started.ok()) return started;
-    options_.logger.Info("listening", {{"relay", config::ToText(RelayAddress())},
+    options_.logger.Info("listening", {{"relay", config::ToText(RelayTarget().address)},
                                        {"http", config::ToText(ground_.http_address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
@@ -169,11 +167,10 @@ class App::Impl {
   }
 
   absl::Status ListenForRobots() {
-    auto relay =
-        ListenBy(options_.config,
-                 {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
-                  session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits), allowances_,
-                  rejects_, *stores_.clock, &options_.logger, &refusals_, &probe_port_});
+    auto relay = ListenBy(
+        options_.config, {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
+                          session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits),
+                          allowances_, rejects_, *stores_.clock, &options_.logger, &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();
@@ -212,9 +209,7 @@ class App::Impl {
     };
     work.ask_relay = [this] {
       watch_.AskRelay([this](auto done) {
-        loop::ProbeHandshake(
-            loop_, {RelayAddress(), options_.config.listen.proxy_protocol_from, &probe_port_},
-            health::kHandshakeWait, std::move(done));
+        loop::ProbeHandshake(loop_, RelayTarget(), health::kHandshakeWait, std::move(done));
       });
     };
     work.feed_watchdog = [this] { watchdog_.Beat(); };
@@ -236,8 +231,10 @@ class App::Impl {
     lifecycle::Stop(steps);
   }
 
-  [[nodiscard]] config::ListenAddress RelayAddress() const {
-    return {options_.config.listen.relay.host, relay_->port()};
+  [[nodiscard]] loop::ProbeTarget RelayTarget() {
+    const config::ListenConfig& listen = options_.config.listen;
+    return {
+        {listen.relay.host, relay_->port()}, listen.proxy_protocol_from, &relay_probe_.own_port};
   }
 
   Options options_;
@@ -249,7 +246,6 @@ class App::Impl {
   session::Allowances allowances_{lifecycle::AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   log::RateLimited refusals_{options_.logger};
-  std::atomic<std::uint16_t> probe_port_{0};
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;
   transport::RelayProbe relay_probe_;

@@ -33,10 +33,8 @@ Greeter::~Greeter() { probe_.proxy_headers_waiting.Set(0); }
 
 void Greeter::Arrive(Accepted accepted) {
   Origin origin = OriginOf(accepted.peer);
-  if (setup_.probe_port != nullptr) {
-    origin.own = IsOwnProbe(accepted.descriptor.get(), accepted.peer, setup_.probe_port->load());
-    origin.health_check = origin.own;
-  }
+  origin.own = IsOwnProbe(accepted.descriptor.get(), accepted.peer, probe_.own_port.load());
+  origin.health_check = origin.own;
   if (!config::Contains(setup_.load_balancers, accepted.peer)) {
     return setup_.hand({std::move(accepted.descriptor), std::move(origin)});
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -41,8 +40,6 @@ class Greeter final {
     std::vector<config::Network> load_balancers;
     /// Connections whose header is not whole.
     std::size_t waiting_max = 0;
-    /// RelayContext's; null: none asks.
-    const std::atomic<std::uint16_t>* probe_port = nullptr;
     /// Takes whose origin is known.
     std::function<void(Visitor visitor)> hand;
   };

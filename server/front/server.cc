@@ -157,7 +157,6 @@ void FrontServer::Impl::OpenDoor() {
   greeter = std::make_unique<Greeter>(acceptor->context(), book, context.probe, context.clock,
                                       Greeter::Setup{.load_balancers = options.proxy_protocol_from,
                                                      .waiting_max = limits.proxy_headers_max,
-                                                     .probe_port = context.probe_port,
                                                      .hand = [this](Visitor visitor) {
                                                        door->Arrive(std::move(visitor),
                                                                     context.clock.Steady());

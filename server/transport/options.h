@@ -1,9 +1,7 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <variant>
 #include <vector>
@@ -84,9 +82,6 @@ struct RelayContext {
   const log::Logger* logger = nullptr;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.
   log::RateLimited* refusals = nullptr;
-  /// The local port from which the server itself asks the listener for a handshake; 0 before the
-  /// first time. Null: it never asks.
-  const std::atomic<std::uint16_t>* probe_port = nullptr;
 };
 
 }  // namespace uplink::transport

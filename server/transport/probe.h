@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cstdint>
 
 #include "metrics/cells.h"
 #include "server/transport/turned_away.h"
@@ -31,6 +33,9 @@ struct RelayProbe {
   metrics::Cell finish_timeouts_total;
   /// Wakes that a queue's thread answered; one may stand for many.
   metrics::Cell wakes_total;
+  /// Not a count: the local port from which the server last asked its own listener for a handshake,
+  /// by which the native transport knows it; 0 before the first time.
+  std::atomic<std::uint16_t> own_port{0};
 };
 
 }  // namespace uplink::transport

@@ -51,8 +51,7 @@ transport::RelayContext RelayWorld::Context() {
           .allowances = allowances_,
           .rejects = rejects_,
           .clock_trust = clock_trust_,
-          .logger = options.logger,
-          .probe_port = &probe_port};
+          .logger = options.logger};
 }
 
 void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }

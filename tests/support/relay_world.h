@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -82,8 +81,6 @@ class RelayWorld final {
   journal::JournalProbe journal_probe;
   session::SessionProbe session_probe;
   transport::RelayProbe relay_probe;
-  /// From where a test asks the listener as the server itself does.
-  std::atomic<std::uint16_t> probe_port{0};
   const Options options;
   fleet::Fleet fleet;
   journal::Journal journal;

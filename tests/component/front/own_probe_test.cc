@@ -31,10 +31,10 @@ class OwnProbe : public ::testing::Test {
   bool Asks() {
     std::promise<bool> answered;
     loop_.Post([&] {
-      loop::ProbeHandshake(
-          loop_,
-          {.address = {"127.0.0.1", world_->server().port()}, .own_port = &world_->probe_port},
-          kAnsweredWithin, [&](bool good) { answered.set_value(good); });
+      loop::ProbeHandshake(loop_,
+                           {.address = {"127.0.0.1", world_->server().port()},
+                            .own_port = &world_->relay_probe.own_port},
+                           kAnsweredWithin, [&](bool good) { answered.set_value(good); });
     });
     return answered.get_future().get();
   }
