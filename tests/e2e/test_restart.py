@@ -32,6 +32,15 @@ class Restart(EndToEnd):
 
     def work(self, campaign):
         """The robots go away after a while, and all that they sent is settled; what is shown then."""
+        campaign.server.wait_for_status(
+            lambda status: int(status["streams"]) == ROBOTS, ROUND_SECONDS, "all robots stream"
+        )
+        wait_until(
+            campaign.server.process,
+            lambda: all(settled for _, settled in self.sessions(campaign.server).values()),
+            ROUND_SECONDS,
+            "something of each robot is settled",
+        )
         campaign.wait_for_more(ACKS)
         campaign.robots.kill()
         campaign.server.wait_for_status(
