@@ -6,6 +6,29 @@
 
 namespace uplink::testing {
 
+v1::RelayRequest HelloFrame(const model::SessionId& session, model::Seq settled,
+                            model::Seq judged) {
+  v1::RelayRequest frame;
+  v1::Hello& hello = *frame.mutable_hello();
+  hello.set_session_id(std::string(session.AsBytes()));
+  hello.set_settled_seq(settled);
+  hello.set_judged_seq(judged);
+  hello.set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
+  hello.set_agent_version("test agent");
+  return frame;
+}
+
+v1::RelayRequest BatchFrame(const std::vector<Sent>& messages) {
+  v1::RelayRequest frame;
+  v1::UplinkBatch& batch = *frame.mutable_batch();
+  for (const Sent& message : messages) {
+    v1::Uplink& uplink = *batch.add_uplinks();
+    uplink.set_seq(message.seq);
+    uplink.set_rover_nexus(message.payload);
+  }
+  return frame;
+}
+
 std::string FaultPayload(const std::string& fault_id) {
   model::Fault fault;
   fault.unix_time_ms = 1'763'683'200'000;

@@ -2,10 +2,23 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "schema/model/ids.h"
+#include "uplink/v1/relay.pb.h"
 
+// What agents say in tests.
 namespace uplink::testing {
+
+/// One message of a batch.
+struct Sent {
+  model::Seq seq = 0;
+  std::string payload;
+};
+
+[[nodiscard]] v1::RelayRequest HelloFrame(const model::SessionId& session, model::Seq settled = 0,
+                                          model::Seq judged = 0);
+[[nodiscard]] v1::RelayRequest BatchFrame(const std::vector<Sent>& messages);
 
 /// A fault report, as an agent encodes it: durable.
 [[nodiscard]] std::string FaultPayload(const std::string& fault_id);

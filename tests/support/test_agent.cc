@@ -47,29 +47,6 @@ std::shared_ptr<grpc::Channel> MakeChannel(const ChannelSpec& spec) {
                                    arguments);
 }
 
-v1::RelayRequest HelloFrame(const model::SessionId& session, model::Seq settled,
-                            model::Seq judged) {
-  v1::RelayRequest frame;
-  v1::Hello& hello = *frame.mutable_hello();
-  hello.set_session_id(std::string(session.AsBytes()));
-  hello.set_settled_seq(settled);
-  hello.set_judged_seq(judged);
-  hello.set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
-  hello.set_agent_version("test agent");
-  return frame;
-}
-
-v1::RelayRequest BatchFrame(const std::vector<Sent>& messages) {
-  v1::RelayRequest frame;
-  v1::UplinkBatch& batch = *frame.mutable_batch();
-  for (const Sent& message : messages) {
-    v1::Uplink& uplink = *batch.add_uplinks();
-    uplink.set_seq(message.seq);
-    uplink.set_rover_nexus(message.payload);
-  }
-  return frame;
-}
-
 TestAgent::TestAgent(const std::shared_ptr<grpc::Channel>& channel)
     : TestAgent(channel, Options{}) {}
 

@@ -16,6 +16,7 @@
 #include "schema/model/ids.h"
 #include "tests/support/certificates.h"
 #include "tests/support/eventually.h"
+#include "tests/support/relay_samples.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::testing {
@@ -33,16 +34,6 @@ struct ChannelSpec {
 
 /// A channel with a connection of its own.
 [[nodiscard]] std::shared_ptr<grpc::Channel> MakeChannel(const ChannelSpec& spec);
-
-/// One message on its way.
-struct Sent {
-  model::Seq seq = 0;
-  std::string payload;
-};
-
-[[nodiscard]] v1::RelayRequest HelloFrame(const model::SessionId& session, model::Seq settled = 0,
-                                          model::Seq judged = 0);
-[[nodiscard]] v1::RelayRequest BatchFrame(const std::vector<Sent>& messages);
 
 /// One Relay call of an agent, blocking: every wait ends with the call's deadline. Frames go out as
 /// the bytes that the test gives, right or wrong. Confined to one thread.
