@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <nghttp2/nghttp2.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
@@ -62,12 +61,6 @@ void SawMessage(int is_sent, int /*version*/, int content_type, const void* byte
   *static_cast<std::optional<int>*>(alert) = description;
 }
 
-std::string FieldOf(const http2::Fields& fields, std::string_view name) {
-  const auto found =
-      std::find_if(fields.begin(), fields.end(), [name](const auto& f) { return f.first == name; });
-  return found == fields.end() ? "" : found->second;
-}
-
 /// All that waits in a BIO in memory.
 std::string Drain(BIO* bio) {
   std::string bytes(BIO_ctrl_pending(bio), '\0');
@@ -111,25 +104,10 @@ struct RawHttp2::Tls {
   BIO* out = nullptr;
 };
 
-struct RawHttp2::Inflater {
-  Inflater() { UPLINK_CHECK(nghttp2_hd_inflate_new(&inflater) == 0, "nghttp2 has memory"); }
-  ~Inflater() { nghttp2_hd_inflate_del(inflater); }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-  nghttp2_hd_inflater* inflater = nullptr;
-};
-
-std::string RawStream::Trailer(std::string_view name) const {
-  return FieldOf(header_blocks > 1 ? trailers : headers, name);
-}
-
-std::string RawStream::Header(std::string_view name) const { return FieldOf(headers, name); }
-
 RawHttp2::RawHttp2(const Options& options)
     : patience_(options.patience),
       tcp_(options.port, options.source),
-      tls_(std::make_unique<Tls>(options)),
-      inflater_(std::make_unique<Inflater>()) {
+      tls_(std::make_unique<Tls>(options)) {
   SSL_set_msg_callback(tls_->ssl.get(), SawMessage);
   SSL_set_msg_callback_arg(tls_->ssl.get(), &alert_);
   if (options.at_first) options.at_first(tcp_);
@@ -189,12 +167,12 @@ bool RawHttp2::Send(std::string_view bytes) {
 }
 
 std::size_t RawHttp2::WindowOf(std::uint32_t stream) const {
-  const auto initial = settings_.find(http2::kInitialWindowSize);
+  const auto initial = settings().find(http2::kInitialWindowSize);
   const std::uint64_t of_stream =
-      (initial == settings_.end() ? kWindowDefault : initial->second) + At(stream).window_given;
+      (initial == settings().end() ? kWindowDefault : initial->second) + At(stream).window_given;
   const auto sent = sent_.find(stream);
   return static_cast<std::size_t>(std::min(of_stream - (sent == sent_.end() ? 0 : sent->second),
-                                           kWindowDefault + window_given_ - sent_in_all_));
+                                           kWindowDefault + window_given() - sent_in_all_));
 }
 
 std::size_t RawHttp2::SendData(std::uint32_t stream, std::string_view bytes,
@@ -207,7 +185,8 @@ std::size_t RawHttp2::SendData(std::uint32_t stream, std::string_view bytes,
     if (!ReadUntil([this, stream] { return WindowOf(stream) > 0 || At(stream).over(); }, left)) {
       break;
     }
-    const std::string_view part = bytes.substr(done, std::min(WindowOf(stream), kFrameBytesMax));
+    const std::string_view part =
+        bytes.substr(done, std::min(WindowOf(stream), Http2Answers::kFrameBytesMax));
     if (part.empty() || !Send(http2::Data(stream, part))) break;
     done += part.size();
     sent_[stream] += part.size();
@@ -223,7 +202,7 @@ bool RawHttp2::SendPlain(std::string_view bytes) {
 
 bool RawHttp2::Begin(const std::vector<std::pair<std::uint16_t, std::uint32_t>>& settings) {
   if (!Send(http2::Preface() + http2::Settings(settings))) return false;
-  if (!ReadUntil([this] { return settings_came_; }, patience_)) return false;
+  if (!ReadUntil([this] { return answers_.settings_came(); }, patience_)) return false;
   return Send(http2::SettingsAck());
 }
 
@@ -245,8 +224,8 @@ bool RawHttp2::ReadUntilEnd(std::chrono::milliseconds patience) {
 }
 
 bool RawHttp2::Sync() {
-  const std::size_t before = pongs_;
-  return Send(http2::Ping()) && ReadUntil([this, before] { return pongs_ > before; });
+  const std::size_t before = pongs();
+  return Send(http2::Ping()) && ReadUntil([this, before] { return pongs() > before; });
 }
 
 void RawHttp2::ReceiveOnce() {
@@ -260,104 +239,24 @@ void RawHttp2::Decrypt() {
   for (;;) {
     const int size = SSL_read(tls_->ssl.get(), plain.data(), static_cast<int>(plain.size()));
     if (size <= 0) break;
-    in_.append(plain.data(), static_cast<std::size_t>(size));
-    ReadFrames();
+    answers_.Add({plain.data(), static_cast<std::size_t>(size)});
   }
   ERR_clear_error();
   out_ += Drain(tls_->out);
 }
 
-void RawHttp2::ReadFrames() {
-  std::string_view rest = in_;
-  while (rest.size() >= http2::kHeadBytes) {
-    const std::size_t size = http2::NumberOf(rest.substr(0, 3));
-    UPLINK_CHECK(size <= kFrameBytesMax, "the server keeps the limit of frames");
-    if (rest.size() < http2::kHeadBytes + size) break;
-    constexpr std::uint32_t kReservedBit = 0x80000000U;
-    OnFrame(static_cast<std::uint8_t>(rest[3]), static_cast<std::uint8_t>(rest[4]),
-            http2::NumberOf(rest.substr(5, 4)) & ~kReservedBit,
-            rest.substr(http2::kHeadBytes, size));
-    rest.remove_prefix(http2::kHeadBytes + size);
-  }
-  in_.erase(0, in_.size() - rest.size());
-}
-
-void RawHttp2::OnFrame(std::uint8_t type, std::uint8_t flags, std::uint32_t id,
-                       std::string_view payload) {
-  if (id == 0) {
-    const bool is_ack = (flags & http2::kAck) != 0;
-    if (type == http2::kSettings && !is_ack) OnSettings(payload);
-    if (type == http2::kPing && is_ack) ++pongs_;
-    if (type == http2::kGoaway) OnGoaway(payload);
-    if (type == http2::kWindowUpdate) window_given_ += http2::NumberOf(payload);
-    return;
-  }
-  if (streams_.size() >= kStreamsKeptMax && !streams_.contains(id)) return;
-  RawStream& stream = streams_[id];
-  if (type == http2::kRstStream) stream.reset = http2::NumberOf(payload);
-  if (type == http2::kWindowUpdate) stream.window_given += http2::NumberOf(payload);
-  if (type == http2::kData) {
-    ++stream.data_frames;
-    stream.data += payload.substr(0, kDataKeptMax - stream.data.size());
-  }
-  if (type == http2::kHeaders || type == http2::kContinuation) {
-    header_block_ += payload;
-    if ((flags & http2::kEndHeaders) != 0) OnHeaderBlock(stream, std::exchange(header_block_, {}));
-  }
-  if (type <= http2::kHeaders && (flags & http2::kEndStream) != 0) stream.ended = true;
-}
-
-void RawHttp2::OnHeaderBlock(RawStream& stream, std::string_view block) {
-  http2::Fields& fields = stream.header_blocks++ == 0 ? stream.headers : stream.trailers;
-  const auto* at = reinterpret_cast<const std::uint8_t*>(block.data());
-  std::size_t left = block.size();
-  for (;;) {
-    nghttp2_nv field{};
-    int flags = 0;
-    const ssize_t taken = nghttp2_hd_inflate_hd2(inflater_->inflater, &field, &flags, at, left, 1);
-    UPLINK_CHECK(taken >= 0, "the server's HPACK is sound");
-    at += taken;
-    left -= static_cast<std::size_t>(taken);
-    if ((flags & NGHTTP2_HD_INFLATE_EMIT) != 0) {
-      fields.emplace_back(std::string(reinterpret_cast<const char*>(field.name), field.namelen),
-                          std::string(reinterpret_cast<const char*>(field.value), field.valuelen));
-    }
-    if ((flags & NGHTTP2_HD_INFLATE_FINAL) != 0) break;
-  }
-  nghttp2_hd_inflate_end_headers(inflater_->inflater);
-}
-
-void RawHttp2::OnGoaway(std::string_view payload) {
-  if (payload.size() < 8 || goaways_.size() >= kGoawaysKeptMax) return;
-  goaways_.push_back({.last_stream = http2::NumberOf(payload.substr(0, 4)),
-                      .code = http2::NumberOf(payload.substr(4, 4)),
-                      .text = std::string(payload.substr(8))});
-}
-
-void RawHttp2::OnSettings(std::string_view payload) {
-  settings_came_ = true;
-  for (; payload.size() >= 6; payload.remove_prefix(6)) {
-    settings_[static_cast<std::uint16_t>(http2::NumberOf(payload.substr(0, 2)))] =
-        http2::NumberOf(payload.substr(2, 4));
-  }
-}
-
-const RawStream& RawHttp2::At(std::uint32_t stream) const {
-  static const RawStream kNothing;
-  const auto found = streams_.find(stream);
-  return found == streams_.end() ? kNothing : found->second;
-}
-
 std::optional<std::uint32_t> RawHttp2::goaway_code() const {
-  if (goaways_.empty()) return std::nullopt;
-  return goaways_.front().code;
+  if (goaways().empty()) return std::nullopt;
+  return goaways().front().code;
 }
 
-std::string RawHttp2::goaway_text() const { return goaways_.empty() ? "" : goaways_.front().text; }
+std::string RawHttp2::goaway_text() const {
+  return goaways().empty() ? "" : goaways().front().text;
+}
 
 std::size_t RawHttp2::ResetsOf(std::uint32_t code) const {
   return static_cast<std::size_t>(
-      std::count_if(streams_.begin(), streams_.end(),
+      std::count_if(streams().begin(), streams().end(),
                     [code](const auto& entry) { return entry.second.reset == code; }));
 }
 

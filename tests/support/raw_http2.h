@@ -14,46 +14,19 @@
 
 #include "tests/support/certificates.h"
 #include "tests/support/eventually.h"
+#include "tests/support/http2_answers.h"
 #include "tests/support/http2_frames.h"
 #include "tests/support/raw_tcp.h"
 
 namespace uplink::testing {
 
-/// What a peer answered on one stream. A value.
-struct RawStream {
-  /// Of the first block of headers, and of the second.
-  http2::Fields headers;
-  http2::Fields trailers;
-  std::size_t header_blocks = 0;
-  /// Up to RawHttp2::kDataKeptMax bytes.
-  std::string data;
-  std::size_t data_frames = 0;
-  /// The peer has sent its last.
-  bool ended = false;
-  /// The code of its RST_STREAM.
-  std::optional<std::uint32_t> reset;
-  /// Bytes that its WINDOW_UPDATEs gave us to send.
-  std::uint64_t window_given = 0;
-
-  /// The response is over, one way or the other.
-  [[nodiscard]] bool over() const { return ended || reset.has_value(); }
-  /// Of the trailers, or of headers that are all there is; empty if there is none.
-  [[nodiscard]] std::string Trailer(std::string_view name) const;
-  [[nodiscard]] std::string Header(std::string_view name) const;
-};
-
 /// One HTTP/2 connection of a client that says what it is told, right or wrong, over TLS on
 /// loopback.
 ///
-/// Limits: what it keeps of what the peer says, by the constants below; every wait by its patience.
+/// Limits: what it keeps of what the peer says, as Http2Answers does; every wait by its patience.
 /// Thread: confined to one.
 class RawHttp2 final {
  public:
-  static constexpr std::size_t kDataKeptMax = std::size_t{4} * 1024 * 1024;
-  static constexpr std::size_t kStreamsKeptMax = 20'000;
-  static constexpr std::size_t kGoawaysKeptMax = 100;
-  /// Larger frames are not allowed to the peer.
-  static constexpr std::size_t kFrameBytesMax = std::size_t{16} * 1024;
   /// How long a peer may take nothing of what is sent.
   static constexpr std::chrono::milliseconds kSendPatience{10'000};
 
@@ -78,11 +51,6 @@ class RawHttp2 final {
     /// How long the handshake and the peer's SETTINGS may take, and, below kSendPatience, how long
     /// the peer may take nothing.
     std::chrono::milliseconds patience = kPatience;
-  };
-  struct Goaway {
-    std::uint32_t last_stream = 0;
-    std::uint32_t code = 0;
-    std::string text;
   };
 
   /// Connects and does the handshake; open() says whether that went well.
@@ -130,55 +98,45 @@ class RawHttp2 final {
   [[nodiscard]] std::string protocol() const;
 
   /// Nothing of an unknown stream is known.
-  [[nodiscard]] const RawStream& At(std::uint32_t stream) const;
+  [[nodiscard]] const RawStream& At(std::uint32_t stream) const { return answers_.At(stream); }
   /// Streams that the peer said anything about.
-  [[nodiscard]] const std::map<std::uint32_t, RawStream>& streams() const { return streams_; }
-  [[nodiscard]] const std::vector<Goaway>& goaways() const { return goaways_; }
+  [[nodiscard]] const std::map<std::uint32_t, RawStream>& streams() const {
+    return answers_.streams();
+  }
+  [[nodiscard]] const std::vector<Http2Answers::Goaway>& goaways() const {
+    return answers_.goaways();
+  }
   /// The first one's code, and text; nothing if there is none.
   [[nodiscard]] std::optional<std::uint32_t> goaway_code() const;
   [[nodiscard]] std::string goaway_text() const;
-  [[nodiscard]] const std::map<std::uint16_t, std::uint32_t>& settings() const { return settings_; }
+  [[nodiscard]] const std::map<std::uint16_t, std::uint32_t>& settings() const {
+    return answers_.settings();
+  }
   /// Bytes that WINDOW_UPDATEs gave the connection.
-  [[nodiscard]] std::uint64_t window_given() const { return window_given_; }
-  [[nodiscard]] std::size_t pongs() const { return pongs_; }
+  [[nodiscard]] std::uint64_t window_given() const { return answers_.window_given(); }
+  [[nodiscard]] std::size_t pongs() const { return answers_.pongs(); }
   /// Streams of the server's RST_STREAM with this code.
   [[nodiscard]] std::size_t ResetsOf(std::uint32_t code) const;
 
  private:
   struct Tls;
-  struct Inflater;
 
   void Handshake(SteadyTime deadline);
   bool Flush(SteadyTime deadline);
   void ReceiveOnce();
   void Decrypt();
-  void ReadFrames();
-  void OnFrame(std::uint8_t type, std::uint8_t flags, std::uint32_t stream,
-               std::string_view payload);
-  void OnHeaderBlock(RawStream& stream, std::string_view block);
-  void OnGoaway(std::string_view payload);
-  void OnSettings(std::string_view payload);
 
   const std::chrono::milliseconds patience_;
   RawTcp tcp_;
   std::unique_ptr<Tls> tls_;
-  std::unique_ptr<Inflater> inflater_;
   bool handshaken_ = false;
   std::optional<int> alert_;
-  /// Ciphertext that the system has not taken; plaintext of a frame that is not whole.
+  /// Ciphertext that the system has not taken.
   std::string out_;
-  std::string in_;
-  std::map<std::uint32_t, RawStream> streams_;
-  /// The headers that have begun, of this stream.
-  std::string header_block_;
+  Http2Answers answers_;
   /// Bytes of SendData.
   std::map<std::uint32_t, std::uint64_t> sent_;
   std::uint64_t sent_in_all_ = 0;
-  std::vector<Goaway> goaways_;
-  std::map<std::uint16_t, std::uint32_t> settings_;
-  bool settings_came_ = false;
-  std::uint64_t window_given_ = 0;
-  std::size_t pongs_ = 0;
 };
 
 /// What a TLS client says first; the same bytes may begin many connections.

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "schema/base/check.h"
-#include "tests/support/relay_samples.h"
-#include "tests/support/test_agent.h"
 
 namespace uplink::testing {
 namespace {

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "schema/model/ids.h"
+#include "tests/support/http2_answers.h"
 #include "tests/support/http2_frames.h"
-#include "tests/support/raw_http2.h"
+#include "tests/support/relay_samples.h"
 #include "uplink/v1/relay.pb.h"
 
 // What an agent says on the wire of gRPC over HTTP/2, and what it reads there.
