@@ -1,86 +1,27 @@
 #include "tests/support/relay_world.h"
 
-#include <cstdlib>
-#include <string_view>
-#include <utility>
-
-#include "schema/base/check.h"
 #include "server/front/server.h"
 #include "server/relay/server.h"
 
 namespace uplink::testing {
+namespace {
 
-RelayWorld::RelayWorld(const Options& given)
-    : options(given),
-      fleet(clock, given.robots_max, robot::PresenceLimits{}),
-      journal(store, given.journal, clock, ledgers.NewPage(), journal_probe, storage::ProcessId{1}),
-      server_identity_(authority.Issue(ServerSpec())) {
-  // Short pauses: tests order failures by their number, not by their time.
-  writer_.emplace(journal,
-                  storage::BackoffLimits{.first = milliseconds(2), .longest = milliseconds(5)},
-                  [] { return std::uint64_t{0}; });
-  auto started = Start({.address = {"127.0.0.1", 0},
-                        .key_material = ServerTexts(),
-                        .queues = options.queues,
-                        .tls_minimum = options.tls_minimum,
-                        .proxy_protocol_from = options.proxy_protocol_from,
-                        .streams_max = options.streams_max,
-                        .connection_age_max = options.connection_age_max,
-                        .memory_bytes_max = options.memory_bytes_max});
-  UPLINK_CHECK(started.ok(), started.status().ToString());
-  server_ = *std::move(started);
-}
-
-RelayWorld::~RelayWorld() {
-  store.Heal();
-  StopServer();
-  writer_->Stop();
-}
-
-transport::RelayContext RelayWorld::Context() {
-  return {.clock = clock,
-          .fleet = fleet,
-          .journals = shards,
-          .session_probe = session_probe,
-          .probe = relay_probe,
-          .ledgers = ledgers,
-          .limits = options.session,
-          .judge_limits = {.payload_bytes_max = options.session.payload_bytes_max,
-                           .message_bytes_max = options.session.message_bytes_max,
-                           .extras_items_max = options.session.extras_items_max},
-          .allowances = allowances_,
-          .rejects = rejects_,
-          .clock_trust = clock_trust_,
-          .logger = options.logger};
-}
-
-void RelayWorld::StopServer() { server_->Shutdown(milliseconds(0)); }
-
-absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::StartAnother(
-    const config::ListenAddress& address, const transport::KeyMaterial& material) {
-  return Start({.address = address, .key_material = material, .queues = 1, .streams_max = 10});
-}
-
-absl::StatusOr<std::unique_ptr<transport::Listener>> RelayWorld::Start(
-    const transport::RelayOptions& relay_options) {
-  switch (options.transport) {
+ListenerWorld::StartListener StartOf(config::Transport transport) {
+  switch (transport) {
     case config::Transport::kNative:
-      return front::FrontServer::Start(relay_options, Context());
+      return front::FrontServer::Start;
     case config::Transport::kGrpc:
-      return relay::RelayServer::Start(relay_options, Context());
+      return relay::RelayServer::Start;
   }
-  return absl::InternalError("no such transport");
+  return nullptr;
 }
 
-config::Transport TestedTransport() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody sets a variable in a test's process.
-  const char* name = std::getenv("UPLINK_TEST_TRANSPORT");
-  return name != nullptr && std::string_view(name) == "native" ? config::Transport::kNative
-                                                               : config::Transport::kGrpc;
-}
+}  // namespace
+
+RelayWorld::RelayWorld(const Options& given) : ListenerWorld(given, StartOf(given.transport)) {}
 
 ChannelSpec RelayWorld::SpecFor(const std::string& ruri) const {
-  return {.port = server_->port(),
+  return {.port = port(),
           .server_ca = authority.certificate(),
           .identity = authority.Issue(RobotSpec(ruri))};
 }
@@ -90,21 +31,7 @@ std::shared_ptr<grpc::Channel> RelayWorld::Channel(const std::string& ruri) cons
 }
 
 std::shared_ptr<grpc::Channel> RelayWorld::Channel(const KeyPair& identity) const {
-  return MakeChannel(
-      {.port = server_->port(), .server_ca = authority.certificate(), .identity = identity});
-}
-
-transport::PemTexts RelayWorld::ServerTexts() const {
-  return {.certificate = server_identity_.certificate,
-          .key = server_identity_.key,
-          .client_ca = authority.certificate()};
-}
-
-bool RelayWorld::Settles() const {
-  return Eventually([this] {
-    const metrics::UplinkCounts counts = Counts();
-    return counts.in_flight == 0 && counts.Balanced();
-  });
+  return MakeChannel({.port = port(), .server_ca = authority.certificate(), .identity = identity});
 }
 
 }  // namespace uplink::testing

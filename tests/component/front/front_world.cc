@@ -30,30 +30,6 @@ RelayWorld::Options Native(RelayWorld::Options options) {
   return options;
 }
 
-KeyPair RobotKeys(const RelayWorld& world, int number) {
-  return world.authority.Issue(RobotSpec(RuriOf(number)));
-}
-
-KeyPair GatewayKeys(const RelayWorld& world) {
-  CertificateSpec spec;
-  spec.units = {"gateway"};
-  return world.authority.Issue(spec);
-}
-
-RawHttp2::Options ClientOf(const RelayWorld& world, const KeyPair& identity,
-                           const std::string& source) {
-  RawHttp2::Options options;
-  options.port = const_cast<RelayWorld&>(world).server().port();
-  options.server_ca = world.authority.certificate();
-  options.identity = identity;
-  options.source = source;
-  return options;
-}
-
-std::int64_t TurnedAwayFor(const RelayWorld& world, transport::TurnedAway cause) {
-  return world.relay_probe.turned_away_total[static_cast<std::size_t>(cause)].value();
-}
-
 bool ServesNewRobot(const RelayWorld& world, int number, std::chrono::milliseconds patience) {
   TestAgent agent(world.Channel(RuriOf(number)), {.patience = patience});
   if (!agent.Connect(SessionOf(1))) return false;

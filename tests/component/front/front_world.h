@@ -2,27 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
-#include "server/transport/turned_away.h"
-#include "tests/support/raw_http2.h"
-#include "tests/support/relay_bytes.h"
+#include "tests/component/front/front_client.h"
 #include "tests/support/relay_world.h"
 
 namespace uplink::testing {
 
 /// The options, for the transport of our own.
 [[nodiscard]] RelayWorld::Options Native(RelayWorld::Options options = {});
-
-[[nodiscard]] KeyPair RobotKeys(const RelayWorld& world, int number);
-/// Many streams on a connection; the relay does not serve its calls yet.
-[[nodiscard]] KeyPair GatewayKeys(const RelayWorld& world);
-/// A raw client that shows this identity; empty: none.
-[[nodiscard]] RawHttp2::Options ClientOf(const RelayWorld& world, const KeyPair& identity,
-                                         const std::string& source = {});
-
-/// Connections that were turned away for this.
-[[nodiscard]] std::int64_t TurnedAwayFor(const RelayWorld& world, transport::TurnedAway cause);
 
 /// A robot of this number connects and has one message stored, within `patience`.
 [[nodiscard]] bool ServesNewRobot(const RelayWorld& world, int number,

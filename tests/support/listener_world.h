@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/shards.h"
+#include "server/journal/writer.h"
+#include "server/log/rate_limited.h"
+#include "server/session/limits.h"
+#include "server/transport/listener.h"
+#include "server/transport/options.h"
+#include "tests/support/certificates.h"
+#include "tests/support/eventually.h"
+#include "tests/support/fake_reject_source.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/fake_trust.h"
+
+namespace uplink::testing {
+
+/// The transport that this run of the tests is about: UPLINK_TEST_TRANSPORT, `grpc` if it is not
+/// set.
+[[nodiscard]] config::Transport TestedTransport();
+
+/// A listener for robots on loopback with real sessions, journal and writer thread, on the fake
+/// store. Which transport it is, the caller says: this holds none.
+class ListenerWorld {
+ public:
+  struct Options {
+    session::SessionLimits session;
+    journal::JournalLimits journal;
+    std::size_t robots_max = 1000;
+    std::size_t streams_max = 1000;
+    std::size_t queues = 2;
+    milliseconds connection_age_max{0};
+    /// Of RelayWorld.
+    config::Transport transport = TestedTransport();
+    /// What follows is of the native transport alone.
+    config::TlsVersion tls_minimum = config::TlsConfig().min_version;
+    std::size_t memory_bytes_max = 0;
+    std::vector<config::Network> proxy_protocol_from;
+    /// Of the lines about strangers, and about streams that were refused; none if null.
+    const log::Logger* logger = nullptr;
+    log::RateLimited* refusals = nullptr;
+  };
+  /// Starts a listener: front::FrontServer::Start, or its like.
+  using StartListener = std::function<absl::StatusOr<std::unique_ptr<transport::Listener>>(
+      const transport::RelayOptions&, const transport::RelayContext&)>;
+
+  ListenerWorld(const Options& options, StartListener start);
+  /// Releases the store, ends the streams, stops the writer.
+  ~ListenerWorld();
+  ListenerWorld(const ListenerWorld&) = delete;
+  ListenerWorld& operator=(const ListenerWorld&) = delete;
+
+  [[nodiscard]] transport::Listener& server() { return *server_; }
+  [[nodiscard]] std::uint16_t port() const { return server_->port(); }
+  /// Stops the server; agents see their streams break.
+  void StopServer();
+  /// Starts a second server in this world, on `address`, with this many threads.
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<transport::Listener>> StartAnother(
+      const config::ListenAddress& address, const transport::KeyMaterial& material,
+      std::size_t queues = 1);
+
+  /// What the server shows and trusts.
+  [[nodiscard]] transport::PemTexts ServerTexts() const;
+
+  /// The sum of the ledger's pages.
+  [[nodiscard]] metrics::UplinkCounts Counts() const { return ledgers.Sum().uplinks; }
+  /// True once nothing is in flight and the conservation law holds.
+  [[nodiscard]] bool Settles() const;
+
+  SystemClock clock;
+  FakeDatabase database;
+  FakeStore store{database, storage::ProcessId{1}};
+  TestAuthority authority;
+  metrics::LedgerBook ledgers;
+  journal::JournalProbe journal_probe;
+  session::SessionProbe session_probe;
+  transport::RelayProbe relay_probe;
+  const Options options;
+  fleet::Fleet fleet;
+  journal::Journal journal;
+  journal::Shards shards{{&journal}};
+
+ private:
+  [[nodiscard]] transport::RelayContext Context();
+
+  const StartListener start_;
+  KeyPair server_identity_;
+  const session::Allowances allowances_;
+  const FakeTrust clock_trust_;
+  FakeRejectSource rejects_{&store};
+  std::optional<journal::JournalWriter> writer_;
+  std::unique_ptr<transport::Listener> server_;
+};
+
+}  // namespace uplink::testing
