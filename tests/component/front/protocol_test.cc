@@ -138,6 +138,44 @@ TEST_F(Protocol, ACutConnectionFreesTheStream) {
   EXPECT_TRUE(Eventually([&] { return world_.server().streams() == 0; }));
 }
 
+class ProtocolStreams : public Protocol {
+ protected:
+  /// Opens so many at once, before there is an answer to any.
+  void Open(std::uint32_t streams) {
+    std::string frames;
+    for (std::uint32_t i = 0; i < streams; ++i) frames += OpenRelay(2 * i + 1);
+    client_.Send(frames);
+  }
+};
+
+TEST_F(ProtocolStreams, MayBeAsManyAsWereTold) {
+  Open(client_.settings().at(http2::kMaxConcurrentStreams));
+  EXPECT_TRUE(client_.Sync());
+  EXPECT_TRUE(client_.goaways().empty());
+}
+
+TEST_F(ProtocolStreams, PastTheirNumberEndTheConnection) {
+  Open(client_.settings().at(http2::kMaxConcurrentStreams) + 1);
+  EXPECT_TRUE(client_.ReadUntilEnd());
+  EXPECT_EQ(client_.goaway_code(), http2::kProtocolError);
+}
+
+TEST_F(Protocol, AHalfClosedStreamTakesWindowsAndPriorities) {
+  client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1), http2::kEndStream) +
+               http2::WindowUpdate(1, 1) + http2::Priority(1));
+  ASSERT_TRUE(client_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(client_.At(1)), "0");
+}
+
+TEST_F(Protocol, ANumberBelowTheLastOpensNoStream) {
+  client_.Send(OpenRelay(5) + http2::Data(5, HelloMessage(1)));
+  ASSERT_TRUE(client_.ReadUntil([&] { return !client_.At(5).data.empty(); }));
+  client_.Send(OpenRelay(3) + http2::Data(3, HelloMessage(2)));
+  ASSERT_TRUE(client_.Sync());
+  EXPECT_FALSE(client_.streams().contains(3));
+  EXPECT_EQ(world_.server().streams(), 1U);
+}
+
 TEST_F(Protocol, TrailersOfARequestEndIt) {
   client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)) +
                http2::Headers(1, {{"x-last", "word"}}, http2::kEndHeaders | http2::kEndStream));
