@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "schema/base/check.h"
+#include "tests/fuzz/frame_order.h"
+#include "tests/fuzz/input.h"
 #include "tests/fuzz/session_steps.h"
 #include "tests/unit/server/session/session_bench.h"
 
@@ -44,28 +46,11 @@ struct Watched {
   session::BenchStream* stream = nullptr;
   model::Seq last_seq = 0;
   std::size_t checked = 0;
-  bool welcomed = false;
-  model::Seq through = 0;
-  model::Seq judged = 0;
+  FrameOrder order;
 
   void Check() {
     const auto& frames = stream->frames();
-    for (; checked < frames.size(); ++checked) CheckFrame(frames[checked]);
-  }
-  void CheckFrame(const v1::RelayResponse& frame) {
-    UPLINK_CHECK(welcomed || frame.has_welcome(), "Welcome comes first");
-    UPLINK_CHECK(!welcomed || !frame.has_welcome(), "Welcome comes once");
-    welcomed = true;
-    if (frame.has_ack()) {
-      UPLINK_CHECK(frame.ack().through_seq() >= through, "through_seq only grows");
-      UPLINK_CHECK(frame.ack().judged_seq() >= judged, "judged_seq only grows");
-      through = frame.ack().through_seq();
-      judged = frame.ack().judged_seq();
-      UPLINK_CHECK(through <= judged, "what is settled was judged");
-    }
-    if (frame.has_reject()) {
-      UPLINK_CHECK(frame.reject().seq() > through, "a Reject comes before the Ack that covers it");
-    }
+    for (; checked < frames.size(); ++checked) order.Add(frames[checked]);
   }
 };
 

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 
-/// The language that fuzz_session reads: one byte for the step, then what the step needs. Bytes
-/// that are missing at the end read as 0.
+/// The language that fuzz_session reads (Input): one byte for the step, then what the step needs.
 namespace uplink::fuzz {
 
 enum class Step : std::uint8_t {
@@ -46,25 +44,6 @@ enum class Step : std::uint8_t {
   kRestart,
 };
 inline constexpr std::uint8_t kSteps = 21;
-
-/// Reads an input piece by piece.
-class Input final {
- public:
-  Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-
-  [[nodiscard]] bool more() const { return at_ < size_; }
-  std::uint8_t Byte() { return more() ? data_[at_++] : std::uint8_t{0}; }
-  std::string Bytes(std::size_t count) {
-    std::string bytes;
-    for (; count > 0 && more(); --count) bytes += static_cast<char>(Byte());
-    return bytes;
-  }
-
- private:
-  const std::uint8_t* data_;
-  std::size_t size_;
-  std::size_t at_ = 0;
-};
 
 /// Writes a script in the same language.
 class Script final {
