@@ -1,0 +1,288 @@
+#include "tests/fuzz/front_bench.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <nghttp2/nghttp2.h>
+
+#include "schema/base/check.h"
+#include "server/front/limits.h"
+#include "server/front/relay_handler.h"
+#include "server/journal/turns.h"
+#include "tests/support/relay_bytes.h"
+
+namespace uplink::fuzz {
+namespace {
+
+constexpr std::size_t kStreamsMax = 40;
+
+session::SessionLimits SmallLimits() {
+  session::SessionLimits limits;
+  limits.in_flight_uplinks_max = 6;
+  limits.batch_uplinks_max = 16;
+  limits.frame_bytes_max = kFrameBytesMax;
+  return limits;
+}
+
+journal::JournalLimits SmallJournal() {
+  journal::JournalLimits limits;
+  limits.bytes_max = 6'000;
+  limits.batch_records_max = 4;
+  return limits;
+}
+
+front::TlsPeer PeerOf(std::uint8_t robot) {
+  if (robot == kStranger) {
+    return {.identity = absl::UnauthenticatedError("client certificate: it has expired"),
+            .expiry = SystemTime{}};
+  }
+  return {.identity =
+              identity::PeerIdentity{
+                  .role = identity::Role::kRobot, .fleet = "fuzz", .ruris = {RuriOf(robot)}},
+          .expiry = SystemTime{}};
+}
+
+front::Methods ServedMethods() {
+  front::Methods methods;
+  methods.emplace(front::RelayHandler::kPath,
+                  front::Method{.kind = front::MethodKind::kBidirectional,
+                                .message_bytes_max = kFrameBytesMax,
+                                .serve = front::RelayHandler::Serve});
+  return methods;
+}
+
+}  // namespace
+
+std::string RuriOf(std::uint8_t number) { return "rcan://fuzz/" + std::to_string(number); }
+
+// --- A connection ---
+
+FrontWire::FrontWire(front::Thread& thread, std::uint8_t robot)
+    : thread_(thread),
+      robot_(robot),
+      peer_(PeerOf(robot)),
+      http2_(thread.http2_rules, thread.http2_memory, *this, front::kRobotStreamsMax) {
+  Settle();
+}
+
+FrontWire::~FrontWire() = default;
+
+void FrontWire::Receive(std::string_view bytes) {
+  if (!open_) return;
+  thread_.clock.Advance();
+  static_cast<void>(http2_.Receive(bytes));
+  Settle();
+}
+
+void FrontWire::ReadAgain() {
+  reads_ = true;
+  thread_.clock.Advance();
+  Settle();
+}
+
+void FrontWire::Break() {
+  if (!std::exchange(open_, false)) return;
+  calls_.Break();
+}
+
+void FrontWire::Drain(milliseconds grace) {
+  if (!open_) return;
+  thread_.clock.Advance();
+  if (!std::exchange(ending_, true)) http2_.NoticeEnd();
+  const SteadyTime now = thread_.clock.Steady();
+  calls_.DrainAt(now, now + grace);
+  Settle();
+}
+
+void FrontWire::Keepalive() {
+  if (!open_) return;
+  http2_.Ping();
+  Settle();
+}
+
+void FrontWire::EndNow() {
+  if (!open_) return;
+  http2_.End(NGHTTP2_NO_ERROR, "");
+  Settle();
+}
+
+front::Http2Stream* FrontWire::OnStream(std::int32_t id) {
+  front::Call& call = calls_.Open(std::make_unique<front::Call>(thread_, *this, http2_, id));
+  calls_.Touch(call);
+  return &call;
+}
+
+void FrontWire::OnFrame(front::FrameKind kind) {
+  const SteadyTime now = thread_.clock.Steady();
+  const bool good = frames_.Take(kind, now);
+  const bool pings = kind == front::FrameKind::kPing &&
+                     pings_.OnPing(now) == front::PingStrikes::Verdict::kTooMany;
+  if (!good || pings) http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, "calm");
+}
+
+void FrontWire::OnHeaderBomb() { http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, "headers"); }
+
+std::optional<absl::Status> FrontWire::refusal() const {
+  if (!ending_ || thread_.gate.closed()) return std::nullopt;
+  return absl::UnavailableError("the connection ends");
+}
+
+void FrontWire::Settle() {
+  if (!open_) return;
+  do {
+    calls_.Settle([this](const front::Call& call) {
+      if (call.finished() && !peer_.identity.ok()) ending_ = true;
+    });
+  } while (Flush() || !calls_.settled());
+  if (ending_ && calls_.size() == 0 && !std::exchange(last_streams_told_, true)) {
+    http2_.End(NGHTTP2_NO_ERROR, "");
+    static_cast<void>(Flush());
+  }
+  if (http2_.over()) Break();
+}
+
+bool FrontWire::Flush() {
+  if (!reads_) return false;
+  http2_.Gather(thread_.gathered, front::kRecordBytes);
+  answers_.Add(thread_.gathered);
+  return !thread_.gathered.empty();
+}
+
+model::Seq FrontWire::JudgedOn(std::uint32_t stream) const {
+  const auto found = watched_.find(stream);
+  return found == watched_.end() ? 0 : found->second.order.judged();
+}
+
+void FrontWire::Check() {
+  UPLINK_CHECK(calls_.size() <= front::kRobotStreamsMax,
+               "a connection has no more calls than it may");
+  for (const auto& [id, stream] : answers_.streams()) CheckStream(id, stream);
+}
+
+void FrontWire::CheckStream(std::uint32_t id, const testing::RawStream& stream) {
+  Watched& watched = watched_[id];
+  if (stream.data.size() != watched.bytes) {
+    watched.bytes = stream.data.size();
+    const std::vector<v1::RelayResponse> frames = testing::FramesOf(stream);
+    for (; watched.frames < frames.size(); ++watched.frames) {
+      watched.order.Add(frames[watched.frames]);
+    }
+  }
+  if (!stream.ended || stream.reset) return;
+  const std::string status = stream.Header(":status");
+  UPLINK_CHECK(!status.empty(), "an answer has a status");
+  UPLINK_CHECK(status != "200" || !stream.Trailer("grpc-status").empty(), "so has a call's");
+}
+
+// --- The thread, and what stands behind it ---
+
+FrontBench::FrontBench()
+    : limits_(SmallLimits()),
+      fleet_(clock_, kRobots, robot::PresenceLimits{}),
+      journal_(store_, SmallJournal(), clock_, book_.NewPage(), journal_probe_,
+               storage::ProcessId{1}),
+      context_(Context()),
+      methods_(ServedMethods()),
+      gate_(kStreamsMax, relay_probe_),
+      door_book_({}, relay_probe_, nullptr),
+      thread_(context_, gate_, methods_, *this, door_book_, kUnfinishedMax) {}
+
+FrontBench::~FrontBench() = default;
+
+transport::RelayContext FrontBench::Context() {
+  return {.clock = clock_,
+          .fleet = fleet_,
+          .journals = shards_,
+          .session_probe = session_probe_,
+          .probe = relay_probe_,
+          .ledgers = book_,
+          .limits = limits_,
+          .judge_limits = {},
+          .allowances = allowances_,
+          .rejects = rejects_,
+          .clock_trust = clock_trust_};
+}
+
+FrontWire& FrontBench::Connect(std::uint8_t robot) {
+  Reap();
+  if (wires_.size() == kWiresMax) {
+    wires_.front()->Break();
+    Reap();
+  }
+  wires_.push_back(std::make_unique<FrontWire>(thread_, robot % kRobots));
+  return *wires_.back();
+}
+
+void FrontBench::Reap() {
+  std::erase_if(wires_, [](const auto& wire) { return !wire->open(); });
+}
+
+void FrontBench::DeliverWakes() {
+  while (!wakes_.empty()) {
+    const std::uint64_t id = *wakes_.begin();
+    wakes_.erase(wakes_.begin());
+    thread_.clock.Advance();
+    const auto found = thread_.calls.find(id);
+    if (found == thread_.calls.end()) continue;
+    front::CallOwner& owner = found->second->owner();
+    found->second->OnWake();
+    owner.Settle();
+  }
+  UPLINK_CHECK(thread_.unfinished.bytes() <= kUnfinishedMax, "unfinished frames keep their bound");
+}
+
+journal::Step FrontBench::Advance() { return journal_.turns().Advance(); }
+
+void FrontBench::Commit() {
+  do {
+    DeliverWakes();
+  } while (Advance() == journal::Step::kWorked || rejects_.ReadOne());
+  DeliverWakes();
+}
+
+void FrontBench::Pass(milliseconds time) {
+  clock_.Advance(time);
+  thread_.clock.Advance();
+  const SteadyTime now = thread_.clock.Steady();
+  while (const std::optional<std::uint64_t> id = thread_.call_timers.PopDue(now)) {
+    front::Call& call = *thread_.calls.at(*id);
+    front::CallOwner& owner = call.owner();
+    call.OnTimer();
+    owner.Settle();
+  }
+}
+
+void FrontBench::Drain(milliseconds grace) {
+  gate_.Close();
+  for (const auto& wire : wires_) wire->Drain(grace);
+}
+
+void FrontBench::Check() const {
+  const metrics::UplinkCounts counts = this->counts();
+  UPLINK_CHECK(counts.Balanced(), "the conservation law");
+  UPLINK_CHECK(counts.in_flight >= 0, "nothing is settled that was not taken");
+  std::size_t calls = 0;
+  for (const auto& wire : wires_) {
+    wire->Check();
+    calls += wire->calls();
+  }
+  UPLINK_CHECK(thread_.calls.size() == calls, "every call is one of a connection's");
+  UPLINK_CHECK(gate_.streams() <= calls, "every stream is a call's");
+  UPLINK_CHECK(thread_.call_timers.size() <= calls, "every timer is a call's");
+}
+
+void FrontBench::End() {
+  for (const auto& wire : wires_) wire->Break();
+  UPLINK_CHECK(thread_.unfinished.bytes() == 0, "nothing is kept of a connection that is gone");
+  UPLINK_CHECK(gate_.streams() == 0, "every stream left the gate");
+  Check();
+  Reap();
+  UPLINK_CHECK(thread_.calls.empty() && thread_.call_timers.size() == 0, "no call is left");
+  store_.Heal();
+  Commit();
+  Check();
+  UPLINK_CHECK(journal_.idle(), "everything commits");
+  UPLINK_CHECK(counts().in_flight == 0, "what was taken is settled");
+}
+
+}  // namespace uplink::fuzz

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/front/call_set.h"
+#include "server/front/frame_rates.h"
+#include "server/front/http2.h"
+#include "server/front/ping_strikes.h"
+#include "server/front/thread.h"
+#include "server/journal/step.h"
+#include "tests/fuzz/frame_order.h"
+#include "tests/support/fake_reject_source.h"
+#include "tests/support/fake_store.h"
+#include "tests/support/fake_trust.h"
+#include "tests/support/http2_answers.h"
+#include "tests/support/manual_clock.h"
+
+/// The transport of our own from HTTP/2 upwards, moved by hand: no socket, no TLS, no threads; real
+/// calls and sessions, and the journal on the store in memory.
+namespace uplink::fuzz {
+
+/// A robot's address that `number` tells apart.
+[[nodiscard]] std::string RuriOf(std::uint8_t number);
+/// The robot of this number shows a certificate that lacks something.
+inline constexpr std::uint8_t kStranger = 3;
+inline constexpr std::uint8_t kRobots = 4;
+/// Small, so that few bytes reach them.
+inline constexpr std::uint32_t kFrameBytesMax = 90'000;
+inline constexpr std::size_t kUnfinishedMax = 200'000;
+
+/// One HTTP/2 connection, as front::Connection has it between its TLS and its calls.
+class FrontWire final : public front::Http2Peer, public front::CallOwner {
+ public:
+  FrontWire(front::Thread& thread, std::uint8_t robot);
+  ~FrontWire() override;
+  FrontWire(const FrontWire&) = delete;
+  FrontWire& operator=(const FrontWire&) = delete;
+
+  // The peer's side.
+  void Receive(std::string_view bytes);
+  /// What the server says waits until ReadAgain.
+  void StopReading() { reads_ = false; }
+  void ReadAgain();
+  /// The connection is gone.
+  void Break();
+
+  // What a connection does by itself.
+  void Drain(milliseconds grace);
+  void Keepalive();
+  void EndNow();
+
+  [[nodiscard]] bool open() const { return open_; }
+  [[nodiscard]] std::uint8_t robot() const { return robot_; }
+  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
+  [[nodiscard]] const testing::Http2Answers& answers() const { return answers_; }
+  /// The highest number that the server said it has judged, on the stream.
+  [[nodiscard]] model::Seq JudgedOn(std::uint32_t stream) const;
+  /// What every answer keeps to.
+  void Check();
+
+  // front::Http2Peer
+  front::Http2Stream* OnStream(std::int32_t id) override;
+  void OnFrame(front::FrameKind kind) override;
+  void OnHeaderBomb() override;
+  void OnSent() override { pings_.OnSent(); }
+  void OnFault() override {}
+  // front::CallOwner
+  void Touch(front::Call& call) override { calls_.Touch(call); }
+  void Settle() override;
+  [[nodiscard]] const front::TlsPeer& tls_peer() const override { return peer_; }
+  [[nodiscard]] const std::string& address() const override { return address_; }
+  [[nodiscard]] const front::SourceAddress& source() const override { return source_; }
+  [[nodiscard]] std::optional<absl::Status> refusal() const override;
+
+ private:
+  /// What was read of the answer on a stream.
+  struct Watched {
+    std::size_t bytes = 0;
+    std::size_t frames = 0;
+    FrameOrder order;
+  };
+
+  bool Flush();
+  void CheckStream(std::uint32_t id, const testing::RawStream& stream);
+
+  front::Thread& thread_;
+  const std::uint8_t robot_;
+  const front::TlsPeer peer_;
+  const std::string address_ = "fuzz";
+  const front::SourceAddress source_;
+  front::Http2 http2_;
+  front::CallSet calls_;
+  front::FrameRates frames_;
+  front::PingStrikes pings_;
+  bool open_ = true;
+  bool reads_ = true;
+  bool ending_ = false;
+  bool last_streams_told_ = false;
+  testing::Http2Answers answers_;
+  std::map<std::uint32_t, Watched> watched_;
+};
+
+/// One thread of the transport and what stands behind it, with its connections.
+class FrontBench final : public robot::WakeInbox {
+ public:
+  /// Connections at once; more would only cost time.
+  static constexpr std::size_t kWiresMax = 6;
+
+  FrontBench();
+  ~FrontBench() override;
+  FrontBench(const FrontBench&) = delete;
+  FrontBench& operator=(const FrontBench&) = delete;
+
+  void Wake(std::uint64_t call) override { wakes_.insert(call); }
+
+  /// A connection of this robot; with kWiresMax of them the oldest breaks for it.
+  FrontWire& Connect(std::uint8_t robot);
+  [[nodiscard]] const std::vector<std::unique_ptr<FrontWire>>& wires() const { return wires_; }
+  /// Forgets the connections that have ended.
+  void Reap();
+
+  void DeliverWakes();
+  /// One step of the store.
+  journal::Step Advance();
+  /// Everything that can be done now.
+  void Commit();
+  /// Time passes, and timers that are due fire.
+  void Pass(milliseconds time);
+  /// The server ends.
+  void Drain(milliseconds grace);
+  [[nodiscard]] testing::FakeStore& store() { return store_; }
+  [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
+
+  /// What holds after every step.
+  void Check() const;
+  /// Breaks all connections: everything is given back.
+  void End();
+
+ private:
+  [[nodiscard]] transport::RelayContext Context();
+
+  testing::ManualClock clock_;
+  testing::FakeDatabase database_;
+  testing::FakeStore store_{database_, storage::ProcessId{1}};
+  const session::SessionLimits limits_;
+  const session::Allowances allowances_;
+  const testing::FakeTrust clock_trust_;
+  testing::FakeRejectSource rejects_{&store_, testing::FakeRejectSource::Reads::kWhenTold};
+  metrics::LedgerBook book_;
+  session::SessionProbe session_probe_;
+  transport::RelayProbe relay_probe_;
+  journal::JournalProbe journal_probe_;
+  fleet::Fleet fleet_;
+  journal::Journal journal_;
+  journal::Shards shards_{{&journal_}};
+  const transport::RelayContext context_;
+  const front::Methods methods_;
+  transport::Gate gate_;
+  front::DoorBook door_book_;
+  front::Thread thread_;
+  std::set<std::uint64_t> wakes_;
+  std::vector<std::unique_ptr<FrontWire>> wires_;
+};
+
+}  // namespace uplink::fuzz
