@@ -124,6 +124,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      kByCause},
     {kConnections, "uplinkd_connections", kGauge, "connections",
      "Connections of the relay that have shown a trusted certificate (native transport)."},
+    {kConnectionsLimit, "uplinkd_connections_limit", kGauge, "connections",
+     "Connections with a trusted certificate that the descriptors and limits.robots_max leave room "
+     "for (native transport)."},
     {kHandshakesUnderWay, "uplinkd_handshakes_under_way", kGauge, "connections",
      "TLS handshakes of the relay that have begun and not ended (native transport)."},
     {kHandshakesWaiting, "uplinkd_handshakes_waiting", kGauge, "connections",

@@ -66,6 +66,7 @@ enum class MetricId : std::uint8_t {
   kHandshakesFailed,
   kConnectionsTurnedAway,
   kConnections,
+  kConnectionsLimit,
   kHandshakesUnderWay,
   kHandshakesWaiting,
   kProxyHeadersWaiting,

@@ -12,7 +12,6 @@
 #include "server/front/limits.h"
 #include "server/front/thread.h"
 #include "server/session/limits.h"
-#include "server/transport/refusals.h"
 
 namespace uplink::front {
 Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
@@ -46,6 +45,8 @@ void Call::OnHeadersEnd() {
   give_up_at_.reset();
   if (const std::optional<int> http_status = head->NotGrpc()) {
     over_ = true;
+    thread_.book.NoteRequest(fmt::format("HTTP {}: not a call of gRPC", *http_status),
+                             owner_.origin(), thread_.clock.Steady());
     response_.FinishHttp(*http_status);
   } else {
     Serve(*head);
@@ -56,12 +57,12 @@ void Call::OnHeadersEnd() {
 void Call::Serve(const RequestHead& head) {
   if (absl::Status good = head.Judge(); !good.ok()) {
     if (head.foreign_encoding()) response_.NameEncodings();
-    return Finish(good);
+    return Refuse(good);
   }
   if (std::optional<absl::Status> refusal = owner_.refusal()) return Finish(*refusal);
   const auto method = thread_.methods.find(head.path());
   if (method == thread_.methods.end()) {
-    return Finish(absl::UnimplementedError("no such method is served here"));
+    return Refuse(absl::UnimplementedError("no such method is served here"));
   }
   kind_ = method->second.kind;
   reader_ = MessageReader(method->second.message_bytes_max);
@@ -72,6 +73,11 @@ void Call::Serve(const RequestHead& head) {
     give_up_at_ = thread_.clock.Steady() + std::min<milliseconds>(*head.timeout(), kFarAway);
   }
   handler_->Start();
+}
+
+void Call::Refuse(const absl::Status& status) {
+  thread_.book.NoteRequest(std::string(status.message()), owner_.origin(), thread_.clock.Steady());
+  Finish(status);
 }
 
 void Call::OnData(std::string_view bytes) {
@@ -195,7 +201,7 @@ void Call::Finish(const absl::Status& status) {
 
 void Call::Fail(const absl::Status& status) {
   if (over_ || cancelled_ || closed_) return;
-  transport::LogRefusal(thread_.relay.refusals, owner_.address(), "", status);
+  thread_.book.TellFailure(status, owner_.origin(), thread_.clock.Steady());
   if (handler_ != nullptr) handler_->OnBroken();
   // What the handler still wanted to say is lost with it.
   response_.DropMessage();

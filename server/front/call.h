@@ -11,9 +11,9 @@
 #include "server/front/call_handler.h"
 #include "server/front/http2.h"
 #include "server/front/message_reader.h"
+#include "server/front/origin.h"
 #include "server/front/request_head.h"
 #include "server/front/response.h"
-#include "server/front/source_address.h"
 #include "server/front/tls_engine.h"
 #include "server/transport/timers.h"
 
@@ -30,9 +30,7 @@ class CallOwner {
   /// Settles what was touched; calls may be destroyed by it.
   virtual void Settle() = 0;
   [[nodiscard]] virtual const TlsPeer& tls_peer() const = 0;
-  /// For logs.
-  [[nodiscard]] virtual const std::string& address() const = 0;
-  [[nodiscard]] virtual const SourceAddress& source() const = 0;
+  [[nodiscard]] virtual const Origin& origin() const = 0;
   /// Set while no new call is served here: why.
   [[nodiscard]] virtual std::optional<absl::Status> refusal() const = 0;
 };
@@ -93,6 +91,8 @@ class Call final : public Http2Stream {
 
  private:
   void Serve(const RequestHead& head);
+  /// Ends a call that is none that we serve.
+  void Refuse(const absl::Status& status);
   /// Gives the handler what it waits for, as long as there is any.
   void Deliver();
   bool DeliverOne();

@@ -58,6 +58,7 @@ void Connection::Handshake() {
 void Connection::BeginHttp2() {
   const SteadyTime now = thread_.clock.Steady();
   peer_ = tls_->Peer();
+  origin_.robot = peer_->ruri;
   origin_.health_check = false;  // whoever has a certificate does more than look
   phase_ = Phase::kOpen;
   phase_by_.reset();

@@ -88,8 +88,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   // CallOwner
   void Touch(Call& call) override { calls_.Touch(call); }
   [[nodiscard]] const TlsPeer& tls_peer() const override { return *peer_; }
-  [[nodiscard]] const std::string& address() const override { return origin_.text; }
-  [[nodiscard]] const SourceAddress& source() const override { return origin_.source; }
+  [[nodiscard]] const Origin& origin() const override { return origin_; }
   [[nodiscard]] std::optional<absl::Status> refusal() const override;
 
  private:

@@ -18,22 +18,21 @@ constexpr std::size_t kWaitingMax = 4096;
 constexpr std::size_t kProxyHeadersMax = 1024;
 /// Failed handshakes whose peers may still read why.
 constexpr std::size_t kLingersMax = 256;
-/// Of the descriptors, those without a certificate may have this part, and the reserve is this part
-/// of them, at most kReserveMax.
+/// Of the descriptors, those without a certificate may have this part, and the reserve at most
+/// this.
 constexpr std::size_t kUnprovenPart = 4;
 /// Of those without a certificate, those whose load balancer has said nothing yet.
 constexpr std::size_t kProxyHeadersPart = 4;
 constexpr std::size_t kReservePart = 4;
-constexpr std::size_t kReserveMax = 256;
 /// Connections beyond one for each stream: those that come anew before the old one has ended.
 constexpr std::size_t kSpareConnections = 1024;
 
 }  // namespace
 
-DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max,
-                         ProxyHeaders headers) {
-  const bool expected = headers == ProxyHeaders::kExpected;
-  const std::size_t reserve = std::min(kReserveMax, descriptors_max / kReservePart);
+DoorLimits DoorLimitsFor(const DoorNeeds& needs) {
+  const std::size_t descriptors_max = needs.descriptors_max;
+  const bool expected = needs.headers == ProxyHeaders::kExpected;
+  const std::size_t reserve = std::min(needs.reserved, descriptors_max / kReservePart);
   const std::size_t unproven_max = kHandshakesMax + kWaitingMax + (expected ? kProxyHeadersMax : 0);
   const std::size_t unproven =
       std::clamp<std::size_t>(descriptors_max / kUnprovenPart, expected ? 3 : 2, unproven_max);
@@ -43,7 +42,7 @@ DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max,
   const std::size_t lingers = std::min(kLingersMax, handshakes);
   const std::size_t taken = reserve + unproven + lingers;
   const std::size_t left = descriptors_max > taken ? descriptors_max - taken : 1;
-  return {.book = {.connections_max = std::min(streams_max + kSpareConnections, left),
+  return {.book = {.connections_max = std::min(needs.streams_max + kSpareConnections, left),
                    .lingers_max = lingers},
           .handshakes = {.under_way_max = handshakes,
                          .waiting_max = unproven - handshakes - proxy_headers},

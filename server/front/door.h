@@ -23,11 +23,18 @@ struct DoorLimits {
 /// Whether load balancers say where connections come from.
 enum class ProxyHeaders : std::uint8_t { kNone, kExpected };
 
-/// The limits for this many streams and descriptors of the process: what has shown no certificate
-/// never takes the place of what has, and a reserve is left for the store, HTTP, files, and our own
-/// handshake with our listener.
-[[nodiscard]] DoorLimits DoorLimitsFor(std::size_t streams_max, std::size_t descriptors_max,
-                                       ProxyHeaders headers = ProxyHeaders::kNone);
+struct DoorNeeds {
+  std::size_t streams_max = 0;
+  /// Of the process.
+  std::size_t descriptors_max = 0;
+  /// For the store, HTTP, files and our own handshake with our listener; a quarter at most.
+  std::size_t reserved = 0;
+  ProxyHeaders headers = ProxyHeaders::kNone;
+};
+
+/// The limits for that: what has shown no certificate never takes the place of what has, and the
+/// reserve is left.
+[[nodiscard]] DoorLimits DoorLimitsFor(const DoorNeeds& needs);
 
 /// A connection that was accepted.
 struct Visitor {

@@ -1,12 +1,30 @@
 #include "server/front/door_book.h"
 
+#include "server/transport/refusals.h"
+
 namespace uplink::front {
 
 void DoorBook::Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now) {
   if (origin.health_check) return;
   const auto index = static_cast<std::size_t>(cause);
   probe_.turned_away_total[index].Add();
-  Tell("connection_turned_away", transport::kTurnedAwayTexts[index], origin, now);
+  const std::string_view why = transport::kTurnedAwayTexts[index];
+  Tell("connection_turned_away", why, std::string(why), origin, now);
+}
+
+void DoorBook::NoteRequest(const std::string& why, const Origin& origin, SteadyTime now) {
+  probe_.refused_request_total.Add();
+  Tell("stream_refused", "request", why, origin, now);
+}
+
+void DoorBook::TellFailure(const absl::Status& status, const Origin& origin, SteadyTime now) {
+  if (!absl::IsInternal(status)) return TellRefusal(status, origin, now);
+  Tell("protocol_error", "message", std::string(status.message()), origin, now);
+}
+
+void DoorBook::TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now) {
+  const std::string_view event = transport::RefusalEvent(status);
+  if (!event.empty()) Tell(event, event, std::string(status.message()), origin, now);
 }
 
 void DoorBook::NoteFailedHandshake(transport::TurnedAway cause, const Origin& origin,

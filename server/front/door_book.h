@@ -2,6 +2,10 @@
 
 #include <atomic>
 #include <cstddef>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
 
 #include "server/front/key_table.h"
 #include "server/front/known_sources.h"
@@ -30,10 +34,18 @@ class DoorBook final {
   void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
   /// The same of a handshake that failed.
   void NoteFailedHandshake(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
-  /// A line alone.
-  void Tell(std::string_view event, std::string_view why, const Origin& origin, SteadyTime now) {
-    lines_.Write(event, why, origin.source, origin.text, now);
+  /// A line alone; `kind` as SourceLines has it.
+  void Tell(std::string_view event, std::string_view kind, const std::string& why,
+            const Origin& origin, SteadyTime now) {
+    lines_.Write(event, kind, why, origin, now);
   }
+  /// What is asked for is not the relay's call: counts it, and writes a line.
+  void NoteRequest(const std::string& why, const Origin& origin, SteadyTime now);
+  /// A line about a call that we end for what its messages are; kInternal is gRPC's word for one
+  /// that breaks its rules.
+  void TellFailure(const absl::Status& status, const Origin& origin, SteadyTime now);
+  /// A line about a stream that ends with this, if transport::RefusalEvent has one for it.
+  void TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now);
 
   /// A connection has shown a trusted certificate; false if there is no place for it.
   [[nodiscard]] bool Enter();
@@ -44,6 +56,7 @@ class DoorBook final {
 
   /// Connections wait for their handshake: those that others let wait get less time.
   [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
+  [[nodiscard]] const std::atomic<bool>& pressed_flag() const { return pressed_; }
   void SetPressed(std::size_t waiting) { pressed_.store(waiting > 0, std::memory_order_relaxed); }
 
   [[nodiscard]] KeyTable& keys() { return keys_; }

@@ -13,6 +13,9 @@ struct Origin {
   SourceAddress source;
   /// Address and port, for logs.
   std::string text;
+  /// The RURI that its certificate names, once it has shown a trusted one, for logs: it may have
+  /// expired.
+  std::string robot = {};
   /// A load balancer came on its own account, to see whether we answer: unless it shows a
   /// certificate, what becomes of it is neither counted nor logged.
   bool health_check = false;

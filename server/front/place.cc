@@ -26,9 +26,8 @@ std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& ori
   const auto evicted =
       keys.Add(peer.key, connection_, gateway ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
   if (!evicted || keys.evicted_lately(peer.key, now) < kEvictionsFlagged) return evicted;
-  const bool robot = known && peer.identity->role == identity::Role::kRobot;
-  book_.Tell("connections_contested", "one certificate opens connections again and again",
-             {origin.source, robot ? peer.identity->ruri() : origin.text}, now);
+  book_.Tell("connections_contested", "contested",
+             "one certificate opens connections again and again", origin, now);
   return evicted;
 }
 

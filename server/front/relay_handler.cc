@@ -6,7 +6,6 @@
 #include "schema/base/check.h"
 #include "server/front/message_reader.h"
 #include "server/front/thread.h"
-#include "server/transport/refusals.h"
 
 namespace uplink::front {
 namespace {
@@ -27,17 +26,17 @@ std::string WithPrefix(const v1::RelayResponse& frame) {
 
 absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
   Thread& thread = call.thread();
-  const auto refused = [&call, &thread](absl::Status status, const std::string& robot) {
-    transport::LogRefusal(thread.relay.refusals, call.owner().address(), robot, status);
+  const auto refused = [&call, &thread](absl::Status status) {
+    thread.book.TellRefusal(status, call.owner().origin(), thread.clock.Steady());
     return status;
   };
   const auto& identity = call.owner().tls_peer().identity;
   if (!identity.ok()) {
     thread.relay.probe.refused_identity_total.Add();
-    return refused(identity.status(), "");
+    return refused(identity.status());
   }
   std::string robot = identity->role == identity::Role::kRobot ? identity->ruri() : "";
-  if (absl::Status in = thread.gate.Enter(robot); !in.ok()) return refused(in, robot);
+  if (absl::Status in = thread.gate.Enter(robot); !in.ok()) return refused(in);
   std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(robot)));
   handler->session_.emplace(thread.sessions, *identity, robot::StreamRef{&thread.inbox, call.id()},
                             *handler, *handler);
@@ -47,7 +46,7 @@ absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
 
 void RelayHandler::NoteSource() {
   Thread& thread = call_.thread();
-  thread.book.known().Note(call_.owner().source(), thread.clock.Steady());
+  thread.book.known().Note(call_.owner().origin().source, thread.clock.Steady());
 }
 
 RelayHandler::~RelayHandler() {
@@ -64,7 +63,8 @@ void RelayHandler::OnBroken() {
 void RelayHandler::Write(const v1::RelayResponse& frame) { call_.Write(WithPrefix(frame)); }
 
 void RelayHandler::Finish(const absl::Status& status) {
-  transport::LogRefusal(call_.thread().relay.refusals, call_.owner().address(), robot_, status);
+  Thread& thread = call_.thread();
+  thread.book.TellRefusal(status, call_.owner().origin(), thread.clock.Steady());
   call_.Finish(status);
 }
 

@@ -53,14 +53,19 @@ struct FrontServer::Impl {
       : options(given_options),
         context(given),
         methods(ServedMethods(given.limits)),
-        limits(DoorLimitsFor(given_options.streams_max, DescriptorsMax(),
-                             given_options.proxy_protocol_from.empty() ? ProxyHeaders::kNone
-                                                                       : ProxyHeaders::kExpected)),
+        limits(DoorLimitsFor({.streams_max = given_options.streams_max,
+                              .descriptors_max = DescriptorsMax(),
+                              .reserved = given_options.descriptors_reserved,
+                              .headers = given_options.proxy_protocol_from.empty()
+                                             ? ProxyHeaders::kNone
+                                             : ProxyHeaders::kExpected})),
         gate(given_options.streams_max, given.probe),
         book(limits.book, given.probe, given.logger) {}
 
   absl::Status ServeFiles();
   absl::Status Serve(const transport::PemTexts& texts);
+  /// How many connections there may be, and a warning if that is fewer than two per robot.
+  void TellLimits() const;
   void StartWorkers();
   void OpenDoor();
   /// Nobody comes in any more; who waited is sent away.
@@ -115,9 +120,19 @@ absl::StatusOr<std::unique_ptr<FrontServer>> FrontServer::Start(
   if (!acceptor.ok()) return acceptor.status();
   impl->acceptor = *std::move(acceptor);
 
+  impl->TellLimits();
   impl->StartWorkers();
   impl->OpenDoor();
   return std::unique_ptr<FrontServer>(new FrontServer(std::move(impl)));
+}
+
+void FrontServer::Impl::TellLimits() const {
+  const std::size_t connections = limits.book.connections_max;
+  context.probe.connections_limit.Set(static_cast<std::int64_t>(connections));
+  if (connections >= options.streams_max || context.logger == nullptr) return;
+  context.logger->Warn("descriptors_few", {{"descriptors_max", DescriptorsMax()},
+                                           {"connections_limit", connections},
+                                           {"connections_wanted", options.streams_max}});
 }
 
 void FrontServer::Impl::StartWorkers() {

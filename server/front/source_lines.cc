@@ -1,14 +1,16 @@
 #include "server/front/source_lines.h"
 
+#include <utility>
+
 namespace uplink::front {
 
-void SourceLines::Write(std::string_view event, std::string_view why, const SourceAddress& source,
-                        const std::string& peer, SteadyTime now) {
+void SourceLines::Write(std::string_view event, std::string_view kind, const std::string& why,
+                        const Origin& origin, SteadyTime now) {
   if (logger_ == nullptr) return;
   std::uint64_t suppressed = 0;
   {
     const std::lock_guard lock(mutex_);
-    Window& window = WindowOf({source, why});
+    Window& window = WindowOf({origin.source, origin.robot, kind});
     if (!Take(window, kLinesPerSource, now) || !Take(all_, kLinesMax, now)) {
       ++window.suppressed;
       return;
@@ -16,9 +18,10 @@ void SourceLines::Write(std::string_view event, std::string_view why, const Sour
     suppressed = std::exchange(window.suppressed, 0);
   }
   logger_->Write(log::Level::kWarn, event,
-                 {{"source", source.ToText()},
-                  {"peer", peer},
-                  {"why", std::string(why)},
+                 {{"source", origin.source.ToText()},
+                  {"peer", origin.text},
+                  {"robot", origin.robot},
+                  {"why", why},
                   {"suppressed", suppressed}});
 }
 

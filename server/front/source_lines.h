@@ -7,20 +7,19 @@
 #include <mutex>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <tuple>
 
 #include "schema/base/clock.h"
-#include "server/front/source_address.h"
+#include "server/front/origin.h"
 #include "server/log/logger.h"
 
 namespace uplink::front {
 
-/// Lines about what strangers do, so many per source and event, and so many in all: a noisy peer
+/// Lines about what peers do, so many per source, robot and kind, and so many in all: a noisy peer
 /// hides nobody else.
 ///
-/// Limits: kLinesPerSource and kLinesMax in any kSpan; kSourcesMax sources are told apart, past
-/// which
-///         the one that was written about least recently is forgotten.
+/// Limits: kLinesPerSource and kLinesMax in any kSpan; kSourcesMax of them are told apart, past
+///         which the one that was written about least recently is forgotten.
 /// Thread: thread-safe; no lock is held while a line is written.
 class SourceLines final {
  public:
@@ -32,9 +31,10 @@ class SourceLines final {
   /// Null: no lines.
   explicit SourceLines(const log::Logger* logger) : logger_(logger) {}
 
-  /// `event` and `why` are words of ours, which outlive this.
-  void Write(std::string_view event, std::string_view why, const SourceAddress& source,
-             const std::string& peer, SteadyTime now);
+  /// `kind` is a word of ours, which outlives this: lines of different kinds do not hide each
+  /// other.
+  void Write(std::string_view event, std::string_view kind, const std::string& why,
+             const Origin& origin, SteadyTime now);
 
  private:
   /// Lines of one span.
@@ -43,7 +43,8 @@ class SourceLines final {
     std::uint32_t lines = 0;
     std::uint64_t suppressed = 0;
   };
-  using Key = std::pair<SourceAddress, std::string_view>;
+  /// Whom and what a line is about: a source, a robot behind it, a kind.
+  using Key = std::tuple<SourceAddress, std::string, std::string_view>;
   struct Entry {
     Key key;
     Window window;

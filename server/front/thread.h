@@ -46,7 +46,8 @@ struct Thread {
                  scratch,
                  given.allowances,
                  given.rejects,
-                 given.clock_trust},
+                 given.clock_trust,
+                 &door_book.pressed_flag()},
         unfinished(unfinished_bytes_max) {}
 
   const transport::RelayContext& relay;

@@ -172,6 +172,7 @@ bool TlsEngine::begun() const { return SSL_get_state(ssl_) != TLS_ST_BEFORE; }
 TlsPeer TlsEngine::Peer() const {
   X509* certificate = SSL_get0_peer_certificate(ssl_);
   TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),
+               .ruri = {},
                .expiry = SystemTime{}};
   if (certificate == nullptr) return peer;
   unsigned int size = 0;
@@ -181,7 +182,9 @@ TlsPeer TlsEngine::Peer() const {
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
   }
-  peer.identity = flaw_ == 0 ? identity::PeerReader::IdentityOf(*certificate) : SentenceOf(flaw_);
+  peer.identity = identity::PeerReader::IdentityOf(*certificate);
+  if (peer.identity.ok() && !peer.identity->ruris.empty()) peer.ruri = peer.identity->ruri();
+  if (flaw_ != 0) peer.identity = SentenceOf(flaw_);
   ERR_clear_error();
   return peer;
 }

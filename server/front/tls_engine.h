@@ -47,6 +47,8 @@ class BufferMethod final {
 struct TlsPeer {
   /// Not OK: what the certificate lacks; whoever shows it is told, and not served.
   absl::StatusOr<identity::PeerIdentity> identity;
+  /// The name that its certificate has, if it has one, though it may have expired.
+  std::string ruri;
   /// SHA-256 of its public key.
   std::array<std::uint8_t, 32> key{};
   /// When the first certificate of its chain expires.

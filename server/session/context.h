@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/judge.h"
@@ -37,6 +39,8 @@ struct SessionContext {
   RejectSource& rejects;
   /// Who vouches for the civil clock.
   const storage::ClockTrust& clock_trust;
+  /// Others wait for a place among the connections; null: nobody can tell.
+  const std::atomic<bool>* pressed = nullptr;
 };
 
 }  // namespace uplink::session

@@ -20,6 +20,10 @@ inline constexpr std::size_t kOutgoingFramesMax = 1024;
 /// A stream whose first frame does not come within this is ended: it holds a place among the
 /// streams.
 inline constexpr std::chrono::seconds kHelloWait{10};
+/// The same while others wait for a place.
+inline constexpr std::chrono::seconds kHelloWaitPressed{3};
+/// How often a stream between the two looks whether others wait.
+inline constexpr std::chrono::seconds kHelloLook{1};
 /// Longest that Welcome waits for the store (protocol: Hello and Welcome).
 inline constexpr std::chrono::seconds kWelcomeWait{1};
 /// A peer that takes nothing for so long, while its outgoing queue is full, is ended.

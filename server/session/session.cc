@@ -15,6 +15,7 @@ Session::Session(const SessionContext& context, identity::PeerIdentity peer, rob
       peer_(std::move(peer)),
       sink_(sink),
       robot_(context_, self),
+      hello_wait_(context_.pressed),
       reading_({.context = context_, .robot = robot_, .source = source, .timers = timers_}),
       outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}),
       reject_pages_({.context = context_, .robot = robot_, .timers = timers_}),
@@ -29,7 +30,7 @@ Session::~Session() {
 }
 
 void Session::Start() {
-  timers_.Set(Timer::kHello, context_.clock.Steady() + kHelloWait);
+  timers_.Set(Timer::kHello, hello_wait_.Begin(context_.clock.Steady()));
   reading_.Request();
 }
 
@@ -211,8 +212,11 @@ void Session::OnTimer() {
   if (state_ == State::kDone) return;
   const SteadyTime now = context_.clock.Steady();
   if (timers_.Due(Timer::kHello, now)) {
-    frames_ = 1;
-    return ProtocolError(fmt::format("no hello within {} s", kHelloWait.count()));
+    if (const auto over = hello_wait_.Over(now)) {
+      frames_ = 1;
+      return ProtocolError(fmt::format("no hello within {} s", over->count()));
+    }
+    timers_.Set(Timer::kHello, hello_wait_.NextLook(now));
   }
   if (timers_.Due(Timer::kAttach, now)) return Attach();
   if (state_ == State::kOpening && timers_.Due(Timer::kWelcome, now)) return SendWelcome();

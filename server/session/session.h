@@ -11,6 +11,7 @@
 #include "server/session/attachment.h"
 #include "server/session/context.h"
 #include "server/session/frame_sink.h"
+#include "server/session/hello_wait.h"
 #include "server/session/intake.h"
 #include "server/session/outgoing.h"
 #include "server/session/read_gate.h"
@@ -115,6 +116,7 @@ class Session final {
 
   StreamTimers timers_;
   Attachment robot_;
+  HelloWait hello_wait_;
   ReadGate reading_;
   /// From kOpening on.
   std::unique_ptr<Intake> intake_;

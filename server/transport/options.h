@@ -44,6 +44,12 @@ inline constexpr std::chrono::seconds kFilesRefresh{5};
 /// Streams that are admitted per robot: every robot can reconnect before its old stream has ended.
 inline constexpr std::size_t kStreamsPerRobot = 2;
 
+/// Descriptors that are no peer's: those of HTTP's connections, and 128 for the store, files, pipes
+/// and what the libraries open (measured: under 60 with PostgreSQL and two writers).
+[[nodiscard]] constexpr std::size_t DescriptorsReserved(std::size_t http_connections_max) {
+  return 128 + http_connections_max;
+}
+
 struct RelayOptions {
   config::ListenAddress address;
   KeyMaterial key_material;
@@ -53,6 +59,8 @@ struct RelayOptions {
   config::TlsVersion tls_minimum = config::TlsConfig().min_version;
   /// listen.proxy_protocol_from; of the native transport alone.
   std::vector<config::Network> proxy_protocol_from;
+  /// Descriptors that the rest of the server needs; of the native transport alone.
+  std::size_t descriptors_reserved = DescriptorsReserved(config::HttpConfig().connections_max);
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
   /// limits.connection_age_max; zero: never.

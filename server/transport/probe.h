@@ -17,13 +17,16 @@ struct RelayProbe {
   metrics::Cell refused_robot_total;
   metrics::Cell refused_draining_total;
   metrics::Cell refused_identity_total;
+  /// What was asked for is not the relay's call; of the native transport alone.
+  metrics::Cell refused_request_total;
   /// Handshakes that failed, where the transport is our own; gRPC tells of them in its log alone.
   metrics::Cell handshakes_failed_total;
   /// Connections that were ended before they had a stream or for what they did, by TurnedAway; of
-  /// the native transport, as the next four.
+  /// the native transport, as the next five.
   std::array<metrics::Cell, kTurnedAwayTexts.size()> turned_away_total;
-  /// Connections that have shown a trusted certificate.
+  /// Connections that have shown a trusted certificate, and how many may.
   metrics::Cell connections;
+  metrics::Cell connections_limit;
   metrics::Cell handshakes_under_way;
   /// Connections that wait for their handshake to begin.
   metrics::Cell handshakes_waiting;

@@ -2,15 +2,18 @@
 
 namespace uplink::transport {
 
+std::string_view RefusalEvent(const absl::Status& status) {
+  if (absl::IsInvalidArgument(status)) return "protocol_error";
+  const bool refused = absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status) ||
+                       absl::IsResourceExhausted(status);
+  return refused ? "stream_refused" : "";
+}
+
 void LogRefusal(log::RateLimited* lines, const std::string& peer, const std::string& robot,
                 const absl::Status& status) {
-  if (lines == nullptr) return;
-  const bool protocol = absl::IsInvalidArgument(status);
-  if (!protocol && !absl::IsUnauthenticated(status) && !absl::IsPermissionDenied(status) &&
-      !absl::IsResourceExhausted(status)) {
-    return;
-  }
-  lines->Write(log::Level::kWarn, protocol ? "protocol_error" : "stream_refused",
+  const std::string_view event = RefusalEvent(status);
+  if (lines == nullptr || event.empty()) return;
+  lines->Write(log::Level::kWarn, event,
                {{"peer", peer}, {"robot", robot}, {"why", std::string(status.message())}});
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <absl/status/status.h>
 
@@ -8,8 +9,11 @@
 
 namespace uplink::transport {
 
-/// A line about a stream that ends since it was refused (`stream_refused`) or broke a rule of the
-/// protocol (`protocol_error`); none for another end, or without `lines`. Thread-safe.
+/// The event of a line about a stream that ends with this status: `stream_refused`, or
+/// `protocol_error` if it broke a rule of the protocol; empty for another end.
+[[nodiscard]] std::string_view RefusalEvent(const absl::Status& status);
+
+/// That line; none without `lines`. Thread-safe.
 void LogRefusal(log::RateLimited* lines, const std::string& peer, const std::string& robot,
                 const absl::Status& status);
 

@@ -13,11 +13,13 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
            {"identity"});
   page.Add(kStreamsRefused,
            sessions.refused_waiting_total.value() + probe.refused_robot_total.value(), {"waiting"});
+  page.Add(kStreamsRefused, probe.refused_request_total, {"request"});
   page.Add(kHandshakesFailed, handshakes_failed.value() + probe.handshakes_failed_total.value());
   for (std::size_t cause = 0; cause < kTurnedAwayTexts.size(); ++cause) {
     page.Add(kConnectionsTurnedAway, probe.turned_away_total[cause], {kTurnedAwayTexts[cause]});
   }
   page.Add(kConnections, probe.connections);
+  page.Add(kConnectionsLimit, probe.connections_limit);
   page.Add(kHandshakesUnderWay, probe.handshakes_under_way);
   page.Add(kHandshakesWaiting, probe.handshakes_waiting);
   page.Add(kProxyHeadersWaiting, probe.proxy_headers_waiting);

@@ -76,8 +76,7 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
   void Touch(front::Call& call) override { calls_.Touch(call); }
   void Settle() override;
   [[nodiscard]] const front::TlsPeer& tls_peer() const override { return peer_; }
-  [[nodiscard]] const std::string& address() const override { return address_; }
-  [[nodiscard]] const front::SourceAddress& source() const override { return source_; }
+  [[nodiscard]] const front::Origin& origin() const override { return origin_; }
   [[nodiscard]] std::optional<absl::Status> refusal() const override;
 
  private:
@@ -94,8 +93,7 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
   front::Thread& thread_;
   const std::uint8_t robot_;
   const front::TlsPeer peer_;
-  const std::string address_ = "fuzz";
-  const front::SourceAddress source_;
+  const front::Origin origin_{.text = "fuzz"};
   front::Http2 http2_;
   front::CallSet calls_;
   front::FrameRates frames_;

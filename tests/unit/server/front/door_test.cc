@@ -140,9 +140,23 @@ TEST(DoorBook, WhoLingersIsBounded) {
   EXPECT_TRUE(book.BeginLinger());
 }
 
+DoorLimits LimitsFor(std::size_t descriptors, ProxyHeaders headers = ProxyHeaders::kNone) {
+  return DoorLimitsFor(
+      {.streams_max = 40'000, .descriptors_max = descriptors, .reserved = 256, .headers = headers});
+}
+
+TEST(DoorLimits, WhatTheRestOfTheServerNeedsIsLeft) {
+  const auto connections = [](std::size_t reserved) {
+    return DoorLimitsFor({.streams_max = 40'000, .descriptors_max = 20'000, .reserved = reserved})
+        .book.connections_max;
+  };
+  EXPECT_EQ(connections(256) - connections(1256), 1000U);
+  EXPECT_EQ(connections(5000), connections(19'000));  // a quarter at most
+}
+
 TEST(DoorLimits, LeaveAReserveAndNeverShareWithStrangers) {
   for (const std::size_t descriptors : {64U, 256U, 1024U, 20'000U, 1'000'000U}) {
-    const DoorLimits limits = DoorLimitsFor(40'000, descriptors);
+    const DoorLimits limits = LimitsFor(descriptors);
     const std::size_t unproven = limits.handshakes.under_way_max + limits.handshakes.waiting_max;
     EXPECT_LE(limits.book.connections_max + limits.book.lingers_max + unproven +
                   std::min<std::size_t>(256, descriptors / 4),
@@ -152,13 +166,13 @@ TEST(DoorLimits, LeaveAReserveAndNeverShareWithStrangers) {
     EXPECT_GE(limits.handshakes.under_way_max, 1U);
     EXPECT_GE(limits.handshakes.waiting_max, 1U);
   }
-  EXPECT_EQ(DoorLimitsFor(40'000, 1'000'000).book.connections_max, 41'024U);
+  EXPECT_EQ(LimitsFor(1'000'000).book.connections_max, 41'024U);
 }
 
 TEST(DoorLimits, HoldWithHardlyAnyDescriptors) {
   for (const ProxyHeaders headers : {ProxyHeaders::kNone, ProxyHeaders::kExpected}) {
     for (std::size_t descriptors = 0; descriptors < 64; ++descriptors) {
-      const DoorLimits limits = DoorLimitsFor(40'000, descriptors, headers);
+      const DoorLimits limits = LimitsFor(descriptors, headers);
       EXPECT_GE(limits.book.connections_max, 1U);
       EXPECT_GE(limits.handshakes.under_way_max, 1U);
       EXPECT_GE(limits.handshakes.waiting_max, 1U);
@@ -170,7 +184,7 @@ TEST(DoorLimits, HoldWithHardlyAnyDescriptors) {
 
 TEST(DoorLimits, WhoseHeaderIsAwaitedIsOneOfThoseWithoutACertificate) {
   for (const std::size_t descriptors : {256U, 1024U, 20'000U, 1'000'000U}) {
-    const DoorLimits limits = DoorLimitsFor(40'000, descriptors, ProxyHeaders::kExpected);
+    const DoorLimits limits = LimitsFor(descriptors, ProxyHeaders::kExpected);
     const std::size_t unproven =
         limits.handshakes.under_way_max + limits.handshakes.waiting_max + limits.proxy_headers_max;
     EXPECT_LE(unproven, descriptors / 4);
@@ -179,11 +193,11 @@ TEST(DoorLimits, WhoseHeaderIsAwaitedIsOneOfThoseWithoutACertificate) {
               descriptors)
         << descriptors;
   }
-  const DoorLimits most = DoorLimitsFor(40'000, 1'000'000, ProxyHeaders::kExpected);
+  const DoorLimits most = LimitsFor(1'000'000, ProxyHeaders::kExpected);
   EXPECT_EQ(most.proxy_headers_max, 1024U);
   EXPECT_EQ(most.handshakes.under_way_max, 512U);
   EXPECT_EQ(most.handshakes.waiting_max, 4096U);
-  EXPECT_EQ(DoorLimitsFor(40'000, 1'000'000).proxy_headers_max, 0U);
+  EXPECT_EQ(LimitsFor(1'000'000).proxy_headers_max, 0U);
 }
 
 }  // namespace

@@ -23,8 +23,10 @@ SourceAddress SourceOf(std::uint32_t number) {
 
 class SourceLinesTest : public ::testing::Test {
  protected:
-  void Write(std::uint32_t source, std::string_view why = "untrusted") {
-    lines_.Write("connection_turned_away", why, SourceOf(source), "192.0.2.9:1", now_);
+  void Write(std::uint32_t source, std::string_view why = "untrusted",
+             const std::string& robot = "") {
+    lines_.Write("connection_turned_away", why, std::string(why),
+                 {.source = SourceOf(source), .text = "192.0.2.9:1", .robot = robot}, now_);
   }
 
   testing::ManualClock clock_;
@@ -41,6 +43,13 @@ TEST_F(SourceLinesTest, ANoisySourceHidesNobodyElse) {
   Write(2);
   ASSERT_EQ(kept_.size(), SourceLines::kLinesPerSource + 1);
   EXPECT_NE(kept_.back().find("192.0.2.2"), std::string::npos);
+}
+
+TEST_F(SourceLinesTest, ANoisyRobotHidesNoneBehindTheSameSource) {
+  for (int i = 0; i < 1000; ++i) Write(1, "pings", "rcan://acme/noisy");
+  Write(1, "pings", "rcan://acme/quiet");
+  ASSERT_EQ(kept_.size(), SourceLines::kLinesPerSource + 1);
+  EXPECT_NE(kept_.back().find("robot=rcan://acme/quiet"), std::string::npos) << kept_.back();
 }
 
 TEST_F(SourceLinesTest, EachCauseOfASourceHasLinesOfItsOwn) {
@@ -77,7 +86,7 @@ TEST_F(SourceLinesTest, PastItsBoundTheOldestSourceIsForgotten) {
 
 TEST(SourceLines, WithoutALoggerNothingIsWritten) {
   SourceLines lines(nullptr);
-  lines.Write("connection_turned_away", "untrusted", SourceOf(1), "x", SteadyTime{});
+  lines.Write("connection_turned_away", "untrusted", "x", {.source = SourceOf(1), .text = "x"}, {});
 }
 
 }  // namespace

@@ -61,6 +61,19 @@ TEST_F(HelloTest, MustComeWithinItsTime) {
   EXPECT_EQ(prompt.end(), "") << "a stream that said hello stays";
 }
 
+TEST_F(HelloTest, MustComeSoonerWhileOthersWaitForAPlace) {
+  BenchStream& early = server().Open("rcan://early");
+  server().Pass(kHelloWaitPressed + kHelloLook);
+  EXPECT_EQ(early.end(), "");
+  server().pressed = true;
+  BenchStream& late = server().Open("rcan://late");
+  server().Pass(kHelloLook);
+  EXPECT_EQ(early.end(), "INVALID_ARGUMENT: frame 1: no hello within 3 s");
+  EXPECT_EQ(late.end(), "");
+  server().Pass(kHelloWaitPressed - kHelloLook);
+  EXPECT_EQ(late.end(), "INVALID_ARGUMENT: frame 1: no hello within 3 s");
+}
+
 TEST_F(HelloTest, ASessionIdHasSixteenBytes) {
   hello_.set_session_id(std::string(15, 'x'));
   EXPECT_EQ(EndOf(frame_),

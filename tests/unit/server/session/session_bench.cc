@@ -223,7 +223,8 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .scratch = scratch_,
                                .allowances = allowances_,
                                .rejects = rejects_,
-                               .clock_trust = clock_trust_};
+                               .clock_trust = clock_trust_,
+                               .pressed = &pressed};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
                                               robot::StreamRef{.inbox = this, .stream = id});

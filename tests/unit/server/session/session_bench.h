@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -144,6 +145,8 @@ class BenchServer final : public robot::WakeInbox {
   void DeliverWakes();
   /// Time passes, and timers that are due fire.
   void Pass(milliseconds time);
+  /// Others wait for a place among the connections.
+  std::atomic<bool> pressed{false};
   void StoreAway();
   void StoreBack();
 

@@ -1,0 +1,112 @@
+// Who is refused, sent away or short of places is counted, and named in the log.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/component/front/front_world.h"
+#include "tests/component/front/shared_lines.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using transport::TurnedAway;
+
+class Naming : public ::testing::Test {
+ protected:
+  void Make() {
+    RelayWorld::Options options;
+    options.logger = &logger_;
+    world_ = std::make_unique<RelayWorld>(Native(options));
+  }
+  void SetUp() override { Make(); }
+
+  /// A call with these headers changed has ended.
+  void Call(const KeyPair& keys, const http2::Fields& changes) {
+    RawHttp2 client(ClientOf(*world_, keys, "127.0.0.66"));
+    ASSERT_TRUE(client.Begin());
+    client.Send(OpenRelay(1, changes) + http2::Data(1, HelloMessage(1)));
+    EXPECT_TRUE(client.ReadUntilOver(1));
+  }
+  std::vector<std::string> LinesOf(const std::string& part) {
+    std::vector<std::string> found;
+    for (const std::string& line : lines_.All()) {
+      if (line.find(part) != std::string::npos) found.push_back(line);
+    }
+    return found;
+  }
+
+  SharedLines::Lines lines_;
+  SystemClock clock_;
+  log::Logger logger_{std::make_unique<SharedLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kDebug};
+  std::unique_ptr<RelayWorld> world_;
+};
+
+TEST_F(Naming, AnExpiredCertificateByItsRobot) {
+  CertificateSpec spec = RobotSpec(RuriOf(7));
+  spec.not_after_s = -60;
+  Call(world_->authority.Issue(spec), {});
+  EXPECT_THAT(lines_.All(),
+              Contains(AllOf(HasSubstr("stream_refused source=127.0.0.66 "),
+                             HasSubstr("robot=" + RuriOf(7)), HasSubstr("has expired"))));
+}
+
+TEST_F(Naming, WhoLeavesWithoutAStreamByItsRobot) {
+  { const RawHttp2 passer_by(ClientOf(*world_, RobotKeys(*world_, 7))); }
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kNoStream) == 1; }));
+  EXPECT_TRUE(Eventually([&] { return !LinesOf("why=no_stream").empty(); }));
+  EXPECT_THAT(LinesOf("why=no_stream"), Contains(HasSubstr("robot=" + RuriOf(7))));
+}
+
+TEST_F(Naming, WhatIsNoCallOfTheRelay) {
+  const auto refused = [&] { return world_->relay_probe.refused_request_total.value(); };
+  const KeyPair keys = RobotKeys(*world_, 7);
+  Call(keys, {{":path", "/uplink.v1.UplinkRelay/Other"}});
+  EXPECT_EQ(refused(), 1);
+  EXPECT_THAT(lines_.All(),
+              Contains(AllOf(HasSubstr("stream_refused"), HasSubstr("robot=" + RuriOf(7)),
+                             HasSubstr("no such method is served here"))));
+  Call(keys, {{"content-type", "application/json"}});
+  EXPECT_EQ(refused(), 2);
+  EXPECT_THAT(lines_.All(), Contains(HasSubstr("HTTP 415: not a call of gRPC")));
+  Call(keys, {{"grpc-encoding", "gzip"}});
+  Call(keys, {{"grpc-timeout", "soon"}});
+  EXPECT_EQ(refused(), 4);
+  EXPECT_THAT(LinesOf("stream_refused"), SizeIs(2)) << "so many of one peer";
+  Call(RobotKeys(*world_, 8), {{":path", "/"}});
+  EXPECT_THAT(LinesOf("stream_refused"), Contains(HasSubstr("robot=" + RuriOf(8))));
+}
+
+TEST_F(Naming, AMessageThatBreaksTheRulesOfGrpc) {
+  RawHttp2 client(ClientOf(*world_, RobotKeys(*world_, 7)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, std::string("\x01\0\0\0\x01x", 6)));
+  EXPECT_TRUE(client.ReadUntilOver(1));
+  EXPECT_THAT(lines_.All(),
+              Contains(AllOf(HasSubstr("protocol_error"), HasSubstr("robot=" + RuriOf(7)),
+                             HasSubstr("flagged as compressed"))));
+}
+
+TEST_F(Naming, TooFewDescriptors) {
+  EXPECT_THAT(LinesOf("descriptors_few"), IsEmpty());
+  {
+    const DescriptorLimit limit(1024);
+    Make();
+  }
+  // 1,000 streams are asked for.
+  EXPECT_THAT(LinesOf("descriptors_few"),
+              Contains(AllOf(HasSubstr("descriptors_max=1024"), HasSubstr("connections_limit=384"),
+                             HasSubstr("connections_wanted=1000"))));
+  EXPECT_EQ(world_->relay_probe.connections_limit.value(), 384);
+}
+
+}  // namespace
+}  // namespace uplink::testing
