@@ -34,12 +34,9 @@ enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
 // the schema and the storage bound themselves is taken from there; the rooms of the server take
 // theirs from here. settings.cc binds each member to its key, bounds and text.
 
-/// limits.connection_age_max of the native transport where it is not set.
-inline constexpr milliseconds kNativeConnectionAge = std::chrono::hours(24);
-
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
-  Transport transport = Transport::kGrpc;
+  Transport transport = Transport::kNative;
   /// Threads of the relay; 0: one per core.
   std::size_t relay_threads = 0;
   /// Load balancers whose connections begin with a PROXY header; of the native transport alone.
@@ -55,8 +52,8 @@ struct TlsConfig {
   std::string client_ca_file;
   /// Empty: client_ca_file.
   std::string operator_ca_file;
-  /// Where it is not set: 1.3 on the native transport.
-  TlsVersion min_version = TlsVersion::k12;
+  /// Where it is not set: 1.2 on the gRPC library's transport.
+  TlsVersion min_version = TlsVersion::k13;
 };
 
 struct IdentityConfig {
@@ -109,8 +106,9 @@ struct LimitsConfig {
   milliseconds ack_interval = std::chrono::seconds(1);
   std::size_t robots_max = 20'000;
   milliseconds session_idle = std::chrono::hours(1);
-  /// Zero: connections are never ended for their age.
-  milliseconds connection_age_max{0};
+  /// Zero: connections are never ended for their age, and so it is on the gRPC library's transport
+  /// where it is not set.
+  milliseconds connection_age_max = std::chrono::hours(24);
   /// What one robot may have stored per second, and at once after a pause; zero rates: as much as
   /// it sends.
   std::size_t durable_records_rate = 200;

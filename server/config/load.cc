@@ -59,11 +59,11 @@ class Loader {
     }
   }
 
-  /// What the native transport does better than the gRPC library is on unless it is set.
-  void SetNativeDefaults() {
-    if (!where_.contains("tls.min_version")) config_.tls.min_version = TlsVersion::k13;
+  /// The gRPC library's transport goes on as it did before there was another.
+  void SetGrpcDefaults() {
+    if (!where_.contains("tls.min_version")) config_.tls.min_version = TlsVersion::k12;
     if (!where_.contains("limits.connection_age_max")) {
-      config_.limits.connection_age_max = kNativeConnectionAge;
+      config_.limits.connection_age_max = milliseconds(0);
     }
   }
 
@@ -72,7 +72,7 @@ class Loader {
     if (IsPostgres(config_.store) && !where_.contains("store.migrate")) {
       config_.store.migrate = false;
     }
-    if (config_.listen.transport == Transport::kNative) SetNativeDefaults();
+    if (config_.listen.transport == Transport::kGrpc) SetGrpcDefaults();
     for (Breach& breach : CheckRelations(config_)) {
       const std::string key = fmt::format("{}.{}", breach.section, breach.key);
       // A key that already has a problem keeps its default here; a second line would mislead.

@@ -107,8 +107,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "transport",
      .kind = Kind::kChoice,
      .choices = kTransports,
-     .text = "What carries the relay's frames: \"grpc\", the gRPC library, or \"native\", a "
-             "transport of our own for the same clients, which takes less CPU and memory.",
+     .text = "What carries the relay's frames: \"native\", a transport of our own, or \"grpc\", "
+             "the gRPC library, for the same clients, which takes more CPU and memory.",
      UPLINK_BIND(listen, ListenConfig, transport)},
     {.section = "listen",
      .key = "relay_threads",
@@ -162,7 +162,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "min_version",
      .kind = Kind::kChoice,
      .choices = kTlsVersions,
-     .text = "The lowest TLS version that the relay accepts. With the native transport it is 1.3 "
+     .text = "The lowest TLS version that the relay accepts. With the grpc transport it is 1.2 "
              "unless it is set.",
      UPLINK_BIND(tls, TlsConfig, min_version)},
 
@@ -379,7 +379,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 30 * kDay,
      .zero = "never",
      .text = "The age at which a connection is ended, with up to 10 s of grace, so that agents "
-             "spread over servers again. With the native transport it is 24h unless it is set.",
+             "spread over servers again. With the grpc transport it is never unless it is set.",
      UPLINK_BIND(limits, LimitsConfig, connection_age_max)},
     {.section = "limits",
      .key = "durable_records_rate",

@@ -20,7 +20,7 @@ import urllib.request
 BIN = pathlib.Path(os.environ["UPLINK_BIN_DIR"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 # What carries the relay's frames in this run.
-TRANSPORT = os.environ.get("UPLINK_TRANSPORT", "grpc")
+TRANSPORT = os.environ.get("UPLINK_TRANSPORT", "native")
 POSTGRES = SOURCE / "tools/dev/postgres.sh"
 START_SECONDS = 30
 LOOK_SECONDS = 0.02

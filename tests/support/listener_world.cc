@@ -76,8 +76,8 @@ absl::StatusOr<std::unique_ptr<transport::Listener>> ListenerWorld::StartAnother
 config::Transport TestedTransport() {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody sets a variable in a test's process.
   const char* name = std::getenv("UPLINK_TEST_TRANSPORT");
-  return name != nullptr && std::string_view(name) == "native" ? config::Transport::kNative
-                                                               : config::Transport::kGrpc;
+  return name != nullptr && std::string_view(name) == "grpc" ? config::Transport::kGrpc
+                                                             : config::Transport::kNative;
 }
 
 transport::PemTexts ListenerWorld::ServerTexts() const {

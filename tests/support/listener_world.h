@@ -23,8 +23,8 @@
 
 namespace uplink::testing {
 
-/// The transport that this run of the tests is about: UPLINK_TEST_TRANSPORT, `grpc` if it is not
-/// set.
+/// The transport that this run of the tests is about: UPLINK_TEST_TRANSPORT, `native` if it is
+/// not set.
 [[nodiscard]] config::Transport TestedTransport();
 
 /// A listener for robots on loopback with real sessions, journal and writer thread, on the fake

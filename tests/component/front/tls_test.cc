@@ -53,8 +53,12 @@ TEST(Tls, WithHttpOneAloneNothingIsServed) {
   EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
 }
 
+RelayWorld::Options NativeWith12() {
+  return Native({.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k12});
+}
+
 TEST(Tls, Tls12IsServed) {
-  RelayWorld world(Native());
+  RelayWorld world(NativeWith12());
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.tls_max = TLS1_2_VERSION;
   RawHttp2 client(options);
@@ -71,7 +75,7 @@ bool Serves12With(const RelayWorld& world, const std::string& suites) {
 }
 
 TEST(Tls, Tls12HasTheSuitesThatHttpTwoAllowsAlone) {
-  RelayWorld world(Native());
+  RelayWorld world(NativeWith12());
   EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-AES128-GCM-SHA256"));
   EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-AES256-GCM-SHA384"));
   EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-CHACHA20-POLY1305"));
@@ -85,7 +89,7 @@ TEST(Tls, Tls12HasTheSuitesThatHttpTwoAllowsAlone) {
 }
 
 TEST(Tls, Tls12IsRefusedWhere13IsTheMinimum) {
-  RelayWorld world(Native({.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k13}));
+  RelayWorld world(Native());
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   {
     RawHttp2 client(options);
@@ -116,7 +120,7 @@ TEST(Tls, AForeignCertificateIsToldSoByAnAlert) {
 }
 
 TEST(Tls, AForeignCertificateIsToldSoByAnAlertInTls12) {
-  RelayWorld world(Native());
+  RelayWorld world(NativeWith12());
   const TestAuthority foreign("another authority");
   RawHttp2::Options options = ClientOf(world, foreign.Issue(RobotSpec(RuriOf(1))));
   options.tls_max = TLS1_2_VERSION;

@@ -173,8 +173,10 @@ TEST(Certificates, PlaintextIsRefused) {
           {.port = world.server().port(), .server_ca = "", .identity = {}, .lookahead_bytes = 0}));
 }
 
-TEST(Certificates, Tls12IsServedByDefault) {
-  RelayWorld world;
+TEST(Certificates, Tls12IsServedWhereItIsTheLeast) {
+  RelayWorld::Options options;
+  options.tls_minimum = config::TlsVersion::k12;
+  RelayWorld world(options);
   EXPECT_EQ(AgreedTlsVersion(world.server().port(), TLS1_2_VERSION), "TLSv1.2");
   EXPECT_EQ(AgreedTlsVersion(world.server().port(), TLS1_1_VERSION), "");
 }

@@ -9,6 +9,12 @@
 namespace uplink::testing {
 namespace {
 
+RelayWorld::Options OnGrpc() {
+  RelayWorld::Options options;
+  options.transport = config::Transport::kGrpc;
+  return options;
+}
+
 class Tls13 : public ::testing::Test {
  protected:
   // Before gRPC is used for the first time in this process.
@@ -16,13 +22,13 @@ class Tls13 : public ::testing::Test {
 };
 
 TEST_F(Tls13, RefusesTls12) {
-  RelayWorld world;
+  RelayWorld world(OnGrpc());
   EXPECT_EQ(AgreedTlsVersion(world.server().port(), TLS1_2_VERSION), "");
   EXPECT_EQ(AgreedTlsVersion(world.server().port(), TLS1_3_VERSION), "TLSv1.3");
 }
 
 TEST_F(Tls13, ServesRobots) {
-  RelayWorld world;
+  RelayWorld world(OnGrpc());
   TestAgent agent(world.Channel(RuriOf(1)));
   ASSERT_TRUE(agent.Connect(SessionOf(1)));
   agent.Send(BatchFrame({{1, FaultPayload("hot")}}));

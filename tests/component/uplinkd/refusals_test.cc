@@ -56,7 +56,7 @@ TEST_F(Refusals, ABrokenRuleIsAProtocolErrorWithALine) {
   agent.Send(BatchFrame({{1, "payload that is no one's business"}}));
   EXPECT_EQ(agent.End().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   ASSERT_TRUE(process_->WaitFor("the first frame must be a hello")) << process_->text();
-  EXPECT_THAT(process_->text(), HasSubstr("warn protocol_error peer="));
+  EXPECT_THAT(process_->text(), HasSubstr("warn protocol_error source="));
   EXPECT_THAT(process_->text(), HasSubstr("robot=rcan://a"));
   EXPECT_THAT(process_->text(), Not(HasSubstr("no one's business")));
   ExpectMetric("uplinkd_protocol_errors_total 1");

@@ -143,7 +143,7 @@ TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
 
 // It comes from an address from which a PROXY header is required.
 TEST_F(ServingTest, TheBackgroundHandshakeSucceedsBehindALoadBalancerOfThisMachine) {
-  Serve({"UPLINKD_LISTEN_TRANSPORT=native", "UPLINKD_LISTEN_PROXY_PROTOCOL_FROM=127.0.0.0/8,::1"});
+  Serve({"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM=127.0.0.0/8,::1"});
   const auto age = [this] {
     constexpr std::string_view kKey = R"("relayLastHandshakeSeconds":)";
     const std::string body = HttpGet(http_, "/livez").body;
@@ -163,7 +163,7 @@ TEST_F(ServingTest, TheBackgroundHandshakeSucceedsBehindALoadBalancerOfThisMachi
 }
 
 TEST_F(ServingTest, EveryLineOfTheLogIsOursEvenWhenGrpcComplains) {
-  process_ = folder_.Start({}, {"UPLINKD_LOG_FORMAT=json"});
+  process_ = folder_.Start({}, {"UPLINKD_LOG_FORMAT=json", "UPLINKD_LISTEN_TRANSPORT=grpc"});
   const std::string key = R"("relay":"127.0.0.1:)";
   ASSERT_TRUE(process_->WaitFor(key) &&
               process_->WaitFor("\n", seconds(10), process_->text().find(key)))

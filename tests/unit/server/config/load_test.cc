@@ -252,6 +252,23 @@ TEST(ParseConfigTest, RefusesListsThatAreNone) {
               ElementsAre(IsProblem("u.toml:6", "rcan.fleets", "257 strings")));
 }
 
+TEST(ParseConfigTest, TheGrpcTransportTakesTls12AndEndsNoConnectionForItsAge) {
+  const LoadResult native = ParseWith("");
+  EXPECT_EQ(native.config->listen.transport, Transport::kNative);
+  EXPECT_EQ(native.config->tls.min_version, TlsVersion::k13);
+  EXPECT_EQ(native.config->limits.connection_age_max, std::chrono::hours(24));
+
+  constexpr std::string_view kGrpc = "[listen]\ntransport = \"grpc\"\n";
+  const LoadResult grpc = ParseWith(std::string(kGrpc));
+  EXPECT_EQ(grpc.config->tls.min_version, TlsVersion::k12);
+  EXPECT_EQ(grpc.config->limits.connection_age_max, milliseconds(0));
+
+  const LoadResult set = ParseWith("min_version = \"1.3\"\n" + std::string(kGrpc) +
+                                   "[limits]\nconnection_age_max = \"1h\"\n");
+  EXPECT_EQ(set.config->tls.min_version, TlsVersion::k13);
+  EXPECT_EQ(set.config->limits.connection_age_max, std::chrono::hours(1));
+}
+
 TEST(PrintConfigTest, ReadsBackToTheSameConfiguration) {
   const LoadResult first = ParseWith(
       "operator_ca_file = \"q\\\"\\\\\\u0001.crt\"\nmin_version = \"1.3\"\n[limits]\n"
