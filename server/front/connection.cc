@@ -79,6 +79,7 @@ void Connection::ReadPlain() {
     TurnAway(TurnedAway::kProtocol, "");
     break;
   }
+  for (auto late = tls_->TakeLateMessages(); late > 0; --late) OnFrame(FrameKind::kKeyUpdate);
   if (tls_->over()) OnReceiveEnd();
 }
 

@@ -9,7 +9,8 @@
 
 namespace uplink::front {
 
-/// Frames of HTTP/2 that cost their sender nearly nothing, and us something each.
+/// Frames of HTTP/2, and messages of TLS, that cost their sender nearly nothing, and us something
+/// each.
 enum class FrameKind : std::uint8_t {
   /// RST_STREAM: a stream that was opened to be dropped (CVE-2023-44487, "rapid reset").
   kReset,
@@ -22,8 +23,10 @@ enum class FrameKind : std::uint8_t {
   /// Of a type that HTTP/2 does not know.
   kUnknown,
   kHeaders,
+  /// A message of TLS's handshake after the handshake: new keys, mostly.
+  kKeyUpdate,
 };
-inline constexpr std::size_t kFrameKinds = 8;
+inline constexpr std::size_t kFrameKinds = 9;
 
 /// How many of a kind may come. A value.
 struct FrameLimit {
@@ -46,6 +49,7 @@ inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
     {FrameKind::kWindowUpdate, 2000, 4000, "window_update"},
     {FrameKind::kUnknown, 50, 100, "unknown"},
     {FrameKind::kHeaders, 200, 400, "headers"},
+    {FrameKind::kKeyUpdate, 1, 20, "key_update"},
 }};
 
 [[nodiscard]] constexpr const FrameLimit& LimitOf(FrameKind kind) {
@@ -64,6 +68,6 @@ class FrameRates final {
 };
 
 /// Each of 10,000 connections has one.
-static_assert(sizeof(FrameRates) <= 64);
+static_assert(sizeof(FrameRates) <= 72);
 
 }  // namespace uplink::front

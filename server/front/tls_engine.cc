@@ -135,7 +135,14 @@ TlsEngine::Step TlsEngine::Handshake() {
     failure_ = Failure::kNothingShared;
     return Step::kFailed;
   }
+  SSL_set_msg_callback(ssl_, OnMessage);
+  SSL_set_msg_callback_arg(ssl_, this);
   return Step::kDone;
+}
+
+void TlsEngine::OnMessage(int written, int /*version*/, int type, const void* /*bytes*/,
+                          std::size_t /*size*/, SSL* /*ssl*/, void* engine) {
+  if (written == 0 && type == SSL3_RT_HANDSHAKE) ++static_cast<TlsEngine*>(engine)->late_messages_;
 }
 
 void TlsEngine::NoteFailure() {

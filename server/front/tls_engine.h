@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <absl/status/statusor.h>
 #include <openssl/bio.h>
@@ -104,6 +105,8 @@ class TlsEngine final {
 
   /// The next piece of what the peer said; nothing if more bytes are needed, or it is over.
   [[nodiscard]] std::optional<std::string_view> Read();
+  /// Messages of the handshake's kind that came after it since the last call: new keys, mostly.
+  [[nodiscard]] std::uint32_t TakeLateMessages() { return std::exchange(late_messages_, 0); }
   /// The peer said that nothing follows, or broke the rules.
   [[nodiscard]] bool over() const { return over_; }
   /// Encrypts into `out`; false if the connection is broken.
@@ -115,6 +118,9 @@ class TlsEngine final {
   static int OnVerified(int good, X509_STORE_CTX* store);
 
  private:
+  /// OpenSSL tells of a message, once the handshake is over.
+  static void OnMessage(int written, int version, int type, const void* bytes, std::size_t size,
+                        SSL* ssl, void* engine);
   void NoteFailure();
 
   const std::shared_ptr<const TlsContext> context_;
@@ -124,6 +130,7 @@ class TlsEngine final {
   /// What a trusted chain lacks: X509_V_ERR_..., and 0 for nothing.
   int flaw_ = 0;
   bool over_ = false;
+  std::uint32_t late_messages_ = 0;
 };
 
 }  // namespace uplink::front

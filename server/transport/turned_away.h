@@ -39,12 +39,13 @@ enum class TurnedAway : std::uint8_t {
   kWindowUpdates,
   kUnknownFrames,
   kHeaders,
+  kKeyUpdates,
   /// It came through a load balancer, without the header that says from where.
   kProxyHeader,
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 21> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 22> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -64,6 +65,7 @@ inline constexpr std::array<std::string_view, 21> kTurnedAwayTexts = {"full",
                                                                       "window_updates",
                                                                       "unknown_frames",
                                                                       "headers",
+                                                                      "key_updates",
                                                                       "proxy_header"};
 static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kProxyHeader) + 1);
 

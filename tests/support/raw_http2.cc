@@ -195,6 +195,18 @@ std::size_t RawHttp2::SendData(std::uint32_t stream, std::string_view bytes,
   return done;
 }
 
+bool RawHttp2::UpdateKeys(std::size_t times) {
+  for (std::size_t i = 0; i < times; ++i) {
+    if (!open() || SSL_key_update(tls_->ssl.get(), SSL_KEY_UPDATE_NOT_REQUESTED) != 1 ||
+        SSL_do_handshake(tls_->ssl.get()) != 1) {
+      return false;
+    }
+    out_ += Drain(tls_->out);
+    if (!Flush(SystemClock{}.Steady() + std::min(kSendPatience, patience_))) return false;
+  }
+  return true;
+}
+
 bool RawHttp2::SendPlain(std::string_view bytes) {
   out_ += bytes;
   return Flush(SystemClock{}.Steady() + std::min(kSendPatience, patience_));

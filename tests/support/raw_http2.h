@@ -70,6 +70,8 @@ class RawHttp2 final {
                        std::chrono::milliseconds patience = kPatience);
   /// Bytes that the stream may send now, by what the peer has given it and what SendData has taken.
   [[nodiscard]] std::size_t WindowOf(std::uint32_t stream) const;
+  /// New keys of TLS 1.3, so many times. False as for Send.
+  bool UpdateKeys(std::size_t times);
   /// Without TLS, into the connection as it is.
   bool SendPlain(std::string_view bytes);
   /// Preface and SETTINGS, and the acknowledgement of the peer's; false if those do not come.

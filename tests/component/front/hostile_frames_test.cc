@@ -67,6 +67,16 @@ TEST_F(HostileFrames, WindowUpdates) {
                TurnedAway::kWindowUpdates);
 }
 
+TEST_F(HostileFrames, NewKeysOfTls) {
+  EXPECT_TRUE(attacker_.UpdateKeys(10));
+  EXPECT_TRUE(attacker_.Sync()) << "some are within the bound";
+  static_cast<void>(attacker_.UpdateKeys(kFrames));
+  ExpectVictimGoesOn();
+  EXPECT_TRUE(attacker_.ReadUntilEnd());
+  EXPECT_TRUE(Turned(TurnedAway::kKeyUpdates));
+  EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kKeyUpdates), 1);
+}
+
 TEST_F(HostileFrames, UnknownTypes) {
   ExpectCalmed(http2::Times(kFrames, http2::Frame(http2::kUnknown, 0, 0, "x")),
                TurnedAway::kUnknownFrames);
