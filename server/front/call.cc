@@ -30,7 +30,7 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
 Call::~Call() {
   thread_.calls.erase(id_);
   thread_.call_timers.Forget(id_, timer_);
-  if (unfinished_) thread_.unfinished.Set(id_, 0, thread_.clock.Steady());
+  if (unfinished_) thread_.unfinished.Set(id_, 0, 0, thread_.clock.Steady());
 }
 
 // --- The request ---
@@ -160,7 +160,7 @@ void Call::ConsumeUnfinished() {
   }
   if (!whole && !unfinished_) return;
   unfinished_ = whole.has_value();
-  thread_.unfinished.Set(id_, whole ? reader_.held() : 0, thread_.clock.Steady());
+  thread_.unfinished.Set(id_, reader_.popped(), whole ? reader_.held() : 0, thread_.clock.Steady());
   if (const std::optional<std::uint64_t> slowest = thread_.unfinished.TooSlow()) {
     thread_.calls.at(*slowest)->too_slow_ = true;
     // It may be another connection's: not from here.
@@ -225,7 +225,7 @@ void Call::Break() {
   handler_.reset();
   finish_by_.reset();
   DropReceived();
-  if (std::exchange(unfinished_, false)) thread_.unfinished.Set(id_, 0, thread_.clock.Steady());
+  if (std::exchange(unfinished_, false)) thread_.unfinished.Set(id_, 0, 0, thread_.clock.Steady());
 }
 
 void Call::Settle() {

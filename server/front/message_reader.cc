@@ -51,6 +51,7 @@ MessageReader::Next MessageReader::Peek() const {
 
 std::size_t MessageReader::Pop() {
   const std::size_t bytes = kPrefixBytes + Peek().message.size();
+  ++popped_;
   if (kept_.empty()) {
     fresh_.remove_prefix(bytes);
     return bytes;

@@ -43,6 +43,8 @@ class MessageReader final {
   [[nodiscard]] Next Peek() const;
   /// Takes the message that Peek showed; says how many bytes that were, with the prefix.
   std::size_t Pop();
+  /// Messages that were taken.
+  [[nodiscard]] std::uint64_t popped() const { return popped_; }
   /// Keeps what has not been taken: the bytes that Add was given may go.
   void Keep();
   /// Forgets all.
@@ -64,6 +66,7 @@ class MessageReader final {
   /// What was kept, from kept_from_ on; with bytes in it nothing else waits.
   std::string kept_;
   std::size_t kept_from_ = 0;
+  std::uint64_t popped_ = 0;
   /// The rest of what Add was given.
   std::string_view fresh_;
 };

@@ -18,8 +18,9 @@ class Unfinished final {
  public:
   explicit Unfinished(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-  /// So many bytes of an unfinished message are kept for the call; 0: of none.
-  void Set(std::uint64_t call, std::size_t bytes, SteadyTime now);
+  /// So many bytes of the call's message of this number are kept; 0: none is unfinished. Another
+  /// number is another message, which begins now.
+  void Set(std::uint64_t call, std::uint64_t message, std::size_t bytes, SteadyTime now);
   /// With too many bytes: the call whose message began first, and so is the slowest.
   [[nodiscard]] std::optional<std::uint64_t> TooSlow() const;
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
@@ -27,6 +28,7 @@ class Unfinished final {
  private:
   struct Entry {
     SteadyTime began;
+    std::uint64_t message = 0;
     std::size_t bytes = 0;
   };
 
