@@ -165,5 +165,33 @@ TEST(Flow, TheSlowestUnfinishedFrameEndsWhereTheirMemoryIsUsedUp) {
   EXPECT_FALSE(fast.At(1).over()) << "the memory does for one";
 }
 
+/// It always has a message that is not whole, each time another.
+TEST(Flow, ABusyStreamIsNotTakenForTheSlowest) {
+  RelayWorld world(Native(
+      {.session = {}, .journal = {}, .queues = 1, .memory_bytes_max = std::size_t{1024} * 1024}));
+  RawHttp2 busy(ClientOf(world, RobotKeys(world, 1)));
+  RawHttp2 slow(ClientOf(world, RobotKeys(world, 2)));
+  RawHttp2 another(ClientOf(world, RobotKeys(world, 3)));
+  ASSERT_TRUE(busy.Begin() && slow.Begin() && another.Begin());
+  const std::string first = FaultsMessage(1, 1);
+  const std::string second = FaultsMessage(2, 1);
+  // Two of them fill the memory.
+  const std::string most = Prefix(200'000) + std::string(128'000, 'x');
+  busy.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + first.substr(0, 10)));
+  ASSERT_TRUE(busy.ReadUntil([&] { return !FramesOf(busy.At(1)).empty(); }));
+  ASSERT_TRUE(busy.Sync());
+  slow.Send(OpenRelay(1));
+  EXPECT_EQ(slow.SendData(1, most), most.size());
+  ASSERT_TRUE(slow.Sync());
+  busy.Send(http2::Data(1, first.substr(10) + second.substr(0, 10)));
+  ASSERT_TRUE(busy.ReadUntil([&] { return LastAck(busy.At(1)).through_seq() == 1; }));
+  another.Send(OpenRelay(1));
+  EXPECT_EQ(another.SendData(1, most), most.size());
+  ASSERT_TRUE(slow.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(slow.At(1)), "8");
+  busy.Send(http2::Data(1, second.substr(10)));
+  EXPECT_TRUE(busy.ReadUntil([&] { return LastAck(busy.At(1)).through_seq() == 2; }));
+}
+
 }  // namespace
 }  // namespace uplink::testing
