@@ -95,6 +95,7 @@ void Connection::OnReceiveEnd() {
 
 void Connection::OnUnblocked() {
   thread_.clock.Advance();
+  lifetime_.SetBlocked(false, {}, thread_.clock.Steady());
   if (phase_ == Phase::kLinger) socket_.EndOutput();
 }
 
@@ -227,10 +228,8 @@ void Connection::Close() {
 }
 
 void Connection::DrainAt(SteadyTime at, SteadyTime end) {
-  if (phase_ != Phase::kOpen) {
-    if (phase_ == Phase::kHandshake) Close();
-    return;
-  }
+  if (phase_ == Phase::kHandshake) return Close();
+  if (phase_ != Phase::kOpen) return;
   if (!std::exchange(ending_, true)) http2_->NoticeEnd();
   lifetime_.EndBy(end);
   calls_.DrainAt(at, end);
@@ -238,10 +237,8 @@ void Connection::DrainAt(SteadyTime at, SteadyTime end) {
 }
 
 void Connection::Shutdown() {
-  if (phase_ == Phase::kOpen) {
-    http2_->End(NGHTTP2_NO_ERROR, "");
-    static_cast<void>(Flush());
-  }
+  if (phase_ == Phase::kOpen) http2_->End(NGHTTP2_NO_ERROR, "");
+  static_cast<void>(Flush());
   Close();
 }
 
@@ -275,6 +272,9 @@ void Connection::LookAtLifetime(SteadyTime now) {
       return;
     case Lifetime::Due::kPing:
       return http2_->Ping();
+    case Lifetime::Due::kNotRead:
+      thread_.book.Note(TurnedAway::kNotRead, origin_, now);
+      return Close();
     case Lifetime::Due::kSilent:
       return Close();
     case Lifetime::Due::kAge:

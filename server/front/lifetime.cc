@@ -56,7 +56,7 @@ void Lifetime::SetBlocked(bool blocked, std::chrono::seconds wait, SteadyTime no
 }
 
 Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
-  if (blocked_by_ && now >= *blocked_by_) return Due::kSilent;
+  if (blocked_by_ && now >= *blocked_by_) return Due::kNotRead;
   if (answer_by_) {
     if (now >= *answer_by_) return Due::kSilent;
   } else if (now >= heard_at_ + kKeepaliveAfter) {

@@ -16,8 +16,10 @@ class Lifetime final {
     kNothing,
     /// Nothing was heard for long: ask.
     kPing,
-    /// The peer did not answer, or did not take what waited for it.
+    /// The peer did not answer.
     kSilent,
+    /// It did not take what waited for it.
+    kNotRead,
     /// Its age, or its certificate's: its calls are to settle.
     kAge,
     /// The time for that is over.

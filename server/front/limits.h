@@ -58,8 +58,8 @@ inline constexpr std::size_t kGatewayConnectionsMax = 16;
 inline constexpr std::chrono::minutes kIdleWait{5};
 /// How long we read on after our last word, so that no reset destroys it on its way.
 inline constexpr std::chrono::seconds kLingerWait{1};
-/// A peer that does not take what waits for it within this is cut: reading a byte now and then
-/// keeps its place no longer.
+/// A peer that does not take what waits for it, kSendBytesMax at a time, within this is cut:
+/// reading a byte now and then keeps its place no longer.
 inline constexpr std::chrono::seconds kBlockedWait{40};
 /// Further away than this is never: times beyond would not fit the clock's numbers.
 inline constexpr std::chrono::hours kFarAway{24 * 365 * 10};

@@ -40,12 +40,14 @@ enum class TurnedAway : std::uint8_t {
   kUnknownFrames,
   kHeaders,
   kKeyUpdates,
+  /// It did not read what we had for it.
+  kNotRead,
   /// It came through a load balancer, without the header that says from where.
   kProxyHeader,
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 22> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 23> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -66,6 +68,7 @@ inline constexpr std::array<std::string_view, 22> kTurnedAwayTexts = {"full",
                                                                       "unknown_frames",
                                                                       "headers",
                                                                       "key_updates",
+                                                                      "not_read",
                                                                       "proxy_header"};
 static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kProxyHeader) + 1);
 

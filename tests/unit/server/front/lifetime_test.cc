@@ -159,7 +159,7 @@ TEST_F(LifetimeTest, WhoDoesNotReadIsCutHoweverMuchItSays) {
   Open(milliseconds(0), kYear);
   lifetime_.SetBlocked(true, kBlockedWait, kStart);
   EXPECT_EQ(HeardAndDueAt(kBlockedWait - milliseconds(1)), Due::kNothing);
-  EXPECT_EQ(HeardAndDueAt(kBlockedWait), Due::kSilent);
+  EXPECT_EQ(HeardAndDueAt(kBlockedWait), Due::kNotRead);
 }
 
 TEST_F(LifetimeTest, WhoReadsAllBeginsAnewAndWhoGoesHasLess) {
@@ -169,7 +169,7 @@ TEST_F(LifetimeTest, WhoReadsAllBeginsAnewAndWhoGoesHasLess) {
   EXPECT_EQ(HeardAndDueAt(kBlockedWait), Due::kNothing);
   lifetime_.SetBlocked(true, kBlockedWait, kStart + kBlockedWait);
   lifetime_.SetBlocked(true, kAgeGrace, kStart + kBlockedWait);
-  EXPECT_EQ(HeardAndDueAt(kBlockedWait + kAgeGrace), Due::kSilent);
+  EXPECT_EQ(HeardAndDueAt(kBlockedWait + kAgeGrace), Due::kNotRead);
 }
 
 TEST_F(LifetimeTest, NextIsNeverBehindWhatIsDue) {
