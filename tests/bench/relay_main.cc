@@ -192,27 +192,36 @@ class RelayBench final {
     const std::string scenario = "growth_100_to_10000";
     if (!Wanted(scenario)) return;
     world_.MakeRobots(kManyRobots);
-    Row row{scenario, "x", NameOf(ServerKind::kGrpcSink), {}, {}};
-    Row few{"robots_100_at_10000_a_second", "us CPU/message", row.comparator, {}, {}};
-    Row many{"robots_10000_at_10000_a_second", "us CPU/message", row.comparator, {}, {}};
+    struct Costs {
+      Rounds few;
+      Rounds many;
+      Rounds growth;
+    };
+    std::map<ServerKind, Costs> costs;
+    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink};
     const Act act = Paced(kGrowthRate, 1);
     // One kind after the other: twenty thousand connections are more than a user may have.
-    for (const auto kind : {ServerKind::kUplinkd, ServerKind::kGrpcSink}) {
+    for (const ServerKind kind : kinds) {
       Say(scenario + ": " + NameOf(kind));
-      const auto of = [&](Row& each) -> Rounds& {
-        return kind == ServerKind::kUplinkd ? each.value : each.comparator_value;
-      };
       link::Loop loop;
       Pair pair(world_, kind, loop);
       for (int round = 0; round < arguments_.rounds; ++round) {
-        const double one = PacedCostOnce(scenario, pair.few_server, pair.few, act);
-        const double other = PacedCostOnce(scenario, pair.many_server, pair.many, act);
-        of(few).Add(one);
-        of(many).Add(other);
-        of(row).Add(other / one);
+        const double few = PacedCostOnce(scenario, pair.few_server, pair.few, act);
+        const double many = PacedCostOnce(scenario, pair.many_server, pair.many, act);
+        costs[kind].few.Add(few);
+        costs[kind].many.Add(many);
+        costs[kind].growth.Add(many / few);
       }
     }
-    for (Row* each : {&few, &many, &row}) rows_.push_back(std::move(*each));
+    const Costs& own = costs[ServerKind::kUplinkd];
+    for (std::size_t i = 1; i < kinds.size(); ++i) {
+      const std::string name = NameOf(kinds[i]);
+      const Costs& its = costs[kinds[i]];
+      rows_.push_back({"robots_100_at_10000_a_second", "us CPU/message", name, own.few, its.few});
+      rows_.push_back(
+          {"robots_10000_at_10000_a_second", "us CPU/message", name, own.many, its.many});
+      rows_.push_back({scenario, "x", name, own.growth, its.growth});
+    }
   }
 
   /// Resident memory that a robot adds: connected, and after some messages with its live state.
