@@ -4,6 +4,8 @@
 #include <limits>
 #include <string>
 
+#include <capnp/message.h>
+
 #include "schema/model/record.h"
 #include "schema/uplink.capnp.h"
 
@@ -20,6 +22,9 @@ void EncodeValue(const model::Value& in, wire::Value::Builder out);
   void EncodeMember(const model::Body& in, wire::UplinkMsg::Builder message);
 UPLINK_VARIANTS(UPLINK_VARIANT)
 #undef UPLINK_VARIANT
+
+/// The whole message in standard stream framing, not packed (encode.cc).
+[[nodiscard]] std::string Framed(capnp::MessageBuilder& builder);
 
 /// How a number that was not measured, and has no hasX flag, is written.
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

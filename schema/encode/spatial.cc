@@ -1,6 +1,6 @@
-#include <variant>
+#include "schema/encode/spatial.h"
 
-#include "schema/encode/encode_body.h"
+#include <variant>
 
 namespace uplink::schema {
 namespace {
@@ -49,23 +49,22 @@ struct GeometryEncoder {
   }
 };
 
-void EncodeShape(const model::ReportedShape& in, wire::ReportedShape::Builder out) {
-  auto identity = out.initIdentity();
-  identity.setId(Text(in.identity.id));
-  identity.setName(Text(in.identity.name));
-  identity.setRev(in.identity.rev);
-  identity.setHash(Text(in.identity.hash));
-  std::visit(GeometryEncoder{out.initData()}, in.data);
-  out.setAreaType(Enum<wire::ReportedLayerRole>(in.area_type));
-  out.setScope(Enum<wire::ScopeType>(in.scope));
-  out.setExpireTimeMs(in.expire_time_ms);
-  out.setMinZM(in.min_z_m);
-  out.setMaxZM(in.max_z_m);
-  out.setLevelId(in.level_id);
+}  // namespace
+
+void EncodeIdentity(const model::AssetIdentity& in, const std::string& id,
+                    wire::AssetIdentity::Builder out) {
+  out.setId(Text(id));
+  out.setName(Text(in.name));
+  out.setRev(in.rev);
+  out.setHash(Text(in.hash));
 }
 
-void EncodeObject(const model::Object& in, wire::Object::Builder out) {
-  out.setId(Text(in.id));
+void EncodeGeometry(const model::ShapeData& in, wire::ShapeData::Builder out) {
+  std::visit(GeometryEncoder{out}, in);
+}
+
+void EncodeObject(const model::Object& in, const std::string& id, wire::Object::Builder out) {
+  out.setId(Text(id));
   out.setName(Text(in.name));
   out.setUnixTimeMs(in.unix_time_ms);
   out.setExpiresUnixTimeMs(in.expires_unix_time_ms);
@@ -81,12 +80,14 @@ void EncodeObject(const model::Object& in, wire::Object::Builder out) {
   out.setRadiusM(in.radius_m);
 }
 
-}  // namespace
-
 void EncodeMember(const model::ShapeOp& in, wire::UplinkMsg::Builder message) {
   auto out = message.initShape();
   if (in.upsert() != nullptr) {
-    EncodeShape(*in.upsert(), out.initUpsert());
+    const model::ReportedShape& shape = *in.upsert();
+    auto upsert = out.initUpsert();
+    EncodeArea(shape, in.id(), upsert);
+    upsert.setAreaType(Enum<wire::ReportedLayerRole>(shape.area_type));
+    upsert.setExpireTimeMs(shape.expire_time_ms);
   } else {
     out.setDelete(Text(in.id()));
   }
@@ -95,7 +96,7 @@ void EncodeMember(const model::ShapeOp& in, wire::UplinkMsg::Builder message) {
 void EncodeMember(const model::ObjectOp& in, wire::UplinkMsg::Builder message) {
   auto out = message.initObject();
   if (in.upsert() != nullptr) {
-    EncodeObject(*in.upsert(), out.initUpsert());
+    EncodeObject(*in.upsert(), in.id(), out.initUpsert());
   } else {
     out.setDelete(Text(in.id()));
   }
