@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <exception>
 #include <string_view>
 #include <utility>
 
-#include <capnp/serialize.h>
-#include <kj/exception.h>
-
 #include "schema/decode/decode.h"
+#include "schema/decode/message.h"
 #include "schema/limits.h"
 #include "schema/rules/describe.h"
 #include "schema/rules/violations.h"
@@ -17,38 +14,9 @@
 namespace uplink::schema {
 namespace {
 
-constexpr std::size_t kWordBytes = sizeof(capnp::word);
-
 static_assert(JudgeLimits{}.message_bytes_max <= JudgeLimits{}.payload_bytes_max);
 static_assert(kShapePositionsMax * 2 * kWordBytes < JudgeLimits{}.payload_bytes_max,
               "the largest shape must fit a payload");
-
-std::uint32_t LittleEndian32(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < sizeof(value); ++i) {
-    value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
-  }
-  return value;
-}
-
-/// Why the segment table does not describe exactly these bytes; empty if it does. Only then is the
-/// payload worth a copy, and Cap'n Proto has nothing left to misread before the root pointer.
-std::string_view FramingError(std::span<const std::byte> payload) {
-  if (payload.empty()) return "it is empty";
-  if (payload.size() % kWordBytes != 0) return "its size is no multiple of 8 bytes";
-  const std::size_t segments = std::size_t{LittleEndian32(payload, 0)} + 1;
-  if (segments > kSegmentsMax) return "its segment table has too many entries";
-  const std::size_t words = payload.size() / kWordBytes;
-  std::size_t described = segments / 2 + 1;
-  if (described > words) return "it ends within its segment table";
-  if (LittleEndian32(payload, 4) == 0) return "its first segment is empty";
-  for (std::size_t i = 0; i < segments; ++i) {
-    described += LittleEndian32(payload, 4 * (i + 1));
-  }
-  if (described > words) return "it ends before its last segment does";
-  if (described < words) return "bytes follow its last segment";
-  return {};
-}
 
 /// True for the kinds that may be as large as payload_bytes_max.
 bool MayBeLarge(model::Variant variant) {
@@ -73,13 +41,6 @@ model::Body DecodeMember(wire::UplinkMsg::Reader in, model::Variant variant,
   }
   violations.Reject(MissingField(Path(), "holds a null pointer"));
   return {};
-}
-
-capnp::ReaderOptions OptionsFor(std::size_t words) {
-  capnp::ReaderOptions options;
-  options.traversalLimitInWords = std::max(words * kTraversalFactor, kTraversalWordsMin);
-  options.nestingLimit = kNestingMax;
-  return options;
 }
 
 Judgement Rejected(const Violation& violation, std::optional<model::Variant> variant = {}) {
@@ -135,8 +96,7 @@ void Judge::Reuse(model::Record&& record) {
 Judgement Judge::Message(std::span<const std::byte> payload) {
   std::optional<model::Variant> variant;
   const kj::ArrayPtr<const capnp::word> words = scratch_->Copy(payload);
-  try {
-    capnp::FlatArrayMessageReader reader(words, OptionsFor(words.size()));
+  const auto read = [&](capnp::FlatArrayMessageReader& reader) -> Judgement {
     const auto message = reader.getRoot<wire::UplinkMsg>();
     const auto member = static_cast<unsigned>(message.which());
     if (member >= model::kVariants) return Rejected(UnknownVariant(Path(), member));
@@ -161,10 +121,9 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
             .times_unknown = violations.times_unknown(),
             .enumerants_unrecognized = violations.enumerants_unrecognized(),
             .control_characters = violations.control_characters()};
-  } catch (const kj::Exception& exception) {
-    const kj::StringPtr why = exception.getDescription();
-    return Rejected(Malformed({why.begin(), why.size()}), variant);
-  }
+  };
+  return ReadMessage(words, read,
+                     [&](std::string_view why) { return Rejected(Malformed(why), variant); });
 }
 
 }  // namespace uplink::schema

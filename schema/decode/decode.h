@@ -9,7 +9,7 @@
 /// One function per variant, in the file of its family: reads the member's struct into the model
 /// and judges it on the way, in schema order. What it returns is fit to keep unless `violations`
 /// says that the message is rejected. They may throw kj::Exception (a pointer that leads nowhere);
-/// schema/judge.cc catches it.
+/// ReadMessage (decode/message.h) catches it.
 namespace uplink::schema {
 
 // DecodeMotionTelemetry and so on, one per row of model/variants.h.

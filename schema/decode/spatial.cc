@@ -1,214 +1,13 @@
-#include "schema/rules/spatial.h"
+#include "schema/decode/spatial.h"
 
-#include <utility>
-
-#include "schema/decode/decode.h"
-#include "schema/decode/fields.h"
-#include "schema/limits.h"
-#include "schema/rules/numbers.h"
-#include "schema/rules/texts.h"
-
-/// Shapes and objects: durable, so every violation rejects. Positions are counted before any is
-/// read.
+/// Shapes and objects: durable, so every violation rejects.
 namespace uplink::schema {
 namespace {
 
-using WirePositions = capnp::List<wire::GeoPoint2>::Reader;
-using WireLines = capnp::List<capnp::List<wire::GeoPoint2>>::Reader;
-
-/// Counts lines, rings and positions of one shape; stops the walk at the first bound passed.
-class ShapeSize {
- public:
-  ShapeSize(Violations& violations, const Path& path) : violations_(violations), path_(path) {}
-
-  [[nodiscard]] bool AddParts(std::size_t parts) {
-    parts_ += parts;
-    if (parts_ <= kShapePartsMax) return true;
-    violations_.Reject(TooManyItems(path_, parts_, kShapePartsMax, "lines or rings"));
-    return false;
-  }
-  [[nodiscard]] bool AddPositions(std::size_t positions) {
-    positions_ += positions;
-    if (positions_ <= kShapePositionsMax) return true;
-    violations_.Reject(TooManyItems(path_, positions_, kShapePositionsMax, "positions"));
-    return false;
-  }
-  [[nodiscard]] bool AddLines(const WireLines& lines) {
-    if (!AddParts(lines.size())) return false;
-    for (const auto line : lines) {
-      if (!AddPositions(line.size())) return false;
-    }
-    return true;
-  }
-  [[nodiscard]] bool AddPolygon(wire::PolygonData::Reader polygon) {
-    return AddParts(1) && AddPositions(polygon.getExterior().size()) &&
-           AddLines(polygon.getHoles());
-  }
-
- private:
-  Violations& violations_;
-  const Path& path_;
-  std::size_t parts_ = 0;
-  std::size_t positions_ = 0;
-};
-
-bool SizeIsGood(wire::ShapeData::Reader in, const Path& path, Violations& violations) {
-  ShapeSize size(violations, path);
-  switch (in.which()) {
-    case wire::ShapeData::POINT:
-      return true;
-    case wire::ShapeData::MULTI_POINT:
-      return size.AddPositions(in.getMultiPoint().size());
-    case wire::ShapeData::LINE_STRING:
-      return size.AddPositions(in.getLineString().size());
-    case wire::ShapeData::MULTI_LINE_STRING:
-      return size.AddLines(in.getMultiLineString());
-    case wire::ShapeData::POLYGON:
-      return size.AddPolygon(in.getPolygon());
-    case wire::ShapeData::MULTI_POLYGON: {
-      const auto polygons = in.getMultiPolygon();
-      if (polygons.size() > kShapePartsMax) return size.AddParts(polygons.size());
-      for (const auto polygon : polygons) {
-        if (!size.AddPolygon(polygon)) return false;
-      }
-      return true;
-    }
-  }
-  violations.Reject(UnknownVariant(path, static_cast<unsigned>(in.which())));
-  return false;
-}
-
-bool LongEnough(Violations& violations, const Path& path, std::size_t count, std::size_t min,
-                std::string_view what) {
-  if (count >= min) return true;
-  violations.Content(TooFewItems(path, count, min, what));
-  return false;
-}
-
-model::Positions DecodePositions(const WirePositions& in, const Path& path, std::size_t min,
-                                 Violations& violations) {
-  model::Positions out;
-  if (!LongEnough(violations, path, in.size(), min, "positions")) return out;
-  out.reserve(in.size());
-  for (unsigned i = 0; i < in.size() && !violations.rejected(); ++i) {
-    out.push_back(
-        JudgePosition(violations, path.Item(i), {.lon = in[i].getLon(), .lat = in[i].getLat()}));
-  }
-  return out;
-}
-
-std::vector<model::Positions> DecodeLines(const WireLines& in, const Path& path, std::size_t min,
-                                          Violations& violations) {
-  std::vector<model::Positions> out;
-  out.reserve(in.size());
-  for (unsigned i = 0; i < in.size() && !violations.rejected(); ++i) {
-    out.push_back(DecodePositions(in[i], path.Item(i), min, violations));
-  }
-  return out;
-}
-
-model::PolygonData DecodePolygon(wire::PolygonData::Reader in, const Path& path,
-                                 Violations& violations) {
-  return {.exterior = DecodePositions(in.getExterior(), path.Field("exterior"), kRingPositionsMin,
-                                      violations),
-          .holes = DecodeLines(in.getHoles(), path.Field("holes"), kRingPositionsMin, violations)};
-}
-
-/// The member of a shape whose size was found good.
-model::ShapeData DecodeMember(wire::ShapeData::Reader in, const Path& data,
-                              Violations& violations) {
-  switch (in.which()) {
-    case wire::ShapeData::POINT:
-      return JudgePosition(violations, data.Field("point"),
-                           {.lon = in.getPoint().getLon(), .lat = in.getPoint().getLat()});
-    case wire::ShapeData::MULTI_POINT:
-      return model::MultiPoint{
-          DecodePositions(in.getMultiPoint(), data.Field("multiPoint"), 1, violations)};
-    case wire::ShapeData::LINE_STRING:
-      return model::LineString{DecodePositions(in.getLineString(), data.Field("lineString"),
-                                               kLinePositionsMin, violations)};
-    case wire::ShapeData::MULTI_LINE_STRING: {
-      const auto lines = in.getMultiLineString();
-      const Path path = data.Field("multiLineString");
-      if (!LongEnough(violations, path, lines.size(), 1, "lines")) return {};
-      return model::MultiLineString{DecodeLines(lines, path, kLinePositionsMin, violations)};
-    }
-    case wire::ShapeData::POLYGON:
-      return DecodePolygon(in.getPolygon(), data.Field("polygon"), violations);
-    case wire::ShapeData::MULTI_POLYGON: {
-      const auto polygons = in.getMultiPolygon();
-      const Path path = data.Field("multiPolygon");
-      if (!LongEnough(violations, path, polygons.size(), 1, "polygons")) return {};
-      model::MultiPolygon out;
-      for (unsigned i = 0; i < polygons.size() && !violations.rejected(); ++i) {
-        out.polygons.push_back(DecodePolygon(polygons[i], path.Item(i), violations));
-      }
-      return out;
-    }
-  }
-  return {};
-}
-
-/// The name of a member that is a null pointer, or nothing.
-std::string_view NullMember(wire::ShapeData::Reader in) {
-  switch (in.which()) {
-    case wire::ShapeData::POINT:
-      return in.hasPoint() ? "" : "point";
-    case wire::ShapeData::MULTI_POINT:
-      return in.hasMultiPoint() ? "" : "multiPoint";
-    case wire::ShapeData::LINE_STRING:
-      return in.hasLineString() ? "" : "lineString";
-    case wire::ShapeData::MULTI_LINE_STRING:
-      return in.hasMultiLineString() ? "" : "multiLineString";
-    case wire::ShapeData::POLYGON:
-      return in.hasPolygon() ? "" : "polygon";
-    case wire::ShapeData::MULTI_POLYGON:
-      return in.hasMultiPolygon() ? "" : "multiPolygon";
-  }
-  return "";
-}
-
-model::ShapeData DecodeData(wire::ShapeData::Reader in, const Path& path, Violations& violations) {
-  const std::string_view null_member = NullMember(in);
-  if (!null_member.empty()) {
-    violations.Content(MissingField(path.Field(null_member), "is a null pointer"));
-    return {};
-  }
-  if (!SizeIsGood(in, path, violations)) return {};
-  return DecodeMember(in, path, violations);
-}
-
-model::AssetIdentity DecodeIdentity(wire::AssetIdentity::Reader in, const Path& path,
+model::ReportedShape DecodeReported(wire::ReportedShape::Reader in, const Path& path,
                                     Violations& violations) {
-  return {.id = RequiredText(violations, path.Field("id"), View(in.getId()), kIdBytesMax),
-          .name = DurableText(violations, path.Field("name"), View(in.getName()), kNameBytesMax),
-          .rev = in.getRev(),
-          .hash = DurableText(violations, path.Field("hash"), View(in.getHash()), kIdBytesMax)};
-}
-
-model::ReportedShape DecodeUpsert(wire::ReportedShape::Reader in, const Path& path,
-                                  Violations& violations) {
-  model::ReportedShape out;
-  if (in.hasData()) {
-    out.data = DecodeData(in.getData(), path.Field("data"), violations);
-  } else {
-    violations.Content(MissingField(path.Field("data"), "is a null pointer"));
-  }
-  if (in.hasIdentity()) {
-    out.identity = DecodeIdentity(in.getIdentity(), path.Field("identity"), violations);
-  } else {
-    violations.Content(MissingField(path.Field("identity"), "is a null pointer"));
-  }
-  out.area_type = Enum<model::ReportedLayerRole>(violations, in.getAreaType());
-  out.scope = Enum<model::ScopeType>(violations, in.getScope());
+  auto out = DecodeArea<model::ReportedShape>(in, path, violations);
   out.expire_time_ms = Time(violations, in.getExpireTimeMs());
-  out.min_z_m = Finite(violations, path.Field("minZM"), in.getMinZM()).value_or(0);
-  out.max_z_m = Finite(violations, path.Field("maxZM"), in.getMaxZM()).value_or(0);
-  // Both 0, no bounds, passes as well.
-  if (out.min_z_m > out.max_z_m) {
-    violations.Content(MinAboveMax(path.Field("minZM"), out.min_z_m, out.max_z_m));
-  }
-  out.level_id = in.getLevelId();
   return out;
 }
 
@@ -225,7 +24,7 @@ std::optional<model::Trajectory> DecodeTrajectory(wire::Object::Reader in, const
       .vertical_rate_mps = finite("verticalRateMps", trajectory.getVerticalRateMps())};
 }
 
-model::Object DecodeUpsert(wire::Object::Reader in, const Path& path, Violations& violations) {
+model::Object DecodeTracked(wire::Object::Reader in, const Path& path, Violations& violations) {
   model::Object out;
   out.id = RequiredText(violations, path.Field("id"), View(in.getId()), kIdBytesMax);
   out.name = DurableText(violations, path.Field("name"), View(in.getName()), kNameBytesMax);
@@ -244,35 +43,22 @@ model::Object DecodeUpsert(wire::Object::Reader in, const Path& path, Violations
   return out;
 }
 
-/// Both operations look alike: an upsert whose struct must be there, or an id to delete.
-template <typename Out, typename In>
-Out DecodeOp(In in, Violations& violations) {
-  const Path root;
-  switch (in.which()) {
-    case In::Reads::UPSERT: {
-      const Path path = root.Field("upsert");
-      if (!in.hasUpsert()) {
-        violations.Content(MissingField(path, "is a null pointer"));
-        return {};
-      }
-      return Out{DecodeUpsert(in.getUpsert(), path, violations)};
-    }
-    case In::Reads::DELETE:
-      return Out{model::Deletion{
-          RequiredText(violations, root.Field("delete"), View(in.getDelete()), kIdBytesMax)}};
-  }
-  violations.Content(UnknownVariant(root, static_cast<unsigned>(in.which())));
-  return {};
-}
-
 }  // namespace
 
+model::AssetIdentity DecodeIdentity(wire::AssetIdentity::Reader in, const Path& path,
+                                    Violations& violations) {
+  return {.id = RequiredText(violations, path.Field("id"), View(in.getId()), kIdBytesMax),
+          .name = DurableText(violations, path.Field("name"), View(in.getName()), kNameBytesMax),
+          .rev = in.getRev(),
+          .hash = DurableText(violations, path.Field("hash"), View(in.getHash()), kIdBytesMax)};
+}
+
 model::ShapeOp DecodeShape(wire::ReportedShapeOp::Reader in, Violations& violations) {
-  return DecodeOp<model::ShapeOp>(in, violations);
+  return DecodeOp<model::ShapeOp>(in, violations, DecodeReported);
 }
 
 model::ObjectOp DecodeObject(wire::ObjectOp::Reader in, Violations& violations) {
-  return DecodeOp<model::ObjectOp>(in, violations);
+  return DecodeOp<model::ObjectOp>(in, violations, DecodeTracked);
 }
 
 }  // namespace uplink::schema
