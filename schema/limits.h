@@ -20,6 +20,8 @@ inline constexpr std::size_t kTraversalWordsMin = 4096;
 inline constexpr int kNestingMax = 32;
 /// Segments of one message; Cap'n Proto's own stream readers stop there too (serialize.c++).
 inline constexpr std::size_t kSegmentsMax = 512;
+/// Largest command for a robot: the largest shape fits, whatever its texts.
+inline constexpr std::size_t kCommandBytesMax = std::size_t{256} * 1024;
 /// Largest payload whose buffer is kept between calls.
 inline constexpr std::size_t kKeptBufferBytesMax = std::size_t{64} * 1024;
 
@@ -47,11 +49,15 @@ enum class TextForm : std::uint8_t {
   /// As this server keeps them, from a checkpoint: where a control character had one byte, its
   /// replacement has three.
   kAsKept,
+  /// By this server, to other robots: as kept, and an id may be followed by `@` and a RURI.
+  kAsForwarded,
 };
 
 /// Bytes that a text may have in that form.
 [[nodiscard]] constexpr std::size_t TextBytesMax(TextForm form, std::size_t bytes_max) {
-  return form == TextForm::kAsSent ? bytes_max : bytes_max * kReplacementBytes;
+  if (form == TextForm::kAsSent) return bytes_max;
+  const std::size_t kept_bytes_max = bytes_max * kReplacementBytes;
+  return form == TextForm::kAsKept ? kept_bytes_max : kept_bytes_max + 1 + model::kRuriBytesMax;
 }
 
 // Violations
@@ -85,6 +91,10 @@ static_assert(kShapePartsMax * kRingPositionsMin <= kShapePositionsMax,
               "as many rings as allowed must be able to hold their least positions");
 static_assert(kShapePositionsMax * 2 * sizeof(double) < std::size_t{256} * 1024,
               "the largest shape must fit a payload");
+static_assert(kShapePositionsMax * 2 * sizeof(double) + kShapePartsMax * 4 * sizeof(double) +
+                      3 * TextBytesMax(TextForm::kAsForwarded, kNameBytesMax) <
+                  kCommandBytesMax,
+              "the largest shape must fit a command");
 static_assert(kPercentSlack < kPercentMax && kAltitudeMMin < kAltitudeMMax &&
               kTemperatureCMin < kTemperatureCMax);
 
