@@ -54,9 +54,10 @@ TEST_P(PresentContract, KeepsAGeometryOfEachTypeWithItsRingsClosed) {
     Commit({Good(i + 1, model::ShapeOp{shape})});
     EXPECT_EQ(Shapes().at(0).geometry_json, json::GeometryText(data[i]));
   }
-  EXPECT_EQ(Shapes().at(1).geometry_json,
-            R"({"type":"Polygon","coordinates":[[[8E0,4.7E1],[8.5E0,4.7E1],[8.5E0,4.75E1],)"
-            R"([8E0,4.7E1]],[[8E0,4.7E1],[8.5E0,4.7E1],[8.5E0,4.75E1],[8E0,4.7E1]]]})");
+  EXPECT_EQ(
+      Shapes().at(1).geometry_json,
+      R"({"type":"Polygon","coordinates":[[[8E0,4.7E1],[8.5E0,4.7E1],[8.5E0,4.75E1],)"
+      R"([8E0,4.7E1]],[[8E0,4.7E1],[8.5E0,4.7E1],[8.5E0,4.75E1],[8E0,4.7E1]]],"openRings":[0,1]})");
 }
 
 TEST_P(PresentContract, KeepsEveryFieldOfAnObject) {

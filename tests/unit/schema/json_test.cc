@@ -32,21 +32,23 @@ TEST(GeometryText, NamesEveryGeometryAsTheStandardDoes) {
                        "coordinates":[[[1.0,2.0],[3.0,4.0]],[[5.0,6.0],[7.0,8.0]]]})"));
 }
 
-TEST(GeometryText, ClosesARingThatWasSentOpen) {
-  const std::string expected = R"({"type":"Polygon",
-      "coordinates":[[[8.0,47.0],[8.5,47.0],[8.5,47.5],[8.0,47.0]]]})";
-  EXPECT_EQ(Parsed(GeometryText(model::PolygonData{kOpenRing, {}})), Parsed(expected));
-  EXPECT_EQ(Parsed(GeometryText(model::PolygonData{kClosedRing, {}})), Parsed(expected));
+TEST(GeometryText, ClosesARingThatWasSentOpenAndSaysSo) {
+  const std::string rings = R"("coordinates":[[[8.0,47.0],[8.5,47.0],[8.5,47.5],[8.0,47.0]]])";
+  EXPECT_EQ(Parsed(GeometryText(model::PolygonData{kOpenRing, {}})),
+            Parsed(R"({"type":"Polygon","openRings":[0],)" + rings + "}"));
+  EXPECT_EQ(Parsed(GeometryText(model::PolygonData{kClosedRing, {}})),
+            Parsed(R"({"type":"Polygon",)" + rings + "}"));
 }
 
 TEST(GeometryText, ClosesHolesAndThePartsOfAMultiPolygon) {
+  const model::PolygonData mixed{kClosedRing, {kOpenRing}};
   const model::PolygonData open{kOpenRing, {kOpenRing}};
   const model::PolygonData closed{kClosedRing, {kClosedRing}};
-  EXPECT_EQ(GeometryText(open), GeometryText(closed));
-  EXPECT_EQ(GeometryText(model::MultiPolygon{{open, open}}),
-            GeometryText(model::MultiPolygon{{closed, closed}}));
-  EXPECT_EQ(RenderGeometry(model::MultiPolygon{{open, open}}).at("coordinates").as_array().size(),
-            2U);
+  const auto geometry = RenderGeometry(model::MultiPolygon{{mixed, closed, open}});
+  EXPECT_EQ(geometry.at("coordinates"),
+            RenderGeometry(model::MultiPolygon{{closed, closed, closed}}).at("coordinates"));
+  EXPECT_EQ(geometry.at("coordinates").as_array().size(), 3U);
+  EXPECT_EQ(geometry.at("openRings"), boost::json::value({1, 4, 5}));
 }
 
 TEST(DetailTextTest, IsEmptyForVoidMembersAndNamesTheFieldsOfOthers) {
