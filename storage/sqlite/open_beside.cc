@@ -7,6 +7,16 @@
 
 namespace uplink::storage::sqlite {
 
+absl::StatusOr<std::unique_ptr<Database>> OpenToRead(const std::string& path,
+                                                     milliseconds busy_timeout) {
+  auto database = Database::Open(path, Access::kRead, busy_timeout);
+  if (!database.ok()) return database.status();
+  absl::Status status = CheckFile(**database, Migrations());
+  if (status.ok()) status = Migrate(**database, Migrations(), IfOlder::kRefuse);
+  if (!status.ok()) return status;
+  return database;
+}
+
 absl::StatusOr<Beside> OpenBeside(const std::string& path) {
   auto joined = FileLock::Join(path);
   if (!joined.ok()) return joined.status();

@@ -14,6 +14,13 @@ namespace uplink::storage::sqlite {
 /// How long a call of such a connection waits for another writer of the file.
 inline constexpr milliseconds kBusyTimeout{5'000};
 
+/// A connection that only reads, beside the store's writer. The file must be there and migrated.
+///
+/// Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
+///         version, since a reader cannot migrate.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> OpenToRead(const std::string& path,
+                                                                   milliseconds busy_timeout);
+
 /// A connection for short writes beside the store's writer, which take no lock but SQLite's own.
 /// The file must be there and migrated; nothing is created.
 ///

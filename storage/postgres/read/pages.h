@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,6 +20,13 @@ namespace uplink::storage::postgres {
 /// Rows that a page asks for first; what follows is sized by their bytes, so that a page of large
 /// payloads is not read whole to be thrown away.
 inline constexpr std::int64_t kFirstChunkRows = 128;
+
+/// Rows to ask for next, when so many had so many bytes: as fit into the rest of a page, and one.
+[[nodiscard]] inline std::int64_t NextChunkRows(std::size_t rows, std::size_t bytes) {
+  const std::size_t each = bytes / rows + 1;
+  const std::size_t left = bytes < kPageBytesMax ? kPageBytesMax - bytes : 0;
+  return static_cast<std::int64_t>(left / each) + 1;
+}
 
 /// One list as it lies in the database.
 struct ListShape {
@@ -91,9 +99,7 @@ absl::StatusOr<Page<Row>> ReadPage(Connection& connection, const ListShape& shap
                           static_cast<std::uint64_t>(rows->Int(row, kEntryColumn))};
     }
     if (rows->rows() < asked) return page;
-    const std::size_t each = bytes / page.rows.size() + 1;
-    const std::size_t left = bytes < kPageBytesMax ? kPageBytesMax - bytes : 0;
-    chunk = static_cast<std::int64_t>(left / each) + 1;
+    chunk = NextChunkRows(page.rows.size(), bytes);
   }
 }
 
