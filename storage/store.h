@@ -78,7 +78,9 @@ class Store {
 
   /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
   /// kSweepRowsMax of each. Returns how many went; more may be left when it is as many as that.
-  /// None while nobody vouches for `now` (StoreRules.clock).
+  /// None while nobody vouches for `now` (StoreRules.clock). Also deletes what is left of changes
+  /// beyond kChangesKept of each writer, and writers after kChangeWriterKept (shared_items.h);
+  /// those go by no clock of ours, and are not counted.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> Sweep(SystemTime now) = 0;
 
   /// Closes mission runs that were left open and not reported for kOpenRunAgeMax before `now`, at

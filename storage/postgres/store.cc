@@ -7,13 +7,13 @@
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
-#include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/adopt.h"
 #include "storage/postgres/write/batch_commit.h"
 #include "storage/postgres/write/open_runs.h"
 #include "storage/postgres/write/open_streams.h"
 #include "storage/postgres/write/quarantine_bound.h"
 #include "storage/postgres/write/retain.h"
+#include "storage/postgres/write/sweep.h"
 #include "storage/postgres/write/transaction.h"
 
 namespace uplink::storage::postgres {
@@ -120,22 +120,9 @@ absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
 }
 
 absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
-  if (!Vouches(impl_->options.rules.clock, now)) return 0;
-  const std::int64_t until_ms = UnixMs(now - kExpiredKept);
   const StoreOptions& options = impl_->options;
-  return With<std::size_t>([&](Connection& connection) -> absl::StatusOr<std::size_t> {
-    std::vector<StoreCall> calls;
-    calls.push_back({kBegin, {}});
-    for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
-      StoreCall call{PresentSqlOf(kind).sweep.view(), {}};
-      call.parameters.Int8(until_ms);
-      call.parameters.Int8(static_cast<std::int64_t>(kSweepRowsMax));
-      calls.push_back(std::move(call));
-    }
-    const auto results =
-        RunAndCommitFor(connection, std::move(calls), "sweep", options.before_commit);
-    if (!results.ok()) return results.status();
-    return (*results)[1].written() + (*results)[2].written();
+  return With<std::size_t>([&](Connection& connection) {
+    return SweepRows(connection, now, options.rules, options.before_commit);
   });
 }
 

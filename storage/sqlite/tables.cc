@@ -13,6 +13,7 @@ absl::Status Tables::Prepare(Database& database) {
   if (status.ok()) status = quarantine_bound.Prepare(database);
   if (status.ok()) status = retention.Prepare(database);
   if (status.ok()) status = live.Prepare(database);
+  if (status.ok()) status = changes.Prepare(database);
   return status;
 }
 

@@ -6,6 +6,7 @@
 #include <absl/status/status.h>
 
 #include "storage/present.h"
+#include "storage/sqlite/changes_table.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/deciding_tables.h"
 #include "storage/sqlite/live_table.h"
@@ -29,6 +30,7 @@ struct Tables {
   QuarantineBound quarantine_bound;
   RetentionTables retention;
   LiveTable live;
+  ChangesTable changes;
 
   [[nodiscard]] absl::Status Prepare(Database& database);
   [[nodiscard]] PresentRows& present_rows(PresentKind kind) {

@@ -6,6 +6,7 @@
 #include "tests/contract/store_under_test.h"
 #include "tests/support/fake_forget_requests.h"
 #include "tests/support/fake_leases.h"
+#include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 
 namespace uplink::testing {
@@ -29,6 +30,13 @@ class FakeUnderTest final : public StoreUnderTest {
   storage::ClockMarks* clock_marks() override { return nullptr; }
   storage::RobotRemoval* removal() override { return nullptr; }
   storage::ForgetRequests& forget_requests() override { return requests_; }
+  storage::SharedItems& shared_items() override { return shared_items_; }
+  void AddChanges(std::size_t count) override {
+    for (std::size_t i = 0; i < count; ++i) {
+      database_.NoteChange({storage::PresentKind::kObject, "rcan://robots/x", "i"});
+    }
+  }
+  void RemoveRobot(const std::string& ruri) override { database_.RemoveRobot(ruri); }
   void AgeForgetRequests(std::chrono::seconds time) override { requests_.Age(time); }
   std::vector<std::string> TablesOfRobots() override { return {}; }
   void NoteQuarantineDropped(const std::string& /*ruri*/) override {}
@@ -69,6 +77,7 @@ class FakeUnderTest final : public StoreUnderTest {
 
   const storage::StoreRules store_rules_;
   FakeDatabase database_;
+  FakeSharedItems shared_items_{database_};
   FakeForgetRequests requests_;
   FakeRules rules_;
   std::map<std::uint8_t, std::unique_ptr<FakeStore>> stores_;

@@ -9,6 +9,7 @@
 #include "storage/postgres/forget_store.h"
 #include "storage/postgres/leases.h"
 #include "storage/postgres/reader.h"
+#include "storage/postgres/shared_items.h"
 #include "storage/postgres/store.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/postgres_database.h"
@@ -65,6 +66,28 @@ class PostgresUnderTest final : public StoreUnderTest {
 
   storage::RobotRemoval* removal() override { return &Forget().removal(); }
   storage::ForgetRequests& forget_requests() override { return Forget().requests(); }
+  storage::SharedItems& shared_items() override {
+    static_cast<void>(Process(1));  // makes the schema
+    if (shared_items_ == nullptr) {
+      storage::postgres::StoreOptions options;
+      options.url = database_.url();
+      auto made = storage::postgres::PostgresSharedItems::Make(options, clock_);
+      UPLINK_CHECK(made.ok(), made.status().ToString());
+      shared_items_ = *std::move(made);
+    }
+    return *shared_items_;
+  }
+  void AddChanges(std::size_t count) override {
+    // Always as the same writer, as one session would.
+    const std::string writer = "'0a000000-0000-0000-0000-000000000000'::uuid";
+    PostgresShell shell = database_.Shell();
+    shell.Run("INSERT INTO uplinkd.change_writers VALUES (" + writer + ") ON CONFLICT DO NOTHING");
+    shell.Run("INSERT INTO uplinkd.changes SELECT " + writer +
+              ", n + coalesce((SELECT max(number) FROM uplinkd.changes WHERE writer = " + writer +
+              "), 0), now(), 2, 'rcan://robots/x', 'i' FROM generate_series(1, " +
+              std::to_string(count) + ") AS n");
+  }
+  void RemoveRobot(const std::string& ruri) override { RemoveFrom(*removal(), ruri); }
   void AgeForgetRequests(std::chrono::seconds time) override {
     database_.Shell().Run(
         "UPDATE uplinkd.forget_requests SET touched_at = touched_at - make_interval(secs => " +
@@ -91,6 +114,7 @@ class PostgresUnderTest final : public StoreUnderTest {
     reader_ = nullptr;
     marks_ = nullptr;
     forget_ = nullptr;
+    shared_items_ = nullptr;
     leases_.clear();
     processes_.clear();
   }
@@ -156,6 +180,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
   std::unique_ptr<storage::postgres::PostgresClockMarks> marks_;
   std::unique_ptr<storage::postgres::PostgresForgetStore> forget_;
+  std::unique_ptr<storage::postgres::PostgresSharedItems> shared_items_;
 };
 
 }  // namespace

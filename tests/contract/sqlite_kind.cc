@@ -7,6 +7,7 @@
 #include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/forget_store.h"
 #include "storage/sqlite/reader.h"
+#include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/sqlite_shell.h"
@@ -47,6 +48,22 @@ class SqliteUnderTest final : public StoreUnderTest {
 
   storage::RobotRemoval* removal() override { return &Forget().removal(); }
   storage::ForgetRequests& forget_requests() override { return Forget().requests(); }
+  storage::SharedItems& shared_items() override {
+    if (shared_items_ == nullptr) {
+      static_cast<void>(Process(1));  // makes the file
+      auto opened = storage::sqlite::SqliteSharedItems::Open(path_);
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      shared_items_ = *std::move(opened);
+    }
+    return *shared_items_;
+  }
+  void AddChanges(std::size_t count) override {
+    SqliteShell(path_).Run(
+        "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < " +
+        std::to_string(count) +
+        ") INSERT INTO changes (kind, origin, id) SELECT 2, 'rcan://robots/x', 'i' FROM n");
+  }
+  void RemoveRobot(const std::string& ruri) override { RemoveFrom(*removal(), ruri); }
   void AgeForgetRequests(std::chrono::seconds time) override {
     SqliteShell(path_).Run("UPDATE forget_requests SET touched_s = touched_s - " +
                            std::to_string(time.count()));
@@ -73,6 +90,7 @@ class SqliteUnderTest final : public StoreUnderTest {
     reader_ = nullptr;
     marks_ = nullptr;
     forget_ = nullptr;
+    shared_items_ = nullptr;
     processes_.clear();
   }
 
@@ -132,6 +150,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
   std::unique_ptr<storage::sqlite::SqliteClockMarks> marks_;
   std::unique_ptr<storage::sqlite::SqliteForgetStore> forget_;
+  std::unique_ptr<storage::sqlite::SqliteSharedItems> shared_items_;
 };
 
 }  // namespace

@@ -2,7 +2,16 @@
 
 #include <algorithm>
 
+#include "schema/base/check.h"
+
 namespace uplink::testing {
+
+void RemoveFrom(storage::RobotRemoval& removal, const std::string& ruri) {
+  const auto hold = removal.HoldOf(ruri);
+  UPLINK_CHECK(hold.ok(), hold.status().ToString());
+  const auto removed = removal.Remove(ruri, *hold ? (*hold)->epoch : 0);
+  UPLINK_CHECK(removed.ok() && *removed, "the robot's epoch is that");
+}
 
 StoreContract::StoreContract() : store_(GetParam().make({})), robot_(Robot()) {}
 

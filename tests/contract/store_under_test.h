@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/robot_removal.h"
+#include "storage/shared_items.h"
 #include "storage/store.h"
 
 namespace uplink::testing {
@@ -34,6 +36,12 @@ class StoreUnderTest {
   /// What takes robots out of it, beside the writers; null for the fake.
   virtual storage::RobotRemoval* removal() = 0;
   virtual storage::ForgetRequests& forget_requests() = 0;
+  /// The shapes and objects that other robots may see, beside the writers.
+  virtual storage::SharedItems& shared_items() = 0;
+  /// As if a session of its own had changed a shared item so often.
+  virtual void AddChanges(std::size_t count) = 0;
+  /// Takes the robot out of the store, with what it has now.
+  virtual void RemoveRobot(const std::string& ruri) = 0;
   /// So much time passes for the requests that there are.
   virtual void AgeForgetRequests(std::chrono::seconds time) = 0;
   /// The tables that have a column `ruri`, by name; none for the fake.
@@ -52,6 +60,9 @@ class StoreUnderTest {
   /// Ends every connection and makes new ones: what is there afterwards lay in the database.
   virtual void Reopen() = 0;
 };
+
+/// Takes the robot out of a store that lasts, whatever its epoch is.
+void RemoveFrom(storage::RobotRemoval& removal, const std::string& ruri);
 
 struct StoreKind {
   const char* name;

@@ -302,6 +302,12 @@ void FakeDatabase::DeleteRobotRow(std::string_view ruri) {
   robot->end = storage::HolderEnd::kEnded;
 }
 
+void FakeDatabase::RemoveRobot(const std::string& ruri) {
+  DeleteRobotRow(ruri);
+  const std::lock_guard lock(mutex_);
+  kinds_.DeletePresent(ruri);
+}
+
 Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitRecord& record) {
   UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
   if (transaction.rules.batches_make_robots && FindRobot(record.robot->ruri) == nullptr) {

@@ -83,6 +83,10 @@ class FakeDatabase final {
                                        const storage::Batch& batch, const FakeRules& rules,
                                        const storage::StoreRules& store_rules);
   std::size_t Sweep(SystemTime now);
+  void SweepChanges() {
+    const std::lock_guard lock(mutex_);
+    kinds_.SweepChanges();
+  }
   std::size_t CloseRuns(SystemTime now) {
     const std::lock_guard lock(mutex_);
     return kinds_.CloseRuns(now);
@@ -116,6 +120,13 @@ class FakeDatabase final {
   // What an operator, or a restored copy, does to the rows.
   /// The robot's row in `robots` goes; all else of it stays.
   void DeleteRobotRow(std::string_view ruri);
+  /// The same, and its shapes and objects go with it.
+  void RemoveRobot(const std::string& ruri);
+  /// As if a statement had changed the shared item.
+  void NoteChange(storage::ItemKey key) {
+    const std::lock_guard lock(mutex_);
+    kinds_.NoteChange(std::move(key));
+  }
   /// A mutation: a robot's epochs count from 1 in each life of its row, as if there were no
   /// sequence. A test that claims to watch holds must fail with it.
   void CountEpochsInEachRow() { epochs_in_each_row_ = true; }
@@ -140,6 +151,7 @@ class FakeDatabase final {
 
  private:
   friend class FakeReader;
+  friend class FakeSharedItems;
 
   struct Session {
     model::Seq cursor = 0;

@@ -19,6 +19,10 @@ namespace uplink::testing {
 /// The rows of every durable kind but faults, as a FakeDatabase keeps them. Confined to its lock.
 class FakeKinds final {
  public:
+  FakeKinds() = default;
+  FakeKinds(const FakeKinds&) = delete;
+  FakeKinds& operator=(const FakeKinds&) = delete;
+
   template <typename Row>
   using History = std::vector<FakeEntry<Row>>;
   /// RURI, mission, run.
@@ -43,8 +47,16 @@ class FakeKinds final {
   void Write(const storage::CommitRecord& record, std::uint64_t entry,
              const storage::StoreRules& rules);
 
-  /// As storage::Store::Sweep.
+  /// As storage::Store::Sweep, for shapes and objects.
   std::size_t Sweep(SystemTime now);
+  /// The same for changes.
+  void SweepChanges() { changes_.Sweep(); }
+  /// A robot's shapes and objects go with it.
+  void DeletePresent(const std::string& ruri) {
+    shapes_.DeleteAll(ruri);
+    objects_.DeleteAll(ruri);
+  }
+  void NoteChange(storage::ItemKey key) { changes_.Note(std::move(key)); }
   /// As storage::Store::CloseRuns.
   std::size_t CloseRuns(SystemTime now);
   /// How many Write closed for their bound.
@@ -58,6 +70,7 @@ class FakeKinds final {
   [[nodiscard]] const Runs& runs() const { return runs_; }
   [[nodiscard]] const FakePresent<storage::ShapeRow>& shapes() const { return shapes_; }
   [[nodiscard]] const FakePresent<storage::ObjectRow>& objects() const { return objects_; }
+  [[nodiscard]] const FakeChanges& changes() const { return changes_; }
   [[nodiscard]] const LatestRows& latest() const { return latest_; }
 
  private:
@@ -79,8 +92,9 @@ class FakeKinds final {
   History<storage::MessageRow> messages_;
   History<storage::MissionReportRow> reports_;
   Runs runs_;
-  FakePresent<storage::ShapeRow> shapes_{storage::kShapesPerRobotMax};
-  FakePresent<storage::ObjectRow> objects_{storage::kObjectsPerRobotMax};
+  FakeChanges changes_;
+  FakePresent<storage::ShapeRow> shapes_{storage::PresentKind::kShape, changes_};
+  FakePresent<storage::ObjectRow> objects_{storage::PresentKind::kObject, changes_};
   LatestRows latest_;
   std::size_t runs_closed_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -13,6 +14,8 @@
 
 #include "schema/base/clock.h"
 #include "storage/expiry.h"
+#include "storage/present.h"
+#include "tests/support/fake_changes.h"
 
 namespace uplink::testing {
 
@@ -48,13 +51,16 @@ std::size_t EraseBefore(std::vector<FakeEntry<Row>>& entries, SystemTime until,
   return old.size();
 }
 
-/// The shapes, or the objects, of all robots by id. Confined to its owner's lock.
+/// The shapes, or the objects, of all robots by id; notes what changes of those that are shared.
+/// Confined to its owner's lock.
 template <typename Row>
 class FakePresent final {
  public:
   using Rows = std::map<std::string, FakeEntry<Row>, std::less<>>;
 
-  explicit FakePresent(std::size_t per_robot_max) : per_robot_max_(per_robot_max) {}
+  /// `changes` must outlive this.
+  FakePresent(storage::PresentKind kind, FakeChanges& changes)
+      : kind_(kind), per_robot_max_(storage::BoundOf(kind).entries_max), changes_(changes) {}
 
   // `now_ms`: by when an entry must have expired to be over (storage::ExpiredByMs).
 
@@ -69,9 +75,11 @@ class FakePresent final {
 
   /// Only if Takes. An id that is there keeps its place; one that has expired becomes a new entry.
   void Upsert(const std::string& id, FakeEntry<Row> entry, std::int64_t now_ms) {
-    Rows& rows = robots_[entry.row.robot.ruri];
+    const std::string ruri = entry.row.robot.ruri;
+    Rows& rows = robots_[ruri];
     const auto found = rows.find(id);
     if (found != rows.end()) {
+      NoteIfShared(ruri, id, {found->second.row.scope, entry.row.scope});
       if (!Expired(*found, now_ms)) {
         entry.at = found->second.at;
         entry.entry = found->second.entry;
@@ -79,9 +87,8 @@ class FakePresent final {
       found->second = std::move(entry);
       return;
     }
-    if (rows.size() >= per_robot_max_) {
-      std::erase_if(rows, [now_ms](const auto& row) { return Expired(row, now_ms); });
-    }
+    if (rows.size() >= per_robot_max_) DeleteExpired(ruri, now_ms);
+    NoteIfShared(ruri, id, {entry.row.scope});
     rows.emplace(id, std::move(entry));
   }
 
@@ -89,7 +96,14 @@ class FakePresent final {
     const auto robot = robots_.find(ruri);
     if (robot == robots_.end()) return;
     const auto found = robot->second.find(id);
-    if (found != robot->second.end()) robot->second.erase(found);
+    if (found == robot->second.end()) return;
+    NoteIfShared(ruri, id, {found->second.row.scope});
+    robot->second.erase(found);
+  }
+  /// All of a robot's.
+  void DeleteAll(const std::string& ruri) {
+    for (const auto& [id, entry] : robots_[ruri]) NoteIfShared(ruri, id, {entry.row.scope});
+    robots_.erase(ruri);
   }
 
   /// Deletes the longest expired of those that were so at `then`. Returns how many.
@@ -113,7 +127,27 @@ class FakePresent final {
     return storage::IsExpired(row.second.row.expires_at_ms, now_ms);
   }
 
+  void DeleteExpired(const std::string& ruri, std::int64_t now_ms) {
+    Rows& rows = robots_[ruri];
+    for (auto row = rows.begin(); row != rows.end();) {
+      if (!Expired(*row, now_ms)) {
+        ++row;
+        continue;
+      }
+      NoteIfShared(ruri, row->first, {row->second.row.scope});
+      row = rows.erase(row);
+    }
+  }
+  /// `scopes`: before and after.
+  void NoteIfShared(std::string_view ruri, std::string_view id,
+                    std::initializer_list<model::ScopeType> scopes) {
+    if (!std::ranges::any_of(scopes, storage::IsShared)) return;
+    changes_.Note({kind_, std::string(ruri), std::string(id)});
+  }
+
+  const storage::PresentKind kind_;
   const std::size_t per_robot_max_;
+  FakeChanges& changes_;
   std::map<std::string, Rows, std::less<>> robots_;
 };
 

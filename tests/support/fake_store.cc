@@ -44,6 +44,7 @@ absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
   if (fate.fail_before) return std::move(fate.status);
   const bool vouched = storage::Vouches(store_rules_.clock, now);
   const std::size_t swept = vouched ? database_.Sweep(now) : 0;
+  database_.SweepChanges();
   if (fate.fail_after) return std::move(fate.status);
   return swept;
 }

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/postgres/link/connection.h"
+#include "storage/types.h"
+
+namespace uplink::storage::postgres {
+
+/// Store::Sweep, in one transaction. `before_commit`: as in RunAndCommitFor.
+[[nodiscard]] absl::StatusOr<std::size_t> SweepRows(
+    Connection& connection, SystemTime now, const StoreRules& rules,
+    const std::function<absl::Status()>& before_commit);
+
+}  // namespace uplink::storage::postgres
