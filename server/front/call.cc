@@ -175,9 +175,9 @@ void Call::DropReceived() {
 
 // --- The response ---
 
-void Call::Write(std::string message_with_prefix) {
+void Call::Write(std::string messages_with_prefixes) {
   UPLINK_CHECK(!response_.writing() && serving(), "a write is under way, or the call ends");
-  response_.Write(std::move(message_with_prefix));
+  response_.Write(std::move(messages_with_prefixes));
   owner_.Touch(*this);
 }
 

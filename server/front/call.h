@@ -52,8 +52,8 @@ class Call final : public Http2Stream {
 
   /// The next message, please: answered by one call of the handler, later.
   void RequestMessage();
-  /// One message with its prefix; at most one write is under way.
-  void Write(std::string message_with_prefix);
+  /// One message with its prefix, or several one after the other; at most one write is under way.
+  void Write(std::string messages_with_prefixes);
   /// Ends the call, after a write under way.
   void Finish(const absl::Status& status);
   /// Ends it at once.

@@ -10,13 +10,19 @@
 namespace uplink::front {
 namespace {
 
-/// The frame as it goes out: not compressed, its length, itself.
+/// Writes what goes before a frame: it is not compressed, and so many bytes long.
+void PutPrefix(std::size_t bytes, char* into) {
+  into[0] = '\0';
+  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
+    into[i] = static_cast<char>((bytes >> (8 * (kPrefixBytes - 1 - i))) & 0xFFU);
+  }
+}
+
+/// The frame as it goes out.
 std::string WithPrefix(const v1::RelayResponse& frame) {
   const std::size_t bytes = frame.ByteSizeLong();
   std::string message(kPrefixBytes + bytes, '\0');
-  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
-    message[i] = static_cast<char>((bytes >> (8 * (kPrefixBytes - 1 - i))) & 0xFFU);
-  }
+  PutPrefix(bytes, message.data());
   const bool done = frame.SerializeToArray(message.data() + kPrefixBytes, static_cast<int>(bytes));
   UPLINK_CHECK(done, "a frame of ours does not serialize");
   return message;
@@ -61,6 +67,19 @@ void RelayHandler::OnBroken() {
 }
 
 void RelayHandler::Write(const v1::RelayResponse& frame) { call_.Write(WithPrefix(frame)); }
+
+void RelayHandler::WriteEncoded(std::span<const session::EncodedFrame> frames) {
+  std::string messages;
+  std::size_t bytes = 0;
+  for (const session::EncodedFrame& frame : frames) bytes += kPrefixBytes + frame->size();
+  messages.reserve(bytes);
+  for (const session::EncodedFrame& frame : frames) {
+    std::array<char, kPrefixBytes> prefix{};
+    PutPrefix(frame->size(), prefix.data());
+    messages.append(prefix.data(), prefix.size()).append(*frame);
+  }
+  call_.Write(std::move(messages));
+}
 
 void RelayHandler::Finish(const absl::Status& status) {
   Thread& thread = call_.thread();

@@ -46,6 +46,7 @@ class RelayHandler final : public CallHandler,
   void RequestRead() override { call_.RequestMessage(); }
   // session::FrameSink
   void Write(const v1::RelayResponse& frame) override;
+  void WriteEncoded(std::span<const session::EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override { call_.Cancel(); }
 

@@ -47,7 +47,8 @@ struct Thread {
                  given.allowances,
                  given.rejects,
                  given.clock_trust,
-                 &door_book.pressed_flag()},
+                 &door_book.pressed_flag(),
+                 given.forwards},
         unfinished(unfinished_bytes_max) {}
 
   const transport::RelayContext& relay;

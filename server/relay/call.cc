@@ -101,11 +101,24 @@ void Call::HandleFrame() {
   session_->OnFrame(frame.view());
 }
 
-void Call::Write(const v1::RelayResponse& frame) {
+void Call::Write(const v1::RelayResponse& frame) { WriteBytes(Serialized(frame)); }
+
+void Call::WriteEncoded(std::span<const session::EncodedFrame> frames) {
+  encoded_.assign(frames.begin(), frames.end());
+  WriteNextEncoded();
+}
+
+void Call::WriteNextEncoded() {
+  const session::EncodedFrame frame = std::move(encoded_.front());
+  encoded_.pop_front();
+  WriteBytes(Copied(*frame));
+}
+
+void Call::WriteBytes(const grpc::ByteBuffer& bytes) {
   UPLINK_CHECK(!writing_ && !finishing(), "a write is under way, or the call ends");
   writing_ = true;
   ++tags_out_;
-  stream_.Write(Serialized(frame), &written_tag_);
+  stream_.Write(bytes, &written_tag_);
 }
 
 void Call::OnWritten(bool ok) {
@@ -113,6 +126,7 @@ void Call::OnWritten(bool ok) {
   if (broken_) return;
   if (finishing()) return StartFinish();
   if (!ok) return Break();
+  if (!encoded_.empty()) return WriteNextEncoded();
   session_->OnWritten();
 }
 

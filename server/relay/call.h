@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include <absl/status/status.h>
@@ -41,6 +42,7 @@ class Call final : public session::FrameSource, public session::FrameSink {
   void RequestRead() override;
   // session::FrameSink
   void Write(const v1::RelayResponse& frame) override;
+  void WriteEncoded(std::span<const session::EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override;
 
@@ -67,6 +69,8 @@ class Call final : public session::FrameSource, public session::FrameSink {
 
   [[nodiscard]] absl::Status Admit();
   void HandleFrame();
+  void WriteBytes(const grpc::ByteBuffer& bytes);
+  void WriteNextEncoded();
   void StartFinish();
   void Break();
   void AfterStep();
@@ -92,6 +96,8 @@ class Call final : public session::FrameSource, public session::FrameSink {
   std::string who_;
   bool reading_ = false;
   bool writing_ = false;
+  /// Frames of the write under way that gRPC, which takes one after the other, was not given yet.
+  std::deque<session::EncodedFrame> encoded_;
   /// gRPC says that the call was cut, or that it is over.
   bool broken_ = false;
   std::optional<absl::Status> finish_status_;

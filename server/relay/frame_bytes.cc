@@ -39,4 +39,9 @@ grpc::ByteBuffer Serialized(const v1::RelayResponse& frame) {
   return {&slice, 1};
 }
 
+grpc::ByteBuffer Copied(std::string_view bytes) {
+  const grpc::Slice slice(bytes.data(), bytes.size());
+  return {&slice, 1};
+}
+
 }  // namespace uplink::relay

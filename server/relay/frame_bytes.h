@@ -31,5 +31,7 @@ class FrameBytes final {
 
 /// The frame serialized once, straight into gRPC's memory.
 [[nodiscard]] grpc::ByteBuffer Serialized(const v1::RelayResponse& frame);
+/// Bytes that are serialized already, copied into gRPC's memory.
+[[nodiscard]] grpc::ByteBuffer Copied(std::string_view bytes);
 
 }  // namespace uplink::relay

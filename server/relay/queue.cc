@@ -33,7 +33,9 @@ Queue::Queue(std::size_t index, std::unique_ptr<grpc::ServerCompletionQueue> com
                scratch_,
                relay.allowances,
                relay.rejects,
-               relay.clock_trust} {}
+               relay.clock_trust,
+               nullptr,
+               relay.forwards} {}
 
 Queue::~Queue() {
   UPLINK_CHECK(!thread_.joinable(), "a queue that was started must be closed");

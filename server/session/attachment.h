@@ -52,6 +52,8 @@ class Attachment final {
   [[nodiscard]] robot::Robot& robot() { return *robot_; }
   [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
   [[nodiscard]] robot::StreamRef self() const { return self_; }
+  /// Hello.declines_forwards.
+  [[nodiscard]] bool declines_forwards() const { return terms_.declines_forwards; }
   [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
   [[nodiscard]] robot::Standing standing() const { return robot_->sessions.StandingOf(self_); }
   /// The store has answered Open.

@@ -8,6 +8,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/session/allowances.h"
+#include "server/session/forward_source.h"
 #include "server/session/frame_live.h"
 #include "server/session/frame_view.h"
 #include "server/session/limits.h"
@@ -41,6 +42,8 @@ struct SessionContext {
   const storage::ClockTrust& clock_trust;
   /// Others wait for a place among the connections; null: nobody can tell.
   const std::atomic<bool>* pressed = nullptr;
+  /// What robots of a fleet share; null: nothing is forwarded.
+  ForwardSource* forwards = nullptr;
 };
 
 }  // namespace uplink::session

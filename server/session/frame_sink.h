@@ -1,7 +1,10 @@
 #pragma once
 
+#include <span>
+
 #include <absl/status/status.h>
 
+#include "server/session/forward_source.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::session {
@@ -21,6 +24,8 @@ class FrameSink {
   virtual ~FrameSink() = default;
   /// At most one write is under way; Session::OnWritten, called after Write has returned, ends it.
   virtual void Write(const v1::RelayResponse& frame) = 0;
+  /// The same for frames that are serialized already, in order, as one write. At least one.
+  virtual void WriteEncoded(std::span<const EncodedFrame> frames) = 0;
   /// Ends the call with this status, after a write under way. The session makes no further call,
   /// and the transport calls nothing but OnBroken.
   virtual void Finish(const absl::Status& status) = 0;

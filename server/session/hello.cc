@@ -85,7 +85,8 @@ absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello, const identity::Pe
   return HelloTerms{.robot = {.ruri = peer.ruri(), .fleet = peer.fleet},
                     .session = *session,
                     .settled_seq = hello.settled_seq(),
-                    .judged_seq = hello.judged_seq()};
+                    .judged_seq = hello.judged_seq(),
+                    .declines_forwards = hello.declines_forwards()};
 }
 
 }  // namespace uplink::session

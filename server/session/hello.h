@@ -14,6 +14,7 @@ struct HelloTerms {
   model::SessionId session;
   model::Seq settled_seq = 0;
   model::Seq judged_seq = 0;
+  bool declines_forwards = false;
 };
 
 /// Checks the first frame of a stream against the protocol and the peer's certificate.

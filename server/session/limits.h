@@ -33,6 +33,8 @@ inline constexpr std::chrono::seconds kFinishWait{1};
 /// Messages that were rejected, limited or had invalid fields, after which a stream lets others of
 /// its thread go first: each takes up to some 40 us, a good one half of one.
 inline constexpr std::size_t kCostlyPerTurn = 16;
+/// Writes of forwards in one turn of a stream, before others of its thread go first.
+inline constexpr std::size_t kForwardsPerTurn = 16;
 /// After how long Rejects are read again that could not be.
 inline constexpr std::chrono::seconds kRejectsReadAgain{1};
 /// Largest jump of numbers, but at a stream's first message.

@@ -40,11 +40,23 @@ void Outgoing::Flush() {
       return sink_.Write(*ack);
     }
   }
-  if (frames_.empty()) return;
+  if (frames_.empty()) return WriteForwards();
   const v1::RelayResponse frame = std::move(frames_.front());
   frames_.pop_front();
   write_under_way_ = true;
   sink_.Write(frame);
+}
+
+void Outgoing::WriteForwards() {
+  if (receiver_ == nullptr) return;
+  // A snapshot may be as long as the peer is fast: others of the thread go in between.
+  if (forwards_left_ == 0) return robot_.self().Wake();
+  receiver_->Take(forwards_);
+  if (forwards_.empty()) return;
+  --forwards_left_;
+  write_under_way_ = true;
+  sink_.WriteEncoded(forwards_);
+  forwards_.clear();
 }
 
 }  // namespace uplink::session

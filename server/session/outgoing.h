@@ -2,13 +2,16 @@
 
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "server/session/ack_release.h"
 #include "server/session/attachment.h"
 #include "server/session/context.h"
+#include "server/session/forward_source.h"
 #include "server/session/frame_sink.h"
 #include "server/session/intake.h"
 #include "server/session/stream_timers.h"
@@ -17,10 +20,12 @@
 namespace uplink::session {
 
 /// What one stream sends: frames in order, one write at a time, and an Ack only when no frame waits
-/// before it. So every Reject that an Ack may cover has been written before the Ack. Confined to
+/// before it. So every Reject that an Ack may cover has been written before the Ack. What other
+/// robots share goes a few frames at a time, when nothing of the stream's own waits. Confined to
 /// the stream's thread.
 ///
 /// Bound: a stream is held back at kOutgoingFramesMax; what commits and one batch add comes on top.
+/// Forwards wait in their receiver, and hold nothing back.
 class Outgoing final {
  public:
   /// All of them outlive it. `robot` is attached before anything is sent.
@@ -41,6 +46,10 @@ class Outgoing final {
   void AddProgress();
   /// An Ack goes out behind the frames that wait.
   void MakeAckDue() { ack_.MakeDue(); }
+  /// From now on what `receiver` has goes out too; null ends that.
+  void ForwardFrom(std::unique_ptr<ForwardReceiver> receiver) { receiver_ = std::move(receiver); }
+  /// The stream's turn begins: it may forward kForwardsPerTurn times more.
+  void BeginTurn() { forwards_left_ = kForwardsPerTurn; }
   /// Writes the next frame, unless a write is under way.
   void Flush();
   /// The write under way is done.
@@ -48,17 +57,23 @@ class Outgoing final {
 
   /// Frames that wait.
   [[nodiscard]] std::size_t size() const { return frames_.size(); }
-  /// Nothing waits, is under way or is due.
+  /// Nothing waits, is under way or is due, but for forwards.
   [[nodiscard]] bool idle() const { return !write_under_way_ && frames_.empty() && !ack_.due(); }
 
  private:
   [[nodiscard]] std::optional<v1::RelayResponse> NextAck();
+  void WriteForwards();
 
   Attachment& robot_;
   FrameSink& sink_;
   AckRelease ack_;
   std::deque<v1::RelayResponse> frames_;
   bool write_under_way_ = false;
+  /// Null while nothing is forwarded.
+  std::unique_ptr<ForwardReceiver> receiver_;
+  /// What it gave last; empty between two writes.
+  std::vector<EncodedFrame> forwards_;
+  std::size_t forwards_left_ = kForwardsPerTurn;
 };
 
 }  // namespace uplink::session

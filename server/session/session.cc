@@ -38,6 +38,7 @@ void Session::Start() {
 
 void Session::OnFrame(std::string_view bytes) {
   reading_.OnAnswer();
+  outgoing_.BeginTurn();
   if (state_ != State::kHello && state_ != State::kStreaming) return;
   ++frames_;
   context_.probe.frames_total.Add();
@@ -109,6 +110,9 @@ void Session::SendWelcome() {
                               context_.clock.System()));
   outgoing_.PushRejects(resume.rejects);
   outgoing_.MakeAckDue();
+  if (context_.forwards != nullptr && !robot_.declines_forwards()) {
+    outgoing_.ForwardFrom(context_.forwards->Join(*robot_.robot().id(), robot_.self()));
+  }
   Advance(News::kNone);
 }
 
@@ -156,9 +160,14 @@ bool Session::EndForRejects() {
   if (state_ != State::kStreaming || !intake_->rejects_full()) return false;
   // What was not judged yet was not processed: the agent sends it again.
   intake_->Drop();
-  state_ = State::kSettling;
+  Settle();
   settling_.BeginUnconfirmed();
   return true;
+}
+
+void Session::Settle() {
+  state_ = State::kSettling;
+  outgoing_.ForwardFrom(nullptr);
 }
 
 void Session::EndWhenSettled() {
@@ -193,6 +202,7 @@ void Session::OnWritten() {
 
 void Session::OnWake() {
   if (state_ == State::kDone || !robot_.attached()) return;
+  outgoing_.BeginTurn();
   if (!FollowStanding(robot_.standing())) return;
   if (state_ != State::kOpening) return Advance(News::kCommits);
   if (robot_.opened()) SendWelcome();
@@ -251,7 +261,7 @@ void Session::OnHalfClose() {
     return ProtocolError("the stream was half-closed before a hello");
   }
   if (state_ != State::kStreaming) return;
-  state_ = State::kSettling;
+  Settle();
   settling_.BeginHalfClosed();
   Advance(News::kLastFrame);
 }
@@ -263,7 +273,7 @@ void Session::OnDrain(milliseconds grace) {
   if (state_ == State::kStreaming) {
     // What was not judged yet was not processed: the agent sends it again.
     intake_->Drop();
-    state_ = State::kSettling;
+    Settle();
     settling_.BeginDrained();
   }
   settling_.EndWithin(grace);
@@ -291,6 +301,7 @@ void Session::Finish(const absl::Status& status) {
 void Session::Leave() {
   if (state_ == State::kDone) return;
   state_ = State::kDone;
+  outgoing_.ForwardFrom(nullptr);
   robot_.EndWait();
   if (!robot_.attached()) return;
   reading_.SetReading(ReadGate::Reading::kFlowing);

@@ -99,6 +99,8 @@ class Session final {
   /// Ends the stream if too many Rejects wait to be confirmed: what was processed is settled first.
   /// True if it does.
   bool EndForRejects();
+  /// The stream takes nothing more, and forwards nothing.
+  void Settle();
   void EndWhenSettled();
   void Read();
 

@@ -15,6 +15,7 @@
 #include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
 #include "server/session/allowances.h"
+#include "server/session/forward_source.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
 #include "server/session/reject_source.h"
@@ -86,6 +87,8 @@ struct RelayContext {
   /// As SessionContext's.
   session::RejectSource& rejects;
   const storage::ClockTrust& clock_trust;
+  /// As SessionContext's.
+  session::ForwardSource* forwards = nullptr;
   /// For lines about what strangers do; none if null.
   const log::Logger* logger = nullptr;
   /// Lines about streams that were refused or broke a rule of the protocol; none if null.

@@ -30,13 +30,21 @@ void SimStream::AddToTrace(std::string_view what, const std::string& text) {
 
 void SimStream::Write(const v1::RelayResponse& frame) {
   AddToTrace("frame", frame.ShortDebugString());
-  writing_ = ToAgent{.frame = frame, .batches_seen = batches_seen_};
+  writing_.push_back({.frame = frame, .batches_seen = batches_seen_});
+}
+
+void SimStream::WriteEncoded(std::span<const session::EncodedFrame> frames) {
+  for (const session::EncodedFrame& bytes : frames) {
+    v1::RelayResponse frame;
+    UPLINK_CHECK(frame.ParseFromString(*bytes), "an encoded frame is one");
+    Write(frame);
+  }
 }
 
 void SimStream::Finish(const absl::Status& status) {
   AddToTrace("end", status.ToString());
   end_ = status;
-  if (writing_) {
+  if (Writing()) {
     queued_end_ = status.code();
   } else {
     to_agent_.push_back({.end = status.code()});
@@ -59,8 +67,8 @@ void SimStream::DeliverHalfClose(SteadyTime now) {
 }
 
 void SimStream::CompleteWrite() {
-  to_agent_.push_back(*std::move(writing_));
-  writing_.reset();
+  for (ToAgent& written : writing_) to_agent_.push_back(std::move(written));
+  writing_.clear();
   if (queued_end_) to_agent_.push_back({.end = std::exchange(queued_end_, std::nullopt)});
   if (!session_.done()) session_.OnWritten();
 }
@@ -79,7 +87,7 @@ void SimStream::Break() {
 
 void SimStream::TellBroken() {
   told_broken_ = true;
-  writing_.reset();
+  writing_.clear();
   session_.OnBroken();
 }
 

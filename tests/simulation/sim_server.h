@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +45,7 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
 
   void RequestRead() override { read_wanted_ = true; }
   void Write(const v1::RelayResponse& frame) override;
+  void WriteEncoded(std::span<const session::EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override {}
 
@@ -56,7 +58,7 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   void DeliverHalfClose(SteadyTime now);
   /// When the session learned of the half-close.
   [[nodiscard]] std::optional<SteadyTime> half_closed_at() const { return half_closed_at_; }
-  [[nodiscard]] bool Writing() const { return writing_.has_value(); }
+  [[nodiscard]] bool Writing() const { return !writing_.empty(); }
   void CompleteWrite();
   [[nodiscard]] bool CanReceive() const { return !to_agent_.empty(); }
   ToAgent Receive();
@@ -77,7 +79,7 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   std::optional<absl::Status> TakeEnd() { return std::exchange(end_, std::nullopt); }
   /// Nothing can happen on it any more.
   [[nodiscard]] bool Over() const {
-    return session_.done() && (broken_ || (!writing_ && to_agent_.empty() && !queued_end_));
+    return session_.done() && (broken_ || (writing_.empty() && to_agent_.empty() && !queued_end_));
   }
 
  private:
@@ -90,7 +92,8 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   const SteadyTime opened_at_;
   std::deque<std::string> to_server_;
   std::deque<ToAgent> to_agent_;
-  std::optional<ToAgent> writing_;
+  /// The frames of the write under way.
+  std::vector<ToAgent> writing_;
   bool read_wanted_ = false;
   bool half_closed_ = false;
   bool broken_ = false;

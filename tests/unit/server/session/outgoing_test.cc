@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "server/session/frames.h"
 #include "tests/unit/server/session/stream_part_test.h"
 
@@ -18,6 +20,9 @@ const model::Rejection kBad{model::RejectReason::kMissingField, "faultId", ""};
 class RecordingSink final : public FrameSink {
  public:
   void Write(const v1::RelayResponse& frame) override { lines.push_back(ToLine(frame)); }
+  void WriteEncoded(std::span<const EncodedFrame> frames) override {
+    lines.push_back(fmt::format("{} encoded", frames.size()));
+  }
   void Finish(const absl::Status& /*status*/) override {}
   void Cancel() override {}
 

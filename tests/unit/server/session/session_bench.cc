@@ -98,6 +98,8 @@ std::string ToLine(const v1::RelayResponse& frame) {
     case v1::RelayResponse::kDrain:
       return fmt::format("drain {}", frame.drain().grace_ms());
     case v1::RelayResponse::kForward:
+      return fmt::format("forward {} {}", static_cast<int>(frame.forward().kind()),
+                         frame.forward().origin_ruri());
     case v1::RelayResponse::kResendRequest:
     case v1::RelayResponse::FRAME_NOT_SET:
       break;
@@ -116,6 +118,14 @@ void BenchStream::Write(const v1::RelayResponse& frame) {
   writing_ = true;
   frames_.push_back(frame);
   if (const auto job = std::exchange(at_next_write_, nullptr)) job();
+}
+
+void BenchStream::WriteEncoded(std::span<const EncodedFrame> frames) {
+  UPLINK_CHECK(!writing_, "one write at a time");
+  writing_ = true;
+  for (const EncodedFrame& bytes : frames) {
+    UPLINK_CHECK(frames_.emplace_back().ParseFromString(*bytes), "an encoded frame is one");
+  }
 }
 
 void BenchStream::SendBytes(std::string_view bytes) {
@@ -224,7 +234,8 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .allowances = allowances_,
                                .rejects = rejects_,
                                .clock_trust = clock_trust_,
-                               .pressed = &pressed};
+                               .pressed = &pressed,
+                               .forwards = forwards};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
                                               robot::StreamRef{.inbox = this, .stream = id});

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -52,7 +53,8 @@ struct Message {
                                             const std::string& payload);
 
 /// A response as one line: `welcome 3`, `ack 3 judged 5`, `reject 4 missing_field faultId`,
-/// `notice 1 out_of_range battery.socPct`, `drain 1000`.
+/// `notice 1 out_of_range battery.socPct`, `drain 1000`, `forward 2 rcan://a/1` (its kind and
+/// origin).
 [[nodiscard]] std::string ToLine(const v1::RelayResponse& frame);
 
 /// One stream: a session, and an agent that takes every frame at once unless it is told not to.
@@ -63,6 +65,7 @@ class BenchStream final : public FrameSource, public FrameSink {
 
   void RequestRead() override { reading_ = true; }
   void Write(const v1::RelayResponse& frame) override;
+  void WriteEncoded(std::span<const EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override { status_ = status; }
   void Cancel() override { cancelled_ = true; }
 
@@ -147,6 +150,8 @@ class BenchServer final : public robot::WakeInbox {
   void Pass(milliseconds time);
   /// Others wait for a place among the connections.
   std::atomic<bool> pressed{false};
+  /// Of streams that are opened from now on; null: nothing is forwarded.
+  ForwardSource* forwards = nullptr;
   void StoreAway();
   void StoreBack();
 

@@ -61,6 +61,8 @@ class ThreadsStream final : public FrameSource, public FrameSink {
 
   void RequestRead() override { reading_ = true; }
   void Write(const v1::RelayResponse& frame) override { writing_ = frame; }
+  /// Nothing is forwarded here.
+  void WriteEncoded(std::span<const EncodedFrame> /*frames*/) override {}
   void Finish(const absl::Status& status) override { end_ = status; }
   void Cancel() override {}
 
