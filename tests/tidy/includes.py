@@ -31,7 +31,7 @@ FOREIGN = (
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("server/session/", "server/view/", "server/front/", "server/relay/", "server/http/", "tools/", "tests/"),
+        ("server/session/", "server/view/", "server/forward/", "server/front/", "server/relay/", "server/http/", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
@@ -64,7 +64,8 @@ ROOMS = (
     ("fleet",),  # the map of robots
     ("journal",),  # what stands before the store
     ("session", "view"),  # one stream's protocol; the queries
-    ("health", "rcan"),  # health counts streams by the sessions' probe; the robots' series
+    # health counts streams by the sessions' probe; the robots' series; what robots share
+    ("health", "rcan", "forward"),
     ("transport",),  # what every listener for robots needs
     ("front", "relay", "http"),  # the adapters: they translate and enqueue
     ("store", "loop", "lifecycle"),  # what runs it all

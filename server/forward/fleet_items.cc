@@ -1,0 +1,169 @@
+#include "server/forward/fleet_items.h"
+
+#include <utility>
+
+namespace uplink::forward {
+
+// --- The shared set ---
+
+std::vector<robot::StreamRef> FleetItems::Put(const ItemKey& key, Item item) {
+  const std::lock_guard lock(mutex_);
+  auto place = items_.find(key);
+  if (place == items_.end()) {
+    place = items_.emplace(std::make_shared<const ItemKey>(key), Item{}).first;
+  }
+  place->second.frame = std::move(item.frame);
+  SetExpiryOf(place->first, place->second, item.expires_ms);
+  return FanOut(place->first, place->second.frame);
+}
+
+void FleetItems::SetExpiry(const ItemKey& key, std::int64_t expires_ms) {
+  const std::lock_guard lock(mutex_);
+  const auto place = items_.find(key);
+  if (place != items_.end()) SetExpiryOf(place->first, place->second, expires_ms);
+}
+
+void FleetItems::SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires_ms) {
+  if (item.expires_ms == expires_ms) return;
+  expiries_.erase({item.expires_ms, key});
+  item.expires_ms = expires_ms;
+  if (expires_ms != 0) expiries_.emplace(expires_ms, key);
+}
+
+std::vector<robot::StreamRef> FleetItems::Remove(const ItemKey& key, EncodedFrame deletion) {
+  const std::lock_guard lock(mutex_);
+  const auto place = items_.find(key);
+  if (place == items_.end()) return {};
+  const KeyRef gone = place->first;
+  SetExpiryOf(gone, place->second, 0);
+  items_.erase(place);
+  return FanOut(gone, deletion);
+}
+
+std::vector<robot::StreamRef> FleetItems::SetWhole() {
+  const std::lock_guard lock(mutex_);
+  std::vector<robot::StreamRef> wake;
+  if (std::exchange(whole_, true)) return wake;
+  for (Receiver* receiver : receivers_) wake.push_back(receiver->stream);
+  return wake;
+}
+
+EncodedFrame FleetItems::FrameOf(const ItemKey& key) const {
+  const std::lock_guard lock(mutex_);
+  const auto place = items_.find(key);
+  return place == items_.end() ? nullptr : place->second.frame;
+}
+
+std::vector<ItemKey> FleetItems::Expired(std::int64_t now_ms, std::size_t most) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<ItemKey> expired;
+  for (const auto& [at, key] : expiries_) {
+    if (at > now_ms || expired.size() >= most) break;
+    expired.push_back(*key);
+  }
+  return expired;
+}
+
+// --- The fan-out ---
+
+std::vector<robot::StreamRef> FleetItems::FanOut(const KeyRef& key, const EncodedFrame& frame) {
+  std::vector<robot::StreamRef> wake;
+  for (Receiver* receiver : receivers_) {
+    if (receiver->ruri == key->ruri) continue;
+    ++counts_.due;
+    Offer(*receiver, key, frame);
+    if (receiver->waiting.size() == 0 || std::exchange(receiver->woken, true)) continue;
+    wake.push_back(receiver->stream);
+  }
+  return wake;
+}
+
+void FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame) {
+  const bool passed = receiver.state == Receiver::State::kFollows ||
+                      (receiver.state == Receiver::State::kWalks && receiver.walked != nullptr &&
+                       !KeyOrder()(receiver.walked, key));
+  if (!passed || receiver.again) {
+    ++counts_.replaced;
+    return;
+  }
+  switch (receiver.waiting.Add(key, frame)) {
+    case Waiting::Added::kNew:
+      return;
+    case Waiting::Added::kCoalesced:
+      ++counts_.coalesced;
+      return;
+    case Waiting::Added::kFull:
+      counts_.replaced += receiver.waiting.size() + 1;
+      receiver.waiting.Clear();
+      if (receiver.state == Receiver::State::kFollows) {
+        receiver.state = Receiver::State::kBegins;
+      } else {
+        receiver.again = true;
+      }
+      return;
+  }
+}
+
+// --- Receivers ---
+
+std::unique_ptr<FleetItems::Receiver> FleetItems::Join(std::string ruri, robot::StreamRef stream) {
+  auto receiver = std::make_unique<Receiver>();
+  receiver->ruri = std::move(ruri);
+  receiver->stream = stream;
+  const std::lock_guard lock(mutex_);
+  receiver->place = receivers_.size();
+  receivers_.push_back(receiver.get());
+  return receiver;
+}
+
+void FleetItems::Leave(Receiver& receiver) {
+  const std::lock_guard lock(mutex_);
+  counts_.dropped += receiver.waiting.size();
+  receiver.waiting.Clear();
+  receivers_[receiver.place] = receivers_.back();
+  receivers_[receiver.place]->place = receiver.place;
+  receivers_.pop_back();
+}
+
+void FleetItems::Take(Receiver& receiver, std::vector<EncodedFrame>& into) {
+  const std::lock_guard lock(mutex_);
+  receiver.woken = false;
+  if (!whole_) return;
+  Room room;
+  if (receiver.state == Receiver::State::kBegins) {
+    receiver.state = Receiver::State::kWalks;
+    receiver.walked = nullptr;
+    ++counts_.snapshots;
+    into.push_back(marks_.begin);
+  }
+  if (receiver.state == Receiver::State::kWalks) Walk(receiver, room, into);
+  if (receiver.state != Receiver::State::kFollows) return;
+  while (receiver.waiting.size() > 0 && room.Give(receiver.waiting.first())) {
+    into.push_back(receiver.waiting.Take());
+    ++counts_.written;
+  }
+}
+
+void FleetItems::Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>& into) {
+  auto next = receiver.walked == nullptr ? items_.begin() : items_.upper_bound(receiver.walked);
+  for (; next != items_.end(); ++next) {
+    if (next->first->ruri == receiver.ruri) continue;
+    if (!room.Give(next->second.frame)) return;
+    receiver.walked = next->first;
+    into.push_back(next->second.frame);
+    ++counts_.snapshot_items;
+  }
+  into.push_back(marks_.end);
+  receiver.walked = nullptr;
+  const bool again = std::exchange(receiver.again, false);
+  receiver.state = again ? Receiver::State::kBegins : Receiver::State::kFollows;
+}
+
+FleetItems::Sum FleetItems::sum() const {
+  const std::lock_guard lock(mutex_);
+  Sum sum{.counts = counts_, .items = items_.size(), .receivers = receivers_.size()};
+  for (const Receiver* receiver : receivers_) sum.waiting += receiver->waiting.size();
+  return sum;
+}
+
+}  // namespace uplink::forward

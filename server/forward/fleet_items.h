@@ -1,0 +1,131 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/forward/counts.h"
+#include "server/forward/item.h"
+#include "server/forward/waiting.h"
+#include "server/robot/wake.h"
+
+namespace uplink::forward {
+
+/// Frames that are the same for everybody.
+struct SnapshotMarks {
+  EncodedFrame begin;
+  EncodedFrame end;
+};
+
+/// What the robots of one fleet share, and the streams that receive it: each change is put before
+/// every receiver but its origin once, and a snapshot walks the shared set, so that nothing of it
+/// is queued.
+///
+/// Thread: thread-safe; nothing is held across a call out.
+class FleetItems final {
+ public:
+  /// One receiving stream. Its fields are the fleet's.
+  struct Receiver {
+    enum class State : std::uint8_t {
+      /// Its next frame is SNAPSHOT_BEGIN.
+      kBegins,
+      /// The items behind `walked` are to come.
+      kWalks,
+      /// The snapshot is over: what waits are changes.
+      kFollows,
+    };
+    std::string ruri;
+    robot::StreamRef stream;
+    State state = State::kBegins;
+    /// The last item of the snapshot that was passed; null before the first.
+    KeyRef walked;
+    /// More waited than may while it walked: once that is over it begins again.
+    bool again = false;
+    /// It was woken, and has not looked since.
+    bool woken = false;
+    Waiting waiting;
+    /// Its place among the receivers.
+    std::size_t place = 0;
+  };
+
+  /// `whole`: its set is known already, to be empty.
+  FleetItems(const SnapshotMarks& marks, bool whole) : marks_(marks), whole_(whole) {}
+
+  // --- The shared set; one thread at a time. Each returns the streams to wake. ---
+
+  /// The item is there, or changed.
+  std::vector<robot::StreamRef> Put(const ItemKey& key, Item item);
+  /// The item is there as before, for another time.
+  void SetExpiry(const ItemKey& key, std::int64_t expires_ms);
+  /// The item is there no more: `deletion` says so. Nothing if it was not.
+  std::vector<robot::StreamRef> Remove(const ItemKey& key, EncodedFrame deletion);
+  /// From now on the set is whole, and snapshots may begin.
+  std::vector<robot::StreamRef> SetWhole();
+
+  /// The item's frame; null if it is not there.
+  [[nodiscard]] EncodedFrame FrameOf(const ItemKey& key) const;
+  /// Keys of items that expired at or before then, at most `most`.
+  [[nodiscard]] std::vector<ItemKey> Expired(std::int64_t now_ms, std::size_t most) const;
+
+  // --- Receivers; each on its stream's thread ---
+
+  [[nodiscard]] std::unique_ptr<Receiver> Join(std::string ruri, robot::StreamRef stream);
+  void Leave(Receiver& receiver);
+  /// Adds what the receiver is to be told next, a few frames.
+  void Take(Receiver& receiver, std::vector<EncodedFrame>& into);
+
+  /// What became of changes, how many wait, and among how many.
+  struct Sum {
+    Counts counts;
+    std::uint64_t waiting = 0;
+    std::size_t items = 0;
+    std::size_t receivers = 0;
+  };
+  [[nodiscard]] Sum sum() const;
+
+ private:
+  using Items = std::map<KeyRef, Item, KeyOrder>;
+  /// What one Take may still give.
+  struct Room {
+    std::size_t frames = kTakenMax;
+    std::size_t bytes = kTakenBytesMax;
+
+    /// False: no frame more.
+    bool Give(const EncodedFrame& frame) {
+      if (frames == 0 || bytes == 0) return false;
+      --frames;
+      bytes -= std::min(bytes, frame->size());
+      return true;
+    }
+  };
+  struct ExpiryOrder {
+    using Entry = std::pair<std::int64_t, KeyRef>;
+    bool operator()(const Entry& a, const Entry& b) const {
+      return a.first != b.first ? a.first < b.first : KeyOrder()(a.second, b.second);
+    }
+  };
+
+  /// Puts a change before every receiver but its origin.
+  std::vector<robot::StreamRef> FanOut(const KeyRef& key, const EncodedFrame& frame);
+  void Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame);
+  void Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>& into);
+  void SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires_ms);
+
+  const SnapshotMarks marks_;
+  mutable std::mutex mutex_;
+  bool whole_;
+  Items items_;
+  /// Of those that expire, by when.
+  std::set<ExpiryOrder::Entry, ExpiryOrder> expiries_;
+  std::vector<Receiver*> receivers_;
+  Counts counts_;
+};
+
+}  // namespace uplink::forward

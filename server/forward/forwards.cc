@@ -1,0 +1,157 @@
+#include "server/forward/forwards.h"
+
+#include <utility>
+
+#include "server/forward/frames.h"
+#include "server/forward/limits.h"
+
+namespace uplink::forward {
+namespace {
+
+/// Items that one look for expired ones removes of a fleet under its lock.
+constexpr std::size_t kExpiredAtOnce = 256;
+
+std::size_t BytesOf(const ItemKey& key, const EncodedFrame& frame) {
+  return frame->size() + key.ruri.size() + key.id.size() + kItemOverheadBytes;
+}
+
+void WakeAll(const std::vector<robot::StreamRef>& streams) {
+  for (const robot::StreamRef stream : streams) stream.Wake();
+}
+
+}  // namespace
+
+/// A stream's membership in its fleet.
+class Forwards::Receiver final : public session::ForwardReceiver {
+ public:
+  Receiver(FleetRef fleet, std::string ruri, robot::StreamRef stream)
+      : fleet_(std::move(fleet)), receiver_(fleet_->Join(std::move(ruri), stream)) {}
+  ~Receiver() override { fleet_->Leave(*receiver_); }
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+
+  void Take(std::vector<EncodedFrame>& into) override { fleet_->Take(*receiver_, into); }
+
+ private:
+  const FleetRef fleet_;
+  const std::unique_ptr<FleetItems::Receiver> receiver_;
+};
+
+Forwards::Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> random)
+    : marks_{SnapshotBegin(), SnapshotEnd()}, random_(std::move(random)), shares_(limits) {}
+
+std::unique_ptr<session::ForwardReceiver> Forwards::Join(const model::RobotId& robot,
+                                                         robot::StreamRef stream) {
+  return std::make_unique<Receiver>(FleetOf(robot.fleet), robot.ruri, stream);
+}
+
+Forwards::FleetRef Forwards::FleetOf(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  FleetRef& fleet = fleets_[name];
+  if (fleet == nullptr) {
+    fleet = std::make_shared<FleetItems>(marks_, whole_);
+  }
+  return fleet;
+}
+
+std::vector<Forwards::FleetRef> Forwards::Fleets() const {
+  std::vector<FleetRef> fleets;
+  const std::lock_guard lock(mutex_);
+  fleets.reserve(fleets_.size());
+  for (const auto& [name, fleet] : fleets_) fleets.push_back(fleet);
+  return fleets;
+}
+
+// --- The shared set ---
+
+void Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+                   const Encode& encode) {
+  const auto known = where_.find(key);
+  if (known == where_.end()) return PutNew(key, fleet, expires_ms, encode);
+  Where& where = known->second;
+  if (where.fleet_name != fleet) {
+    Remove(key);
+    return PutNew(key, fleet, expires_ms, encode);
+  }
+  const EncodedFrame same = encode(where.command);
+  if (same == nullptr) return Remove(key);
+  if (*same == *where.fleet->FrameOf(key)) return where.fleet->SetExpiry(key, expires_ms);
+  where.command = NewCommand();
+  EncodedFrame frame = encode(where.command);
+  const std::size_t bytes = BytesOf(key, frame);
+  if (!shares_.Resize(key.ruri, where.bytes, bytes)) {
+    // What was forwarded of it is not true any more.
+    Remove(key);
+    return shares_.NoteLeftOut();
+  }
+  where.bytes = bytes;
+  WakeAll(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
+}
+
+void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+                      const Encode& encode) {
+  const nexus_command::CommandId command = NewCommand();
+  EncodedFrame frame = encode(command);
+  if (frame == nullptr) return;
+  const std::size_t bytes = BytesOf(key, frame);
+  if (!shares_.Resize(key.ruri, 0, bytes)) return shares_.NoteLeftOut();
+  const Where where{fleet, FleetOf(fleet), command, bytes};
+  where_.emplace(key, where);
+  WakeAll(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
+}
+
+void Forwards::Remove(const ItemKey& key) {
+  const auto known = where_.find(key);
+  if (known == where_.end()) return;
+  const Where where = std::move(known->second);
+  const ItemKey gone = known->first;
+  where_.erase(known);
+  static_cast<void>(shares_.Resize(gone.ruri, where.bytes, 0));
+  WakeAll(where.fleet->Remove(gone, DeleteFrame(gone, NewCommand())));
+}
+
+void Forwards::SetWhole() {
+  {
+    const std::lock_guard lock(mutex_);
+    whole_ = true;
+  }
+  for (const FleetRef& fleet : Fleets()) WakeAll(fleet->SetWhole());
+}
+
+void Forwards::Expire(SystemTime now) {
+  for (const FleetRef& fleet : Fleets()) {
+    for (auto expired = fleet->Expired(UnixMs(now), kExpiredAtOnce); !expired.empty();
+         expired = fleet->Expired(UnixMs(now), kExpiredAtOnce)) {
+      for (const ItemKey& key : expired) Remove(key);
+    }
+  }
+}
+
+std::vector<ItemKey> Forwards::Keys() const {
+  std::vector<ItemKey> keys;
+  keys.reserve(where_.size());
+  for (const auto& [key, where] : where_) keys.push_back(key);
+  return keys;
+}
+
+nexus_command::CommandId Forwards::NewCommand() const {
+  return nexus_command::RandomCommandId(random_);
+}
+
+Forwards::Sum Forwards::sum() const {
+  Sum sum{.bytes = shares_.bytes(), .left_out = shares_.left_out()};
+  {
+    const std::lock_guard lock(mutex_);
+    sum.whole = whole_;
+  }
+  for (const FleetRef& fleet : Fleets()) {
+    const FleetItems::Sum of_fleet = fleet->sum();
+    sum.counts += of_fleet.counts;
+    sum.waiting += of_fleet.waiting;
+    sum.items += of_fleet.items;
+    sum.receivers += of_fleet.receivers;
+  }
+  return sum;
+}
+
+}  // namespace uplink::forward

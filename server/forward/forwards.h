@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "schema/nexus_command/command.h"
+#include "server/forward/fleet_items.h"
+#include "server/forward/shares.h"
+#include "server/session/forward_source.h"
+
+namespace uplink::forward {
+
+/// What all fleets share, and who receives it. The set follows what the store holds: whoever reads
+/// it there calls Put and Remove.
+///
+/// Thread: Join from any thread, sums too; the set's own calls from one thread at a time.
+class Forwards final : public session::ForwardSource {
+ public:
+  /// `random` draws the numbers of commands; it is called on the set's thread alone.
+  Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> random);
+
+  // session::ForwardSource
+  [[nodiscard]] std::unique_ptr<session::ForwardReceiver> Join(const model::RobotId& robot,
+                                                               robot::StreamRef stream) override;
+
+  /// Makes the frame of an item, with the number of its command. Null: it cannot be forwarded.
+  using Encode = std::function<EncodedFrame(const nexus_command::CommandId& command)>;
+  /// The item is there, in this fleet. Nothing is forwarded if no robot would see a difference.
+  /// Left out, and gone, if there is no room for it.
+  void Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+           const Encode& encode);
+  /// The item is there no more; nothing if it was not.
+  void Remove(const ItemKey& key);
+  /// All that the store holds was put: snapshots may begin.
+  void SetWhole();
+  /// Removes what expired at or before then.
+  void Expire(SystemTime now);
+  /// Keys of all that is there.
+  [[nodiscard]] std::vector<ItemKey> Keys() const;
+  /// Something was left out for lack of room since the last call of ForgetLeftOut.
+  [[nodiscard]] bool left_out() const { return shares_.left_out() > 0; }
+  void ForgetLeftOut() { shares_.ForgetLeftOut(); }
+
+  /// What all fleets are and did, each as of one moment.
+  struct Sum {
+    Counts counts;
+    /// Changes that wait for their receivers.
+    std::uint64_t waiting = 0;
+    std::size_t items = 0;
+    std::size_t bytes = 0;
+    std::size_t receivers = 0;
+    /// Times that an item was left out for lack of room, since all was read.
+    std::size_t left_out = 0;
+    bool whole = false;
+  };
+  [[nodiscard]] Sum sum() const;
+  [[nodiscard]] std::size_t bytes_max() const { return shares_.bytes_max(); }
+
+ private:
+  using FleetRef = std::shared_ptr<FleetItems>;
+  class Receiver;
+
+  void PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+              const Encode& encode);
+  [[nodiscard]] FleetRef FleetOf(const std::string& name);
+  [[nodiscard]] std::vector<FleetRef> Fleets() const;
+  [[nodiscard]] nexus_command::CommandId NewCommand() const;
+
+  const SnapshotMarks marks_;
+  const std::function<std::uint64_t()> random_;
+  mutable std::mutex mutex_;
+  bool whole_ = false;
+  /// Every fleet that a certificate or a row named since the start: who signs certificates decides
+  /// how many there are.
+  std::map<std::string, FleetRef> fleets_;
+
+  // Of the set's thread.
+  struct Where {
+    std::string fleet_name;
+    FleetRef fleet;
+    nexus_command::CommandId command{};
+    /// What the item counts for.
+    std::size_t bytes = 0;
+  };
+  std::map<ItemKey, Where> where_;
+  Shares shares_;
+};
+
+}  // namespace uplink::forward

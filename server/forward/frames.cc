@@ -1,0 +1,89 @@
+#include "server/forward/frames.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "schema/json/read.h"
+#include "schema/nexus_command/encode.h"
+#include "uplink/v1/relay.pb.h"
+
+namespace uplink::forward {
+namespace {
+
+EncodedFrame Encoded(const v1::Forward& forward) {
+  v1::RelayResponse frame;
+  *frame.mutable_forward() = forward;
+  return std::make_shared<const std::string>(frame.SerializeAsString());
+}
+
+EncodedFrame Mark(v1::ForwardKind kind) {
+  v1::Forward forward;
+  forward.set_kind(kind);
+  return Encoded(forward);
+}
+
+EncodedFrame Command(const std::string& origin, std::string command) {
+  v1::Forward forward;
+  forward.set_kind(v1::FORWARD_KIND_COMMAND);
+  forward.set_origin_ruri(origin);
+  forward.set_nexus_command(std::move(command));
+  return Encoded(forward);
+}
+
+absl::StatusOr<model::ReportedShape> ReportedOf(const storage::ShapeRow& row) {
+  auto geometry = json::ReadGeometry(row.geometry_json);
+  if (!geometry.ok()) return geometry.status();
+  return model::ReportedShape{.identity = row.identity,
+                              .data = *std::move(geometry),
+                              .area_type = row.area_type,
+                              .scope = row.scope,
+                              .expire_time_ms = row.expires_at_ms,
+                              .min_z_m = row.min_z_m,
+                              .max_z_m = row.max_z_m,
+                              .level_id = row.level_id};
+}
+
+absl::StatusOr<model::Object> ReportedOf(const storage::ObjectRow& row) {
+  model::Object object{.id = row.id,
+                       .name = row.name,
+                       .unix_time_ms = row.sampled_at_ms,
+                       .expires_unix_time_ms = row.expires_at_ms,
+                       .scope = row.scope,
+                       .object_type = row.object_type,
+                       .radius_m = row.radius_m};
+  auto location = json::ReadPose(row.location_json);
+  if (!location.ok()) return location.status();
+  object.location = *location;
+  if (row.trajectory_json.empty()) return object;
+  auto trajectory = json::ReadTrajectory(row.trajectory_json);
+  if (!trajectory.ok()) return trajectory.status();
+  object.trajectory = *trajectory;
+  return object;
+}
+
+}  // namespace
+
+EncodedFrame SnapshotBegin() { return Mark(v1::FORWARD_KIND_SNAPSHOT_BEGIN); }
+
+EncodedFrame SnapshotEnd() { return Mark(v1::FORWARD_KIND_SNAPSHOT_END); }
+
+absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
+                                         const nexus_command::CommandId& command) {
+  const std::string& origin = item.robot().ruri;
+  return std::visit(
+      [&](const auto& row) -> absl::StatusOr<EncodedFrame> {
+        const auto reported = ReportedOf(row);
+        if (!reported.ok()) return reported.status();
+        return Command(origin, nexus_command::EncodeUpsert(command, *reported, origin));
+      },
+      item.row);
+}
+
+EncodedFrame DeleteFrame(const ItemKey& key, const nexus_command::CommandId& command) {
+  const auto kind = key.kind == storage::PresentKind::kShape ? nexus_command::ItemKind::kShape
+                                                             : nexus_command::ItemKind::kObject;
+  return Command(key.ruri, nexus_command::EncodeDelete(command, kind, key.id, key.ruri));
+}
+
+}  // namespace uplink::forward

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "schema/nexus_command/command.h"
+#include "server/forward/item.h"
+#include "storage/shared_items.h"
+
+// The frames that forwarding sends, serialized once for all receivers.
+namespace uplink::forward {
+
+[[nodiscard]] EncodedFrame SnapshotBegin();
+[[nodiscard]] EncodedFrame SnapshotEnd();
+/// The item as the others get it.
+///
+/// Errors: what the store holds is no shape or object: the message says of which item.
+[[nodiscard]] absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
+                                                       const nexus_command::CommandId& command);
+/// The item is there no more.
+[[nodiscard]] EncodedFrame DeleteFrame(const ItemKey& key, const nexus_command::CommandId& command);
+
+}  // namespace uplink::forward

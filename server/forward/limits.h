@@ -1,0 +1,31 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+namespace uplink::forward {
+
+/// Items that wait for one receiver; past it, it gets a new snapshot. A peer that reads at all is
+/// far from it: items are counted once, however often they change.
+inline constexpr std::size_t kWaitingMax = 1024;
+/// Frames, and bytes, that a receiver takes at once: they leave as one piece, behind which its Acks
+/// wait. The last frame may reach beyond.
+inline constexpr std::size_t kTakenMax = 16;
+inline constexpr std::size_t kTakenBytesMax = 16U * 1024;
+/// Bytes of what all fleets share. What is over is not forwarded, and that is told.
+inline constexpr std::size_t kSharedBytesMax = 256U * 1024 * 1024;
+/// What one robot may have of it: as much as a robot may have of the journal.
+inline constexpr std::size_t kRobotBytesMax = kSharedBytesMax / 32;
+/// Memory that an item takes besides its texts and its frame (measured on the containers).
+inline constexpr std::size_t kItemOverheadBytes = 512;
+/// Items that are looked up in the store at once: some may be as large as a frame.
+inline constexpr std::size_t kLookedUpMax = 256;
+/// How often the store is asked for changes, if nothing wakes who asks.
+inline constexpr std::chrono::seconds kLookEvery{1};
+/// Changes that come sooner after the last look wait for each other: a burst of upserts is one
+/// look.
+inline constexpr std::chrono::milliseconds kLookAgain{10};
+/// Where something was left out, all is read again once there may be room, but not more often.
+inline constexpr std::chrono::seconds kReadAllAgain{60};
+
+}  // namespace uplink::forward

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "server/forward/forwards.h"
+#include "server/forward/probe.h"
+#include "server/log/logger.h"
+#include "storage/clock_trust.h"
+#include "storage/shared_items.h"
+
+namespace uplink::forward {
+
+/// Keeps the shared set as the store has it: reads all of it once, then every change that any
+/// server committed, by the store's own numbering of them; and lets items go that expire. A change
+/// of this server's is looked for at once, one of another's within kLookEvery.
+///
+/// Nothing is forwarded from what a session or the journal has in hand: only what the store holds
+/// is, so a kill loses no forward and a fenced or refused record makes none.
+///
+/// Thread: Wake from any; Round by one thread at a time: Start gives it one of its own.
+class Rounds final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    const log::Logger& logger;
+    storage::SharedItems& items;
+    Forwards& forwards;
+    ForwardProbe& probe;
+    const storage::ClockTrust& clock_trust;
+  };
+  explicit Rounds(const Context& context) : context_(context) {}
+  ~Rounds() { Stop(); }
+  Rounds(const Rounds&) = delete;
+  Rounds& operator=(const Rounds&) = delete;
+
+  void Start();
+  void Stop();
+  /// Something was committed that may be shared.
+  void Wake();
+  /// One look. Returns what the store answered.
+  absl::Status Round();
+
+ private:
+  void Run(const std::stop_token& stop);
+  absl::Status Look();
+  /// Reads all that is shared, and removes what is there no more.
+  absl::Status ReadAll();
+  absl::Status FollowChanges();
+  absl::Status Apply(std::span<const storage::ItemKey> keys);
+  void Put(const storage::SharedItem& item);
+  void NoteUnreadable(const storage::ItemKey& key, const absl::Status& why);
+  [[nodiscard]] bool Expired(std::int64_t expires_ms) const;
+  void Tell(const absl::Status& status);
+
+  const Context context_;
+  /// Nothing: all is to be read.
+  std::optional<storage::ChangePositions> positions_;
+  SteadyTime read_all_at_;
+  bool failing_ = false;
+  bool told_left_out_ = false;
+
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  bool woken_ = false;
+  std::jthread thread_;
+};
+
+}  // namespace uplink::forward

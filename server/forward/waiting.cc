@@ -1,0 +1,29 @@
+#include "server/forward/waiting.h"
+
+#include <utility>
+
+namespace uplink::forward {
+
+Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame) {
+  if (const auto place = places_.find(key); place != places_.end()) {
+    place->second->frame = frame;
+    return Added::kCoalesced;
+  }
+  if (entries_.size() >= kWaitingMax) return Added::kFull;
+  places_.emplace(key, entries_.insert(entries_.end(), {key, frame}));
+  return Added::kNew;
+}
+
+EncodedFrame Waiting::Take() {
+  EncodedFrame frame = std::move(entries_.front().frame);
+  places_.erase(entries_.front().key);
+  entries_.pop_front();
+  return frame;
+}
+
+void Waiting::Clear() {
+  places_.clear();
+  entries_.clear();
+}
+
+}  // namespace uplink::forward

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <unordered_map>
+
+#include "server/forward/item.h"
+#include "server/forward/limits.h"
+
+namespace uplink::forward {
+
+/// The changes that wait for one receiver: of each item the latest, in the place of the first.
+/// Confined to its owner's lock.
+class Waiting final {
+ public:
+  enum class Added : std::uint8_t {
+    kNew,
+    /// It took the place of an earlier change of the item.
+    kCoalesced,
+    /// kWaitingMax items wait already: nothing was added.
+    kFull,
+  };
+  [[nodiscard]] Added Add(const KeyRef& key, const EncodedFrame& frame);
+  /// The first; size() is not 0.
+  [[nodiscard]] const EncodedFrame& first() const { return entries_.front().frame; }
+  [[nodiscard]] EncodedFrame Take();
+  void Clear();
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+ private:
+  struct Entry {
+    KeyRef key;
+    EncodedFrame frame;
+  };
+  std::list<Entry> entries_;
+  std::unordered_map<KeyRef, std::list<Entry>::iterator, KeyHash, KeyEqual> places_;
+};
+
+}  // namespace uplink::forward

@@ -1,0 +1,249 @@
+// How the shared set follows the store: read whole once, then by its changes.
+#include "server/forward/rounds.h"
+
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/forward/limits.h"
+#include "tests/support/eventually.h"
+#include "tests/support/fake_trust.h"
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+#include "tests/unit/server/forward/receiving.h"
+
+namespace uplink::forward {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+/// A store of one writer, as a list of changes and what is there.
+class ScriptedItems final : public storage::SharedItems {
+ public:
+  void Set(const storage::ItemKey& key, std::int64_t expires_ms = 0,
+           const std::string& geometry = R"({"type":"Point","coordinates":[1.0,2.0]})") {
+    storage::ShapeRow row;
+    row.robot = {.ruri = key.ruri, .fleet = "north"};
+    row.identity.id = key.id;
+    row.scope = model::ScopeType::kFleet;
+    row.geometry_json = geometry;
+    row.expires_at_ms = expires_ms;
+    there[key] = {.row = row};
+    log.push_back(key);
+  }
+  void Erase(const storage::ItemKey& key) {
+    there.erase(key);
+    log.push_back(key);
+  }
+
+  absl::StatusOr<storage::ChangePositions> Positions() override {
+    if (!status.ok()) return status;
+    ++asked_for_positions;
+    return At(log.size());
+  }
+  absl::StatusOr<storage::SharedChanges> ChangesSince(
+      const storage::ChangePositions& positions) override {
+    if (!status.ok()) return status;
+    const auto entry = positions.writers.find({});
+    const std::size_t from = entry == positions.writers.end() ? 0 : entry->second.number;
+    storage::SharedChanges changes;
+    if (from < trimmed_to) {
+      changes.trimmed = true;
+      return changes;
+    }
+    const std::size_t to = std::min(log.size(), from + 2);
+    for (std::size_t i = from; i < to; ++i) {
+      if (std::ranges::find(changes.keys, log[i]) == changes.keys.end()) {
+        changes.keys.push_back(log[i]);
+      }
+    }
+    changes.positions = At(to);
+    changes.more = to < log.size();
+    return changes;
+  }
+  absl::StatusOr<storage::SharedPage> Page(const std::optional<storage::ItemKey>& after) override {
+    if (fails_at_page == pages++) return absl::UnavailableError("away within the read");
+    storage::SharedPage page;
+    for (const auto& [key, item] : there) {
+      if (after && key <= *after) continue;
+      if (page.items.size() == 2) {
+        page.more = true;
+        break;
+      }
+      page.items.push_back(item);
+    }
+    return page;
+  }
+  absl::StatusOr<std::vector<storage::SharedItem>> Of(
+      std::span<const storage::ItemKey> keys) override {
+    std::vector<storage::SharedItem> items;
+    for (const storage::ItemKey& key : keys) {
+      if (there.contains(key)) items.push_back(there.at(key));
+    }
+    return items;
+  }
+
+  std::map<storage::ItemKey, storage::SharedItem> there;
+  std::vector<storage::ItemKey> log;
+  std::size_t trimmed_to = 0;
+  absl::Status status;
+  std::size_t pages = 0;
+  std::optional<std::size_t> fails_at_page;
+  int asked_for_positions = 0;
+
+ private:
+  static storage::ChangePositions At(std::size_t number) {
+    storage::ChangePositions positions;
+    positions.writers[{}].number = number;
+    return positions;
+  }
+};
+
+class RoundsTest : public ::testing::Test {
+ protected:
+  void Round() { static_cast<void>(rounds_.Round()); }
+  std::vector<std::string> Ids() const {
+    std::vector<std::string> ids;
+    for (const ItemKey& key : forwards_.Keys()) ids.push_back(key.id);
+    return ids;
+  }
+
+  testing::ManualClock clock_;
+  testing::FakeTrust trust_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  ScriptedItems items_;
+  Forwards forwards_{{kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(1)};
+  ForwardProbe probe_;
+  Rounds rounds_{{clock_, logger_, items_, forwards_, probe_, trust_}};
+};
+
+TEST_F(RoundsTest, ReadsAllPagesThenSaysThatItIsWhole) {
+  for (const char* id : {"1", "2", "3", "4", "5"}) items_.Set(KeyOf("a", id));
+  EXPECT_FALSE(forwards_.sum().whole);
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("1", "2", "3", "4", "5"));
+  EXPECT_TRUE(forwards_.sum().whole);
+  EXPECT_EQ(probe_.reads_of_all.value(), 1);
+  Round();
+  EXPECT_EQ(probe_.reads_of_all.value(), 1);
+}
+
+TEST_F(RoundsTest, IsNotWholeWhileAPageIsMissing) {
+  for (const char* id : {"1", "2", "3"}) items_.Set(KeyOf("a", id));
+  items_.fails_at_page = 1;
+  Round();
+  EXPECT_FALSE(forwards_.sum().whole);
+  EXPECT_EQ(probe_.failing.value(), 1);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_fails why=\"away within the read\"")));
+  Round();
+  EXPECT_TRUE(forwards_.sum().whole);
+  EXPECT_THAT(Ids(), ElementsAre("1", "2", "3"));
+  EXPECT_EQ(probe_.failing.value(), 0);
+  EXPECT_THAT(lines_.back(), HasSubstr("forward_works_again"));
+}
+
+TEST_F(RoundsTest, FollowsEveryChangeHoweverMany) {
+  Round();
+  for (const char* id : {"1", "2", "3", "4", "5"}) items_.Set(KeyOf("a", id));
+  items_.Erase(KeyOf("a", "2"));
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("1", "3", "4", "5"));
+  EXPECT_EQ(items_.asked_for_positions, 1);
+}
+
+TEST_F(RoundsTest, WhatWasTrimmedIsReadAnew) {
+  items_.Set(KeyOf("a", "1"));
+  items_.Set(KeyOf("a", "2"));
+  Round();
+  items_.Erase(KeyOf("a", "1"));
+  items_.Set(KeyOf("a", "3"));
+  items_.trimmed_to = items_.log.size();
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("2", "3")) << "what went meanwhile is gone here too";
+  EXPECT_EQ(probe_.reads_of_all.value(), 2);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_changes_missed")));
+}
+
+TEST_F(RoundsTest, AStoreThatIsAwayIsAskedAgainFromWhereItWas) {
+  Round();
+  items_.Set(KeyOf("a", "1"));
+  items_.status = absl::UnavailableError("away");
+  Round();
+  Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_fails")));
+  EXPECT_THAT(Ids(), IsEmpty());
+  items_.status = absl::OkStatus();
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("1"));
+}
+
+TEST_F(RoundsTest, WhatExpiredGoesByAClockThatIsVouchedFor) {
+  const std::int64_t now = UnixMs(clock_.System());
+  items_.Set(KeyOf("a", "gone"), now);
+  items_.Set(KeyOf("a", "soon"), now + 1000);
+  items_.Set(KeyOf("a", "never"));
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("never", "soon"));
+  trust_.Set(false);
+  clock_.Advance(milliseconds(1000));
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("never", "soon")) << "nobody vouches for the time";
+  trust_.Set(true);
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("never"));
+}
+
+TEST_F(RoundsTest, WhatCannotBeReadIsCountedAndNamed) {
+  items_.Set(KeyOf("a", "bad"), 0, "no geometry");
+  items_.Set(KeyOf("a", "good"));
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("good"));
+  EXPECT_EQ(probe_.unreadable.value(), 1);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_unreadable robot=a id=bad")));
+}
+
+TEST_F(RoundsTest, WhatWasLeftOutIsReadAgainLaterAndTold) {
+  const std::string line = R"({"type":"LineString","coordinates":[)";
+  std::string points = "[1.5,2.5]";
+  while (points.size() < 1'000'000) points += ",[1.5,2.5]";
+  const std::string large = line + points + "]}";
+  std::size_t items = 0;
+  for (std::size_t i = 0; i < 10; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
+  Round();
+  items = Ids().size();
+  EXPECT_LT(items, 10U);
+  EXPECT_TRUE(forwards_.left_out());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_left_out")));
+  for (std::size_t i = 1; i < 10; ++i) items_.Erase(KeyOf("a", std::to_string(i)));
+  Round();
+  EXPECT_TRUE(forwards_.left_out()) << "not before its time";
+  clock_.Advance(kReadAllAgain);
+  Round();
+  EXPECT_FALSE(forwards_.left_out());
+  EXPECT_THAT(lines_.back(), HasSubstr("forward_complete_again"));
+  EXPECT_EQ(probe_.reads_of_all.value(), 2);
+}
+
+TEST_F(RoundsTest, ItsThreadLooksWhenItIsWoken) {
+  rounds_.Start();
+  ASSERT_TRUE(testing::Eventually([&] { return probe_.reads_of_all.value() == 1; }));
+  rounds_.Stop();
+  // The store is this thread's again.
+  items_.Set(KeyOf("a", "1"));
+  rounds_.Start();
+  rounds_.Wake();
+  EXPECT_TRUE(testing::Eventually([&] { return forwards_.sum().items == 1; }));
+  rounds_.Stop();
+}
+
+}  // namespace
+}  // namespace uplink::forward
