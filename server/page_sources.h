@@ -9,6 +9,8 @@
 #include "metrics/page.h"
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
+#include "server/forward/forwards.h"
+#include "server/forward/probe.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
 #include "server/journal/probe.h"
@@ -36,6 +38,8 @@ struct PageParts {
   const store::Stores& stores;
   const store::SpaceRounds& space;
   const store::LeaseProbe& leases;
+  const forward::Forwards& forwards;
+  const forward::ForwardProbe& forward_probe;
   const http::HttpProbe& http;
   std::size_t http_connections_max = 0;
   const rcan::RcanProbe& rcan;

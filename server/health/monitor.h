@@ -37,6 +37,7 @@ class Monitor final {
     /// Who vouches for the civil clock; null: somebody does.
     const storage::ClockTrust* clock_trust = nullptr;
     std::function<bool()> store_space_scarce = [] { return false; };
+    std::function<bool()> forward_incomplete = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

@@ -27,6 +27,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"lease", [](const Facts& facts) { return facts.lease_failing; }},
     {"journal_backlog", HasBacklog},
     {"relay_behind", [](const Facts& facts) { return facts.relay_behind; }},
+    {"forward", [](const Facts& facts) { return facts.forward_incomplete; }},
     {"robots_max", [](const Facts& facts) { return facts.robots.reaches(kRobotsPercent); }},
     {"certificate_expiring", Expires},
     {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},

@@ -52,6 +52,8 @@ struct ReadinessFacts {
   bool lease_failing = false;
   /// Liveness::behind.
   bool relay_behind = false;
+  /// Changes of shared shapes and objects cannot be read, or not all of them have room.
+  bool forward_incomplete = false;
   /// Of the shard of the journal that is fullest.
   Fill journal_bytes;
   Fill journal_records;

@@ -1,5 +1,6 @@
 #include "server/journal/committing.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <variant>
@@ -13,6 +14,14 @@ namespace {
 
 double Seconds(SteadyTime::duration duration) {
   return std::chrono::duration<double>(duration).count();
+}
+
+bool HoldsSpatial(const storage::Batch& batch) {
+  return std::ranges::any_of(batch.records, [](const storage::CommitRecord& record) {
+    const auto* good = std::get_if<model::Record>(&record.content);
+    return good != nullptr && (std::holds_alternative<model::ShapeOp>(good->body()) ||
+                               std::holds_alternative<model::ObjectOp>(good->body()));
+  });
 }
 
 }  // namespace
@@ -98,11 +107,13 @@ void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
 void Committing::Tell() {
   const std::vector<robot::StreamRef> wake =
       TellOutcomes(batch_, *std::exchange(outcomes_, std::nullopt), holds_, context_.ledger);
+  const bool spatial = HoldsSpatial(batch_.batch());
   const WriterInbox::Done done{
       .records = batch_.entries(), .bytes = batch_.bytes(), .batch_ended = true};
   batch_.ClearEntries();
   context_.inbox.Release(done);
   for (const robot::StreamRef stream : wake) stream.Wake();
+  if (spatial) context_.spatial_committed();
 }
 
 }  // namespace uplink::journal

@@ -22,7 +22,8 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
                                                    .errors = errors_,
                                                    .quarantine = quarantine_,
                                                    .retain_error = retain_error_,
-                                                   .checkpoint_error = checkpoint_error_},
+                                                   .checkpoint_error = checkpoint_error_,
+                                                   .spatial_committed = spatial_committed_},
                                      limits, process)) {}
 
 Journal::~Journal() = default;

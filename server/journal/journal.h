@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include <absl/status/status.h>
 
@@ -35,7 +37,7 @@ class Turns;
 ///
 /// Inbox holds what waits; Turns, the writer's side, does something with it.
 ///
-/// Thread: thread-safe; CheckpointFrom comes before the other threads.
+/// Thread: thread-safe; CheckpointFrom and OnSpatial come before the other threads.
 class Journal final {
  public:
   /// `process` numbers the changes of presence: it must differ in every life of the process.
@@ -72,6 +74,9 @@ class Journal final {
   /// The live states that this journal checkpoints each `every`, alternately with what waits.
   /// `live` outlives the journal.
   void CheckpointFrom(fleet::LiveSource& live, milliseconds every);
+  /// `told` is called after each commit that holds shapes or objects, on the writer's thread:
+  /// short.
+  void OnSpatial(std::function<void()> told) { spatial_committed_ = std::move(told); }
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -110,6 +115,7 @@ class Journal final {
   DutyError checkpoint_error_;
   /// CheckpointFrom gave it live states to checkpoint.
   bool checkpoints_ = false;
+  std::function<void()> spatial_committed_ = [] {};
   const std::unique_ptr<Turns> turns_;
 };
 

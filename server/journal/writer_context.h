@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "server/journal/duty_error.h"
@@ -25,6 +27,8 @@ struct WriterContext {
   QuarantineNotes& quarantine;
   DutyError& retain_error;
   DutyError& checkpoint_error;
+  /// Journal::OnSpatial.
+  const std::function<void()>& spatial_committed;
 };
 
 }  // namespace uplink::journal

@@ -8,10 +8,12 @@
 #include "storage/postgres/leases.h"
 #include "storage/postgres/link/url.h"
 #include "storage/postgres/reader.h"
+#include "storage/postgres/shared_items.h"
 #include "storage/postgres/store.h"
 #include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/forget_store.h"
 #include "storage/sqlite/reader.h"
+#include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
 
 namespace uplink::store {
@@ -45,6 +47,9 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   auto forget = storage::sqlite::SqliteForgetStore::Open(path);
   if (!forget.ok()) return forget.status();
   stores.forget = *std::move(forget);
+  auto shared = storage::sqlite::SqliteSharedItems::Open(path);
+  if (!shared.ok()) return shared.status();
+  stores.shared = *std::move(shared);
   stores.writers.push_back(*std::move(store));
   stores.space = [asked = reader->get()] { return asked->Space(); };
   stores.reader = *std::move(reader);
@@ -91,6 +96,9 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   auto forget = storage::postgres::PostgresForgetStore::Make(options, clock);
   if (!forget.ok()) return forget.status();
   stores.forget = *std::move(forget);
+  auto shared = storage::postgres::PostgresSharedItems::Make(options, clock);
+  if (!shared.ok()) return shared.status();
+  stores.shared = *std::move(shared);
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;

@@ -18,6 +18,7 @@
 #include "storage/forget_store.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
+#include "storage/shared_items.h"
 #include "storage/store.h"
 
 namespace uplink::store {
@@ -32,6 +33,8 @@ struct Stores {
   std::unique_ptr<storage::Reader> reader;
   /// Null for a store that one process has at a time.
   std::unique_ptr<storage::Leases> leases;
+  /// What robots of a fleet share.
+  std::unique_ptr<storage::SharedItems> shared;
   /// Why the store cannot be reached now; it will be tried again. OK if it can.
   absl::Status away;
   /// As they are now. Any thread, while the writers live.

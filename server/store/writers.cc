@@ -16,6 +16,7 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
     journals.push_back(std::make_unique<journal::Journal>(
         *stores[shard], limits, context.clock, context.ledgers.NewPage(), context.probe,
         journal::PresenceSessionOf(context.process, shard)));
+    journals.back()->OnSpatial(context.spatial_committed);
   }
   return journals;
 }

@@ -38,6 +38,8 @@ class Writers final {
     std::function<std::uint64_t()> random;
     /// Of all journals together.
     journal::JournalLimits limits;
+    /// journal::Journal::OnSpatial.
+    std::function<void()> spatial_committed = [] {};
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};
   };

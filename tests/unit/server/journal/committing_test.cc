@@ -43,6 +43,20 @@ class CommittingTest : public ::testing::Test, protected StepBench {
       context(), holds, {.records_max = 8, .bytes_max = 1'000'000}, model::SessionId()};
 };
 
+TEST_F(CommittingTest, TellsOfShapesAndObjectsOnceTheyAreTold) {
+  Append(robot_, 1);
+  Commit();
+  committing_.Tell();
+  EXPECT_EQ(spatial_commits, 0) << "a fault is none";
+  storage::CommitRecord shape = RecordOf(robot_, 2);
+  shape.content = test::RecordOf(model::ShapeOp{model::Deletion{"gone"}});
+  inbox.Append(robot_, robot_.generation(), shape, clock.Steady());
+  Commit();
+  EXPECT_EQ(spatial_commits, 0);
+  committing_.Tell();
+  EXPECT_EQ(spatial_commits, 1);
+}
+
 TEST_F(CommittingTest, HasNothingToCommit) {
   EXPECT_FALSE(committing_.Gather());
   EXPECT_FALSE(committing_.HasBatch());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +27,8 @@ struct StepBench {
             .errors = errors,
             .quarantine = quarantine,
             .retain_error = retain_error,
-            .checkpoint_error = checkpoint_error};
+            .checkpoint_error = checkpoint_error,
+            .spatial_committed = spatial_committed};
   }
 
   void Open(RecordingClient& client, std::uint64_t open_id = 1) {
@@ -82,6 +84,9 @@ struct StepBench {
   QuarantineNotes quarantine;
   DutyError retain_error{probe.retention_failing};
   DutyError checkpoint_error{probe.checkpoint_failing};
+  /// Commits that held shapes or objects, once they were told.
+  int spatial_commits = 0;
+  std::function<void()> spatial_committed = [this] { ++spatial_commits; };
   Holds holds{context()};
 };
 
