@@ -15,6 +15,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/presence.h"
 #include "schema/model/reports.h"
+#include "storage/latest_kind.h"
 #include "storage/lists.h"
 #include "storage/live_row.h"
 #include "storage/rows.h"
@@ -91,10 +92,6 @@ struct RobotRow {
   ProcessId holder{};
 };
 
-/// The kinds of which the store keeps a robot's latest.
-enum class LatestKind : std::uint8_t { kAgentInfo = 0, kSettings = 1, kUiCapabilities = 2 };
-inline constexpr std::size_t kLatestKinds = 3;
-
 struct LatestRow {
   std::string ruri;
   LatestKind kind = LatestKind::kAgentInfo;
@@ -159,16 +156,16 @@ class Reader {
   /// The number of active faults of each of `ruris`; robots without any may be left out.
   [[nodiscard]] virtual absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) = 0;
-  /// What the store has of each of `ruris`, of the kinds whose bit (1 << LatestKind) is set in
-  /// `kinds`. Stops after the robot with which the bodies passed kPageBytesMax; `ruris` that come
-  /// after it are not looked at, and `complete` robots were.
+  /// What the store has of each of `ruris`, of the kinds in `kinds`. Stops after the robot with
+  /// which the bodies passed kPageBytesMax; `ruris` that come after it are not looked at, and
+  /// `complete` robots were.
   struct LatestRows {
     std::vector<LatestRow> rows;
     /// The number of `ruris` that were looked at; at least 1 if there is any.
     std::size_t complete = 0;
   };
   [[nodiscard]] virtual absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                                          std::uint32_t kinds) = 0;
+                                                          LatestKindSet kinds) = 0;
   /// The live states that were checkpointed of `ruris`, which ascend. Stops after the robot with
   /// which the bytes passed kPageBytesMax.
   struct LiveRows {

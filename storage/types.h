@@ -17,6 +17,7 @@
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 #include "storage/clock_trust.h"
+#include "storage/latest_kind.h"
 
 namespace uplink::storage {
 
@@ -122,6 +123,8 @@ struct OpenResult {
   std::size_t rejects_total = 0;
   /// Nothing if the store has no change of the robot's presence.
   std::optional<StoredPresence> presence;
+  /// Of which kinds the store has a latest message of the robot, whoever committed it.
+  LatestKindSet latest_kinds = 0;
 };
 
 /// What is known of a holder that is over.

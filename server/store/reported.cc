@@ -50,8 +50,7 @@ absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(
     std::span<const std::string> ruris, storage::Reader& reader) {
   Reports reported;
   for (std::span<const std::string> left = ruris; !left.empty();) {
-    const auto rows =
-        reader.Latest(left, 1U << static_cast<unsigned>(storage::LatestKind::kAgentInfo));
+    const auto rows = reader.Latest(left, storage::BitOf(storage::LatestKind::kAgentInfo));
     if (!rows.ok()) return rows.status();
     for (const storage::LatestRow& row : rows->rows) AddInfo(row, reported[row.ruri]);
     left = left.subspan(std::clamp<std::size_t>(rows->complete, 1, left.size()));

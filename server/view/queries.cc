@@ -69,14 +69,10 @@ std::vector<std::string> RurisOf(const std::vector<RobotView>& robots) {
   return ruris;
 }
 
-constexpr std::uint32_t BitOf(storage::LatestKind kind) {
-  return 1U << static_cast<std::uint32_t>(kind);
-}
-
 /// Which latest rows the wanted parts are made of.
-std::uint32_t KindsOf(const PartSet& parts) {
+storage::LatestKindSet KindsOf(const PartSet& parts) {
   using enum storage::LatestKind;
-  std::uint32_t kinds = 0;
+  storage::LatestKindSet kinds = 0;
   if (parts.Has(Part::kAgentInfo)) kinds |= BitOf(kAgentInfo);
   if (parts.Has(Part::kSettings)) kinds |= BitOf(kSettings);
   if (parts.Has(Part::kUiCapabilities)) kinds |= BitOf(kUiCapabilities);
@@ -281,7 +277,7 @@ void Queries::FillKnownFaults(std::vector<RobotView>& robots) {
 
 absl::StatusOr<std::size_t> Queries::FillStored(std::vector<RobotView>& robots,
                                                 const PartSet& parts) {
-  const std::uint32_t kinds = KindsOf(parts);
+  const storage::LatestKindSet kinds = KindsOf(parts);
   if (kinds == 0 || robots.empty()) return robots.size();
   auto latest = sources_.reader.Latest(RurisOf(robots), kinds);
   if (!latest.ok()) return latest.status();

@@ -70,7 +70,7 @@ RobotRow RobotOf(const Result& rows, int row) {
 /// An answer a robot, in one round trip.
 absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
                                                std::span<const std::string> ruris,
-                                               std::uint32_t kinds) {
+                                               LatestKindSet kinds) {
   std::vector<StoreCall> calls;
   calls.reserve(ruris.size());
   for (const std::string& ruri : ruris) {
@@ -222,7 +222,7 @@ UPLINK_LISTS(UPLINK_LIST)
 // NOLINTEND(bugprone-macro-parentheses)
 
 absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::string> ruris,
-                                                          std::uint32_t kinds) {
+                                                          LatestKindSet kinds) {
   return pool_->With([&](Connection& connection) -> absl::StatusOr<LatestRows> {
     LatestRows latest;
     std::size_t bytes = 0;

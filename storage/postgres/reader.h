@@ -66,7 +66,7 @@ class PostgresReader final : public Reader {
   [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                                  std::uint32_t kinds) override;
+                                                  LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   /// How long something in the database has kept dead row versions from being removed, as far as

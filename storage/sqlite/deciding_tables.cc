@@ -37,6 +37,7 @@ absl::Status DecidingTables::Prepare(Database& database) {
                " holder_silent = max(holder_silent, ?4 AND owner <> ?3), owner = ?3"
                " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since, holder_silent");
   prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
+  prepare.Into(latest_kinds_, "SELECT kind FROM latest WHERE ruri = ?");
   prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
   prepare.Into(open_session_,
                "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
@@ -112,6 +113,17 @@ absl::StatusOr<std::optional<StoredPresence>> DecidingTables::Presence(std::stri
   if (!found.ok()) return found.status();
   if (!*found) return std::optional<StoredPresence>();
   return std::optional(StoredPresence{PresenceOf(rows.Int(0)), FromUnixMs(rows.Int(1))});
+}
+
+absl::StatusOr<LatestKindSet> DecidingTables::LatestKinds(std::string_view ruri) {
+  LatestKindSet kinds = 0;
+  Rows rows = latest_kinds_->Select(ruri);
+  while (true) {
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    if (!*found) return kinds;
+    kinds |= BitOf(static_cast<LatestKind>(rows.Int(0)));
+  }
 }
 
 absl::StatusOr<std::optional<Epoch>> DecidingTables::HeldSince(std::string_view ruri) {

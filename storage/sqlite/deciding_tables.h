@@ -49,6 +49,8 @@ class DecidingTables final {
                                                        const ProcessId& process);
   /// Nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<StoredPresence>> Presence(std::string_view ruri);
+  /// As OpenResult.latest_kinds.
+  [[nodiscard]] absl::StatusOr<LatestKindSet> LatestKinds(std::string_view ruri);
   /// Nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri);
 
@@ -69,7 +71,7 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<Epoch> DrawEpoch();
 
   std::unique_ptr<Statement> next_entry_, set_next_entry_, draw_epoch_, open_robot_, adopt_robot_,
-      presence_, held_since_, open_session_, find_session_, raise_cursor_, sessions_,
+      presence_, latest_kinds_, held_since_, open_session_, find_session_, raise_cursor_, sessions_,
       delete_session_;
 };
 

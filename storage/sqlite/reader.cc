@@ -169,7 +169,7 @@ UPLINK_LISTS(UPLINK_LIST)
 // NOLINTEND(bugprone-macro-parentheses)
 
 absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::string> ruris,
-                                                        std::uint32_t kinds) {
+                                                        LatestKindSet kinds) {
   return pool_->With([&](Database& database) -> absl::StatusOr<LatestRows> {
     auto statement = database.Prepare(
         "SELECT kind, received_ms, body FROM latest WHERE ruri = ? AND (? >> kind) & 1"

@@ -56,7 +56,7 @@ class SqliteReader final : public Reader {
   [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                                  std::uint32_t kinds) override;
+                                                  LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   /// What is left on the file's disk, and in the file itself: pages of rows that were deleted are

@@ -131,6 +131,9 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   const auto presence = deciding.Presence(request.robot->ruri);
   if (!presence.ok()) return presence.status();
   result.presence = *presence;
+  const auto latest_kinds = deciding.LatestKinds(request.robot->ruri);
+  if (!latest_kinds.ok()) return latest_kinds.status();
+  result.latest_kinds = *latest_kinds;
   return result;
 }
 

@@ -23,12 +23,11 @@ class LatestContract : public StoreContract {
   }
 
   storage::Reader::LatestRows Latest(const std::vector<std::string>& ruris,
-                                     std::uint32_t kinds = kAllLatest) {
+                                     storage::LatestKindSet kinds = kAllLatest) {
     auto latest = store_->reader().Latest(ruris, kinds);
     EXPECT_TRUE(latest.ok()) << latest.status();
     return latest.ok() ? *std::move(latest) : storage::Reader::LatestRows();
   }
-  static std::uint32_t Bit(LatestKind kind) { return 1U << static_cast<unsigned>(kind); }
 };
 
 TEST_P(LatestContract, KeepsOneOfEachKind) {
@@ -61,9 +60,9 @@ TEST_P(LatestContract, ReplacesInCommitOrder) {
   Commit({At(-5, Good(4, settings)), At(-6, Good(5, Agent("0")))});
   const auto rows = LatestRows();
   ASSERT_THAT(rows, SizeIs(2));
-  EXPECT_EQ(Latest({robot_->ruri}, Bit(LatestKind::kAgentInfo)).rows.at(0).body_json,
+  EXPECT_EQ(Latest({robot_->ruri}, BitOf(LatestKind::kAgentInfo)).rows.at(0).body_json,
             json::Text(Agent("0")));
-  const auto latest = Latest({robot_->ruri}, Bit(LatestKind::kSettings)).rows.at(0);
+  const auto latest = Latest({robot_->ruri}, BitOf(LatestKind::kSettings)).rows.at(0);
   EXPECT_EQ(latest.body_json, json::Text(settings)) << "nothing of the older ones is left";
   EXPECT_EQ(latest.received_at, Time(-5));
 }
@@ -72,7 +71,7 @@ TEST_P(LatestContract, KeepsEmptyOnes) {
   Open();
   Commit({Good(1, model::UiCapabilities{}), Good(2, model::CurrentSettings{})});
   EXPECT_THAT(LatestRows(), SizeIs(2));
-  EXPECT_EQ(Latest({robot_->ruri}, Bit(LatestKind::kSettings)).rows.at(0).body_json, "{}");
+  EXPECT_EQ(Latest({robot_->ruri}, BitOf(LatestKind::kSettings)).rows.at(0).body_json, "{}");
 }
 
 TEST_P(LatestContract, AnswersForSomeRobotsAndKinds) {
@@ -82,7 +81,7 @@ TEST_P(LatestContract, AnswersForSomeRobotsAndKinds) {
   Commit({Good(1, Agent("a")), Good(2, test::SampleSettings()), Of(robot_b, Good(1, Agent("b"))),
           Of(robot_b, Good(2, test::SampleCapabilities())), Of(Robot("c"), Good(1, Agent("c")))});
   const auto agents_of = [&](const std::vector<std::string>& ruris) {
-    const auto latest = Latest(ruris, Bit(LatestKind::kAgentInfo));
+    const auto latest = Latest(ruris, BitOf(LatestKind::kAgentInfo));
     EXPECT_EQ(latest.complete, ruris.size());
     std::vector<std::string> bodies;
     for (const auto& row : latest.rows) bodies.push_back(row.body_json);
@@ -95,8 +94,9 @@ TEST_P(LatestContract, AnswersForSomeRobotsAndKinds) {
               ElementsAre(json::Text(Agent("b")), json::Text(Agent("a"))));
   EXPECT_THAT(agents_of({"rcan://robots/none"}), IsEmpty());
   EXPECT_THAT(agents_of({}), IsEmpty());
-  EXPECT_THAT(Latest({a, b}, Bit(LatestKind::kAgentInfo) | Bit(LatestKind::kUiCapabilities)).rows,
-              SizeIs(3));
+  EXPECT_THAT(
+      Latest({a, b}, BitOf(LatestKind::kAgentInfo) | BitOf(LatestKind::kUiCapabilities)).rows,
+      SizeIs(3));
   EXPECT_THAT(Latest({a, b}).rows, SizeIs(4));
   const auto none = Latest({a, b}, 0);
   EXPECT_THAT(none.rows, IsEmpty());
@@ -121,6 +121,26 @@ TEST_P(LatestContract, AnswersForAThousandRobots) {
   ASSERT_THAT(latest.rows, SizeIs(1'000));
   EXPECT_EQ(latest.complete, 1'000U);
   for (std::size_t i = 0; i < ruris.size(); ++i) EXPECT_EQ(latest.rows[i].ruri, ruris[i]);
+}
+
+TEST_P(LatestContract, TellsAnOpeningOfWhichKindsItHasOne) {
+  EXPECT_EQ(Open().latest_kinds, 0U);
+  Commit({Good(1, Agent("1")), Good(2, Fault("f"))});
+  EXPECT_EQ(Open().latest_kinds, BitOf(LatestKind::kAgentInfo));
+  Commit({Good(3, test::SampleSettings()), Good(4, test::SampleCapabilities())});
+  storage::OpenRequest other_robot = Request();
+  other_robot.robot = Robot("b");
+  const std::vector<storage::OpenRequest> requests = {Request(), other_robot, Request()};
+  const auto results = store_->Process(kProcess).OpenStreams(requests);
+  ASSERT_TRUE(results.ok()) << results.status();
+  ASSERT_THAT(*results, SizeIs(3));
+  EXPECT_EQ((*results)[0].latest_kinds, kAllLatest);
+  EXPECT_EQ((*results)[1].latest_kinds, 0U) << "what is there is another robot's";
+  EXPECT_EQ((*results)[2].latest_kinds, kAllLatest);
+  store_->Reopen();
+  storage::OpenRequest other_session = Request();
+  other_session.session = Session(2);
+  EXPECT_EQ(Open(other_session, kOther).latest_kinds, kAllLatest) << "whoever committed it";
 }
 
 TEST_P(LatestContract, HoldsAfterAReopening) {

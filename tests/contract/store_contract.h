@@ -86,7 +86,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   std::vector<storage::PresenceRow> Changes(const storage::HistoryQuery& query = {});
   /// The latest rows of the fixture's robot, all kinds.
   std::vector<storage::LatestRow> LatestRows();
-  static constexpr std::uint32_t kAllLatest = (1U << storage::kLatestKinds) - 1;
+  static constexpr storage::LatestKindSet kAllLatest = storage::kAllLatestKinds;
 
   template <typename Row>
   static std::vector<Row> RowsOf(absl::StatusOr<storage::Page<Row>> page) {

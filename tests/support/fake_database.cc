@@ -249,6 +249,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   result.epoch = robot.epoch;
   result.held_since = robot.held_since;
   result.presence = presence_.Last(request.robot->ruri);
+  result.latest_kinds = kinds_.LatestKinds(request.robot->ruri);
   result.cursor = session.cursor;
   const auto end = session.rejects.upper_bound(session.cursor);
   auto it = session.rejects.upper_bound(std::min(request.settled_seq, session.cursor));

@@ -127,6 +127,10 @@ class FakeDatabase final {
     const std::lock_guard lock(mutex_);
     kinds_.NoteChange(std::move(key));
   }
+  void EraseLatest(std::string_view ruri, storage::LatestKind kind) {
+    const std::lock_guard lock(mutex_);
+    kinds_.EraseLatest(std::string(ruri), kind);
+  }
   /// A mutation: a robot's epochs count from 1 in each life of its row, as if there were no
   /// sequence. A test that claims to watch holds must fail with it.
   void CountEpochsInEachRow() { epochs_in_each_row_ = true; }

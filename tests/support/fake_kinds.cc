@@ -203,4 +203,13 @@ std::size_t FakeKinds::EraseHistory(SystemTime until) {
   return erased + closed.size();
 }
 
+storage::LatestKindSet FakeKinds::LatestKinds(const std::string& ruri) const {
+  storage::LatestKindSet kinds = 0;
+  for (auto row = latest_.lower_bound({ruri, LatestKind::kAgentInfo});
+       row != latest_.end() && row->first.first == ruri; ++row) {
+    kinds |= storage::BitOf(row->first.second);
+  }
+  return kinds;
+}
+
 }  // namespace uplink::testing

@@ -72,6 +72,12 @@ class FakeKinds final {
   [[nodiscard]] const FakePresent<storage::ObjectRow>& objects() const { return objects_; }
   [[nodiscard]] const FakeChanges& changes() const { return changes_; }
   [[nodiscard]] const LatestRows& latest() const { return latest_; }
+  /// As storage::OpenResult has them.
+  [[nodiscard]] storage::LatestKindSet LatestKinds(const std::string& ruri) const;
+  /// The latest message of this kind goes.
+  void EraseLatest(const std::string& ruri, storage::LatestKind kind) {
+    latest_.erase({ruri, kind});
+  }
 
  private:
   struct Target {

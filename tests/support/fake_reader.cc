@@ -207,7 +207,7 @@ absl::StatusOr<Page<storage::PresenceRow>> FakeReader::PresenceChanges(const His
 }
 
 absl::StatusOr<FakeReader::LatestRows> FakeReader::Latest(std::span<const std::string> ruris,
-                                                          std::uint32_t kinds) {
+                                                          storage::LatestKindSet kinds) {
   const std::lock_guard lock(database_.mutex_);
   LatestRows latest;
   std::size_t bytes = 0;

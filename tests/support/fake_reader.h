@@ -36,7 +36,7 @@ class FakeReader final : public storage::Reader {
   [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                                  std::uint32_t kinds) override;
+                                                  storage::LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
  private:

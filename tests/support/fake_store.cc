@@ -244,7 +244,7 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> FakeStore::ActiveFaultCounts(
 }
 
 absl::StatusOr<storage::Reader::LatestRows> FakeStore::Latest(std::span<const std::string> ruris,
-                                                              std::uint32_t kinds) {
+                                                              storage::LatestKindSet kinds) {
   return FakeReader(database_).Latest(ruris, kinds);
 }
 

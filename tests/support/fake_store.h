@@ -71,7 +71,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                                  std::uint32_t kinds) override;
+                                                  storage::LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
   // Faults; each set of orders is worked off before the next of its kind.

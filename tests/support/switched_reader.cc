@@ -79,7 +79,7 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCo
 }
 
 absl::StatusOr<storage::Reader::LatestRows> SwitchedReader::Latest(
-    std::span<const std::string> ruris, std::uint32_t kinds) {
+    std::span<const std::string> ruris, storage::LatestKindSet kinds) {
   if (absl::Status here = Enter(); !here.ok()) return here;
   std::size_t looked_at = ruris.size();
   {

@@ -42,7 +42,7 @@ class SwitchedReader final : public storage::Reader {
   absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                    std::uint32_t kinds) override;
+                                    storage::LatestKindSet kinds) override;
   absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
   // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                       \

@@ -97,6 +97,10 @@ constexpr std::string_view kEvictSessions =
     " WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
     " AND old.place <= old.kept - $4::bigint";
 
+// The primary key tells it without the table.
+constexpr std::string_view kReadLatestKinds =
+    "SELECT ruri, kind FROM uplinkd.latest WHERE ruri = ANY ($1::text[])";
+
 /// Requests of different robots, by RURI.
 using Wave = std::map<std::string_view, std::size_t>;
 
@@ -114,7 +118,8 @@ std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
 
 std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> requests,
                                const ProcessId& process) {
-  Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime}, new_ruri{Type::kText};
+  Array ruri{Type::kText}, fleet{Type::kText}, at{Type::kTime}, new_ruri{Type::kText},
+      latest_ruri{Type::kText};
   Array session_ruri{Type::kText}, session{Type::kUuid}, used{Type::kTime}, told{Type::kInt8};
   Array settled_ruri{Type::kText}, settled_session{Type::kUuid}, settled{Type::kInt8};
   Array ended{Type::kText}, evict_ruri{Type::kText}, held_ruri{Type::kText},
@@ -127,6 +132,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
     ruris.push_back(name);
     ruri.Text(name);
     new_ruri.Text(name);
+    latest_ruri.Text(name);
     fleet.Text(request.robot->fleet);
     at.Time(request.at);
     if (request.stream == StreamState::kEnded) ended.Text(name);
@@ -167,6 +173,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.back().parameters.Int8(static_cast<std::int64_t>(kSessionsPerRobotMax));
   calls.back().parameters.Uuid(model::SessionId(process));
   calls.push_back(ReadPresenceCall(ruris));
+  calls.push_back(StoreCallOf(kReadLatestKinds, {&latest_ruri}));
   return calls;
 }
 
@@ -206,6 +213,11 @@ void Take(const Wave& wave, std::span<const OpenRequest> requests, std::span<con
     if (results[index].rejects.size() == requests[index].rejects_max) continue;
     results[index].rejects.push_back(
         {static_cast<model::Seq>(rejects.Int(row, 1)), ReadRejection(rejects, row, 2)});
+  }
+  const Result& latest = answers[8];
+  for (int row = 0; row < latest.rows(); ++row) {
+    OpenResult& result = result_of(latest, row);
+    if (result.taken) result.latest_kinds |= BitOf(static_cast<LatestKind>(latest.Int(row, 1)));
   }
   const Result& counts = answers[5];
   for (int row = 0; row < counts.rows(); ++row) {
