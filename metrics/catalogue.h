@@ -58,6 +58,8 @@ enum class MetricId : std::uint8_t {
   kRejectPages,
   kRejectReadsFailed,
   kResumes,
+  kResendRequests,
+  kResendUnanswered,
   kFrames,
   kFrameBytes,
   kAcks,

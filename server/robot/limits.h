@@ -35,6 +35,8 @@ static_assert(kStreamDelayMin * (1U << (kStreamTimesMax - kStreamsPerMinuteMax -
               kStreamDelayMax);
 /// Streams of one robot that wait at once; one more is refused.
 inline constexpr std::size_t kStreamsWaitingMax = 4;
+/// A robot is asked for a kind of message that the store lacks of it at most once in this time.
+inline constexpr std::chrono::minutes kResendEvery{1};
 /// Distinct fields for which a robot's Notices are paced; further fields share one slot.
 inline constexpr std::size_t kNoticeFieldsMax = 64;
 

@@ -56,6 +56,7 @@ class Numbering final {
   [[nodiscard]] model::Seq judged() const;
   /// How many numbers wait for their commit.
   [[nodiscard]] std::size_t waiting() const { return window_.waiting(); }
+  [[nodiscard]] bool Waits(model::Seq seq) const { return window_.Waits(seq); }
   /// How many numbers never came; of one jump kMissingPerJumpMax at most.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
 

@@ -26,11 +26,6 @@ RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
   return takeover_.Attach(stream, now, system_now);
 }
 
-Standing RobotSessions::StandingOf(StreamRef stream) const {
-  const std::lock_guard lock(mutex_);
-  return takeover_.StandingOf(stream);
-}
-
 StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   if (stream == takeover_.current() && current_session_) {
@@ -59,6 +54,7 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   unconfirmed_.store(0);
   free_through_.store(kNotKnown);
   last_session_.reset();
+  resends_.Begin();
   return Begun{.open_id = opening_.Ask(), .generation = generation_.load()};
 }
 
@@ -135,11 +131,6 @@ Progress RobotSessions::Take(const model::SessionId& session) {
           .judged = std::min(numbers.judged(), judged.value_or(numbers.judged())),
           .rejects = memory->rejects.TakeUntold(),
           .released = std::exchange(memory->released, {})};
-}
-
-void RobotSessions::SetHeldBack(HeldBack by, SystemTime now) {
-  const std::lock_guard lock(mutex_);
-  held_back_.Set(by, now);
 }
 
 std::optional<UnreadRejects> RobotSessions::UnreadOf(const model::SessionId& session) const {
@@ -234,7 +225,15 @@ bool RobotSessions::HasStream() const {
 
 StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
-  if (opening_.Answer(open_id, result)) free_through_.store(result.cursor);
+  if (opening_.Answer(open_id, result)) {
+    free_through_.store(result.cursor);
+    // What is at or below the cursor is no news to the store, though it waits.
+    resends_.Answer(result.latest_kinds, [&](const SentMessage& sent) {
+      const SessionMemory* memory = sessions_.Find(sent.session);
+      const bool known = sent.session == current_session_ && sent.seq <= result.cursor;
+      return memory != nullptr && memory->numbers.Waits(sent.seq) && !known;
+    });
+  }
   if (opening_.came_late()) {
     StoredSession stored = StoredOf(opening_.Take(open_id));
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
@@ -289,6 +288,7 @@ StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
     last_session_.reset();
     settled_taken_.reset();
     opening_.Forget();
+    resends_.Begin();
     generation_.fetch_add(1);
     takeover_.Supersede();
     wake = takeover_.current();

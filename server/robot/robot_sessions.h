@@ -22,9 +22,11 @@
 #include "server/robot/pacing.h"
 #include "server/robot/reconnects.h"
 #include "server/robot/rejected_seq.h"
+#include "server/robot/resends.h"
 #include "server/robot/session_table.h"
 #include "server/robot/takeover.h"
 #include "server/robot/wake.h"
+#include "storage/latest_kind.h"
 #include "storage/live_row.h"
 
 namespace uplink::robot {
@@ -88,7 +90,10 @@ class RobotSessions final {
   /// without a number none did.
   [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
                                 std::optional<std::uint64_t> number = std::nullopt);
-  [[nodiscard]] Standing StandingOf(StreamRef stream) const;
+  [[nodiscard]] Standing StandingOf(StreamRef stream) const {
+    const std::lock_guard lock(mutex_);
+    return takeover_.StandingOf(stream);
+  }
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
   /// The robot's stream is to end. Returns it, to be woken; none if there is none.
@@ -149,8 +154,25 @@ class RobotSessions final {
 
   /// Takes the state for an Ack, and the store's Rejects that were not told yet, in one look.
   [[nodiscard]] Progress Take(const model::SessionId& session);
+  /// A good message of a kind of which the latest is kept was handed to the journal.
+  void AddLatest(const model::SessionId& session, model::Seq seq, storage::LatestKind kind) {
+    const std::lock_guard lock(mutex_);
+    // The store has settled it already, so that it brings the store nothing.
+    if (free_through_.load() != kNotKnown && seq <= free_through_.load()) return;
+    resends_.AddGood(kind, {session, seq});
+  }
+  /// What the store lacks of the robot, as far as it has said so to this stream.
+  [[nodiscard]] ResendView resend_view() const { return resends_.view(); }
+  /// As Resends::Take.
+  [[nodiscard]] Resends::Due TakeResends(SteadyTime now) {
+    const std::lock_guard lock(mutex_);
+    return resends_.Take(now);
+  }
   /// Why the stream is not read now; kNone once it is, or ends. For View alone.
-  void SetHeldBack(HeldBack by, SystemTime now);
+  void SetHeldBack(HeldBack by, SystemTime now) {
+    const std::lock_guard lock(mutex_);
+    held_back_.Set(by, now);
+  }
   /// Messages and gap records of the robot that are not committed.
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.load() + gaps_in_flight_.load(); }
   /// What of the robot waits in the journal.
@@ -216,6 +238,7 @@ class RobotSessions final {
   Takeover takeover_;
   Opening opening_;
   Pacing pacing_;
+  Resends resends_;
   /// The session of the robot's stream, or of its last one.
   std::optional<model::SessionId> current_session_;
   std::optional<storage::SettledSession> settled_taken_;

@@ -30,6 +30,18 @@ static_assert(kAgree<RejectReason::kDuplicateKey, v1::REJECT_REASON_DUPLICATE_KE
 static_assert(kAgree<RejectReason::kTooFewItems, v1::REJECT_REASON_TOO_FEW_ITEMS>);
 static_assert(kAgree<RejectReason::kStoreRefused, v1::REJECT_REASON_STORE_REFUSED>);
 
+v1::ResendKind ToWire(storage::LatestKind kind) {
+  switch (kind) {
+    case storage::LatestKind::kAgentInfo:
+      return v1::RESEND_KIND_AGENT_INFO;
+    case storage::LatestKind::kSettings:
+      return v1::RESEND_KIND_CURRENT_SETTINGS;
+    case storage::LatestKind::kUiCapabilities:
+      break;
+  }
+  return v1::RESEND_KIND_UI_CAPABILITIES;
+}
+
 }  // namespace
 
 v1::RejectReason ToWire(RejectReason reason) { return static_cast<v1::RejectReason>(reason); }
@@ -77,6 +89,15 @@ v1::RelayResponse NoticeFrame(model::Seq seq, const model::Rejection& dropped) {
   notice.set_reason(ToWire(dropped.reason));
   notice.set_field(PrintableUtf8(dropped.field, model::kDetailBytesMax));
   notice.set_detail(PrintableUtf8(dropped.detail, model::kDetailBytesMax));
+  return frame;
+}
+
+v1::RelayResponse ResendRequestFrame(storage::LatestKindSet kinds) {
+  v1::RelayResponse frame;
+  v1::ResendRequest& request = *frame.mutable_resend_request();
+  for (const storage::LatestKind kind : storage::kEachLatestKind) {
+    if ((kinds & BitOf(kind)) != 0) request.add_kinds(ToWire(kind));
+  }
   return frame;
 }
 

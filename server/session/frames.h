@@ -6,6 +6,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "server/session/limits.h"
+#include "storage/latest_kind.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::session {
@@ -20,6 +21,7 @@ namespace uplink::session {
 [[nodiscard]] v1::RelayResponse RejectFrame(model::Seq seq, const model::Rejection& rejection,
                                             std::int64_t retry_after_ms = 0);
 [[nodiscard]] v1::RelayResponse NoticeFrame(model::Seq seq, const model::Rejection& dropped);
+[[nodiscard]] v1::RelayResponse ResendRequestFrame(storage::LatestKindSet kinds);
 [[nodiscard]] v1::RelayResponse DrainFrame(milliseconds grace);
 
 }  // namespace uplink::session

@@ -182,7 +182,10 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
   }
   if (IsNew(uplink.seq)) TakeFlow(uplink.payload.size());
   robot_.state.KeepReport(record.body(), received_at_);
+  const std::optional<storage::LatestKind> latest = storage::LatestKindOf(record.variant());
   Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
+  // After it waits, so that an answer of the store that comes now takes it into account.
+  if (latest) robot_.sessions.AddLatest(session_, uplink.seq, *latest);
 }
 
 bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Processed& processed) {

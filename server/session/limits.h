@@ -37,6 +37,10 @@ inline constexpr std::size_t kCostlyPerTurn = 16;
 inline constexpr std::size_t kForwardsPerTurn = 16;
 /// After how long Rejects are read again that could not be.
 inline constexpr std::chrono::seconds kRejectsReadAgain{1};
+/// How long after Welcome an agent is first asked for what the store lacks of it: by then most have
+/// sent it by themselves (it takes a round trip over a mobile link, and what the agent needs to
+/// make it), and need not send it twice.
+inline constexpr std::chrono::seconds kResendGrace{1};
 /// Largest jump of numbers, but at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
 /// Arrivals that a stream keeps for the ack latency until its next Ack is written.

@@ -4,6 +4,15 @@
 
 namespace uplink::session {
 
+void Outgoing::Begin(const robot::Resume& resume) {
+  Push(WelcomeFrame(robot_.robot().ruri(), resume.committed, context_.limits,
+                    context_.clock.System()));
+  PushRejects(resume.rejects);
+  MakeAckDue();
+  if (context_.forwards == nullptr || robot_.declines_forwards()) return;
+  receiver_ = context_.forwards->Join(*robot_.robot().id(), robot_.self());
+}
+
 void Outgoing::PushRejects(std::span<const robot::RejectedSeq> rejects) {
   for (const robot::RejectedSeq& rejected : rejects) {
     Push(RejectFrame(rejected.seq, rejected.rejection, rejected.retry_after_ms));

@@ -36,9 +36,15 @@ class Outgoing final {
     StreamTimers& timers;
   };
   explicit Outgoing(const Sources& sources)
-      : robot_(sources.robot), sink_(sources.sink), ack_(sources.context, sources.timers) {}
+      : context_(sources.context),
+        robot_(sources.robot),
+        sink_(sources.sink),
+        ack_(sources.context, sources.timers) {}
 
   void Push(v1::RelayResponse frame) { frames_.push_back(std::move(frame)); }
+  /// A stream begins: Welcome, the Rejects that are told once more, then an Ack; and behind these,
+  /// unless the robot declined, what the others of its fleet share.
+  void Begin(const robot::Resume& resume);
   void PushRejects(std::span<const robot::RejectedSeq> rejects);
   /// Messages were processed: their Rejects and Notices go out, and count towards the next Ack.
   void AddProcessed(Intake::Processed processed);
@@ -46,9 +52,9 @@ class Outgoing final {
   void AddProgress();
   /// An Ack goes out behind the frames that wait.
   void MakeAckDue() { ack_.MakeDue(); }
-  /// From now on what `receiver` has goes out too; null ends that.
-  void ForwardFrom(std::unique_ptr<ForwardReceiver> receiver) { receiver_ = std::move(receiver); }
-  /// The stream's turn begins: it may forward kForwardsPerTurn times more.
+  /// What the others share goes out no more.
+  void EndForwards() { receiver_.reset(); }
+  /// The stream was woken: it may forward kForwardsPerTurn times more.
   void BeginTurn() { forwards_left_ = kForwardsPerTurn; }
   /// Writes the next frame, unless a write is under way.
   void Flush();
@@ -64,6 +70,7 @@ class Outgoing final {
   [[nodiscard]] std::optional<v1::RelayResponse> NextAck();
   void WriteForwards();
 
+  const SessionContext& context_;
   Attachment& robot_;
   FrameSink& sink_;
   AckRelease ack_;

@@ -9,6 +9,7 @@
 
 #include "metrics/cells.h"
 #include "server/robot/held_back.h"
+#include "storage/latest_kind.h"
 
 namespace uplink::session {
 
@@ -70,6 +71,10 @@ struct SessionProbe {
   metrics::Cell reject_reads_failed_total;
   /// Streams that ended with limits.unconfirmed_rejects_max Rejects that were not confirmed.
   metrics::Cell unconfirmed_total;
+  /// By storage::LatestKind: how often robots were asked for one, and streams whose robot was asked
+  /// and has not sent it.
+  std::array<metrics::Cell, storage::kLatestKinds> resend_requests_total;
+  std::array<metrics::Cell, storage::kLatestKinds> resend_unanswered;
   /// Streams that ended, by kStreamEnds.
   std::array<metrics::Cell, kStreamEnds.size()> ended_total;
   /// A stream ends with this status.

@@ -29,6 +29,12 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
   page.Add(kRejectPages, probe.reject_pages_total);
   page.Add(kRejectReadsFailed, probe.reject_reads_failed_total);
   page.Add(kResumes, probe.resumes_total);
+  for (const storage::LatestKind kind : storage::kEachLatestKind) {
+    const auto place = static_cast<std::size_t>(kind);
+    const std::string_view name = model::ToText(storage::VariantOf(kind));
+    page.Add(kResendRequests, probe.resend_requests_total[place], {name});
+    page.Add(kResendUnanswered, probe.resend_unanswered[place], {name});
+  }
   page.Add(kFrames, probe.frames_total);
   page.Add(kFrameBytes, probe.frame_bytes_total);
   page.Add(kAcks, probe.acks_total);

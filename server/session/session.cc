@@ -19,6 +19,7 @@ Session::Session(const SessionContext& context, identity::PeerIdentity peer, rob
       reading_({.context = context_, .robot = robot_, .source = source, .timers = timers_}),
       outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}),
       reject_pages_({.context = context_, .robot = robot_, .timers = timers_}),
+      resends_({context_, robot_, outgoing_, timers_}),
       settling_({context_, robot_, outgoing_, reading_, timers_}) {
   context_.probe.streams.Add();
   context_.probe.streams_total.Add();
@@ -38,7 +39,6 @@ void Session::Start() {
 
 void Session::OnFrame(std::string_view bytes) {
   reading_.OnAnswer();
-  outgoing_.BeginTurn();
   if (state_ != State::kHello && state_ != State::kStreaming) return;
   ++frames_;
   context_.probe.frames_total.Add();
@@ -95,7 +95,7 @@ void Session::Attach() {
 
 void Session::BeginOpening() {
   const SteadyTime now = context_.clock.Steady();
-  const absl::StatusOr<std::uint64_t> generation = robot_.Open(now);
+  const auto generation = robot_.Open(now);
   if (!generation.ok()) return Finish(generation.status());
   state_ = State::kOpening;
   timers_.Set(Timer::kWelcome, now + kWelcomeWait);
@@ -105,21 +105,14 @@ void Session::BeginOpening() {
 void Session::SendWelcome() {
   timers_.Clear(Timer::kWelcome);
   state_ = State::kStreaming;
-  const robot::Resume resume = robot_.Resume();
-  outgoing_.Push(WelcomeFrame(robot_.robot().ruri(), resume.committed, context_.limits,
-                              context_.clock.System()));
-  outgoing_.PushRejects(resume.rejects);
-  outgoing_.MakeAckDue();
-  if (context_.forwards != nullptr && !robot_.declines_forwards()) {
-    outgoing_.ForwardFrom(context_.forwards->Join(*robot_.robot().id(), robot_.self()));
-  }
+  outgoing_.Begin(robot_.Resume());
+  resends_.Begin();
   Advance(News::kNone);
 }
 
 void Session::HandleBatch() {
   const BatchView& batch = context_.scratch.batch;
-  const absl::Status status = CheckBatch(batch, last_seq_, context_.limits, frames_);
-  if (!status.ok()) {
+  if (auto status = CheckBatch(batch, last_seq_, context_.limits, frames_); !status.ok()) {
     context_.probe.protocol_errors_total.Add();
     return Finish(status);
   }
@@ -150,6 +143,7 @@ void Session::ProcessAndWrite(News news) {
     // scratch that all streams of the thread share.
     intake_->Keep();
   }
+  if (state_ == State::kStreaming) resends_.Follow();
   if (reject_pages_.Collect() || news == News::kCommits) outgoing_.AddProgress();
   outgoing_.Flush();
   if (state_ != State::kStreaming && state_ != State::kSettling) return;
@@ -160,14 +154,9 @@ bool Session::EndForRejects() {
   if (state_ != State::kStreaming || !intake_->rejects_full()) return false;
   // What was not judged yet was not processed: the agent sends it again.
   intake_->Drop();
-  Settle();
+  state_ = State::kSettling;
   settling_.BeginUnconfirmed();
   return true;
-}
-
-void Session::Settle() {
-  state_ = State::kSettling;
-  outgoing_.ForwardFrom(nullptr);
 }
 
 void Session::EndWhenSettled() {
@@ -261,7 +250,7 @@ void Session::OnHalfClose() {
     return ProtocolError("the stream was half-closed before a hello");
   }
   if (state_ != State::kStreaming) return;
-  Settle();
+  state_ = State::kSettling;
   settling_.BeginHalfClosed();
   Advance(News::kLastFrame);
 }
@@ -271,9 +260,8 @@ void Session::OnDrain(milliseconds grace) {
   if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(Drained());
   outgoing_.Push(DrainFrame(grace));
   if (state_ == State::kStreaming) {
-    // What was not judged yet was not processed: the agent sends it again.
-    intake_->Drop();
-    Settle();
+    intake_->Drop();  // as above
+    state_ = State::kSettling;
     settling_.BeginDrained();
   }
   settling_.EndWithin(grace);
@@ -301,8 +289,9 @@ void Session::Finish(const absl::Status& status) {
 void Session::Leave() {
   if (state_ == State::kDone) return;
   state_ = State::kDone;
-  outgoing_.ForwardFrom(nullptr);
+  outgoing_.EndForwards();
   robot_.EndWait();
+  resends_.End();
   if (!robot_.attached()) return;
   reading_.SetReading(ReadGate::Reading::kFlowing);
   robot_.Detach();

@@ -16,6 +16,7 @@
 #include "server/session/outgoing.h"
 #include "server/session/read_gate.h"
 #include "server/session/reject_pages.h"
+#include "server/session/resend_requests.h"
 #include "server/session/settling.h"
 #include "server/session/stream_timers.h"
 
@@ -99,8 +100,6 @@ class Session final {
   /// Ends the stream if too many Rejects wait to be confirmed: what was processed is settled first.
   /// True if it does.
   bool EndForRejects();
-  /// The stream takes nothing more, and forwards nothing.
-  void Settle();
   void EndWhenSettled();
   void Read();
 
@@ -124,6 +123,7 @@ class Session final {
   std::unique_ptr<Intake> intake_;
   Outgoing outgoing_;
   RejectPages reject_pages_;
+  ResendRequests resends_;
   Settling settling_;
 };
 

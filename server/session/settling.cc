@@ -30,6 +30,8 @@ void Settling::BeginUnconfirmed() {
 
 void Settling::Begin(absl::Status status, ReadGate::Reading reading) {
   status_ = std::move(status);
+  sources_.outgoing.EndForwards();
+  sources_.timers.Clear(Timer::kResend);
   // Held back where it is we who do not listen any more, so that the robot does not become offline.
   sources_.reading.SetReading(reading);
 }

@@ -27,8 +27,10 @@ enum class Timer : std::uint8_t {
   kReadRejects,
   /// The end of a throttle, when the stream is read again.
   kReadAgain,
+  /// The next ResendRequest (kResendGrace, robot::kResendEvery).
+  kResend,
 };
-inline constexpr std::size_t kTimers = 8;
+inline constexpr std::size_t kTimers = 9;
 
 /// The deadlines of one stream, at most one for each Timer. Confined to the stream's thread.
 class StreamTimers final {

@@ -34,6 +34,16 @@ std::string_view ReasonText(v1::RejectReason reason) {
   return model::ToText(static_cast<model::RejectReason>(reason));
 }
 
+/// Without the kinds' prefix, RESEND_KIND_.
+std::string ResendLine(const v1::ResendRequest& request) {
+  constexpr std::size_t kPrefix = 12;
+  std::string line = "resend";
+  for (const int kind : request.kinds()) {
+    line += " " + v1::ResendKind_Name(static_cast<v1::ResendKind>(kind)).substr(kPrefix);
+  }
+  return line;
+}
+
 }  // namespace
 
 model::SessionId SessionOf(std::uint8_t number) {
@@ -101,6 +111,7 @@ std::string ToLine(const v1::RelayResponse& frame) {
       return fmt::format("forward {} {}", static_cast<int>(frame.forward().kind()),
                          frame.forward().origin_ruri());
     case v1::RelayResponse::kResendRequest:
+      return ResendLine(frame.resend_request());
     case v1::RelayResponse::FRAME_NOT_SET:
       break;
   }

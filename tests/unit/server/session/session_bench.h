@@ -53,8 +53,8 @@ struct Message {
                                             const std::string& payload);
 
 /// A response as one line: `welcome 3`, `ack 3 judged 5`, `reject 4 missing_field faultId`,
-/// `notice 1 out_of_range battery.socPct`, `drain 1000`, `forward 2 rcan://a/1` (its kind and
-/// origin).
+/// `notice 1 out_of_range battery.socPct`, `resend AGENT_INFO CURRENT_SETTINGS`, `drain 1000`,
+/// `forward 2 rcan://a/1` (its kind and origin).
 [[nodiscard]] std::string ToLine(const v1::RelayResponse& frame);
 
 /// One stream: a session, and an agent that takes every frame at once unless it is told not to.
