@@ -51,11 +51,13 @@ void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime 
   for (const std::uint64_t tag : model_.TakeReplaced()) account_.GiveWay(tag);
 }
 
+bool Agent::HasRoom() const {
+  return model_.durable_room() >= kDurableATickMax && !account_.full();
+}
+
 std::vector<Outgoing> Agent::LifeAt(std::int64_t now_ms) {
   // A robot whose memory is full of unsent messages goes on moving, and reports nothing new.
-  if (model_.durable_room() >= kDurableATickMax && !account_.full()) {
-    return script_.Tick(now_ms, account_);
-  }
+  if (HasRoom()) return script_.Tick(now_ms, account_);
   if (!std::exchange(only_moves_, true)) shared_.only_moving.fetch_add(1);
   std::vector<Outgoing> messages;
   messages.push_back(script_.OnlyMove(now_ms, account_));
@@ -153,6 +155,11 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
   }
   for (const SteadyTime due : model_.TakeJudged()) latencies_.live.Record(now - due);
   NoteGaveWay(now);
+  if (status.ok() && frame.has_resend_request() && HasRoom()) {
+    for (Outgoing& message : script_.Answer(frame.resend_request(), account_)) {
+      Offer(std::move(message), now);
+    }
+  }
   return status;
 }
 

@@ -61,6 +61,8 @@ class Agent final {
   /// What the script makes in one tick, as far as there is room.
   [[nodiscard]] std::vector<Outgoing> LifeAt(std::int64_t now_ms);
   void NoteGaveWay(SteadyTime now);
+  /// Room is left for what the script makes in one tick.
+  [[nodiscard]] bool HasRoom() const;
 
   RobotScript script_;
   AgentModel model_;

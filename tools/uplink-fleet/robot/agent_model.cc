@@ -54,7 +54,7 @@ absl::Status AgentModel::OnFrame(const v1::RelayResponse& frame, SteadyTime now)
     case v1::RelayResponse::kForward:
       return Broken("no Forward comes to an agent that declines them");
     case v1::RelayResponse::kResendRequest:
-      // The synthetic robot has none of these snapshots.
+      // What answers it is a message like any other, which the agent offers.
       return absl::OkStatus();
     case v1::RelayResponse::FRAME_NOT_SET:
       return Broken("a frame holds something");

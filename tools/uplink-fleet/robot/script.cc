@@ -133,6 +133,16 @@ Outgoing RobotScript::Again(std::int64_t now_ms, Account& account) {
   return Enter(route_.Motion({now_ms, 0}, facts_), account);
 }
 
+std::vector<Outgoing> RobotScript::Answer(const v1::ResendRequest& request, Account& account) {
+  Outbox out;
+  for (const int kind : request.kinds()) {
+    if (kind == v1::RESEND_KIND_UI_CAPABILITIES) out.emplace_back(settings_.capabilities());
+    if (kind == v1::RESEND_KIND_CURRENT_SETTINGS) out.emplace_back(settings_.current());
+    if (kind == v1::RESEND_KIND_AGENT_INFO) equipment_.Info(out);
+  }
+  return EnterAll(out, account);
+}
+
 std::vector<Outgoing> RobotScript::Last(std::int64_t now_ms, Account& account) {
   const Moment moment{now_ms, tick_s_};
   Outbox out;

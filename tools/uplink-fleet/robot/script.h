@@ -19,6 +19,7 @@
 #include "tools/uplink-fleet/robot/behaviour/settings.h"
 #include "tools/uplink-fleet/robot/wrong.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
+#include "uplink/v1/relay.pb.h"
 
 namespace uplink::synthetic {
 
@@ -42,6 +43,8 @@ class RobotScript final {
   [[nodiscard]] Outgoing Motion(std::int64_t now_ms, Account& account);
   /// A motion message between two ticks.
   [[nodiscard]] Outgoing Again(std::int64_t now_ms, Account& account);
+  /// What the server asks for, as it is now.
+  [[nodiscard]] std::vector<Outgoing> Answer(const v1::ResendRequest& request, Account& account);
   /// One of each live message, with every key.
   [[nodiscard]] std::vector<Outgoing> Last(std::int64_t now_ms, Account& account);
 

@@ -19,6 +19,8 @@ class Equipment final {
   void Advance(const Moment& moment, const Facts& facts, const Route& route, Outbox& out);
   /// One of each live message, every key: what the server must show from then on.
   void All(const Moment& moment, const Facts& facts, const Route& route, Outbox& out);
+  /// What the robot runs.
+  void Info(Outbox& out);
 
  private:
   static constexpr std::size_t kDevices = 2;
@@ -31,7 +33,6 @@ class Equipment final {
   void Consumable(const Moment& moment, std::size_t tank, Outbox& out);
   void Directive(const Moment& moment, const Facts& facts, const Route& route, std::size_t zone,
                  Outbox& out);
-  void Info(Outbox& out);
 
   Seeded random_;
   double uptime_s_;

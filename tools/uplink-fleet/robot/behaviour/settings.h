@@ -13,6 +13,9 @@ class Settings final {
   explicit Settings(Seeded random);
 
   void Advance(const Moment& moment, Outbox& out);
+  // As they are now, when the server asks for them.
+  [[nodiscard]] const model::UiCapabilities& capabilities() const { return capabilities_; }
+  [[nodiscard]] const model::CurrentSettings& current() const { return current_; }
 
  private:
   void ChangeOne();

@@ -76,6 +76,34 @@ TEST_P(ScriptTest, TheLastMessagesAreOneOfEachLiveKindAndKey) {
   EXPECT_EQ(live.status->unix_time_ms, kNowMs + 1'000'000);
 }
 
+TEST_P(ScriptTest, AnswersWhatItIsAskedForWithWhatItLastReported) {
+  schema::Judge judge{schema::JudgeLimits()};
+  RobotScript script(Options(0), GetParam());
+  Account account;
+  for (int i = 0; i < kTicks; ++i) static_cast<void>(script.Tick(kNowMs + 100 * i, account));
+  const auto settings = account.settings();
+  const auto capabilities = account.ui_capabilities();
+  const std::uint64_t sent = account.good();
+  v1::ResendRequest request;
+  EXPECT_TRUE(script.Answer(request, account).empty());
+  request.add_kinds(v1::RESEND_KIND_AGENT_INFO);
+  request.add_kinds(v1::RESEND_KIND_CURRENT_SETTINGS);
+  request.add_kinds(v1::RESEND_KIND_UI_CAPABILITIES);
+  std::set<model::Variant> variants;
+  for (const Outgoing& message : script.Answer(request, account)) {
+    const schema::Judgement judgement = JudgeOf(judge, message);
+    ASSERT_NE(judgement.record(), nullptr);
+    EXPECT_EQ(message.keeping, Keeping::kDurable);
+    EXPECT_FALSE(message.latest_of.empty());
+    variants.insert(judgement.record()->variant());
+  }
+  EXPECT_EQ(variants, (std::set{model::Variant::kAgentInfo, model::Variant::kCurrentSettings,
+                                model::Variant::kUiCapabilities}));
+  EXPECT_EQ(account.good(), sent + 3) << "each is to be found in the store";
+  EXPECT_EQ(account.settings(), settings);
+  EXPECT_EQ(account.ui_capabilities(), capabilities);
+}
+
 INSTANTIATE_TEST_SUITE_P(Robots, ScriptTest, ::testing::Values(0, 1, 2, 3, 4, 5, 6, 7));
 
 TEST(Wrong, EachWayIsRejectedAsTheAccountSays) {
