@@ -14,7 +14,7 @@
 #include <openssl/x509v3.h>
 
 #include "schema/base/utf8.h"
-#include "schema/model/ids.h"
+#include "server/identity/ruri.h"
 
 namespace uplink::identity {
 namespace {
@@ -23,7 +23,6 @@ namespace {
 constexpr std::size_t kFleetBytesMax = 256;
 /// Bytes of a certificate that a sentence repeats.
 constexpr std::size_t kShownBytesMax = 128;
-constexpr std::string_view kRuriScheme = "rcan://";
 constexpr std::string_view kDefaultFleet = "default";
 constexpr std::string_view kAllFleets = "*";
 
@@ -108,25 +107,6 @@ absl::Status CheckKeyUsage(X509& certificate) {
   return absl::OkStatus();
 }
 
-absl::Status CheckRuri(std::string_view uri) {
-  if (uri.find('\0') != std::string_view::npos) {
-    return Wrong("its rcan:// URI holds a NUL byte");
-  }
-  if (uri.size() > model::kRuriBytesMax) {
-    return Wrong(fmt::format("its rcan:// URI has {} bytes, the limit is {}", uri.size(),
-                             model::kRuriBytesMax));
-  }
-  if (uri.size() == kRuriScheme.size()) return Wrong("its rcan:// URI names nothing");
-  const bool clean =
-      std::all_of(uri.begin(), uri.end(), [](char c) { return c > 0x20 && c < 0x7F; });
-  if (!clean) {
-    return Wrong(fmt::format(
-        "its rcan:// URI holds white space, a control character or a byte beyond ASCII: {}",
-        Shown(uri)));
-  }
-  return absl::OkStatus();
-}
-
 /// The URI names that begin rcan://, each checked. Other names are of no interest.
 absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
   int critical = 0;
@@ -143,10 +123,26 @@ absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
     if (name->type != GEN_URI) continue;
     const std::string_view uri = BytesOf(name->d.uniformResourceIdentifier);
     if (!uri.starts_with(kRuriScheme)) continue;
-    if (const absl::Status status = CheckRuri(uri); !status.ok()) return status;
+    if (const auto flaw = FlawOfRuri(uri)) return Wrong(fmt::format("its rcan:// URI {}", *flaw));
     ruris.emplace_back(uri);
   }
   return ruris;
+}
+
+/// The subject as one line (RFC 2253), cut; empty if the library cannot print it.
+std::string SubjectOf(const X509& certificate) {
+  // Letters beyond ASCII as they are.
+  constexpr unsigned long kFlags =
+      XN_FLAG_RFC2253 & ~static_cast<unsigned long>(ASN1_STRFLGS_ESC_MSB);
+  const Bio bio(BIO_new(BIO_s_mem()));
+  if (bio == nullptr ||
+      X509_NAME_print_ex(bio.get(), X509_get_subject_name(&certificate), 0, kFlags) < 0) {
+    ERR_clear_error();
+    return {};
+  }
+  char* text = nullptr;
+  const long size = BIO_get_mem_data(bio.get(), &text);
+  return PrintableUtf8({text, static_cast<std::size_t>(size)}, kSubjectBytesMax);
 }
 
 absl::StatusOr<Role> RoleOf(const std::optional<std::string>& unit) {
@@ -261,6 +257,7 @@ absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(X509& certificate) {
   if (!ruris.ok()) return ruris.status();
 
   PeerIdentity identity{*role, *std::move(fleet), *std::move(ruris)};
+  if (identity.role == Role::kGateway) identity.subject = SubjectOf(certificate);
   if (const absl::Status status = CheckRole(identity); !status.ok()) return status;
   return identity;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,6 +18,9 @@ enum class Role : std::uint8_t { kRobot, kGateway, kViewer, kOperator, kAdmin };
 
 [[nodiscard]] std::string_view ToText(Role role);
 
+/// Bytes of a subject that are kept; a longer one is cut.
+inline constexpr std::size_t kSubjectBytesMax = 256;
+
 /// Who stands behind a verified client certificate. Immutable after it was made.
 struct PeerIdentity {
   Role role = Role::kRobot;
@@ -24,7 +29,18 @@ struct PeerIdentity {
   /// The RURIs of the certificate: exactly one for a robot, none or several for a gateway, none for
   /// the others.
   std::vector<std::string> ruris;
+  /// Of a gateway, whom its robots, bounds and log lines name: the subject of its certificate, at
+  /// most kSubjectBytesMax. Empty of all others.
+  std::string subject = {};
 
+  /// A gateway may speak for this robot of its fleet: its certificate names the robot, or none.
+  [[nodiscard]] bool MaySpeakFor(std::string_view ruri) const {
+    return ruris.empty() || Names(ruri);
+  }
+  /// The certificate names this robot.
+  [[nodiscard]] bool Names(std::string_view ruri) const {
+    return std::ranges::find(ruris, ruri) != ruris.end();
+  }
   /// The RURI of a robot's certificate.
   [[nodiscard]] const std::string& ruri() const { return ruris.front(); }
 };

@@ -202,6 +202,35 @@ TEST(PeerIdentity, GatewayWithoutAndWithRuris) {
   EXPECT_THAT(identity->ruris, ElementsAre(kRuri, "rcan://example.org/r2"));
 }
 
+TEST(PeerIdentity, TheSubjectOfAGatewayIsKept) {
+  CertificateSpec spec = OperatorSpec("gateway");
+  spec.common_names = {"hall 3, \n\x01"};
+  const auto identity = IdentityOf(spec);
+  ASSERT_TRUE(identity.ok()) << identity.status();
+  EXPECT_EQ(identity->subject.find('\n'), std::string::npos);
+  EXPECT_THAT(identity->subject, ::testing::HasSubstr("hall 3"));
+  EXPECT_THAT(identity->subject, ::testing::HasSubstr("OU=gateway"));
+  EXPECT_THAT(identity->subject, ::testing::HasSubstr("O=acme"));
+  spec.organizations = {std::string(256, 'f')};
+  const auto cut = IdentityOf(spec);
+  ASSERT_TRUE(cut.ok()) << cut.status();
+  EXPECT_LE(cut->subject.size(), kSubjectBytesMax);
+  const auto robot = IdentityOf(RobotSpec(kRuri));
+  ASSERT_TRUE(robot.ok()) << robot.status();
+  EXPECT_EQ(robot->subject, "") << "nobody asks for it";
+}
+
+TEST(PeerIdentity, AGatewayMaySpeakForThoseItNamesOrForAll) {
+  PeerIdentity identity{.role = Role::kGateway, .fleet = "f", .ruris = {}};
+  EXPECT_TRUE(identity.MaySpeakFor(kRuri));
+  EXPECT_FALSE(identity.Names(kRuri));
+  identity.ruris = {"rcan://another"};
+  EXPECT_FALSE(identity.MaySpeakFor(kRuri));
+  identity.ruris.emplace_back(kRuri);
+  EXPECT_TRUE(identity.MaySpeakFor(kRuri));
+  EXPECT_TRUE(identity.Names(kRuri));
+}
+
 TEST(PeerIdentity, GatewayWithAnUncleanRuri) {
   CertificateSpec spec = OperatorSpec("gateway");
   spec.uris = {kRuri, "rcan://a b"};
