@@ -150,6 +150,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "1 while the store cannot be asked for changes of shared items."},
     {kStreamsRefused, "uplinkd_streams_refused_total", kCounter, "streams",
      "Calls that ended before they became a stream.", kByCause},
+    {kGatewayStreams, "uplinkd_gateway_streams", kGauge, "streams",
+     "Open streams that came through gateways."},
     {kHandshakesFailed, "uplinkd_handshakes_failed_total", kCounter, "connections",
      "TLS handshakes of the relay that failed: no or a wrong certificate, another protocol."},
     {kConnectionsTurnedAway, "uplinkd_connections_turned_away_total", kCounter, "connections",

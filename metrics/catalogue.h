@@ -79,6 +79,7 @@ enum class MetricId : std::uint8_t {
   kForwardReadsOfAll,
   kForwardFailing,
   kStreamsRefused,
+  kGatewayStreams,
   kHandshakesFailed,
   kConnectionsTurnedAway,
   kConnections,

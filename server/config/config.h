@@ -105,6 +105,8 @@ struct LimitsConfig {
   std::size_t frame_bytes_max = 1 * kMiB;
   milliseconds ack_interval = std::chrono::seconds(1);
   std::size_t robots_max = 20'000;
+  /// Streams of one connection of a gateway: one per robot.
+  std::size_t gateway_streams_max = 256;
   milliseconds session_idle = std::chrono::hours(1);
   /// Zero: connections are never ended for their age, and so it is on the gRPC library's transport
   /// where it is not set.

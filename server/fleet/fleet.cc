@@ -10,7 +10,11 @@
 namespace uplink::fleet {
 
 Fleet::Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence)
-    : clock_(clock), robots_max_(robots_max), presence_(presence), started_(clock.Steady()) {}
+    : clock_(clock),
+      robots_max_(robots_max),
+      presence_(presence),
+      started_(clock.Steady()),
+      brought_in_(GatewayRobotsMax(robots_max)) {}
 
 Fleet::Shard& Fleet::ShardOf(std::string_view ruri) {
   return shards_[std::hash<std::string_view>{}(ruri) % kShards];
@@ -21,17 +25,36 @@ const Fleet::Shard& Fleet::ShardOf(std::string_view ruri) const {
 }
 
 absl::StatusOr<RobotPtr> Fleet::FindOrAdmit(const model::RobotId& id) {
+  Admission admission = FindOrAdmitBy({.robot = id});
+  if (admission.robot == nullptr) return Full();
+  return std::move(admission.robot);
+}
+
+Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
+  const model::RobotId& id = claim.robot;
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(id.ruri);
-  if (found == shard.robots.end()) {
-    if (!TakePlace() && !(MakeRoom() && TakePlace())) return Full();
-    return Admit(shard, id);
+  if (found == shard.robots.end()) return AdmitBy(shard, claim);
+  if (claim.grant != Grant::kFleet) {
+    brought_in_.Remove(id.ruri);
+  } else if (found->second->id()->fleet != id.fleet) {
+    return {.robot = nullptr, .refusal = Refusal::kOtherFleet};
   }
   // It was there when somebody took its place: so many more there are, and kLeavingMax bounds them.
   Keep(*found->second);
   found->second->SetFleet(id.fleet);
-  return found->second;
+  return {.robot = found->second};
+}
+
+Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {
+  const std::string& ruri = claim.robot.ruri;
+  if (claim.grant == Grant::kFleet && !brought_in_.Add(ruri, claim.gateway)) {
+    return {.robot = nullptr, .refusal = Refusal::kGatewayFull};
+  }
+  if (TakePlace() || (MakeRoom() && TakePlace())) return {.robot = Admit(shard, claim.robot)};
+  brought_in_.Remove(ruri);
+  return {.robot = nullptr, .refusal = Refusal::kFull};
 }
 
 absl::StatusOr<RobotPtr> Fleet::AdmitNew(const model::RobotId& id) {
@@ -132,6 +155,7 @@ bool Fleet::Remove(const RobotPtr& robot) {
   if (!robot->left() || robot.use_count() != kKeptByUs) return false;
   std::erase(admitted_, robot);
   shard.robots.erase(robot->ruri());
+  brought_in_.Remove(robot->ruri());
   leaving_.fetch_sub(1);
   all_.fetch_sub(1);
   changes_.fetch_add(1);

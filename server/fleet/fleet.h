@@ -15,6 +15,8 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/fleet/brought_in.h"
+#include "server/fleet/claim.h"
 #include "server/robot/robot.h"
 #include "storage/types.h"
 
@@ -54,6 +56,14 @@ class Fleet final {
   /// The robot, which speaks; admitted if it is new, and no more leaving. At robots_max another one
   /// leaves for it (SetRoom); kResourceExhausted if none can.
   [[nodiscard]] absl::StatusOr<RobotPtr> FindOrAdmit(const model::RobotId& id);
+  struct Admission {
+    /// Null if it is refused.
+    RobotPtr robot;
+    Refusal refusal = Refusal::kNone;
+  };
+  /// The same of a stream that may be a gateway's. By its word for a fleet alone, a robot of
+  /// another fleet is refused, and new robots are up to GatewayRobotsMax.
+  [[nodiscard]] Admission FindOrAdmitBy(const Claim& claim);
   /// The robot, admitted, or null if it is known already: then nothing of it changes.
   /// kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<RobotPtr> AdmitNew(const model::RobotId& id);
@@ -72,6 +82,12 @@ class Fleet final {
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
   /// Grows whenever a robot comes or goes.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
+
+  /// Robots in memory by the gateway's word for its fleet alone.
+  [[nodiscard]] std::size_t brought_in(const std::string& gateway) const {
+    return brought_in_.of(gateway);
+  }
+  [[nodiscard]] std::size_t brought_in_max() const { return brought_in_.per_gateway_max(); }
 
   // --- Leaving memory ---
 
@@ -123,6 +139,8 @@ class Fleet final {
   };
   /// With the shard's lock held, and a place taken.
   [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id);
+  /// As Admit; at robots_max another one leaves for it.
+  [[nodiscard]] Admission AdmitBy(Shard& shard, const Claim& claim);
   /// False at robots_max.
   bool TakePlace();
   [[nodiscard]] absl::Status Full() const;
@@ -143,6 +161,7 @@ class Fleet final {
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
   std::atomic<bool> stood_still_{false};
   std::array<Shard, kShards> shards_;
+  BroughtIn brought_in_;
   /// Places that are taken: admitted robots, and those that are about to be.
   std::atomic<std::size_t> all_{0};
   std::atomic<std::size_t> leaving_{0};

@@ -18,6 +18,7 @@ Connection::Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, 
       id_(setup.id),
       origin_(std::move(setup.origin)),
       age_max_(setup.age_max),
+      gateway_streams_max_(setup.gateway_streams_max),
       socket_(loop, setup.descriptor, *this, thread.received),
       tls_(std::make_unique<TlsEngine>(std::move(setup.tls), thread.buffer_method, thread.tls)),
       place_(thread.book, setup.id) {}
@@ -58,13 +59,11 @@ void Connection::Handshake() {
 void Connection::BeginHttp2() {
   const SteadyTime now = thread_.clock.Steady();
   peer_ = tls_->Peer();
-  origin_.robot = peer_->ruri;
-  origin_.health_check = false;  // whoever has a certificate does more than look
+  origin_.NotePeer(peer_->ruri, peer_->IsGateway() ? peer_->identity->subject : "");
   phase_ = Phase::kOpen;
   phase_by_.reset();
-  const bool gateway = peer_->identity.ok() && peer_->identity->role == identity::Role::kGateway;
   http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this,
-                                   gateway ? kGatewayStreamsMax : kRobotStreamsMax);
+                                   peer_->IsGateway() ? gateway_streams_max_ : kRobotStreamsMax);
   lifetime_.Open(now, age_max_, UntilExpiry(), peer_->jitter());
   owner_.OnHandshakeEnded(*this);
   if (!place_.Take()) {

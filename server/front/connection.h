@@ -48,6 +48,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
     std::shared_ptr<const TlsContext> tls;
     /// limits.connection_age_max; zero: never.
     milliseconds age_max{0};
+    /// limits.gateway_streams_max.
+    std::uint32_t gateway_streams_max = 0;
   };
 
   Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, Setup setup);
@@ -125,6 +127,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   const std::uint64_t id_;
   Origin origin_;
   const milliseconds age_max_;
+  const std::uint32_t gateway_streams_max_;
 
   Phase phase_ = Phase::kHandshake;
   Socket socket_;

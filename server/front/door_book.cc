@@ -23,7 +23,7 @@ void DoorBook::TellFailure(const absl::Status& status, const Origin& origin, Ste
 }
 
 void DoorBook::TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now) {
-  const std::string_view event = transport::RefusalEvent(status);
+  const std::string_view event = transport::RefusalEvent(status, origin.gateway);
   if (!event.empty()) Tell(event, event, std::string(status.message()), origin, now);
 }
 

@@ -23,10 +23,9 @@ inline constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 inline constexpr std::size_t kHeaderBombBytes = std::size_t{8} * kHeaderBytesMax;
 /// Bytes of a path that is told apart from others; longer ones are no method of ours.
 inline constexpr std::size_t kPathBytesMax = 256;
-/// Streams of one connection: a robot needs one, and two at takeover.
+/// Streams of one connection of a robot: it needs one, and two at takeover. A gateway's has
+/// limits.gateway_streams_max.
 inline constexpr std::uint32_t kRobotStreamsMax = 16;
-/// Streams of a gateway's connection: one for each of its robots.
-inline constexpr std::uint32_t kGatewayStreamsMax = 128;
 /// Answers to PING and SETTINGS that wait for a peer which does not read, before it is ended.
 inline constexpr std::size_t kAnswersWaitingMax = 64;
 

@@ -16,11 +16,20 @@ struct Origin {
   /// The RURI that its certificate names, once it has shown a trusted one, for logs: it may have
   /// expired.
   std::string robot = {};
+  /// The subject of a gateway's certificate, the same; then `robot` is whom a stream spoke for.
+  std::string gateway = {};
   /// A load balancer came on its own account, to see whether we answer: unless it shows a
   /// certificate, what becomes of it is neither counted nor logged.
   bool health_check = false;
   /// The server asks itself whether it still answers; a health check, too.
   bool own = false;
+
+  /// A trusted certificate was shown: whoever has one does more than look.
+  void NotePeer(const std::string& of_robot, const std::string& of_gateway) {
+    robot = of_robot;
+    gateway = of_gateway;
+    health_check = false;
+  }
 };
 
 [[nodiscard]] Origin OriginOf(const sockaddr_storage& peer);

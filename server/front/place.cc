@@ -19,12 +19,10 @@ bool Place::Take() {
 
 std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& origin,
                                           SteadyTime now) {
-  const bool known = peer.identity.ok();
-  const bool gateway = known && peer.identity->role == identity::Role::kGateway;
   KeyTable& keys = book_.keys();
   noted_at_ = now;
-  const auto evicted =
-      keys.Add(peer.key, connection_, gateway ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
+  const auto evicted = keys.Add(
+      peer.key, connection_, peer.IsGateway() ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
   if (!evicted || keys.evicted_lately(peer.key, now) < kEvictionsFlagged) return evicted;
   book_.Tell("connections_contested", "contested",
              "one certificate opens connections again and again", origin, now);

@@ -41,9 +41,9 @@ absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
     thread.relay.probe.refused_identity_total.Add();
     return refused(identity.status());
   }
-  std::string robot = identity->role == identity::Role::kRobot ? identity->ruri() : "";
-  if (absl::Status in = thread.gate.Enter(robot); !in.ok()) return refused(in);
-  std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(robot)));
+  transport::Entrant entrant = transport::EntrantOf(*identity);
+  if (absl::Status in = thread.gate.Enter(entrant); !in.ok()) return refused(in);
+  std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(entrant)));
   handler->session_.emplace(thread.sessions, *identity, robot::StreamRef{&thread.inbox, call.id()},
                             *handler, *handler);
   handler->NoteSource();
@@ -59,7 +59,7 @@ RelayHandler::~RelayHandler() {
   session_.reset();
   // A stream may have lasted for days: its robot comes back to a door that knows it.
   NoteSource();
-  call_.thread().gate.Leave(robot_);
+  call_.thread().gate.Leave(entrant_);
 }
 
 void RelayHandler::OnBroken() {
@@ -83,7 +83,9 @@ void RelayHandler::WriteEncoded(std::span<const session::EncodedFrame> frames) {
 
 void RelayHandler::Finish(const absl::Status& status) {
   Thread& thread = call_.thread();
-  thread.book.TellRefusal(status, call_.owner().origin(), thread.clock.Steady());
+  Origin origin = call_.owner().origin();
+  if (!origin.gateway.empty()) origin.robot = session_->ruri();
+  thread.book.TellRefusal(status, origin, thread.clock.Steady());
   call_.Finish(status);
 }
 

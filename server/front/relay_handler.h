@@ -11,6 +11,7 @@
 #include "server/front/call_handler.h"
 #include "server/session/frame_sink.h"
 #include "server/session/session.h"
+#include "server/transport/gate.h"
 
 namespace uplink::front {
 
@@ -51,14 +52,14 @@ class RelayHandler final : public CallHandler,
   void Cancel() override { call_.Cancel(); }
 
  private:
-  RelayHandler(Call& call, std::string robot) : call_(call), robot_(std::move(robot)) {}
+  RelayHandler(Call& call, transport::Entrant entrant)
+      : call_(call), entrant_(std::move(entrant)) {}
 
   /// A robot streams from there.
   void NoteSource();
 
   Call& call_;
-  /// The robot of the certificate; empty of a gateway.
-  const std::string robot_;
+  const transport::Entrant entrant_;
   /// Last, so that it goes before what it writes to.
   std::optional<session::Session> session_;
 };

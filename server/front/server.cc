@@ -59,7 +59,9 @@ struct FrontServer::Impl {
                               .headers = given_options.proxy_protocol_from.empty()
                                              ? ProxyHeaders::kNone
                                              : ProxyHeaders::kExpected})),
-        gate(given_options.streams_max, given.probe),
+        gate({.streams_max = given_options.streams_max,
+              .gateway_streams_max = given_options.gateway_streams_max},
+             given.probe),
         book(limits.book, given.probe, given.logger) {}
 
   absl::Status ServeFiles();
@@ -138,9 +140,11 @@ void FrontServer::Impl::TellLimits() const {
 void FrontServer::Impl::StartWorkers() {
   const std::size_t count = options.queues > 0 ? options.queues : transport::UsableCores();
   for (std::size_t i = 0; i < count; ++i) {
-    Worker::Setup setup{.index = i,
-                        .unfinished_bytes_max = UnfinishedBytes(options) / count,
-                        .connection_age_max = options.connection_age_max};
+    Worker::Setup setup{
+        .index = i,
+        .unfinished_bytes_max = UnfinishedBytes(options) / count,
+        .connection_age_max = options.connection_age_max,
+        .gateway_streams_max = static_cast<std::uint32_t>(options.gateway_streams_max)};
     setup.handshake_ended = [this](std::uint64_t id) {
       acceptor->Post([this, id] { door->HandshakeEnded(id, context.clock.Steady()); });
     };

@@ -10,7 +10,8 @@ void SourceLines::Write(std::string_view event, std::string_view kind, const std
   std::uint64_t suppressed = 0;
   {
     const std::lock_guard lock(mutex_);
-    Window& window = WindowOf({origin.source, origin.robot, kind});
+    Window& window =
+        WindowOf({origin.source, origin.gateway.empty() ? origin.robot : origin.gateway, kind});
     if (!Take(window, kLinesPerSource, now) || !Take(all_, kLinesMax, now)) {
       ++window.suppressed;
       return;
@@ -21,6 +22,7 @@ void SourceLines::Write(std::string_view event, std::string_view kind, const std
                  {{"source", origin.source.ToText()},
                   {"peer", origin.text},
                   {"robot", origin.robot},
+                  {"gateway", origin.gateway},
                   {"why", why},
                   {"suppressed", suppressed}});
 }

@@ -43,7 +43,7 @@ class SourceLines final {
     std::uint32_t lines = 0;
     std::uint64_t suppressed = 0;
   };
-  /// Whom and what a line is about: a source, a robot behind it, a kind.
+  /// Whom and what a line is about: a source, a robot or gateway behind it, a kind.
   using Key = std::tuple<SourceAddress, std::string, std::string_view>;
   struct Entry {
     Key key;

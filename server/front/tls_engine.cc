@@ -190,7 +190,8 @@ TlsPeer TlsEngine::Peer() const {
     peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
   }
   peer.identity = identity::PeerReader::IdentityOf(*certificate);
-  if (peer.identity.ok() && !peer.identity->ruris.empty()) peer.ruri = peer.identity->ruri();
+  const bool one = peer.identity.ok() && peer.identity->role == identity::Role::kRobot;
+  if (one) peer.ruri = peer.identity->ruri();
   if (flaw_ != 0) peer.identity = SentenceOf(flaw_);
   ERR_clear_error();
   return peer;

@@ -55,6 +55,9 @@ struct TlsPeer {
   /// When the first certificate of its chain expires.
   SystemTime expiry;
 
+  [[nodiscard]] bool IsGateway() const {
+    return identity.ok() && identity->role == identity::Role::kGateway;
+  }
   /// What is left of its chain, at most kFarAway: that much for who is only told what is wrong, and
   /// where nobody vouches for the clock.
   [[nodiscard]] milliseconds UntilExpiry(SystemTime now, bool vouched) const;

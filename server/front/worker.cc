@@ -63,13 +63,14 @@ void Worker::BeginNext() {
 
 void Worker::Begin(std::uint64_t id, Visitor visitor) {
   auto& connection = connections_[id];
-  connection =
-      std::make_unique<Connection>(thread_state_, loop_, *this,
-                                   Connection::Setup{.id = id,
-                                                     .descriptor = visitor.descriptor.Release(),
-                                                     .origin = std::move(visitor.origin),
-                                                     .tls = tls_.get(),
-                                                     .age_max = setup_.connection_age_max});
+  connection = std::make_unique<Connection>(
+      thread_state_, loop_, *this,
+      Connection::Setup{.id = id,
+                        .descriptor = visitor.descriptor.Release(),
+                        .origin = std::move(visitor.origin),
+                        .tls = tls_.get(),
+                        .age_max = setup_.connection_age_max,
+                        .gateway_streams_max = setup_.gateway_streams_max});
   if (ending_) return connection->Shutdown();
   connection->Start();
 }

@@ -74,6 +74,7 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.proxy_protocol_from = config.listen.proxy_protocol_from;
   options.descriptors_reserved = transport::DescriptorsReserved(config.http.connections_max);
   options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
+  options.gateway_streams_max = config.limits.gateway_streams_max;
   options.connection_age_max = config.limits.connection_age_max;
   options.memory_bytes_max = memory_max / 2;
   return options;

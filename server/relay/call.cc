@@ -62,7 +62,7 @@ absl::Status Call::Admit() {
     queue_.relay().probe.refused_identity_total.Add();
     return peer.status();
   }
-  if (peer->role == identity::Role::kRobot) who_ = peer->ruri();
+  who_ = transport::EntrantOf(*peer);
   if (absl::Status status = queue_.gate().Enter(who_); !status.ok()) return status;
   admitted_ = true;
   session_.emplace(queue_.session_context(), *std::move(peer), robot::StreamRef{&queue_, id_},
@@ -132,7 +132,9 @@ void Call::OnWritten(bool ok) {
 
 void Call::Finish(const absl::Status& status) {
   UPLINK_CHECK(!finishing(), "a call ends once");
-  transport::LogRefusal(queue_.relay().refusals, context_.peer(), who_, status);
+  const std::string& robot = session_ && !who_.gateway.empty() ? session_->ruri() : who_.robot;
+  transport::LogRefusal(queue_.relay().refusals,
+                        {.peer = context_.peer(), .robot = robot, .gateway = who_.gateway}, status);
   finish_status_ = status;
   finish_by_ = queue_.now() + session::kFinishWait;
   if (!writing_) StartFinish();

@@ -13,6 +13,7 @@
 #include "server/relay/tag.h"
 #include "server/session/frame_sink.h"
 #include "server/session/session.h"
+#include "server/transport/gate.h"
 #include "server/transport/timers.h"
 
 namespace uplink::relay {
@@ -92,8 +93,8 @@ class Call final : public session::FrameSource, public session::FrameSink {
   int tags_out_ = 0;
 
   bool admitted_ = false;
-  /// The robot of the certificate; empty before it is known, and of a gateway.
-  std::string who_;
+  /// Empty before it is known.
+  transport::Entrant who_;
   bool reading_ = false;
   bool writing_ = false;
   /// Frames of the write under way that gRPC, which takes one after the other, was not given yet.

@@ -10,8 +10,10 @@
 namespace uplink::relay {
 namespace {
 
-/// Streams of one connection: a robot needs one, and two at takeover; a gateway one per robot.
-constexpr int kStreamsPerConnectionMax = 64;
+/// Streams of one connection, at least: a robot needs one, and two at takeover. gRPC knows one
+/// bound for all connections, so it is a gateway's if that is higher; what robots may have is for
+/// transport::Gate to say.
+constexpr int kStreamsPerConnectionMin = 64;
 /// Bytes of all headers of a call.
 constexpr int kHeaderBytesMax = 8 * 1024;
 /// Bytes that a stream may send ahead of our reads; also the HTTP/2 window. Larger frames widen it
@@ -41,8 +43,10 @@ int Milliseconds(milliseconds value) {
       std::min<milliseconds::rep>(value.count(), std::numeric_limits<int>::max()));
 }
 
-void SetHttp2(grpc::ServerBuilder& builder) {
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kStreamsPerConnectionMax);
+void SetHttp2(const transport::RelayOptions& options, grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(
+      GRPC_ARG_MAX_CONCURRENT_STREAMS,
+      std::max(kStreamsPerConnectionMin, static_cast<int>(options.gateway_streams_max)));
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kHeaderBytesMax);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_FRAME_SIZE, kHttp2FrameBytesMax);
@@ -84,7 +88,7 @@ void SetMessages(const session::SessionLimits& limits, grpc::ServerBuilder& buil
 
 void SetChannelArguments(const transport::RelayOptions& options,
                          const session::SessionLimits& limits, grpc::ServerBuilder& builder) {
-  SetHttp2(builder);
+  SetHttp2(options, builder);
   SetConnections(options, builder);
   SetMessages(limits, builder);
   if (options.memory_bytes_max > 0) {

@@ -21,7 +21,10 @@ namespace uplink::relay {
 /// Members are destroyed from the last: the server before its queues and service.
 struct RelayServer::Impl {
   Impl(const transport::RelayOptions& options, const transport::RelayContext& given)
-      : context(given), gate(options.streams_max, given.probe) {}
+      : context(given),
+        gate({.streams_max = options.streams_max,
+              .gateway_streams_max = options.gateway_streams_max},
+             given.probe) {}
 
   const transport::RelayContext context;
   /// None with texts in place of files.

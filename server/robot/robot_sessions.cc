@@ -19,11 +19,10 @@ std::optional<Reconnects::Arrival> RobotSessions::Arrive(SteadyTime now,
 }
 
 RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
-                                              SystemTime system_now,
-                                              std::optional<std::uint64_t> number) {
+                                              SystemTime system_now, Newcomer comer) {
   const std::lock_guard lock(mutex_);
-  if (number && !reconnects_.MayAttach(*number)) return {.standing = Standing::kSuperseded};
-  return takeover_.Attach(stream, now, system_now);
+  if (comer.number && !reconnects_.MayAttach(*comer.number)) return {Standing::kSuperseded};
+  return takeover_.Attach(stream, now, system_now, std::move(comer.gateway));
 }
 
 StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
@@ -166,6 +165,7 @@ SessionView RobotSessions::View() const {
   SessionView view;
   view.connected = static_cast<bool>(takeover_.current());
   view.connected_since = takeover_.connected_since();
+  view.gateway = takeover_.gateway();
   view.contested = takeover_.contested();
   view.held_back = held_back_.by();
   view.held_back_since = held_back_.since();

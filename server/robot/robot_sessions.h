@@ -48,6 +48,14 @@ struct Resume {
   std::vector<RejectedSeq> rejects;
 };
 
+/// What is known of a stream that wants the robot.
+struct Newcomer {
+  /// Of its Arrive.
+  std::optional<std::uint64_t> number = {};
+  /// Through which gateway it came; empty: the robot speaks by itself.
+  std::string gateway = {};
+};
+
 /// For views: the session of the robot's stream, or of its last one.
 struct SessionView {
   bool connected = false;
@@ -55,6 +63,8 @@ struct SessionView {
   std::optional<model::SessionId> session;
   model::Seq settled_seq = 0;
   std::uint64_t missing = 0;
+  /// Through which gateway the robot's stream came; empty: by itself, or there is none.
+  std::string gateway = {};
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   bool contested = false;
   /// Why the robot's stream is not read now, and since when it is not.
@@ -86,14 +96,11 @@ class RobotSessions final {
   }
   using Attached = Takeover::Attached;
   /// A new stream wants the robot. An older one is superseded and must confirm by Detach first. It
-  /// is superseded itself if a stream wanted the robot that came later than the Arrive of `number`;
-  /// without a number none did.
+  /// is superseded itself if a stream wanted the robot that came later than its number; without a
+  /// number none did.
   [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
-                                std::optional<std::uint64_t> number = std::nullopt);
-  [[nodiscard]] Standing StandingOf(StreamRef stream) const {
-    const std::lock_guard lock(mutex_);
-    return takeover_.StandingOf(stream);
-  }
+                                Newcomer comer = {});
+  [[nodiscard]] Standing StandingOf(StreamRef stream) const;
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
   /// The robot's stream is to end. Returns it, to be woken; none if there is none.

@@ -7,12 +7,14 @@
 
 namespace uplink::robot {
 
-Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime system_now) {
+Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
+                                    std::string gateway) {
   Attached attached;
   if (!current_) {
     current_ = stream;
     current_standing_ = Standing::kCurrent;
     connected_since_ = system_now;
+    gateway_ = std::move(gateway);
     return attached;
   }
   attached.standing = Standing::kWaiting;
@@ -23,6 +25,7 @@ Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime
   current_standing_ = Standing::kSuperseded;
   next_ = stream;
   next_since_ = system_now;
+  next_gateway_ = std::move(gateway);
   return attached;
 }
 
@@ -46,11 +49,13 @@ Standing Takeover::StandingOf(StreamRef stream) const {
 StreamRef Takeover::Detach(StreamRef stream) {
   if (stream == next_) {
     next_ = {};
+    next_gateway_.clear();
     return {};
   }
   if (stream != current_) return {};
   current_ = std::exchange(next_, {});
   current_standing_ = Standing::kCurrent;
+  gateway_ = std::exchange(next_gateway_, {});
   if (current_) connected_since_ = next_since_;
   return current_;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -36,8 +37,9 @@ class Takeover final {
     /// The robot changes hands more than kTakeoversPerMinuteMax times per minute, from now on.
     bool contested = false;
   };
-  /// A new stream wants the robot.
-  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now);
+  /// A new stream wants the robot, by itself or through this gateway.
+  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
+                                std::string gateway = {});
   [[nodiscard]] Standing StandingOf(StreamRef stream) const;
   /// The stream takes no more frames: the one that waits, if any, becomes the robot's. Returns the
   /// robot's stream, or none if the one that left was not it.
@@ -53,6 +55,8 @@ class Takeover final {
   [[nodiscard]] StreamRef current() const { return current_; }
   /// When the robot's stream, or the last one, came.
   [[nodiscard]] SystemTime connected_since() const { return connected_since_; }
+  /// Through which gateway the robot's stream came; empty: by itself, or there is none.
+  [[nodiscard]] const std::string& gateway() const { return gateway_; }
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   [[nodiscard]] bool contested() const { return contested_; }
 
@@ -68,6 +72,8 @@ class Takeover final {
   bool contested_ = false;
   SystemTime connected_since_;
   SystemTime next_since_;
+  std::string gateway_;
+  std::string next_gateway_;
   std::deque<SteadyTime> takeovers_;
 };
 

@@ -19,14 +19,36 @@ absl::Status EndOf(robot::Standing standing) {
   return absl::OkStatus();
 }
 
+absl::Status Attachment::Refused(fleet::Refusal refusal) const {
+  const fleet::Claim& claim = terms_.claim;
+  switch (refusal) {
+    case fleet::Refusal::kNone:
+      break;
+    case fleet::Refusal::kFull:
+      context_.probe.refused_full_total.Add();
+      return absl::ResourceExhaustedError(
+          fmt::format("the server admits no more than {} robots (limits.robots_max)",
+                      context_.fleet.robots_max()));
+    case fleet::Refusal::kGatewayFull:
+      context_.probe.refused_gateway_total.Add();
+      return absl::ResourceExhaustedError(
+          fmt::format("gateway {} has brought in {} robots, and may bring in no more",
+                      claim.gateway, context_.fleet.brought_in_max()));
+    case fleet::Refusal::kOtherFleet:
+      context_.probe.refused_identity_total.Add();
+      return absl::PermissionDeniedError(
+          fmt::format("the certificate of gateway {} may not speak for hello.robot_ruri {}: the "
+                      "robot is of another fleet, and the certificate does not name it",
+                      claim.gateway, claim.robot.ruri));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<milliseconds> Attachment::Admit(HelloTerms terms) {
   terms_ = std::move(terms);
-  const auto robot = context_.fleet.FindOrAdmit(terms_.robot);
-  if (!robot.ok()) {
-    context_.probe.refused_full_total.Add();
-    return robot.status();
-  }
-  robot_ = *robot;
+  fleet::Fleet::Admission admission = context_.fleet.FindOrAdmitBy(terms_.claim);
+  if (admission.robot == nullptr) return Refused(admission.refusal);
+  robot_ = std::move(admission.robot);
   robot_->NoteHeard(context_.clock.System());
   const SteadyTime now = context_.clock.Steady();
   const auto arrival = robot_->sessions.Arrive(now, context_.limits.reconnects);
@@ -53,8 +75,9 @@ void Attachment::EndWait() {
 
 robot::Standing Attachment::Attach() {
   EndWait();
-  const robot::Takeover::Attached attached = robot_->sessions.Attach(
-      self_, context_.clock.Steady(), context_.clock.System(), arrival_.number);
+  const robot::Takeover::Attached attached =
+      robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System(),
+                              {.number = arrival_.number, .gateway = terms_.claim.gateway});
   attached_ = attached.standing != robot::Standing::kSuperseded;
   // It may have been asked to leave before its stream was to be seen.
   context_.fleet.Keep(*robot_);

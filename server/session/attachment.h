@@ -29,8 +29,10 @@ class Attachment final {
   /// Admits the robot. Returns how long the stream is to wait before it may Attach: zero unless
   /// streams of the robot come too often (robot::Reconnects).
   ///
-  /// Errors: kResourceExhausted if the server admits no more robots, or no more streams of this one
-  ///         may wait.
+  /// Errors: kResourceExhausted if the server admits no more robots, or no more of the gateway's,
+  /// or
+  ///         no more streams of this one may wait; kPermissionDenied if the robot is of another
+  ///         fleet than the gateway that speaks for it.
   [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
   /// Asks where the stream stands among the robot's; those that it replaces are woken. After Admit,
   /// and after the wait.
@@ -47,6 +49,8 @@ class Attachment final {
   /// The stream takes no more frames: the one that waits for the robot is woken.
   void Detach();
 
+  /// The robot that was named to Admit; empty before that.
+  [[nodiscard]] const std::string& ruri() const { return terms_.claim.robot.ruri; }
   /// The stream is one of the robot's. All below only then.
   [[nodiscard]] bool attached() const { return attached_; }
   [[nodiscard]] robot::Robot& robot() { return *robot_; }
@@ -74,6 +78,9 @@ class Attachment final {
   [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
 
  private:
+  /// Counts it, and says it to the peer.
+  [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
+
   const SessionContext& context_;
   const robot::StreamRef self_;
   HelloTerms terms_;

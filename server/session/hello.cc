@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "schema/base/utf8.h"
+#include "server/identity/ruri.h"
 
 namespace uplink::session {
 namespace {
@@ -52,22 +53,52 @@ absl::Status CheckSchema(const v1::Hello& hello) {
   }
 }
 
-absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& peer) {
-  if (peer.role == identity::Role::kGateway && hello.robot_ruri().empty()) {
+std::string Shown(std::string_view text) { return PrintableUtf8(text, model::kRuriBytesMax); }
+
+absl::Status CheckRobot(const v1::Hello& hello, const identity::PeerIdentity& peer) {
+  if (hello.robot_ruri().empty() || hello.robot_ruri() == peer.ruri()) return absl::OkStatus();
+  return absl::PermissionDeniedError(
+      fmt::format("the certificate of {} may not speak for hello.robot_ruri {}", Shown(peer.ruri()),
+                  Shown(hello.robot_ruri())));
+}
+
+absl::Status CheckGateway(const v1::Hello& hello, const identity::PeerIdentity& peer) {
+  if (hello.robot_ruri().empty()) {
     return AtFault("robot_ruri", "a gateway must name the robot that it speaks for");
   }
-  if (peer.role != identity::Role::kRobot) {
-    return absl::UnauthenticatedError(
-        fmt::format("the certificate is of role {}; the relay takes robots alone",
-                    identity::ToText(peer.role)));
+  if (const auto flaw = identity::FlawOfRuri(hello.robot_ruri())) {
+    return AtFault("robot_ruri", fmt::format("it {}", *flaw));
   }
-  if (!hello.robot_ruri().empty() && hello.robot_ruri() != peer.ruri()) {
-    return absl::PermissionDeniedError(
-        fmt::format("the certificate of {} may not speak for hello.robot_ruri {}",
-                    PrintableUtf8(peer.ruri(), model::kRuriBytesMax),
-                    PrintableUtf8(hello.robot_ruri(), model::kRuriBytesMax)));
+  if (peer.MaySpeakFor(hello.robot_ruri())) return absl::OkStatus();
+  return absl::PermissionDeniedError(
+      fmt::format("the certificate of gateway {} may not speak for hello.robot_ruri {}",
+                  peer.subject, Shown(hello.robot_ruri())));
+}
+
+absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& peer) {
+  switch (peer.role) {
+    case identity::Role::kRobot:
+      return CheckRobot(hello, peer);
+    case identity::Role::kGateway:
+      return CheckGateway(hello, peer);
+    case identity::Role::kViewer:
+    case identity::Role::kOperator:
+    case identity::Role::kAdmin:
+      break;
   }
-  return absl::OkStatus();
+  return absl::UnauthenticatedError(
+      fmt::format("the certificate is of role {}; the relay takes robots and gateways alone",
+                  identity::ToText(peer.role)));
+}
+
+/// Of a Hello that is in order.
+fleet::Claim ClaimOf(const v1::Hello& hello, const identity::PeerIdentity& peer) {
+  if (peer.role == identity::Role::kRobot) {
+    return {.robot = {.ruri = peer.ruri(), .fleet = peer.fleet}};
+  }
+  return {.robot = {.ruri = hello.robot_ruri(), .fleet = peer.fleet},
+          .grant = peer.ruris.empty() ? fleet::Grant::kFleet : fleet::Grant::kNamed,
+          .gateway = peer.subject};
 }
 
 }  // namespace
@@ -82,7 +113,7 @@ absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello, const identity::Pe
        {CheckSchema(hello), CheckTexts(hello), CheckNumbers(hello), CheckPeer(hello, peer)}) {
     if (!status.ok()) return status;
   }
-  return HelloTerms{.robot = {.ruri = peer.ruri(), .fleet = peer.fleet},
+  return HelloTerms{.claim = ClaimOf(hello, peer),
                     .session = *session,
                     .settled_seq = hello.settled_seq(),
                     .judged_seq = hello.judged_seq(),

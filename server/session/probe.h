@@ -45,6 +45,8 @@ struct SessionProbe {
   /// not do what the Hello asks for.
   metrics::Cell refused_full_total;
   metrics::Cell refused_identity_total;
+  /// Streams of gateways that may bring in no more robots.
+  metrics::Cell refused_gateway_total;
   /// A Hello was refused with this status.
   void CountRefusedHello(const absl::Status& status) {
     const bool identity = absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);

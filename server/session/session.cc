@@ -75,7 +75,7 @@ void Session::HandleHello(std::string_view bytes) {
   }
   if (state_ != State::kHello) return ProtocolError("hello: only the first frame may be one");
   timers_.Clear(Timer::kHello);
-  auto terms = CheckHello(frame.hello(), peer_);
+  auto terms = CheckHello(frame.hello(), std::exchange(peer_, {}));
   if (!terms.ok()) {
     context_.probe.CountRefusedHello(terms.status());
     return Finish(terms.status());

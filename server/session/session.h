@@ -57,6 +57,8 @@ class Session final {
   /// When OnTimer wants to be called; the transport asks after each call. Calling it early is
   /// right.
   [[nodiscard]] std::optional<SteadyTime> deadline() const;
+  /// The robot that a Hello in order named; empty before that.
+  [[nodiscard]] const std::string& ruri() const { return robot_.ruri(); }
   /// Finish was called, or the stream broke.
   [[nodiscard]] bool done() const { return state_ == State::kDone; }
 
@@ -108,7 +110,8 @@ class Session final {
   void Leave();
 
   const SessionContext context_;
-  const identity::PeerIdentity peer_;
+  /// Until its Hello: a gateway's may name hundreds of robots, and each of its streams has a copy.
+  identity::PeerIdentity peer_;
   FrameSink& sink_;
 
   State state_ = State::kHello;

@@ -1,10 +1,63 @@
 #include "server/transport/gate.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace uplink::transport {
+namespace {
 
-absl::Status Gate::Enter(const std::string& robot) {
+std::size_t Of(const std::unordered_map<std::string, std::size_t>& counts,
+               const std::string& name) {
+  const auto found = counts.find(name);
+  return found == counts.end() ? 0 : found->second;
+}
+
+void Drop(std::unordered_map<std::string, std::size_t>& counts, const std::string& name) {
+  const auto found = counts.find(name);
+  if (found != counts.end() && --found->second == 0) counts.erase(found);
+}
+
+}  // namespace
+
+Entrant EntrantOf(const identity::PeerIdentity& peer) {
+  switch (peer.role) {
+    case identity::Role::kRobot:
+      return {.robot = peer.ruri()};
+    case identity::Role::kGateway:
+      return {.gateway = peer.subject};
+    case identity::Role::kViewer:
+    case identity::Role::kOperator:
+    case identity::Role::kAdmin:
+      break;
+  }
+  return {};
+}
+
+Gate::Gate(const Limits& limits, RelayProbe& probe)
+    : streams_max_(limits.streams_max),
+      per_gateway_max_(std::clamp<std::size_t>(
+          limits.streams_max * kGatewayStreamsPercent / 100, 1,
+          std::max<std::size_t>(1, kGatewayFullConnections * limits.gateway_streams_max))),
+      probe_(probe) {}
+
+absl::Status Gate::CheckRobot(const std::string& robot) const {
+  const std::size_t has = robot.empty() ? 0 : Of(by_robot_, robot);
+  if (has < kStreamsPerCertificateMax) return absl::OkStatus();
+  probe_.refused_robot_total.Add();
+  return absl::ResourceExhaustedError(
+      fmt::format("the server admits no more streams of this certificate: it has {}", has));
+}
+
+absl::Status Gate::CheckGateway(const std::string& gateway) const {
+  const std::size_t has = gateway.empty() ? 0 : Of(by_gateway_, gateway);
+  if (has < per_gateway_max_) return absl::OkStatus();
+  probe_.refused_gateway_total.Add();
+  return absl::ResourceExhaustedError(
+      fmt::format("the server admits no more streams of gateway {}: it has {}", gateway, has));
+}
+
+absl::Status Gate::Enter(const Entrant& entrant) {
   const std::lock_guard lock(mutex_);
   if (closed_) {
     probe_.refused_draining_total.Add();
@@ -15,25 +68,23 @@ absl::Status Gate::Enter(const std::string& robot) {
     return absl::ResourceExhaustedError(
         fmt::format("the server admits no more streams: it has {}", streams_));
   }
-  if (!robot.empty()) {
-    std::size_t& of_robot = by_robot_[robot];
-    if (of_robot >= kStreamsPerCertificateMax) {
-      probe_.refused_robot_total.Add();
-      return absl::ResourceExhaustedError(fmt::format(
-          "the server admits no more streams of this certificate: it has {}", of_robot));
-    }
-    ++of_robot;
-  }
+  if (absl::Status status = CheckRobot(entrant.robot); !status.ok()) return status;
+  if (absl::Status status = CheckGateway(entrant.gateway); !status.ok()) return status;
   ++streams_;
+  if (!entrant.robot.empty()) ++by_robot_[entrant.robot];
+  if (!entrant.gateway.empty()) {
+    ++by_gateway_[entrant.gateway];
+    probe_.gateway_streams.Add();
+  }
   return absl::OkStatus();
 }
 
-void Gate::Leave(const std::string& robot) {
+void Gate::Leave(const Entrant& entrant) {
   const std::lock_guard lock(mutex_);
   --streams_;
-  if (const auto found = by_robot_.find(robot); found != by_robot_.end() && --found->second == 0) {
-    by_robot_.erase(found);
-  }
+  Drop(by_robot_, entrant.robot);
+  Drop(by_gateway_, entrant.gateway);
+  if (!entrant.gateway.empty()) probe_.gateway_streams.Add(-1);
   if (streams_ == 0) empty_.notify_all();
 }
 

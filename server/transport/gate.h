@@ -9,6 +9,8 @@
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/identity/peer_identity.h"
 #include "server/transport/probe.h"
 
 namespace uplink::transport {
@@ -16,33 +18,63 @@ namespace uplink::transport {
 /// Streams of one robot's certificate: one, two at takeover, four that wait since they come too
 /// often, and one more to be told so.
 inline constexpr std::size_t kStreamsPerCertificateMax = 8;
+/// Streams of one gateway: as many as so many of its connections hold when they are full.
+inline constexpr std::size_t kGatewayFullConnections = 4;
+/// And no more than this share of all streams: the rest is for all others.
+inline constexpr std::size_t kGatewayStreamsPercent = 75;
 
-/// Admits streams up to a bound, and up to another one of each robot's certificate, until the
-/// server drains, and knows how many there are. Thread-safe.
+/// Whose certificate a stream came by. A value.
+struct Entrant {
+  /// The robot of the certificate; empty of a gateway.
+  std::string robot = {};
+  /// The subject of a gateway's certificate; empty of a robot.
+  std::string gateway = {};
+};
+
+[[nodiscard]] Entrant EntrantOf(const identity::PeerIdentity& peer);
+
+/// Admits streams up to a bound, and up to others of each robot's certificate and of each gateway,
+/// until the server drains, and knows how many there are. Thread-safe.
 class Gate final {
  public:
-  Gate(std::size_t streams_max, RelayProbe& probe) : streams_max_(streams_max), probe_(probe) {}
+  struct Limits {
+    std::size_t streams_max = 0;
+    /// limits.gateway_streams_max, of one connection.
+    std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
+  };
 
-  /// A stream wants in, of this robot; of a gateway, "", which has no bound of its own. OK means it
-  /// must Leave. kResourceExhausted at a bound, kUnavailable once closed; counted by cause.
-  [[nodiscard]] absl::Status Enter(const std::string& robot);
-  void Leave(const std::string& robot);
+  Gate(const Limits& limits, RelayProbe& probe);
+
+  /// A stream wants in. OK means it must Leave. kResourceExhausted at a bound, kUnavailable once
+  /// closed; counted by cause.
+  [[nodiscard]] absl::Status Enter(const Entrant& entrant);
+  void Leave(const Entrant& entrant);
   /// Admits nobody from now on.
   void Close();
 
   [[nodiscard]] bool closed() const;
   [[nodiscard]] std::size_t streams() const;
+  /// Streams that one gateway may have.
+  [[nodiscard]] std::size_t per_gateway_max() const { return per_gateway_max_; }
   /// Waits until no stream is left, for `wait` at most; true if none is.
   [[nodiscard]] bool WaitEmpty(milliseconds wait) const;
 
  private:
+  using Counts = std::unordered_map<std::string, std::size_t>;
+
+  /// Under the lock.
+  [[nodiscard]] absl::Status CheckRobot(const std::string& robot) const;
+  [[nodiscard]] absl::Status CheckGateway(const std::string& gateway) const;
+
   const std::size_t streams_max_;
+  const std::size_t per_gateway_max_;
   RelayProbe& probe_;
   mutable std::mutex mutex_;
   mutable std::condition_variable empty_;
   std::size_t streams_ = 0;
-  /// Of each robot that has one.
-  std::unordered_map<std::string, std::size_t> by_robot_;
+  /// Of each robot's certificate, and of each gateway, that has one.
+  Counts by_robot_;
+  Counts by_gateway_;
   bool closed_ = false;
 };
 

@@ -64,6 +64,8 @@ struct RelayOptions {
   std::size_t descriptors_reserved = DescriptorsReserved(config::HttpConfig().connections_max);
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
+  /// limits.gateway_streams_max.
+  std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
   /// limits.connection_age_max; zero: never.
   milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
   /// Memory that gRPC may use before it resets connections, a backstop against frames that are

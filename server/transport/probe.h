@@ -15,6 +15,10 @@ struct RelayProbe {
   metrics::Cell refused_full_total;
   /// One certificate has too many streams.
   metrics::Cell refused_robot_total;
+  /// One gateway has too many streams.
+  metrics::Cell refused_gateway_total;
+  /// Streams that came through gateways, now.
+  metrics::Cell gateway_streams;
   metrics::Cell refused_draining_total;
   metrics::Cell refused_identity_total;
   /// What was asked for is not the relay's call; of the native transport alone.

@@ -14,6 +14,10 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
   page.Add(kStreamsRefused,
            sessions.refused_waiting_total.value() + probe.refused_robot_total.value(), {"waiting"});
   page.Add(kStreamsRefused, probe.refused_request_total, {"request"});
+  page.Add(kStreamsRefused,
+           probe.refused_gateway_total.value() + sessions.refused_gateway_total.value(),
+           {"gateway"});
+  page.Add(kGatewayStreams, probe.gateway_streams);
   page.Add(kHandshakesFailed, handshakes_failed.value() + probe.handshakes_failed_total.value());
   for (std::size_t cause = 0; cause < kTurnedAwayTexts.size(); ++cause) {
     page.Add(kConnectionsTurnedAway, probe.turned_away_total[cause], {kTurnedAwayTexts[cause]});

@@ -183,7 +183,7 @@ FrontBench::FrontBench()
                storage::ProcessId{1}),
       context_(Context()),
       methods_(ServedMethods()),
-      gate_(kStreamsMax, relay_probe_),
+      gate_({.streams_max = kStreamsMax}, relay_probe_),
       door_book_({}, relay_probe_, nullptr),
       thread_(context_, gate_, methods_, *this, door_book_, kUnfinishedMax) {}
 

@@ -30,6 +30,7 @@ ListenerWorld::ListenerWorld(const Options& given, StartListener start)
                          .tls_minimum = options.tls_minimum,
                          .proxy_protocol_from = options.proxy_protocol_from,
                          .streams_max = options.streams_max,
+                         .gateway_streams_max = options.gateway_streams_max,
                          .connection_age_max = options.connection_age_max,
                          .memory_bytes_max = options.memory_bytes_max},
                         Context());

@@ -36,6 +36,7 @@ class ListenerWorld {
     journal::JournalLimits journal;
     std::size_t robots_max = 1000;
     std::size_t streams_max = 1000;
+    std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
     std::size_t queues = 2;
     milliseconds connection_age_max{0};
     /// Of RelayWorld.

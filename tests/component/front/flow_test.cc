@@ -139,8 +139,8 @@ TEST(Flow, AHundredStreamsThatStandStillHoldNoneOfTheirConnectionUp) {
   gateway.Send(OpenRelay(kNext));
   const std::string whole = HelloMessage(1, RuriOf(1));
   EXPECT_EQ(gateway.SendData(kNext, whole), whole.size());
-  EXPECT_TRUE(gateway.ReadUntilOver(kNext));
-  EXPECT_EQ(StatusOf(gateway.At(kNext)), "16") << "gateways are known, and not served yet";
+  EXPECT_TRUE(gateway.ReadUntil([&] { return !gateway.At(kNext).data.empty(); }));
+  EXPECT_FALSE(gateway.At(kNext).over());
   EXPECT_FALSE(gateway.At(1).over());
 }
 

@@ -11,7 +11,7 @@
 namespace uplink::testing {
 
 [[nodiscard]] KeyPair RobotKeys(const ListenerWorld& world, int number);
-/// Many streams on a connection; the relay does not serve its calls yet.
+/// Many streams on a connection.
 [[nodiscard]] KeyPair GatewayKeys(const ListenerWorld& world);
 /// A raw client that shows this identity; empty: none.
 [[nodiscard]] RawHttp2::Options ClientOf(const ListenerWorld& world, const KeyPair& identity,

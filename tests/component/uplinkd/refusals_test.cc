@@ -76,6 +76,33 @@ TEST_F(Refusals, ARoleThatMayNotRelayIsRefusedForItsIdentity) {
   ExpectMetric("uplinkd_protocol_errors_total 0");
 }
 
+TEST_F(Refusals, AGatewayIsNamedByItsRobotsAndByWhatItIsRefused) {
+  Serve();
+  CertificateSpec gateway = RobotSpec("rcan://a", "north");
+  gateway.common_names = {"hall"};
+  gateway.units = {"gateway"};
+  const auto channel = Channel(gateway);
+  const auto hello = [](const std::string& ruri) {
+    v1::RelayRequest frame = HelloFrame(model::SessionId());
+    frame.mutable_hello()->set_robot_ruri(ruri);
+    return frame;
+  };
+  TestAgent granted(channel);
+  granted.Send(hello("rcan://a"));
+  ASSERT_TRUE(granted.Read());
+  EXPECT_THAT(HttpGet(http_, "/api/v1/robots").body,
+              HasSubstr(R"("gateway":"CN=hall,OU=gateway,O=north")"));
+  ExpectMetric("uplinkd_gateway_streams 1");
+  TestAgent denied(channel);
+  denied.Send(hello("rcan://b"));
+  EXPECT_EQ(denied.End().error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  ASSERT_TRUE(process_->WaitFor("stream_refused")) << process_->text();
+  EXPECT_THAT(process_->text(), HasSubstr("CN=hall,OU=gateway,O=north"));
+  EXPECT_THAT(process_->text(), HasSubstr("rcan://b"));
+  ExpectMetric("uplinkd_streams_refused_total{cause=\"identity\"} 1");
+  ExpectMetric("uplinkd_streams_refused_total{cause=\"gateway\"} 0");
+}
+
 TEST_F(Refusals, OneRobotTooManyIsRefusedForWantOfRoom) {
   Serve("[limits]\nrobots_max = 1\n");
   TestAgent first(Channel(RobotSpec("rcan://a")));

@@ -74,6 +74,19 @@ TEST(ParseConfigTest, NamesValueAndLimitOfAnOutOfBoundsNumber) {
             "to 1000000");
 }
 
+TEST(ParseConfigTest, StreamsOfAGatewaysConnectionHaveTheirBounds) {
+  const auto with = [](const std::string& number) {
+    return ParseWith("[limits]\ngateway_streams_max = " + number + "\n");
+  };
+  EXPECT_EQ(with("1").config->limits.gateway_streams_max, 1U);
+  EXPECT_EQ(with("4096").config->limits.gateway_streams_max, 4'096U);
+  for (const char* const bad : {"0", "4097"}) {
+    EXPECT_THAT(with(bad).problems,
+                ElementsAre(IsProblem("u.toml:6", "limits.gateway_streams_max", "from 1 to 4096")))
+        << bad;
+  }
+}
+
 TEST(ParseConfigTest, RefusesAValueOfTheWrongType) {
   for (const char* const line :
        {"[store]\nmigrate = \"true\"\n", "[store]\nmigrate = 1\n", "[limits]\nrobots_max = \"5\"\n",

@@ -98,12 +98,14 @@ TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config.listen.relay_threads = 3;
   config.http.connections_max = 1000;
   config.listen.proxy_protocol_from = {*config::Network::Parse("10.0.0.0/8")};
+  config.limits.gateway_streams_max = 7;
   config.limits.connection_age_max = milliseconds(6);
   config.tls.certificate_file = "c";
   config.tls.key_file = "k";
   config.tls.client_ca_file = "a";
   const transport::RelayOptions options = RelayOptionsOf(config, 1000);
   EXPECT_EQ(options.streams_max, 20U);
+  EXPECT_EQ(options.gateway_streams_max, 7U);
   EXPECT_EQ(options.descriptors_reserved, 1128U);
   EXPECT_EQ(options.memory_bytes_max, 500U);
   EXPECT_EQ(options.queues, 3U);

@@ -91,7 +91,7 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
   ASSERT_TRUE(Attach(last, Terms(SessionOf(1))).ok());
   EXPECT_EQ(probe_.refused_full_total.value(), 0);
   Attachment past(full, Stream(2));
-  const auto standing = Attach(past, {.robot = {.ruri = "rcan://bench/2"}});
+  const auto standing = Attach(past, {.claim = {.robot = {.ruri = "rcan://bench/2"}}});
   EXPECT_TRUE(absl::IsResourceExhausted(standing.status())) << standing.status();
   EXPECT_FALSE(past.attached());
   EXPECT_EQ(probe_.refused_full_total.value(), 1);

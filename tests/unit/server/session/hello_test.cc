@@ -167,7 +167,7 @@ TEST_F(HelloTest, OtherRolesAreNoRobots) {
     stream.Send(frame_);
     EXPECT_EQ(stream.end(), "UNAUTHENTICATED: the certificate is of role " +
                                 std::string(identity::ToText(role)) +
-                                "; the relay takes robots alone");
+                                "; the relay takes robots and gateways alone");
   }
 }
 

@@ -29,7 +29,7 @@ class StreamPartTest : public ::testing::Test {
  protected:
   /// What a Hello of the robot asks for.
   static HelloTerms Terms(const model::SessionId& session) {
-    return {.robot = {.ruri = std::string(kRobot)}, .session = session};
+    return {.claim = {.robot = {.ruri = std::string(kRobot)}}, .session = session};
   }
   /// Admits the robot and attaches the stream, without its wait.
   static absl::StatusOr<robot::Standing> Attach(Attachment& stream, HelloTerms terms) {

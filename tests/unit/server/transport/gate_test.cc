@@ -12,10 +12,10 @@ using ::testing::HasSubstr;
 
 TEST(Gate, AdmitsUpToItsBound) {
   RelayProbe probe;
-  Gate gate(2, probe);
-  EXPECT_TRUE(gate.Enter("").ok());
-  EXPECT_TRUE(gate.Enter("").ok());
-  const absl::Status status = gate.Enter("");
+  Gate gate({.streams_max = 2}, probe);
+  EXPECT_TRUE(gate.Enter({}).ok());
+  EXPECT_TRUE(gate.Enter({}).ok());
+  const absl::Status status = gate.Enter({});
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(status.message()), HasSubstr("admits no more streams"));
   EXPECT_EQ(gate.streams(), 2U);
@@ -23,30 +23,70 @@ TEST(Gate, AdmitsUpToItsBound) {
 
 TEST(Gate, AdmitsAFewOfOneCertificate) {
   RelayProbe probe;
-  Gate gate(100, probe);
-  for (std::size_t i = 0; i < kStreamsPerCertificateMax; ++i) EXPECT_TRUE(gate.Enter("a").ok());
-  const absl::Status status = gate.Enter("a");
+  Gate gate({.streams_max = 100}, probe);
+  for (std::size_t i = 0; i < kStreamsPerCertificateMax; ++i)
+    EXPECT_TRUE(gate.Enter({.robot = "a"}).ok());
+  const absl::Status status = gate.Enter({.robot = "a"});
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(status.message()), HasSubstr("of this certificate: it has 8"));
-  EXPECT_TRUE(gate.Enter("b").ok()) << "others are not refused for it";
-  gate.Leave("a");
-  EXPECT_TRUE(gate.Enter("a").ok());
+  EXPECT_TRUE(gate.Enter({.robot = "b"}).ok()) << "others are not refused for it";
+  gate.Leave({.robot = "a"});
+  EXPECT_TRUE(gate.Enter({.robot = "a"}).ok());
   EXPECT_EQ(gate.streams(), kStreamsPerCertificateMax + 1);
+}
+
+TEST(Gate, AdmitsAsManyOfAGatewayAsFourFullConnectionsHold) {
+  RelayProbe probe;
+  Gate gate({.streams_max = 100, .gateway_streams_max = 2}, probe);
+  const Entrant gateway{.gateway = "g"};
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(gate.Enter(gateway).ok());
+  const absl::Status status = gate.Enter(gateway);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(std::string(status.message()),
+            "the server admits no more streams of gateway g: it has 8");
+  EXPECT_EQ(probe.refused_gateway_total.value(), 1);
+  EXPECT_EQ(probe.gateway_streams.value(), 8);
+  EXPECT_TRUE(gate.Enter({.gateway = "another"}).ok());
+  EXPECT_TRUE(gate.Enter({.robot = "a"}).ok()) << "others are not refused for it";
+  EXPECT_EQ(probe.gateway_streams.value(), 9);
+  gate.Leave(gateway);
+  EXPECT_EQ(probe.gateway_streams.value(), 8);
+  EXPECT_TRUE(gate.Enter(gateway).ok());
+}
+
+TEST(Gate, LeavesAQuarterOfTheStreamsToOthers) {
+  RelayProbe probe;
+  EXPECT_EQ(Gate({.streams_max = 1, .gateway_streams_max = 256}, probe).per_gateway_max(), 1U);
+  EXPECT_EQ(Gate({.streams_max = 100, .gateway_streams_max = 256}, probe).per_gateway_max(), 75U);
+  EXPECT_EQ(Gate({.streams_max = 40'000, .gateway_streams_max = 256}, probe).per_gateway_max(),
+            1'024U);
+}
+
+TEST(Gate, KnowsWhoseCertificateItIs) {
+  using identity::Role;
+  const identity::PeerIdentity robot{.role = Role::kRobot, .fleet = "f", .ruris = {"rcan://a"}};
+  EXPECT_EQ(EntrantOf(robot).robot, "rcan://a");
+  EXPECT_EQ(EntrantOf(robot).gateway, "");
+  const identity::PeerIdentity gateway{
+      .role = Role::kGateway, .fleet = "f", .ruris = {"rcan://a"}, .subject = "CN=g"};
+  EXPECT_EQ(EntrantOf(gateway).robot, "");
+  EXPECT_EQ(EntrantOf(gateway).gateway, "CN=g");
+  EXPECT_EQ(EntrantOf({.role = Role::kViewer, .fleet = "f"}).robot, "");
 }
 
 TEST(Gate, AdmitsAgainWhenOneLeft) {
   RelayProbe probe;
-  Gate gate(1, probe);
-  EXPECT_TRUE(gate.Enter("").ok());
-  gate.Leave("");
-  EXPECT_TRUE(gate.Enter("").ok());
+  Gate gate({.streams_max = 1}, probe);
+  EXPECT_TRUE(gate.Enter({}).ok());
+  gate.Leave({});
+  EXPECT_TRUE(gate.Enter({}).ok());
 }
 
 TEST(Gate, ClosedAdmitsNobody) {
   RelayProbe probe;
-  Gate gate(2, probe);
+  Gate gate({.streams_max = 2}, probe);
   gate.Close();
-  const absl::Status status = gate.Enter("");
+  const absl::Status status = gate.Enter({});
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(std::string(status.message()), "the server drains");
   EXPECT_EQ(gate.streams(), 0U);
@@ -54,10 +94,10 @@ TEST(Gate, ClosedAdmitsNobody) {
 
 TEST(Gate, WaitsUntilTheLastHasLeft) {
   RelayProbe probe;
-  Gate gate(2, probe);
-  ASSERT_TRUE(gate.Enter("").ok());
+  Gate gate({.streams_max = 2}, probe);
+  ASSERT_TRUE(gate.Enter({}).ok());
   EXPECT_FALSE(gate.WaitEmpty(milliseconds(1)));
-  const std::jthread leaver([&gate] { gate.Leave(""); });
+  const std::jthread leaver([&gate] { gate.Leave({}); });
   EXPECT_TRUE(gate.WaitEmpty(std::chrono::seconds(20)));
 }
 

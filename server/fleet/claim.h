@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "schema/model/ids.h"
+
+namespace uplink::fleet {
+
+/// By whose word a stream speaks for a robot. Closed.
+enum class Grant : std::uint8_t {
+  /// The certificate is the robot's own.
+  kOwn,
+  /// A gateway's certificate names the robot.
+  kNamed,
+  /// A gateway's certificate names no robot: it may speak for those of its fleet.
+  kFleet,
+};
+
+/// As whom a stream wants to speak. A value.
+struct Claim {
+  /// With the fleet of the certificate.
+  model::RobotId robot;
+  Grant grant = Grant::kOwn;
+  /// The subject of the gateway's certificate; empty: the robot speaks by itself.
+  std::string gateway = {};
+};
+
+/// Why a claim is refused. Closed.
+enum class Refusal : std::uint8_t {
+  kNone,
+  /// limits.robots_max.
+  kFull,
+  /// The gateway brought in as many robots as one may (BroughtIn).
+  kGatewayFull,
+  /// The robot is of another fleet than the gateway, whose certificate does not name it.
+  kOtherFleet,
+};
+
+}  // namespace uplink::fleet

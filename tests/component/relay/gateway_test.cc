@@ -1,0 +1,235 @@
+// Gateways: one connection, a stream for each robot, over real TLS.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/component/front/shared_lines.h"
+#include "tests/support/fault_proxy.h"
+#include "tests/support/relay_world.h"
+
+namespace uplink::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kFleet = "north";
+/// What the test's authority makes of GatewaySpec.
+constexpr const char* kSubject = "CN=hall,OU=gateway,O=north";
+
+CertificateSpec GatewaySpec(std::vector<std::string> ruris = {}) {
+  CertificateSpec spec;
+  spec.common_names = {"hall"};
+  spec.organizations = {kFleet};
+  spec.units = {"gateway"};
+  spec.uris = std::move(ruris);
+  return spec;
+}
+
+/// A robot's stream through a gateway's channel.
+class Relayed final {
+ public:
+  Relayed(const std::shared_ptr<grpc::Channel>& channel, int robot, int session = 1)
+      : agent_(channel), ruri_(RuriOf(robot)) {
+    v1::RelayRequest hello = HelloFrame(SessionOf(static_cast<std::uint8_t>(session)));
+    hello.mutable_hello()->set_robot_ruri(ruri_);
+    agent_.Send(hello);
+  }
+  /// The robot that Welcome names; empty if none came.
+  [[nodiscard]] std::string Welcomed() {
+    const auto frame = agent_.Read();
+    return frame && frame->has_welcome() ? frame->welcome().robot_ruri() : std::string();
+  }
+  [[nodiscard]] TestAgent& agent() { return agent_; }
+  [[nodiscard]] const std::string& ruri() const { return ruri_; }
+
+ private:
+  TestAgent agent_;
+  const std::string ruri_;
+};
+
+std::string GatewayOf(const RelayWorld& world, int robot) {
+  const fleet::RobotPtr known = world.fleet.Find(RuriOf(robot));
+  return known == nullptr ? "unknown" : known->sessions.View().gateway;
+}
+
+TEST(Gateway, RelaysForManyRobotsOnOneConnection) {
+  RelayWorld world;
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
+  std::vector<std::unique_ptr<Relayed>> robots;
+  for (int i = 1; i <= 5; ++i) {
+    Relayed& robot = *robots.emplace_back(std::make_unique<Relayed>(channel, i));
+    ASSERT_EQ(robot.Welcomed(), robot.ruri());
+    robot.agent().Send(BatchFrame({{1, FaultPayload("a")}}));
+    EXPECT_TRUE(robot.agent().ReadThrough(1));
+    EXPECT_EQ(GatewayOf(world, i), kSubject);
+    EXPECT_EQ(world.fleet.Find(robot.ruri())->id()->fleet, kFleet);
+  }
+  EXPECT_EQ(world.relay_probe.gateway_streams.value(), 5);
+  robots.front()->agent().HalfClose();
+  EXPECT_TRUE(robots.front()->agent().End().ok());
+  EXPECT_TRUE(Eventually([&] { return world.relay_probe.gateway_streams.value() == 4; }));
+  EXPECT_EQ(GatewayOf(world, 1), "");
+  EXPECT_TRUE(world.Settles());
+}
+
+TEST(Gateway, SpeaksForThoseThatItsCertificateNames) {
+  RelayWorld world;
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec({RuriOf(1), RuriOf(2)})));
+  Relayed granted(channel, 2);
+  EXPECT_EQ(granted.Welcomed(), RuriOf(2));
+  Relayed denied(channel, 3);
+  const grpc::Status status = denied.agent().End();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_THAT(status.error_message(), HasSubstr(RuriOf(3)));
+  EXPECT_EQ(world.fleet.Find(RuriOf(3)), nullptr);
+  granted.agent().Send(BatchFrame({{1, FaultPayload("a")}}));
+  EXPECT_TRUE(granted.agent().ReadThrough(1)) << "its other streams go on";
+}
+
+TEST(Gateway, DoesNotReachIntoAnotherFleet) {
+  RelayWorld world;
+  TestAgent own(world.Channel(world.authority.Issue(RobotSpec(RuriOf(1), "south"))));
+  ASSERT_TRUE(own.Connect(SessionOf(1)));
+  Relayed denied(world.Channel(world.authority.Issue(GatewaySpec())), 1);
+  const grpc::Status status = denied.agent().End();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_THAT(status.error_message(),
+              AllOf(HasSubstr(RuriOf(1)), HasSubstr("the robot is of another fleet")));
+  EXPECT_EQ(world.fleet.Find(RuriOf(1))->id()->fleet, "south");
+  own.Send(BatchFrame({{1, FaultPayload("a")}}));
+  EXPECT_TRUE(own.ReadThrough(1)) << "its stream was not touched";
+}
+
+TEST(Gateway, CompetesWithTheRobotsOwnStream) {
+  RelayWorld world;
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
+  TestAgent own(world.Channel(world.authority.Issue(RobotSpec(RuriOf(1), kFleet))));
+  ASSERT_TRUE(own.Connect(SessionOf(1)));
+  Relayed through(channel, 1);
+  ASSERT_EQ(through.Welcomed(), RuriOf(1));
+  EXPECT_EQ(own.End().error_code(), grpc::StatusCode::ABORTED);
+  EXPECT_EQ(GatewayOf(world, 1), kSubject);
+  TestAgent again(world.Channel(world.authority.Issue(RobotSpec(RuriOf(1), kFleet))));
+  ASSERT_TRUE(again.Connect(SessionOf(1)));
+  EXPECT_EQ(through.agent().End().error_code(), grpc::StatusCode::ABORTED);
+  EXPECT_EQ(GatewayOf(world, 1), "");
+}
+
+TEST(Gateway, ABrokenConnectionEndsItsStreamsAndNothingElse) {
+  RelayWorld world;
+  FaultProxy proxy(world.port());
+  const KeyPair keys = world.authority.Issue(GatewaySpec());
+  const auto cut = MakeChannel(
+      {.port = proxy.port(), .server_ca = world.authority.certificate(), .identity = keys});
+  Relayed first(cut, 1);
+  Relayed second(cut, 2);
+  Relayed elsewhere(world.Channel(keys), 3);
+  TestAgent own(world.Channel(RuriOf(4)));
+  ASSERT_NE(first.Welcomed(), "");
+  ASSERT_NE(second.Welcomed(), "");
+  ASSERT_NE(elsewhere.Welcomed(), "");
+  ASSERT_TRUE(own.Connect(SessionOf(1)));
+  proxy.Set(ProxyMode::kRefuse);
+  EXPECT_EQ(first.agent().End().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(second.agent().End().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_TRUE(Eventually([&] { return world.server().streams() == 2; }));
+  EXPECT_FALSE(world.fleet.Find(RuriOf(1))->HasStream());
+  for (TestAgent* agent : {&elsewhere.agent(), &own}) {
+    agent->Send(BatchFrame({{1, FaultPayload("a")}}));
+    EXPECT_TRUE(agent->ReadThrough(1));
+  }
+}
+
+TEST(Gateway, ARobotThatIsHeldBackDoesNotHoldItsNeighbours) {
+  RelayWorld world({.session = {.in_flight_uplinks_max = 16}});
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
+  Relayed slow(channel, 1);
+  Relayed neighbour(channel, 2);
+  ASSERT_NE(slow.Welcomed(), "");
+  ASSERT_NE(neighbour.Welcomed(), "");
+  world.store.Block();
+  // Several windows of a stream: its agent waits in the middle of it.
+  constexpr model::Seq kFaults = 4'000;
+  std::jthread flood([&slow] {
+    for (model::Seq seq = 1; seq <= kFaults; seq += 4) {
+      std::vector<Sent> faults;
+      for (model::Seq i = seq; i < seq + 4; ++i) {
+        faults.push_back({i, FaultPayload(std::string(200, 'f'))});
+      }
+      slow.agent().Send(BatchFrame(faults));
+    }
+  });
+  const robot::RobotSessions& sessions = world.fleet.Find(RuriOf(1))->sessions;
+  ASSERT_TRUE(Eventually([&] { return sessions.View().held_back == robot::HeldBack::kInFlight; }));
+  for (model::Seq seq = 1; seq <= 200; ++seq) {
+    neighbour.agent().Send(BatchFrame({{seq, MotionPayload()}}));
+  }
+  EXPECT_TRUE(neighbour.agent().ReadJudged(200));
+  EXPECT_EQ(sessions.View().held_back, robot::HeldBack::kInFlight);
+  world.store.Release();
+  EXPECT_TRUE(slow.agent().ReadThrough(kFaults));
+  flood.join();
+}
+
+TEST(Gateway, HasNoMoreThanItsShareOfTheStreams) {
+  RelayWorld world({.session = {}, .journal = {}, .streams_max = 4});
+  const KeyPair keys = world.authority.Issue(GatewaySpec());
+  std::vector<std::unique_ptr<Relayed>> robots;
+  for (int i = 1; i <= 3; ++i) {
+    // Over several connections: they are counted together.
+    robots.push_back(std::make_unique<Relayed>(world.Channel(keys), i));
+    ASSERT_NE(robots.back()->Welcomed(), "");
+  }
+  {
+    Relayed fourth(world.Channel(keys), 4);
+    const grpc::Status status = fourth.agent().End();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_THAT(status.error_message(),
+                HasSubstr(std::string("no more streams of gateway ") + kSubject));
+  }
+  EXPECT_EQ(world.relay_probe.refused_gateway_total.value(), 1);
+  TestAgent own(world.Channel(RuriOf(5)));
+  EXPECT_TRUE(own.Connect(SessionOf(1)));
+}
+
+TEST(Gateway, BringsInNoMoreThanItsShareOfTheRobots) {
+  RelayWorld world({.session = {}, .journal = {}, .robots_max = 4});
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
+  for (int i = 1; i <= 3; ++i) {
+    Relayed robot(channel, i);
+    ASSERT_NE(robot.Welcomed(), "");
+  }
+  Relayed fourth(channel, 4);
+  const grpc::Status status = fourth.agent().End();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(status.error_message(), HasSubstr("has brought in 3 robots"));
+  EXPECT_EQ(world.session_probe.refused_gateway_total.value(), 1);
+  TestAgent own(world.Channel(RuriOf(5)));
+  EXPECT_TRUE(own.Connect(SessionOf(1)));
+}
+
+TEST(Gateway, ALineAboutARefusalNamesIt) {
+  SharedLines::Lines lines;
+  SystemClock clock;
+  const log::Logger logger{std::make_unique<SharedLines>(lines), clock, log::Format::kText,
+                           log::Level::kDebug};
+  log::RateLimited refusals(logger);
+  RelayWorld world({.logger = &logger, .refusals = &refusals});
+  Relayed denied(world.Channel(world.authority.Issue(GatewaySpec({RuriOf(1)}))), 2);
+  EXPECT_EQ(denied.agent().End().error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_TRUE(Eventually([&] {
+    return std::ranges::any_of(lines.All(), [](const std::string& line) {
+      return line.find("stream_refused") != std::string::npos &&
+             line.find(kSubject) != std::string::npos && line.find(RuriOf(2)) != std::string::npos;
+    });
+  }));
+}
+
+}  // namespace
+}  // namespace uplink::testing

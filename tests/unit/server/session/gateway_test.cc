@@ -1,0 +1,165 @@
+// Streams of gateways: for whom they may speak, within which bounds, and who is told of it.
+#include <string>
+
+#include "tests/unit/server/session/session_test.h"
+
+namespace uplink::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr std::string_view kSubject = "CN=hall,OU=gateway,O=bench";
+
+class GatewayTest : public SessionTest {
+ protected:
+  /// How often streams come is not the matter here.
+  GatewayTest() { limits_.session.reconnects.per_minute = robot::kStreamTimesMax; }
+
+  /// A gateway's stream for this robot; `ruris` are those of its certificate.
+  BenchStream& ConnectVia(std::string_view ruri, std::vector<std::string> ruris = {},
+                          std::string_view subject = kSubject) {
+    BenchStream& stream = server().OpenAs({.role = identity::Role::kGateway,
+                                           .fleet = "bench",
+                                           .ruris = std::move(ruris),
+                                           .subject = std::string(subject)});
+    v1::RelayRequest frame = HelloFrame(SessionOf(1));
+    frame.mutable_hello()->set_robot_ruri(std::string(ruri));
+    stream.Send(frame);
+    server().Commit();
+    return stream;
+  }
+  /// A stream of the robot's own certificate, which is of that fleet.
+  BenchStream& ConnectOfFleet(std::string_view ruri, std::string_view fleet) {
+    BenchStream& stream = server().OpenAs({.role = identity::Role::kRobot,
+                                           .fleet = std::string(fleet),
+                                           .ruris = {std::string(ruri)}});
+    stream.Send(HelloFrame(SessionOf(1)));
+    server().Commit();
+    return stream;
+  }
+  std::string GatewayOf(std::string_view ruri) {
+    return server().robot(ruri).sessions.View().gateway;
+  }
+};
+
+TEST_F(GatewayTest, SpeaksForTheRobotsThatItsCertificateNames) {
+  const std::vector<std::string> named{"rcan://a/1", "rcan://a/2"};
+  for (const std::string& ruri : named) {
+    BenchStream& stream = ConnectVia(ruri, named);
+    EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+    EXPECT_EQ(stream.frames().front().welcome().robot_ruri(), ruri);
+    EXPECT_EQ(stream.session().ruri(), ruri);
+    EXPECT_EQ(server().robot(ruri).id()->fleet, "bench");
+    EXPECT_EQ(GatewayOf(ruri), kSubject);
+  }
+}
+
+TEST_F(GatewayTest, SpeaksForNobodyElse) {
+  BenchStream& stream = ConnectVia("rcan://a/3", {"rcan://a/1", "rcan://a/2"});
+  EXPECT_EQ(stream.end(),
+            "PERMISSION_DENIED: the certificate of gateway CN=hall,OU=gateway,O=bench may not "
+            "speak for hello.robot_ruri rcan://a/3");
+  EXPECT_EQ(server().fleet().size(), 0U);
+  EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
+}
+
+TEST_F(GatewayTest, WithoutNamesSpeaksForItsWholeFleet) {
+  EXPECT_THAT(ConnectVia("rcan://a/1").Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(ConnectVia("rcan://a/2").Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+}
+
+TEST_F(GatewayTest, ARobotThatItNamesIsARuri) {
+  const auto end = [this](std::string_view ruri) { return ConnectVia(ruri).end(); };
+  EXPECT_EQ(end("http://a"),
+            "INVALID_ARGUMENT: frame 1: hello.robot_ruri: it does not begin rcan://");
+  EXPECT_EQ(end("rcan://"), "INVALID_ARGUMENT: frame 1: hello.robot_ruri: it names nothing");
+  EXPECT_EQ(end("rcan://a b"),
+            "INVALID_ARGUMENT: frame 1: hello.robot_ruri: it holds white space, a control "
+            "character or a byte beyond ASCII: rcan://a b");
+  const std::string longest = "rcan://" + std::string(model::kRuriBytesMax - 7, 'r');
+  EXPECT_EQ(end(longest + "r"),
+            "INVALID_ARGUMENT: frame 1: hello.robot_ruri: 257 bytes, the limit is 256");
+  EXPECT_EQ(server().fleet().size(), 0U);
+  EXPECT_EQ(end(longest), "");
+}
+
+TEST_F(GatewayTest, DoesNotPullARobotOutOfAnotherFleet) {
+  BenchStream& own = ConnectOfFleet("rcan://a/1", "south");
+  own.HalfClose();
+  EXPECT_EQ(own.end(), "OK");
+  EXPECT_EQ(ConnectVia("rcan://a/1").end(),
+            "PERMISSION_DENIED: the certificate of gateway CN=hall,OU=gateway,O=bench may not "
+            "speak for hello.robot_ruri rcan://a/1: the robot is of another fleet, and the "
+            "certificate does not name it");
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south");
+  EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
+}
+
+TEST_F(GatewayTest, ACertificateThatNamesTheRobotDecidesItsFleet) {
+  ConnectOfFleet("rcan://a/1", "south");
+  EXPECT_THAT(ConnectVia("rcan://a/1", {"rcan://a/1"}).Said(),
+              ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "bench");
+  ConnectOfFleet("rcan://a/1", "south");
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south") << "so does the robot's own";
+}
+
+TEST_F(GatewayTest, CompetesWithTheRobotsOwnStreamByTakeover) {
+  BenchStream& own = server().Connect(SessionOf(1));
+  EXPECT_EQ(GatewayOf(kRobot), "");
+  BenchStream& through = ConnectVia(kRobot);
+  EXPECT_EQ(own.end(), "ABORTED: superseded");
+  EXPECT_EQ(GatewayOf(kRobot), kSubject);
+  BenchStream& another = ConnectVia(kRobot, {}, "CN=yard");
+  EXPECT_EQ(through.end(), "ABORTED: superseded");
+  EXPECT_EQ(GatewayOf(kRobot), "CN=yard");
+  server().Connect(SessionOf(1));
+  server().Commit();
+  EXPECT_EQ(another.end(), "ABORTED: superseded");
+  EXPECT_EQ(GatewayOf(kRobot), "");
+  EXPECT_EQ(server().probe().takeovers_total.value(), 3);
+}
+
+TEST_F(GatewayTest, IsTheRobotsAsLongAsItsStream) {
+  BenchStream& stream = ConnectVia(kRobot);
+  stream.Break();
+  EXPECT_EQ(GatewayOf(kRobot), "");
+}
+
+TEST_F(GatewayTest, ARobotsStreamsWaitForEachOtherHoweverTheyCome) {
+  limits_.session.reconnects.per_minute = 2;
+  ConnectVia("rcan://a/1");
+  server().Connect(SessionOf(1), 0, 0, "rcan://a/1");
+  EXPECT_THAT(ConnectVia("rcan://a/1").Said(), IsEmpty());
+  EXPECT_EQ(server().probe().waiting.value(), 1);
+  EXPECT_THAT(ConnectVia("rcan://a/2").Said(), ElementsAre("welcome 0", "ack 0 judged 0"))
+      << "its neighbours do not";
+}
+
+TEST_F(GatewayTest, BringsInNoMoreThanItsShareOfTheRobots) {
+  limits_.robots_max = 4;
+  for (const char* ruri : {"rcan://a/1", "rcan://a/2", "rcan://a/3"}) {
+    EXPECT_EQ(ConnectVia(ruri).end(), "") << ruri;
+  }
+  EXPECT_EQ(ConnectVia("rcan://a/4").end(),
+            "RESOURCE_EXHAUSTED: gateway CN=hall,OU=gateway,O=bench has brought in 3 robots, and "
+            "may bring in no more");
+  EXPECT_EQ(server().probe().refused_gateway_total.value(), 1);
+  EXPECT_EQ(server().fleet().size(), 3U);
+  EXPECT_EQ(ConnectVia("rcan://a/1").end(), "") << "those that it has go on";
+  server().Connect(SessionOf(1), 0, 0, "rcan://own/1");
+  EXPECT_EQ(server().fleet().size(), 4U) << "the rest is for others";
+}
+
+TEST_F(GatewayTest, RobotsThatItsCertificateNamesAreNotCounted) {
+  limits_.robots_max = 2;
+  const std::vector<std::string> named{"rcan://a/1", "rcan://a/2", "rcan://a/3"};
+  EXPECT_EQ(ConnectVia(named[0], named).end(), "");
+  EXPECT_EQ(ConnectVia(named[1], named).end(), "");
+  EXPECT_EQ(ConnectVia(named[2], named).end(),
+            "RESOURCE_EXHAUSTED: the server admits no more than 2 robots (limits.robots_max)");
+}
+
+}  // namespace
+}  // namespace uplink::session
