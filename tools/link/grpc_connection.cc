@@ -74,24 +74,42 @@ void GiveBack(std::string& buffer) {
 }  // namespace
 
 GrpcConnection::GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& events)
-    : loop_(loop),
-      events_(&events),
+    : events_(&events),
       authority_(options.address.text),
       record_per_message_(options.record_per_message),
-      http2_(*this, {.bytes = options.window_bytes, .renewed = options.window_renewed}),
-      link_(std::make_shared<TlsLink>(loop, std::move(options), static_cast<LinkEvents&>(*this))) {}
+      link_(std::make_shared<Http2Link>(loop, std::move(options), Http2Link::For::kOne)) {
+  link_->Join(*this);
+}
 
-GrpcConnection::~GrpcConnection() { link_->Close(); }
+GrpcConnection::GrpcConnection(std::shared_ptr<Http2Link> link, std::string authority,
+                               StreamEvents& events)
+    : events_(&events),
+      authority_(std::move(authority)),
+      record_per_message_(false),
+      link_(std::move(link)) {
+  link_->Join(*this);
+}
+
+GrpcConnection::~GrpcConnection() {
+  link_->Leave(*this);
+  if (!streaming_ || ended_) return;
+  link_->http2().Forget(stream_);
+  if (link_->users() == Http2Link::For::kOne) return;
+  link_->http2().Reset(stream_, NGHTTP2_CANCEL);
+  link_->Flush();
+}
 
 bool GrpcConnection::OpenStream(const std::string& path) {
   if (streaming_ || !usable()) return false;
-  streaming_ = http2_.Open({{":method", "POST"},
-                            {":scheme", "https"},
-                            {":path", path},
-                            {":authority", authority_},
-                            {"content-type", "application/grpc"},
-                            {"te", "trailers"}});
-  Flush();
+  stream_ = link_->http2().Open({{":method", "POST"},
+                                 {":scheme", "https"},
+                                 {":path", path},
+                                 {":authority", authority_},
+                                 {"content-type", "application/grpc"},
+                                 {"te", "trailers"}},
+                                *this);
+  streaming_ = stream_ > 0;
+  link_->Flush();
   return streaming_;
 }
 
@@ -104,52 +122,51 @@ void GrpcConnection::Send(std::string_view message) {
   }
   out_.append(prefix.data(), prefix.size());
   out_.append(message);
-  http2_.Resume();
-  Flush();
+  link_->http2().Resume(stream_);
+  link_->Flush();
 }
 
 void GrpcConnection::HalfClose() {
   if (!streaming_ || std::exchange(half_closed_, true)) return;
-  http2_.Resume();
-  Flush();
+  link_->http2().Resume(stream_);
+  link_->Flush();
 }
 
 void GrpcConnection::CancelStream() {
   if (!streaming_) return;
-  http2_.Reset(NGHTTP2_CANCEL);
-  Flush();
+  link_->http2().Reset(stream_, NGHTTP2_CANCEL);
+  link_->Flush();
 }
 
-std::size_t GrpcConnection::unsent() const { return out_.size() - out_taken_ + link_->unsent(); }
+std::size_t GrpcConnection::unsent() const {
+  return out_.size() - out_taken_ + link_->link().unsent();
+}
+
+void GrpcConnection::PauseReading(bool pause) {
+  if (link_->users() == Http2Link::For::kOne) return link_->link().PauseReading(pause);
+  if (std::exchange(paused_, pause) == pause || pause || !streaming_) return;
+  link_->http2().Consume(stream_, std::exchange(unread_, 0));
+  link_->Flush();
+  Soon();
+}
 
 void GrpcConnection::Freeze() {
   events_ = nullptr;
-  link_->Freeze();
+  link_->Freeze(*this);
 }
 
 void GrpcConnection::Cut() {
   events_ = nullptr;
-  link_->Cut();
+  link_->Cut(*this);
 }
 
 void GrpcConnection::OnUp() {
-  up_ = true;
-  Flush();
+  if (std::exchange(joined_, true)) return;
   if (events_ != nullptr) events_->OnConnected();
 }
 
-void GrpcConnection::OnBytes(std::string_view bytes) {
-  const std::size_t before = unsent();
-  busy_ = true;
-  const bool good = http2_.Receive(bytes);
-  busy_ = false;
-  if (!good) {
-    link_->Close();
-    return OnDown(absl::UnavailableError("the server's bytes are not HTTP/2"));
-  }
-  Flush();
-  // The server's window grew: what waited for it went.
-  if (!ended_ && unsent() < before) OnSent();
+void GrpcConnection::AfterBytes() {
+  if (std::exchange(sent_more_, false) && !ended_) OnSent();
   TellEnd();
 }
 
@@ -158,8 +175,7 @@ void GrpcConnection::OnSent() {
 }
 
 void GrpcConnection::OnDown(const absl::Status& why) {
-  const bool between_streams = up_ && !streaming_;
-  up_ = false;
+  const bool between_streams = joined_ && !streaming_;
   if (between_streams) return;
   // Before the first stream too, its owner waits for something.
   if (!ended_) ended_ = StreamEnd{kCodeUnavailable, std::string(why.message())};
@@ -181,6 +197,11 @@ void GrpcConnection::OnHeader(std::string_view name, std::string_view value) {
 void GrpcConnection::OnData(std::string_view bytes) {
   if (!streaming_ || ended_) return;
   in_.append(bytes);
+  if (paused_) {
+    unread_ += bytes.size();
+    return;
+  }
+  if (link_->users() == Http2Link::For::kSeveral) link_->http2().Consume(stream_, bytes.size());
   DeliverMessages();
 }
 
@@ -192,7 +213,9 @@ void GrpcConnection::DeliverMessages() {
     if (length > kMessageBytesMax || rest.front() != 0) {
       ended_ = StreamEnd{kCodeResourceExhausted,
                          fmt::format("a message of {} bytes, or a compressed one", length)};
-      http2_.Reset(NGHTTP2_CANCEL);
+      link_->http2().Reset(stream_, NGHTTP2_CANCEL);
+      link_->http2().Forget(stream_);
+      link_->Touch(*this);
       break;
     }
     if (rest.size() < kPrefixBytes + length) break;
@@ -212,6 +235,7 @@ void GrpcConnection::OnClosed(std::uint32_t error) {
   } else {
     ended_ = StreamEnd{kCodeUnknown, "no gRPC status; HTTP status " + http_status_};
   }
+  link_->Touch(*this);
 }
 
 std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& end) {
@@ -225,6 +249,10 @@ std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& en
   }
   std::memcpy(to, out_.data() + out_taken_, taken);
   out_taken_ += taken;
+  if (taken > 0 && link_->receiving()) {
+    sent_more_ = true;
+    link_->Touch(*this);
+  }
   if (out_taken_ == out_.size()) {
     GiveBack(out_);
     out_taken_ = 0;
@@ -236,31 +264,24 @@ std::size_t GrpcConnection::TakeBody(std::uint8_t* to, std::size_t max, bool& en
   return taken;
 }
 
-void GrpcConnection::Flush() {
-  if (busy_ || !up_) return;
-  busy_ = true;
-  loop_.out.clear();
-  while (record_per_message_ && http2_.ProduceFrame(loop_.out)) {
-    link_->Write(loop_.out);
-    loop_.out.clear();
-  }
-  http2_.Produce(loop_.out);
-  busy_ = false;
-  if (!loop_.out.empty()) link_->Write(loop_.out);
-  if (ended_) TellEndLater();
-}
-
-void GrpcConnection::TellEndLater() {
-  boost::asio::post(loop_.io, [weak = std::weak_ptr(self_)] {
-    if (const auto self = weak.lock()) (*self)->TellEnd();
+void GrpcConnection::Soon() {
+  boost::asio::post(link_->loop().io, [weak = std::weak_ptr(self_)] {
+    const auto self = weak.lock();
+    if (self == nullptr) return;
+    // What came while it was paused.
+    if (!(*self)->paused_) (*self)->DeliverMessages();
+    (*self)->TellEnd();
   });
 }
 
 void GrpcConnection::TellEnd() {
-  if (!ended_ || busy_) return;
+  if (!ended_ || link_->busy()) return;
   const StreamEnd end = *std::exchange(ended_, std::nullopt);
   streaming_ = false;
   half_closed_ = false;
+  sent_more_ = false;
+  paused_ = false;
+  unread_ = 0;
   GiveBack(out_);
   GiveBack(in_);
   out_taken_ = 0;

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/link/http2_session.h"
+#include "tools/link/http2_link.h"
 #include "tools/link/tls_link.h"
 
 namespace uplink::link {
@@ -45,15 +45,18 @@ class StreamEvents {
 /// Messages of a server longer than that end the stream.
 inline constexpr std::size_t kMessageBytesMax = 4 * 1024 * 1024;
 
-/// A connection of its own with one bidirectional gRPC stream at a time, for programs that open
-/// thousands. It has no retries, name resolution or load balancing, as gRPC's own library does.
+/// A connection of its own, or a part in one that others use too, with one bidirectional gRPC
+/// stream at a time, for programs that open thousands. It has no retries, name resolution or load
+/// balancing, as gRPC's own library does.
 ///
 /// Thread: confined to the loop's thread.
 /// Source: "gRPC over HTTP2", the protocol's own description.
-class GrpcConnection final : private LinkEvents, private Http2Events {
+class GrpcConnection final : private LinkUser, private Http2Events {
  public:
   GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& events);
-  /// Closes the connection in an orderly way.
+  /// A part in this link.
+  GrpcConnection(std::shared_ptr<Http2Link> link, std::string authority, StreamEvents& events);
+  /// Closes the connection in an orderly way, or of a link that others use its stream.
   ~GrpcConnection() override;
   GrpcConnection(const GrpcConnection&) = delete;
   GrpcConnection& operator=(const GrpcConnection&) = delete;
@@ -72,40 +75,43 @@ class GrpcConnection final : private LinkEvents, private Http2Events {
   void CancelStream();
 
   /// Another stream can be opened on it.
-  [[nodiscard]] bool usable() const { return up_ && http2_.may_open(); }
+  [[nodiscard]] bool usable() const { return link_->up() && !link_->over(); }
   /// Bytes of messages that wait for the server, or for the kernel.
   [[nodiscard]] std::size_t unsent() const;
-  /// As for TlsLink. After Cut and Freeze no event comes.
-  void PauseReading(bool pause) { link_->PauseReading(pause); }
-  void SetDelay(milliseconds delay) { link_->SetDelay(delay); }
+  /// As for TlsLink; on a link that others use it is the stream that is not read. After Cut and
+  /// Freeze, which are the whole link's, no event comes.
+  void PauseReading(bool pause);
+  void SetDelay(milliseconds delay) { link_->link().SetDelay(delay); }
   void Freeze();
   void Cut();
 
  private:
   void OnUp() override;
-  void OnBytes(std::string_view bytes) override;
   void OnSent() override;
   void OnDown(const absl::Status& why) override;
+  void AfterBytes() override;
+  void Soon() override;
   void OnHeader(std::string_view name, std::string_view value) override;
   void OnData(std::string_view bytes) override;
   void OnClosed(std::uint32_t error) override;
   std::size_t TakeBody(std::uint8_t* to, std::size_t max, bool& end) override;
 
-  void Flush();
   void DeliverMessages();
   void TellEnd();
-  void TellEndLater();
 
-  Loop& loop_;
   StreamEvents* events_;
   std::string authority_;
   const bool record_per_message_;
-  Http2Session http2_;
-  std::shared_ptr<TlsLink> link_;
-  bool up_ = false;
-  /// Within nghttp2, which must not be entered again.
-  bool busy_ = false;
+  std::shared_ptr<Http2Link> link_;
+  std::int32_t stream_ = 0;
+  /// It was told that the link is up.
+  bool joined_ = false;
   bool streaming_ = false;
+  /// The server let go of what waited.
+  bool sent_more_ = false;
+  bool paused_ = false;
+  /// Bytes that came and were not read, while it is paused.
+  std::size_t unread_ = 0;
   bool half_closed_ = false;
 
   std::string out_;

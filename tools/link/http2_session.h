@@ -13,7 +13,7 @@ struct nghttp2_session;
 
 namespace uplink::link {
 
-/// What a stream says to its owner, from within Receive and Produce.
+/// What a stream says to its owner, from within Receive and Produce; nothing after OnClosed.
 class Http2Events {
  public:
   virtual ~Http2Events() = default;
@@ -25,7 +25,7 @@ class Http2Events {
   virtual std::size_t TakeBody(std::uint8_t* to, std::size_t max, bool& end) = 0;
 };
 
-/// The client's side of one HTTP/2 connection with one stream at a time, without a socket.
+/// The client's side of one HTTP/2 connection and its streams, without a socket.
 ///
 /// Thread: confined to one thread.
 class Http2Session final {
@@ -37,20 +37,28 @@ class Http2Session final {
     std::uint32_t bytes = 0;
     /// False: what was read gives no room again, as if nothing ever were.
     bool renewed = true;
+    /// True: what a stream read gives it room again when Consume says so; its connection's is
+    /// renewed at once, so that a stream that is not read holds up no other.
+    bool by_stream = false;
   };
 
-  Http2Session(Http2Events& events, const Window& window);
+  explicit Http2Session(const Window& window);
   ~Http2Session();
   Http2Session(const Http2Session&) = delete;
   Http2Session& operator=(const Http2Session&) = delete;
 
-  /// Opens the stream; its body is taken when Produce is called. False if the connection takes no
-  /// new stream.
-  bool Open(const std::vector<Header>& headers);
+  /// Opens a stream; its body is taken when Produce is called. Its number, by which the functions
+  /// below know it; 0 or less if the connection takes no new stream. `events` lives until OnClosed
+  /// or Forget.
+  [[nodiscard]] std::int32_t Open(const std::vector<Header>& headers, Http2Events& events);
   /// There is more of the body.
-  void Resume();
+  void Resume(std::int32_t stream);
   /// Ends the stream with RST_STREAM.
-  void Reset(std::uint32_t error);
+  void Reset(std::int32_t stream, std::uint32_t error);
+  /// Its events are told nothing more.
+  void Forget(std::int32_t stream);
+  /// So many bytes of it were read; of Window::by_stream alone.
+  void Consume(std::int32_t stream, std::size_t bytes);
   /// Bytes from the peer; false if they are not HTTP/2.
   bool Receive(std::string_view bytes);
   /// Appends what is to be sent now.
@@ -66,9 +74,8 @@ class Http2Session final {
  private:
   struct Callbacks;
 
-  Http2Events& events_;
+  const bool by_stream_;
   std::unique_ptr<nghttp2_session, void (*)(nghttp2_session*)> session_;
-  std::int32_t stream_ = -1;
 };
 
 }  // namespace uplink::link
