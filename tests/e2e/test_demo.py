@@ -45,6 +45,11 @@ class Demo(EndToEnd):
         self.assertNotIn("MISMATCH", done.stdout)
         self.assertEqual(self.left_running(), [])
 
+    def test_through_gateways_it_adds_up(self):
+        done = self.demo("--for", "3s", "--robots", "12", "--gateways", "2")
+        self.assertIn("verification: all agree", done.stdout)
+        self.assertNotIn("MISMATCH", done.stdout)
+
     def test_on_postgresql_it_adds_up_and_leaves_nothing_running(self):
         done = self.demo("--for", "3s", "--robots", "5", "--store", "postgres")
         self.assertIn("verification: all agree", done.stdout)

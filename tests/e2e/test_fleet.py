@@ -54,6 +54,19 @@ class FleetRun(EndToEnd):
         self.assertGreater(report["run"]["resent"], 0)
         self.assertGreater(report["run"]["rejects"], 0)
 
+    def test_robots_behind_gateways_agree_though_their_connections_break(self):
+        server, fleet = self.at_work("--robots", 10, "--gateways", 2, "--breaks-per-minute", 20)
+        names = {"CN=gateway-0001,OU=gateway,O=default", "CN=gateway-0002,OU=gateway,O=default"}
+        wait_until(
+            fleet.process,
+            lambda: {robot["gateway"] for robot in server.get("/api/v1/robots")["robots"]} == names,
+            WAIT_SECONDS,
+            "each robot speaks through one of the two",
+        )
+        wait_until(fleet.process, lambda: fleet.breaks() >= 20, WAIT_SECONDS, "20 breaks")
+        report = self.assert_agrees(fleet)
+        self.assertGreater(report["run"]["breaks"], 0)
+
     def test_a_scenario_by_name_and_from_a_file_with_a_flag_before_it(self):
         server = self.server().start()
         file = self.folder / "scenario.toml"
@@ -127,6 +140,7 @@ class FleetUse(EndToEnd):
             ["--robots", "0"], ["--for", "soon"], ["--target", "nowhere"], ["--malformed-share", "2"],
             ["--report", "xml"], ["--no-such-flag"], ["--seed", "-1"], ["--ruri-prefix", "http://x"],
             ["--scenario", "no-such-scenario"], ["--pace", "0"],
+            ["--robots", "3", "--gateways", "4"], ["--robots", "257", "--gateways", "1"],
         ):  # fmt: skip
             with self.subTest(flags):
                 run(BIN / "uplink-fleet", *flags, code=2)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# demo.sh [--for 30s] [--robots 50] [--store sqlite|postgres] [--seed N]: a development authority,
-# an uplinkd with the embedded store or a private PostgreSQL cluster, a synthetic fleet that breaks
-# off and sends wrong things on purpose, and the comparison of what was sent, counted and stored.
+# demo.sh [--for 30s] [--robots 50] [--gateways 0] [--store sqlite|postgres] [--seed N]: a development
+# authority, an uplinkd with the embedded store or a private PostgreSQL cluster, a synthetic fleet that
+# breaks off and sends wrong things on purpose, by itself or through gateways, and the comparison of
+# what was sent, counted and stored.
 # Everything lies in build/demo, made afresh; nothing is left running. Fails if anything does not add
 # up.
 set -euo pipefail
@@ -16,15 +17,17 @@ readonly start_seconds=30
 
 duration=30s
 robots=50
+gateways=0
 store=sqlite
 seed=1
 while [[ $# -gt 0 ]]; do
   case "$1" in
-    --for | --robots | --store | --seed)
+    --for | --robots | --gateways | --store | --seed)
       [[ $# -ge 2 ]] || die_usage "$1 needs a value"
       case "$1" in
         --for) duration="$2" ;;
         --robots) robots="$2" ;;
+        --gateways) gateways="$2" ;;
         --store) store="$2" ;;
         --seed) seed="$2" ;;
       esac
@@ -38,6 +41,7 @@ case "$store" in
   *) die_usage "demo: unknown store: $store (sqlite or postgres)" ;;
 esac
 [[ "$robots" =~ ^[1-9][0-9]{0,4}$ ]] || die_usage "demo: --robots takes a number from 1 to 99999"
+[[ "$gateways" =~ ^[0-9]{1,4}$ ]] || die_usage "demo: --gateways takes a number from 0 to 9999"
 [[ "$seed" =~ ^[0-9]{1,18}$ ]] || die_usage "demo: --seed takes a number"
 [[ "$duration" =~ ^[1-9][0-9]*(ms|s|m|h)$ ]] || die_usage "demo: --for takes a duration such as 30s"
 for program in uplinkd uplinkctl uplink-fleet; do
@@ -122,6 +126,7 @@ printf '               /events  /messages  /presence  /quarantine  /gaps\n\n'
 
 fleet_code=0
 "$bin/uplink-fleet" --target "$relay" --http "$http" --pki "$pki" --robots "$robots" \
+  --gateways "$gateways" \
   --for "$duration" --seed "$seed" --scenario rough || fleet_code=$?
 
 server_code=0

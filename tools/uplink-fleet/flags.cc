@@ -5,6 +5,7 @@
 
 #include "schema/model/ids.h"
 #include "server/config/units.h"
+#include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/run/exit_code.h"
 
 namespace uplink::synthetic {
@@ -127,6 +128,16 @@ class ScenarioFlags {
   CLI::Option* breaks_;
 };
 
+/// Says what is wrong.
+bool GatewaysFit(const SwarmOptions& swarm) {
+  const std::size_t robots = swarm.scenario.robots;
+  if (swarm.gateways == 0) return true;
+  if (swarm.gateways <= robots && robots <= swarm.gateways * kRobotsPerGateway) return true;
+  fmt::print(stderr, "uplink-fleet: --gateways: {} for {} robots; a gateway has 1 to {} of them\n",
+             swarm.gateways, robots, kRobotsPerGateway);
+  return false;
+}
+
 }  // namespace
 
 std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
@@ -170,6 +181,10 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   app.add_option("--threads", swarm.threads, "Threads that drive the robots")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, kThreadsMax));
+  app.add_option("--gateways", swarm.gateways,
+                 "Gateways through which the robots speak, in equal parts of at most 256; 0: each "
+                 "robot by itself")
+      ->capture_default_str();
   app.add_option("--report", report, "Form of the report")
       ->capture_default_str()
       ->check(CLI::IsMember({"text", "json"}));
@@ -186,6 +201,10 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
     return std::nullopt;
   }
   swarm.scenario = *scenario;
+  if (!GatewaysFit(swarm)) {
+    code = kExitWrongUse;
+    return std::nullopt;
+  }
   flags.seed = std::stoull(seed);
   flags.run_for = config::ParseDuration(run_for).value_or(flags.run_for);
   flags.settle_for = config::ParseDuration(settle_for).value_or(flags.settle_for);

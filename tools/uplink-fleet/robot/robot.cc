@@ -67,8 +67,7 @@ void Robot::OnTick() {
     Connect();
   } else if (state_ != State::kIdle && !agent_.welcomed() && now - opened_ > kWelcomeDeadline) {
     shared_.KeepFirstError(fmt::format("{}: no Welcome within 10 s", options_.ruri));
-    connection_->Cut();
-    connection_.reset();
+    DropConnection();
     backoff_.Failed();
     StreamIsOver();
   }
@@ -117,6 +116,7 @@ void Robot::Suffer(Mishap mishap, SteadyTime now) {
       return Break();
     case Mishap::kHalfOpen:
       shared_.breaks.fetch_add(1, std::memory_order_relaxed);
+      if (!own_connection()) return Cut();
       return LeaveBehind(true, now);
     case Mishap::kTakeover:
       shared_.takeovers.fetch_add(1, std::memory_order_relaxed);
@@ -141,6 +141,7 @@ void Robot::Break() {
     return;
   }
   // Half of the breaks cost the connection too.
+  if (options_.leads) connection_->Cut();
   connection_.reset();
   StreamIsOver();
 }
@@ -152,10 +153,14 @@ std::string Robot::LastFrame() {
 
 void Robot::Cut() {
   static_cast<void>(LastFrame());
-  connection_->Cut();
-  connection_.reset();
+  DropConnection();
   broken_by_us_ = true;
   StreamIsOver();
+}
+
+void Robot::DropConnection() {
+  if (own_connection()) connection_->Cut();
+  connection_.reset();
 }
 
 void Robot::LeaveBehind(bool frozen, SteadyTime now) {
@@ -177,14 +182,20 @@ void Robot::Connect() {
   state_ = State::kConnecting;
   opened_ = clock_.Steady();
   if (connection_ != nullptr && connection_->usable()) return OpenStream();
-  options_.link.delay = phase_->trouble.delay;
-  connection_ = std::make_unique<link::GrpcConnection>(loop_, options_.link,
-                                                       static_cast<link::StreamEvents&>(*this));
+  auto& events = static_cast<link::StreamEvents&>(*this);
+  const milliseconds delay = phase_->trouble.delay;
+  if (Gateway* const gateway = options_.gateway) {
+    connection_ =
+        std::make_unique<link::GrpcConnection>(gateway->Link(delay), gateway->authority(), events);
+  } else {
+    options_.link.delay = delay;
+    connection_ = std::make_unique<link::GrpcConnection>(loop_, options_.link, events);
+  }
   connection_->Connect();
 }
 
 void Robot::OnConnected() {
-  shared_.connects.fetch_add(1, std::memory_order_relaxed);
+  if (options_.gateway == nullptr) shared_.connects.fetch_add(1, std::memory_order_relaxed);
   OpenStream();
 }
 
@@ -196,7 +207,9 @@ void Robot::OpenStream() {
   }
   state_ = State::kStreaming;
   shared_.streams.fetch_add(1, std::memory_order_relaxed);
-  connection_->Send(agent_.BeginStream().SerializeAsString());
+  v1::RelayRequest hello = agent_.BeginStream();
+  if (options_.gateway != nullptr) hello.mutable_hello()->set_robot_ruri(options_.ruri);
+  connection_->Send(hello.SerializeAsString());
 }
 
 void Robot::Pump() {

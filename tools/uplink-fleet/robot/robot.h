@@ -10,6 +10,7 @@
 #include "tools/link/grpc_connection.h"
 #include "tools/uplink-fleet/robot/agent.h"
 #include "tools/uplink-fleet/robot/backoff.h"
+#include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/robot/leftovers.h"
 #include "tools/uplink-fleet/robot/mishap.h"
 #include "tools/uplink-fleet/robot/network_chance.h"
@@ -22,10 +23,16 @@ struct RobotOptions {
   std::size_t index = 0;
   link::LinkOptions link;
   std::uint64_t seed = 1;
+  /// Through which it speaks; null: by itself. Outlives the robot.
+  Gateway* gateway = nullptr;
+  /// What the scenario does to its connection it does to the gateway's. Of the other robots of a
+  /// gateway the streams alone suffer: its connection breaks as often as one robot's.
+  bool leads = false;
 };
 
-/// One robot's connection: a TLS connection and a stream of its own, opened again after each end,
-/// driven by a timer at each tick; and what the scenario does to it.
+/// One robot's connection: a TLS connection and a stream of its own, or a stream of its gateway's
+/// connection, opened again after each end, driven by a timer at each tick; and what the scenario
+/// does to it.
 ///
 /// Thread: Start from the thread that makes it, before the loop runs; everything else on the
 /// loop's thread.
@@ -61,6 +68,11 @@ class Robot final : private link::StreamEvents {
   [[nodiscard]] std::string LastFrame();
   void Break();
   void Cut();
+  /// Ends the connection without a word, or the stream if the connection is not the robot's to end.
+  void DropConnection();
+  [[nodiscard]] bool own_connection() const {
+    return options_.gateway == nullptr || options_.leads;
+  }
   void LeaveBehind(bool frozen, SteadyTime now);
   void Connect();
   void OpenStream();

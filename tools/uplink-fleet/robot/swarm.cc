@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <latch>
+#include <map>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -33,6 +34,8 @@ model::SessionId RandomSession(std::random_device& random) {
 struct Driver {
   link::Loop loop;
   Latencies latencies;
+  /// By their places among all; none without them.
+  std::map<std::size_t, std::unique_ptr<Gateway>> gateways;
   std::vector<std::unique_ptr<Robot>> robots;
   /// Their places in the fleet.
   std::vector<std::size_t> indices;
@@ -47,6 +50,7 @@ struct Swarm::Inside {
   std::unique_ptr<pki::Authority> authority;
   std::shared_ptr<const link::TlsClient> tls;
   link::Address address;
+  /// Of each gateway, or else of each robot.
   std::vector<link::Identity> identities;
   std::vector<model::SessionId> sessions;
   std::vector<std::unique_ptr<Driver>> drivers;
@@ -57,6 +61,10 @@ struct Swarm::Inside {
   std::vector<std::jthread> threads;
 
   /// On the driver's own thread: a robot that was offline first lives through that time.
+  [[nodiscard]] absl::Status Issue(const absl::StatusOr<pki::Profile>& profile);
+  [[nodiscard]] absl::Status IssueAll();
+  /// The robot's connection: an identity of its own, or its gateway.
+  void Connect(std::size_t index, Driver& driver, RobotOptions& robot) const;
   [[nodiscard]] std::vector<Agent> MakeAgents(Driver& driver);
   void MakeRobots(Driver& driver, std::vector<Agent> agents);
 };
@@ -87,19 +95,62 @@ absl::StatusOr<std::unique_ptr<Swarm>> Swarm::Create(const SwarmOptions& options
   for (std::size_t i = 0; i < options.threads; ++i) {
     inside->drivers.push_back(std::make_unique<Driver>());
   }
+  if (const absl::Status issued = inside->IssueAll(); !issued.ok()) return issued;
   for (std::size_t i = 0; i < options.scenario.robots; ++i) {
-    const auto profile =
-        pki::RobotProfile(RuriOf(options, i), options.fleet, fmt::format("robot-{:04}", i + 1));
-    if (!profile.ok()) return profile.status();
-    const auto credentials = inside->authority->Issue(*profile, kCertificateDays);
-    if (!credentials.ok()) return credentials.status();
-    auto identity = link::Identity::Parse(credentials->certificate_pem, credentials->key_pem);
-    if (!identity.ok()) return identity.status();
-    inside->identities.push_back(*std::move(identity));
     inside->sessions.push_back(RandomSession(random));
-    inside->drivers[i % options.threads]->indices.push_back(i);
+    // Robots of one gateway are on one thread, with its connection.
+    const std::size_t place = options.gateways > 0 ? i % options.gateways : i;
+    inside->drivers[place % options.threads]->indices.push_back(i);
   }
   return std::unique_ptr<Swarm>(new Swarm(std::move(inside)));
+}
+
+absl::Status Swarm::Inside::Issue(const absl::StatusOr<pki::Profile>& profile) {
+  if (!profile.ok()) return profile.status();
+  const auto credentials = authority->Issue(*profile, kCertificateDays);
+  if (!credentials.ok()) return credentials.status();
+  auto identity = link::Identity::Parse(credentials->certificate_pem, credentials->key_pem);
+  if (!identity.ok()) return identity.status();
+  identities.push_back(*std::move(identity));
+  return absl::OkStatus();
+}
+
+absl::Status Swarm::Inside::IssueAll() {
+  const std::size_t robots = options.scenario.robots;
+  for (std::size_t i = 0; options.gateways == 0 && i < robots; ++i) {
+    const absl::Status status = Issue(
+        pki::RobotProfile(RuriOf(options, i), options.fleet, fmt::format("robot-{:04}", i + 1)));
+    if (!status.ok()) return status;
+  }
+  for (std::size_t gateway = 0; gateway < options.gateways; ++gateway) {
+    std::vector<std::string> ruris;
+    for (std::size_t i = gateway; i < robots; i += options.gateways) {
+      ruris.push_back(RuriOf(options, i));
+    }
+    const absl::Status status =
+        Issue(pki::GatewayProfile(ruris, options.fleet, fmt::format("gateway-{:04}", gateway + 1)));
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+void Swarm::Inside::Connect(std::size_t index, Driver& driver, RobotOptions& robot) const {
+  robot.link.address = address;
+  robot.link.tls = tls;
+  const bool slow = std::ranges::any_of(options.scenario.phases, [index](const Phase& phase) {
+    return ReadsSlowly(phase.trouble, index);
+  });
+  if (slow) robot.link.window_bytes = kSlowWindowBytes;
+  if (options.gateways == 0) {
+    robot.link.identity = identities[index];
+    return;
+  }
+  const std::size_t place = index % options.gateways;
+  robot.leads = index < options.gateways;
+  robot.link.identity = identities[place];
+  auto& gateway = driver.gateways[place];
+  if (gateway == nullptr) gateway = std::make_unique<Gateway>(driver.loop, robot.link, shared);
+  robot.gateway = gateway.get();
 }
 
 std::vector<Agent> Swarm::Inside::MakeAgents(Driver& driver) {
@@ -122,12 +173,7 @@ void Swarm::Inside::MakeRobots(Driver& driver, std::vector<Agent> agents) {
     RobotOptions robot;
     robot.ruri = RuriOf(options, i);
     robot.index = i;
-    robot.link.address = address;
-    robot.link.identity = identities[i];
-    robot.link.tls = tls;
-    const bool slow = std::ranges::any_of(
-        scenario.phases, [i](const Phase& phase) { return ReadsSlowly(phase.trouble, i); });
-    if (slow) robot.link.window_bytes = kSlowWindowBytes;
+    Connect(i, driver, robot);
     robot.seed = scenario.phases.front().options.seed * 1'000'003 + i;
     agents[at].Begin(start);
     driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agents[at]),

@@ -21,6 +21,8 @@ struct SwarmOptions {
   std::string fleet = "default";
   std::string ruri_prefix;
   std::size_t threads = 1;
+  /// Gateways through which the robots speak, in equal parts; 0: each by itself.
+  std::size_t gateways = 0;
   Scenario scenario;
 };
 
