@@ -44,6 +44,8 @@ constexpr std::size_t kConnectsAtOnce = 32;
 constexpr std::size_t kPacedRobots = 2000;
 constexpr double kPacedHz = 10;
 constexpr std::size_t kFewerRobots = 500;
+/// Through which the paced robots speak.
+constexpr std::size_t kGateways = 20;
 constexpr std::size_t kFloodRobots = 16;
 /// Messages that a flooding robot has on its way.
 constexpr std::size_t kFloodAhead = 2048;
@@ -52,6 +54,7 @@ constexpr std::size_t kFewRobots = 100;
 constexpr std::size_t kManyRobots = 10'000;
 constexpr double kGrowthRate = 10'000;
 constexpr std::size_t kMemoryRobots = 2000;
+static_assert(kMemoryRobots == kPacedRobots, "KiBPerRobot is of both");
 constexpr std::size_t kMemoryMessages = 64;
 constexpr std::size_t kAcceptRobots = 2000;
 constexpr std::size_t kStormRobots = 5000;
@@ -76,6 +79,7 @@ class RelayBench final {
       Cost("flood_64", kSinks, 64, kFloodRobots, Flooding(64));
       Cost("connected_5000_1hz", kOnGrpc, 1, kIdleRobots, Paced(kIdleRobots, 1));
       Growth();
+      Gateways();
     } else if (arguments_.what == "memory") {
       Memory();
     } else {
@@ -222,6 +226,38 @@ class RelayBench final {
           {"robots_10000_at_10000_a_second", "us CPU/message", name, own.many, its.many});
       rows_.push_back({scenario, "x", name, own.growth, its.growth});
     }
+  }
+
+  /// The same robots through gateways and by themselves: what a message costs, and what a robot
+  /// holds once it has live state.
+  void Gateways() {
+    const std::string scenario = "gateways_20x100";
+    if (!Wanted(scenario)) return;
+    world_.MakeRobots(kPacedRobots);
+    const std::vector<link::Identity> gateways = world_.MakeGateways(kGateways, kPacedRobots);
+    const std::string by_itself = "connections of their own";
+    Row cost{scenario, "us CPU/message", by_itself, {}, {}};
+    Row memory{scenario + "_memory", "KiB/robot", by_itself, {}, {}};
+    const Act act = Paced(kPacedRobots * kPacedHz, 1);
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      for (const bool through : {true, false}) {
+        Say(scenario + (through ? ": through gateways" : ": by themselves"));
+        const Server server(world_, ServerKind::kUplinkd);
+        Load::Where where = server.where();
+        if (through) where.gateways = gateways;
+        link::Loop loop;
+        Load load(std::move(where), loop);
+        const std::uint64_t before = server.use().rss_bytes;
+        load.ConnectUpTo(kPacedRobots, kConnectsAtOnce);
+        load.SendEach(kMemoryMessages);
+        (through ? memory.value : memory.comparator_value)
+            .Add(KiBPerRobot(server.use().rss_bytes - before));
+        (through ? cost.value : cost.comparator_value)
+            .Add(PacedCostOnce(scenario, server, load, act));
+      }
+    }
+    rows_.push_back(std::move(cost));
+    rows_.push_back(std::move(memory));
   }
 
   /// Resident memory that a robot adds: connected, and after some messages with its live state.

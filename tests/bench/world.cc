@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include "schema/base/check.h"
+#include "tests/bench/load/bench_ruri.h"
 #include "tests/support/certificates.h"
 
 namespace uplink::bench {
@@ -19,12 +20,26 @@ bool PinTo(int core) {
 void World::MakeRobots(std::size_t robots) {
   identities.reserve(robots);
   for (std::size_t i = identities.size(); i < robots; ++i) {
-    const testing::KeyPair pair = folder.authority().Issue(
-        testing::RobotSpec("rcan://bench.local/robots/" + std::to_string(i)));
+    const testing::KeyPair pair = folder.authority().Issue(testing::RobotSpec(BenchRuri(i)));
     auto identity = link::Identity::Parse(pair.certificate, pair.key);
     UPLINK_CHECK(identity.ok(), identity.status().ToString());
     identities.push_back(*std::move(identity));
   }
+}
+
+std::vector<link::Identity> World::MakeGateways(std::size_t gateways, std::size_t robots) const {
+  std::vector<link::Identity> made;
+  for (std::size_t gateway = 0; gateway < gateways; ++gateway) {
+    testing::CertificateSpec spec;
+    spec.common_names = {"gateway " + std::to_string(gateway)};
+    spec.units = {"gateway"};
+    for (std::size_t i = gateway; i < robots; i += gateways) spec.uris.push_back(BenchRuri(i));
+    const testing::KeyPair pair = folder.authority().Issue(spec);
+    auto identity = link::Identity::Parse(pair.certificate, pair.key);
+    UPLINK_CHECK(identity.ok(), identity.status().ToString());
+    made.push_back(*std::move(identity));
+  }
+  return made;
 }
 
 }  // namespace uplink::bench

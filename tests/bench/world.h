@@ -18,6 +18,10 @@ bool PinTo(int core);
 struct World {
   /// Makes certificates until there are so many.
   void MakeRobots(std::size_t robots);
+  /// Certificates of so many gateways, which name robots of MakeRobots in equal parts: robot i is
+  /// gateway i % gateways'.
+  [[nodiscard]] std::vector<link::Identity> MakeGateways(std::size_t gateways,
+                                                         std::size_t robots) const;
 
   testing::UplinkdFolder folder;
   std::vector<link::Identity> identities;

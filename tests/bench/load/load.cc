@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "schema/base/check.h"
+#include "tests/bench/load/relay_client.h"
 
 namespace uplink::bench {
 namespace {
@@ -19,11 +20,24 @@ constexpr std::size_t kUnsentMax = 64 * 1024;
 
 Load::~Load() {
   clients_.clear();
+  gateways_.clear();
   loop_.io.restart();
   loop_.io.poll();
 }
 
+std::unique_ptr<Client> Load::NewThroughGateway(std::size_t number) {
+  const std::size_t place = number % where_.gateways.size();
+  if (place == gateways_.size()) {
+    link::LinkOptions options = where_.link;
+    options.identity = where_.gateways[place];
+    gateways_.push_back(std::make_shared<link::Http2Link>(loop_, std::move(options),
+                                                          link::Http2Link::For::kSeveral));
+  }
+  return std::make_unique<RelayClient>(gateways_[place], where_.link.address.text, number);
+}
+
 std::unique_ptr<Client> Load::NewClient(std::size_t number) {
+  if (!where_.gateways.empty()) return NewThroughGateway(number);
   link::LinkOptions options = where_.link;
   options.identity = where_.identities->at(number);
   return Connect(where_.protocol, loop_, std::move(options), number);

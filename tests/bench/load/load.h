@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "tests/bench/load/client.h"
+#include "tools/link/http2_link.h"
 
 namespace uplink::bench {
 
@@ -24,6 +25,9 @@ class Load final {
     link::LinkOptions link;
     /// The robots' certificates; as many robots as there are can be connected.
     const std::vector<link::Identity>* identities = nullptr;
+    /// Gateways' certificates: the robots speak through these, in equal parts, each by one
+    /// connection. Empty: each by itself.
+    std::vector<link::Identity> gateways = {};
   };
 
   /// `loop` outlives it. Loads of one loop live while any of them is driven: they answer pings.
@@ -54,6 +58,7 @@ class Load final {
 
  private:
   [[nodiscard]] std::unique_ptr<Client> NewClient(std::size_t number);
+  [[nodiscard]] std::unique_ptr<Client> NewThroughGateway(std::size_t number);
   void RunFor(milliseconds duration);
   void CheckNoneFailed(std::size_t from = 0) const;
   void FillUp(Client& client, std::size_t ahead, std::size_t frame_messages) const;
@@ -61,6 +66,7 @@ class Load final {
   Where where_;
   link::Loop& loop_;
   boost::asio::steady_timer timer_;
+  std::vector<std::shared_ptr<link::Http2Link>> gateways_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::size_t next_ = 0;
   std::uint64_t late_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tests/bench/load/bench_ruri.h"
 #include "tests/bench/load/session_id.h"
 
 namespace uplink::bench {
@@ -13,12 +14,22 @@ RelayClient::RelayClient(link::Loop& loop, link::LinkOptions options, std::size_
   connection_.Connect();
 }
 
+RelayClient::RelayClient(std::shared_ptr<link::Http2Link> gateway, std::string authority,
+                         std::size_t number)
+    : number_(number),
+      ruri_(BenchRuri(number)),
+      connection_(std::move(gateway), std::move(authority),
+                  static_cast<link::StreamEvents&>(*this)) {
+  connection_.Connect();
+}
+
 void RelayClient::OnConnected() {
   connection_.OpenStream("/uplink.v1.UplinkRelay/Relay");
   v1::RelayRequest frame;
   frame.mutable_hello()->set_session_id(NewSessionId());
   frame.mutable_hello()->set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
   frame.mutable_hello()->set_agent_version("benchmark");
+  frame.mutable_hello()->set_robot_ruri(ruri_);
   connection_.Send(frame.SerializeAsString());
 }
 

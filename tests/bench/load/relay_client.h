@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <string>
+
 #include "tests/bench/load/client.h"
 #include "tools/link/grpc_connection.h"
 #include "uplink/v1/relay.pb.h"
@@ -10,6 +13,8 @@ namespace uplink::bench {
 class RelayClient final : public Client, private link::StreamEvents {
  public:
   RelayClient(link::Loop& loop, link::LinkOptions options, std::size_t number);
+  /// Through a gateway's connection.
+  RelayClient(std::shared_ptr<link::Http2Link> gateway, std::string authority, std::size_t number);
 
   void Send(std::size_t messages) override;
   [[nodiscard]] std::size_t unsent() const override { return connection_.unsent(); }
@@ -21,6 +26,8 @@ class RelayClient final : public Client, private link::StreamEvents {
   void OnEnded(const link::StreamEnd& end) override { Fail(end.message); }
 
   std::size_t number_;
+  /// Hello.robot_ruri.
+  std::string ruri_;
   v1::RelayRequest frame_;
   link::GrpcConnection connection_;
 };
