@@ -100,7 +100,10 @@ class RobotSessions final {
   /// number none did.
   [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
                                 Newcomer comer = {});
-  [[nodiscard]] Standing StandingOf(StreamRef stream) const;
+  [[nodiscard]] Standing StandingOf(StreamRef stream) const {
+    const std::lock_guard lock(mutex_);
+    return takeover_.StandingOf(stream);
+  }
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
   /// The robot's stream is to end. Returns it, to be woken; none if there is none.

@@ -188,6 +188,12 @@ void BenchStream::Pump() {
 }
 
 std::vector<std::string> BenchStream::Said() {
+  std::vector<std::string> lines = SaidAll();
+  std::erase_if(lines, [](const std::string& line) { return line.starts_with("resend "); });
+  return lines;
+}
+
+std::vector<std::string> BenchStream::SaidAll() {
   std::vector<std::string> lines;
   for (; told_ < frames_.size(); ++told_) lines.push_back(ToLine(frames_[told_]));
   return lines;

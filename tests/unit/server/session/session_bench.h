@@ -87,8 +87,10 @@ class BenchStream final : public FrameSource, public FrameSink {
   void AtNextWrite(std::function<void()> job) { at_next_write_ = std::move(job); }
 
   // What came of it.
-  /// The lines of all frames since the last call.
+  /// The lines of all frames since the last call, but for requests to send again.
   [[nodiscard]] std::vector<std::string> Said();
+  /// Those too.
+  [[nodiscard]] std::vector<std::string> SaidAll();
   [[nodiscard]] const std::vector<v1::RelayResponse>& frames() const { return frames_; }
   /// The server wants a frame.
   [[nodiscard]] bool reading() const { return reading_; }
