@@ -7,10 +7,21 @@
 namespace uplink::front {
 namespace {
 
+/// The civil clock was set if the expiry is further than this from where it was at the last look; a
+/// clock that is only slewed moves it by far less.
+constexpr std::chrono::seconds kClockWasSet{10};
+
 /// `span` without up to a tenth, so that robots which came together do not go together.
 milliseconds Shortened(milliseconds span, std::uint16_t jitter) {
   constexpr milliseconds::rep kParts = 65'536;
   return span - span / 10 * milliseconds::rep{jitter} / kParts;
+}
+
+/// How long before its certificates' expiry a connection ends that has so much left.
+milliseconds BeforeExpiry(milliseconds until_expiry, std::uint16_t jitter) {
+  // With a certificate that is nearly over already it may stay until that is.
+  if (until_expiry <= kBeforeExpiry) return milliseconds(0);
+  return until_expiry - Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter);
 }
 
 }  // namespace
@@ -23,17 +34,20 @@ void Lifetime::Open(SteadyTime now, milliseconds age, milliseconds until_expiry,
   old_at_.reset();
   if (age > milliseconds(0)) old_at_ = now + Shortened(age, jitter);
   look_at_ = now;
+  expires_at_.reset();
   SetExpiry(now, until_expiry);
 }
 
 void Lifetime::SetExpiry(SteadyTime now, milliseconds until_expiry) {
   if (!look_at_) return;
   look_at_ = now + kExpiryLook;
-  // With a certificate that is nearly over already it may stay until that is.
-  const milliseconds left = until_expiry > kBeforeExpiry
-                                ? Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter_)
-                                : until_expiry;
-  age_at_ = old_at_ ? std::min<SteadyTime>(*old_at_, now + left) : now + left;
+  const SteadyTime expires_at = now + until_expiry;
+  if (!expires_at_ || std::chrono::abs(expires_at - *expires_at_) > kClockWasSet) {
+    before_expiry_ = BeforeExpiry(until_expiry, jitter_);
+  }
+  expires_at_ = expires_at;
+  const SteadyTime at = expires_at - before_expiry_;
+  age_at_ = old_at_ ? std::min<SteadyTime>(*old_at_, at) : at;
 }
 
 void Lifetime::Heard(SteadyTime now) {

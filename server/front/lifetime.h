@@ -33,7 +33,8 @@ class Lifetime final {
   };
 
   /// The connection opened. `age` is limits.connection_age_max, zero for never; `until_expiry` what
-  /// is left of its certificates; of both a tenth at most is taken, by `jitter` of 65,536 parts.
+  /// is left of its certificates; of both a tenth at most is taken, by `jitter` of 65,536 parts,
+  /// and of the latter once, however often SetExpiry looks again.
   void Open(SteadyTime now, milliseconds age, milliseconds until_expiry, std::uint16_t jitter);
   /// So much is left of its certificates now. Nothing once its age was told.
   void SetExpiry(SteadyTime now, milliseconds until_expiry);
@@ -66,6 +67,9 @@ class Lifetime final {
   std::uint16_t jitter_ = 0;
   /// By limits.connection_age_max alone.
   std::optional<SteadyTime> old_at_;
+  /// When its certificates expire, and how long before that it ends.
+  std::optional<SteadyTime> expires_at_;
+  SteadyTime::duration before_expiry_{};
   /// By that or its certificates, and when those are looked at next; nothing once it was told.
   std::optional<SteadyTime> age_at_;
   std::optional<SteadyTime> look_at_;

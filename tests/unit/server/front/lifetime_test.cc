@@ -68,6 +68,40 @@ TEST_F(LifetimeTest, ItEndsTenMinutesBeforeItsCertificate) {
   EXPECT_EQ(HeardAndDueAt(kHour - kBeforeExpiry), Due::kAge);
 }
 
+/// Looks at the expiry each minute, as a connection does, on a civil clock that gains `slew` each
+/// time; says when the age is told.
+milliseconds ToldAt(Lifetime& lifetime, milliseconds until_expiry, milliseconds slew) {
+  milliseconds left = until_expiry;
+  for (milliseconds at{0}; at <= until_expiry; at += kExpiryLook) {
+    lifetime.Heard(kStart + at);
+    Due due = lifetime.Take(kStart + at, false);
+    if (due == Due::kLookAtExpiry) {
+      lifetime.SetExpiry(kStart + at, left);
+      due = lifetime.Take(kStart + at, false);
+    }
+    if (due == Due::kAge) return at;
+    left -= kExpiryLook + slew;
+  }
+  return milliseconds::max();
+}
+
+TEST_F(LifetimeTest, JitterBeforeTheExpiryIsTakenOnceHoweverOftenThatIsLookedAt) {
+  const milliseconds until_expiry = kHour * 100 + kBeforeExpiry;
+  for (const milliseconds slew : {milliseconds(0), milliseconds(30), milliseconds(-30)}) {
+    Open(milliseconds(0), until_expiry, 65'535);
+    const milliseconds told = ToldAt(lifetime_, until_expiry, slew);
+    EXPECT_GT(told, kHour * 89) << slew.count();
+    EXPECT_LT(told, kHour * 91) << slew.count();
+  }
+}
+
+TEST_F(LifetimeTest, JitterBeforeTheExpiryIsTakenAnewOnceTheClockWasSet) {
+  Open(milliseconds(0), kFarAway, 65'535);
+  lifetime_.SetExpiry(kStart, kHour * 10 + kBeforeExpiry);
+  EXPECT_EQ(HeardAndDueAt(kHour * 9 - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kHour * 9 + milliseconds(1000)), Due::kAge);
+}
+
 TEST_F(LifetimeTest, WithLessLeftItStaysUntilTheExpiry) {
   Open(milliseconds(0), kBeforeExpiry);
   EXPECT_EQ(HeardAndDueAt(kBeforeExpiry - milliseconds(1)), Due::kNothing);
