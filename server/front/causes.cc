@@ -39,6 +39,8 @@ TurnedAway CauseOf(FrameKind kind) {
       return TurnedAway::kUnknownFrames;
     case FrameKind::kHeaders:
       return TurnedAway::kHeaders;
+    case FrameKind::kContinuation:
+      return TurnedAway::kContinuations;
     case FrameKind::kKeyUpdate:
       return TurnedAway::kKeyUpdates;
   }

@@ -62,8 +62,9 @@ void Connection::BeginHttp2() {
   origin_.NotePeer(peer_->ruri, peer_->IsGateway() ? peer_->identity->subject : "");
   phase_ = Phase::kOpen;
   phase_by_.reset();
-  http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this,
-                                   peer_->IsGateway() ? gateway_streams_max_ : kRobotStreamsMax);
+  const std::uint32_t streams_max = peer_->IsGateway() ? gateway_streams_max_ : kRobotStreamsMax;
+  frames_ = FrameRates(streams_max);
+  http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this, streams_max);
   lifetime_.Open(now, age_max_, UntilExpiry(), peer_->jitter());
   owner_.OnHandshakeEnded(*this);
   if (!place_.Take()) {

@@ -29,7 +29,12 @@ bool FrameRates::Take(FrameKind kind, SteadyTime now) {
   const FrameLimit& limit = LimitOf(kind);
   SteadyTime& full_at = full_at_[static_cast<std::size_t>(kind)];
   const SteadyTime then = std::max(full_at, now) + IntervalOf(limit);
-  if (then - now > IntervalOf(limit) * limit.burst) return false;
+  // Rounded up: a peer with fewer streams than a robot's has its one frame, too.
+  const auto burst =
+      limit.scope == FrameScope::kStreams
+          ? (std::uint64_t{limit.burst} * streams_max_ + kRobotStreamsMax - 1) / kRobotStreamsMax
+          : limit.burst;
+  if (then - now > IntervalOf(limit) * static_cast<SteadyTime::rep>(burst)) return false;
   full_at = then;
   return true;
 }

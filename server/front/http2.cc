@@ -31,6 +31,8 @@ std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header) {
       return FrameKind::kEmptyData;
     case NGHTTP2_HEADERS:
       return FrameKind::kHeaders;
+    case NGHTTP2_CONTINUATION:
+      return FrameKind::kContinuation;
     case NGHTTP2_RST_STREAM:
       return FrameKind::kReset;
     case NGHTTP2_PING:

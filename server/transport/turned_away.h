@@ -29,7 +29,7 @@ enum class TurnedAway : std::uint8_t {
   kKey,
   /// It opened no stream in time, or left without one.
   kNoStream,
-  /// Bytes that are no HTTP/2.
+  /// Bytes that are no HTTP/2, or break its rules.
   kProtocol,
   kPings,
   kResets,
@@ -39,6 +39,7 @@ enum class TurnedAway : std::uint8_t {
   kWindowUpdates,
   kUnknownFrames,
   kHeaders,
+  kContinuations,
   kKeyUpdates,
   /// It did not read what we had for it.
   kNotRead,
@@ -47,7 +48,7 @@ enum class TurnedAway : std::uint8_t {
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 23> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 24> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -67,6 +68,7 @@ inline constexpr std::array<std::string_view, 23> kTurnedAwayTexts = {"full",
                                                                       "window_updates",
                                                                       "unknown_frames",
                                                                       "headers",
+                                                                      "continuations",
                                                                       "key_updates",
                                                                       "not_read",
                                                                       "proxy_header"};

@@ -26,14 +26,14 @@ INSTANTIATE_TEST_SUITE_P(All, FrameRatesOfAKind, ::testing::ValuesIn(kFrameLimit
 
 TEST_P(FrameRatesOfAKind, TakesABurstAndNoMore) {
   FrameRates rates;
-  const auto& [kind, rate, burst, label] = GetParam();
+  const auto& [kind, rate, burst, scope, label] = GetParam();
   EXPECT_EQ(TakeAtOnce(rates, kind, burst, kNow), burst);
   EXPECT_FALSE(rates.Take(kind, kNow));
 }
 
 TEST_P(FrameRatesOfAKind, TakesTheNextOneAfterItsInterval) {
   FrameRates rates;
-  const auto& [kind, rate, burst, label] = GetParam();
+  const auto& [kind, rate, burst, scope, label] = GetParam();
   TakeAtOnce(rates, kind, burst, kNow);
   const SteadyTime next = kNow + SteadyTime::duration(kSecond) / rate;
   EXPECT_FALSE(rates.Take(kind, next - SteadyTime::duration(1)));
@@ -43,7 +43,7 @@ TEST_P(FrameRatesOfAKind, TakesTheNextOneAfterItsInterval) {
 
 TEST_P(FrameRatesOfAKind, TakesItsRateForEver) {
   FrameRates rates;
-  const auto& [kind, rate, burst, label] = GetParam();
+  const auto& [kind, rate, burst, scope, label] = GetParam();
   const auto interval = SteadyTime::duration(kSecond) / rate;
   for (std::uint32_t i = 0; i < 3 * burst; ++i) {
     ASSERT_TRUE(rates.Take(kind, kNow + interval * i)) << i;
@@ -53,9 +53,33 @@ TEST_P(FrameRatesOfAKind, TakesItsRateForEver) {
 
 TEST_P(FrameRatesOfAKind, APauseGivesNoMoreThanABurst) {
   FrameRates rates;
-  const auto& [kind, rate, burst, label] = GetParam();
+  const auto& [kind, rate, burst, scope, label] = GetParam();
   TakeAtOnce(rates, kind, burst, kNow);
   EXPECT_EQ(TakeAtOnce(rates, kind, 2 * burst, kNow + std::chrono::hours(24)), burst);
+}
+
+TEST_P(FrameRatesOfAKind, APeerWithManyStreamsHasABurstForThemWhereTheyCostIt) {
+  constexpr std::uint32_t kTimes = 8;
+  FrameRates rates(kTimes * kRobotStreamsMax);
+  const FrameLimit& limit = GetParam();
+  const std::uint32_t burst =
+      limit.scope == FrameScope::kStreams ? kTimes * limit.burst : limit.burst;
+  EXPECT_EQ(TakeAtOnce(rates, limit.kind, 2 * burst, kNow), burst);
+  EXPECT_EQ(TakeAtOnce(rates, limit.kind, 2 * burst, kNow + kSecond), limit.rate)
+      << "the rate is the same";
+}
+
+TEST(FrameRates, ManyStreamsMayBeOpenedAndResetAtOnce) {
+  constexpr std::uint32_t kStreams = 256;
+  FrameRates rates(kStreams);
+  for (const FrameKind kind : {FrameKind::kHeaders, FrameKind::kReset, FrameKind::kEmptyData}) {
+    EXPECT_EQ(TakeAtOnce(rates, kind, kStreams, kNow), kStreams) << LimitOf(kind).label;
+  }
+}
+
+TEST(FrameRates, APeerWithOneStreamHasItsFrame) {
+  FrameRates rates(1);
+  for (const FrameLimit& limit : kFrameLimits) EXPECT_TRUE(rates.Take(limit.kind, kNow));
 }
 
 TEST(FrameRates, OneThatIsPastTheLimitCostsNothing) {
