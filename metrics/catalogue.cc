@@ -2,24 +2,13 @@
 
 #include <array>
 
+#include "metrics/catalogue_labels.h"
+
 namespace uplink::metrics {
 namespace {
 
 using enum MetricId;
 using enum MetricType;
-
-constexpr std::array<std::string_view, 1> kByOutcome{"outcome"};
-constexpr std::array<std::string_view, 1> kByReason{"reason"};
-constexpr std::array<std::string_view, 2> kByVariantReason{"variant", "reason"};
-constexpr std::array<std::string_view, 1> kByKind{"kind"};
-constexpr std::array<std::string_view, 2> kByKindReason{"kind", "reason"};
-constexpr std::array<std::string_view, 1> kByCode{"code"};
-constexpr std::array<std::string_view, 1> kByPresence{"presence"};
-constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
-constexpr std::array<std::string_view, 1> kByCause{"cause"};
-constexpr std::array<std::string_view, 1> kByShard{"shard"};
-constexpr std::array<std::string_view, 1> kByVersion{"version"};
-constexpr std::array<std::string_view, 1> kByWhy{"why"};
 
 constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kUplinksReceived, "uplinkd_uplinks_received_total", kCounter, "messages",

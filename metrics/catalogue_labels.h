@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+// The names of metrics' labels, for the catalogue alone.
+namespace uplink::metrics {
+
+inline constexpr std::array<std::string_view, 1> kByOutcome{"outcome"};
+inline constexpr std::array<std::string_view, 1> kByReason{"reason"};
+inline constexpr std::array<std::string_view, 2> kByVariantReason{"variant", "reason"};
+inline constexpr std::array<std::string_view, 1> kByKind{"kind"};
+inline constexpr std::array<std::string_view, 2> kByKindReason{"kind", "reason"};
+inline constexpr std::array<std::string_view, 1> kByCode{"code"};
+inline constexpr std::array<std::string_view, 1> kByPresence{"presence"};
+inline constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
+inline constexpr std::array<std::string_view, 1> kByCause{"cause"};
+inline constexpr std::array<std::string_view, 1> kByShard{"shard"};
+inline constexpr std::array<std::string_view, 1> kByVersion{"version"};
+inline constexpr std::array<std::string_view, 1> kByWhy{"why"};
+
+}  // namespace uplink::metrics
