@@ -87,6 +87,8 @@ enum class MetricId : std::uint8_t {
   kHandshakesUnderWay,
   kHandshakesWaiting,
   kProxyHeadersWaiting,
+  kUnfinishedBytes,
+  kUnfinishedEnds,
   kFinishTimeouts,
   kWakes,
   kAckSeconds,

@@ -27,7 +27,7 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
 Call::~Call() {
   thread_.calls.erase(id_);
   thread_.call_timers.Forget(id_, timer_);
-  if (unfinished_) thread_.unfinished.Set(id_, 0, 0, thread_.clock.Steady());
+  NoteUnfinished(0);
 }
 
 // --- The request ---
@@ -155,14 +155,16 @@ void Call::ConsumeUnfinished() {
     http2_.ConsumeStream(stream_, waiting - consumed_early_);
     consumed_early_ = waiting;
   }
-  if (!whole && !unfinished_) return;
-  unfinished_ = whole.has_value();
-  thread_.unfinished.Set(id_, reader_.popped(), whole ? reader_.held() : 0, thread_.clock.Steady());
-  if (const std::optional<std::uint64_t> slowest = thread_.unfinished.TooSlow()) {
-    thread_.calls.at(*slowest)->too_slow_ = true;
-    // It may be another connection's: not from here.
-    thread_.inbox.Wake(*slowest);
-  }
+  NoteUnfinished(whole ? reader_.held() : 0);
+}
+
+void Call::NoteUnfinished(std::size_t bytes) {
+  const std::uint64_t message = bytes > 0 ? reader_.popped() : 0;
+  if (bytes == unfinished_bytes_ && message == unfinished_message_) return;
+  unfinished_bytes_ = bytes;
+  unfinished_message_ = message;
+  thread_.unfinished.Set({&thread_.inbox, id_}, owner_.tls_peer().key, message, bytes,
+                         thread_.clock.Steady());
 }
 
 void Call::DropReceived() {
@@ -206,7 +208,8 @@ void Call::Settle() {
 }
 
 void Call::OnWake() {
-  if (std::exchange(too_slow_, false)) {
+  if (unfinished_bytes_ > 0 && thread_.unfinished.ToEnd({&thread_.inbox, id_})) {
+    thread_.relay.probe.unfinished_ends_total.Add();
     Fail(absl::ResourceExhaustedError(
         "the memory for unfinished frames is used up, and this one was the slowest"));
   }

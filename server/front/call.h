@@ -100,6 +100,8 @@ class Call final : public Http2Stream {
   /// Opens the stream's window by what was taken, and for what a large message still needs.
   void Consume(std::size_t taken);
   void ConsumeUnfinished();
+  /// So many bytes are kept of a message that is not whole.
+  void NoteUnfinished(std::size_t bytes);
   void DropReceived();
   void SetTimer();
   [[nodiscard]] bool serving() const { return handler_ != nullptr && !over_ && !cancelled_; }
@@ -119,10 +121,9 @@ class Call final : public Http2Stream {
   bool had_message_ = false;
   bool peer_ended_ = false;
   MethodKind kind_ = MethodKind::kBidirectional;
-  /// Thread::unfinished has an entry for it.
-  bool unfinished_ = false;
-  /// Its message is the slowest of those that fill the thread's memory.
-  bool too_slow_ = false;
+  /// What Thread::unfinished has of it.
+  std::size_t unfinished_bytes_ = 0;
+  std::uint64_t unfinished_message_ = 0;
 
   Response response_;
   /// What the handler wrote was taken, and it was not told yet.

@@ -43,7 +43,7 @@ void Call::Break() {
   handler_.reset();
   finish_by_.reset();
   DropReceived();
-  if (std::exchange(unfinished_, false)) thread_.unfinished.Set(id_, 0, 0, thread_.clock.Steady());
+  NoteUnfinished(0);
 }
 
 void Call::DrainAt(SteadyTime at, SteadyTime end) {

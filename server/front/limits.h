@@ -71,7 +71,7 @@ inline constexpr std::chrono::minutes kExpiryLook{1};
 inline constexpr std::chrono::minutes kBeforeExpiry{10};
 
 /// Bytes of unfinished frames that the streams of all threads may hold together, unless the process
-/// may use less memory.
+/// may use less memory, or one frame may have more.
 inline constexpr std::size_t kUnfinishedBytesMax = std::size_t{256} * 1024 * 1024;
 
 }  // namespace uplink::front

@@ -20,15 +20,8 @@
 namespace uplink::front {
 namespace {
 
-/// What unfinished frames may take of the memory that the transport may use.
-constexpr std::size_t kUnfinishedPart = 4;
 /// Where the system does not say how many descriptors we may have: what it usually gives.
 constexpr std::size_t kDescriptorsDefault = 1024;
-
-std::size_t UnfinishedBytes(const transport::RelayOptions& options) {
-  if (options.memory_bytes_max == 0) return kUnfinishedBytesMax;
-  return std::min(kUnfinishedBytesMax, options.memory_bytes_max / kUnfinishedPart);
-}
 
 /// Descriptors that the process may have.
 std::size_t DescriptorsMax() {
@@ -62,7 +55,10 @@ struct FrontServer::Impl {
         gate({.streams_max = given_options.streams_max,
               .gateway_streams_max = given_options.gateway_streams_max},
              given.probe),
-        book(limits.book, given.probe, given.logger) {}
+        book(limits.book, given.probe, given.logger),
+        unfinished(
+            UnfinishedLimitsFor(given_options.memory_bytes_max, given.limits.frame_bytes_max),
+            given.probe) {}
 
   absl::Status ServeFiles();
   absl::Status Serve(const transport::PemTexts& texts);
@@ -85,6 +81,7 @@ struct FrontServer::Impl {
   const DoorLimits limits;
   transport::Gate gate;
   DoorBook book;
+  Unfinished unfinished;
   std::vector<std::unique_ptr<Worker>> workers;
   std::unique_ptr<Acceptor> acceptor;
   /// Both are used on the acceptor's thread.
@@ -142,7 +139,6 @@ void FrontServer::Impl::StartWorkers() {
   for (std::size_t i = 0; i < count; ++i) {
     Worker::Setup setup{
         .index = i,
-        .unfinished_bytes_max = UnfinishedBytes(options) / count,
         .connection_age_max = options.connection_age_max,
         .gateway_streams_max = static_cast<std::uint32_t>(options.gateway_streams_max)};
     setup.handshake_ended = [this](std::uint64_t id) {
@@ -152,7 +148,8 @@ void FrontServer::Impl::StartWorkers() {
       // Whoever has it; that is rare enough to ask all.
       for (const auto& worker : workers) worker->Evict(id);
     };
-    workers.push_back(std::make_unique<Worker>(setup, context, gate, methods, tls, book));
+    workers.push_back(
+        std::make_unique<Worker>(setup, context, gate, methods, tls, book, unfinished));
   }
   for (const auto& worker : workers) worker->Start();
 }

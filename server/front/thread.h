@@ -28,7 +28,7 @@ namespace uplink::front {
 /// Thread: confined to it.
 struct Thread {
   Thread(const transport::RelayContext& given, transport::Gate& its_gate, const Methods& served,
-         robot::WakeInbox& its_inbox, DoorBook& door_book, std::size_t unfinished_bytes_max)
+         robot::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
       : relay(given),
         book(door_book),
         gate(its_gate),
@@ -49,7 +49,7 @@ struct Thread {
                  given.clock_trust,
                  &door_book.pressed_flag(),
                  given.forwards},
-        unfinished(unfinished_bytes_max) {}
+        unfinished(unfinished_memory) {}
 
   const transport::RelayContext& relay;
   DoorBook& book;
@@ -67,7 +67,7 @@ struct Thread {
   /// By the number that wakes and timers name.
   std::unordered_map<std::uint64_t, Call*> calls;
   std::uint64_t next_call = 1;
-  Unfinished unfinished;
+  Unfinished& unfinished;
 
   const BufferMethod buffer_method;
   const Http2Rules http2_rules;

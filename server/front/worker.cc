@@ -13,10 +13,11 @@
 namespace uplink::front {
 
 Worker::Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
-               const Methods& methods, const ServedContext& tls, DoorBook& book)
+               const Methods& methods, const ServedContext& tls, DoorBook& book,
+               Unfinished& unfinished)
     : setup_(setup),
       tls_(tls),
-      thread_state_(relay, gate, methods, *this, book, setup.unfinished_bytes_max),
+      thread_state_(relay, gate, methods, *this, book, unfinished),
       loop_({.timer =
                  [this] {
                    thread_state_.clock.Advance();

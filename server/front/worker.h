@@ -31,7 +31,6 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
  public:
   struct Setup {
     std::size_t index = 0;
-    std::size_t unfinished_bytes_max = 0;
     milliseconds connection_age_max{0};
     std::uint32_t gateway_streams_max = 0;
     /// On this thread: a handshake is over; a connection of any thread has to go.
@@ -40,7 +39,7 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
   };
 
   Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
-         const Methods& methods, const ServedContext& tls, DoorBook& book);
+         const Methods& methods, const ServedContext& tls, DoorBook& book, Unfinished& unfinished);
   ~Worker() override;
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;

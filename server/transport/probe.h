@@ -36,6 +36,10 @@ struct RelayProbe {
   metrics::Cell handshakes_waiting;
   /// Connections of load balancers whose PROXY header is not whole.
   metrics::Cell proxy_headers_waiting;
+  /// Memory of frames that have begun and are not whole, and calls that ended since it was used up;
+  /// of the native transport.
+  metrics::Cell unfinished_bytes;
+  metrics::Cell unfinished_ends_total;
   /// Calls that were cancelled because the peer did not take their end.
   metrics::Cell finish_timeouts_total;
   /// Wakes that a queue's thread answered; one may stand for many.

@@ -27,6 +27,8 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
   page.Add(kHandshakesUnderWay, probe.handshakes_under_way);
   page.Add(kHandshakesWaiting, probe.handshakes_waiting);
   page.Add(kProxyHeadersWaiting, probe.proxy_headers_waiting);
+  page.Add(kUnfinishedBytes, probe.unfinished_bytes);
+  page.Add(kUnfinishedEnds, probe.unfinished_ends_total);
   page.Add(kFinishTimeouts, probe.finish_timeouts_total);
   page.Add(kWakes, probe.wakes_total);
 }

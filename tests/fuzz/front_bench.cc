@@ -39,6 +39,7 @@ front::TlsPeer PeerOf(std::uint8_t robot) {
   return {.identity =
               identity::PeerIdentity{
                   .role = identity::Role::kRobot, .fleet = "fuzz", .ruris = {RuriOf(robot)}},
+          .key = {robot},
           .expiry = SystemTime{}};
 }
 
@@ -228,7 +229,8 @@ void FrontBench::DeliverWakes() {
     found->second->OnWake();
     owner.Settle();
   }
-  UPLINK_CHECK(thread_.unfinished.bytes() <= kUnfinishedMax, "unfinished frames keep their bound");
+  UPLINK_CHECK(relay_probe_.unfinished_bytes.value() <= std::int64_t{kUnfinishedMax},
+               "unfinished frames keep their bound");
 }
 
 journal::Step FrontBench::Advance() { return journal_.turns().Advance(); }
@@ -273,7 +275,8 @@ void FrontBench::Check() const {
 
 void FrontBench::End() {
   for (const auto& wire : wires_) wire->Break();
-  UPLINK_CHECK(thread_.unfinished.bytes() == 0, "nothing is kept of a connection that is gone");
+  UPLINK_CHECK(relay_probe_.unfinished_bytes.value() == 0,
+               "nothing is kept of a connection that is gone");
   UPLINK_CHECK(gate_.streams() == 0, "every stream left the gate");
   Check();
   Reap();

@@ -163,6 +163,7 @@ class FrontBench final : public robot::WakeInbox {
   const front::Methods methods_;
   transport::Gate gate_;
   front::DoorBook door_book_;
+  front::Unfinished unfinished_;
   front::Thread thread_;
   std::set<std::uint64_t> wakes_;
   std::vector<std::unique_ptr<FrontWire>> wires_;

@@ -1,5 +1,7 @@
 // What bounds the memory of a stream, and what a stream that is held back costs others.
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -144,53 +146,75 @@ TEST(Flow, AHundredStreamsThatStandStillHoldNoneOfTheirConnectionUp) {
   EXPECT_FALSE(gateway.At(1).over());
 }
 
-/// A quarter of the memory is for unfinished frames, and one thread has all of it.
-TEST(Flow, TheSlowestUnfinishedFrameEndsWhereTheirMemoryIsUsedUp) {
-  RelayWorld world(Native(
-      {.session = {}, .journal = {}, .queues = 1, .memory_bytes_max = std::size_t{1024} * 1024}));
+/// Little memory, so that unfinished frames have what one of the largest takes, and many threads.
+RelayWorld::Options WithRoomForOneFrame() {
+  return Native({.session = {.frame_bytes_max = 200'000},
+                 .journal = {},
+                 .queues = 8,
+                 .memory_bytes_max = std::size_t{1024} * 1024});
+}
+
+/// A stream with a frame that is not whole. Two of them may have room, three never.
+bool SendsMostOfAFrame(RawHttp2& robot) {
+  const std::string most = HelloMessage(1) + Prefix(200'000) + std::string(199'000, 'x');
+  if (!robot.Begin()) return false;
+  robot.Send(OpenRelay(1));
+  return robot.SendData(1, most) == most.size() && robot.Sync();
+}
+
+TEST(Flow, AFrameOfTheLargestSizeComesThroughWhereverTheMemoryIsLittle) {
+  RelayWorld world(WithRoomForOneFrame());
+  RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1));
+  std::string frame = BatchFrame({{1, std::string(199'900, 'x')}}).SerializeAsString();
+  frame = BatchFrame({{1, std::string(199'900 + 200'000 - frame.size(), 'x')}}).SerializeAsString();
+  ASSERT_EQ(frame.size(), world.options.session.frame_bytes_max);
+  const std::string bytes = HelloMessage(1) + WithPrefix(frame);
+  EXPECT_EQ(client.SendData(1, bytes), bytes.size());
+  EXPECT_TRUE(client.ReadUntil([&] { return LastAck(client.At(1)).through_seq() == 1; }));
+  EXPECT_EQ(world.relay_probe.unfinished_bytes.value(), 0);
+  EXPECT_EQ(world.relay_probe.unfinished_ends_total.value(), 0);
+}
+
+TEST(Flow, TheSlowestUnfinishedFrameOfAllThreadsEndsWhereTheirMemoryIsUsedUp) {
+  RelayWorld world(WithRoomForOneFrame());
   RawHttp2 slow(ClientOf(world, RobotKeys(world, 1)));
-  RawHttp2 fast(ClientOf(world, RobotKeys(world, 2)));
-  ASSERT_TRUE(slow.Begin() && fast.Begin());
-  slow.Send(OpenRelay(1));
-  fast.Send(OpenRelay(1));
-  const std::string most = Prefix(200'000) + std::string(150'000, 'x');
-  EXPECT_EQ(slow.SendData(1, most), most.size());
-  ASSERT_TRUE(slow.Sync());
-  EXPECT_FALSE(slow.At(1).over());
-  EXPECT_EQ(fast.SendData(1, most), most.size());
+  RawHttp2 between(ClientOf(world, RobotKeys(world, 2)));
+  RawHttp2 fast(ClientOf(world, RobotKeys(world, 3)));
+  ASSERT_TRUE(SendsMostOfAFrame(slow));
+  EXPECT_FALSE(slow.At(1).over()) << "the memory does for one";
+  ASSERT_TRUE(SendsMostOfAFrame(between));
+  ASSERT_TRUE(SendsMostOfAFrame(fast));
   ASSERT_TRUE(slow.ReadUntilOver(1));
   EXPECT_EQ(StatusOf(slow.At(1)), "8");
   EXPECT_THAT(slow.At(1).Trailer("grpc-message"), HasSubstr("unfinished frames"));
+  EXPECT_GE(world.relay_probe.unfinished_ends_total.value(), 1);
   ASSERT_TRUE(fast.Sync());
-  EXPECT_FALSE(fast.At(1).over()) << "the memory does for one";
+  EXPECT_FALSE(fast.At(1).over());
+  EXPECT_GE(world.relay_probe.unfinished_bytes.value(), std::int64_t{199'000});
 }
 
 /// It always has a message that is not whole, each time another.
 TEST(Flow, ABusyStreamIsNotTakenForTheSlowest) {
-  RelayWorld world(Native(
-      {.session = {}, .journal = {}, .queues = 1, .memory_bytes_max = std::size_t{1024} * 1024}));
+  RelayWorld world(WithRoomForOneFrame());
   RawHttp2 busy(ClientOf(world, RobotKeys(world, 1)));
-  RawHttp2 slow(ClientOf(world, RobotKeys(world, 2)));
-  RawHttp2 another(ClientOf(world, RobotKeys(world, 3)));
-  ASSERT_TRUE(busy.Begin() && slow.Begin() && another.Begin());
-  const std::string first = FaultsMessage(1, 1);
-  const std::string second = FaultsMessage(2, 1);
-  // Two of them fill the memory.
-  const std::string most = Prefix(200'000) + std::string(128'000, 'x');
-  busy.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + first.substr(0, 10)));
+  ASSERT_TRUE(busy.Begin());
+  busy.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + FaultsMessage(1, 1).substr(0, 10)));
   ASSERT_TRUE(busy.ReadUntil([&] { return !FramesOf(busy.At(1)).empty(); }));
+  std::vector<std::unique_ptr<RawHttp2>> slow;
+  for (model::Seq seq = 1; seq <= 3; ++seq) {
+    slow.push_back(
+        std::make_unique<RawHttp2>(ClientOf(world, RobotKeys(world, 10 + static_cast<int>(seq)))));
+    ASSERT_TRUE(SendsMostOfAFrame(*slow.back()));
+    busy.Send(
+        http2::Data(1, FaultsMessage(seq, 1).substr(10) + FaultsMessage(seq + 1, 1).substr(0, 10)));
+    ASSERT_TRUE(busy.ReadUntil([&] { return LastAck(busy.At(1)).through_seq() == seq; })) << seq;
+  }
+  ASSERT_TRUE(slow.front()->ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(slow.front()->At(1)), "8");
   ASSERT_TRUE(busy.Sync());
-  slow.Send(OpenRelay(1));
-  EXPECT_EQ(slow.SendData(1, most), most.size());
-  ASSERT_TRUE(slow.Sync());
-  busy.Send(http2::Data(1, first.substr(10) + second.substr(0, 10)));
-  ASSERT_TRUE(busy.ReadUntil([&] { return LastAck(busy.At(1)).through_seq() == 1; }));
-  another.Send(OpenRelay(1));
-  EXPECT_EQ(another.SendData(1, most), most.size());
-  ASSERT_TRUE(slow.ReadUntilOver(1));
-  EXPECT_EQ(StatusOf(slow.At(1)), "8");
-  busy.Send(http2::Data(1, second.substr(10)));
-  EXPECT_TRUE(busy.ReadUntil([&] { return LastAck(busy.At(1)).through_seq() == 2; }));
+  EXPECT_FALSE(busy.At(1).over());
 }
 
 }  // namespace
