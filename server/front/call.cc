@@ -40,7 +40,10 @@ void Call::OnHeadersEnd() {
   if (cancelled_) return;
   const std::unique_ptr<RequestHead> head = std::move(head_);
   give_up_at_.reset();
-  if (const std::optional<int> http_status = head->NotGrpc()) {
+  const absl::Status may = MayCall(owner_.tls_peer().identity, thread_.methods, head->path());
+  if (!may.ok()) {
+    TurnAway(may);
+  } else if (const std::optional<int> http_status = head->NotGrpc()) {
     over_ = true;
     thread_.book.NoteRequest(fmt::format("HTTP {}: not a call of gRPC", *http_status),
                              owner_.origin(), thread_.clock.Steady());
@@ -70,6 +73,13 @@ void Call::Serve(const RequestHead& head) {
     give_up_at_ = thread_.clock.Steady() + std::min<milliseconds>(*head.timeout(), kFarAway);
   }
   handler_->Start();
+}
+
+void Call::TurnAway(const absl::Status& status) {
+  unwelcome_ = true;
+  thread_.relay.probe.refused_identity_total.Add();
+  thread_.book.TellRefusal(status, owner_.origin(), thread_.clock.Steady());
+  Finish(status);
 }
 
 void Call::Refuse(const absl::Status& status) {

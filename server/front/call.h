@@ -76,6 +76,8 @@ class Call final : public Http2Stream {
   void Fail(const absl::Status& status);
   [[nodiscard]] bool finished() const { return closed_; }
   [[nodiscard]] bool has_handler() const { return handler_ != nullptr; }
+  /// Its peer may not call it, and has been told why.
+  [[nodiscard]] bool unwelcome() const { return unwelcome_; }
   [[nodiscard]] std::int32_t stream() const { return stream_; }
   /// In its owner's list of those to settle.
   bool touched = false;
@@ -91,6 +93,8 @@ class Call final : public Http2Stream {
 
  private:
   void Serve(const RequestHead& head);
+  /// Ends a call that its peer may not make.
+  void TurnAway(const absl::Status& status);
   /// Ends a call that is none that we serve.
   void Refuse(const absl::Status& status);
   /// Gives the handler what it waits for, as long as there is any.
@@ -138,6 +142,9 @@ class Call final : public Http2Stream {
   /// What the handler last answered: asked again once it has passed, it may say nothing.
   std::optional<SteadyTime> handler_due_;
   transport::Timers::Slot timer_;
+  bool unwelcome_ = false;
+  /// What the peer's reset means.
+  std::optional<absl::StatusCode> reset_code_;
   bool cancelled_ = false;
   bool reset_sent_ = false;
   bool closed_ = false;

@@ -7,11 +7,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/identity/peer_identity.h"
 
 namespace uplink::front {
 
@@ -49,6 +51,9 @@ enum class MethodKind : std::uint8_t { kUnary, kServerStream, kBidirectional };
 /// One method of a service: how it is called, and what serves a call of it.
 struct Method {
   MethodKind kind = MethodKind::kUnary;
+  /// Whose certificates may call it, and the same in words for those that may not.
+  std::vector<identity::Role> roles;
+  std::string_view audience;
   /// Bytes of the largest message that is taken; past it OnTooLarge is told the length.
   std::uint64_t message_bytes_max = 0;
   /// Errors: the call ends with them, before it has begun.
@@ -57,5 +62,12 @@ struct Method {
 
 /// The methods that are served, by path. Immutable once the first connection comes.
 using Methods = std::map<std::string, Method, std::less<>>;
+
+/// Whether this peer may call the method of this path.
+///
+/// Errors: kUnauthenticated with one sentence: what the certificate lacks, or that it is of a role
+///         that may not call this; of a path that is no method's, of one that may call nothing.
+[[nodiscard]] absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity,
+                                   const Methods& methods, std::string_view path);
 
 }  // namespace uplink::front

@@ -128,8 +128,11 @@ void Connection::FailHandshake(TurnedAway cause) {
 }
 
 std::optional<absl::Status> Connection::refusal() const {
-  // A server that drains says so itself.
-  if (!ending_ || thread_.gate.closed()) return std::nullopt;
+  if (thread_.gate.closed()) {
+    thread_.relay.probe.refused_draining_total.Add();
+    return absl::UnavailableError("the server drains");
+  }
+  if (!ending_) return std::nullopt;
   return absl::UnavailableError("the connection ends; a new one is served");
 }
 
@@ -142,8 +145,7 @@ void Connection::SettleCalls() {
   const bool had_calls = calls_.size() > 0;
   calls_.Settle([this](const Call& call) {
     if (call.has_handler()) lifetime_.NoteServed();
-    // Whoever may not be here has been told why.
-    if (call.finished() && !peer_->identity.ok()) ending_ = true;
+    if (call.finished() && call.unwelcome()) ending_ = true;
   });
   if (had_calls && calls_.size() == 0) NoteCalls();
 }

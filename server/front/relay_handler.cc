@@ -32,25 +32,21 @@ std::string WithPrefix(const v1::RelayResponse& frame) {
 
 absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
   Thread& thread = call.thread();
-  const auto refused = [&call, &thread](absl::Status status) {
-    thread.book.TellRefusal(status, call.owner().origin(), thread.clock.Steady());
-    return status;
-  };
   const auto& identity = call.owner().tls_peer().identity;
-  if (!identity.ok()) {
-    thread.relay.probe.refused_identity_total.Add();
-    return refused(identity.status());
-  }
+  UPLINK_CHECK(identity.ok(), "a call is served for who may call it");
   transport::Entrant entrant = transport::EntrantOf(*identity);
-  if (absl::Status in = thread.gate.Enter(entrant); !in.ok()) return refused(in);
+  if (absl::Status in = thread.gate.Enter(entrant); !in.ok()) {
+    thread.book.TellRefusal(in, call.owner().origin(), thread.clock.Steady());
+    return in;
+  }
   std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(entrant)));
   handler->session_.emplace(thread.sessions, *identity, robot::StreamRef{&thread.inbox, call.id()},
                             *handler, *handler);
-  handler->NoteSource();
   return handler;
 }
 
 void RelayHandler::NoteSource() {
+  if (!welcome_) return;
   Thread& thread = call_.thread();
   thread.book.known().Note(call_.owner().origin().source, thread.clock.Steady());
 }
@@ -64,6 +60,11 @@ RelayHandler::~RelayHandler() {
 
 void RelayHandler::OnBroken() {
   if (!session_->done()) session_->OnBroken();
+}
+
+void RelayHandler::OnWritten() {
+  if (!std::exchange(welcome_, true)) NoteSource();
+  session_->OnWritten();
 }
 
 void RelayHandler::Write(const v1::RelayResponse& frame) { call_.Write(WithPrefix(frame)); }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -24,8 +25,13 @@ class RelayHandler final : public CallHandler,
  public:
   /// The path of the method.
   static constexpr std::string_view kPath = "/uplink.v1.UplinkRelay/Relay";
+  /// Who may call it.
+  [[nodiscard]] static std::vector<identity::Role> Roles() {
+    return {identity::Role::kRobot, identity::Role::kGateway};
+  }
+  static constexpr std::string_view kAudience = "the relay takes robots and gateways alone";
 
-  /// Errors: kUnauthenticated with what the certificate lacks; those of transport::Gate::Enter.
+  /// Of a peer that may call it. Errors: those of transport::Gate::Enter.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<CallHandler>> Serve(Call& call);
   ~RelayHandler() override;
   RelayHandler(const RelayHandler&) = delete;
@@ -37,7 +43,7 @@ class RelayHandler final : public CallHandler,
   void OnTooLarge(std::uint64_t bytes) override { session_->OnFrameTooLarge(bytes); }
   void OnHalfClose() override { session_->OnHalfClose(); }
   void OnBroken() override;
-  void OnWritten() override { session_->OnWritten(); }
+  void OnWritten() override;
   void OnWake() override { session_->OnWake(); }
   void OnTimer() override { session_->OnTimer(); }
   [[nodiscard]] std::optional<SteadyTime> deadline() const override { return session_->deadline(); }
@@ -55,11 +61,13 @@ class RelayHandler final : public CallHandler,
   RelayHandler(Call& call, transport::Entrant entrant)
       : call_(call), entrant_(std::move(entrant)) {}
 
-  /// A robot streams from there.
+  /// A robot streams from there, once it was welcome.
   void NoteSource();
 
   Call& call_;
   const transport::Entrant entrant_;
+  /// A frame of ours went out: the Welcome.
+  bool welcome_ = false;
   /// Last, so that it goes before what it writes to.
   std::optional<session::Session> session_;
 };

@@ -33,6 +33,8 @@ std::size_t DescriptorsMax() {
 Methods ServedMethods(const session::SessionLimits& limits) {
   Methods methods;
   methods.emplace(RelayHandler::kPath, Method{.kind = MethodKind::kBidirectional,
+                                              .roles = RelayHandler::Roles(),
+                                              .audience = RelayHandler::kAudience,
                                               .message_bytes_max = limits.frame_bytes_max,
                                               .serve = RelayHandler::Serve});
   return methods;

@@ -47,6 +47,8 @@ front::Methods ServedMethods() {
   front::Methods methods;
   methods.emplace(front::RelayHandler::kPath,
                   front::Method{.kind = front::MethodKind::kBidirectional,
+                                .roles = front::RelayHandler::Roles(),
+                                .audience = front::RelayHandler::kAudience,
                                 .message_bytes_max = kFrameBytesMax,
                                 .serve = front::RelayHandler::Serve});
   return methods;
@@ -124,7 +126,7 @@ void FrontWire::OnFrame(front::FrameKind kind) {
 void FrontWire::OnHeaderBomb() { http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, "headers"); }
 
 std::optional<absl::Status> FrontWire::refusal() const {
-  if (!ending_ || thread_.gate.closed()) return std::nullopt;
+  if (!ending_ && !thread_.gate.closed()) return std::nullopt;
   return absl::UnavailableError("the connection ends");
 }
 
@@ -132,7 +134,7 @@ void FrontWire::Settle() {
   if (!open_) return;
   do {
     calls_.Settle([this](const front::Call& call) {
-      if (call.finished() && !peer_.identity.ok()) ending_ = true;
+      if (call.finished() && call.unwelcome()) ending_ = true;
     });
   } while (Flush() || !calls_.settled());
   if (ending_ && calls_.size() == 0 && !std::exchange(last_streams_told_, true)) {

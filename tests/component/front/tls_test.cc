@@ -1,5 +1,6 @@
 // Who gets through the handshake, and what those are told that do not.
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -144,21 +145,47 @@ TEST(Tls, PlainBytesAreNoTls) {
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kNoTls) == 1; }));
 }
 
-TEST(Tls, AnExpiredCertificateIsToldSoThenTheConnectionEnds) {
+/// Whatever it asks for, who shows this is told this sentence and no more; then the connection
+/// ends.
+void ExpectToldAlone(const CertificateSpec& spec, const std::string& sentence) {
   RelayWorld world(Native());
+  const KeyPair keys = world.authority.Issue(spec);
+  const std::vector<http2::Fields> requests = {
+      {}, {{":path", "/other.S/M"}}, {{":method", "GET"}}, {{"grpc-encoding", "gzip"}}};
+  for (const http2::Fields& changes : requests) {
+    RawHttp2 client(ClientOf(world, keys));
+    ASSERT_TRUE(client.Begin());
+    client.Send(OpenRelay(1, changes));
+    ASSERT_TRUE(client.ReadUntilOver(1));
+    EXPECT_EQ(StatusOf(client.At(1)), "16");
+    EXPECT_THAT(client.At(1).Trailer("grpc-message"), HasSubstr(sentence));
+    EXPECT_TRUE(client.ReadUntilEnd());
+    EXPECT_EQ(client.goaway_code(), http2::kNoError);
+    EXPECT_EQ(client.end(), RawTcp::End::kClosed);
+  }
+  EXPECT_EQ(world.session_probe.streams_total.value(), 0);
+  EXPECT_EQ(world.relay_probe.refused_identity_total.value(),
+            static_cast<std::int64_t>(requests.size()));
+  EXPECT_TRUE(Eventually([&] { return world.relay_probe.connections.value() == 0; }));
+}
+
+TEST(Tls, AnExpiredCertificateIsToldSoThenTheConnectionEnds) {
   CertificateSpec spec = RobotSpec(RuriOf(1));
   spec.not_after_s = -60;
-  RawHttp2 client(ClientOf(world, world.authority.Issue(spec)));
-  ASSERT_TRUE(client.Begin());
-  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
-  ASSERT_TRUE(client.ReadUntilOver(1));
-  EXPECT_EQ(StatusOf(client.At(1)), "16");
-  EXPECT_THAT(client.At(1).Trailer("grpc-message"), HasSubstr("has expired"));
-  EXPECT_TRUE(client.ReadUntilEnd());
-  EXPECT_EQ(client.goaway_code(), http2::kNoError);
-  EXPECT_EQ(client.end(), RawTcp::End::kClosed);
-  EXPECT_EQ(world.session_probe.streams_total.value(), 0);
-  EXPECT_TRUE(Eventually([&] { return world.relay_probe.connections.value() == 0; }));
+  ExpectToldAlone(spec, "has expired");
+}
+
+TEST(Tls, ACertificateOfAnotherPurposeIsToldSoThenTheConnectionEnds) {
+  CertificateSpec spec = RobotSpec(RuriOf(1));
+  spec.key_usages = {"serverAuth"};
+  ExpectToldAlone(spec, "client certificate");
+}
+
+TEST(Tls, ACertificateOfARoleThatNothingTakesIsToldSoThenTheConnectionEnds) {
+  CertificateSpec spec;
+  spec.organizations = {"*"};
+  spec.units = {"viewer"};
+  ExpectToldAlone(spec, "the certificate is of role viewer");
 }
 
 }  // namespace
