@@ -65,7 +65,6 @@ void Call::Serve(const RequestHead& head) {
     return Refuse(absl::UnimplementedError("no such method is served here"));
   }
   kind_ = method->second.kind;
-  reader_ = MessageReader(method->second.message_bytes_max);
   auto handler = method->second.serve(*this);
   if (!handler.ok()) return Finish(handler.status());
   handler_ = *std::move(handler);
@@ -104,6 +103,7 @@ void Call::OnEnd() {
 
 void Call::RequestMessage() {
   UPLINK_CHECK(!wants_message_, "a message has been asked for");
+  reader_.SetMax(handler_->message_bytes_max());
   wants_message_ = true;
   owner_.Touch(*this);
 }

@@ -118,7 +118,7 @@ class Call final : public Http2Stream {
 
   /// Until the request's headers are whole.
   std::unique_ptr<RequestHead> head_;
-  MessageReader reader_{0};
+  MessageReader reader_;
   /// Bytes of the unfinished message that the window was opened for already.
   std::size_t consumed_early_ = 0;
   bool wants_message_ = false;

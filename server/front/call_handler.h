@@ -27,10 +27,12 @@ class CallHandler {
  public:
   virtual ~CallHandler() = default;
   virtual void Start() = 0;
+  /// Bytes of the largest message that it takes next, asked at each Call::RequestMessage.
+  [[nodiscard]] virtual std::uint64_t message_bytes_max() const = 0;
   // Exactly one of the next three, or OnBroken, answers each Call::RequestMessage, after it has
   // returned.
   virtual void OnMessage(std::string_view bytes) = 0;
-  /// The peer announced a message over the limit.
+  /// The peer announced a message over message_bytes_max; nothing of it is kept.
   virtual void OnTooLarge(std::uint64_t bytes) = 0;
   virtual void OnHalfClose() = 0;
   /// Nothing can be said any more. Idempotent.
@@ -54,8 +56,6 @@ struct Method {
   /// Whose certificates may call it, and the same in words for those that may not.
   std::vector<identity::Role> roles;
   std::string_view audience;
-  /// Bytes of the largest message that is taken; past it OnTooLarge is told the length.
-  std::uint64_t message_bytes_max = 0;
   /// Errors: the call ends with them, before it has begun.
   std::function<absl::StatusOr<std::unique_ptr<CallHandler>>(Call&)> serve;
 };

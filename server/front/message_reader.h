@@ -35,7 +35,10 @@ class MessageReader final {
     std::uint64_t bytes = 0;
   };
 
-  explicit MessageReader(std::uint64_t message_bytes_max) : bytes_max_(message_bytes_max) {}
+  explicit MessageReader(std::uint64_t message_bytes_max = 0) : bytes_max_(message_bytes_max) {}
+
+  /// Bytes of the largest message from the next one on.
+  void SetMax(std::uint64_t message_bytes_max) { bytes_max_ = message_bytes_max; }
 
   /// Bytes arrived; they must stay valid until Keep.
   void Add(std::string_view chunk);

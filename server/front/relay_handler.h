@@ -39,6 +39,9 @@ class RelayHandler final : public CallHandler,
 
   // CallHandler
   void Start() override { session_->Start(); }
+  [[nodiscard]] std::uint64_t message_bytes_max() const override {
+    return session_->frame_bytes_max();
+  }
   void OnMessage(std::string_view bytes) override { session_->OnFrame(bytes); }
   void OnTooLarge(std::uint64_t bytes) override { session_->OnFrameTooLarge(bytes); }
   void OnHalfClose() override { session_->OnHalfClose(); }

@@ -30,12 +30,11 @@ std::size_t DescriptorsMax() {
   return static_cast<std::size_t>(limit.rlim_cur);
 }
 
-Methods ServedMethods(const session::SessionLimits& limits) {
+Methods ServedMethods() {
   Methods methods;
   methods.emplace(RelayHandler::kPath, Method{.kind = MethodKind::kBidirectional,
                                               .roles = RelayHandler::Roles(),
                                               .audience = RelayHandler::kAudience,
-                                              .message_bytes_max = limits.frame_bytes_max,
                                               .serve = RelayHandler::Serve});
   return methods;
 }
@@ -47,7 +46,7 @@ struct FrontServer::Impl {
   Impl(const transport::RelayOptions& given_options, const transport::RelayContext& given)
       : options(given_options),
         context(given),
-        methods(ServedMethods(given.limits)),
+        methods(ServedMethods()),
         limits(DoorLimitsFor({.streams_max = given_options.streams_max,
                               .descriptors_max = DescriptorsMax(),
                               .reserved = given_options.descriptors_reserved,

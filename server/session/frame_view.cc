@@ -19,8 +19,6 @@ constexpr std::size_t kViewsKeptMax = 4096;
 constexpr std::size_t kUnknownFieldsMax = 256;
 /// Fields of a frame itself, known or not.
 constexpr std::size_t kPartsMax = kUnknownFieldsMax + 16;
-/// A Hello says an address, a session and a version. As much of something else is parsed as well.
-constexpr std::size_t kHelloFrameBytesMax = std::size_t{16} * 1024;
 
 constexpr std::uint32_t LengthDelimited(int field) {
   return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);

@@ -24,6 +24,9 @@ struct BatchView {
   std::int64_t sent_unix_ms = 0;
 };
 
+/// Bytes of a frame with a Hello: it says an address, a session and a version.
+inline constexpr std::size_t kHelloFrameBytesMax = std::size_t{16} * 1024;
+
 /// What a frame from an agent holds.
 enum class FrameContent : std::uint8_t {
   /// Not a RelayRequest.

@@ -62,6 +62,7 @@ void Session::OnFrameTooLarge(std::uint64_t bytes) {
   reading_.OnAnswer();
   if (state_ != State::kHello && state_ != State::kStreaming) return;
   ++frames_;
+  if (bytes <= context_.limits.frame_bytes_max) return ProtocolError(kForeignRequest);
   context_.probe.protocol_errors_total.Add();
   Finish(absl::ResourceExhaustedError(
       fmt::format("frame {}: {} bytes, the limit is {} (limits.frame_bytes_max)", frames_, bytes,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "server/session/attachment.h"
 #include "server/session/context.h"
 #include "server/session/frame_sink.h"
+#include "server/session/frame_view.h"
 #include "server/session/hello_wait.h"
 #include "server/session/intake.h"
 #include "server/session/outgoing.h"
@@ -40,7 +43,7 @@ class Session final {
   void Start();
   /// One frame, whole: a serialized RelayRequest.
   void OnFrame(std::string_view bytes);
-  /// The peer's frame was over limits.frame_bytes_max; `bytes` is its size.
+  /// The peer's frame was over limits.frame_bytes_max or frame_bytes_max(); `bytes` is its size.
   void OnFrameTooLarge(std::uint64_t bytes);
   /// The agent half-closed.
   void OnHalfClose();
@@ -54,6 +57,12 @@ class Session final {
   /// The server drains: tell the agent, read no more, settle, end within `grace`.
   void OnDrain(milliseconds grace);
 
+  /// Bytes of the largest frame that it takes next: until the Hello came, what one may have. Past
+  /// it a transport that knows the size before the bytes calls OnFrameTooLarge.
+  [[nodiscard]] std::size_t frame_bytes_max() const {
+    const std::size_t limit = context_.limits.frame_bytes_max;
+    return state_ == State::kHello ? std::min(limit, kHelloFrameBytesMax) : limit;
+  }
   /// When OnTimer wants to be called; the transport asks after each call. Calling it early is
   /// right.
   [[nodiscard]] std::optional<SteadyTime> deadline() const;

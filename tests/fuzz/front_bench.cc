@@ -49,7 +49,6 @@ front::Methods ServedMethods() {
                   front::Method{.kind = front::MethodKind::kBidirectional,
                                 .roles = front::RelayHandler::Roles(),
                                 .audience = front::RelayHandler::kAudience,
-                                .message_bytes_max = kFrameBytesMax,
                                 .serve = front::RelayHandler::Serve});
   return methods;
 }

@@ -91,8 +91,7 @@ void AddMessageSeeds(Seeds& seeds) {
                       .Do(MessageStep::kMore, {0, 120})
                       .bytes();
   seeds["half_broken"] = Welcomed().Do(MessageStep::kHalf, {0, 40, 0, 160}).bytes();
-  // The memory for unfinished messages is not enough for all of these: each is a Hello that is
-  // never whole, so that no stream takes over from another.
+  // Each begins a first message that is never whole, so that no stream takes over from another.
   FrontScript many;
   for (int i = 0; i < 7; ++i) {
     many.Do(MessageStep::kOpen, {0}).Do(MessageStep::kHalf, {0, 40, 0, 255});

@@ -27,6 +27,21 @@ TEST(Flow, AnAnnouncementOverTheLimitIsRefusedBeforeAByteOfIt) {
             "frame 2: 100001 bytes, the limit is 100000 (limits.frame_bytes_max)");
 }
 
+/// What a stream may cost before anybody knows what it is for.
+TEST(Flow, BeforeAHelloNothingLargerIsWaitedFor) {
+  constexpr std::uint32_t kHelloMax = 16 * 1024;
+  RelayWorld world(Native());
+  RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, Prefix(kHelloMax)));
+  client.Send(OpenRelay(3) + http2::Data(3, Prefix(kHelloMax + 1)));
+  ASSERT_TRUE(client.ReadUntilOver(3));
+  EXPECT_EQ(StatusOf(client.At(3)), "3");
+  EXPECT_THAT(client.At(3).Trailer("grpc-message"), HasSubstr("a hello of more than 16 KiB"));
+  EXPECT_FALSE(client.At(1).over());
+  EXPECT_EQ(world.session_probe.protocol_errors_total.value(), 1);
+}
+
 TEST(Flow, AnAnnouncementAtTheLimitIsWaitedFor) {
   RelayWorld world(Native({.session = {.frame_bytes_max = 100'000}}));
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
@@ -124,14 +139,15 @@ TEST(Flow, AStreamThatSendsPastItsWindowIsReset) {
   EXPECT_TRUE(client.Sync()) << "the connection goes on";
 }
 
-/// Together they have six times the connection's window unread: it is given back as bytes arrive.
+/// Together they have more unread than the connection's window: it is given back as bytes arrive.
 TEST(Flow, AHundredStreamsThatStandStillHoldNoneOfTheirConnectionUp) {
   constexpr std::uint32_t kStill = 99;
   RelayWorld world(Native());
   RawHttp2 gateway(ClientOf(world, GatewayKeys(world)));
   ASSERT_TRUE(gateway.Begin());
-  // Below half a window: nothing of it is given back before the message is whole.
-  const std::string half = Prefix(32'000) + std::string(30'000, 'x');
+  // As much as may come before a Hello, and below half a window: nothing of it is given back before
+  // the message is whole.
+  const std::string half = Prefix(16'000) + std::string(15'000, 'x');
   for (std::uint32_t i = 0; i < kStill; ++i) {
     gateway.Send(OpenRelay(2 * i + 1));
     ASSERT_EQ(gateway.SendData(2 * i + 1, half), half.size());
