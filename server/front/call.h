@@ -87,7 +87,8 @@ class Call final : public Http2Stream {
   void OnHeadersEnd() override;
   void OnData(std::string_view bytes) override;
   void OnEnd() override;
-  void OnClosed(std::uint32_t code) override;
+  void OnReset(std::uint32_t code) override;
+  void OnClosed() override;
   Body OnBody(char* into, std::size_t size) override;
   void OnBodyEnd() override { response_.SendTrailers(); }
 

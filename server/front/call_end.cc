@@ -6,6 +6,7 @@
 
 #include "schema/base/check.h"
 #include "server/front/call.h"
+#include "server/front/grpc_status.h"
 #include "server/front/thread.h"
 #include "server/session/limits.h"
 
@@ -22,7 +23,7 @@ void Call::Finish(const absl::Status& status) {
 void Call::Fail(const absl::Status& status) {
   if (over_ || cancelled_ || closed_) return;
   thread_.book.TellFailure(status, owner_.origin(), thread_.clock.Steady());
-  if (handler_ != nullptr) handler_->OnBroken();
+  if (handler_ != nullptr) handler_->OnBroken(status.code());
   // What the handler still wanted to say is lost with it.
   response_.DropMessage();
   Finish(status);
@@ -33,13 +34,15 @@ void Call::Cancel() {
   owner_.Touch(*this);
 }
 
-void Call::OnClosed(std::uint32_t /*code*/) {
+void Call::OnReset(std::uint32_t code) { reset_code_ = CodeOfReset(code); }
+
+void Call::OnClosed() {
   closed_ = true;
   owner_.Touch(*this);
 }
 
 void Call::Break() {
-  if (handler_ != nullptr) handler_->OnBroken();
+  if (handler_ != nullptr) handler_->OnBroken(reset_code_);
   handler_.reset();
   finish_by_.reset();
   DropReceived();

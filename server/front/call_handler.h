@@ -35,8 +35,9 @@ class CallHandler {
   /// The peer announced a message over message_bytes_max; nothing of it is kept.
   virtual void OnTooLarge(std::uint64_t bytes) = 0;
   virtual void OnHalfClose() = 0;
-  /// Nothing can be said any more. Idempotent.
-  virtual void OnBroken() = 0;
+  /// Nothing can be said any more: the peer reset the stream and meant this code, or the call ends
+  /// with it by no wish of its handler; none: the connection is gone. Idempotent.
+  virtual void OnBroken(std::optional<absl::StatusCode> code) = 0;
   /// The write under way was taken.
   virtual void OnWritten() = 0;
   virtual void OnWake() = 0;

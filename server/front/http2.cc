@@ -89,9 +89,14 @@ int OnHeader(nghttp2_session* session, const nghttp2_frame* frame, const std::ui
 }
 
 int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* /*self*/) {
-  if (frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
+  const bool is_reset = frame->hd.type == NGHTTP2_RST_STREAM;
+  if (!is_reset && frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
   Http2Stream* stream = StreamOf(session, frame->hd.stream_id);
   if (stream == nullptr) return 0;
+  if (is_reset) {
+    stream->OnReset(frame->rst_stream.error_code);
+    return 0;
+  }
   if (frame->hd.type == NGHTTP2_HEADERS && frame->headers.cat == NGHTTP2_HCAT_REQUEST) {
     stream->OnHeadersEnd();
   }
@@ -111,10 +116,11 @@ int OnDataChunk(nghttp2_session* session, std::uint8_t /*flags*/, std::int32_t i
   return 0;
 }
 
-int OnStreamClose(nghttp2_session* session, std::int32_t id, std::uint32_t code, void* /*self*/) {
+int OnStreamClose(nghttp2_session* session, std::int32_t id, std::uint32_t /*code*/,
+                  void* /*self*/) {
   if (Http2Stream* stream = StreamOf(session, id)) {
     nghttp2_session_set_stream_user_data(session, id, nullptr);
-    stream->OnClosed(code);
+    stream->OnClosed();
   }
   return 0;
 }

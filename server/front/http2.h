@@ -32,8 +32,10 @@ class Http2Stream {
   virtual void OnData(std::string_view bytes) = 0;
   /// The peer sends nothing more.
   virtual void OnEnd() = 0;
-  /// The stream is gone, with an HTTP/2 code; nothing is called any more.
-  virtual void OnClosed(std::uint32_t code) = 0;
+  /// The peer gives the stream up, with an HTTP/2 code; OnClosed follows.
+  virtual void OnReset(std::uint32_t code) = 0;
+  /// The stream is gone; nothing is called any more.
+  virtual void OnClosed() = 0;
 
   /// What a body gives to be sent.
   struct Body {

@@ -58,8 +58,8 @@ RelayHandler::~RelayHandler() {
   call_.thread().gate.Leave(entrant_);
 }
 
-void RelayHandler::OnBroken() {
-  if (!session_->done()) session_->OnBroken();
+void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
+  if (!session_->done()) session_->OnBroken(code);
 }
 
 void RelayHandler::OnWritten() {

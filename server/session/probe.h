@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 
 #include <absl/status/status.h>
@@ -79,10 +80,11 @@ struct SessionProbe {
   std::array<metrics::Cell, storage::kLatestKinds> resend_unanswered;
   /// Streams that ended, by kStreamEnds.
   std::array<metrics::Cell, kStreamEnds.size()> ended_total;
-  /// A stream ends with this status.
-  void CountEnd(const absl::Status& status) {
-    const auto code = static_cast<std::size_t>(status.code());
-    ended_total[std::min(code, kStreamBroken - 1)].Add();
+  /// A stream ends with this code, or is broken off without one.
+  void CountEnd(std::optional<absl::StatusCode> code) {
+    const std::size_t end =
+        code ? std::min(static_cast<std::size_t>(*code), kStreamBroken - 1) : kStreamBroken;
+    ended_total[end].Add();
   }
   metrics::CoreCell frames_total;
   metrics::CoreCell frame_bytes_total;

@@ -269,12 +269,6 @@ void Session::OnDrain(milliseconds grace) {
   Advance(News::kLastFrame);
 }
 
-void Session::OnBroken() {
-  if (state_ == State::kDone) return;
-  context_.probe.ended_total[kStreamBroken].Add();
-  Leave();
-}
-
 void Session::ProtocolError(std::string_view rule) {
   context_.probe.protocol_errors_total.Add();
   Finish(absl::InvalidArgumentError(fmt::format("frame {}: {}", frames_, rule)));
@@ -282,7 +276,7 @@ void Session::ProtocolError(std::string_view rule) {
 
 void Session::Finish(const absl::Status& status) {
   if (state_ == State::kDone) return;
-  context_.probe.CountEnd(status);
+  context_.probe.CountEnd(status.code());
   Leave();
   sink_.Finish(status);
 }

@@ -47,8 +47,13 @@ class Session final {
   void OnFrameTooLarge(std::uint64_t bytes);
   /// The agent half-closed.
   void OnHalfClose();
-  /// The stream is gone: nothing can be written any more. Idempotent.
-  void OnBroken();
+  /// The stream is gone: nothing can be written any more. `code` is what its peer's reset meant, or
+  /// with what the transport ended it, if it was not cut. Idempotent.
+  void OnBroken(std::optional<absl::StatusCode> code = std::nullopt) {
+    if (done()) return;
+    context_.probe.CountEnd(code);
+    Leave();
+  }
   /// The write under way is done.
   void OnWritten();
   void OnWake();
