@@ -36,8 +36,8 @@ void CallSet::Break() {
   for (const auto& [id, call] : calls_) call->Break();
 }
 
-void CallSet::DrainAt(SteadyTime at, SteadyTime end) {
-  for (const auto& [id, call] : calls_) call->DrainAt(at, end);
+void CallSet::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end) {
+  for (const auto& [id, call] : calls_) call->DrainAt(spread.At(first++), end);
 }
 
 }  // namespace uplink::front

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/front/call.h"
+#include "server/transport/drain.h"
 
 namespace uplink::front {
 
@@ -21,7 +22,9 @@ class CallSet final {
   void Settle(const std::function<void(const Call&)>& settled);
   /// Tells all that the connection is gone.
   void Break();
-  void DrainAt(SteadyTime at, SteadyTime end);
+  /// Tells all to drain, one after the other, the first as number `first` of `spread`; they have
+  /// until `end`.
+  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
 
   [[nodiscard]] std::size_t size() const { return calls_.size(); }
   [[nodiscard]] bool settled() const { return touched_.empty(); }

@@ -15,6 +15,7 @@
 #include "server/front/place.h"
 #include "server/front/socket.h"
 #include "server/front/tls_engine.h"
+#include "server/transport/drain.h"
 #include "server/transport/timers.h"
 
 namespace uplink::front {
@@ -67,14 +68,16 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   }
   /// Its certificate has too many connections.
   void Evict();
-  /// The server drains: its calls are told at `at`, and have until `end`.
-  void DrainAt(SteadyTime at, SteadyTime end);
+  /// The server drains: its calls are told one after the other, the first of them as number `first`
+  /// of `spread`, and have until `end`.
+  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
   /// Ends all at once; what can be said goes out.
   void Shutdown();
   /// What other events left to do.
   void Settle() override;
 
   [[nodiscard]] std::uint64_t id() const { return id_; }
+  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
 
   // SocketOwner
   void OnReceived(std::string_view bytes) override;

@@ -18,12 +18,12 @@ void Connection::Evict() {
   Settle();
 }
 
-void Connection::DrainAt(SteadyTime at, SteadyTime end) {
+void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end) {
   if (phase_ == Phase::kHandshake) return Close();
   if (phase_ != Phase::kOpen) return;
   if (!std::exchange(ending_, true)) http2_->NoticeEnd();
   lifetime_.EndBy(end);
-  calls_.DrainAt(at, end);
+  calls_.Drain(spread, first, end);
   Settle();
 }
 
@@ -69,7 +69,7 @@ void Connection::LookAtLifetime(SteadyTime now) {
     case Lifetime::Due::kSilent:
       return Close();
     case Lifetime::Due::kAge:
-      return DrainAt(now, now + kAgeGrace);
+      return Drain({calls_.size(), now, kAgeGrace}, 0, now + kAgeGrace);
     case Lifetime::Due::kOver:
       return http2_->End(NGHTTP2_NO_ERROR, "");
     case Lifetime::Due::kIdle:

@@ -181,9 +181,14 @@ void Worker::BeginDrain(milliseconds grace) {
   std::vector<Connection*> connections;
   connections.reserve(connections_.size());
   for (const auto& [id, connection] : connections_) connections.push_back(connection.get());
-  const transport::DrainSpread spread(connections.size(), now, grace);
-  for (std::size_t i = 0; i < connections.size(); ++i) {
-    connections[i]->DrainAt(spread.At(i), now + grace);
+  std::size_t calls = 0;
+  for (const Connection* connection : connections) calls += connection->calls();
+  const transport::DrainSpread spread(calls, now, grace);
+  std::size_t told = 0;
+  for (Connection* connection : connections) {
+    const std::size_t its_calls = connection->calls();
+    connection->Drain(spread, told, now + grace);
+    told += its_calls;
   }
 }
 

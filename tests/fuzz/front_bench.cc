@@ -92,7 +92,7 @@ void FrontWire::Drain(milliseconds grace) {
   thread_.clock.Advance();
   if (!std::exchange(ending_, true)) http2_.NoticeEnd();
   const SteadyTime now = thread_.clock.Steady();
-  calls_.DrainAt(now, now + grace);
+  calls_.Drain({calls_.size(), now, grace}, 0, now + grace);
   Settle();
 }
 

@@ -135,6 +135,9 @@ class FrontBench final : public robot::WakeInbox {
   /// The server ends.
   void Drain(milliseconds grace);
   [[nodiscard]] testing::FakeStore& store() { return store_; }
+  [[nodiscard]] session::SessionProbe& session_probe() { return session_probe_; }
+  [[nodiscard]] front::DoorBook& door_book() { return door_book_; }
+  [[nodiscard]] SteadyTime now() const { return clock_.Steady(); }
   [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
 
   /// What holds after every step.
