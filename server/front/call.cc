@@ -123,7 +123,7 @@ bool Call::DeliverOne() {
       if (peer_ended_) EndOfMessages();
       return false;
     case Kind::kMessage:
-      if (kind_ != MethodKind::kBidirectional && std::exchange(had_message_, true)) {
+      if (kind_ != MethodKind::kBidirectional && reader_.popped() > 0) {
         Fail(absl::InternalError("the method takes one message, and more came"));
         return false;
       }
@@ -145,6 +145,9 @@ bool Call::DeliverOne() {
 
 void Call::EndOfMessages() {
   if (reader_.waiting() > 0) return Fail(absl::InternalError("the stream ended within a message"));
+  if (kind_ != MethodKind::kBidirectional && reader_.popped() == 0) {
+    return Fail(absl::InternalError("the method takes one message, and none came"));
+  }
   wants_message_ = false;
   handler_->OnHalfClose();
 }
@@ -186,6 +189,8 @@ void Call::DropReceived() {
 
 void Call::Write(std::string messages_with_prefixes) {
   UPLINK_CHECK(!response_.writing() && serving(), "a write is under way, or the call ends");
+  const bool first = !std::exchange(has_written_, true);
+  UPLINK_CHECK(first || kind_ != MethodKind::kUnary, "a unary call has one answer");
   response_.Write(std::move(messages_with_prefixes));
   owner_.Touch(*this);
 }

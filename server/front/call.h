@@ -123,7 +123,7 @@ class Call final : public Http2Stream {
   /// Bytes of the unfinished message that the window was opened for already.
   std::size_t consumed_early_ = 0;
   bool wants_message_ = false;
-  bool had_message_ = false;
+  bool has_written_ = false;
   bool peer_ended_ = false;
   MethodKind kind_ = MethodKind::kBidirectional;
   /// What Thread::unfinished has of it.

@@ -178,16 +178,19 @@ void FrontWire::CheckStream(std::uint32_t id, const testing::RawStream& stream) 
 
 // --- The thread, and what stands behind it ---
 
-FrontBench::FrontBench()
+FrontBench::FrontBench() : FrontBench(ServedMethods()) {}
+
+FrontBench::FrontBench(front::Methods methods)
     : limits_(SmallLimits()),
       fleet_(clock_, kRobots, robot::PresenceLimits{}),
       journal_(store_, SmallJournal(), clock_, book_.NewPage(), journal_probe_,
                storage::ProcessId{1}),
       context_(Context()),
-      methods_(ServedMethods()),
+      methods_(std::move(methods)),
       gate_({.streams_max = kStreamsMax}, relay_probe_),
       door_book_({}, relay_probe_, nullptr),
-      thread_(context_, gate_, methods_, *this, door_book_, kUnfinishedMax) {}
+      unfinished_({.bytes_max = kUnfinishedMax, .share_max = kUnfinishedMax / 2}, relay_probe_),
+      thread_(context_, gate_, methods_, *this, door_book_, unfinished_) {}
 
 FrontBench::~FrontBench() = default;
 

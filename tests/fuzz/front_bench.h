@@ -113,6 +113,8 @@ class FrontBench final : public robot::WakeInbox {
   static constexpr std::size_t kWiresMax = 6;
 
   FrontBench();
+  /// Of other methods than the relay's.
+  explicit FrontBench(front::Methods methods);
   ~FrontBench() override;
   FrontBench(const FrontBench&) = delete;
   FrontBench& operator=(const FrontBench&) = delete;

@@ -1,4 +1,6 @@
 // Calls on a connection without TLS, on a clock that is moved by hand.
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -96,6 +98,84 @@ TEST_F(CallTest, ADrainTellsTheStreamsOfAConnectionOneAfterTheOther) {
   EXPECT_LT(told(), kStreams);
   bench_.Pass(transport::kTimerTick);
   EXPECT_EQ(told(), kStreams);
+}
+
+// --- Methods of other kinds than the relay's ---
+
+/// Answers the one message that it takes, so many times.
+class Echo final : public CallHandler {
+ public:
+  Echo(Call& call, int answers) : call_(call), left_(answers) {}
+
+  void Start() override { call_.RequestMessage(); }
+  [[nodiscard]] std::uint64_t message_bytes_max() const override { return 1000; }
+  void OnMessage(std::string_view bytes) override {
+    answer_ = WithPrefix(bytes);
+    call_.RequestMessage();
+  }
+  void OnTooLarge(std::uint64_t /*bytes*/) override { call_.Cancel(); }
+  void OnHalfClose() override { Answer(); }
+  void OnBroken(std::optional<absl::StatusCode> /*code*/) override {}
+  void OnWritten() override { Answer(); }
+  void OnWake() override {}
+  void OnTimer() override {}
+  [[nodiscard]] std::optional<SteadyTime> deadline() const override { return std::nullopt; }
+  void OnDrain(milliseconds /*grace*/) override {}
+
+ private:
+  void Answer() {
+    if (left_-- > 0) return call_.Write(answer_);
+    call_.Finish(absl::OkStatus());
+  }
+
+  Call& call_;
+  int left_;
+  std::string answer_;
+};
+
+Methods Echoes(MethodKind kind, int answers) {
+  Methods methods;
+  methods.emplace(
+      "/e.E/Echo",
+      Method{.kind = kind,
+             .roles = {identity::Role::kRobot},
+             .audience = "robots alone",
+             .serve = [answers](Call& call) -> absl::StatusOr<std::unique_ptr<CallHandler>> {
+               return std::make_unique<Echo>(call, answers);
+             }});
+  return methods;
+}
+
+/// What a call of such a method gets that sends these bytes and half-closes.
+RawStream AnswerOf(MethodKind kind, int answers, const std::string& sent) {
+  FrontBench bench(Echoes(kind, answers));
+  FrontWire& wire = bench.Connect(kRobot);
+  wire.Receive(http2::Preface() + http2::Settings({}) + OpenRelay(1, {{":path", "/e.E/Echo"}}) +
+               http2::Data(1, sent, http2::kEndStream));
+  return wire.answers().At(1);
+}
+
+TEST(MethodKinds, AUnaryCallHasOneMessageAndOneAnswer) {
+  const RawStream stream = AnswerOf(MethodKind::kUnary, 1, WithPrefix("x"));
+  EXPECT_EQ(StatusOf(stream), "0");
+  EXPECT_EQ(stream.data, WithPrefix("x"));
+}
+
+TEST(MethodKinds, AServerStreamHasOneMessageAndManyAnswers) {
+  const RawStream stream = AnswerOf(MethodKind::kServerStream, 3, WithPrefix("x"));
+  EXPECT_EQ(StatusOf(stream), "0");
+  EXPECT_EQ(stream.data, WithPrefix("x") + WithPrefix("x") + WithPrefix("x"));
+}
+
+TEST(MethodKinds, NoMessageOrTwoAreInternal) {
+  for (const MethodKind kind : {MethodKind::kUnary, MethodKind::kServerStream}) {
+    EXPECT_EQ(StatusOf(AnswerOf(kind, 1, "")), "13");
+    EXPECT_EQ(StatusOf(AnswerOf(kind, 1, WithPrefix("x") + WithPrefix("y"))), "13");
+  }
+}
+
+TEST(MethodKindsDeathTest, TwoAnswersOfAUnaryCallAreABug) {
+  EXPECT_DEATH(AnswerOf(MethodKind::kUnary, 2, WithPrefix("x")), "one answer");
 }
 
 }  // namespace
