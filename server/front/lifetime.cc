@@ -19,8 +19,9 @@ milliseconds Shortened(milliseconds span, std::uint16_t jitter) {
 
 /// How long before its certificates' expiry a connection ends that has so much left.
 milliseconds BeforeExpiry(milliseconds until_expiry, std::uint16_t jitter) {
-  // With a certificate that is nearly over already it may stay until that is.
-  if (until_expiry <= kBeforeExpiry) return milliseconds(0);
+  // With a certificate that is nearly over already it may stay until that is: a robot that comes
+  // back with the one for which it was ended has no other, and would only be ended again.
+  if (until_expiry <= kNearlyOver) return milliseconds(0);
   return until_expiry - Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter);
 }
 

@@ -69,6 +69,8 @@ inline constexpr std::chrono::seconds kAgeGrace{10};
 inline constexpr std::chrono::minutes kExpiryLook{1};
 /// A connection ends so long before its certificate does.
 inline constexpr std::chrono::minutes kBeforeExpiry{10};
+/// Unless so little was left of it when the connection opened.
+inline constexpr std::chrono::minutes kNearlyOver{2 * kBeforeExpiry};
 
 /// Bytes of unfinished frames that the streams of all threads may hold together, unless the process
 /// may use less memory, or one frame may have more.

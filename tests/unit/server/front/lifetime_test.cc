@@ -102,10 +102,15 @@ TEST_F(LifetimeTest, JitterBeforeTheExpiryIsTakenAnewOnceTheClockWasSet) {
   EXPECT_EQ(HeardAndDueAt(kHour * 9 + milliseconds(1000)), Due::kAge);
 }
 
-TEST_F(LifetimeTest, WithLessLeftItStaysUntilTheExpiry) {
-  Open(milliseconds(0), kBeforeExpiry);
-  EXPECT_EQ(HeardAndDueAt(kBeforeExpiry - milliseconds(1)), Due::kNothing);
-  EXPECT_EQ(HeardAndDueAt(kBeforeExpiry), Due::kAge);
+TEST_F(LifetimeTest, WithLittleLeftItStaysUntilTheExpiry) {
+  for (const milliseconds left : {milliseconds(kBeforeExpiry), milliseconds(kNearlyOver)}) {
+    Open(milliseconds(0), left, 65'535);
+    EXPECT_EQ(HeardAndDueAt(left - milliseconds(1)), Due::kNothing);
+    EXPECT_EQ(HeardAndDueAt(left), Due::kAge);
+  }
+  Open(milliseconds(0), kNearlyOver + milliseconds(1000));
+  EXPECT_EQ(HeardAndDueAt(kBeforeExpiry), Due::kNothing);
+  EXPECT_EQ(HeardAndDueAt(kBeforeExpiry + milliseconds(1000)), Due::kAge);
 }
 
 TEST_F(LifetimeTest, TheExpiryIsLookedAtEveryMinute) {
