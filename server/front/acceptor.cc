@@ -13,7 +13,6 @@
 #include <pthread.h>
 #include <sys/socket.h>
 
-#include "server/front/limits.h"
 #include "server/transport/listenable.h"
 
 namespace uplink::front {
@@ -53,9 +52,8 @@ std::uint16_t PortOf(int descriptor) {
 
 void SetUp(int descriptor) {
   SetOption(descriptor, IPPROTO_TCP, TCP_NODELAY, 1);
-  // What we sent is acknowledged by then, or the peer is gone.
-  constexpr std::chrono::milliseconds kGone = kKeepaliveAfter + kKeepaliveWait;
-  SetOption(descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(kGone.count()));
+  // No TCP_USER_TIMEOUT: it cuts a peer that reads steadily and slowly, since the system counts
+  // from the first time that it had no room. Lifetime knows such a peer from one that is gone.
 }
 
 }  // namespace

@@ -175,7 +175,11 @@ bool Connection::Flush() {
   const bool something = !out.empty();
   if (something && phase_ != Phase::kClosed) good = socket_.Send(out) && good;
   out.clear();
-  if (!good || socket_.kept_bytes() > kKeptBytesMax) Close();
+  if (socket_.kept_bytes() > kKeptBytesMax) {
+    thread_.book.Note(TurnedAway::kNotRead, origin_, thread_.clock.Steady());
+    good = false;
+  }
+  if (!good) Close();
   return something && phase_ == Phase::kOpen && !socket_.blocked();
 }
 

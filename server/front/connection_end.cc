@@ -62,11 +62,15 @@ void Connection::LookAtLifetime(SteadyTime now) {
     case Lifetime::Due::kNothing:
       return;
     case Lifetime::Due::kPing:
+      static_cast<void>(socket_.TakesSome());
       return http2_->Ping();
     case Lifetime::Due::kNotRead:
       thread_.book.Note(TurnedAway::kNotRead, origin_, now);
       return Close();
     case Lifetime::Due::kSilent:
+      // While bytes of ours are kept back, kNotRead judges how fast it takes them.
+      if (socket_.blocked() || socket_.TakesSome()) return lifetime_.StillTakes(now);
+      thread_.book.Note(TurnedAway::kSilent, origin_, now);
       return Close();
     case Lifetime::Due::kAge:
       return Drain({calls_.size(), now, kAgeGrace}, 0, now + kAgeGrace);

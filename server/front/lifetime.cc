@@ -56,6 +56,10 @@ void Lifetime::Heard(SteadyTime now) {
   answer_by_.reset();
 }
 
+void Lifetime::StillTakes(SteadyTime now) {
+  if (answer_by_) answer_by_ = now + kKeepaliveWait;
+}
+
 void Lifetime::SetCalls(std::size_t calls, SteadyTime now) {
   if (calls > 0) {
     empty_since_.reset();

@@ -39,6 +39,8 @@ class Lifetime final {
   /// So much is left of its certificates now. Nothing once its age was told.
   void SetExpiry(SteadyTime now, milliseconds until_expiry);
   void Heard(SteadyTime now);
+  /// The peer takes what waits for it, though it says nothing: our question waits behind that.
+  void StillTakes(SteadyTime now);
   /// A call of it was served: from then on it may be without one for long.
   void NoteServed() { had_call_ = true; }
   [[nodiscard]] bool served() const { return had_call_; }

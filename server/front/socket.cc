@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <utility>
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -30,7 +32,9 @@ bool Socket::Send(std::string_view bytes) {
   }
   const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   if (sent < 0 && errno != EAGAIN && errno != EINTR) return false;
-  bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(sent, 0)));
+  const auto gone = static_cast<std::size_t>(std::max<ssize_t>(sent, 0));
+  sent_ += gone;
+  bytes.remove_prefix(gone);
   if (bytes.empty()) return true;
   kept_.assign(bytes);
   loop_.WatchSending(descriptor_, *this, true);
@@ -44,6 +48,13 @@ void Socket::SendKept() {
   if (blocked()) return;
   loop_.WatchSending(descriptor_, *this, false);
   owner_.OnUnblocked();
+}
+
+bool Socket::TakesSome() {
+  int waiting = 0;
+  if (closed() || ::ioctl(descriptor_, SIOCOUTQ, &waiting) != 0) return false;
+  const std::uint64_t before = std::exchange(taken_, sent_ - static_cast<std::uint64_t>(waiting));
+  return waiting > 0 && taken_ > before;
 }
 
 void Socket::EndOutput() {

@@ -46,6 +46,9 @@ class Socket final : public ReadyOwner {
   /// Bytes wait for a peer that does not read.
   [[nodiscard]] bool blocked() const { return !kept_.empty(); }
   [[nodiscard]] std::size_t kept_bytes() const { return kept_.size(); }
+  /// Whether the peer has taken some of what waits for it since this was asked last, and more waits
+  /// still: a sign of life of a peer that reads slowly. One that has nothing to read gives none.
+  [[nodiscard]] bool TakesSome();
   /// Tells the peer that nothing follows.
   void EndOutput();
   void Close();
@@ -63,6 +66,9 @@ class Socket final : public ReadyOwner {
   SocketOwner& owner_;
   std::array<char, kSharedReadBytes>& shared_;
   std::string kept_;
+  /// Bytes that the system took in all, and of those the peer's by the last TakesSome.
+  std::uint64_t sent_ = 0;
+  std::uint64_t taken_ = 0;
 };
 
 }  // namespace uplink::front

@@ -43,12 +43,14 @@ enum class TurnedAway : std::uint8_t {
   kKeyUpdates,
   /// It did not read what we had for it.
   kNotRead,
+  /// It was not heard for long, and did not answer when it was asked.
+  kSilent,
   /// It came through a load balancer, without the header that says from where.
   kProxyHeader,
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 24> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 25> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -71,6 +73,7 @@ inline constexpr std::array<std::string_view, 24> kTurnedAwayTexts = {"full",
                                                                       "continuations",
                                                                       "key_updates",
                                                                       "not_read",
+                                                                      "silent",
                                                                       "proxy_header"};
 static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kProxyHeader) + 1);
 

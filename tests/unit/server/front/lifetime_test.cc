@@ -42,6 +42,14 @@ TEST_F(LifetimeTest, SilenceIsAskedAboutAndThenTheEnd) {
   EXPECT_EQ(DueAt(kKeepaliveAfter + kKeepaliveWait), Due::kSilent);
 }
 
+TEST_F(LifetimeTest, WhoTakesWhatWaitsForItHasLongerToAnswer) {
+  Open(milliseconds(0), kYear);
+  EXPECT_EQ(DueAt(kKeepaliveAfter), Due::kPing);
+  lifetime_.StillTakes(kStart + kKeepaliveAfter + kKeepaliveWait);
+  EXPECT_EQ(DueAt(kKeepaliveAfter + 2 * kKeepaliveWait - milliseconds(1)), Due::kNothing);
+  EXPECT_EQ(DueAt(kKeepaliveAfter + 2 * kKeepaliveWait), Due::kSilent);
+}
+
 TEST_F(LifetimeTest, AnyByteIsAnAnswer) {
   Open(milliseconds(0), kYear);
   EXPECT_EQ(DueAt(kKeepaliveAfter), Due::kPing);
