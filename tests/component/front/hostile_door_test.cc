@@ -146,7 +146,7 @@ TEST_F(HostileDoor, TheFifthConnectionOfACertificateEvictsTheOldestWithoutAStrea
   EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kKey), 1);
 }
 
-TEST_F(HostileDoor, WhereAllHaveStreamsTheOneHeardLeastRecentlyIsEvicted) {
+TEST_F(HostileDoor, WhereAllHaveStreamsTheOldestOfThoseHeardAtOnceIsEvicted) {
   const KeyPair keys = RobotKeys(*world_, 666);
   std::vector<std::unique_ptr<RawHttp2>> clients;
   for (int i = 0; i < 4; ++i) {

@@ -103,12 +103,16 @@ TEST(Tls, Tls12IsRefusedWhere13IsTheMinimum) {
   EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
 }
 
-TEST(Tls, Tls11IsRefused) {
-  RelayWorld world(Native());
+TEST(Tls, Tls11IsRefusedWhere12IsTheMinimum) {
+  RelayWorld world(NativeWith12());
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.tls_max = TLS1_1_VERSION;
+  // The library offers it no more by itself.
+  options.suites_of_12 = "DEFAULT@SECLEVEL=0";
   RawHttp2 client(options);
   EXPECT_FALSE(client.handshaken());
+  ExpectAlert(client, SSL_AD_PROTOCOL_VERSION);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
 }
 
 TEST(Tls, AForeignCertificateIsToldSoByAnAlert) {
