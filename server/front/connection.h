@@ -119,7 +119,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void LookAtHandshake(SteadyTime now);
   void LookAtLifetime(SteadyTime now);
   [[nodiscard]] milliseconds UntilExpiry() const;
-  /// How many calls there are has changed from or to none.
+  /// The first call began or the last one ended.
   void NoteCalls();
   void FailHandshake(transport::TurnedAway cause);
   /// Ends the connection for what its peer does, with the reason in a GOAWAY.

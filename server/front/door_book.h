@@ -54,7 +54,7 @@ class DoorBook final {
   [[nodiscard]] bool BeginLinger();
   void EndLinger() { lingers_.fetch_sub(1); }
 
-  /// Connections wait for their handshake: those that others let wait get less time.
+  /// While connections wait for a handshake, those under way get less time.
   [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
   [[nodiscard]] const std::atomic<bool>& pressed_flag() const { return pressed_; }
   void SetPressed(std::size_t waiting) { pressed_.store(waiting > 0, std::memory_order_relaxed); }

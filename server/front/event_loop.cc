@@ -90,7 +90,7 @@ void EventLoop::Post(std::function<void()> work) {
     if (posted_.size() > 1) return;
   }
   const std::uint64_t one = 1;
-  // It fails only where the loop is to wake already.
+  // It fails only if a wake is already pending.
   [[maybe_unused]] const ssize_t written = ::write(posts_, &one, sizeof one);
 }
 

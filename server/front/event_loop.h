@@ -14,7 +14,7 @@
 
 namespace uplink::front {
 
-/// What a descriptor became ready for.
+/// Who is told that a descriptor became ready.
 class ReadyOwner {
  public:
   virtual ~ReadyOwner() = default;

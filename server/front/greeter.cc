@@ -21,7 +21,7 @@ Greeter::Guest::Guest(asio::io_context& context, Descriptor its_descriptor, Orig
       by(until) {}
 
 Greeter::Guest::~Guest() {
-  // Two close it else.
+  // Otherwise both `watch` and `descriptor` would close it.
   watch.release();
 }
 

@@ -34,8 +34,8 @@ inline constexpr std::size_t kSharedReadBytes = 64 * 1024;
 /// Bytes that go out in one call of the system at most; what does not fit waits at its connection.
 inline constexpr std::size_t kSendBytesMax = 64 * 1024;
 
-/// Bytes that wait for a peer that takes nothing, past which it is cut: what TLS itself says is not
-/// held back by it.
+/// Bytes that wait for a peer that takes nothing, past which it is cut: TLS's own records are sent
+/// even while the socket is blocked, so they need this bound.
 inline constexpr std::size_t kKeptBytesMax = 4 * kSendBytesMax;
 
 /// A peer that is gone without a word is noticed within these two; robots' networks are bad.
@@ -44,10 +44,10 @@ inline constexpr std::chrono::seconds kKeepaliveWait{15};
 /// How long a handshake may wait for its peer, and how long while others wait for a place.
 inline constexpr std::chrono::seconds kHandshakeWait{20};
 inline constexpr std::chrono::seconds kHandshakeWaitPressed{5};
-/// A connection that has had no stream yet is closed after this, the same.
+/// How long a connection may be without its first stream, and how long while others wait.
 inline constexpr std::chrono::seconds kFirstStreamWait{10};
 inline constexpr std::chrono::seconds kFirstStreamWaitPressed{3};
-/// How often who may stay as long as nobody waits is looked at.
+/// How often a connection past its pressed wait is checked again.
 inline constexpr std::chrono::seconds kLookAgain{1};
 /// Connections of one public key: more than one only while an old one is not known to be gone, and
 /// a gateway's may spread its robots.

@@ -18,7 +18,7 @@ class Place final {
 
   /// False if there is none.
   [[nodiscard]] bool Take();
-  /// Counts it to its key; says who has too many of it and must go.
+  /// Adds it to its key's connections; returns the one to evict.
   [[nodiscard]] std::optional<std::uint64_t> Count(const TlsPeer& peer, const Origin& origin,
                                                    SteadyTime now);
   /// The peer said something. Costs nothing most times.

@@ -58,8 +58,8 @@ struct TlsPeer {
   [[nodiscard]] bool IsGateway() const {
     return identity.ok() && identity->role == identity::Role::kGateway;
   }
-  /// What is left of its chain, at most kFarAway: that much for who is only told what is wrong, and
-  /// where nobody vouches for the clock.
+  /// What is left of its chain, at most kFarAway; kFarAway if the identity is bad or the clock is
+  /// not vouched for.
   [[nodiscard]] milliseconds UntilExpiry(SystemTime now, bool vouched) const;
   /// Spreads what robots with different keys do, evenly.
   [[nodiscard]] std::uint16_t jitter() const {

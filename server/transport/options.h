@@ -68,8 +68,9 @@ struct RelayOptions {
   std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
   /// limits.connection_age_max; zero: never.
   milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
-  /// Memory that gRPC may use before it resets connections, a backstop against frames that are
-  /// assembled before their size is known (measured); 0: no bound.
+  /// Memory that the transport may use; 0: no bound. With gRPC's, past it connections are reset, a
+  /// backstop against frames that are assembled before their size is known (measured); of the
+  /// native transport's, a quarter is for frames that are not whole.
   std::size_t memory_bytes_max = 0;
 };
 
