@@ -197,11 +197,9 @@ void Connection::Linger() {
   static_cast<void>(Flush());
   if (phase_ == Phase::kClosed) return;
   const bool was_handshake = phase_ == Phase::kHandshake;
-  if (was_handshake) {
-    // An alert means nothing to who speaks no TLS; and only so many descriptors may wait.
-    lingers_ = tls_->failure() != TlsEngine::Failure::kNoTls && thread_.book.BeginLinger();
-    if (!lingers_) return Close();
-  }
+  // An alert means nothing to who speaks no TLS; and only so many descriptors may wait.
+  if (tls_->failure() == TlsEngine::Failure::kNoTls) return Close();
+  if (!place_.Linger(peer_ ? std::optional(peer_->key) : std::nullopt)) return Close();
   phase_ = Phase::kLinger;
   if (was_handshake) owner_.OnHandshakeEnded(*this);
   calls_.Break();
@@ -217,7 +215,6 @@ void Connection::Close() {
   phase_ = Phase::kClosed;
   // What TLS still wanted to say is this connection's, and the buffer the thread's.
   thread_.tls.out.clear();
-  if (std::exchange(lingers_, false)) thread_.book.EndLinger();
   calls_.Break();
   socket_.Close();
   place_.Leave();

@@ -150,8 +150,6 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   /// Until when the phase may last: the handshake, or the time that we linger.
   std::optional<SteadyTime> phase_by_;
   SteadyTime handshake_by_;
-  /// The door counts it among those that linger without a place.
-  bool lingers_ = false;
   transport::Timers::Slot timer_;
 };
 

@@ -13,9 +13,13 @@ namespace uplink::front {
 using transport::TurnedAway;
 
 void Connection::Evict() {
-  if (phase_ != Phase::kOpen) return;
-  TurnAway(TurnedAway::kKey, "too many connections of this certificate");
-  Settle();
+  if (phase_ == Phase::kOpen) {
+    TurnAway(TurnedAway::kKey, "too many connections of this certificate");
+    Settle();
+    if (phase_ == Phase::kLinger) return;
+  }
+  // One that lingered before, or does not read what it is told, has had its place for long enough.
+  Close();
 }
 
 void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end) {

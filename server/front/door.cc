@@ -16,7 +16,7 @@ constexpr std::size_t kHandshakesMax = 512;
 constexpr std::size_t kWaitingMax = 4096;
 /// Connections whose load balancer has not said where they come from: it says so at once.
 constexpr std::size_t kProxyHeadersMax = 1024;
-/// Failed handshakes whose peers may still read why.
+/// Connections without a place whose peers may still read why.
 constexpr std::size_t kLingersMax = 256;
 /// Of the descriptors, those without a certificate may have this part, and the reserve at most
 /// this.

@@ -42,12 +42,6 @@ bool DoorBook::Enter() {
   return true;
 }
 
-bool DoorBook::BeginLinger() {
-  if (lingers_.fetch_add(1) < limits_.lingers_max) return true;
-  lingers_.fetch_sub(1);
-  return false;
-}
-
 void DoorBook::Leave() {
   connections_.fetch_sub(1);
   probe_.connections.Add(-1);

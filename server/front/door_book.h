@@ -9,6 +9,7 @@
 
 #include "server/front/key_table.h"
 #include "server/front/known_sources.h"
+#include "server/front/lingers.h"
 #include "server/front/origin.h"
 #include "server/front/source_lines.h"
 #include "server/transport/probe.h"
@@ -22,12 +23,12 @@ class DoorBook final {
   struct Limits {
     /// That have shown a trusted certificate.
     std::size_t connections_max = 0;
-    /// Whose handshake failed, and that we read on so that they learn why.
+    /// That have no place, and that we read on so that they learn why.
     std::size_t lingers_max = 0;
   };
 
   DoorBook(const Limits& limits, transport::RelayProbe& probe, const log::Logger* logger)
-      : limits_(limits), probe_(probe), lines_(logger) {}
+      : limits_(limits), probe_(probe), lines_(logger), lingers_(limits.lingers_max) {}
 
   /// Somebody is turned away: counts it by cause, and writes a line that names the source. Not of a
   /// health check.
@@ -50,9 +51,6 @@ class DoorBook final {
   /// A connection has shown a trusted certificate; false if there is no place for it.
   [[nodiscard]] bool Enter();
   void Leave();
-  /// A connection whose handshake failed stays for a moment; false if too many do.
-  [[nodiscard]] bool BeginLinger();
-  void EndLinger() { lingers_.fetch_sub(1); }
 
   /// While connections wait for a handshake, those under way get less time.
   [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
@@ -61,6 +59,7 @@ class DoorBook final {
 
   [[nodiscard]] KeyTable& keys() { return keys_; }
   [[nodiscard]] KnownSources& known() { return known_; }
+  [[nodiscard]] Lingers& lingers() { return lingers_; }
 
  private:
   const Limits limits_;
@@ -68,8 +67,8 @@ class DoorBook final {
   SourceLines lines_;
   KeyTable keys_;
   KnownSources known_;
+  Lingers lingers_;
   std::atomic<std::size_t> connections_{0};
-  std::atomic<std::size_t> lingers_{0};
   std::atomic<bool> pressed_{false};
 };
 

@@ -51,6 +51,11 @@ void KeyTable::Remove(std::uint64_t connection) {
   connections_.erase(found);
 }
 
+bool KeyTable::Has(std::uint64_t connection) const {
+  const std::lock_guard lock(mutex_);
+  return connections_.contains(connection);
+}
+
 std::size_t KeyTable::evicted_lately(const KeyDigest& digest, SteadyTime now) const {
   const std::lock_guard lock(mutex_);
   const auto found = keys_.find(digest);

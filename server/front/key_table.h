@@ -40,6 +40,8 @@ class KeyTable final {
   /// How many streams it has; none at first.
   void SetStreams(std::uint64_t connection, std::size_t streams);
   void Remove(std::uint64_t connection);
+  /// Whether it is in here: neither removed nor evicted.
+  [[nodiscard]] bool Has(std::uint64_t connection) const;
 
   /// Evictions of the key within kEvictionsWithin before `now`, up to kEvictionsFlagged; 0 if it
   /// has no connection: it is forgotten with its last one.

@@ -39,7 +39,19 @@ void Place::SetStreams(std::size_t streams) {
   if (taken_) book_.keys().SetStreams(connection_, streams);
 }
 
+bool Place::Linger(const std::optional<KeyDigest>& key) {
+  if (taken_ && book_.keys().Has(connection_)) {
+    SetStreams(0);
+    return true;
+  }
+  Leave();
+  lingers_as_ = key;
+  lingers_ = book_.lingers().Begin(key);
+  return lingers_;
+}
+
 void Place::Leave() {
+  if (std::exchange(lingers_, false)) book_.lingers().End(lingers_as_);
   if (!std::exchange(taken_, false)) return;
   book_.keys().Remove(connection_);
   book_.Leave();

@@ -1,4 +1,5 @@
 // Crowds at the door: connections that show nothing, or that leave at once.
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -158,6 +159,20 @@ TEST_F(HostileDoor, WhereAllHaveStreamsTheOldestOfThoseHeardAtOnceIsEvicted) {
   EXPECT_TRUE(clients[0]->ReadUntilEnd());
   EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kKey), 1);
   EXPECT_TRUE(clients[3]->Sync());
+}
+
+TEST_F(HostileDoor, EvictedConnectionsKeepNoPlace) {
+  const KeyPair keys = RobotKeys(*world_, 666);
+  // The victim's and four; those that are on their way out come on top.
+  constexpr std::int64_t kPlaces = 1 + 4 + 8;
+  std::int64_t most = 0;
+  std::vector<std::unique_ptr<RawHttp2>> clients;
+  for (int i = 0; i < 100; ++i) {
+    clients.push_back(Begun(*world_, keys));
+    most = std::max(most, world_->relay_probe.connections.value());
+  }
+  EXPECT_LE(most, kPlaces);
+  EXPECT_TRUE(Eventually([&] { return world_->relay_probe.connections.value() == 5; }));
 }
 
 TEST_F(HostileDoor, ManyConnectionsOfOneCertificateEvictNobodyElses) {

@@ -131,15 +131,6 @@ TEST(DoorBook, PlacesAreBounded) {
   EXPECT_EQ(probe.connections.value(), 2);
 }
 
-TEST(DoorBook, WhoLingersIsBounded) {
-  transport::RelayProbe probe;
-  DoorBook book({.connections_max = 1, .lingers_max = 1}, probe, nullptr);
-  EXPECT_TRUE(book.BeginLinger());
-  EXPECT_FALSE(book.BeginLinger());
-  book.EndLinger();
-  EXPECT_TRUE(book.BeginLinger());
-}
-
 DoorLimits LimitsFor(std::size_t descriptors, ProxyHeaders headers = ProxyHeaders::kNone) {
   return DoorLimitsFor(
       {.streams_max = 40'000, .descriptors_max = descriptors, .reserved = 256, .headers = headers});

@@ -130,6 +130,17 @@ TEST(KeyTable, PassesOverAnEvictedConnection) {
   EXPECT_EQ(table.connections(), 1U);
 }
 
+TEST(KeyTable, HasWhatIsNeitherRemovedNorEvicted) {
+  KeyTable table;
+  AddStreaming(table, 2);
+  EXPECT_TRUE(table.Has(1));
+  ASSERT_EQ(table.Add(Digest(1), 3, 2, kNow), 1U);
+  EXPECT_FALSE(table.Has(1));
+  table.Remove(2);
+  EXPECT_FALSE(table.Has(2));
+  EXPECT_TRUE(table.Has(3));
+}
+
 TEST(KeyTable, CountsNoEvictionOfAKeyThatHadNone) {
   KeyTable table;
   AddStreaming(table, 2);
