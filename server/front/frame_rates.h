@@ -17,7 +17,7 @@ enum class FrameKind : std::uint8_t {
   kReset,
   kPing,
   kSettings,
-  /// DATA without a byte of content.
+  /// DATA without a byte of content, padded or not.
   kEmptyData,
   kPriority,
   kWindowUpdate,

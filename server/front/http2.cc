@@ -23,7 +23,8 @@ Http2Stream* StreamOf(nghttp2_session* session, std::int32_t id) {
   return static_cast<Http2Stream*>(nghttp2_session_get_stream_user_data(session, id));
 }
 
-/// Nothing for DATA with content, which flow control bounds.
+/// Nothing for DATA with content, which flow control bounds; of padded DATA only its end says
+/// whether it has any.
 std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header) {
   switch (header.type) {
     case NGHTTP2_DATA:
@@ -88,9 +89,17 @@ int OnHeader(nghttp2_session* session, const nghttp2_frame* frame, const std::ui
   return 0;
 }
 
-int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* /*self*/) {
+/// DATA that has length, and no content, and ends nothing.
+bool IsPaddingAlone(const nghttp2_frame& frame) {
+  return frame.hd.type == NGHTTP2_DATA && frame.hd.length > 0 &&
+         frame.hd.length == frame.data.padlen && (frame.hd.flags & NGHTTP2_FLAG_END_STREAM) == 0;
+}
+
+int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
   const bool is_reset = frame->hd.type == NGHTTP2_RST_STREAM;
   if (!is_reset && frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
+  // The library gives the windows back what padding takes of them: they do not bound it.
+  if (IsPaddingAlone(*frame)) Self(self).peer().OnFrame(FrameKind::kEmptyData);
   Http2Stream* stream = StreamOf(session, frame->hd.stream_id);
   if (stream == nullptr) return 0;
   if (is_reset) {

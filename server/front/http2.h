@@ -61,8 +61,7 @@ class Http2Peer {
   virtual ~Http2Peer() = default;
   /// The peer opens a stream; null refuses it.
   virtual Http2Stream* OnStream(std::int32_t id) = 0;
-  /// A frame of a kind that costs us more than its sender begins to arrive; acknowledgements are
-  /// not told.
+  /// A frame of a kind that costs us more than its sender begins to arrive, or has arrived.
   virtual void OnFrame(FrameKind kind) = 0;
   /// A list of headers is past kHeaderBombBytes: the rest of it is passed over.
   virtual void OnHeaderBomb() = 0;

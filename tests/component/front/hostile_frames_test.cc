@@ -52,6 +52,35 @@ TEST_F(HostileFrames, EmptyData) {
   ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, http2::Data(1, "")), TurnedAway::kEmptyData);
 }
 
+/// DATA with this content, and so many bytes of padding.
+std::string PaddedData(std::uint32_t stream, std::string_view content, std::uint8_t padding) {
+  std::string payload(1, static_cast<char>(padding));
+  payload.append(content);
+  payload.append(padding, '\0');
+  return http2::Frame(http2::kData, http2::kPadded, stream, payload);
+}
+
+TEST_F(HostileFrames, DataOfALengthByteAlone) {
+  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, PaddedData(1, "", 0)), TurnedAway::kEmptyData);
+}
+
+TEST_F(HostileFrames, DataOfPaddingAlone) {
+  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, PaddedData(1, "", 255)),
+               TurnedAway::kEmptyData);
+}
+
+TEST_F(HostileFrames, PaddedDataWithContentIsNoFlood) {
+  const std::string hello = HelloMessage(1);
+  std::string bytes = OpenRelay(1);
+  for (const char byte : hello + FaultsMessage(1, 50)) {
+    bytes += PaddedData(1, std::string(1, byte), 1);
+  }
+  attacker_.Send(bytes);
+  EXPECT_TRUE(attacker_.ReadUntil([&] { return LastAck(attacker_.At(1)).through_seq() == 50; }));
+  attacker_.Send(http2::RstStream(1, http2::kCancel));
+  EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kEmptyData), 0);
+}
+
 TEST_F(HostileFrames, Priorities) {
   ExpectCalmed(http2::Times(kFrames, http2::Priority(1)), TurnedAway::kPriorities);
 }
