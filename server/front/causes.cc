@@ -27,10 +27,14 @@ TurnedAway CauseOf(FrameKind kind) {
       return TurnedAway::kResets;
     case FrameKind::kPing:
       return TurnedAway::kPings;
+    case FrameKind::kPong:
+      return TurnedAway::kPongs;
     case FrameKind::kSettings:
       return TurnedAway::kSettings;
     case FrameKind::kEmptyData:
       return TurnedAway::kEmptyData;
+    case FrameKind::kLateData:
+      return TurnedAway::kLateData;
     case FrameKind::kPriority:
       return TurnedAway::kPriorities;
     case FrameKind::kWindowUpdate:

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <fmt/format.h>
 #include <nghttp2/nghttp2.h>
 
 #include "server/front/causes.h"
@@ -114,6 +115,13 @@ void Connection::OnFrame(FrameKind kind) {
     // The words that gRPC's clients know: they ping less from then on.
     TurnAway(TurnedAway::kPings, "too_many_pings");
   }
+}
+
+void Connection::OnStreamFault(std::string_view code) {
+  if (turned_away_) return;
+  thread_.book.NoteRequest(fmt::format("it breaks a rule of HTTP/2: {}", code), origin_,
+                           thread_.clock.Steady());
+  OnFrame(FrameKind::kReset);
 }
 
 void Connection::TurnAway(TurnedAway cause, std::string_view text) {

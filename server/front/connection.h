@@ -89,6 +89,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void OnFrame(FrameKind kind) override;
   void OnHeaderBomb() override { TurnAway(transport::TurnedAway::kHeaders, "headers"); }
   void OnSent() override { pings_.OnSent(); }
+  void OnStreamFault(std::string_view code) override;
   void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
   // CallOwner
   void Touch(Call& call) override { calls_.Touch(call); }

@@ -13,12 +13,18 @@ namespace uplink::front {
 /// Frames of HTTP/2, and messages of TLS, that cost their sender nearly nothing, and us something
 /// each.
 enum class FrameKind : std::uint8_t {
-  /// RST_STREAM: a stream that was opened to be dropped (CVE-2023-44487, "rapid reset").
+  /// RST_STREAM: a stream that was opened to be dropped (CVE-2023-44487, "rapid reset"), or that we
+  /// dropped for what its peer did (CVE-2025-8671, "made you reset").
   kReset,
   kPing,
+  /// An answer to a PING that was not sent.
+  kPong,
   kSettings,
   /// DATA without a byte of content, padded or not.
   kEmptyData,
+  /// DATA with content on a stream that is over. A peer may have sent it before it knew; a window
+  /// of 64 KiB is some thousand frames of small messages, of each stream.
+  kLateData,
   kPriority,
   kWindowUpdate,
   /// Of a type that HTTP/2 does not know.
@@ -29,7 +35,7 @@ enum class FrameKind : std::uint8_t {
   /// A message of TLS's handshake after the handshake: new keys, mostly.
   kKeyUpdate,
 };
-inline constexpr std::size_t kFrameKinds = 10;
+inline constexpr std::size_t kFrameKinds = 12;
 
 /// What a limit is for: one stream costs some frames, so that a peer with many may send more.
 enum class FrameScope : std::uint8_t { kConnection, kStreams };
@@ -51,8 +57,10 @@ struct FrameLimit {
 inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
     {FrameKind::kReset, 20, 100, FrameScope::kStreams, "reset"},
     {FrameKind::kPing, 100, 100, FrameScope::kConnection, "ping"},
+    {FrameKind::kPong, 5, 20, FrameScope::kConnection, "pong"},
     {FrameKind::kSettings, 5, 20, FrameScope::kConnection, "settings"},
     {FrameKind::kEmptyData, 50, 100, FrameScope::kStreams, "empty_data"},
+    {FrameKind::kLateData, 5000, 20'000, FrameScope::kStreams, "late_data"},
     {FrameKind::kPriority, 100, 200, FrameScope::kStreams, "priority"},
     {FrameKind::kWindowUpdate, 2000, 4000, FrameScope::kStreams, "window_update"},
     {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, "unknown"},
@@ -82,6 +90,6 @@ class FrameRates final {
 };
 
 /// Each of 10,000 connections has one.
-static_assert(sizeof(FrameRates) <= 88);
+static_assert(sizeof(FrameRates) <= 104);
 
 }  // namespace uplink::front

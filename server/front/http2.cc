@@ -7,6 +7,7 @@
 #include <nghttp2/nghttp2.h>
 
 #include "schema/base/check.h"
+#include "server/front/frame_kinds.h"
 #include "server/front/limits.h"
 
 namespace uplink::front {
@@ -23,37 +24,17 @@ Http2Stream* StreamOf(nghttp2_session* session, std::int32_t id) {
   return static_cast<Http2Stream*>(nghttp2_session_get_stream_user_data(session, id));
 }
 
-/// Nothing for DATA with content, which flow control bounds; of padded DATA only its end says
-/// whether it has any.
-std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header) {
-  switch (header.type) {
-    case NGHTTP2_DATA:
-      if (header.length > 0 || (header.flags & NGHTTP2_FLAG_END_STREAM) != 0) return std::nullopt;
-      return FrameKind::kEmptyData;
-    case NGHTTP2_HEADERS:
-      return FrameKind::kHeaders;
-    case NGHTTP2_CONTINUATION:
-      return FrameKind::kContinuation;
-    case NGHTTP2_RST_STREAM:
-      return FrameKind::kReset;
-    case NGHTTP2_PING:
-      return FrameKind::kPing;
-    case NGHTTP2_SETTINGS:
-      return FrameKind::kSettings;
-    case NGHTTP2_PRIORITY:
-      return FrameKind::kPriority;
-    case NGHTTP2_WINDOW_UPDATE:
-      return FrameKind::kWindowUpdate;
-    default:  // the protocol may have more
-      return FrameKind::kUnknown;
-  }
-}
-
 int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, void* self) {
-  const bool answer = (header->type == NGHTTP2_PING || header->type == NGHTTP2_SETTINGS) &&
-                      (header->flags & NGHTTP2_FLAG_ACK) != 0;
-  if (answer) return 0;
-  if (const std::optional<FrameKind> kind = KindOf(*header)) Self(self).peer().OnFrame(*kind);
+  Http2& http2 = Self(self);
+  // The library passes over DATA of streams that are over, without a word.
+  if (http2.WasUntaken()) http2.peer().OnFrame(FrameKind::kLateData);
+  if (header->type == NGHTTP2_DATA && header->length > 0) http2.BeginData();
+  if (IsAnswer(*header)) {
+    // One to SETTINGS that were not sent is an error to the library.
+    if (header->type == NGHTTP2_PING && !http2.TakePong()) http2.peer().OnFrame(FrameKind::kPong);
+    return 0;
+  }
+  if (const std::optional<FrameKind> kind = KindOf(*header)) http2.peer().OnFrame(*kind);
   return 0;
 }
 
@@ -89,15 +70,10 @@ int OnHeader(nghttp2_session* session, const nghttp2_frame* frame, const std::ui
   return 0;
 }
 
-/// DATA that has length, and no content, and ends nothing.
-bool IsPaddingAlone(const nghttp2_frame& frame) {
-  return frame.hd.type == NGHTTP2_DATA && frame.hd.length > 0 &&
-         frame.hd.length == frame.data.padlen && (frame.hd.flags & NGHTTP2_FLAG_END_STREAM) == 0;
-}
-
 int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
   const bool is_reset = frame->hd.type == NGHTTP2_RST_STREAM;
   if (!is_reset && frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
+  if (frame->hd.type == NGHTTP2_DATA) Self(self).TakeData();
   // The library gives the windows back what padding takes of them: they do not bound it.
   if (IsPaddingAlone(*frame)) Self(self).peer().OnFrame(FrameKind::kEmptyData);
   Http2Stream* stream = StreamOf(session, frame->hd.stream_id);
@@ -114,7 +90,8 @@ int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* 
 }
 
 int OnDataChunk(nghttp2_session* session, std::uint8_t /*flags*/, std::int32_t id,
-                const std::uint8_t* bytes, std::size_t size, void* /*self*/) {
+                const std::uint8_t* bytes, std::size_t size, void* self) {
+  Self(self).TakeData();
   // The connection's window opens at once: what bounds memory is the stream's.
   nghttp2_session_consume_connection(session, size);
   if (Http2Stream* stream = StreamOf(session, id)) {
@@ -135,6 +112,9 @@ int OnStreamClose(nghttp2_session* session, std::int32_t id, std::uint32_t /*cod
 }
 
 int OnFrameSent(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
+  if (frame->hd.type == NGHTTP2_RST_STREAM && IsFault(frame->rst_stream.error_code)) {
+    Self(self).peer().OnStreamFault(nghttp2_http2_strerror(frame->rst_stream.error_code));
+  }
   if (frame->hd.type == NGHTTP2_GOAWAY && frame->goaway.error_code != NGHTTP2_NO_ERROR) {
     // The library ends the session by itself for most rules, and Receive does not fail.
     Self(self).peer().OnFault();
@@ -286,7 +266,16 @@ void Http2::ConsumeStream(std::int32_t stream, std::size_t bytes) {
   Done(nghttp2_session_consume_stream(session_, stream, bytes));
 }
 
-void Http2::Ping() { Done(nghttp2_submit_ping(session_, NGHTTP2_FLAG_NONE, nullptr)); }
+void Http2::Ping() {
+  ++pings_open_;
+  Done(nghttp2_submit_ping(session_, NGHTTP2_FLAG_NONE, nullptr));
+}
+
+bool Http2::TakePong() {
+  if (pings_open_ == 0) return false;
+  --pings_open_;
+  return true;
+}
 
 void Http2::NoticeEnd() { Done(nghttp2_submit_shutdown_notice(session_)); }
 

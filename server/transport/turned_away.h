@@ -32,9 +32,11 @@ enum class TurnedAway : std::uint8_t {
   /// Bytes that are no HTTP/2, or break its rules.
   kProtocol,
   kPings,
+  kPongs,
   kResets,
   kSettings,
   kEmptyData,
+  kLateData,
   kPriorities,
   kWindowUpdates,
   kUnknownFrames,
@@ -50,7 +52,7 @@ enum class TurnedAway : std::uint8_t {
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 25> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 27> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -63,9 +65,11 @@ inline constexpr std::array<std::string_view, 25> kTurnedAwayTexts = {"full",
                                                                       "no_stream",
                                                                       "protocol",
                                                                       "pings",
+                                                                      "pongs",
                                                                       "resets",
                                                                       "settings",
                                                                       "empty_data",
+                                                                      "late_data",
                                                                       "priorities",
                                                                       "window_updates",
                                                                       "unknown_frames",

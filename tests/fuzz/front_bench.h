@@ -71,6 +71,7 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
   void OnFrame(front::FrameKind kind) override;
   void OnHeaderBomb() override;
   void OnSent() override { pings_.OnSent(); }
+  void OnStreamFault(std::string_view /*code*/) override { OnFrame(front::FrameKind::kReset); }
   void OnFault() override {}
   // front::CallOwner
   void Touch(front::Call& call) override { calls_.Touch(call); }

@@ -48,6 +48,38 @@ TEST_F(HostileFrames, Pings) {
   EXPECT_EQ(attacker_.goaway_text(), "too_many_pings");
 }
 
+TEST_F(HostileFrames, AnswersToPingsThatNobodySent) {
+  ExpectCalmed(http2::Times(kFrames, http2::Frame(http2::kPing, http2::kAck, 0, "pingping")),
+               TurnedAway::kPongs);
+}
+
+TEST_F(HostileFrames, DataOfAStreamThatIsOver) {
+  attacker_.Send(OpenRelay(1) + http2::RstStream(1, http2::kCancel));
+  ASSERT_TRUE(attacker_.Sync());
+  // Some may have been on their way.
+  attacker_.Send(http2::Times(5000, http2::Data(1, "late")));
+  ASSERT_TRUE(attacker_.Sync());
+  EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kLateData), 0);
+  ExpectCalmed(http2::Times(100'000, http2::Data(1, "late")), TurnedAway::kLateData);
+}
+
+TEST_F(HostileFrames, RequestsThatBreakTheRules) {
+  // No more at once than may be open.
+  constexpr std::uint32_t kAtOnce = 10;
+  std::uint32_t sent = 0;
+  while (sent < 300 && attacker_.open()) {
+    std::string requests;
+    for (const std::uint32_t end = sent + kAtOnce; sent < end; ++sent) {
+      requests += OpenRelay(2 * sent + 1, {{"Upper-Case", "x"}});
+    }
+    attacker_.Send(requests);
+    static_cast<void>(
+        attacker_.ReadUntil([&] { return attacker_.ResetsOf(http2::kProtocolError) == sent; }));
+  }
+  ExpectCalmed("", TurnedAway::kResets);
+  EXPECT_GT(world_.relay_probe.refused_request_total.value(), 0);
+}
+
 TEST_F(HostileFrames, EmptyData) {
   ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, http2::Data(1, "")), TurnedAway::kEmptyData);
 }

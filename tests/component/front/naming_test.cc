@@ -85,6 +85,19 @@ TEST_F(Naming, WhatIsNoCallOfTheRelay) {
   EXPECT_THAT(LinesOf("stream_refused"), Contains(HasSubstr("robot=" + RuriOf(8))));
 }
 
+TEST_F(Naming, ARequestThatBreaksTheRulesOfHttpTwo) {
+  RawHttp2 client(ClientOf(*world_, RobotKeys(*world_, 7), "127.0.0.66"));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1, {{"Upper-Case", "x"}}));
+  EXPECT_TRUE(client.ReadUntilOver(1));
+  EXPECT_EQ(client.At(1).reset, http2::kProtocolError);
+  EXPECT_TRUE(client.Sync()) << "its connection goes on";
+  EXPECT_EQ(world_->relay_probe.refused_request_total.value(), 1);
+  EXPECT_THAT(lines_.All(),
+              Contains(AllOf(HasSubstr("stream_refused"), HasSubstr("robot=" + RuriOf(7)),
+                             HasSubstr("it breaks a rule of HTTP/2: PROTOCOL_ERROR"))));
+}
+
 TEST_F(Naming, AMessageThatBreaksTheRulesOfGrpc) {
   RawHttp2 client(ClientOf(*world_, RobotKeys(*world_, 7)));
   ASSERT_TRUE(client.Begin());
