@@ -3,6 +3,23 @@
 #include <utility>
 
 namespace uplink::front {
+namespace {
+
+/// In place of a kind: everything of a robot, or of a source. No kind is one of these words.
+constexpr std::string_view kOfRobot = "";
+constexpr std::string_view kOfSource = "*";
+
+/// Who did it, as far as is known; nothing of a stranger.
+const std::string& NameOf(const Origin& origin) {
+  return origin.gateway.empty() ? origin.robot : origin.gateway;
+}
+
+/// Whether there is room for a line, of one who has had one or not.
+bool Fits(std::uint32_t lines, std::uint32_t lines_max, bool first) {
+  return lines < (first ? lines_max : lines_max / SourceLines::kRepeatsPart);
+}
+
+}  // namespace
 
 void SourceLines::Write(std::string_view event, std::string_view kind, const std::string& why,
                         const Origin& origin, SteadyTime now) {
@@ -10,9 +27,8 @@ void SourceLines::Write(std::string_view event, std::string_view kind, const std
   std::uint64_t suppressed = 0;
   {
     const std::lock_guard lock(mutex_);
-    Window& window =
-        WindowOf({origin.source, origin.gateway.empty() ? origin.robot : origin.gateway, kind});
-    if (!Take(window, kLinesPerSource, now) || !Take(all_, kLinesMax, now)) {
+    Window& window = WindowOf({origin.source, NameOf(origin), kind}, now);
+    if (!Take(window, origin, now)) {
       ++window.suppressed;
       return;
     }
@@ -27,28 +43,39 @@ void SourceLines::Write(std::string_view event, std::string_view kind, const std
                   {"suppressed", suppressed}});
 }
 
-bool SourceLines::Take(Window& window, std::uint32_t lines_max, SteadyTime now) {
-  if (window.lines == 0 || now >= window.start + kSpan) {
-    window.start = now;
-    window.lines = 0;
-  }
-  if (window.lines >= lines_max) return false;
-  ++window.lines;
+bool SourceLines::Take(Window& of_kind, const Origin& origin, SteadyTime now) {
+  Turn(all_, now);
+  // Three at most are looked up: none of them forgets another.
+  Window& robot = WindowOf({origin.source, NameOf(origin), kOfRobot}, now);
+  Window& source = WindowOf({origin.source, "", kOfSource}, now);
+  if (of_kind.lines >= kLinesPerKind) return false;
+  if (!Fits(source.lines, kLinesPerSource, robot.lines == 0)) return false;
+  if (!Fits(all_.lines, kLinesMax, source.lines == 0)) return false;
+  for (Window* window : {&of_kind, &robot, &source, &all_}) ++window->lines;
   return true;
 }
 
-SourceLines::Window& SourceLines::WindowOf(const Key& key) {
-  if (const auto found = by_key_.find(key); found != by_key_.end()) {
+void SourceLines::Turn(Window& window, SteadyTime now) {
+  if (window.lines > 0 && now < window.start + kSpan) return;
+  window.start = now;
+  window.lines = 0;
+}
+
+SourceLines::Window& SourceLines::WindowOf(const Key& key, SteadyTime now) {
+  auto found = by_key_.find(key);
+  if (found == by_key_.end()) {
+    if (entries_.size() >= kEntriesMax) {
+      by_key_.erase(entries_.back().key);
+      entries_.pop_back();
+    }
+    entries_.push_front({key, {}});
+    found = by_key_.emplace(key, entries_.begin()).first;
+  } else {
     entries_.splice(entries_.begin(), entries_, found->second);
-    return found->second->window;
   }
-  if (entries_.size() >= kSourcesMax) {
-    by_key_.erase(entries_.back().key);
-    entries_.pop_back();
-  }
-  entries_.push_front({key, {}});
-  by_key_.emplace(key, entries_.begin());
-  return entries_.front().window;
+  Window& window = found->second->window;
+  Turn(window, now);
+  return window;
 }
 
 }  // namespace uplink::front

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <list>
@@ -15,24 +16,29 @@
 
 namespace uplink::front {
 
-/// Lines about what peers do, so many per source, robot and kind, and so many in all: a noisy peer
-/// hides nobody else.
+/// Lines about what peers do, so many per kind, per source and in all. Of the lines of all a part
+/// is kept for sources that have had none yet, and of a source's for its robots that have had none:
+/// a noisy peer hides nobody else, whatever it does and behind whichever address.
 ///
-/// Limits: kLinesPerSource and kLinesMax in any kSpan; kSourcesMax of them are told apart, past
-///         which the one that was written about least recently is forgotten.
+/// Limits: kLinesPerKind (of a source's robot), kLinesPerSource and kLinesMax in any kSpan;
+///         kEntriesMax of these are told apart, past which the one that was written about least
+///         recently is forgotten.
 /// Thread: thread-safe; no lock is held while a line is written.
 class SourceLines final {
  public:
-  static constexpr std::uint32_t kLinesPerSource = 2;
+  static constexpr std::uint32_t kLinesPerKind = 2;
+  static constexpr std::uint32_t kLinesPerSource = 12;
   static constexpr std::uint32_t kLinesMax = 50;
+  /// One in so many of a source's lines, and of all, is for those that have had one.
+  static constexpr std::uint32_t kRepeatsPart = 2;
   static constexpr std::chrono::seconds kSpan{10};
-  static constexpr std::size_t kSourcesMax = 1024;
+  static constexpr std::size_t kEntriesMax = 2048;
 
   /// Null: no lines.
   explicit SourceLines(const log::Logger* logger) : logger_(logger) {}
 
-  /// `kind` is a word of ours, which outlives this: lines of different kinds do not hide each
-  /// other.
+  /// `kind` is a word of ours, which outlives this and is not empty: lines of different kinds do
+  /// not hide each other.
   void Write(std::string_view event, std::string_view kind, const std::string& why,
              const Origin& origin, SteadyTime now);
 
@@ -43,16 +49,19 @@ class SourceLines final {
     std::uint32_t lines = 0;
     std::uint64_t suppressed = 0;
   };
-  /// Whom and what a line is about: a source, a robot or gateway behind it, a kind.
+  /// Whom and what a line is about: a source, a robot or gateway behind it, a kind; or a word for
+  /// all kinds.
   using Key = std::tuple<SourceAddress, std::string, std::string_view>;
   struct Entry {
     Key key;
     Window window;
   };
 
-  /// Whether one more line fits; begins a new span where the last is over.
-  [[nodiscard]] static bool Take(Window& window, std::uint32_t lines_max, SteadyTime now);
-  [[nodiscard]] Window& WindowOf(const Key& key);
+  /// Takes a line of every window that it counts in, if it fits into all.
+  [[nodiscard]] bool Take(Window& of_kind, const Origin& origin, SteadyTime now);
+  /// The window of this, in the span of `now`.
+  [[nodiscard]] Window& WindowOf(const Key& key, SteadyTime now);
+  static void Turn(Window& window, SteadyTime now);
 
   const log::Logger* const logger_;
   std::mutex mutex_;

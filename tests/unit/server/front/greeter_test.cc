@@ -193,7 +193,7 @@ TEST_F(GreeterTest, AWrongHeaderIsTurnedAwayInTheLoadBalancersName) {
   EXPECT_THAT(lines_[0], HasSubstr("why=proxy_header"));
   for (int i = 0; i < 20; ++i) Arrive(kLoadBalancer, "x");
   EXPECT_EQ(turned_away(), 21);
-  EXPECT_THAT(lines_, SizeIs(SourceLines::kLinesPerSource));
+  EXPECT_THAT(lines_, SizeIs(SourceLines::kLinesPerKind));
 }
 
 TEST_F(GreeterTest, WhoLeavesInTheMiddleOfAHeaderIsTurnedAway) {
