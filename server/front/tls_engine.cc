@@ -120,6 +120,7 @@ int TlsEngine::OnVerified(int good, X509_STORE_CTX* store) {
 }
 
 TlsEngine::Step TlsEngine::Handshake() {
+  begun_ = begun_ || !buffers_.in.empty();
   ERR_clear_error();
   const int result = SSL_do_handshake(ssl_);
   if (result != 1) {
@@ -173,8 +174,6 @@ void TlsEngine::NoteFailure() {
       failure_ = Failure::kOther;
   }
 }
-
-bool TlsEngine::begun() const { return SSL_get_state(ssl_) != TLS_ST_BEFORE; }
 
 TlsPeer TlsEngine::Peer() const {
   X509* certificate = SSL_get0_peer_certificate(ssl_);

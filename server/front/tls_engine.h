@@ -99,8 +99,8 @@ class TlsEngine final {
 
   /// Goes on with the handshake by what is in `in`.
   [[nodiscard]] Step Handshake();
-  /// The peer's first message was whole: answering it has cost us a signature.
-  [[nodiscard]] bool begun() const;
+  /// A byte of the peer's has come: who leaves now did more than look whether we answer.
+  [[nodiscard]] bool begun() const { return begun_; }
   /// Why it failed.
   [[nodiscard]] Failure failure() const { return failure_; }
   /// Who is there; after the handshake.
@@ -132,6 +132,7 @@ class TlsEngine final {
   Failure failure_ = Failure::kNone;
   /// What a trusted chain lacks: X509_V_ERR_..., and 0 for nothing.
   int flaw_ = 0;
+  bool begun_ = false;
   bool over_ = false;
   std::uint32_t late_messages_ = 0;
 };

@@ -113,6 +113,23 @@ TEST_F(HostileDoor, WhoLeavesInTheMiddleOfAHandshakeIsNamed) {
   EXPECT_TRUE(victim_.GoesOn());
 }
 
+TEST_F(HostileDoor, WhoLeavesBeforeItsFirstMessageIsWholeIsNamed) {
+  constexpr std::int64_t kEach = 20;
+  const auto errors = [&] { return TurnedAwayFor(*world_, TurnedAway::kHandshakeError); };
+  const std::string hello = TlsClientHello();
+  // A part of a record's header, a header alone, and all but a byte.
+  for (const std::size_t size : {std::size_t{1}, std::size_t{5}, hello.size() - 1}) {
+    const std::int64_t before = errors();
+    { const TcpCrowd crowd = Gather(kEach, {"127.0.0.66"}, hello.substr(0, size)); }
+    EXPECT_TRUE(Eventually([&] { return errors() == before + kEach; })) << size << ' ' << errors();
+  }
+  const std::int64_t before = errors();
+  { const TcpCrowd crowd = Gather(kEach, {"127.0.0.66"}, ""); }
+  ExpectStrangerGetsIn(20);
+  EXPECT_TRUE(Eventually([&] { return world_->relay_probe.handshakes_under_way.value() == 0; }));
+  EXPECT_EQ(errors(), before) << "who says nothing looks whether we answer";
+}
+
 TEST_F(HostileDoor, HandshakesWithoutACertificateCostNobodyHisPlace) {
   for (std::size_t i = 0; i < kHandshakes; ++i) {
     const RawHttp2 stranger(ClientOf(*world_, {}, "127.0.0.66"));
