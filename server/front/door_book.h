@@ -7,6 +7,7 @@
 
 #include <absl/status/status.h>
 
+#include "server/front/evictions.h"
 #include "server/front/key_table.h"
 #include "server/front/known_sources.h"
 #include "server/front/lingers.h"
@@ -58,6 +59,7 @@ class DoorBook final {
   void SetPressed(std::size_t waiting) { pressed_.store(waiting > 0, std::memory_order_relaxed); }
 
   [[nodiscard]] KeyTable& keys() { return keys_; }
+  [[nodiscard]] Evictions& evictions() { return evictions_; }
   [[nodiscard]] KnownSources& known() { return known_; }
   [[nodiscard]] Lingers& lingers() { return lingers_; }
 
@@ -66,6 +68,7 @@ class DoorBook final {
   transport::RelayProbe& probe_;
   SourceLines lines_;
   KeyTable keys_;
+  Evictions evictions_;
   KnownSources known_;
   Lingers lingers_;
   std::atomic<std::size_t> connections_{0};

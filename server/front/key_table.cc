@@ -18,8 +18,6 @@ std::optional<std::uint64_t> KeyTable::Add(const KeyDigest& digest, std::uint64_
   connections_.emplace(connection, std::prev(key.connections.end()));
   if (key.connections.size() <= per_key_max) return std::nullopt;
 
-  if (key.evictions.size() == kEvictionsFlagged) key.evictions.erase(key.evictions.begin());
-  key.evictions.push_back(now);
   const Connections::iterator evicted = ToEvict(key.connections);
   const std::uint64_t evicted_id = evicted->id;
   connections_.erase(evicted_id);
@@ -54,16 +52,6 @@ void KeyTable::Remove(std::uint64_t connection) {
 bool KeyTable::Has(std::uint64_t connection) const {
   const std::lock_guard lock(mutex_);
   return connections_.contains(connection);
-}
-
-std::size_t KeyTable::evicted_lately(const KeyDigest& digest, SteadyTime now) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = keys_.find(digest);
-  if (found == keys_.end()) return 0;
-  const auto& evictions = found->second.evictions;
-  return static_cast<std::size_t>(
-      std::count_if(evictions.begin(), evictions.end(),
-                    [now](SteadyTime at) { return now - at < kEvictionsWithin; }));
 }
 
 std::size_t KeyTable::connections() const {

@@ -1,14 +1,12 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <list>
 #include <mutex>
 #include <optional>
 #include <unordered_map>
-#include <vector>
 
 #include "schema/base/clock.h"
 
@@ -16,11 +14,6 @@ namespace uplink::front {
 
 /// SHA-256 of a certificate's SubjectPublicKeyInfo.
 using KeyDigest = std::array<std::uint8_t, 32>;
-
-/// A key with so many evictions within kEvictionsWithin is flagged: more of its robots, or of its
-/// copies, connect than it may have connections. More are not counted.
-inline constexpr std::size_t kEvictionsFlagged = 10;
-inline constexpr std::chrono::seconds kEvictionsWithin{60};
 
 /// The open, proven connections of each public key.
 ///
@@ -43,9 +36,6 @@ class KeyTable final {
   /// Whether it is in here: neither removed nor evicted.
   [[nodiscard]] bool Has(std::uint64_t connection) const;
 
-  /// Evictions of the key within kEvictionsWithin before `now`, up to kEvictionsFlagged; 0 if it
-  /// has no connection: it is forgotten with its last one.
-  [[nodiscard]] std::size_t evicted_lately(const KeyDigest& digest, SteadyTime now) const;
   [[nodiscard]] std::size_t connections() const;
   /// That have a connection.
   [[nodiscard]] std::size_t keys() const;
@@ -65,8 +55,6 @@ class KeyTable final {
   struct Key {
     /// From the oldest to the newest.
     Connections connections;
-    /// When the latest ones were, from the oldest to the newest; up to kEvictionsFlagged.
-    std::vector<SteadyTime> evictions;
   };
 
   /// The one to be closed so that the newcomer may stay; the key has two connections at least.

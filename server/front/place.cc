@@ -23,7 +23,7 @@ std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& ori
   noted_at_ = now;
   const auto evicted = keys.Add(
       peer.key, connection_, peer.IsGateway() ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
-  if (!evicted || keys.evicted_lately(peer.key, now) < kEvictionsFlagged) return evicted;
+  if (!evicted || book_.evictions().Note(peer.key, now) < kEvictionsFlagged) return evicted;
   book_.Tell("connections_contested", "contested",
              "one certificate opens connections again and again", origin, now);
   return evicted;

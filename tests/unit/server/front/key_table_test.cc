@@ -27,15 +27,6 @@ void AddStreaming(KeyTable& table, std::uint64_t count) {
   }
 }
 
-/// A key that had so many evictions, one second apart from kNow on; one connection is left.
-void Evict(KeyTable& table, int count) {
-  ASSERT_EQ(table.Add(Digest(1), 0, 1, kNow), std::nullopt);
-  for (int i = 0; i < count; ++i) {
-    const auto id = static_cast<std::uint64_t>(i);
-    ASSERT_EQ(table.Add(Digest(1), id + 1, 1, kNow + i * kSecond), id);
-  }
-}
-
 TEST(KeyTable, KeepsAKeysConnectionsUpToItsMaximum) {
   KeyTable table;
   EXPECT_EQ(table.Add(Digest(1), 1, 2, kNow), std::nullopt);
@@ -139,38 +130,6 @@ TEST(KeyTable, HasWhatIsNeitherRemovedNorEvicted) {
   table.Remove(2);
   EXPECT_FALSE(table.Has(2));
   EXPECT_TRUE(table.Has(3));
-}
-
-TEST(KeyTable, CountsNoEvictionOfAKeyThatHadNone) {
-  KeyTable table;
-  AddStreaming(table, 2);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow), 0U);
-  EXPECT_EQ(table.evicted_lately(Digest(9), kNow), 0U);
-}
-
-TEST(KeyTable, CountsEvictionsWithinAMinute) {
-  KeyTable table;
-  Evict(table, 3);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * 3), 3U);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * 59), 3U);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * 60), 2U);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * 62), 0U);
-}
-
-TEST(KeyTable, CountsEvictionsUpToWhatIsFlagged) {
-  KeyTable table;
-  Evict(table, 25);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * 25), kEvictionsFlagged);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * (15 + 59)), kEvictionsFlagged)
-      << "the latest ten were from 15 s on";
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * (15 + 60)), kEvictionsFlagged - 1);
-}
-
-TEST(KeyTable, ForgetsEvictionsWithTheKey) {
-  KeyTable table;
-  Evict(table, 5);
-  table.Remove(5);
-  EXPECT_EQ(table.evicted_lately(Digest(1), kNow + kSecond * 5), 0U);
 }
 
 constexpr std::uint64_t kThreads = 4;
