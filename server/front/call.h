@@ -75,6 +75,8 @@ class Call final : public Http2Stream {
   /// Ends the call with a status of ours, whatever its handler wants.
   void Fail(const absl::Status& status);
   [[nodiscard]] bool finished() const { return closed_; }
+  /// How it ends was decided, and told.
+  [[nodiscard]] bool answered() const { return over_; }
   [[nodiscard]] bool has_handler() const { return handler_ != nullptr; }
   /// Its peer may not call it, and has been told why.
   [[nodiscard]] bool unwelcome() const { return unwelcome_; }

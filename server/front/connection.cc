@@ -59,7 +59,7 @@ void Connection::Handshake() {
 void Connection::BeginHttp2() {
   const SteadyTime now = thread_.clock.Steady();
   peer_ = tls_->Peer();
-  origin_.NotePeer(peer_->ruri, peer_->IsGateway() ? peer_->identity->subject : "");
+  origin_.NotePeer(peer_->ruri, peer_->gateway, peer_->subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();
   const std::uint32_t streams_max = peer_->IsGateway() ? gateway_streams_max_ : kRobotStreamsMax;
@@ -87,7 +87,7 @@ void Connection::OnReceiveEnd() {
   thread_.clock.Advance();
   // A handshake for nothing, unless we sent it away.
   if (phase_ == Phase::kHandshake && tls_->begun()) FailHandshake(TurnedAway::kHandshakeError);
-  if (phase_ == Phase::kOpen && !turned_away_ && !ending_ && !lifetime_.served()) {
+  if (phase_ == Phase::kOpen && !turned_away_ && !ending_ && !lifetime_.served() && !answered_) {
     thread_.book.Note(TurnedAway::kNoStream, origin_, thread_.clock.Steady());
   }
   Close();
@@ -153,6 +153,7 @@ void Connection::SettleCalls() {
   const bool had_calls = calls_.size() > 0;
   calls_.Settle([this](const Call& call) {
     if (call.has_handler()) lifetime_.NoteServed();
+    answered_ = answered_ || call.answered();
     if (call.finished() && call.unwelcome()) ending_ = true;
   });
   if (had_calls && calls_.size() == 0) NoteCalls();

@@ -144,6 +144,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   /// No call is served here any more, and the connection ends with its last.
   bool ending_ = false;
   bool last_streams_told_ = false;
+  /// A call of it was answered: served, or refused, which has been counted as that.
+  bool answered_ = false;
   bool turned_away_ = false;
   FrameRates frames_;
   PingStrikes pings_;

@@ -84,6 +84,10 @@ void Connection::LookAtLifetime(SteadyTime now) {
       ending_ = true;
       return;
     case Lifetime::Due::kNoCall:
+      if (answered_) {
+        ending_ = true;
+        return;
+      }
       return TurnAway(TurnedAway::kNoStream, "no stream was opened");
     case Lifetime::Due::kLookAtExpiry:
       return lifetime_.SetExpiry(now, UntilExpiry());

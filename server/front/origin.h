@@ -18,6 +18,8 @@ struct Origin {
   std::string robot = {};
   /// The subject of a gateway's certificate, the same; then `robot` is whom a stream spoke for.
   std::string gateway = {};
+  /// The subject of one that names neither a robot nor a gateway, the same.
+  std::string subject = {};
   /// A load balancer came on its own account, to see whether we answer: unless it shows a
   /// certificate, what becomes of it is neither counted nor logged.
   bool health_check = false;
@@ -25,9 +27,11 @@ struct Origin {
   bool own = false;
 
   /// A trusted certificate was shown: whoever has one does more than look.
-  void NotePeer(const std::string& of_robot, const std::string& of_gateway) {
+  void NotePeer(const std::string& of_robot, const std::string& of_gateway,
+                const std::string& of_nobody) {
     robot = of_robot;
     gateway = of_gateway;
+    subject = of_nobody;
     health_check = false;
   }
 };

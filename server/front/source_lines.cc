@@ -11,7 +11,8 @@ constexpr std::string_view kOfSource = "*";
 
 /// Who did it, as far as is known; nothing of a stranger.
 const std::string& NameOf(const Origin& origin) {
-  return origin.gateway.empty() ? origin.robot : origin.gateway;
+  if (!origin.gateway.empty()) return origin.gateway;
+  return origin.robot.empty() ? origin.subject : origin.robot;
 }
 
 /// Whether there is room for a line, of one who has had one or not.
@@ -39,6 +40,7 @@ void SourceLines::Write(std::string_view event, std::string_view kind, const std
                   {"peer", origin.text},
                   {"robot", origin.robot},
                   {"gateway", origin.gateway},
+                  {"subject", origin.subject},
                   {"why", why},
                   {"suppressed", suppressed}});
 }

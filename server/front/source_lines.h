@@ -49,8 +49,7 @@ class SourceLines final {
     std::uint32_t lines = 0;
     std::uint64_t suppressed = 0;
   };
-  /// Whom and what a line is about: a source, a robot or gateway behind it, a kind; or a word for
-  /// all kinds.
+  /// Whom and what a line is about: a source, who is behind it, a kind; or a word for all kinds.
   using Key = std::tuple<SourceAddress, std::string, std::string_view>;
   struct Entry {
     Key key;

@@ -189,8 +189,13 @@ TlsPeer TlsEngine::Peer() const {
     peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
   }
   peer.identity = identity::PeerReader::IdentityOf(*certificate);
-  const bool one = peer.identity.ok() && peer.identity->role == identity::Role::kRobot;
-  if (one) peer.ruri = peer.identity->ruri();
+  if (peer.identity.ok() && peer.identity->role == identity::Role::kRobot) {
+    peer.ruri = peer.identity->ruri();
+  } else if (peer.IsGateway()) {
+    peer.gateway = peer.identity->subject;
+  } else {
+    peer.subject = identity::PeerReader::SubjectOf(*certificate);
+  }
   if (flaw_ != 0) peer.identity = SentenceOf(flaw_);
   ERR_clear_error();
   return peer;

@@ -50,6 +50,10 @@ struct TlsPeer {
   absl::StatusOr<identity::PeerIdentity> identity;
   /// The name that its certificate has, if it has one, though it may have expired.
   std::string ruri;
+  /// The subject of a gateway's, the same.
+  std::string gateway = {};
+  /// The subject of one that is neither a robot's nor a gateway's.
+  std::string subject = {};
   /// SHA-256 of its public key.
   std::array<std::uint8_t, 32> key{};
   /// When the first certificate of its chain expires.

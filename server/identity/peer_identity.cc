@@ -129,22 +129,6 @@ absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
   return ruris;
 }
 
-/// The subject as one line (RFC 2253), cut; empty if the library cannot print it.
-std::string SubjectOf(const X509& certificate) {
-  // Letters beyond ASCII as they are.
-  constexpr unsigned long kFlags =
-      XN_FLAG_RFC2253 & ~static_cast<unsigned long>(ASN1_STRFLGS_ESC_MSB);
-  const Bio bio(BIO_new(BIO_s_mem()));
-  if (bio == nullptr ||
-      X509_NAME_print_ex(bio.get(), X509_get_subject_name(&certificate), 0, kFlags) < 0) {
-    ERR_clear_error();
-    return {};
-  }
-  char* text = nullptr;
-  const long size = BIO_get_mem_data(bio.get(), &text);
-  return PrintableUtf8({text, static_cast<std::size_t>(size)}, kSubjectBytesMax);
-}
-
 absl::StatusOr<Role> RoleOf(const std::optional<std::string>& unit) {
   if (!unit) return Role::kRobot;
   for (const Role role :
@@ -260,6 +244,21 @@ absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(X509& certificate) {
   if (identity.role == Role::kGateway) identity.subject = SubjectOf(certificate);
   if (const absl::Status status = CheckRole(identity); !status.ok()) return status;
   return identity;
+}
+
+std::string PeerReader::SubjectOf(const X509& certificate) {
+  // Letters beyond ASCII as they are.
+  constexpr unsigned long kFlags =
+      XN_FLAG_RFC2253 & ~static_cast<unsigned long>(ASN1_STRFLGS_ESC_MSB);
+  const Bio bio(BIO_new(BIO_s_mem()));
+  if (bio == nullptr ||
+      X509_NAME_print_ex(bio.get(), X509_get_subject_name(&certificate), 0, kFlags) < 0) {
+    ERR_clear_error();
+    return {};
+  }
+  char* text = nullptr;
+  const long size = BIO_get_mem_data(bio.get(), &text);
+  return PrintableUtf8({text, static_cast<std::size_t>(size)}, kSubjectBytesMax);
 }
 
 }  // namespace uplink::identity

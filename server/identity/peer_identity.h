@@ -63,6 +63,9 @@ class PeerReader final {
   [[nodiscard]] absl::StatusOr<PeerIdentity> IdentityOf(std::string_view certificate_pem) const;
   /// The same of one that the TLS layer holds. Reading its extensions caches them in it.
   [[nodiscard]] static absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate);
+  /// The subject as one line (RFC 2253), at most kSubjectBytesMax; empty if the library cannot
+  /// print it.
+  [[nodiscard]] static std::string SubjectOf(const X509& certificate);
 
  private:
   struct Library;

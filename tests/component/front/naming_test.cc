@@ -66,6 +66,45 @@ TEST_F(Naming, WhoLeavesWithoutAStreamByItsRobot) {
   EXPECT_THAT(LinesOf("why=no_stream"), Contains(HasSubstr("robot=" + RuriOf(7))));
 }
 
+TEST_F(Naming, AGatewayByItsSubject) {
+  CertificateSpec spec;
+  spec.units = {"gateway"};
+  spec.common_names = {"gateway of hall 7"};
+  { const RawHttp2 passer_by(ClientOf(*world_, world_->authority.Issue(spec))); }
+  EXPECT_TRUE(Eventually([&] { return !LinesOf("why=no_stream").empty(); }));
+  EXPECT_THAT(LinesOf("why=no_stream"),
+              Contains(AllOf(HasSubstr("robot=\"\" "),
+                             HasSubstr("gateway=\"OU=gateway,CN=gateway of hall 7\""),
+                             HasSubstr("subject=\"\" "))));
+}
+
+TEST_F(Naming, WhoIsNeitherRobotNorGatewayByTheirSubject) {
+  CertificateSpec spec;
+  spec.units = {"viewer"};
+  spec.common_names = {"screen of hall 7"};
+  { const RawHttp2 passer_by(ClientOf(*world_, world_->authority.Issue(spec))); }
+  EXPECT_TRUE(Eventually([&] { return !LinesOf("why=no_stream").empty(); }));
+  EXPECT_THAT(LinesOf("why=no_stream"),
+              Contains(AllOf(HasSubstr("robot=\"\" gateway=\"\" "),
+                             HasSubstr("subject=\"CN=screen of hall 7"))));
+}
+
+TEST_F(Naming, ARobotByItsNameAlone) {
+  { const RawHttp2 passer_by(ClientOf(*world_, RobotKeys(*world_, 7))); }
+  EXPECT_TRUE(Eventually([&] { return !LinesOf("why=no_stream").empty(); }));
+  EXPECT_THAT(LinesOf("why=no_stream"), Contains(HasSubstr("subject=\"\" ")));
+}
+
+TEST_F(Naming, WhoWasRefusedAndLeavesForThatAlone) {
+  const auto refused = [&] { return world_->relay_probe.refused_request_total.value(); };
+  { Call(RobotKeys(*world_, 7), {{":path", "/uplink.v1.UplinkRelay/Other"}}); }
+  EXPECT_EQ(refused(), 1);
+  // Connections of one thread are looked at in order, so this one's end comes after.
+  EXPECT_TRUE(Eventually([&] { return world_->relay_probe.connections.value() == 0; }));
+  EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kNoStream), 0);
+  EXPECT_THAT(LinesOf("why=no_stream"), IsEmpty());
+}
+
 TEST_F(Naming, WhatIsNoCallOfTheRelay) {
   const auto refused = [&] { return world_->relay_probe.refused_request_total.value(); };
   const KeyPair keys = RobotKeys(*world_, 7);
