@@ -103,6 +103,7 @@ bool SetProtocol(SSL_CTX* context, config::TlsVersion minimum) {
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
                      TlsEngine::OnVerified);
   SSL_CTX_set_verify_depth(context, kChainDepthMax);
+  SSL_CTX_set_max_cert_list(context, kPeerChainBytesMax);
   return SSL_CTX_set_cipher_list(context, kSuitesOf12) == 1 &&
          SSL_CTX_set1_groups_list(context, kGroups) == 1;
 }

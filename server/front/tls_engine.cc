@@ -121,6 +121,11 @@ int TlsEngine::OnVerified(int good, X509_STORE_CTX* store) {
 
 TlsEngine::Step TlsEngine::Handshake() {
   begun_ = begun_ || !buffers_.in.empty();
+  hello_.Take(buffers_.in);
+  if (hello_.size() > kClientHelloBytesMax) {
+    failure_ = Failure::kOther;
+    return Step::kFailed;
+  }
   ERR_clear_error();
   const int result = SSL_do_handshake(ssl_);
   if (result != 1) {

@@ -14,6 +14,7 @@
 #include <openssl/types.h>
 
 #include "schema/base/clock.h"
+#include "server/front/hello_size.h"
 #include "server/front/tls_context.h"
 #include "server/identity/peer_identity.h"
 
@@ -21,6 +22,12 @@ namespace uplink::front {
 
 /// Bytes of the largest TLS record's content.
 inline constexpr std::size_t kRecordBytes = 16 * 1024;
+
+/// Bytes of a peer's first message: OpenSSL's buffer holds so many from the beginning, and agents
+/// say some hundred.
+inline constexpr std::size_t kClientHelloBytesMax = 16 * 1024;
+/// Bytes of the certificates that a peer shows.
+inline constexpr std::size_t kPeerChainBytesMax = 32 * 1024;
 
 /// What the connections of a thread encrypt and decrypt through, one after the other.
 struct TlsBuffers {
@@ -137,6 +144,7 @@ class TlsEngine final {
   /// What a trusted chain lacks: X509_V_ERR_..., and 0 for nothing.
   int flaw_ = 0;
   bool begun_ = false;
+  HelloSize hello_;
   bool over_ = false;
   std::uint32_t late_messages_ = 0;
 };

@@ -149,6 +149,35 @@ TEST(Tls, PlainBytesAreNoTls) {
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kNoTls) == 1; }));
 }
 
+TEST(Tls, AFirstMessageThatIsTooLargeIsNotWaitedFor) {
+  RelayWorld world(Native());
+  RawTcp client(world.server().port());
+  // A ClientHello of 16 KiB and a byte is announced; none of it comes.
+  static_cast<void>(client.SendSome(std::string("\x16\x03\x01\x40\x00\x01\x00\x40\x01", 9)));
+  EXPECT_TRUE(client.WaitForEnd(kPatience));
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kHandshakeError) == 1; }));
+}
+
+TEST(Tls, AFirstMessageUpToItsLimitIsWaitedFor) {
+  RelayWorld world(Native());
+  RawTcp client(world.server().port());
+  static_cast<void>(client.SendSome(std::string("\x16\x03\x01\x40\x00\x01\x00\x40\x00", 9)));
+  // A later handshake is over, and this one is still under way.
+  RawHttp2 other(ClientOf(world, RobotKeys(world, 1)));
+  EXPECT_TRUE(other.Begin());
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kHandshakeError), 0);
+  EXPECT_EQ(world.relay_probe.handshakes_under_way.value(), 1);
+}
+
+TEST(Tls, AChainThatIsTooLargeEndsTheHandshake) {
+  RelayWorld world(Native());
+  CertificateSpec spec = RobotSpec(RuriOf(1));
+  for (int i = 0; i < 1000; ++i) spec.dns_names.push_back(std::string(40, 'x') + ".example");
+  RawHttp2 client(ClientOf(world, world.authority.Issue(spec)));
+  EXPECT_TRUE(client.ReadUntilEnd());
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kHandshakeError) == 1; }));
+}
+
 /// Whatever it asks for, who shows this is told this sentence and no more; then the connection
 /// ends.
 void ExpectToldAlone(const CertificateSpec& spec, const std::string& sentence) {
