@@ -162,6 +162,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Memory of frames that have begun and are not whole (native transport)."},
     {kUnfinishedEnds, "uplinkd_unfinished_frame_ends_total", kCounter, "streams",
      "Streams that ended as the first to have begun, with that memory used up (native transport)."},
+    {kAcceptPauses, "uplinkd_accept_pauses_total", kCounter, "pauses",
+     "Times that the relay accepted nobody for 100 ms, for lack of descriptors or memory (native "
+     "transport)."},
     {kFinishTimeouts, "uplinkd_finish_timeouts_total", kCounter, "streams",
      "Streams that were cancelled because the peer did not take their end."},
     {kWakes, "uplinkd_relay_wakes_total", kCounter, "wakes",

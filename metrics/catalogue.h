@@ -89,6 +89,7 @@ enum class MetricId : std::uint8_t {
   kProxyHeadersWaiting,
   kUnfinishedBytes,
   kUnfinishedEnds,
+  kAcceptPauses,
   kFinishTimeouts,
   kWakes,
   kAckSeconds,

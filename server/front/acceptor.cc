@@ -88,9 +88,9 @@ Acceptor::Acceptor(int descriptor, std::uint16_t port)
 
 Acceptor::~Acceptor() { Stop(); }
 
-void Acceptor::Start(Hand hand, std::function<void()> tend) {
+void Acceptor::Start(Hand hand, Hooks hooks) {
   hand_ = std::move(hand);
-  tend_ = std::move(tend);
+  hooks_ = std::move(hooks);
   Wait();
   Tend();
   thread_ = std::jthread([this] {
@@ -113,7 +113,7 @@ void Acceptor::Tend() {
   second_.expires_after(std::chrono::seconds(1));
   second_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
-    tend_();
+    hooks_.tend();
     Tend();
   });
 }
@@ -148,7 +148,7 @@ bool Acceptor::AcceptOne() {
     case ENFILE:
     case ENOBUFS:
     case ENOMEM:
-      Pause();
+      Pause(std::error_code(errno, std::generic_category()));
       return false;
     case EAGAIN:
       Wait();
@@ -158,7 +158,8 @@ bool Acceptor::AcceptOne() {
   }
 }
 
-void Acceptor::Pause() {
+void Acceptor::Pause(std::error_code why) {
+  hooks_.paused(why);
   // Asio would ask again at once, and again.
   pause_.expires_after(kNoDescriptorsPause);
   pause_.async_wait([this](const boost::system::error_code& error) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include <absl/status/statusor.h>
@@ -42,8 +43,15 @@ class Acceptor final {
   Acceptor(const Acceptor&) = delete;
   Acceptor& operator=(const Acceptor&) = delete;
 
-  /// Has `tend` called every second, too.
-  void Start(Hand hand, std::function<void()> tend);
+  /// What the acceptor tells besides, on its thread.
+  struct Hooks {
+    /// A second has passed.
+    std::function<void()> tend;
+    /// Nobody is accepted for a moment, for this reason of the system's.
+    std::function<void(std::error_code why)> paused;
+  };
+
+  void Start(Hand hand, Hooks hooks);
   /// Runs `work` on its thread; never, once it has stopped. Any thread.
   void Post(std::function<void()> work);
   /// Closes the listener and ends the thread: connections that nobody accepted are refused.
@@ -60,12 +68,12 @@ class Acceptor final {
   void AcceptAll();
   /// False: accepts no more for now.
   bool AcceptOne();
-  void Pause();
+  void Pause(std::error_code why);
   void Tend();
 
   const std::uint16_t port_;
   Hand hand_;
-  std::function<void()> tend_;
+  Hooks hooks_;
   boost::asio::io_context context_{1};
   boost::asio::posix::stream_descriptor listener_;
   boost::asio::steady_timer pause_{context_};

@@ -1,6 +1,8 @@
 #include "server/front/server.h"
 
 #include <algorithm>
+#include <optional>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "server/front/relay_handler.h"
 #include "server/front/tls_context.h"
 #include "server/front/worker.h"
+#include "server/log/rate_limited.h"
 #include "server/transport/cores.h"
 #include "server/transport/gate.h"
 #include "server/transport/key_files.h"
@@ -22,6 +25,9 @@ namespace {
 
 /// Where the system does not say how many descriptors we may have: what it usually gives.
 constexpr std::size_t kDescriptorsDefault = 1024;
+
+/// Lines about pauses of the acceptor in a span of RateLimited.
+constexpr std::uint32_t kPauseLinesMax = 1;
 
 /// Descriptors that the process may have.
 std::size_t DescriptorsMax() {
@@ -59,7 +65,9 @@ struct FrontServer::Impl {
         book(limits.book, given.probe, given.logger),
         unfinished(
             UnfinishedLimitsFor(given_options.memory_bytes_max, given.limits.frame_bytes_max),
-            given.probe) {}
+            given.probe) {
+    if (given.logger != nullptr) pause_lines.emplace(*given.logger, kPauseLinesMax);
+  }
 
   absl::Status ServeFiles();
   absl::Status Serve(const transport::PemTexts& texts);
@@ -70,9 +78,12 @@ struct FrontServer::Impl {
   /// Nobody comes in any more; who waited is sent away.
   void CloseDoor();
   [[nodiscard]] Worker& LeastLoaded();
+  /// Nobody is accepted for a moment: that is counted, and said once in a while.
+  void NotePause(std::error_code why);
 
   const transport::RelayOptions options;
   const transport::RelayContext context;
+  std::optional<log::RateLimited> pause_lines;
   const Methods methods;
   /// None with texts in place of files.
   std::unique_ptr<transport::KeyFiles> files;
@@ -179,10 +190,17 @@ void FrontServer::Impl::OpenDoor() {
                                                                     context.clock.Steady());
                                                      }});
   acceptor->Start([this](Accepted accepted) { greeter->Arrive(std::move(accepted)); },
-                  [this] {
-                    greeter->Tend();
-                    door->Tend(context.clock.Steady());
-                  });
+                  {.tend =
+                       [this] {
+                         greeter->Tend();
+                         door->Tend(context.clock.Steady());
+                       },
+                   .paused = [this](std::error_code why) { NotePause(why); }});
+}
+
+void FrontServer::Impl::NotePause(std::error_code why) {
+  context.probe.accept_pauses_total.Add();
+  if (pause_lines) pause_lines->Write(log::Level::kWarn, "accept_paused", {{"why", why.message()}});
 }
 
 void FrontServer::Impl::CloseDoor() {

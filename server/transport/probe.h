@@ -40,6 +40,9 @@ struct RelayProbe {
   /// of the native transport.
   metrics::Cell unfinished_bytes;
   metrics::Cell unfinished_ends_total;
+  /// Times that nobody was accepted for a moment, since the system had no descriptor or no memory;
+  /// of the native transport.
+  metrics::Cell accept_pauses_total;
   /// Calls that were cancelled because the peer did not take their end.
   metrics::Cell finish_timeouts_total;
   /// Wakes that a queue's thread answered; one may stand for many.

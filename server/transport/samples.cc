@@ -29,6 +29,7 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
   page.Add(kProxyHeadersWaiting, probe.proxy_headers_waiting);
   page.Add(kUnfinishedBytes, probe.unfinished_bytes);
   page.Add(kUnfinishedEnds, probe.unfinished_ends_total);
+  page.Add(kAcceptPauses, probe.accept_pauses_total);
   page.Add(kFinishTimeouts, probe.finish_timeouts_total);
   page.Add(kWakes, probe.wakes_total);
 }
