@@ -1,5 +1,6 @@
 #include "tools/uplink-fleet/compare/compare_live.h"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -65,14 +66,24 @@ const Struct& FieldOf(const v1::Robot& robot, std::string_view name) {
   return static_cast<const Struct&>(v1::Robot::GetReflection()->GetMessage(robot, field));
 }
 
+bool IsThere(const v1::Robot& robot) {
+  return robot.presence() == v1::PRESENCE_ONLINE && robot.connected();
+}
+
 }  // namespace
+
+bool AllThere(const std::map<std::string, v1::Robot>& live, std::size_t robots) {
+  const auto there =
+      std::ranges::count_if(live, [](const auto& entry) { return IsThere(entry.second); });
+  return static_cast<std::size_t>(there) >= robots;
+}
 
 void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& findings) {
   findings.Expect(Thing::kOnline);
   if (live == nullptr) {
     return findings.Differ(Thing::kOnline, robot.ruri, "a robot", "not listed");
   }
-  if (live->presence() == v1::PRESENCE_ONLINE && live->connected()) {
+  if (IsThere(*live)) {
     findings.Find(Thing::kOnline);
   } else {
     findings.Differ(Thing::kOnline, robot.ruri, "online and connected",

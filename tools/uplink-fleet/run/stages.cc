@@ -4,6 +4,9 @@
 #include <cstddef>
 #include <utility>
 
+#include <absl/status/statusor.h>
+
+#include "tools/uplink-fleet/compare/compare_live.h"
 #include "tools/uplink-fleet/run/ask_again.h"
 
 namespace uplink::synthetic {
@@ -11,6 +14,9 @@ namespace {
 
 /// Without any Welcome for that long at the start, nothing can be run.
 constexpr milliseconds kFirstWelcomeDeadline{15'000};
+
+/// For a robot whose connection ends for its age at the very moment: it comes back after a pause.
+constexpr milliseconds kBackDeadline{10'000};
 
 /// Waits until as many robots as there are have been counted, `times` over.
 bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& robots,
@@ -23,6 +29,19 @@ bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& robots,
     if (run.signals.Wait(kLook)) return false;
   }
   return true;
+}
+
+/// The robots as the server shows them once all of the run are there, or at the deadline.
+absl::StatusOr<std::map<std::string, v1::Robot>> LookAtRobots(const RunContext& run) {
+  const RunOptions& options = run.options;
+  const SteadyTime start = run.clock.Steady();
+  while (true) {
+    auto live = AskAgain(run, [&] { return run.view.Robots(options.swarm.fleet); });
+    if (!live.ok() || AllThere(*live, options.swarm.scenario.robots) ||
+        run.clock.Steady() - start > kBackDeadline || run.signals.Wait(kLook)) {
+      return live;
+    }
+  }
 }
 
 }  // namespace
@@ -57,7 +76,7 @@ LastLook Settle(const RunContext& run) {
     const auto began = AskAgain(run, [&run] { return run.view.Status(); });
     run.shared.last_round.store(round);
     if (!WaitForAll(run, run.shared.last_robots, round)) return look;
-    auto live = AskAgain(run, [&run] { return run.view.Robots(run.options.swarm.fleet); });
+    auto live = LookAtRobots(run);
     const auto ended = AskAgain(run, [&run] { return run.view.Status(); });
     if (!began.ok() || !live.ok() || !ended.ok()) continue;
     look = {.live = std::move(*live), .at_ms = ended->now_ms()};

@@ -38,6 +38,22 @@ std::vector<Thing> Differing(const RobotOutcome& robot, const StoredRobot& store
   return things;
 }
 
+TEST(Compare, ARobotThatIsAwayForAMomentIsNotThereYet) {
+  v1::Robot here;
+  here.set_presence(v1::PRESENCE_ONLINE);
+  here.set_connected(true);
+  v1::Robot between_connections = here;
+  between_connections.set_connected(false);
+  v1::Robot not_heard = here;
+  not_heard.set_presence(v1::PRESENCE_UNKNOWN);
+  EXPECT_TRUE(AllThere({{"a", here}, {"b", here}}, 2));
+  EXPECT_FALSE(AllThere({{"a", here}, {"b", between_connections}}, 2));
+  EXPECT_FALSE(AllThere({{"a", here}, {"b", not_heard}}, 2));
+  EXPECT_FALSE(AllThere({{"a", here}}, 2));
+  // One that an earlier run left behind.
+  EXPECT_TRUE(AllThere({{"a", here}, {"b", here}, {"c", not_heard}}, 2));
+}
+
 TEST(Compare, ARightServerAgrees) {
   const Mirror& mirror = TheMirror();
   EXPECT_THAT(Differing(mirror.robot, mirror.stored, &mirror.live), IsEmpty());
