@@ -220,7 +220,7 @@ class App::Impl {
     };
     work.look_at_certificate = [this] {
       const transport::FilesLook look = relay_->RefreshFiles();
-      certificate_watch_.OnLook(look.expiry, look.status);
+      certificate_watch_.OnLook(look.served, look.status);
     };
     work.look_at_store = [this] { store_watch_.Look(); };
     work.read_robots = [this] { seed_rounds_.ReadOn(ground_.OnReads()); };

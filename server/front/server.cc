@@ -223,7 +223,7 @@ bool FrontServer::draining() const { return impl_->gate.closed(); }
 transport::FilesLook FrontServer::RefreshFiles() {
   if (impl_->files == nullptr) return {};
   absl::Status status = impl_->ServeFiles();
-  return {std::move(status), impl_->files->expiry()};
+  return {std::move(status), impl_->files->served()};
 }
 
 void FrontServer::Drain(milliseconds grace) {

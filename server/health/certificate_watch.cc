@@ -1,15 +1,59 @@
 #include "server/health/certificate_watch.h"
 
-#include <string>
+#include <chrono>
+#include <utility>
+
+#include <fmt/chrono.h>
+
+#include "server/health/readiness.h"
 
 namespace uplink::health {
+namespace {
 
-void CertificateWatch::OnLook(SystemTime expiry, const absl::Status& fit) {
-  if (!monitor_.NoteCertificate(expiry, fit.ok())) return;
+std::string TimeText(SystemTime time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+}
+
+}  // namespace
+
+void CertificateWatch::OnLook(const identity::ServedPems& served, const absl::Status& fit) {
+  TellFit(served.expiry, fit);
+  if (fit.ok()) TellServed(served);
+  TellExpiry(served.expiry);
+}
+
+void CertificateWatch::TellFit(SystemTime expiry, const absl::Status& fit) {
+  const bool changed = monitor_.NoteCertificate(expiry, fit.ok());
+  // Whoever mends one file may find that the next one does not fit either.
+  const std::string before = std::exchange(why_, std::string(fit.message()));
+  if (!changed && before == why_) return;
   if (fit.ok()) {
     logger_.Info("certificate_fits_again", {});
   } else {
-    logger_.Error("certificate_mismatch", {{"why", std::string(fit.message())}});
+    logger_.Error("certificate_mismatch", {{"why", why_}});
+  }
+}
+
+void CertificateWatch::TellServed(const identity::ServedPems& served) {
+  if (served == served_) return;
+  served_ = served;
+  logger_.Info("certificates_served", {{"expires", TimeText(served.expiry)},
+                                       {"authorities", served.authorities},
+                                       {"certificate_sha256", served.certificate_sha256},
+                                       {"client_ca_sha256", served.client_ca_sha256}});
+}
+
+void CertificateWatch::TellExpiry(SystemTime expiry) {
+  const SystemTime now = logger_.clock().System();
+  const Expiry found = expiry <= now                        ? Expiry::kOver
+                       : expiry <= now + kCertificateNotice ? Expiry::kNear
+                                                            : Expiry::kFar;
+  if (std::exchange(told_, found) == found) return;
+  if (found == Expiry::kNear) {
+    logger_.Warn("certificate_expiring", {{"expires", TimeText(expiry)}});
+  } else if (found == Expiry::kOver) {
+    logger_.Error("certificate_expired", {{"expires", TimeText(expiry)}});
   }
 }
 

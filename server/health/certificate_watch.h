@@ -1,28 +1,42 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
 #include "server/health/monitor.h"
+#include "server/identity/served_pems.h"
 #include "server/log/logger.h"
 
 namespace uplink::health {
 
-/// Tells readiness and the log of the relay's certificate files, each change once. Confined to one
-/// thread.
+/// Tells readiness and the log of the relay's certificate files: what is served, why other files
+/// are not, and that the certificate expires; each change once. Confined to one thread.
 class CertificateWatch final {
  public:
-  /// Both outlive it.
+  /// Both outlive it. The logger's clock says what has expired.
   CertificateWatch(Monitor& monitor, const log::Logger& logger)
       : monitor_(monitor), logger_(logger) {}
 
-  /// The files were looked at: `expiry` is that of the certificate that is served, `fit` says why
-  /// the files on disk are not.
-  void OnLook(SystemTime expiry, const absl::Status& fit);
+  /// The files were looked at: `served` is what handshakes are served with, `fit` says why the
+  /// files on disk are not.
+  void OnLook(const identity::ServedPems& served, const absl::Status& fit);
 
  private:
+  enum class Expiry : std::uint8_t { kFar, kNear, kOver };
+
+  void TellFit(SystemTime expiry, const absl::Status& fit);
+  void TellServed(const identity::ServedPems& served);
+  void TellExpiry(SystemTime expiry);
+
   Monitor& monitor_;
   const log::Logger& logger_;
+  identity::ServedPems served_;
+  /// Why the files did not fit at the last look.
+  std::string why_;
+  Expiry told_ = Expiry::kFar;
 };
 
 }  // namespace uplink::health

@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "schema/base/clock.h"
+#include "server/identity/served_pems.h"
 #include "server/transport/key_files.h"
 #include "server/transport/options.h"
 
@@ -34,8 +34,8 @@ class ServedFiles final {
   /// wrong, and the last good ones stay.
   [[nodiscard]] absl::Status Refresh();
 
-  /// Of the certificate that is served.
-  [[nodiscard]] SystemTime expiry() const { return files_.expiry(); }
+  /// What is served.
+  [[nodiscard]] const identity::ServedPems& served() const { return files_.served(); }
   /// Where gRPC reads.
   [[nodiscard]] const transport::PemFiles& paths() const { return paths_; }
 

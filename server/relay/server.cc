@@ -83,7 +83,7 @@ bool RelayServer::draining() const { return impl_->gate.closed(); }
 transport::FilesLook RelayServer::RefreshFiles() {
   if (impl_->files == nullptr) return {};
   absl::Status status = impl_->files->Refresh();
-  return {std::move(status), impl_->files->expiry()};
+  return {std::move(status), impl_->files->served()};
 }
 
 void RelayServer::Drain(milliseconds grace) {

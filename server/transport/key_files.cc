@@ -41,9 +41,9 @@ absl::StatusOr<bool> KeyFiles::Refresh() {
     return false;
   }
   if (absl::Status good = CheckNamed(*certificate, *key, *client_ca); !good.ok()) return good;
-  const auto expiry = identity::ExpiryOf(*certificate);
-  if (!expiry.ok()) return expiry.status();
-  expiry_ = *expiry;
+  auto served = identity::ServedPemsOf(*certificate, *client_ca);
+  if (!served.ok()) return served.status();
+  served_ = *std::move(served);
   texts_ = {std::move(certificate->text), std::move(key->text), std::move(client_ca->text)};
   return true;
 }

@@ -5,7 +5,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "schema/base/clock.h"
+#include "server/identity/served_pems.h"
 #include "server/transport/options.h"
 
 namespace uplink::transport {
@@ -33,13 +33,13 @@ class KeyFiles final {
 
   /// The last good ones; empty before the first.
   [[nodiscard]] const PemTexts& texts() const { return texts_; }
-  /// Of the certificate among them.
-  [[nodiscard]] SystemTime expiry() const { return expiry_; }
+  /// What they are, for the log; nothing before the first.
+  [[nodiscard]] const identity::ServedPems& served() const { return served_; }
 
  private:
   const PemFiles files_;
   PemTexts texts_;
-  SystemTime expiry_;
+  identity::ServedPems served_;
 };
 
 }  // namespace uplink::transport

@@ -6,6 +6,7 @@
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
+#include "server/identity/served_pems.h"
 
 namespace uplink::transport {
 
@@ -13,8 +14,8 @@ namespace uplink::transport {
 struct FilesLook {
   /// Not OK: why the files on disk are not served.
   absl::Status status;
-  /// Of the certificate that is served.
-  SystemTime expiry;
+  /// What is served.
+  identity::ServedPems served;
 };
 
 /// The listener for robots, whatever carries their frames: UplinkRelay over mutual TLS.
