@@ -9,12 +9,13 @@ namespace uplink::forward {
 std::vector<robot::StreamRef> FleetItems::Put(const ItemKey& key, Item item) {
   const std::lock_guard lock(mutex_);
   auto place = items_.find(key);
-  if (place == items_.end()) {
+  const Change change = place == items_.end() ? Change::kComes : Change::kChanges;
+  if (change == Change::kComes) {
     place = items_.emplace(std::make_shared<const ItemKey>(key), Item{}).first;
   }
   place->second.frame = std::move(item.frame);
   SetExpiryOf(place->first, place->second, item.expires_ms);
-  return FanOut(place->first, place->second.frame);
+  return FanOut(place->first, place->second.frame, change);
 }
 
 void FleetItems::SetExpiry(const ItemKey& key, std::int64_t expires_ms) {
@@ -37,7 +38,7 @@ std::vector<robot::StreamRef> FleetItems::Remove(const ItemKey& key, EncodedFram
   const KeyRef gone = place->first;
   SetExpiryOf(gone, place->second, 0);
   items_.erase(place);
-  return FanOut(gone, deletion);
+  return FanOut(gone, deletion, Change::kGoes);
 }
 
 std::vector<robot::StreamRef> FleetItems::SetWhole() {
@@ -66,19 +67,21 @@ std::vector<ItemKey> FleetItems::Expired(std::int64_t now_ms, std::size_t most) 
 
 // --- The fan-out ---
 
-std::vector<robot::StreamRef> FleetItems::FanOut(const KeyRef& key, const EncodedFrame& frame) {
+std::vector<robot::StreamRef> FleetItems::FanOut(const KeyRef& key, const EncodedFrame& frame,
+                                                 Change change) {
   std::vector<robot::StreamRef> wake;
   for (Receiver* receiver : receivers_) {
     if (receiver->ruri == key->ruri) continue;
     ++counts_.due;
-    Offer(*receiver, key, frame);
+    Offer(*receiver, key, frame, change);
     if (receiver->waiting.size() == 0 || std::exchange(receiver->woken, true)) continue;
     wake.push_back(receiver->stream);
   }
   return wake;
 }
 
-void FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame) {
+void FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame,
+                       Change change) {
   const bool passed = receiver.state == Receiver::State::kFollows ||
                       (receiver.state == Receiver::State::kWalks && receiver.walked != nullptr &&
                        !KeyOrder()(receiver.walked, key));
@@ -86,11 +89,15 @@ void FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame
     ++counts_.replaced;
     return;
   }
-  switch (receiver.waiting.Add(key, frame)) {
+  switch (receiver.waiting.Add(key, frame, change)) {
     case Waiting::Added::kNew:
       return;
     case Waiting::Added::kCoalesced:
       ++counts_.coalesced;
+      return;
+    case Waiting::Added::kCancelled:
+      // This one, and the one that waited.
+      counts_.coalesced += 2;
       return;
     case Waiting::Added::kFull:
       counts_.replaced += receiver.waiting.size() + 1;

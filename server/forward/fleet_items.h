@@ -113,8 +113,8 @@ class FleetItems final {
   };
 
   /// Puts a change before every receiver but its origin.
-  std::vector<robot::StreamRef> FanOut(const KeyRef& key, const EncodedFrame& frame);
-  void Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame);
+  std::vector<robot::StreamRef> FanOut(const KeyRef& key, const EncodedFrame& frame, Change change);
+  void Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame, Change change);
   void Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>& into);
   void SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires_ms);
 

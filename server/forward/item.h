@@ -39,6 +39,9 @@ struct KeyEqual {
   bool operator()(const KeyRef& a, const KeyRef& b) const { return a == b || *a == *b; }
 };
 
+/// What happens to an item.
+enum class Change : std::uint8_t { kComes, kChanges, kGoes };
+
 /// A shape or object as its fleet's robots get it. A value.
 struct Item {
   EncodedFrame frame;

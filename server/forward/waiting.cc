@@ -4,13 +4,20 @@
 
 namespace uplink::forward {
 
-Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame) {
+Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame, Change change) {
   if (const auto place = places_.find(key); place != places_.end()) {
-    place->second->frame = frame;
+    const auto entry = place->second;
+    if (change == Change::kGoes && !entry->told) {
+      places_.erase(place);
+      entries_.erase(entry);
+      return Added::kCancelled;
+    }
+    entry->frame = frame;
     return Added::kCoalesced;
   }
   if (entries_.size() >= kWaitingMax) return Added::kFull;
-  places_.emplace(key, entries_.insert(entries_.end(), {key, frame}));
+  const bool told = change != Change::kComes;
+  places_.emplace(key, entries_.insert(entries_.end(), {key, frame, told}));
   return Added::kNew;
 }
 

@@ -18,10 +18,12 @@ class Waiting final {
     kNew,
     /// It took the place of an earlier change of the item.
     kCoalesced,
+    /// The item came and went while it waited: the receiver is told of neither.
+    kCancelled,
     /// kWaitingMax items wait already: nothing was added.
     kFull,
   };
-  [[nodiscard]] Added Add(const KeyRef& key, const EncodedFrame& frame);
+  [[nodiscard]] Added Add(const KeyRef& key, const EncodedFrame& frame, Change change);
   /// The first; size() is not 0.
   [[nodiscard]] const EncodedFrame& first() const { return entries_.front().frame; }
   [[nodiscard]] EncodedFrame Take();
@@ -32,6 +34,8 @@ class Waiting final {
   struct Entry {
     KeyRef key;
     EncodedFrame frame;
+    /// The receiver was told of the item before these changes.
+    bool told = false;
   };
   std::list<Entry> entries_;
   std::unordered_map<KeyRef, std::list<Entry>::iterator, KeyHash, KeyEqual> places_;

@@ -140,6 +140,18 @@ TEST_F(FleetItemsTest, OfAnItemTheLatestWaits) {
   fleet_.Leave(*a);
 }
 
+TEST_F(FleetItemsTest, OfAnItemThatCameAndWentMeanwhileNothingIsTold) {
+  const auto a = Join("a");
+  static_cast<void>(TakeAll(*a));
+  Put(KeyOf("b", "1"), "comes");
+  Put(KeyOf("b", "1"), "changes");
+  Remove(KeyOf("b", "1"), "gone");
+  EXPECT_THAT(TakeAll(*a), IsEmpty());
+  EXPECT_EQ(fleet_.sum().counts.due, 3U);
+  EXPECT_EQ(fleet_.sum().counts.coalesced, 3U);
+  fleet_.Leave(*a);
+}
+
 TEST_F(FleetItemsTest, PastTheBoundANewSnapshotComes) {
   const auto a = Join("a");
   static_cast<void>(TakeAll(*a));
