@@ -1,6 +1,5 @@
 #include "server/app.h"
 
-#include <random>
 #include <utility>
 #include <vector>
 
@@ -10,9 +9,7 @@
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
-#include "server/forward/forwards.h"
-#include "server/forward/limits.h"
-#include "server/forward/rounds.h"
+#include "server/forward/forwarding.h"
 #include "server/groundwork.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
@@ -90,7 +87,7 @@ class App::Impl {
                   [this] { return lease_probe_.failing.value() != 0; },
                   [this] { return !seed_rounds_.done(); }, stores_.clock.get(),
                   [this] { return space_rounds_.view().state != store::SpaceState::kEnough; },
-                  [this] { return forward_probe_.failing.value() != 0 || forwards_.left_out(); }}),
+                  [this] { return forwarding_.incomplete(); }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle, lease_probe_.others_unseen}),
@@ -106,8 +103,7 @@ class App::Impl {
                                      stores_,
                                      space_rounds_,
                                      lease_probe_,
-                                     forwards_,
-                                     forward_probe_,
+                                     forwarding_,
                                      ground_.http_probe(),
                                      options_.config.http.connections_max,
                                      rcan_probe_,
@@ -156,7 +152,7 @@ class App::Impl {
             .process = options_.process,
             .random = options_.random,
             .limits = journal_limits_,
-            .spatial_committed = [this] { forward_rounds_.Wake(); },
+            .spatial_committed = [this] { forwarding_.Wake(); },
             .checkpoint_every = options_.config.store.checkpoint};
   }
 
@@ -193,14 +189,14 @@ class App::Impl {
         ListenBy(options_.config,
                  {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
                   session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits), allowances_,
-                  rejects_, *stores_.clock, &forwards_, &options_.logger, &refusals_});
+                  rejects_, *stores_.clock, &forwarding_.source(), &options_.logger, &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();
     monitor_.liveness().BeginListening();
     leases_.SetPort(relay_->port());
     leases_.Start();
-    forward_rounds_.Start();
+    forwarding_.Start();
     return absl::OkStatus();
   }
 
@@ -247,7 +243,7 @@ class App::Impl {
     };
     steps.stop_writers = [this] {
       leases_.Stop();
-      forward_rounds_.Stop();
+      forwarding_.Stop();
       forget_rounds_.Stop();
       writers_.Stop();
     };
@@ -275,14 +271,11 @@ class App::Impl {
   journal::JournalProbe journal_probe_;
   transport::RelayProbe relay_probe_;
   store::LeaseProbe lease_probe_;
-  forward::ForwardProbe forward_probe_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
   store::Stores stores_;
-  forward::Forwards forwards_{{forward::kSharedBytesMax, forward::kRobotBytesMax},
-                              std::mt19937_64(options_.random())};
-  forward::Rounds forward_rounds_{{options_.clock, options_.logger, *stores_.shared, forwards_,
-                                   forward_probe_, *stores_.clock}};
+  forward::Forwarding forwarding_{
+      {options_.clock, options_.logger, *stores_.shared, *stores_.clock, options_.random()}};
   store::RejectReads rejects_{*stores_.reader, ground_.OnReadsAhead()};
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();

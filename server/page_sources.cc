@@ -1,7 +1,6 @@
 #include "server/page_sources.h"
 
 #include "server/fleet/samples.h"
-#include "server/forward/samples.h"
 #include "server/health/process.h"
 #include "server/health/samples.h"
 #include "server/http/samples.h"
@@ -27,7 +26,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [parts](auto& page) { store::AddSamples(parts.space.view(), page); },
       [parts](auto& page) { store::AddSamples(*parts.stores.clock, page); },
       [parts](auto& page) { store::AddSamples(parts.leases, page); },
-      [parts](auto& page) { forward::AddSamples(parts.forwards, parts.forward_probe, page); },
+      [parts](auto& page) { parts.forwarding.AddSamples(page); },
       [parts](auto& page) { http::AddSamples(parts.http, parts.http_connections_max, page); },
       [parts](auto& page) { rcan::AddSamples(parts.rcan, parts.rcan_series_max, page); },
       [parts](auto& page) { health::AddSamples(parts.monitor, page); },

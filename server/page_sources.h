@@ -9,8 +9,7 @@
 #include "metrics/page.h"
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
-#include "server/forward/forwards.h"
-#include "server/forward/probe.h"
+#include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
 #include "server/journal/probe.h"
@@ -38,8 +37,7 @@ struct PageParts {
   const store::Stores& stores;
   const store::SpaceRounds& space;
   const store::LeaseProbe& leases;
-  const forward::Forwards& forwards;
-  const forward::ForwardProbe& forward_probe;
+  const forward::Forwarding& forwarding;
   const http::HttpProbe& http;
   std::size_t http_connections_max = 0;
   const rcan::RcanProbe& rcan;

@@ -1,10 +1,19 @@
-#include "server/forward/samples.h"
+#include "server/forward/forwarding.h"
+
+#include <random>
+
+#include "server/forward/limits.h"
 
 namespace uplink::forward {
 
-void AddSamples(const Forwards& forwards, const ForwardProbe& probe, metrics::Exposition& page) {
+Forwarding::Forwarding(const Context& context)
+    : forwards_({kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
+      rounds_(
+          {context.clock, context.logger, context.items, forwards_, probe_, context.clock_trust}) {}
+
+void Forwarding::AddSamples(metrics::Exposition& page) const {
   using enum metrics::MetricId;
-  const Forwards::Sum sum = forwards.sum();
+  const Forwards::Sum sum = forwards_.sum();
   const auto number = [](auto value) { return static_cast<std::int64_t>(value); };
   page.Add(kForwardsDue, number(sum.counts.due));
   page.Add(kForwardsSettled, number(sum.counts.written), {"written"});
@@ -17,12 +26,12 @@ void AddSamples(const Forwards& forwards, const ForwardProbe& probe, metrics::Ex
   page.Add(kForwardReceivers, number(sum.receivers));
   page.Add(kForwardItems, number(sum.items));
   page.Add(kForwardBytes, number(sum.bytes));
-  page.Add(kForwardBytesLimit, number(forwards.bytes_max()));
+  page.Add(kForwardBytesLimit, number(forwards_.bytes_max()));
   page.Add(kForwardLeftOut, number(sum.left_out));
-  page.Add(kForwardUnreadable, probe.unreadable);
-  page.Add(kForwardChanges, probe.changes);
-  page.Add(kForwardReadsOfAll, probe.reads_of_all);
-  page.Add(kForwardFailing, probe.failing);
+  page.Add(kForwardUnreadable, probe_.unreadable);
+  page.Add(kForwardChanges, probe_.changes);
+  page.Add(kForwardReadsOfAll, probe_.reads_of_all);
+  page.Add(kForwardFailing, probe_.failing);
 }
 
 }  // namespace uplink::forward

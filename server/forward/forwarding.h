@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+
+#include "metrics/exposition.h"
+#include "server/forward/forwards.h"
+#include "server/forward/probe.h"
+#include "server/forward/rounds.h"
+
+namespace uplink::forward {
+
+/// All of forwarding in one server: what its robots share, and the thread that follows the store.
+///
+/// Thread: Start and Stop by main; source() is for the listener; the rest from any.
+class Forwarding final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    const log::Logger& logger;
+    storage::SharedItems& items;
+    const storage::ClockTrust& clock_trust;
+    /// For the numbers of commands.
+    std::uint64_t seed = 0;
+  };
+  explicit Forwarding(const Context& context);
+
+  void Start() { rounds_.Start(); }
+  void Stop() { rounds_.Stop(); }
+  /// Something was committed that may be shared.
+  void Wake() { rounds_.Wake(); }
+  /// Where streams receive from.
+  [[nodiscard]] session::ForwardSource& source() { return forwards_; }
+  /// Changes cannot be read now, or not all that is shared has room.
+  [[nodiscard]] bool incomplete() const {
+    return probe_.failing.value() != 0 || forwards_.left_out();
+  }
+  /// What is shared and what became of its changes, for a page of metrics: due is the sum of
+  /// settled and waiting in each text.
+  void AddSamples(metrics::Exposition& page) const;
+
+ private:
+  ForwardProbe probe_;
+  Forwards forwards_;
+  Rounds rounds_;
+};
+
+}  // namespace uplink::forward
