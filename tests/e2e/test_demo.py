@@ -43,6 +43,8 @@ class Demo(EndToEnd):
         self.assertIn("verification: all agree", done.stdout)
         self.assertIn("/api/v1/robots", done.stdout)
         self.assertNotIn("MISMATCH", done.stdout)
+        self.assertIn("forwards due = the rest", done.stdout)
+        self.assertIn("the same of robots that joined late", done.stdout)
         self.assertEqual(self.left_running(), [])
 
     def test_through_gateways_it_adds_up(self):

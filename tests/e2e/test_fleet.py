@@ -41,6 +41,48 @@ class FleetRun(EndToEnd):
         self.assertEqual(report["run"]["resent"], 0)
         # Nothing was sent twice, so the server counts exactly what was sent.
         self.assertEqual(checks["messages with repeats"]["fleet"], checks["messages with repeats"]["server"])
+        # One of the ten declines what the others share.
+        self.assertEqual(checks["receivers that showed what they hold"]["server"], "9")
+        self.assertGreaterEqual(int(checks["forwarded items"]["server"]), 9 * 9)
+        self.assertEqual(checks["forward violations"]["server"], "0")
+        due, rest = checks["forwards due = the rest"]["server"].split(" = ")
+        self.assertEqual(due, rest)
+        self.assertGreater(int(due), 0)
+        self.assertGreater(int(checks["forwards written"]["fleet"]), 0)
+
+    def test_robots_that_join_late_have_what_the_others_share(self):
+        server = self.server().start()
+        fleet = self.fleet(server, "--robots", 10, "--late-share", 0.2, "--for", "8s")
+        server.wait_for_status(
+            lambda status: int(status["robotsByPresence"].get("online", 0)) >= 10, WAIT_SECONDS, "all have joined"
+        )
+        report = self.assert_agrees(fleet)
+        late = report["run"]["latencyMs"]["lateSnapshot"]
+        self.assertEqual(late["count"], 2)
+        self.assertLess(late["max"], 1000 * WAIT_SECONDS)
+
+    def test_a_fleet_that_declines_gets_nothing(self):
+        _, fleet = self.at_work("--robots", 5, "--declining-share", 1)
+        report = self.assert_agrees(fleet)
+        checks = {check["what"]: check for check in report["checks"]}
+        self.assertEqual(report["run"]["receivers"], 0)
+        self.assertEqual(checks["forwards due = the rest"]["server"], "0 = 0")
+
+    def test_an_end_that_is_not_forwarded_is_a_mismatch(self):
+        server, fleet = self.at_work("--robots", 3, "--declining-share", 0)
+        for robot in server.get("/api/v1/robots")["robots"]:
+            self.wait_for_rows(server, fleet, robot["ruri"])
+        with sqlite3.connect(self.folder / "uplinkd.db", timeout=WAIT_SECONDS) as store:
+            store.execute("DROP TRIGGER objects_removed")
+            damage = "DELETE FROM objects WHERE id LIKE '%-1-marker'"
+            self.assertGreater(store.execute(damage).rowcount, 0)
+        store.close()
+        code, report = fleet.finish()
+        self.assertEqual(code, 3)
+        found = [each for each in report["differences"] if each["what"] == "forwarded items"]
+        # The two others still hold it.
+        self.assertEqual(len(found), 2, report["differences"])
+        self.assertIn("-1-marker@", found[0]["found"])
 
     def test_breaks_batches_and_wrong_messages_add_up(self):
         server, fleet = self.at_work(
@@ -139,7 +181,7 @@ class FleetUse(EndToEnd):
         for flags in (
             ["--robots", "0"], ["--for", "soon"], ["--target", "nowhere"], ["--malformed-share", "2"],
             ["--report", "xml"], ["--no-such-flag"], ["--seed", "-1"], ["--ruri-prefix", "http://x"],
-            ["--scenario", "no-such-scenario"], ["--pace", "0"],
+            ["--scenario", "no-such-scenario"], ["--pace", "0"], ["--late-share", "2"], ["--declining-share", "x"],
             ["--robots", "3", "--gateways", "4"], ["--robots", "257", "--gateways", "1"],
         ):  # fmt: skip
             with self.subTest(flags):

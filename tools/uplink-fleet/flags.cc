@@ -12,6 +12,8 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr std::size_t kThreadsMax = 64;
+/// Of the time for which robots send: after it those join that come late.
+constexpr double kLateAfter = 0.75;
 
 CLI::Validator IsDuration() {
   return {[](std::string& text) {
@@ -77,6 +79,10 @@ class ScenarioFlags {
   explicit ScenarioFlags(CLI::App& app) {
     app.add_option("--scenario", name_, ScenarioHelp())->capture_default_str();
     robots_ = AddNumber(app, "--robots", given_.robots, kRobotsNumber, "How many");
+    declining_ = AddNumber(app, "--declining-share", given_.declining_share, kDecliningNumber,
+                           "Share of the robots that decline what others share");
+    late_ = AddNumber(app, "--late-share", given_.late_share, kLateNumber,
+                      "Share of the robots that join in the last quarter of the run");
     Phase& phase = given_.phases.front();
     rate_ = AddNumber(app, "--rate", phase.options.rate_hz, kRateNumber,
                       "Motion messages per second and robot");
@@ -99,6 +105,8 @@ class ScenarioFlags {
     absl::StatusOr<Scenario> scenario = LoadScenario(name_);
     if (!scenario.ok()) return scenario;
     if (robots_->count() > 0) scenario->robots = given_.robots;
+    if (declining_->count() > 0) scenario->declining_share = given_.declining_share;
+    if (late_->count() > 0) scenario->late_share = given_.late_share;
     const Phase& given = given_.phases.front();
     for (Phase& phase : scenario->phases) {
       ScenarioOptions& options = phase.options;
@@ -119,6 +127,8 @@ class ScenarioFlags {
   std::string name_ = "calm";
   Scenario given_;
   CLI::Option* robots_;
+  CLI::Option* declining_;
+  CLI::Option* late_;
   CLI::Option* rate_;
   CLI::Option* faults_;
   CLI::Option* pace_;
@@ -208,6 +218,7 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   flags.seed = std::stoull(seed);
   flags.run_for = config::ParseDuration(run_for).value_or(flags.run_for);
   flags.settle_for = config::ParseDuration(settle_for).value_or(flags.settle_for);
+  swarm.late_after = std::chrono::duration_cast<milliseconds>(flags.run_for * kLateAfter);
   flags.json = report == "json";
   return flags;
 }

@@ -26,8 +26,10 @@ void CompareRows(const RobotOutcome& robot, const StoredRobot& stored, const std
                                    stored.messages, findings);
   CompareActiveFaults(robot, stored, run, findings);
   CompareMissionRuns(robot, stored, findings);
-  ComparePresent(Thing::kShapes, robot, robot.account.shapes(), stored.shapes, stored, findings);
-  ComparePresent(Thing::kObjects, robot, robot.account.objects(), stored.objects, stored, findings);
+  ComparePresent(Thing::kShapes, robot, run, robot.account.shapes(), stored.shapes, stored,
+                 findings);
+  ComparePresent(Thing::kObjects, robot, run, robot.account.objects(), stored.objects, stored,
+                 findings);
   CompareQuarantine(robot, stored, findings);
   for (const v1::Gap& gap : stored.gaps) {
     if (gap.session_id() != robot.session_hex) continue;

@@ -55,6 +55,10 @@ ThingText TextOf(Thing thing) {
       return {"gaps", true};
     case Thing::kGoodRejected:
       return {"good messages rejected", false};
+    case Thing::kForwardedItems:
+      return {"forwarded items", false};
+    case Thing::kForwardViolations:
+      return {"forward violations", false};
   }
   return {"", false};
 }

@@ -36,8 +36,10 @@ enum class Thing : std::uint8_t {
   kToldBeforeAck,
   kGaps,
   kGoodRejected,
+  kForwardedItems,
+  kForwardViolations,
 };
-inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kGoodRejected) + 1;
+inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kForwardViolations) + 1;
 
 /// Differences that are kept in words.
 inline constexpr std::size_t kDifferencesMax = 200;

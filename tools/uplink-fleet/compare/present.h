@@ -15,10 +15,12 @@ namespace uplink::synthetic {
 /// Shapes or objects: those that the robot left present and that had not expired when they were
 /// read.
 template <typename Row>
-void ComparePresent(Thing thing, const RobotOutcome& robot, std::map<std::string, Row> expected,
-                    const std::vector<Row>& rows, const StoredRobot& stored, Findings& findings) {
+void ComparePresent(Thing thing, const RobotOutcome& robot, const std::string& run,
+                    std::map<std::string, Row> expected, const std::vector<Row>& rows,
+                    const StoredRobot& stored, Findings& findings) {
   for (const Row& row : rows) {
-    if (!row.id().starts_with(robot.mark + "-")) continue;
+    // Some ids are those of several robots; all begin with the run.
+    if (!row.id().starts_with(run + "-")) continue;
     findings.Find(thing);
     const auto known = expected.find(row.id());
     if (known == expected.end()) {

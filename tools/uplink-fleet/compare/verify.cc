@@ -98,6 +98,31 @@ void CheckThings(const Evidence& evidence, std::vector<CheckRow>& rows) {
   }
 }
 
+/// What was due to receivers is in one place of those where it can be.
+void CheckForwards(const Evidence& evidence, std::vector<CheckRow>& rows) {
+  const FleetTotals& fleet = evidence.fleet;
+  rows.push_back({"receivers that showed what they hold", Text(fleet.receivers),
+                  Text(evidence.receivers_read), "", evidence.receivers_read == fleet.receivers,
+                  ""});
+  if (!evidence.forwards_after) {
+    rows.push_back({"forwards due = the rest", "", "", "", false, "/metrics does not say"});
+    return;
+  }
+  const ForwardCounts& now = *evidence.forwards_after;
+  rows.push_back({"forwards due = the rest", "", fmt::format("{} = {}", now.due, now.sum()), "",
+                  now.due == now.sum(), ""});
+  // What was on its way when a stream broke was written and did not come.
+  const bool told = evidence.forwards_before && !Restarted(evidence) && !evidence.disturbed;
+  const std::uint64_t written =
+      told ? now.written - std::min(now.written, evidence.forwards_before->written) : now.written;
+  rows.push_back({"forwards written", Text(fleet.forwarded_changes), Text(written), "",
+                  !told || fleet.forwarded_changes <= written, ""});
+  rows.push_back({"forwards coalesced", "", Text(now.coalesced), "", true, ""});
+  rows.push_back({"forwards replaced by a snapshot", "", Text(now.snapshot), "", true, ""});
+  rows.push_back({"forwards dropped with their stream", "", Text(now.dropped), "", true, ""});
+  rows.push_back({"forwards waiting", "", Text(now.waiting), "", true, ""});
+}
+
 }  // namespace
 
 void FleetTotals::Add(const RobotOutcome& robot) {
@@ -113,6 +138,8 @@ void FleetTotals::Add(const RobotOutcome& robot) {
   }
   settled_robots += robot.all_settled ? 1 : 0;
   ended_ok += robot.ended_ok ? 1 : 0;
+  receivers += robot.receives ? 1 : 0;
+  forwarded_changes += robot.forwarded_changes;
 }
 
 bool AllOk(const std::vector<CheckRow>& rows) {
@@ -140,6 +167,7 @@ std::vector<CheckRow> Verify(const Evidence& evidence) {
   rows.push_back({"robots whose rows were read", robots, "", Text(evidence.robots_read),
                   evidence.robots_read == fleet.robots, ""});
   CheckThings(evidence, rows);
+  CheckForwards(evidence, rows);
   return rows;
 }
 

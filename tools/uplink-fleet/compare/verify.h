@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/uplink-fleet/compare/findings.h"
+#include "tools/uplink-fleet/compare/forward_counts.h"
 #include "tools/uplink-fleet/robot/account.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -35,6 +38,9 @@ struct FleetTotals {
   std::map<std::string, std::uint64_t> wrongs_by_reason;
   std::uint64_t settled_robots = 0;
   std::uint64_t ended_ok = 0;
+  /// Robots that take what others share, and the changes that came to them.
+  std::uint64_t receivers = 0;
+  std::uint64_t forwarded_changes = 0;
 
   void Add(const RobotOutcome& robot);
 };
@@ -47,6 +53,11 @@ struct Evidence {
   std::uint64_t robots_read = 0;
   v1::ServerStatus before;
   v1::ServerStatus after;
+  /// None: the page of metrics does not have them.
+  std::optional<ForwardCounts> forwards_before;
+  std::optional<ForwardCounts> forwards_after;
+  /// Receivers that showed what they hold.
+  std::uint64_t receivers_read = 0;
   std::uint64_t rules_broken = 0;
   std::string first_broken_rule;
   /// Streams were broken or refused on the way, so frames may have been lost and sent again.

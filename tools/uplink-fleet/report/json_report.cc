@@ -57,6 +57,9 @@ void PutCounts(Struct& run, const RunFigures& figures) {
   PutCount(run, "ackedDurable", figures.acked_durable);
   PutCount(run, "rejects", figures.rejects);
   PutCount(run, "notices", figures.notices);
+  PutCount(run, "receivers", figures.receivers);
+  PutCount(run, "forwardedChanges", figures.forwarded_changes);
+  PutCount(run, "forwardedSnapshots", figures.forwarded_snapshots);
   PutCount(run, "welcomes", figures.welcomes);
   PutCount(run, "breaks", figures.breaks);
   PutCount(run, "takeovers", figures.takeovers);
@@ -80,6 +83,8 @@ void PutRun(Struct& run, const RunFigures& figures) {
   PutLatency(latency, "durable", figures.latencies.durable);
   PutLatency(latency, "live", figures.latencies.live);
   PutLatency(latency, "liveGaveWay", figures.latencies.gave_way);
+  PutLatency(latency, "snapshot", figures.latencies.snapshot);
+  PutLatency(latency, "lateSnapshot", figures.latencies.late_snapshot);
   if (figures.server) PutUse(run, "server", *figures.server);
   PutUse(run, "fleet", figures.own);
   PutBool(run, "serverRestarted", figures.restarted);

@@ -28,6 +28,11 @@ struct RunFigures {
   /// Rejects that robots were told, by reason as JSON spells it.
   std::map<std::string, std::uint64_t> rejects_by_reason;
   std::uint64_t notices = 0;
+  /// Robots that take what others share; the changes of it that came to all of them, and the
+  /// snapshots.
+  std::uint64_t receivers = 0;
+  std::uint64_t forwarded_changes = 0;
+  std::uint64_t forwarded_snapshots = 0;
   std::uint64_t welcomes = 0;
   std::uint64_t breaks = 0;
   std::uint64_t takeovers = 0;

@@ -13,14 +13,15 @@ namespace {
 constexpr double kMicrosPerSecond = 1e6;
 constexpr double kBytesPerMiB = 1024.0 * 1024.0;
 
-std::string LatencyLine(const char* what, const Histogram& histogram) {
+std::string LatencyLine(const char* what, const Histogram& histogram,
+                        const char* each = "messages") {
   if (histogram.count() == 0) return {};
   std::string text = fmt::format("{}:", what);
   for (const auto& [label, share] : kQuantiles) {
     text += fmt::format(" {} {:.2f} ms,", label, MillisOf(histogram.Quantile(share)));
   }
-  return text + fmt::format(" max {:.2f} ms ({} messages)\n", MillisOf(histogram.max()),
-                            histogram.count());
+  return text + fmt::format(" max {:.2f} ms ({} {})\n", MillisOf(histogram.max()),
+                            histogram.count(), each);
 }
 
 std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& figures) {
@@ -44,6 +45,13 @@ std::string FiguresText(const RunFigures& figures) {
   text += LatencyLine("durable, due to acked", figures.latencies.durable);
   text += LatencyLine("live, due to acked", figures.latencies.live);
   text += LatencyLine("live that gave way unacked, due to given up", figures.latencies.gave_way);
+  if (figures.receivers > 0) {
+    text += fmt::format("forwards: {} changes and {} snapshots to {} robots\n",
+                        figures.forwarded_changes, figures.forwarded_snapshots, figures.receivers);
+  }
+  text += LatencyLine("snapshot, Welcome to its end", figures.latencies.snapshot, "streams");
+  text +=
+      LatencyLine("the same of robots that joined late", figures.latencies.late_snapshot, "robots");
   if (figures.server) text += UseLine("server", *figures.server, figures);
   text += UseLine("fleet", figures.own, figures);
   if (figures.skipped_ticks > 0) {

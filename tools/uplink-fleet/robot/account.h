@@ -158,6 +158,14 @@ struct RobotOutcome {
   /// Times that the robot itself was silent for longer than 3 s while it ran: the server may
   /// have called it offline then.
   std::uint64_t silences = 0;
+  /// It takes what others share.
+  bool receives = false;
+  /// Commands that came outside snapshots, and snapshots that were whole.
+  std::uint64_t forwarded_changes = 0;
+  std::uint64_t forwarded_snapshots = 0;
+  /// What the server may not forward, or not so; and the first of it in words.
+  std::uint64_t forward_violations = 0;
+  std::string first_forward_violation;
   bool all_settled = false;
   bool ended_ok = false;
 };

@@ -29,6 +29,11 @@ Agent::Agent(const Phase& phase, std::size_t index, const model::SessionId& sess
       flood_(phase.flood),
       mark_(MarkOf(phase.options.run, index)) {}
 
+void Agent::Receive(const std::string& ruri, ForwardReader& reader) {
+  table_.emplace(ruri, reader);
+  model_.Receive();
+}
+
 void Agent::Adopt(const Phase& phase) {
   script_.Adopt(phase.options);
   batch_ = phase.batch;
@@ -107,6 +112,7 @@ void Agent::Tick(SteadyTime now, SystemTime system_now) {
         reported_last_ = last_offered_;
         shared_.last_robots.fetch_add(1);
       }
+      ShowForwards();
       break;
     case Stage::kClose:
       break;
@@ -148,6 +154,12 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
   if (frame.has_reject()) shared_.CountReject(frame.reject().reason());
   if (frame.has_welcome()) shared_.welcomes.fetch_add(1, std::memory_order_relaxed);
   absl::Status status = model_.OnFrame(frame, now);
+  if (table_ && frame.has_welcome()) {
+    table_->BeginStream();
+    snapshot_since_ = now;
+  } else if (table_ && frame.has_forward() && model_.welcomed()) {
+    TakeForward(frame.forward(), now);
+  }
   for (Settled& settled : model_.TakeSettled()) {
     shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
     if (frame.has_ack()) latencies_.durable.Record(now - settled.due);
@@ -161,6 +173,20 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
     }
   }
   return status;
+}
+
+void Agent::TakeForward(const v1::Forward& forward, SteadyTime now) {
+  table_->Take(forward);
+  if (!snapshot_since_ || !table_->whole()) return;
+  const SteadyTime::duration took = now - *std::exchange(snapshot_since_, std::nullopt);
+  latencies_.snapshot.Record(took);
+  if (std::exchange(late_, false)) latencies_.late_snapshot.Record(took);
+}
+
+void Agent::ShowForwards() {
+  const std::size_t asked = shared_.forwards.asked();
+  if (!table_ || std::exchange(shown_, asked) == asked) return;
+  shared_.forwards.Show(asked, {table_->ruri(), table_->whole(), table_->Held()});
 }
 
 void Agent::NoteGaveWay(SteadyTime now) {
@@ -194,6 +220,13 @@ RobotOutcome Agent::TakeOutcome(const std::string& ruri) {
   outcome.notices = model_.notices();
   outcome.all_settled = model_.all_settled();
   outcome.ended_ok = ended_ok_;
+  if (table_) {
+    outcome.receives = true;
+    outcome.forwarded_changes = table_->changes();
+    outcome.forwarded_snapshots = table_->snapshots();
+    outcome.forward_violations = table_->violations();
+    outcome.first_forward_violation = table_->first_violation();
+  }
   return outcome;
 }
 

@@ -10,6 +10,7 @@
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/agent_model.h"
+#include "tools/uplink-fleet/robot/forward_table.h"
 #include "tools/uplink-fleet/robot/histogram.h"
 #include "tools/uplink-fleet/robot/script.h"
 #include "tools/uplink-fleet/robot/shared.h"
@@ -31,6 +32,11 @@ class Agent final {
 
   /// The robot's RURI (RobotScript::Name).
   void Name(std::string ruri) { script_.Name(std::move(ruri)); }
+  /// The robot takes what others share, as `reader` reads it, which outlives the agent and is of
+  /// the same thread; without it declines that.
+  void Receive(const std::string& ruri, ForwardReader& reader);
+  /// It joins a fleet that is at work.
+  void JoinLate() { late_ = true; }
   /// Goes on as this phase says.
   void Adopt(const Phase& phase);
   /// Lives `age` without a connection, up to `now`, tick by tick: live messages give way to newer
@@ -63,6 +69,8 @@ class Agent final {
   void NoteGaveWay(SteadyTime now);
   /// Room is left for what the script makes in one tick.
   [[nodiscard]] bool HasRoom() const;
+  void TakeForward(const v1::Forward& forward, SteadyTime now);
+  void ShowForwards();
 
   RobotScript script_;
   AgentModel model_;
@@ -84,6 +92,13 @@ class Agent final {
   Outgoing last_motion_;
   std::size_t reported_last_ = 0;
   bool ended_ok_ = false;
+  /// None: the robot declines what others share.
+  std::optional<ForwardTable> table_;
+  bool late_ = false;
+  /// When the stream was welcomed whose first snapshot is not whole.
+  std::optional<SteadyTime> snapshot_since_;
+  /// Which time of asking for the table was answered.
+  std::size_t shown_ = 0;
 };
 
 }  // namespace uplink::synthetic

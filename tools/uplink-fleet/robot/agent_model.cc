@@ -27,7 +27,7 @@ v1::Hello AgentModel::BeginStream(const std::string& agent_version) {
   hello.set_judged_seq(judged_seq_);
   hello.set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
   hello.set_agent_version(agent_version);
-  hello.set_declines_forwards(true);
+  hello.set_declines_forwards(declines_);
   return hello;
 }
 
@@ -52,7 +52,9 @@ absl::Status AgentModel::OnFrame(const v1::RelayResponse& frame, SteadyTime now)
       phase_ = Phase::kDraining;
       return absl::OkStatus();
     case v1::RelayResponse::kForward:
-      return Broken("no Forward comes to an agent that declines them");
+      // What it says is for who holds the table.
+      return declines_ ? Broken("no Forward comes to an agent that declines them")
+                       : absl::OkStatus();
     case v1::RelayResponse::kResendRequest:
       // What answers it is a message like any other, which the agent offers.
       return absl::OkStatus();

@@ -42,6 +42,8 @@ class AgentModel final {
  public:
   explicit AgentModel(const model::SessionId& session) : session_(session) {}
 
+  /// From the next stream on it takes what others share; it declines that before.
+  void Receive() { declines_ = false; }
   /// Takes a message for sending; false if too many durable ones wait.
   bool Offer(Outgoing message) { return send_queue_.Offer(std::move(message)); }
   /// What waits is due at `due`, whenever it was offered.
@@ -113,6 +115,7 @@ class AgentModel final {
                           std::size_t uplinks_max) const;
 
   model::SessionId session_;
+  bool declines_ = true;
   Phase phase_ = Phase::kClosed;
   v1::Limits limits_;
   model::Seq next_seq_ = 1;

@@ -84,11 +84,17 @@ struct Latencies {
   /// Live messages that no Ack will ever cover: how long each waited until a newer one took its
   /// place before it was sent, or the server said that it had come too often.
   Histogram gave_way;
+  /// From a stream's Welcome to the end of its first snapshot of what others share.
+  Histogram snapshot;
+  /// Of these, the first streams of robots that joined late.
+  Histogram late_snapshot;
 
   void Merge(const Latencies& other) {
     durable.Merge(other.durable);
     live.Merge(other.live);
     gave_way.Merge(other.gave_way);
+    snapshot.Merge(other.snapshot);
+    late_snapshot.Merge(other.late_snapshot);
   }
 };
 

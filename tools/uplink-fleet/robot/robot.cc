@@ -40,6 +40,7 @@ Robot::Robot(RobotOptions options, Agent agent, const Scenario& scenario, Steady
       shared_(shared),
       network_(options_.seed, start),
       backoff_(options_.seed ^ kBackoffSeed),
+      arrival_(options_.joins_at),
       timer_(loop.io),
       phase_(&scenario.phases.front()) {}
 
@@ -61,6 +62,10 @@ void Robot::OnTick() {
   const SteadyTime now = clock_.Steady();
   const bool abandon = shared_.abandon.load(std::memory_order_acquire);
   if (abandon || (state_ == State::kIdle && agent_.ended_ok())) return Done();
+  if (const auto look = arrival_.Awaited(now, shared_.stage.load(std::memory_order_relaxed))) {
+    next_tick_ = *look;
+    return ArmTick();
+  }
   LiveUpTo(now);
   leftovers_.DropOver(now);
   if (state_ == State::kIdle && now >= next_open_) {

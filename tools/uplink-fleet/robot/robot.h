@@ -9,6 +9,7 @@
 #include "schema/base/clock.h"
 #include "tools/link/grpc_connection.h"
 #include "tools/uplink-fleet/robot/agent.h"
+#include "tools/uplink-fleet/robot/arrival.h"
 #include "tools/uplink-fleet/robot/backoff.h"
 #include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/robot/leftovers.h"
@@ -28,6 +29,8 @@ struct RobotOptions {
   /// What the scenario does to its connection it does to the gateway's. Of the other robots of a
   /// gateway the streams alone suffer: its connection breaks as often as one robot's.
   bool leads = false;
+  /// Before it the robot is not there, unless the fleet stops running sooner.
+  SteadyTime joins_at{};
 };
 
 /// One robot's connection: a TLS connection and a stream of its own, or a stream of its gateway's
@@ -90,6 +93,7 @@ class Robot final : private link::StreamEvents {
   Shared& shared_;
   NetworkChance network_;
   Backoff backoff_;
+  Arrival arrival_;
   boost::asio::steady_timer timer_;
 
   const Phase* phase_;

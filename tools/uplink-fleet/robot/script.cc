@@ -77,6 +77,7 @@ RobotScript::RobotScript(const ScenarioOptions& options, std::size_t index, cons
       faults_(SourceFor(options, index, 5), mark, SourceOf(options.run), options.faults_hz),
       coverage_(SourceFor(options, index, 6), mark),
       objects_(SourceFor(options, index, 7), mark),
+      sharing_(SourceFor(options, index, 12), mark, options.run),
       settings_(SourceFor(options, index, 8)),
       equipment_(SourceFor(options, index, 9)),
       wrong_(SourceFor(options, index, 10), mark),
@@ -107,6 +108,7 @@ std::vector<Outgoing> RobotScript::Tick(std::int64_t now_ms, Account& account) {
   faults_.Advance(clock, facts_, out);
   coverage_.Advance(lived, facts_, missions_, route_, out);
   objects_.Advance(lived, facts_, out);
+  sharing_.Advance(lived, facts_, out);
   settings_.Advance(lived, out);
   equipment_.Advance(lived, facts_, route_, out);
   if (status_.Passed(tick_s_)) out.emplace_back(Status(clock));

@@ -17,6 +17,7 @@
 #include "tools/uplink-fleet/robot/behaviour/objects.h"
 #include "tools/uplink-fleet/robot/behaviour/route.h"
 #include "tools/uplink-fleet/robot/behaviour/settings.h"
+#include "tools/uplink-fleet/robot/behaviour/sharing.h"
 #include "tools/uplink-fleet/robot/wrong.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
 #include "uplink/v1/relay.pb.h"
@@ -67,6 +68,7 @@ class RobotScript final {
   Faults faults_;
   Coverage coverage_;
   Objects objects_;
+  Sharing sharing_;
   Settings settings_;
   Equipment equipment_;
   Wrong wrong_;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "schema/model/rejection.h"
+#include "tools/uplink-fleet/robot/forward_board.h"
 
 namespace uplink::synthetic {
 
@@ -64,6 +65,8 @@ struct Shared {
   /// Once for each round of kLast.
   std::atomic<std::size_t> last_robots{0};
   std::atomic<std::size_t> closed_robots{0};
+  /// In kLast: what receivers hold.
+  ForwardBoard forwards;
 
   void CountReject(int reason) {
     const auto index = reason > 0 ? static_cast<std::size_t>(reason) : rejects.size() - 1;

@@ -36,6 +36,7 @@ struct Driver {
   Latencies latencies;
   /// By their places among all; none without them.
   std::map<std::size_t, std::unique_ptr<Gateway>> gateways;
+  ForwardReader forwards;
   std::vector<std::unique_ptr<Robot>> robots;
   /// Their places in the fleet.
   std::vector<std::size_t> indices;
@@ -160,6 +161,8 @@ std::vector<Agent> Swarm::Inside::MakeAgents(Driver& driver) {
   for (const std::size_t i : driver.indices) {
     Agent& agent = agents.emplace_back(first, i, sessions[i], shared, driver.latencies);
     agent.Name(RuriOf(options, i));
+    if (!Declines(options.scenario, i)) agent.Receive(RuriOf(options, i), driver.forwards);
+    if (JoinsLate(options.scenario, i)) agent.JoinLate();
     if (shared.abandon.load()) continue;
     agent.LiveOffline(options.scenario.offline_before, first.tick(), clock.System());
   }
@@ -175,6 +178,7 @@ void Swarm::Inside::MakeRobots(Driver& driver, std::vector<Agent> agents) {
     robot.index = i;
     Connect(i, driver, robot);
     robot.seed = scenario.phases.front().options.seed * 1'000'003 + i;
+    robot.joins_at = JoinsLate(scenario, i) ? start + options.late_after : start;
     agents[at].Begin(start);
     driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agents[at]),
                                                     scenario, start, driver.loop, clock, shared));
@@ -211,6 +215,14 @@ std::vector<RobotOutcome> Swarm::Finish() {
 Latencies Swarm::TakeLatencies() {
   Latencies all;
   for (const auto& driver : inside_->drivers) all.Merge(driver->latencies);
+  return all;
+}
+
+std::set<std::string> Swarm::Origins() const {
+  std::set<std::string> all;
+  for (const auto& driver : inside_->drivers) {
+    all.insert(driver->forwards.origins().begin(), driver->forwards.origins().end());
+  }
   return all;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct SwarmOptions {
   /// Gateways through which the robots speak, in equal parts; 0: each by itself.
   std::size_t gateways = 0;
   Scenario scenario;
+  /// When those join that the scenario lets come late.
+  milliseconds late_after{0};
 };
 
 /// All robots of a run, with the threads that drive them. Their certificates are made in memory
@@ -46,6 +49,8 @@ class Swarm final {
   [[nodiscard]] std::vector<RobotOutcome> Finish();
   /// Of all robots; after Finish.
   [[nodiscard]] Latencies TakeLatencies();
+  /// The robots whose shapes and objects were forwarded to others; after Finish.
+  [[nodiscard]] std::set<std::string> Origins() const;
 
  private:
   struct Inside;

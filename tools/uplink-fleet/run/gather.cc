@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "tools/uplink-fleet/compare/compare_forwards.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
 #include "tools/uplink-fleet/compare/compare_presence.h"
 #include "tools/uplink-fleet/compare/compare_rows.h"
@@ -30,10 +31,26 @@ absl::Status GatherCounters(const RunContext& run, Evidence& evidence) {
   }
 }
 
+/// One reading of the counters of forwarding, and what receivers held.
+absl::Status GatherForwards(const RunContext& run, const RunOutcome& outcome, Evidence& evidence) {
+  const auto page = AskAgain(run, [&run] { return run.view.Metrics(); });
+  if (!page.ok()) return page.status();
+  evidence.forwards_after = ForwardCountsOf(*page);
+  const ForwardsLook& look = outcome.look.forwards;
+  evidence.receivers_read = look.tables.size();
+  CompareForwards(look.shared, look.tables, evidence.findings);
+  std::set<std::string> fleet;
+  for (const auto& [ruri, robot] : outcome.look.live) fleet.insert(ruri);
+  // Without a look nothing is known of whose robots they are.
+  if (!fleet.empty()) CompareOrigins(outcome.origins, fleet, evidence.findings);
+  return absl::OkStatus();
+}
+
 absl::Status GatherRobot(const RunContext& run, const RunOutcome& outcome,
                          const RobotOutcome& robot, Evidence& evidence) {
   evidence.fleet.Add(robot);
   const auto live = outcome.look.live.find(robot.ruri);
+  CompareViolations(robot, evidence.findings);
   CompareLive(robot, live == outcome.look.live.end() ? nullptr : &live->second, evidence.findings);
   const auto stored =
       AskAgain(run, [&] { return run.view.Stored(robot.ruri, evidence.before.now_ms()); });
@@ -49,6 +66,7 @@ absl::Status GatherRobot(const RunContext& run, const RunOutcome& outcome,
 
 absl::Status Gather(const RunContext& run, const RunOutcome& outcome, Evidence& evidence) {
   if (absl::Status status = GatherCounters(run, evidence); !status.ok()) return status;
+  if (absl::Status status = GatherForwards(run, outcome, evidence); !status.ok()) return status;
   for (const RobotOutcome& robot : outcome.robots) {
     // Thousands of robots take minutes to compare.
     if (run.signals.Came()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,13 @@ struct RunOutcome {
   /// Unique to the run.
   std::string id;
   std::vector<RobotOutcome> robots;
+  /// Robots whose shapes and objects others were told of.
+  std::set<std::string> origins;
   LastLook look;
 };
 
 /// Reads the server's counters and its rows, robot by robot, and compares them with the outcome;
-/// `evidence.before` is there already.
+/// what was read before the run is there already.
 ///
 /// Errors: ServerView's; kCancelled when a signal comes.
 [[nodiscard]] absl::Status Gather(const RunContext& run, const RunOutcome& outcome,

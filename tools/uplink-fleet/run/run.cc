@@ -51,10 +51,14 @@ int Run::Main() {
   const absl::StatusOr<v1::ServerStatus> before = view_.Status();
   if (!before.ok()) return CannotRun(before.status());
   evidence_.before = *before;
+  const absl::StatusOr<std::string> page = view_.Metrics();
+  if (!page.ok()) return CannotRun(page.status());
+  evidence_.forwards_before = ForwardCountsOf(*page);
   absl::StatusOr<std::unique_ptr<Swarm>> swarm = Swarm::Create(options_.swarm, clock_, shared_);
   if (!swarm.ok()) return CannotRun(swarm.status());
   const bool reached = Live(**swarm);
   outcome_.robots = (*swarm)->Finish();
+  outcome_.origins = (*swarm)->Origins();
   figures_.latencies = (*swarm)->TakeLatencies();
   if (!reached) {
     progress_.Clear();

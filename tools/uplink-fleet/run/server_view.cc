@@ -83,6 +83,21 @@ absl::StatusOr<std::map<std::string, v1::Robot>> ServerView::Robots(const std::s
   return robots;
 }
 
+absl::StatusOr<SharedItems> ServerView::Shared(const std::string& fleet) {
+  std::vector<v1::Shape> shapes;
+  std::vector<v1::TrackedObject> objects;
+  const std::string name = PercentEncoded(fleet);
+  absl::Status status = FetchPages<v1::ListShapesResponse>(
+      http_, "/api/v1/shapes?fleet=" + name, [](auto& page) { return page.mutable_shapes(); },
+      [&shapes](v1::Shape&& row) { shapes.push_back(std::move(row)); });
+  if (!status.ok()) return status;
+  status = FetchPages<v1::ListObjectsResponse>(
+      http_, "/api/v1/objects?fleet=" + name, [](auto& page) { return page.mutable_objects(); },
+      [&objects](v1::TrackedObject&& row) { objects.push_back(std::move(row)); });
+  if (!status.ok()) return status;
+  return SharedOf(shapes, objects);
+}
+
 absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int64_t from_ms) {
   StoredRobot stored;
   const std::string name = PercentEncoded(ruri);

@@ -6,6 +6,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/compare/compare_forwards.h"
 #include "tools/uplink-fleet/compare/stored_robot.h"
 #include "tools/uplink-fleet/run/http_client.h"
 #include "uplink/v1/fleet.pb.h"
@@ -26,6 +27,8 @@ class ServerView final {
   [[nodiscard]] absl::StatusOr<v1::ServerStatus> Status();
   /// Every robot of the fleet by RURI, with all parts.
   [[nodiscard]] absl::StatusOr<std::map<std::string, v1::Robot>> Robots(const std::string& fleet);
+  /// The shapes and objects that the fleet's robots share.
+  [[nodiscard]] absl::StatusOr<SharedItems> Shared(const std::string& fleet);
   /// What the store holds of one robot; of histories what arrived at `from_ms` or later.
   [[nodiscard]] absl::StatusOr<StoredRobot> Stored(const std::string& ruri, std::int64_t from_ms);
   /// The server's metrics page.

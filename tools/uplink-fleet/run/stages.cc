@@ -19,10 +19,16 @@ constexpr milliseconds kFirstWelcomeDeadline{15'000};
 constexpr milliseconds kBackDeadline{10'000};
 
 /// Waits until as many robots as there are have been counted, `times` over.
-bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& robots,
+bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& counted,
                 std::size_t times = 1) {
+  return WaitFor(run, counted, run.options.swarm.scenario.robots * times);
+}
+
+}  // namespace
+
+bool WaitFor(const RunContext& run, const std::atomic<std::size_t>& counted, std::size_t robots) {
   const SteadyTime start = run.clock.Steady();
-  while (robots.load() < run.options.swarm.scenario.robots * times) {
+  while (counted.load() < robots) {
     if (run.clock.Steady() - start > run.options.settle_for) return false;
     run.progress.TellHowItGoes();
     // A signal while settling gives up the rest.
@@ -30,6 +36,8 @@ bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& robots,
   }
   return true;
 }
+
+namespace {
 
 /// The robots as the server shows them once all of the run are there, or at the deadline.
 absl::StatusOr<std::map<std::string, v1::Robot>> LookAtRobots(const RunContext& run) {
@@ -79,10 +87,11 @@ LastLook Settle(const RunContext& run) {
     auto live = LookAtRobots(run);
     const auto ended = AskAgain(run, [&run] { return run.view.Status(); });
     if (!began.ok() || !live.ok() || !ended.ok()) continue;
-    look = {.live = std::move(*live), .at_ms = ended->now_ms()};
+    look = {.live = std::move(*live), .at_ms = ended->now_ms(), .forwards = {}};
     // A server that was started anew in between has forgotten what it acked as judged.
-    if (began->started_at_ms() == ended->started_at_ms()) return look;
+    if (began->started_at_ms() == ended->started_at_ms()) break;
   }
+  look.forwards = LookAtForwards(run);
   return look;
 }
 

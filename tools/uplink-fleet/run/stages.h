@@ -1,9 +1,12 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
 
+#include "tools/uplink-fleet/run/forwards_look.h"
 #include "tools/uplink-fleet/run/run_context.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -22,11 +25,16 @@ struct LastLook {
   std::map<std::string, v1::Robot> live;
   /// The server's clock then.
   std::int64_t at_ms = 0;
+  ForwardsLook forwards;
 };
 
 /// Waits until every thread has made its robots: those that were offline first live through that
 /// time before any of them connects. Told to stop, it has the robots give up.
 [[nodiscard]] Readiness AwaitRobots(const RunContext& run);
+/// Waits until that many robots have been counted; false if that takes longer than the options let
+/// it, or a signal comes.
+[[nodiscard]] bool WaitFor(const RunContext& run, const std::atomic<std::size_t>& counted,
+                           std::size_t robots);
 /// Lets the robots live for as long as the options say; false if the server never welcomed one.
 [[nodiscard]] bool Send(const RunContext& run);
 /// Settles everything, and looks at the live state while the robots are still there.

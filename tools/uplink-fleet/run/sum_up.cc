@@ -20,6 +20,9 @@ void SumUp(const std::vector<RobotOutcome>& robots, Shared& shared, RunFigures& 
     figures.resent += robot.resent;
     figures.judged += robot.judged;
     figures.notices += robot.notices;
+    figures.receivers += robot.receives ? 1 : 0;
+    figures.forwarded_changes += robot.forwarded_changes;
+    figures.forwarded_snapshots += robot.forwarded_snapshots;
   }
   figures.acked_durable = shared.acked_durable.load();
   figures.rejects = shared.RejectsInAll();

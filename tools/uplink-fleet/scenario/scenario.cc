@@ -89,6 +89,10 @@ class FileReader {
     if (key == kConnectsNumber.key) {
       return Take(kConnectsNumber, false, node, scenario.connects_per_second);
     }
+    if (key == kDecliningNumber.key) {
+      return Take(kDecliningNumber, false, node, scenario.declining_share);
+    }
+    if (key == kLateNumber.key) return Take(kLateNumber, false, node, scenario.late_share);
     return InPhase(key, node, scenario.phases.front());
   }
 

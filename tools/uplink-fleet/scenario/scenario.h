@@ -56,11 +56,15 @@ inline constexpr milliseconds kSlowPause{3000};
 /// What the server may send ahead of a robot that reads slowly: two or three acks.
 inline constexpr std::uint32_t kSlowWindowBytes = 64;
 
-/// Whether the robot of that index is one of the slow readers, who are spread evenly over the
-/// fleet.
+/// Whether the robot of that index is one of this share, spread evenly over the fleet.
+[[nodiscard]] inline bool IsOfShare(double share, std::size_t index) {
+  const double before = share * static_cast<double>(index);
+  return std::floor(before + share) > std::floor(before);
+}
+
+/// Whether the robot of that index is one of the slow readers.
 [[nodiscard]] inline bool ReadsSlowly(const Trouble& trouble, std::size_t index) {
-  const double before = trouble.slow_readers * static_cast<double>(index);
-  return std::floor(before + trouble.slow_readers) > std::floor(before);
+  return IsOfShare(trouble.slow_readers, index);
 }
 
 /// What holds at one time of a scenario.
@@ -91,12 +95,26 @@ struct Scenario {
   double connects_per_second = 500;
   /// How long each robot lived and kept its messages before it first connects.
   milliseconds offline_before{0};
+  /// Share of the robots that decline what the others share.
+  double declining_share = 0.1;
+  /// Share of the robots that join late, while the others are at work.
+  double late_share = 0;
   /// One at least.
   std::vector<Phase> phases = {Phase{}};
 
   /// The phase that holds so long after the start.
   [[nodiscard]] const Phase& At(milliseconds since_start) const;
 };
+
+/// Whether the robot of that index declines what others share.
+[[nodiscard]] inline bool Declines(const Scenario& scenario, std::size_t index) {
+  return IsOfShare(scenario.declining_share, index);
+}
+/// Whether it joins late. Half a period of ten from those that decline: the same shares of both
+/// are not the same robots.
+[[nodiscard]] inline bool JoinsLate(const Scenario& scenario, std::size_t index) {
+  return IsOfShare(scenario.late_share, index + 5);
+}
 
 /// The names that LoadScenario knows: the files of tests/load/scenarios, built in.
 [[nodiscard]] std::vector<std::string> ScenarioNames();
@@ -125,6 +143,8 @@ inline constexpr ScenarioNumber kCutsNumber{"cuts_per_minute", 0, 600};
 inline constexpr ScenarioNumber kHalfOpensNumber{"half_opens_per_minute", 0, 60};
 inline constexpr ScenarioNumber kTakeoversNumber{"takeovers_per_minute", 0, 600};
 inline constexpr ScenarioNumber kSlowReadersNumber{"slow_readers", 0, 1};
+inline constexpr ScenarioNumber kDecliningNumber{"declining_share", 0, 1};
+inline constexpr ScenarioNumber kLateNumber{"late_share", 0, 1};
 inline constexpr ScenarioNumber kBatchNumber{"batch", 1, 256};
 inline constexpr ScenarioNumber kPaceNumber{"pace", 0.1, 100};
 inline constexpr ScenarioNumber kRcanNumber{"rcan_share", 0, 1};

@@ -14,6 +14,7 @@ namespace {
 using enum model::ObjectType;
 
 constexpr std::int64_t kLifeMs = 10'000;
+constexpr double kSharedShare = 0.1;
 constexpr std::array<std::pair<model::ObjectType, const char*>, 5> kKinds = {{{kPerson, "person"},
                                                                               {kAnimal, "dog"},
                                                                               {kVehicle, "car"},
@@ -30,7 +31,8 @@ void Objects::Begin(Seen& seen, const Moment& moment, const Facts& facts) {
   object.id = fmt::format("{}-object-{}", mark_, ++objects_);
   object.name = name;
   object.unix_time_ms = moment.now_ms;
-  object.scope = random_.Chance(0.3) ? model::ScopeType::kFleet : model::ScopeType::kRobot;
+  // What moves is told again and again, and each time to every robot of the fleet.
+  object.scope = random_.Chance(kSharedShare) ? model::ScopeType::kFleet : model::ScopeType::kRobot;
   object.object_type = type;
   object.location = {.lat_deg = at.lat,
                      .lon_deg = at.lon,

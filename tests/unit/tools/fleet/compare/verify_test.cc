@@ -38,6 +38,11 @@ Evidence Good() {
   uplinks["superseded"] = 2;
   uplinks["rejected"] = 1;
   (*evidence.after.mutable_rejects_by_reason())["missing_field"] = 1;
+  evidence.fleet.receivers = evidence.receivers_read = 1;
+  evidence.fleet.forwarded_changes = 4;
+  evidence.forwards_before = ForwardCounts();
+  evidence.forwards_after = {
+      .due = 15, .written = 5, .coalesced = 4, .snapshot = 3, .dropped = 2, .waiting = 1};
   return evidence;
 }
 
@@ -130,6 +135,37 @@ TEST(Verify, WhatIsUnsettledBrokenOrUnreadIsAMismatch) {
               ElementsAre("robots with all settled", "durable messages acked", "streams ended OK",
                           "protocol rules broken", "in flight at the end",
                           "good: stored, applied or superseded", "robots whose rows were read"));
+}
+
+TEST(Verify, ForwardsMustAddUp) {
+  for (auto part : {&ForwardCounts::written, &ForwardCounts::coalesced, &ForwardCounts::snapshot,
+                    &ForwardCounts::dropped, &ForwardCounts::waiting}) {
+    Evidence evidence = Good();
+    ++((*evidence.forwards_after).*part);
+    EXPECT_THAT(Mismatches(evidence), ElementsAre("forwards due = the rest"));
+  }
+  Evidence evidence = Good();
+  evidence.forwards_after.reset();
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("forwards due = the rest"));
+}
+
+TEST(Verify, NoMoreForwardsComeThanWereWritten) {
+  Evidence evidence = Good();
+  evidence.fleet.forwarded_changes = 5;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty());
+  evidence.fleet.forwarded_changes = 6;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("forwards written"));
+  evidence.disturbed = true;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty());
+  evidence = Good();
+  evidence.forwards_before->written = 2;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("forwards written"));
+}
+
+TEST(Verify, AReceiverThatDoesNotShowWhatItHolds) {
+  Evidence evidence = Good();
+  evidence.receivers_read = 0;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("receivers that showed what they hold"));
 }
 
 TEST(Verify, EveryThingHasARowOfItsOwn) {

@@ -284,5 +284,54 @@ TEST_F(AgentTest, APhaseChangesWhatIsSent) {
   EXPECT_EQ(Take(agent), 0);
 }
 
+v1::RelayResponse ForwardOf(v1::ForwardKind kind) {
+  v1::RelayResponse frame;
+  frame.mutable_forward()->set_kind(kind);
+  return frame;
+}
+
+TEST_F(AgentTest, DeclinesWhatOthersShareUnlessItReceives) {
+  Agent agent = Make();
+  EXPECT_TRUE(agent.BeginStream().hello().declines_forwards());
+  Welcome(agent);
+  EXPECT_THAT(agent.OnFrame(ForwardOf(v1::FORWARD_KIND_SNAPSHOT_BEGIN), clock_.Steady()).message(),
+              HasSubstr("declines"));
+  ForwardReader reader;
+  Agent other = Make();
+  other.Receive("rcan://test/1", reader);
+  EXPECT_FALSE(other.BeginStream().hello().declines_forwards());
+}
+
+TEST_F(AgentTest, MeasuresTheFirstSnapshotOfAStreamAndShowsItsTableWhenAsked) {
+  ForwardReader reader;
+  Agent agent = Make();
+  agent.Receive("rcan://test/1", reader);
+  agent.JoinLate();
+  for (int stream = 0; stream < 2; ++stream) {
+    Welcome(agent);
+    clock_.Advance(milliseconds(100));
+    for (const auto kind : {v1::FORWARD_KIND_SNAPSHOT_BEGIN, v1::FORWARD_KIND_SNAPSHOT_END,
+                            v1::FORWARD_KIND_SNAPSHOT_BEGIN, v1::FORWARD_KIND_SNAPSHOT_END}) {
+      EXPECT_TRUE(agent.OnFrame(ForwardOf(kind), clock_.Steady()).ok());
+    }
+  }
+  EXPECT_EQ(latencies_.snapshot.count(), 2U) << "one per stream";
+  EXPECT_EQ(latencies_.late_snapshot.count(), 1U) << "one per robot";
+  EXPECT_GE(latencies_.snapshot.max(), milliseconds(100));
+  shared_.stage.store(Stage::kLast);
+  Tick(agent);
+  EXPECT_EQ(shared_.forwards.shown(), 0U) << "nobody asked";
+  for (std::size_t asked = 1; asked <= 2; ++asked) {
+    shared_.forwards.Ask();
+    Tick(agent);
+    Tick(agent);
+    const auto tables = shared_.forwards.Take();
+    ASSERT_EQ(tables.size(), 1U);
+    EXPECT_EQ(tables[0].ruri, "rcan://test/1");
+    EXPECT_TRUE(tables[0].whole);
+  }
+  EXPECT_EQ(agent.TakeOutcome("rcan://test/1").forwarded_snapshots, 4U);
+}
+
 }  // namespace
 }  // namespace uplink::synthetic

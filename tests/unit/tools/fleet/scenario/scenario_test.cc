@@ -110,6 +110,24 @@ TEST_F(ScenarioTest, LimitsAreInAndWhatIsBeyondIsNamed) {
   EXPECT_THAT(ErrorOf("speed = 1"), HasSubstr("no such key: speed"));
 }
 
+TEST_F(ScenarioTest, SharesOfRobotsThatDeclineAndThatComeLate) {
+  Scenario scenario = Load("robots = 20\ndeclining_share = 0.1\nlate_share = 0.1").value();
+  std::size_t declining = 0;
+  std::size_t late = 0;
+  for (std::size_t i = 0; i < scenario.robots; ++i) {
+    declining += Declines(scenario, i) ? 1U : 0U;
+    late += JoinsLate(scenario, i) ? 1U : 0U;
+    EXPECT_FALSE(Declines(scenario, i) && JoinsLate(scenario, i)) << i;
+  }
+  EXPECT_EQ(declining, 2U);
+  EXPECT_EQ(late, 2U);
+  EXPECT_TRUE(Declines(Load("declining_share = 1").value(), 0));
+  EXPECT_FALSE(Declines(Load("declining_share = 0").value(), 9));
+  EXPECT_THAT(ErrorOf("declining_share = 1.1"), HasSubstr("declining_share takes"));
+  EXPECT_THAT(ErrorOf("late_share = -0.1"), HasSubstr("late_share takes"));
+  EXPECT_THAT(ErrorOf("[[phase]]\nfor = \"1s\"\nlate_share = 0"), HasSubstr("no such key"));
+}
+
 TEST_F(ScenarioTest, NeitherNameNorFile) {
   const auto scenario = LoadScenario(folder_.File("missing"));
   EXPECT_THAT(std::string(scenario.status().message()), HasSubstr("neither a scenario's name"));

@@ -1,0 +1,62 @@
+#include "tools/uplink-fleet/robot/forward_table.h"
+
+#include <fmt/core.h>
+
+namespace uplink::synthetic {
+
+void ForwardTable::BeginStream() {
+  coming_.reset();
+  whole_ = false;
+}
+
+void ForwardTable::Violated(std::string rule) {
+  if (violations_++ == 0) first_violation_ = std::move(rule);
+}
+
+void ForwardTable::Take(const v1::Forward& forward) {
+  switch (forward.kind()) {
+    case v1::FORWARD_KIND_SNAPSHOT_BEGIN:
+      if (coming_) Violated("a snapshot began within a snapshot");
+      coming_.emplace();
+      return;
+    case v1::FORWARD_KIND_SNAPSHOT_END:
+      if (!coming_) return Violated("a snapshot ended that had not begun");
+      held_ = *std::exchange(coming_, std::nullopt);
+      whole_ = true;
+      ++snapshots_;
+      return;
+    case v1::FORWARD_KIND_COMMAND:
+      return TakeCommand(forward);
+    default:
+      return Violated(fmt::format("a Forward of kind {}", static_cast<int>(forward.kind())));
+  }
+}
+
+void ForwardTable::TakeCommand(const v1::Forward& forward) {
+  if (!coming_) {
+    ++changes_;
+    if (!whole_) Violated("a command came before the stream's first snapshot");
+  }
+  const ReadCommand& read = reader_->Read(forward);
+  if (!read.error.empty()) return Violated(read.error);
+  if (!IsOf(*read.item, forward.origin_ruri())) {
+    return Violated(fmt::format("{} came as one of {}", Shown(*read.item), forward.origin_ruri()));
+  }
+  if (forward.origin_ruri() == ruri_) {
+    return Violated(fmt::format("{} came back to its origin", Shown(*read.item)));
+  }
+  if (read.deletion) {
+    if (coming_) return Violated(fmt::format("{} ended within a snapshot", Shown(*read.item)));
+    if (held_.erase(read.item) == 0) {
+      Violated(fmt::format("{} ended, of which nothing was told", Shown(*read.item)));
+    }
+    return;
+  }
+  ItemMap<std::uint64_t>& items = coming_ ? *coming_ : held_;
+  const bool added = items.insert_or_assign(read.item, read.fingerprint).second;
+  if (coming_ && !added) {
+    Violated(fmt::format("{} stood twice in a snapshot", Shown(*read.item)));
+  }
+}
+
+}  // namespace uplink::synthetic
