@@ -17,6 +17,7 @@
 namespace uplink::testing {
 ServerWorld::ServerWorld()
     : logger(std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError),
+      forwarding({clock, logger, shared_items, vouched_clock, 1}),
       journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
               storage::ProcessId{1}),
       queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9",
@@ -49,6 +50,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { store::AddSamples(space_view, page); },
       [this](auto& page) { store::AddSamples(vouched_clock, page); },
       [this](auto& page) { store::AddSamples(lease_probe, page); },
+      [this](auto& page) { forwarding.AddSamples(page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },

@@ -6,6 +6,7 @@
 #include "metrics/ledger.h"
 #include "metrics/page.h"
 #include "server/fleet/fleet.h"
+#include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
 #include "server/http/site.h"
@@ -18,6 +19,7 @@
 #include "server/store/vouched_clock.h"
 #include "server/transport/probe.h"
 #include "server/view/queries.h"
+#include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/switched_reader.h"
@@ -70,11 +72,13 @@ class ServerWorld {
   store::VouchedClock vouched_clock{clock};
   store::SpaceView space_view{.space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9}};
   store::LeaseProbe lease_probe;
+  FakeSharedItems shared_items{database};
   metrics::Cell handshakes_failed;
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
   /// A text of few robots is to be more than a socket takes.
   config::RcanConfig rcan_config{.robot_series_max = 2'000};
   log::Logger logger;
+  forward::Forwarding forwarding;
   fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
   journal::Journal journal;
   journal::Shards shards{{&journal}};

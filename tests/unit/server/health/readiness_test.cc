@@ -99,6 +99,7 @@ TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
   bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
   bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
+  bad.forward_incomplete = true;
   bad.journal_oldest = kBacklogAge + milliseconds(1);
   bad.robots = {10, 10};
   bad.certificate_expiry = bad.now + milliseconds(1);

@@ -84,6 +84,8 @@ void ThreadsAgent::OnFrame(std::uint64_t stream, const v1::RelayResponse& frame)
       Current().told.insert(frame.reject().seq());
       unrejected_.erase(frame.reject().seq());
       return;
+    case v1::RelayResponse::kResendRequest:
+      return;  // it has none of these
     default:
       ADD_FAILURE() << ruri_ << ": " << ToLine(frame);
   }
