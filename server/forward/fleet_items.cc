@@ -114,7 +114,7 @@ void FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame
 // --- Receivers ---
 
 std::unique_ptr<FleetItems::Receiver> FleetItems::Join(std::string ruri, robot::StreamRef stream) {
-  auto receiver = std::make_unique<Receiver>();
+  auto receiver = std::make_unique<Receiver>(limits_.waiting_max);
   receiver->ruri = std::move(ruri);
   receiver->stream = stream;
   const std::lock_guard lock(mutex_);
@@ -136,7 +136,7 @@ void FleetItems::Take(Receiver& receiver, std::vector<EncodedFrame>& into) {
   const std::lock_guard lock(mutex_);
   receiver.woken = false;
   if (!whole_) return;
-  Room room;
+  Room room{limits_.taken_max, limits_.taken_bytes_max};
   if (receiver.state == Receiver::State::kBegins) {
     receiver.state = Receiver::State::kWalks;
     receiver.walked = nullptr;

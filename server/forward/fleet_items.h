@@ -13,6 +13,7 @@
 
 #include "server/forward/counts.h"
 #include "server/forward/item.h"
+#include "server/forward/limits.h"
 #include "server/forward/waiting.h"
 #include "server/robot/wake.h"
 
@@ -33,6 +34,8 @@ class FleetItems final {
  public:
   /// One receiving stream. Its fields are the fleet's.
   struct Receiver {
+    explicit Receiver(std::size_t waiting_max) : waiting(waiting_max) {}
+
     enum class State : std::uint8_t {
       /// Its next frame is SNAPSHOT_BEGIN.
       kBegins,
@@ -56,7 +59,8 @@ class FleetItems final {
   };
 
   /// `whole`: its set is known already, to be empty.
-  FleetItems(const SnapshotMarks& marks, bool whole) : marks_(marks), whole_(whole) {}
+  FleetItems(const SnapshotMarks& marks, bool whole, const ReceiverLimits& limits = {})
+      : marks_(marks), limits_(limits), whole_(whole) {}
 
   // --- The shared set; one thread at a time. Each returns the streams to wake. ---
 
@@ -94,8 +98,8 @@ class FleetItems final {
   using Items = std::map<KeyRef, Item, KeyOrder>;
   /// What one Take may still give.
   struct Room {
-    std::size_t frames = kTakenMax;
-    std::size_t bytes = kTakenBytesMax;
+    std::size_t frames;
+    std::size_t bytes;
 
     /// False: no frame more.
     bool Give(const EncodedFrame& frame) {
@@ -119,6 +123,7 @@ class FleetItems final {
   void SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires_ms);
 
   const SnapshotMarks marks_;
+  const ReceiverLimits limits_;
   mutable std::mutex mutex_;
   bool whole_;
   Items items_;

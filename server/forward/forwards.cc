@@ -37,8 +37,12 @@ class Forwards::Receiver final : public session::ForwardReceiver {
   const std::unique_ptr<FleetItems::Receiver> receiver_;
 };
 
-Forwards::Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> random)
-    : marks_{SnapshotBegin(), SnapshotEnd()}, random_(std::move(random)), shares_(limits) {}
+Forwards::Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> random,
+                   const ReceiverLimits& receivers)
+    : marks_{SnapshotBegin(), SnapshotEnd()},
+      receiver_limits_(receivers),
+      random_(std::move(random)),
+      shares_(limits) {}
 
 std::unique_ptr<session::ForwardReceiver> Forwards::Join(const model::RobotId& robot,
                                                          robot::StreamRef stream) {
@@ -49,7 +53,7 @@ Forwards::FleetRef Forwards::FleetOf(const std::string& name) {
   const std::lock_guard lock(mutex_);
   FleetRef& fleet = fleets_[name];
   if (fleet == nullptr) {
-    fleet = std::make_shared<FleetItems>(marks_, whole_);
+    fleet = std::make_shared<FleetItems>(marks_, whole_, receiver_limits_);
   }
   return fleet;
 }

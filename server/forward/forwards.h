@@ -12,6 +12,7 @@
 #include "schema/base/clock.h"
 #include "schema/nexus_command/command.h"
 #include "server/forward/fleet_items.h"
+#include "server/forward/limits.h"
 #include "server/forward/shares.h"
 #include "server/session/forward_source.h"
 
@@ -24,7 +25,8 @@ namespace uplink::forward {
 class Forwards final : public session::ForwardSource {
  public:
   /// `random` draws the numbers of commands; it is called on the set's thread alone.
-  Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> random);
+  Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> random,
+           const ReceiverLimits& receivers = {});
 
   // session::ForwardSource
   [[nodiscard]] std::unique_ptr<session::ForwardReceiver> Join(const model::RobotId& robot,
@@ -74,6 +76,7 @@ class Forwards final : public session::ForwardSource {
   [[nodiscard]] nexus_command::CommandId NewCommand() const;
 
   const SnapshotMarks marks_;
+  const ReceiverLimits receiver_limits_;
   const std::function<std::uint64_t()> random_;
   mutable std::mutex mutex_;
   bool whole_ = false;

@@ -12,6 +12,12 @@ inline constexpr std::size_t kWaitingMax = 1024;
 /// wait. The last frame may reach beyond.
 inline constexpr std::size_t kTakenMax = 16;
 inline constexpr std::size_t kTakenBytesMax = 16U * 1024;
+/// What one receiver may have waiting, and take at once. A value; none is 0.
+struct ReceiverLimits {
+  std::size_t waiting_max = kWaitingMax;
+  std::size_t taken_max = kTakenMax;
+  std::size_t taken_bytes_max = kTakenBytesMax;
+};
 /// Bytes of what all fleets share. What is over is not forwarded, and that is told.
 inline constexpr std::size_t kSharedBytesMax = 256U * 1024 * 1024;
 /// What one robot may have of it: as much as a robot may have of the journal.

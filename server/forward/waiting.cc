@@ -15,7 +15,7 @@ Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame, Change
     entry->frame = frame;
     return Added::kCoalesced;
   }
-  if (entries_.size() >= kWaitingMax) return Added::kFull;
+  if (entries_.size() >= items_max_) return Added::kFull;
   const bool told = change != Change::kComes;
   places_.emplace(key, entries_.insert(entries_.end(), {key, frame, told}));
   return Added::kNew;

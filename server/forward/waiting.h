@@ -14,13 +14,16 @@ namespace uplink::forward {
 /// Confined to its owner's lock.
 class Waiting final {
  public:
+  /// At most `items_max` items wait.
+  explicit Waiting(std::size_t items_max = kWaitingMax) : items_max_(items_max) {}
+
   enum class Added : std::uint8_t {
     kNew,
     /// It took the place of an earlier change of the item.
     kCoalesced,
     /// The item came and went while it waited: the receiver is told of neither.
     kCancelled,
-    /// kWaitingMax items wait already: nothing was added.
+    /// As many items wait as may: nothing was added.
     kFull,
   };
   [[nodiscard]] Added Add(const KeyRef& key, const EncodedFrame& frame, Change change);
@@ -37,6 +40,7 @@ class Waiting final {
     /// The receiver was told of the item before these changes.
     bool told = false;
   };
+  const std::size_t items_max_;
   std::list<Entry> entries_;
   std::unordered_map<KeyRef, std::list<Entry>::iterator, KeyHash, KeyEqual> places_;
 };

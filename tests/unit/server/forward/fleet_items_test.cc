@@ -224,6 +224,25 @@ TEST_F(FleetItemsTest, ATakeEndsAtItsFramesAndAtItsBytes) {
   fleet_.Leave(*a);
 }
 
+TEST_F(FleetItemsTest, TheLimitsOfReceiversAreGiven) {
+  FleetItems small({Text("begin"), Text("end")}, true,
+                   {.waiting_max = 3, .taken_max = 2, .taken_bytes_max = kTakenBytesMax});
+  const auto a = small.Join("a", {&woken_, 1});
+  std::vector<EncodedFrame> frames;
+  small.Take(*a, frames);
+  for (const char* id : {"1", "2", "3"}) small.Put(KeyOf("b", id), {Text(id)});
+  EXPECT_EQ(small.sum().waiting, 3U);
+  frames.clear();
+  small.Take(*a, frames);
+  EXPECT_THAT(Texts(frames), ElementsAre("1", "2"));
+  for (const char* id : {"4", "5", "6"}) small.Put(KeyOf("b", id), {Text(id)});
+  EXPECT_EQ(small.sum().waiting, 0U) << "a snapshot is to come";
+  frames.clear();
+  small.Take(*a, frames);
+  EXPECT_THAT(Texts(frames), ElementsAre("begin", "1", "2"));
+  small.Leave(*a);
+}
+
 TEST_F(FleetItemsTest, WhatWaitsForAStreamThatEndsIsDropped) {
   const auto a = Join("a", 1);
   const auto b = Join("b", 2);

@@ -67,5 +67,12 @@ TEST(WaitingTest, OneMoreThanTheBoundIsNotAdded) {
   EXPECT_EQ(waiting.Add(Ref("0"), Text("x"), Change::kChanges), Waiting::Added::kNew);
 }
 
+TEST(WaitingTest, TheBoundIsGiven) {
+  Waiting waiting(2);
+  EXPECT_EQ(waiting.Add(Ref("a"), Text("1"), Change::kChanges), Waiting::Added::kNew);
+  EXPECT_EQ(waiting.Add(Ref("b"), Text("2"), Change::kChanges), Waiting::Added::kNew);
+  EXPECT_EQ(waiting.Add(Ref("c"), Text("3"), Change::kChanges), Waiting::Added::kFull);
+}
+
 }  // namespace
 }  // namespace uplink::forward
