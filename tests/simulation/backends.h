@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/simulation/world.h"
+#include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 
 namespace uplink::simulation {
@@ -25,11 +26,14 @@ class FakeBackend final : public Backend {
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
   storage::Reader& Rows() override { return *store_; }
+  storage::SharedItems& Items() override { return items_; }
   void DeleteRobotRow(const std::string& ruri) override { database_.DeleteRobotRow(ruri); }
+  void RemoveRobot(const std::string& ruri) override { database_.RemoveRobot(ruri); }
 
  private:
   const Fault fault_;
   testing::FakeDatabase database_;
+  testing::FakeSharedItems items_{database_};
   std::unique_ptr<testing::FakeStore> store_;
 };
 

@@ -105,7 +105,7 @@ void Days::Pass(milliseconds time) {
 }
 
 void Days::Visit(int robot, int hour) {
-  const std::uint64_t id = server_->Open(RuriOf(robot));
+  const std::uint64_t id = server_->Open({.ruri = RuriOf(robot), .fleet = "sim"});
   SimStream& stream = *server_->Find(id);
   v1::RelayRequest hello;
   hello.mutable_hello()->set_session_id(std::string(SessionOf(robot, hour / 24).AsBytes()));

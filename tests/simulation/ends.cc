@@ -67,6 +67,11 @@ std::string ToText(const RunResult& result) {
   };
   add_all("reject", uplinks.rejects);
   add_all("record", uplinks.records);
+  const forward::Counts& forwards = result.forwards;
+  text += fmt::format(
+      "forwards due {} written {} coalesced {} replaced {} dropped {} snapshots {} of {}\n",
+      forwards.due, forwards.written, forwards.coalesced, forwards.replaced, forwards.dropped,
+      forwards.snapshots, forwards.snapshot_items);
   for (const auto& [code, count] : result.ends) {
     text += fmt::format("ended {}: {}\n", absl::StatusCodeToString(code), count);
   }

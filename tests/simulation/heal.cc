@@ -19,6 +19,7 @@ void World::Heal() {
   away_ = false;
   recorder_.SetAway(false);
   server_->rejects().SetAway(false);
+  items_->SetAway(false);
   recorder_.FailNext(StoreFault::kNone);
   if (server_->draining) Kill();
   for (int round = 0; round < kRoundsMax && result_.violation.empty(); ++round) {
@@ -62,10 +63,12 @@ void World::HealRound() {
   while (server_->HasWakes()) server_->DeliverWake(0);
   clock_.Advance(milliseconds(50));
   server_->FireTimers();
+  all_read_ = server_->forwards()->Round().ok();
 }
 
 bool World::Settled() {
   if (!server_->journal().idle() || server_->HasWakes()) return false;
+  if (!ForwardsSettled()) return false;
   return std::ranges::all_of(robots_, [this](const auto& robot) {
     if (robot->agent.HasKept() || !robot->stream) return false;
     SimStream* stream = server_->Find(*robot->stream);
@@ -91,7 +94,35 @@ void World::CheckEnd() {
     }
   }
   CheckPresence();
+  CheckTables();
   if (const auto difference = backend_.Compare(recorder_)) recorder_.Violate(*difference);
+}
+
+bool World::ForwardsSettled() {
+  if (!all_read_ || server_->forwards()->sum().waiting != 0) return false;
+  return std::ranges::all_of(robots_, [this](const auto& robot) {
+    SimStream* stream = robot->stream ? server_->Find(*robot->stream) : nullptr;
+    if (stream == nullptr || stream->Writing() || stream->CanReceive()) return false;
+    return robot->agent.declines_forwards() || robot->agent.table().complete();
+  });
+}
+
+void World::CheckTables() {
+  for (const auto& robot : robots_) {
+    if (robot->agent.declines_forwards()) continue;
+    const ForwardTable& table = robot->agent.table();
+    const SharedBook::Table due = recorder_.shared().PresentFor(table.self(), clock_.System());
+    if (table.held() == due) continue;
+    for (const auto& [key, what] : due) {
+      const auto held = table.held().find(key);
+      if (held != table.held().end() && held->second == what) continue;
+      recorder_.Violate(fmt::format("{} holds {} of {}", robot->agent.ruri(),
+                                    held == table.held().end() ? "nothing" : "something else",
+                                    ToText(key)));
+    }
+    recorder_.Violate(fmt::format("{} holds {} items, {} are there", robot->agent.ruri(),
+                                  table.held().size(), due.size()));
+  }
 }
 
 void World::CheckPresence() {

@@ -1,4 +1,5 @@
 // Each planted fault must be found: a simulation that passes a broken server proves nothing.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/simulation/backends.h"
@@ -8,6 +9,7 @@ namespace uplink::simulation {
 namespace {
 
 using robot::Mutation;
+using ::testing::HasSubstr;
 
 /// Seeds within which a planted fault must show.
 constexpr std::uint64_t kSeedsMax = 500;
@@ -18,8 +20,15 @@ RunResult RunSeed(std::uint64_t seed, FakeBackend::Fault fault = FakeBackend::Fa
   return World(payloads, backend, {.seed = seed, .steps = 400}).Run();
 }
 
+RunResult RunSeed(std::uint64_t seed, ForwardFault fault) {
+  const Payloads payloads;
+  FakeBackend backend;
+  return World(payloads, backend, {.seed = seed, .steps = 400, .forward_fault = fault}).Run();
+}
+
 /// 0 if every seed passes.
-std::uint64_t FirstFailingSeed(FakeBackend::Fault fault = FakeBackend::Fault::kNone) {
+template <typename Fault = FakeBackend::Fault>
+std::uint64_t FirstFailingSeed(Fault fault = Fault::kNone) {
   for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) {
     if (!RunSeed(seed, fault).violation.empty()) return seed;
   }
@@ -66,6 +75,30 @@ TEST(UnplantedSwitch, ChangesOfPresenceThatNoCursorGuardsAreFound) {
 TEST(UnplantedSwitch, BatchesThatMakeRobotsAreFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kBatchesMakeRobots), 0U);
 }
+
+struct ForwardCase {
+  ForwardFault fault;
+  /// What is said of it.
+  const char* violation;
+};
+
+class PlantedForwardFault : public ::testing::TestWithParam<ForwardCase> {};
+
+TEST_P(PlantedForwardFault, IsFoundForWhatItIs) {
+  const std::uint64_t seed = FirstFailingSeed(GetParam().fault);
+  ASSERT_NE(seed, 0U);
+  EXPECT_THAT(RunSeed(seed, GetParam().fault).violation, HasSubstr(GetParam().violation));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Simulation, PlantedForwardFault,
+    ::testing::Values(ForwardCase{ForwardFault::kBeginsBeforeWhole, "which was there all the time"},
+                      ForwardCase{ForwardFault::kPositionAfterItems, "holds"},
+                      ForwardCase{ForwardFault::kStaleLook, "holds"},
+                      ForwardCase{ForwardFault::kDeleteKept, "holds"},
+                      ForwardCase{ForwardFault::kDropsWhenFull, "holds"},
+                      ForwardCase{ForwardFault::kOtherFleet, "came from another fleet"},
+                      ForwardCase{ForwardFault::kOwnItems, "came back"}));
 
 TEST(UnplantedSwitch, NothingPlantedIsNothingFound) { EXPECT_EQ(FirstFailingSeed(), 0U); }
 

@@ -22,8 +22,41 @@ enum class Content : std::uint8_t {
   kEmpty,
   /// A fault with a long text, of a greedy agent.
   kLarge,
+  /// The first of what robots may share: kSpatials of them.
+  kSpatial,
 };
-inline constexpr std::size_t kContents = 8;
+
+/// What is said of a shape or an object.
+enum class Spatial : std::uint8_t {
+  kDeleted,
+  kForRobot,
+  kForUser,
+  kForFleet,
+  /// The same, elsewhere.
+  kForFleetMoved,
+  kForWorld,
+  /// These are over while a run lasts; the later one only in longer ones.
+  kForFleetExpiring,
+  kForWorldExpiring,
+};
+inline constexpr std::size_t kSpatialKinds = 8;
+/// Each robot has as many shapes, and objects of the same ids.
+inline constexpr std::size_t kSpatialIds = 3;
+inline constexpr std::size_t kSpatials = 2 * kSpatialIds * kSpatialKinds;
+inline constexpr std::size_t kContents = static_cast<std::size_t>(Content::kSpatial) + kSpatials;
+
+/// The spatial content of that number, below kSpatials.
+[[nodiscard]] constexpr Content SpatialOf(std::size_t number) {
+  return static_cast<Content>(static_cast<std::size_t>(Content::kSpatial) + number);
+}
+
+/// True where the server may find that it had expired when it came: then nothing is stored.
+[[nodiscard]] constexpr bool MayExpire(Content content) {
+  if (content < Content::kSpatial) return false;
+  const std::size_t number =
+      static_cast<std::size_t>(content) - static_cast<std::size_t>(Content::kSpatial);
+  return static_cast<Spatial>(number % kSpatialKinds) >= Spatial::kForFleetExpiring;
+}
 
 /// True where the agent must keep the message until an Ack's through_seq.
 [[nodiscard]] constexpr bool KeptUntilSettled(Content content) {
@@ -45,6 +78,8 @@ class Payloads final {
   }
 
  private:
+  void SetSpatials();
+
   std::array<std::string, kContents> bytes_;
 };
 

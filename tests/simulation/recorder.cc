@@ -135,6 +135,7 @@ void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome&
         durable.stored.insert(record.seq);
         const auto& good = std::get<model::Record>(record.content);
         if (good.variant() == model::Variant::kFault) ++durable.faults;
+        shared_.Note(record);
       }
       break;
     case storage::OutcomeKind::kRefused:

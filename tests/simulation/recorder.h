@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "storage/store.h"
+#include "tests/simulation/shared_book.h"
 
 namespace uplink::simulation {
 
@@ -70,6 +71,9 @@ class Recorder final : public storage::Store {
     return presence_history_;
   }
 
+  /// What robots share.
+  [[nodiscard]] SharedBook& shared() { return shared_; }
+
   [[nodiscard]] const DurableSession& Of(const std::string& ruri, const model::SessionId& session) {
     return sessions_[{ruri, session}];
   }
@@ -97,6 +101,7 @@ class Recorder final : public storage::Store {
   std::map<model::SessionId, model::Seq> presence_cursors_;
   std::map<std::string, model::Presence> presence_;
   std::map<std::string, std::vector<model::Presence>> presence_history_;
+  SharedBook shared_;
 };
 
 }  // namespace uplink::simulation

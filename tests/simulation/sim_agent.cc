@@ -41,6 +41,8 @@ v1::RelayRequest SimAgent::Connect(Random& random) {
   hello.set_settled_seq(session_->settled);
   hello.set_judged_seq(std::max(session_->judged, session_->settled));
   hello.set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
+  hello.set_declines_forwards(self_.declines_forwards);
+  table_.OnStream();
   return request;
 }
 
@@ -48,6 +50,17 @@ void SimAgent::AddUplink(v1::UplinkBatch& batch, model::Seq seq, Content content
   v1::Uplink& uplink = *batch.add_uplinks();
   uplink.set_seq(seq);
   if (content != Content::kEmpty) uplink.set_rover_nexus(payloads_.Of(content));
+}
+
+Content SimAgent::NextContent(Random& random) {
+  static constexpr std::array<Content, 18> kMix = {
+      Content::kFault,   Content::kFault,   Content::kFault,      Content::kEvent,
+      Content::kEvent,   Content::kMotion,  Content::kMotion,     Content::kMotion,
+      Content::kRefused, Content::kBadLive, Content::kBadDurable, Content::kEmpty,
+      Content::kSpatial, Content::kSpatial, Content::kSpatial,    Content::kSpatial,
+      Content::kSpatial, Content::kSpatial};
+  const Content content = kMix[random.Below(kMix.size())];
+  return content == Content::kSpatial ? SpatialOf(random.Below(kSpatials)) : content;
 }
 
 v1::RelayRequest SimAgent::Batch(Random& random, std::size_t messages_max, Fresh fresh) {
@@ -61,17 +74,13 @@ v1::RelayRequest SimAgent::Batch(Random& random, std::size_t messages_max, Fresh
     }
     if (fresh == Fresh::kNo) break;
     if (random.Percent(5)) session_->next += 1 + random.Below(3);
-    static constexpr std::array<Content, 12> kMix = {
-        Content::kFault,   Content::kFault,   Content::kFault,      Content::kEvent,
-        Content::kEvent,   Content::kMotion,  Content::kMotion,     Content::kMotion,
-        Content::kRefused, Content::kBadLive, Content::kBadDurable, Content::kEmpty};
-    const Content content = greedy_ ? Content::kLarge : kMix[random.Below(kMix.size())];
+    const Content content = greedy_ ? Content::kLarge : NextContent(random);
     const model::Seq seq = session_->next++;
     AddUplink(batch, seq, content);
     if (RejectedAtJudgement(content)) unrejected_.insert(seq);
     if (KeptUntilSettled(content)) {
       session_->kept.emplace(seq, content);
-      session_->durable_sent.insert(seq);
+      if (!MayExpire(content)) session_->durable_sent.insert(seq);
     }
   }
   return request;
@@ -90,9 +99,17 @@ void SimAgent::OnFrame(const v1::RelayResponse& frame) {
       unrejected_.erase(frame.reject().seq());
       session_->judged = std::max(session_->judged, frame.reject().seq());
       return;
+    case v1::RelayResponse::kForward:
+      return OnForward(frame.forward());
     default:
       return;
   }
+}
+
+void SimAgent::OnForward(const v1::Forward& forward) {
+  if (!welcomed_) violation_("a Forward came before Welcome");
+  if (self_.declines_forwards) return violation_("a Forward came that was declined");
+  table_.OnForward(forward);
 }
 
 void SimAgent::OnWelcome(const v1::Welcome& welcome) {
@@ -103,7 +120,8 @@ void SimAgent::OnWelcome(const v1::Welcome& welcome) {
   }
   session_->judged = std::max(session_->judged, welcome.committed_seq());
   for (const auto& [seq, content] : session_->kept) {
-    if (seq <= welcome.committed_seq()) CheckDurable(seq, "at or below Welcome.committed_seq");
+    if (seq <= welcome.committed_seq())
+      CheckDurable(seq, content, "at or below Welcome.committed_seq");
     if (seq > welcome.committed_seq() || resends_all_) resend_.push_back(seq);
   }
 }
@@ -122,8 +140,8 @@ void SimAgent::OnAck(const v1::Ack& ack) {
   session_->judged = std::max(session_->judged, ack.judged_seq());
   while (!session_->kept.empty() && session_->kept.begin()->first <= ack.through_seq()) {
     const model::Seq seq = session_->kept.begin()->first;
-    CheckDurable(seq, "acked");
-    const DurableSession& durable = recorder_.Of(ruri_, session_->id);
+    CheckDurable(seq, session_->kept.begin()->second, "acked");
+    const DurableSession& durable = recorder_.Of(ruri(), session_->id);
     if (durable.quarantined.contains(seq) && !session_->told.contains(seq)) {
       violation_(fmt::format("number {} is acked, in quarantine, and no Reject was told", seq));
     }
@@ -139,8 +157,8 @@ void SimAgent::CheckRejected(model::Seq judged) {
                          *unrejected_.begin()));
 }
 
-void SimAgent::CheckDurable(model::Seq seq, const char* when) {
-  if (!recorder_.Of(ruri_, session_->id).Holds(seq)) {
+void SimAgent::CheckDurable(model::Seq seq, Content content, const char* when) {
+  if (!MayExpire(content) && !recorder_.Of(ruri(), session_->id).Holds(seq)) {
     violation_(fmt::format("number {} is {} and the store has it not", seq, when));
   }
 }

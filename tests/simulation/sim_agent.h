@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "schema/model/ids.h"
+#include "tests/simulation/forward_table.h"
 #include "tests/simulation/payloads.h"
 #include "tests/simulation/random.h"
 #include "tests/simulation/recorder.h"
@@ -34,17 +35,27 @@ struct AgentSession {
 /// An agent that follows the protocol to the letter, and checks what the server promises it.
 class SimAgent final {
  public:
-  SimAgent(std::string ruri, const Payloads& payloads, Recorder& recorder,
-           Recorder::Violation violation)
-      : ruri_(std::move(ruri)),
+  /// A robot, and whether it wants to be told what others share.
+  struct Self {
+    model::RobotId id;
+    bool declines_forwards = false;
+  };
+  SimAgent(Self self, const Payloads& payloads, Recorder& recorder,
+           const Recorder::Violation& violation)
+      : self_(std::move(self)),
         payloads_(payloads),
         recorder_(recorder),
-        violation_(std::move(violation)) {}
+        violation_(violation),
+        table_({.fleet = self_.id.fleet, .ruri = self_.id.ruri}, recorder.shared(), violation) {}
 
   /// From now on everything that it sends anew is large and durable.
   void BeGreedy() { greedy_ = true; }
 
-  [[nodiscard]] const std::string& ruri() const { return ruri_; }
+  [[nodiscard]] const model::RobotId& id() const { return self_.id; }
+  [[nodiscard]] const std::string& ruri() const { return self_.id.ruri; }
+  [[nodiscard]] bool declines_forwards() const { return self_.declines_forwards; }
+  /// What it holds of the others' shapes and objects.
+  [[nodiscard]] const ForwardTable& table() const { return table_; }
   [[nodiscard]] const std::deque<AgentSession>& sessions() const { return sessions_; }
   /// Something is kept that only an Ack ends.
   [[nodiscard]] bool HasKept() const { return SessionsWithKept() > 0; }
@@ -68,11 +79,13 @@ class SimAgent final {
  private:
   void OnWelcome(const v1::Welcome& welcome);
   void OnAck(const v1::Ack& ack);
+  void OnForward(const v1::Forward& forward);
+  [[nodiscard]] static Content NextContent(Random& random);
   void AddUplink(v1::UplinkBatch& batch, model::Seq seq, Content content) const;
   void CheckRejected(model::Seq judged);
-  void CheckDurable(model::Seq seq, const char* when);
+  void CheckDurable(model::Seq seq, Content content, const char* when);
 
-  const std::string ruri_;
+  const Self self_;
   const Payloads& payloads_;
   Recorder& recorder_;
   const Recorder::Violation violation_;
@@ -87,6 +100,7 @@ class SimAgent final {
   model::Seq stream_judged_ = 0;
   /// Bad content that was sent for the first time on this stream and whose Reject has not come.
   std::set<model::Seq> unrejected_;
+  ForwardTable table_;
 };
 
 }  // namespace uplink::simulation

@@ -105,6 +105,7 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
       judge_({}),
       rejects_(ground.rows, testing::FakeRejectSource::Reads::kWhenTold),
       ledger_(book_.NewPage()) {
+  if (ground.forwards.items != nullptr) forwards_.emplace(clock_, ground.forwards);
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { journal_.NotePresence(robot, presence, at); });
   if (ground.rows == nullptr) return;
@@ -113,7 +114,7 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
   UPLINK_CHECK(seed.Run(kRobotsMax).ok(), "the simulated store can be read");
 }
 
-std::uint64_t SimServer::Open(const std::string& ruri) {
+std::uint64_t SimServer::Open(const model::RobotId& robot) {
   const std::uint64_t id = next_stream_++;
   const session::SessionContext context{.clock = clock_,
                                         .fleet = fleet_,
@@ -125,13 +126,15 @@ std::uint64_t SimServer::Open(const std::string& ruri) {
                                         .scratch = scratch_,
                                         .allowances = allowances_,
                                         .rejects = rejects_,
-                                        .clock_trust = clock_trust_};
-  identity::PeerIdentity peer{.role = identity::Role::kRobot, .fleet = "sim", .ruris = {ruri}};
+                                        .clock_trust = clock_trust_,
+                                        .forwards = forwards()};
+  identity::PeerIdentity peer{
+      .role = identity::Role::kRobot, .fleet = robot.fleet, .ruris = {robot.ruri}};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),
                                             robot::StreamRef{.inbox = this, .stream = id}, trace_);
   stream->session().Start();
   streams_.emplace(id, std::move(stream));
-  newest_[ruri] = id;
+  newest_[robot.ruri] = id;
   return id;
 }
 

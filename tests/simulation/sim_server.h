@@ -16,6 +16,7 @@
 #include "server/session/session.h"
 #include "storage/reader.h"
 #include "tests/simulation/recorder.h"
+#include "tests/simulation/sim_forwards.h"
 #include "tests/simulation/trace.h"
 #include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_trust.h"
@@ -122,6 +123,7 @@ struct Ground {
   storage::Store& store;
   /// Null where no trace is taken.
   Trace* trace = nullptr;
+  ForwardSetup forwards;
 };
 
 /// One life of the server process: the real fleet, journal and sessions over one store.
@@ -132,7 +134,7 @@ class SimServer final : public robot::WakeInbox {
   void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
 
   /// A new stream of the robot; its session waits for the first frame.
-  std::uint64_t Open(const std::string& ruri);
+  std::uint64_t Open(const model::RobotId& robot);
   [[nodiscard]] SimStream* Find(std::uint64_t stream);
   /// The robot's last stream that was opened, gone or not; 0 before the first.
   [[nodiscard]] std::uint64_t NewestOf(const std::string& ruri) const;
@@ -145,6 +147,8 @@ class SimServer final : public robot::WakeInbox {
 
   /// Reads of quarantined Rejects, each a step.
   [[nodiscard]] testing::FakeRejectSource& rejects() { return rejects_; }
+  /// Null where nothing is forwarded.
+  [[nodiscard]] SimForwards* forwards() { return forwards_ ? &*forwards_ : nullptr; }
   [[nodiscard]] journal::Journal& journal() { return journal_; }
   [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
   [[nodiscard]] metrics::Ledger::Page counts() const { return book_.Sum(); }
@@ -165,6 +169,7 @@ class SimServer final : public robot::WakeInbox {
   const session::Allowances allowances_{limits_.allowance};
   const testing::FakeTrust clock_trust_;
   testing::FakeRejectSource rejects_;
+  std::optional<SimForwards> forwards_;
   metrics::Ledger& ledger_;
   std::uint64_t next_stream_ = 1;
   std::map<std::string, std::uint64_t> newest_;

@@ -44,6 +44,7 @@ RunResult RunSeed(const Arguments& arguments, const Payloads& payloads, std::uin
 int RunSeeds(const Arguments& arguments) {
   const Payloads payloads;
   std::uint64_t received = 0;
+  forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t breaks = 0;
   std::uint64_t steps = 0;
@@ -55,12 +56,16 @@ int RunSeeds(const Arguments& arguments) {
       return 1;
     }
     received += result.uplinks.received;
+    forwards += result.forwards;
     kills += result.kills;
     breaks += result.breaks;
     steps += result.steps;
   }
-  fmt::print("{} seeds from {}, {} steps, {} messages, {} kills, {} breaks: every promise kept\n",
-             arguments.seeds, arguments.seed, steps, received, kills, breaks);
+  fmt::print(
+      "{} seeds from {}, {} steps, {} messages, {} forwards and {} snapshots, {} kills, {} breaks: "
+      "every promise kept\n",
+      arguments.seeds, arguments.seed, steps, received, forwards.written, forwards.snapshots, kills,
+      breaks);
   return 0;
 }
 

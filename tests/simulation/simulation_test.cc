@@ -13,6 +13,7 @@ constexpr std::uint64_t kSeeds = 10'000;
 TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   const Payloads payloads;
   metrics::UplinkCounts uplinks;
+  forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t deletions = 0;
   std::uint64_t held_back = 0;
@@ -25,6 +26,7 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
     const RunResult result = world.Run();
     ASSERT_EQ(result.violation, "");
     uplinks += result.uplinks;
+    forwards += result.forwards;
     kills += result.kills;
     deletions += result.deletions;
     held_back += result.held_back;
@@ -39,6 +41,12 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   EXPECT_GT(uplinks.superseded, kSeeds);
   EXPECT_GT(uplinks.duplicate, kSeeds);
   EXPECT_GT(uplinks.missing, kSeeds);
+  EXPECT_GT(forwards.written, kSeeds);
+  EXPECT_GT(forwards.coalesced, kSeeds / 10);
+  EXPECT_GT(forwards.replaced, kSeeds);
+  EXPECT_GT(forwards.dropped, kSeeds / 10);
+  EXPECT_GT(forwards.snapshots, kSeeds);
+  EXPECT_GT(forwards.snapshot_items, kSeeds);
   EXPECT_GT(kills, kSeeds / 10);
   EXPECT_GT(deletions, kSeeds / 10);
   EXPECT_GT(held_back, kSeeds);
@@ -48,12 +56,15 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   EXPECT_GT(ends[absl::StatusCode::kAborted], kSeeds / 10);
   EXPECT_GT(ends[absl::StatusCode::kUnavailable], kSeeds / 10);
   fmt::print(
-      "{} seeds: stored {} applied {} superseded {} duplicate {} rejected {} missing {}; "
+      "{} seeds: forwards written {} coalesced {} replaced {} dropped {} snapshots {} of {}; "
+      "stored {} applied {} superseded {} duplicate {} rejected {} missing {}; "
       "{} kills, {} rows deleted, held back after {} steps; ended OK {} ABORTED {} UNAVAILABLE "
       "{}\n",
-      kSeeds, uplinks.stored, uplinks.applied, uplinks.superseded, uplinks.duplicate,
-      uplinks.rejected, uplinks.missing, kills, deletions, held_back, ends[absl::StatusCode::kOk],
-      ends[absl::StatusCode::kAborted], ends[absl::StatusCode::kUnavailable]);
+      kSeeds, forwards.written, forwards.coalesced, forwards.replaced, forwards.dropped,
+      forwards.snapshots, forwards.snapshot_items, uplinks.stored, uplinks.applied,
+      uplinks.superseded, uplinks.duplicate, uplinks.rejected, uplinks.missing, kills, deletions,
+      held_back, ends[absl::StatusCode::kOk], ends[absl::StatusCode::kAborted],
+      ends[absl::StatusCode::kUnavailable]);
 }
 
 TEST(Simulation, ReplaysASeedToTheSameStep) {

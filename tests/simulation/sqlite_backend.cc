@@ -34,6 +34,21 @@ void SqliteBackend::DeleteRobotRow(const std::string& ruri) {
   testing::SqliteShell(Path()).Run(fmt::format("DELETE FROM robots WHERE ruri = '{}'", ruri));
 }
 
+void SqliteBackend::RemoveRobot(const std::string& ruri) {
+  std::string sql;
+  for (const char* table : {"robots", "shapes", "objects"}) {
+    sql += fmt::format("DELETE FROM {} WHERE ruri = '{}';", table, ruri);
+  }
+  testing::SqliteShell(Path()).Run(sql);
+}
+
+storage::SharedItems& SqliteBackend::Items() {
+  auto opened = storage::sqlite::SqliteSharedItems::Open(Path());
+  UPLINK_CHECK(opened.ok(), opened.status().ToString());
+  items_ = *std::move(opened);
+  return *items_;
+}
+
 storage::Reader& SqliteBackend::Rows() {
   auto opened = storage::sqlite::SqliteReader::Open(Path());
   UPLINK_CHECK(opened.ok(), opened.status().ToString());

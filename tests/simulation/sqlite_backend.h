@@ -5,6 +5,7 @@
 #include <string>
 
 #include "storage/sqlite/reader.h"
+#include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
 #include "tests/simulation/world.h"
 #include "tests/support/temp_folder.h"
@@ -17,7 +18,9 @@ class SqliteBackend final : public Backend {
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
   storage::Reader& Rows() override;
+  storage::SharedItems& Items() override;
   void DeleteRobotRow(const std::string& ruri) override;
+  void RemoveRobot(const std::string& ruri) override;
 
  private:
   [[nodiscard]] std::string Path() const;
@@ -25,6 +28,7 @@ class SqliteBackend final : public Backend {
   testing::TempFolder folder_;
   std::unique_ptr<storage::sqlite::SqliteStore> store_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
+  std::unique_ptr<storage::sqlite::SqliteSharedItems> items_;
 };
 
 }  // namespace uplink::simulation

@@ -33,12 +33,23 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   limits_.journal.batch_records_max = 1 + random_.Below(8);
   limits_.presence = {.timeout = milliseconds(400), .startup_grace = milliseconds(2'000)};
   limits_.journal.robot_share = 1;
+  receiver_limits_ = {.waiting_max = 1 + random_.Below(4), .taken_max = 1 + random_.Below(3)};
   greedy_ = random_.Percent(20);
   if (greedy_) AddGreed();
-  const std::size_t robots = greedy_ ? 5 : 1 + random_.Below(3);
+  AddRobots();
+  if (options_.trace != nullptr) traced_.emplace(recorder_, *options_.trace);
+  StartServer();
+}
+
+void World::AddRobots() {
+  const std::size_t robots = greedy_ ? 5 : 1 + random_.Below(4);
   for (std::size_t i = 0; i < robots; ++i) {
-    robots_.push_back(std::make_unique<Robot>(SimAgent(
-        fmt::format("rcan://sim/{}", i), payloads_, recorder_, [this](const std::string& text) {
+    // Two fleets, and in both who sends and who receives.
+    const std::string fleet = i % 4 < 2 ? "sim" : "other";
+    SimAgent::Self self{{.ruri = fmt::format("rcan://{}/{}", fleet, i), .fleet = fleet},
+                        random_.Percent(15)};
+    robots_.push_back(std::make_unique<Robot>(
+        SimAgent(std::move(self), payloads_, recorder_, [this](const std::string& text) {
           if (result_.violation.empty()) {
             result_.violation =
                 fmt::format("seed {} step {}: robot says: {}", options_.seed, result_.steps, text);
@@ -46,8 +57,6 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
         })));
   }
   if (greedy_) robots_.front()->agent.BeGreedy();
-  if (options_.trace != nullptr) traced_.emplace(recorder_, *options_.trace);
-  StartServer();
 }
 
 void World::AddGreed() {
@@ -60,10 +69,18 @@ void World::StartServer() {
   storage::ProcessId process{};
   for (std::uint8_t& byte : process) byte = static_cast<std::uint8_t>(random_.Next());
   recorder_.SetStore(&backend_.Reopen(process));
+  recorder_.shared().BeginLife();
+  items_ = std::make_unique<SimItems>(
+      backend_.Items(), [this] { BetweenReads(); }, options_.forward_fault);
+  items_->SetAway(away_);
   const Ground ground{.clock = clock_,
                       .rows = &backend_.Rows(),
                       .store = traced_ ? static_cast<storage::Store&>(*traced_) : recorder_,
-                      .trace = options_.trace};
+                      .trace = options_.trace,
+                      .forwards = {.items = items_.get(),
+                                   .receivers = receiver_limits_,
+                                   .seed = random_.Next(),
+                                   .fault = options_.forward_fault}};
   server_ = std::make_unique<SimServer>(ground, limits_, process);
   server_->rejects().SetAway(away_);
 }
@@ -77,9 +94,14 @@ RunResult World::Run() {
   }
   if (result_.violation.empty()) Heal();
   if (result_.violation.empty()) CheckEnd();
-  result_.uplinks += server_->counts().uplinks;
+  AddCounts();
   TraceEnd();
   return result_;
+}
+
+void World::AddCounts() {
+  result_.uplinks += server_->counts().uplinks;
+  result_.forwards += server_->forwards()->sum().counts;
 }
 
 void World::TraceEnd() {
@@ -97,19 +119,23 @@ World::Robot* World::OwnerOf(std::uint64_t stream) {
 
 void World::Step() {
   const std::size_t pick = random_.Below(100);
-  if (pick < 48 && !server_->streams().empty()) {
+  if (pick < 46 && !server_->streams().empty()) {
     auto& streams = server_->streams();
     const auto at =
         std::next(streams.begin(), static_cast<std::ptrdiff_t>(random_.Below(streams.size())));
     return NetworkStep(*at->second, OwnerOf(at->first));
   }
-  if (pick < 60) return AgentStep(*robots_[random_.Below(robots_.size())]);
-  if (pick < 73) {
+  if (pick < 58) return AgentStep(*robots_[random_.Below(robots_.size())]);
+  if (pick < 70) {
     server_->journal().turns().Advance();
     return;
   }
-  if (pick < 76) {
+  if (pick < 73) {
     server_->rejects().ReadOne();
+    return;
+  }
+  if (pick < 77) {
+    static_cast<void>(server_->forwards()->Round());
     return;
   }
   if (pick < 94) {
@@ -122,6 +148,20 @@ void World::Step() {
     return server_->FireTimers();
   }
   FaultStep();
+}
+
+void World::BetweenReads() {
+  const std::size_t pick = random_.Below(100);
+  if (pick < 20) {
+    server_->journal().turns().Advance();
+  } else if (pick < 35) {
+    if (server_->HasWakes()) server_->DeliverWake(static_cast<std::size_t>(random_.Next() >> 1U));
+  } else if (pick < 50 && !server_->streams().empty()) {
+    auto& streams = server_->streams();
+    const auto at =
+        std::next(streams.begin(), static_cast<std::ptrdiff_t>(random_.Below(streams.size())));
+    NetworkStep(*at->second, OwnerOf(at->first));
+  }
 }
 
 void World::NetworkStep(SimStream& stream, Robot* owner) {
@@ -172,7 +212,7 @@ void World::Connect(Robot& robot) {
   robot.agent.Disconnected();
   robot.stream.reset();
   if (server_->draining) return;
-  robot.stream = server_->Open(robot.agent.ruri());
+  robot.stream = server_->Open(robot.agent.id());
   robot.batches_acked = 0;
   server_->Find(*robot.stream)->Send(robot.agent.Connect(random_));
 }
@@ -189,20 +229,16 @@ void World::FaultStep() {
     }
     return;
   }
-  if (pick < 45) {
-    const std::string& ruri = robots_[random_.Below(robots_.size())]->agent.ruri();
-    if (!recorder_.OnRowDeleted(ruri)) return;
-    backend_.DeleteRobotRow(ruri);
-    ++deletions_[ruri];
-    ++result_.deletions;
-    return;
-  }
+  if (pick < 45) return DeleteRow(robots_[random_.Below(robots_.size())]->agent.ruri());
+  if (pick < 50) return items_->FailAfter(random_.Below(4));
+  if (pick < 55) return items_->TrimNext();
   if (pick < 75) {
     return recorder_.FailNext(random_.Percent(50) ? StoreFault::kBefore : StoreFault::kAfter);
   }
   if (pick < 90) {
     away_ = pick < 80 && !away_;
     server_->rejects().SetAway(away_);
+    items_->SetAway(away_);
     return recorder_.SetAway(away_);
   }
   if (pick < 93) {
@@ -215,9 +251,21 @@ void World::FaultStep() {
   Kill();
 }
 
+void World::DeleteRow(const std::string& ruri) {
+  if (!recorder_.OnRowDeleted(ruri)) return;
+  if (random_.Percent(50)) {
+    backend_.RemoveRobot(ruri);
+    recorder_.shared().NoteRemoval(ruri);
+  } else {
+    backend_.DeleteRobotRow(ruri);
+  }
+  ++deletions_[ruri];
+  ++result_.deletions;
+}
+
 void World::Kill() {
   ++result_.kills;
-  result_.uplinks += server_->counts().uplinks;
+  AddCounts();
   server_.reset();
   deletions_.clear();
   for (const auto& robot : robots_) {
@@ -241,54 +289,6 @@ void World::Reap() {
       robot->stream.reset();
     }
     server_->Forget(id);
-  }
-}
-
-void World::Check() {
-  CheckLaw();
-  for (const auto& robot : robots_) {
-    const fleet::RobotPtr known = server_->fleet().Find(robot->agent.ruri());
-    if (known != nullptr && known->state.held_back()) ++result_.held_back;
-    if (known != nullptr && greedy_) CheckShare(robot->agent.ruri(), known->sessions);
-    if (known != nullptr &&
-        known->sessions.in_flight() > limits_.session.in_flight_uplinks_max + 1) {
-      recorder_.Violate(fmt::format("{} messages of {} are in flight, the limit is {}",
-                                    known->sessions.in_flight(), robot->agent.ruri(),
-                                    limits_.session.in_flight_uplinks_max));
-    }
-  }
-}
-
-void World::CheckShare(const std::string& ruri, const robot::RobotSessions& sessions) {
-  const robot::JournalUse use = sessions.journal_use();
-  const std::size_t share = limits_.journal.bytes_max / limits_.journal.robot_share;
-  if (use.records > 1 && use.bytes > share) {
-    recorder_.Violate(fmt::format("{} has {} bytes of {} records in the journal, its share is {}",
-                                  ruri, use.bytes, use.records, share));
-  }
-  switch (sessions.View().held_back) {
-    case robot::HeldBack::kJournal:
-      // Five shares of eight cannot fill it.
-      return recorder_.Violate(fmt::format("{} is held back for others", ruri));
-    case robot::HeldBack::kJournalShare:
-      ++result_.held_back_by_share;
-      return;
-    case robot::HeldBack::kFlow:
-      ++result_.held_back_by_flow;
-      return;
-    default:
-      return;
-  }
-}
-
-void World::CheckLaw() {
-  const metrics::UplinkCounts counts = server_->counts().uplinks;
-  if (!counts.Balanced()) {
-    recorder_.Violate(fmt::format(
-        "the conservation law is broken: received {} stored {} applied {} superseded {} duplicate "
-        "{} rejected {} in flight {}",
-        counts.received, counts.stored, counts.applied, counts.superseded, counts.duplicate,
-        counts.rejected, counts.in_flight));
   }
 }
 

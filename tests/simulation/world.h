@@ -14,6 +14,7 @@
 #include "tests/simulation/random.h"
 #include "tests/simulation/recorder.h"
 #include "tests/simulation/sim_agent.h"
+#include "tests/simulation/sim_items.h"
 #include "tests/simulation/sim_server.h"
 #include "tests/simulation/trace.h"
 #include "tests/simulation/traced_store.h"
@@ -30,8 +31,12 @@ class Backend {
   virtual std::optional<std::string> Compare(const Recorder& recorder) = 0;
   /// Reads what lies in the store that was opened last; until the next Reopen.
   virtual storage::Reader& Rows() = 0;
+  /// The shapes and objects of that store that robots share; until the next Reopen.
+  virtual storage::SharedItems& Items() = 0;
   /// Another hand deletes the robot's row in `robots`; all else of it stays.
   virtual void DeleteRobotRow(const std::string& ruri) = 0;
+  /// The same, with all its shapes and objects.
+  virtual void RemoveRobot(const std::string& ruri) = 0;
 };
 
 struct RunOptions {
@@ -39,6 +44,7 @@ struct RunOptions {
   std::uint32_t steps = 400;
   /// Is given everything that the server does; null: nothing is traced.
   Trace* trace = nullptr;
+  ForwardFault forward_fault = ForwardFault::kNone;
 };
 
 struct RunResult {
@@ -47,6 +53,7 @@ struct RunResult {
   std::uint32_t steps = 0;
   /// Over all lives of the process.
   metrics::UplinkCounts uplinks;
+  forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t breaks = 0;
   /// Rows of robots that were deleted.
@@ -83,13 +90,20 @@ class World final {
   void Step();
   void NetworkStep(SimStream& stream, Robot* owner);
   void AgentStep(Robot& robot);
+  /// A thread of its own reads the shared set: others work between two of its calls.
+  void BetweenReads();
   void FaultStep();
+  void DeleteRow(const std::string& ruri);
   void Kill();
   void StartServer();
+  void AddRobots();
+  /// What this life of the process counted.
+  void AddCounts();
   void Connect(Robot& robot);
   void Receive(Robot& robot, SimStream& stream);
   void Check();
   void CheckLaw();
+  void CheckForwardLaw();
   void CheckShare(const std::string& ruri, const robot::RobotSessions& sessions);
   void CheckEnds();
   /// One greedy robot among five, each with an eighth of the journal.
@@ -103,6 +117,9 @@ class World final {
   [[nodiscard]] bool Settled();
   void CheckEnd();
   void CheckPresence();
+  /// Each receiver has been told all that there is to tell.
+  [[nodiscard]] bool ForwardsSettled();
+  void CheckTables();
   /// What is left at the end, and the result.
   void TraceEnd();
 
@@ -115,11 +132,15 @@ class World final {
   Recorder recorder_;
   std::optional<TracedStore> traced_;
   ServerLimits limits_;
+  forward::ReceiverLimits receiver_limits_;
+  std::unique_ptr<SimItems> items_;
   std::unique_ptr<SimServer> server_;
   std::vector<std::unique_ptr<Robot>> robots_;
   /// The first robot is.
   bool greedy_ = false;
   bool away_ = false;
+  /// The last round of the end read all that was committed before.
+  bool all_read_ = false;
   /// Deletions of a robot's row that have ended no stream of it yet: each may end one.
   std::map<std::string, std::uint64_t> deletions_;
 };

@@ -1,0 +1,70 @@
+// What must hold after every step.
+#include <fmt/format.h>
+
+#include "tests/simulation/world.h"
+
+namespace uplink::simulation {
+
+void World::Check() {
+  CheckLaw();
+  CheckForwardLaw();
+  for (const auto& robot : robots_) {
+    const fleet::RobotPtr known = server_->fleet().Find(robot->agent.ruri());
+    if (known != nullptr && known->state.held_back()) ++result_.held_back;
+    if (known != nullptr && greedy_) CheckShare(robot->agent.ruri(), known->sessions);
+    if (known != nullptr &&
+        known->sessions.in_flight() > limits_.session.in_flight_uplinks_max + 1) {
+      recorder_.Violate(fmt::format("{} messages of {} are in flight, the limit is {}",
+                                    known->sessions.in_flight(), robot->agent.ruri(),
+                                    limits_.session.in_flight_uplinks_max));
+    }
+  }
+}
+
+void World::CheckShare(const std::string& ruri, const robot::RobotSessions& sessions) {
+  const robot::JournalUse use = sessions.journal_use();
+  const std::size_t share = limits_.journal.bytes_max / limits_.journal.robot_share;
+  if (use.records > 1 && use.bytes > share) {
+    recorder_.Violate(fmt::format("{} has {} bytes of {} records in the journal, its share is {}",
+                                  ruri, use.bytes, use.records, share));
+  }
+  switch (sessions.View().held_back) {
+    case robot::HeldBack::kJournal:
+      // Five shares of eight cannot fill it.
+      return recorder_.Violate(fmt::format("{} is held back for others", ruri));
+    case robot::HeldBack::kJournalShare:
+      ++result_.held_back_by_share;
+      return;
+    case robot::HeldBack::kFlow:
+      ++result_.held_back_by_flow;
+      return;
+    default:
+      return;
+  }
+}
+
+void World::CheckLaw() {
+  const metrics::UplinkCounts counts = server_->counts().uplinks;
+  if (!counts.Balanced()) {
+    recorder_.Violate(fmt::format(
+        "the conservation law is broken: received {} stored {} applied {} superseded {} duplicate "
+        "{} rejected {} in flight {}",
+        counts.received, counts.stored, counts.applied, counts.superseded, counts.duplicate,
+        counts.rejected, counts.in_flight));
+  }
+}
+
+void World::CheckForwardLaw() {
+  const forward::Forwards::Sum sum = server_->forwards()->sum();
+  const forward::Counts& counts = sum.counts;
+  if (counts.due ==
+      counts.written + counts.coalesced + counts.replaced + counts.dropped + sum.waiting) {
+    return;
+  }
+  recorder_.Violate(fmt::format(
+      "the conservation law of forwards is broken: due {} written {} coalesced {} replaced {} "
+      "dropped {} waiting {}",
+      counts.due, counts.written, counts.coalesced, counts.replaced, counts.dropped, sum.waiting));
+}
+
+}  // namespace uplink::simulation
