@@ -65,6 +65,8 @@ std::string NameOf(ServerKind kind) {
       return "bare TLS sink";
     case ServerKind::kMosquitto:
       return "mosquitto QoS 1";
+    case ServerKind::kMosquittoQos0:
+      return "mosquitto QoS 0";
     case ServerKind::kNats:
       return "nats-server";
   }
@@ -72,7 +74,9 @@ std::string NameOf(ServerKind kind) {
 }
 
 bool IsInstalled(ServerKind kind) {
-  if (kind == ServerKind::kMosquitto) return std::filesystem::exists(kMosquitto);
+  if (kind == ServerKind::kMosquitto || kind == ServerKind::kMosquittoQos0) {
+    return std::filesystem::exists(kMosquitto);
+  }
   if (kind == ServerKind::kNats) return std::filesystem::exists(kNats);
   return true;
 }
@@ -104,7 +108,7 @@ void Server::Start() {
                                                folder.Path(fmt::format("uplinkd-{}.db", port_))),
                                    std::string("UPLINKD_LISTEN_TRANSPORT=") +
                                        (kind_ == ServerKind::kUplinkd ? "native" : "grpc"),
-                                   "UPLINKD_PRESENCE_TIMEOUT=1h"});
+                                   "UPLINKD_PRESENCE_TIMEOUT=1h", "UPLINKD_RATES_OBJECT=0"});
       break;
     case ServerKind::kGrpcSink:
       process_ = std::make_unique<testing::ServerProcess>(std::vector<std::string>{
@@ -115,6 +119,7 @@ void Server::Start() {
           std::vector<std::string>{TLS_SINK_PROGRAM, folder_, std::to_string(port_)});
       break;
     case ServerKind::kMosquitto:
+    case ServerKind::kMosquittoQos0:
       folder.Write("mosquitto.conf", MosquittoConfig(folder, port_));
       process_ = std::make_unique<testing::ServerProcess>(
           std::vector<std::string>{kMosquitto, "-c", folder.Path("mosquitto.conf")});
@@ -149,6 +154,7 @@ Load::Where Server::where() const {
       where.protocol = Protocol::kLengthPrefix;
       break;
     case ServerKind::kMosquitto:
+    case ServerKind::kMosquittoQos0:
       where.protocol = Protocol::kMqtt;
       break;
     case ServerKind::kNats:

@@ -20,6 +20,8 @@ enum class ServerKind : std::uint8_t {
   kGrpcSink,
   kTlsSink,
   kMosquitto,
+  /// The same server, which clients ask for QoS 0.
+  kMosquittoQos0,
   kNats
 };
 [[nodiscard]] std::string NameOf(ServerKind kind);

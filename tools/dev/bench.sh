@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
+# `forward` takes `--receivers N`.
 # `hostile` takes `--only ATTACK`, `--transport native|grpc` and `--server-bin FILE`.
 # `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
 # store lies in TMPDIR.
@@ -106,6 +107,11 @@ case "$name" in
     build_preset release bin/uplink_bench_relay bin/uplinkd
     "$bin/uplink_bench_relay" "$name" --commit "$commit" "$@"
     ;;
+  forward)
+    need_packages
+    build_preset release bin/uplink_bench_forward bin/uplinkd
+    "$bin/uplink_bench_forward" --commit "$commit" "$@"
+    ;;
   decode)
     need_packages
     build_preset release bin/uplink_bench_decode
@@ -116,5 +122,5 @@ case "$name" in
     build_preset release bin/uplink_bench_scrape bin/uplinkd bin/uplinkctl bin/uplink-fleet
     bench_scrape "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair or hostile)" ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile or forward)" ;;
 esac

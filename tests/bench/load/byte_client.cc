@@ -4,31 +4,15 @@
 
 #include <fmt/core.h>
 
+#include "tests/bench/load/mqtt.h"
 #include "tests/bench/load/relay_client.h"
 #include "tests/bench/sink_protocol.h"
 
 namespace uplink::bench {
 namespace {
 
-constexpr char kMqttConnect = 0x10;
-constexpr char kMqttConnack = 0x20;
-constexpr char kMqttPublishQos1 = 0x32;
-constexpr char kMqttPuback = 0x40;
 constexpr std::size_t kMqttAnswerBytes = 4;
 constexpr std::uint64_t kNatsMessagesAPing = 64;
-
-void AppendMqttText(std::string& to, std::string_view text) {
-  to += static_cast<char>(text.size() >> 8U);
-  to += static_cast<char>(text.size());
-  to.append(text);
-}
-
-/// MQTT's lengths: seven bits a byte, the lowest first.
-void AppendMqttLength(std::string& to, std::size_t length) {
-  constexpr std::size_t kMore = 128;
-  for (; length >= kMore; length /= kMore) to += static_cast<char>(length % kMore + kMore);
-  to += static_cast<char>(length);
-}
 
 }  // namespace
 
@@ -69,16 +53,7 @@ void LengthPrefixClient::TakeAnswers(std::string& in) {
 MqttClient::MqttClient(link::Loop& loop, link::LinkOptions options, std::size_t number)
     : ByteClient(loop, std::move(options)), name_(fmt::format("robot-{}", number)) {}
 
-void MqttClient::Greet() {
-  std::string body;
-  AppendMqttText(body, "MQTT");
-  // Version 3.1.1, a clean session, no keepalive.
-  body.append({4, 2, 0, 0});
-  AppendMqttText(body, name_);
-  std::string packet(1, kMqttConnect);
-  AppendMqttLength(packet, body.size());
-  Write(packet + body);
-}
+void MqttClient::Greet() { Write(MqttConnectPacket(name_)); }
 
 void MqttClient::Send(std::size_t messages) {
   out_.clear();
@@ -88,8 +63,7 @@ void MqttClient::Send(std::size_t messages) {
     out_ += kMqttPublishQos1;
     AppendMqttLength(out_, 2 + name_.size() + 2 + payload.size());
     AppendMqttText(out_, name_);
-    out_ += static_cast<char>(packet_ >> 8U);
-    out_ += static_cast<char>(packet_);
+    AppendMqttNumber(out_, packet_);
     out_.append(payload);
   }
   Write(out_);

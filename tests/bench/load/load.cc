@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <utility>
 
 #include "schema/base/check.h"
 #include "tests/bench/load/relay_client.h"
@@ -40,6 +41,7 @@ std::unique_ptr<Client> Load::NewClient(std::size_t number) {
   if (!where_.gateways.empty()) return NewThroughGateway(number);
   link::LinkOptions options = where_.link;
   options.identity = where_.identities->at(number);
+  if (where_.connect) return where_.connect(loop_, std::move(options), number);
   return Connect(where_.protocol, loop_, std::move(options), number);
 }
 

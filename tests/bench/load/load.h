@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ class Load final {
  public:
   struct Where {
     Protocol protocol = Protocol::kRelay;
+    /// Makes the clients in place of `protocol`, if it is set.
+    std::function<std::unique_ptr<Client>(link::Loop&, link::LinkOptions, std::size_t number)>
+        connect = {};
     link::LinkOptions link;
     /// The robots' certificates; as many robots as there are can be connected.
     const std::vector<link::Identity>* identities = nullptr;
@@ -44,6 +48,10 @@ class Load final {
   void SendEach(std::size_t messages);
   /// Evenly spread: so many frames per second over all robots, in turn.
   void Pace(double frames_per_second, std::size_t frame_messages, milliseconds duration);
+  /// Lets the clients take what comes.
+  void RunFor(milliseconds duration);
+  /// Aborts if a client was refused or cut.
+  void CheckNoneFailed(std::size_t from = 0) const;
   /// Each robot keeps `ahead` messages unacked.
   void Flood(std::size_t ahead, std::size_t frame_messages, milliseconds duration);
   /// Connects all robots again, each until it is welcomed, with `at_once` at a time: the server was
@@ -59,8 +67,6 @@ class Load final {
  private:
   [[nodiscard]] std::unique_ptr<Client> NewClient(std::size_t number);
   [[nodiscard]] std::unique_ptr<Client> NewThroughGateway(std::size_t number);
-  void RunFor(milliseconds duration);
-  void CheckNoneFailed(std::size_t from = 0) const;
   void FillUp(Client& client, std::size_t ahead, std::size_t frame_messages) const;
 
   Where where_;
