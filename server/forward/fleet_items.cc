@@ -31,7 +31,7 @@ void FleetItems::SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires
   if (expires_ms != 0) expiries_.emplace(expires_ms, key);
 }
 
-std::vector<robot::StreamRef> FleetItems::Remove(const ItemKey& key, EncodedFrame deletion) {
+std::vector<robot::StreamRef> FleetItems::Remove(const ItemKey& key, const EncodedFrame& deletion) {
   const std::lock_guard lock(mutex_);
   const auto place = items_.find(key);
   if (place == items_.end()) return {};

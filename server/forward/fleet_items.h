@@ -69,7 +69,7 @@ class FleetItems final {
   /// The item is there as before, for another time.
   void SetExpiry(const ItemKey& key, std::int64_t expires_ms);
   /// The item is there no more: `deletion` says so. Nothing if it was not.
-  std::vector<robot::StreamRef> Remove(const ItemKey& key, EncodedFrame deletion);
+  std::vector<robot::StreamRef> Remove(const ItemKey& key, const EncodedFrame& deletion);
   /// From now on the set is whole, and snapshots may begin.
   std::vector<robot::StreamRef> SetWhole();
 

@@ -42,6 +42,7 @@ enum Code : std::uint32_t {
   kProtocolError = 1,
   kFlowControlError = 3,
   kFrameSizeError = 6,
+  kStreamClosed = 5,
   kRefusedStream = 7,
   kCancel = 8,
   kCompressionError = 9,

@@ -74,7 +74,7 @@ TEST_F(Naming, AGatewayByItsSubject) {
   EXPECT_TRUE(Eventually([&] { return !LinesOf("why=no_stream").empty(); }));
   EXPECT_THAT(LinesOf("why=no_stream"),
               Contains(AllOf(HasSubstr("robot=\"\" "),
-                             HasSubstr("gateway=\"OU=gateway,CN=gateway of hall 7\""),
+                             HasSubstr("gateway=\"CN=gateway of hall 7,OU=gateway\""),
                              HasSubstr("subject=\"\" "))));
 }
 

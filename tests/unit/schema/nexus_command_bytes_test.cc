@@ -104,7 +104,7 @@ TEST(ForwardedIdTest, IsTheIdAtItsOrigin) {
 }
 
 TEST(LayerRoleTest, OfAReportedRoleIsThatOfTheSameName) {
-  for (std::uint16_t i = 0; i < model::kEnumNames<model::ReportedLayerRole>.size(); ++i) {
+  for (std::size_t i = 0; i < model::kEnumNames<model::ReportedLayerRole>.size(); ++i) {
     const auto reported = static_cast<model::ReportedLayerRole>(i);
     EXPECT_EQ(model::EnumText(model::LayerRoleOf(reported)), model::EnumText(reported));
   }

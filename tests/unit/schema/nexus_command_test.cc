@@ -82,7 +82,7 @@ TEST(NexusCommandTest, KeepsEveryRoleAndScopeAlsoThoseWithoutAName) {
 }
 
 TEST(NexusCommandTest, KeepsEveryTypeOfObject) {
-  for (std::uint16_t number = 0; number <= model::kEnumNames<model::ObjectType>.size(); ++number) {
+  for (std::size_t number = 0; number <= model::kEnumNames<model::ObjectType>.size(); ++number) {
     SCOPED_TRACE(number);
     model::Object object = test::SampleObject();
     object.object_type = static_cast<model::ObjectType>(number);

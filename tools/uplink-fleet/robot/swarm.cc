@@ -119,7 +119,7 @@ absl::Status Swarm::Inside::Issue(const absl::StatusOr<pki::Profile>& profile) {
 absl::Status Swarm::Inside::IssueAll() {
   const std::size_t robots = options.scenario.robots;
   for (std::size_t i = 0; options.gateways == 0 && i < robots; ++i) {
-    const absl::Status status = Issue(
+    absl::Status status = Issue(
         pki::RobotProfile(RuriOf(options, i), options.fleet, fmt::format("robot-{:04}", i + 1)));
     if (!status.ok()) return status;
   }
@@ -128,7 +128,7 @@ absl::Status Swarm::Inside::IssueAll() {
     for (std::size_t i = gateway; i < robots; i += options.gateways) {
       ruris.push_back(RuriOf(options, i));
     }
-    const absl::Status status =
+    absl::Status status =
         Issue(pki::GatewayProfile(ruris, options.fleet, fmt::format("gateway-{:04}", gateway + 1)));
     if (!status.ok()) return status;
   }

@@ -33,6 +33,7 @@ class Woken final : public robot::WakeInbox {
 /// The frames' texts.
 [[nodiscard]] inline std::vector<std::string> Texts(const std::vector<EncodedFrame>& frames) {
   std::vector<std::string> texts;
+  texts.reserve(frames.size());
   for (const EncodedFrame& frame : frames) texts.push_back(*frame);
   return texts;
 }
