@@ -19,9 +19,11 @@ void World::Heal() {
   away_ = false;
   recorder_.SetAway(false);
   server_->rejects().SetAway(false);
-  items_->SetAway(false);
   recorder_.FailNext(StoreFault::kNone);
   if (server_->draining) Kill();
+  items_->SetAway(false);
+  // All may be read anew while the rest is committed.
+  if (random_.Percent(50)) items_->TrimNext();
   for (int round = 0; round < kRoundsMax && result_.violation.empty(); ++round) {
     if (Settled()) return;
     HealRound();

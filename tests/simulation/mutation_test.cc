@@ -90,15 +90,15 @@ TEST_P(PlantedForwardFault, IsFoundForWhatItIs) {
   EXPECT_THAT(RunSeed(seed, GetParam().fault).violation, HasSubstr(GetParam().violation));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Simulation, PlantedForwardFault,
-    ::testing::Values(ForwardCase{ForwardFault::kBeginsBeforeWhole, "which was there all the time"},
-                      ForwardCase{ForwardFault::kPositionAfterItems, "holds"},
-                      ForwardCase{ForwardFault::kStaleLook, "holds"},
-                      ForwardCase{ForwardFault::kDeleteKept, "holds"},
-                      ForwardCase{ForwardFault::kDropsWhenFull, "holds"},
-                      ForwardCase{ForwardFault::kOtherFleet, "came from another fleet"},
-                      ForwardCase{ForwardFault::kOwnItems, "came back"}));
+INSTANTIATE_TEST_SUITE_P(Simulation, PlantedForwardFault,
+                         ::testing::Values(ForwardCase{ForwardFault::kBeginsBeforeWhole,
+                                                       "which was there all the time"},
+                                           ForwardCase{ForwardFault::kPositionAfterItems, "holds"},
+                                           ForwardCase{ForwardFault::kStaleLook, "holds"},
+                                           ForwardCase{ForwardFault::kDeleteKept, "holds"},
+                                           ForwardCase{ForwardFault::kDropsWhenFull, "holds"},
+                                           ForwardCase{ForwardFault::kOtherFleet, "robot says"},
+                                           ForwardCase{ForwardFault::kOwnItems, "came back"}));
 
 TEST(UnplantedSwitch, NothingPlantedIsNothingFound) { EXPECT_EQ(FirstFailingSeed(), 0U); }
 

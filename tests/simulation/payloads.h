@@ -41,7 +41,7 @@ enum class Spatial : std::uint8_t {
 };
 inline constexpr std::size_t kSpatialKinds = 8;
 /// Each robot has as many shapes, and objects of the same ids.
-inline constexpr std::size_t kSpatialIds = 3;
+inline constexpr std::size_t kSpatialIds = 2;
 inline constexpr std::size_t kSpatials = 2 * kSpatialIds * kSpatialKinds;
 inline constexpr std::size_t kContents = static_cast<std::size_t>(Content::kSpatial) + kSpatials;
 

@@ -1,5 +1,6 @@
 #include "tests/simulation/shared_book.h"
 
+#include <chrono>
 #include <utility>
 
 #include "schema/base/check.h"
@@ -10,6 +11,9 @@
 
 namespace uplink::simulation {
 namespace {
+
+/// No run is so long.
+constexpr std::chrono::hours kRunMax{1};
 
 /// As a robot reads the command that says it.
 SharedWhat AsTold(const std::string& bytes) {
@@ -28,7 +32,7 @@ void SharedBook::Note(const storage::CommitRecord& record) {
   if (good == nullptr) return;
   const model::RobotId& robot = *record.robot;
   if (const auto* shape = std::get_if<model::ShapeOp>(&good->body())) {
-    Version version;
+    Version version{.received_at = record.received_at};
     if (const model::ReportedShape* upsert = shape->upsert()) {
       version.expires_ms = upsert->expire_time_ms;
       if (storage::IsShared(upsert->scope)) {
@@ -37,7 +41,7 @@ void SharedBook::Note(const storage::CommitRecord& record) {
     }
     Add(robot, {false, nexus_command::ForwardedId(shape->id(), robot.ruri)}, std::move(version));
   } else if (const auto* object = std::get_if<model::ObjectOp>(&good->body())) {
-    Version version;
+    Version version{.received_at = record.received_at};
     if (object->upsert() != nullptr) {
       model::Object upsert = *object->upsert();
       upsert.expires_unix_time_ms =
@@ -84,7 +88,8 @@ SharedBook::Table SharedBook::PresentFor(const Receiver& receiver, SystemTime no
 std::optional<SharedKey> SharedBook::LackingOf(const Receiver& receiver, const Table& table) const {
   for (const auto& [key, item] : items_) {
     const Version& last = item.versions.back();
-    if (!IsFor(receiver, item) || last.note > life_began_ || last.expires_ms != 0) continue;
+    if (!IsFor(receiver, item) || last.note > life_began_) continue;
+    if (storage::IsExpired(last.expires_ms, UnixMs(last.received_at + kRunMax))) continue;
     if (!table.contains(key)) return key;
   }
   return std::nullopt;

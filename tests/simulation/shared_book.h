@@ -61,6 +61,7 @@ class SharedBook final {
     std::uint64_t note = 0;
     std::string fleet;
     std::int64_t expires_ms = 0;
+    SystemTime received_at;
     /// Nothing: it is not shared.
     std::optional<SharedWhat> what;
   };

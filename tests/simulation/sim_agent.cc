@@ -53,12 +53,14 @@ void SimAgent::AddUplink(v1::UplinkBatch& batch, model::Seq seq, Content content
 }
 
 Content SimAgent::NextContent(Random& random) {
-  static constexpr std::array<Content, 18> kMix = {
+  static constexpr std::array<Content, 25> kMix = {
       Content::kFault,   Content::kFault,   Content::kFault,      Content::kEvent,
       Content::kEvent,   Content::kMotion,  Content::kMotion,     Content::kMotion,
-      Content::kRefused, Content::kBadLive, Content::kBadDurable, Content::kEmpty,
+      Content::kMotion,  Content::kMotion,  Content::kMotion,     Content::kRefused,
+      Content::kBadLive, Content::kBadLive, Content::kBadDurable, Content::kEmpty,
       Content::kSpatial, Content::kSpatial, Content::kSpatial,    Content::kSpatial,
-      Content::kSpatial, Content::kSpatial};
+      Content::kSpatial, Content::kSpatial, Content::kSpatial,    Content::kSpatial,
+      Content::kSpatial};
   const Content content = kMix[random.Below(kMix.size())];
   return content == Content::kSpatial ? SpatialOf(random.Below(kSpatials)) : content;
 }

@@ -33,7 +33,7 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   limits_.journal.batch_records_max = 1 + random_.Below(8);
   limits_.presence = {.timeout = milliseconds(400), .startup_grace = milliseconds(2'000)};
   limits_.journal.robot_share = 1;
-  receiver_limits_ = {.waiting_max = 1 + random_.Below(4), .taken_max = 1 + random_.Below(3)};
+  receiver_limits_ = {.waiting_max = 1 + random_.Below(6), .taken_max = 1 + random_.Below(3)};
   greedy_ = random_.Percent(20);
   if (greedy_) AddGreed();
   AddRobots();
@@ -152,11 +152,11 @@ void World::Step() {
 
 void World::BetweenReads() {
   const std::size_t pick = random_.Below(100);
-  if (pick < 20) {
+  if (pick < 40) {
     server_->journal().turns().Advance();
-  } else if (pick < 35) {
+  } else if (pick < 50) {
     if (server_->HasWakes()) server_->DeliverWake(static_cast<std::size_t>(random_.Next() >> 1U));
-  } else if (pick < 50 && !server_->streams().empty()) {
+  } else if (pick < 65 && !server_->streams().empty()) {
     auto& streams = server_->streams();
     const auto at =
         std::next(streams.begin(), static_cast<std::ptrdiff_t>(random_.Below(streams.size())));
@@ -232,6 +232,7 @@ void World::FaultStep() {
   if (pick < 45) return DeleteRow(robots_[random_.Below(robots_.size())]->agent.ruri());
   if (pick < 50) return items_->FailAfter(random_.Below(4));
   if (pick < 55) return items_->TrimNext();
+  if (pick < 60) return items_->SetAway(random_.Percent(50));
   if (pick < 75) {
     return recorder_.FailNext(random_.Percent(50) ? StoreFault::kBefore : StoreFault::kAfter);
   }
@@ -273,6 +274,8 @@ void World::Kill() {
     robot->stream.reset();
   }
   StartServer();
+  // The set may be read over a connection of its own that fails alone.
+  if (random_.Percent(20)) items_->SetAway(true);
 }
 
 void World::Reap() {

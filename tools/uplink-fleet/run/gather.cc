@@ -41,6 +41,8 @@ absl::Status GatherForwards(const RunContext& run, const RunOutcome& outcome, Ev
   CompareForwards(look.shared, look.tables, evidence.findings);
   std::set<std::string> fleet;
   for (const auto& [ruri, robot] : outcome.look.live) fleet.insert(ruri);
+  // Of a robot that left the server's memory the items stay, and are the fleet's.
+  for (const auto& [key, item] : look.shared) fleet.insert(item.origin);
   // Without a look nothing is known of whose robots they are.
   if (!fleet.empty()) CompareOrigins(outcome.origins, fleet, evidence.findings);
   return absl::OkStatus();
