@@ -91,9 +91,7 @@ TEST_P(PlantedForwardFault, IsFoundForWhatItIs) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Simulation, PlantedForwardFault,
-                         ::testing::Values(ForwardCase{ForwardFault::kBeginsBeforeWhole,
-                                                       "which was there all the time"},
-                                           ForwardCase{ForwardFault::kPositionAfterItems, "holds"},
+                         ::testing::Values(ForwardCase{ForwardFault::kPositionAfterItems, "holds"},
                                            ForwardCase{ForwardFault::kStaleLook, "holds"},
                                            ForwardCase{ForwardFault::kDeleteKept, "holds"},
                                            ForwardCase{ForwardFault::kDropsWhenFull, "holds"},
