@@ -9,6 +9,8 @@ enum class ForwardFault : std::uint8_t {
   kNone,
   /// Snapshots may begin before the shared set was read whole.
   kBeginsBeforeWhole,
+  /// The first page of the shared set is taken for the whole.
+  kHalfSet,
   /// The position in the changes is taken after the items were read.
   kPositionAfterItems,
   /// What a change names is looked up before the changes are asked for.

@@ -70,13 +70,14 @@ model::ObjectOp ObjectOf(const std::string& id, Spatial spatial) {
 }  // namespace
 
 void Payloads::SetSpatials() {
-  for (std::size_t number = 0; number < kSpatials; ++number) {
-    const auto spatial = static_cast<Spatial>(number % kSpatialKinds);
-    const std::size_t item = number / kSpatialKinds;
+  for (std::size_t item = 0; item < kSpatialItems; ++item) {
     const std::string id = std::to_string(item / 2);
-    bytes_[static_cast<std::size_t>(SpatialOf(number))] =
-        item % 2 == 0 ? schema::Encode(ShapeOf(id, spatial))
-                      : schema::Encode(ObjectOf(id, spatial));
+    for (std::size_t kind = 0; kind < kSpatialKinds; ++kind) {
+      const auto spatial = static_cast<Spatial>(kind);
+      bytes_[static_cast<std::size_t>(SpatialOf(item, spatial))] =
+          item % 2 == 0 ? schema::Encode(ShapeOf(id, spatial))
+                        : schema::Encode(ObjectOf(id, spatial));
+    }
   }
 }
 

@@ -42,12 +42,14 @@ enum class Spatial : std::uint8_t {
 inline constexpr std::size_t kSpatialKinds = 8;
 /// Each robot has as many shapes, and objects of the same ids.
 inline constexpr std::size_t kSpatialIds = 2;
-inline constexpr std::size_t kSpatials = 2 * kSpatialIds * kSpatialKinds;
+inline constexpr std::size_t kSpatialItems = 2 * kSpatialIds;
+inline constexpr std::size_t kSpatials = kSpatialItems * kSpatialKinds;
 inline constexpr std::size_t kContents = static_cast<std::size_t>(Content::kSpatial) + kSpatials;
 
-/// The spatial content of that number, below kSpatials.
-[[nodiscard]] constexpr Content SpatialOf(std::size_t number) {
-  return static_cast<Content>(static_cast<std::size_t>(Content::kSpatial) + number);
+/// What is said of one of a robot's items; `item` is below kSpatialItems.
+[[nodiscard]] constexpr Content SpatialOf(std::size_t item, Spatial spatial) {
+  return static_cast<Content>(static_cast<std::size_t>(Content::kSpatial) + item * kSpatialKinds +
+                              static_cast<std::size_t>(spatial));
 }
 
 /// True where the server may find that it had expired when it came: then nothing is stored.

@@ -53,16 +53,23 @@ void SimAgent::AddUplink(v1::UplinkBatch& batch, model::Seq seq, Content content
 }
 
 Content SimAgent::NextContent(Random& random) {
-  static constexpr std::array<Content, 25> kMix = {
-      Content::kFault,   Content::kFault,   Content::kFault,      Content::kEvent,
-      Content::kEvent,   Content::kMotion,  Content::kMotion,     Content::kMotion,
-      Content::kMotion,  Content::kMotion,  Content::kMotion,     Content::kRefused,
-      Content::kBadLive, Content::kBadLive, Content::kBadDurable, Content::kEmpty,
-      Content::kSpatial, Content::kSpatial, Content::kSpatial,    Content::kSpatial,
-      Content::kSpatial, Content::kSpatial, Content::kSpatial,    Content::kSpatial,
-      Content::kSpatial};
+  static constexpr std::array<Content, 26> kMix = {
+      Content::kFault,   Content::kFault,   Content::kFault,   Content::kEvent,
+      Content::kEvent,   Content::kMotion,  Content::kMotion,  Content::kMotion,
+      Content::kMotion,  Content::kMotion,  Content::kMotion,  Content::kRefused,
+      Content::kBadLive, Content::kBadLive, Content::kBadLive, Content::kBadDurable,
+      Content::kEmpty,   Content::kSpatial, Content::kSpatial, Content::kSpatial,
+      Content::kSpatial, Content::kSpatial, Content::kSpatial, Content::kSpatial,
+      Content::kSpatial, Content::kSpatial};
   const Content content = kMix[random.Below(kMix.size())];
-  return content == Content::kSpatial ? SpatialOf(random.Below(kSpatials)) : content;
+  if (content != Content::kSpatial) return content;
+  const std::size_t item = random.Below(kSpatialItems);
+  // Most are shared for good, or none would be there to be lost.
+  static constexpr std::array<Spatial, 3> kLasting = {Spatial::kForFleet, Spatial::kForFleetMoved,
+                                                      Spatial::kForWorld};
+  const Spatial spatial = random.Percent(60) ? kLasting[random.Below(kLasting.size())]
+                                             : static_cast<Spatial>(random.Below(kSpatialKinds));
+  return SpatialOf(item, spatial);
 }
 
 v1::RelayRequest SimAgent::Batch(Random& random, std::size_t messages_max, Fresh fresh) {

@@ -55,7 +55,7 @@ absl::StatusOr<SharedPage> SimItems::Page(const std::optional<ItemKey>& after) {
   auto page = items_.Page(after);
   if (page.ok() && page->items.size() > kPageMax) {
     page->items.resize(kPageMax);
-    page->more = true;
+    page->more = fault_ != ForwardFault::kHalfSet;
   }
   return page;
 }

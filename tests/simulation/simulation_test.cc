@@ -37,7 +37,7 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   // The schedules must really have exercised what they claim to.
   EXPECT_GT(uplinks.stored, kSeeds * 10);
   EXPECT_GT(uplinks.applied, kSeeds * 3);
-  EXPECT_GT(uplinks.rejected, kSeeds * 4);
+  EXPECT_GT(uplinks.rejected, kSeeds * 5);
   EXPECT_GT(uplinks.superseded, kSeeds);
   EXPECT_GT(uplinks.duplicate, kSeeds);
   EXPECT_GT(uplinks.missing, kSeeds);

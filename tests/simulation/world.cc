@@ -275,7 +275,7 @@ void World::Kill() {
   }
   StartServer();
   // The set may be read over a connection of its own that fails alone.
-  if (random_.Percent(20)) items_->SetAway(true);
+  if (random_.Percent(30)) items_->SetAway(true);
 }
 
 void World::Reap() {
