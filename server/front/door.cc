@@ -70,32 +70,35 @@ void Door::Arrive(Visitor visitor, SteadyTime now) {
     book_.Note(TurnedAway::kCrowded, found->second.origin, now);
     waiting_.erase(found);
   }
-  Admit(now);
+  Admit();
 }
 
-void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
+void Door::HandshakeBegan(std::uint64_t id, SteadyTime now) { began_.emplace(id, now); }
+
+void Door::HandshakeEnded(std::uint64_t id) {
   queue_.Ended(id);
   began_.erase(id);
-  Admit(now);
+  Admit();
 }
 
 void Door::Tend(SteadyTime now) {
   // One per place that somebody could use: each that is cut makes room for one who waits.
   for (std::size_t i = 0; i < queue_.waiting(); ++i) {
     const auto longest = queue_.ToGiveWay();
-    if (!longest || now < began_.at(*longest) + kSpared) return;
+    if (!longest) return;
+    const auto began = began_.find(*longest);
+    if (began == began_.end() || now < began->second + kSpared) return;
     const std::uint64_t id = *longest;
     queue_.Ended(id);
-    began_.erase(id);
+    began_.erase(began);
     actions_.cut(id);
-    Admit(now);
+    Admit();
   }
 }
 
-void Door::Admit(SteadyTime now) {
+void Door::Admit() {
   while (const auto id = queue_.Next()) {
     const auto found = waiting_.find(*id);
-    began_.emplace(*id, now);
     Visitor visitor = std::move(found->second);
     waiting_.erase(found);
     actions_.admit(*id, std::move(visitor));

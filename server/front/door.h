@@ -48,9 +48,9 @@ struct Visitor {
 class Door final {
  public:
   struct Actions {
-    /// The handshake of this connection begins.
+    /// The handshake of this connection is to begin; HandshakeBegan and HandshakeEnded follow.
     std::function<void(std::uint64_t id, Visitor visitor)> admit;
-    /// The handshake that is under way is cut short; HandshakeEnded follows.
+    /// The handshake, which has begun, is cut short; HandshakeEnded follows.
     std::function<void(std::uint64_t id)> cut;
   };
 
@@ -62,14 +62,17 @@ class Door final {
   Door& operator=(const Door&) = delete;
 
   void Arrive(Visitor visitor, SteadyTime now);
+  /// The handshake waits for its peer from now on: until then it waits for our own CPU alone, and
+  /// gives way to nobody.
+  void HandshakeBegan(std::uint64_t id, SteadyTime now);
   /// The handshake is over, whatever came of it.
-  void HandshakeEnded(std::uint64_t id, SteadyTime now);
+  void HandshakeEnded(std::uint64_t id);
   /// A second has passed: handshakes that have become long may give way.
   void Tend(SteadyTime now);
   [[nodiscard]] std::size_t waiting() const { return queue_.waiting(); }
 
  private:
-  void Admit(SteadyTime now);
+  void Admit();
   void Publish();
 
   DoorBook& book_;
@@ -78,7 +81,7 @@ class Door final {
   HandshakeQueue queue_;
   std::uint64_t next_id_ = 1;
   std::unordered_map<std::uint64_t, Visitor> waiting_;
-  /// When the handshakes that are under way began.
+  /// When those of the handshakes under way began that have begun.
   std::unordered_map<std::uint64_t, SteadyTime> began_;
 };
 

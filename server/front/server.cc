@@ -153,8 +153,11 @@ void FrontServer::Impl::StartWorkers() {
         .index = i,
         .connection_age_max = options.connection_age_max,
         .gateway_streams_max = static_cast<std::uint32_t>(options.gateway_streams_max)};
+    setup.handshake_began = [this](std::uint64_t id) {
+      acceptor->Post([this, id] { door->HandshakeBegan(id, context.clock.Steady()); });
+    };
     setup.handshake_ended = [this](std::uint64_t id) {
-      acceptor->Post([this, id] { door->HandshakeEnded(id, context.clock.Steady()); });
+      acceptor->Post([this, id] { door->HandshakeEnded(id); });
     };
     setup.evict = [this](std::uint64_t id) {
       // Whoever has it; that is rare enough to ask all.

@@ -73,6 +73,7 @@ void Worker::Begin(std::uint64_t id, Visitor visitor) {
                         .age_max = setup_.connection_age_max,
                         .gateway_streams_max = setup_.gateway_streams_max});
   if (ending_) return connection->Shutdown();
+  setup_.handshake_began(id);
   connection->Start();
 }
 

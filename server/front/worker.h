@@ -33,7 +33,8 @@ class Worker final : public robot::WakeInbox, public ConnectionOwner {
     std::size_t index = 0;
     milliseconds connection_age_max{0};
     std::uint32_t gateway_streams_max = 0;
-    /// On this thread: a handshake is over; a connection of any thread has to go.
+    /// On this thread: a handshake begins, and is over; a connection of any thread has to go.
+    std::function<void(std::uint64_t)> handshake_began;
     std::function<void(std::uint64_t)> handshake_ended;
     std::function<void(std::uint64_t)> evict;
   };

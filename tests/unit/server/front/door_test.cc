@@ -30,6 +30,10 @@ class DoorTest : public ::testing::Test {
          {.source = SourceOf(source), .text = "peer", .health_check = health_check_, .own = own_}},
         now_);
   }
+  /// Those that were admitted begin their handshakes now.
+  void BeginAdmitted() {
+    for (const std::uint64_t id : admitted_) door_.HandshakeBegan(id, now_);
+  }
   [[nodiscard]] std::int64_t TurnedAwayFor(TurnedAway cause) const {
     return probe_.turned_away_total[static_cast<std::size_t>(cause)].value();
   }
@@ -59,10 +63,10 @@ TEST_F(DoorTest, AdmitsAsManyAsThereArePlacesAndLetsOthersWait) {
 
 TEST_F(DoorTest, TheNextComesInWhenAHandshakeEnds) {
   for (int i = 0; i < 3; ++i) Arrive(1);
-  door_.HandshakeEnded(1, now_);
+  door_.HandshakeEnded(1);
   EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
   EXPECT_FALSE(book_.pressed());
-  door_.HandshakeEnded(1, now_);  // told twice
+  door_.HandshakeEnded(1);  // told twice
   EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
 }
 
@@ -71,7 +75,7 @@ TEST_F(DoorTest, PastWhatMayWaitTheGreediestSourceIsTurnedAway) {
   Arrive(2);
   EXPECT_EQ(TurnedAwayFor(TurnedAway::kCrowded), 1);
   EXPECT_EQ(door_.waiting(), 3U);
-  door_.HandshakeEnded(1, now_);
+  door_.HandshakeEnded(1);
   EXPECT_EQ(admitted_.back(), 6U) << "the other source is next";
 }
 
@@ -86,6 +90,7 @@ TEST_F(DoorTest, AHandshakeThatLastsGivesWayToAnotherSource) {
   Arrive(1);
   Arrive(1);
   Arrive(2);
+  BeginAdmitted();
   door_.Tend(now_ + milliseconds(999));
   EXPECT_THAT(cut_, IsEmpty()) << "it has only just begun";
   door_.Tend(now_ + milliseconds(1000));
@@ -93,8 +98,23 @@ TEST_F(DoorTest, AHandshakeThatLastsGivesWayToAnotherSource) {
   EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
 }
 
+TEST_F(DoorTest, AHandshakeThatWaitsForOurOwnCpuGivesWayToNobody) {
+  Arrive(1);
+  Arrive(1);
+  Arrive(2);
+  now_ += std::chrono::seconds(60);
+  door_.Tend(now_);
+  EXPECT_THAT(cut_, IsEmpty());
+  BeginAdmitted();
+  door_.Tend(now_ + milliseconds(999));
+  EXPECT_THAT(cut_, IsEmpty());
+  door_.Tend(now_ + milliseconds(1000));
+  EXPECT_THAT(cut_, ElementsAre(1));
+}
+
 TEST_F(DoorTest, ASourceThatWaitsForItselfCutsNobody) {
   for (int i = 0; i < 5; ++i) Arrive(1);
+  BeginAdmitted();
   door_.Tend(now_ + std::chrono::seconds(60));
   EXPECT_THAT(cut_, IsEmpty());
 }
@@ -103,7 +123,7 @@ TEST_F(DoorTest, SourcesOfRobotsComeFirst) {
   book_.known().Note(SourceOf(7), now_);
   for (int i = 0; i < 4; ++i) Arrive(1);
   Arrive(7);
-  door_.HandshakeEnded(1, now_);
+  door_.HandshakeEnded(1);
   EXPECT_EQ(admitted_.back(), 5U);
 }
 
@@ -112,11 +132,12 @@ TEST_F(DoorTest, TheServersOwnHandshakeWaitsForNobodyAndTakesNobodysPlace) {
   own_ = true;
   Arrive(99);
   EXPECT_THAT(admitted_, ElementsAre(1, 2, 7));
+  BeginAdmitted();
   door_.Tend(now_ + std::chrono::seconds(60));
   EXPECT_THAT(cut_, IsEmpty());
-  door_.HandshakeEnded(7, now_);
+  door_.HandshakeEnded(7);
   EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
-  door_.HandshakeEnded(1, now_);
+  door_.HandshakeEnded(1);
   EXPECT_EQ(admitted_.size(), 4U);
 }
 
