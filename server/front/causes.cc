@@ -33,8 +33,6 @@ TurnedAway CauseOf(FrameKind kind) {
       return TurnedAway::kSettings;
     case FrameKind::kEmptyData:
       return TurnedAway::kEmptyData;
-    case FrameKind::kLateData:
-      return TurnedAway::kLateData;
     case FrameKind::kPriority:
       return TurnedAway::kPriorities;
     case FrameKind::kWindowUpdate:

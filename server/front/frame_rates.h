@@ -22,9 +22,6 @@ enum class FrameKind : std::uint8_t {
   kSettings,
   /// DATA without a byte of content, padded or not.
   kEmptyData,
-  /// DATA with content on a stream that is over. A peer may have sent it before it knew; a window
-  /// of 64 KiB is some thousand frames of small messages, of each stream.
-  kLateData,
   kPriority,
   kWindowUpdate,
   /// Of a type that HTTP/2 does not know.
@@ -35,7 +32,7 @@ enum class FrameKind : std::uint8_t {
   /// A message of TLS's handshake after the handshake: new keys, mostly.
   kKeyUpdate,
 };
-inline constexpr std::size_t kFrameKinds = 12;
+inline constexpr std::size_t kFrameKinds = 11;
 
 /// What a limit is for: one stream costs some frames, so that a peer with many may send more.
 enum class FrameScope : std::uint8_t { kConnection, kStreams };
@@ -60,7 +57,6 @@ inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
     {FrameKind::kPong, 5, 20, FrameScope::kConnection, "pong"},
     {FrameKind::kSettings, 5, 20, FrameScope::kConnection, "settings"},
     {FrameKind::kEmptyData, 50, 100, FrameScope::kStreams, "empty_data"},
-    {FrameKind::kLateData, 5000, 20'000, FrameScope::kStreams, "late_data"},
     {FrameKind::kPriority, 100, 200, FrameScope::kStreams, "priority"},
     {FrameKind::kWindowUpdate, 2000, 4000, FrameScope::kStreams, "window_update"},
     {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, "unknown"},
@@ -90,6 +86,6 @@ class FrameRates final {
 };
 
 /// Each of 10,000 connections has one.
-static_assert(sizeof(FrameRates) <= 104);
+static_assert(sizeof(FrameRates) <= 96);
 
 }  // namespace uplink::front

@@ -26,9 +26,6 @@ Http2Stream* StreamOf(nghttp2_session* session, std::int32_t id) {
 
 int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, void* self) {
   Http2& http2 = Self(self);
-  // The library passes over DATA of streams that are over, without a word.
-  if (http2.WasUntaken()) http2.peer().OnFrame(FrameKind::kLateData);
-  if (header->type == NGHTTP2_DATA && header->length > 0) http2.BeginData();
   if (IsAnswer(*header)) {
     // One to SETTINGS that were not sent is an error to the library.
     if (header->type == NGHTTP2_PING && !http2.TakePong()) http2.peer().OnFrame(FrameKind::kPong);
@@ -73,7 +70,6 @@ int OnHeader(nghttp2_session* session, const nghttp2_frame* frame, const std::ui
 int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
   const bool is_reset = frame->hd.type == NGHTTP2_RST_STREAM;
   if (!is_reset && frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
-  if (frame->hd.type == NGHTTP2_DATA) Self(self).TakeData();
   // The library gives the windows back what padding takes of them: they do not bound it.
   if (IsPaddingAlone(*frame)) Self(self).peer().OnFrame(FrameKind::kEmptyData);
   Http2Stream* stream = StreamOf(session, frame->hd.stream_id);
@@ -90,8 +86,7 @@ int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* 
 }
 
 int OnDataChunk(nghttp2_session* session, std::uint8_t /*flags*/, std::int32_t id,
-                const std::uint8_t* bytes, std::size_t size, void* self) {
-  Self(self).TakeData();
+                const std::uint8_t* bytes, std::size_t size, void* /*self*/) {
   // The connection's window opens at once: what bounds memory is the stream's.
   nghttp2_session_consume_connection(session, size);
   if (Http2Stream* stream = StreamOf(session, id)) {

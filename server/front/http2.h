@@ -131,11 +131,6 @@ class Http2 final {
   /// A list of headers begins; a field of so many bytes belongs to it, false if it is a bomb.
   void BeginHeaders() { header_bytes_ = 0; }
   [[nodiscard]] bool CountHeader(std::size_t bytes);
-  /// DATA with content begins, and a stream takes it; whether one that began before was taken by
-  /// none.
-  void BeginData() { untaken_ = true; }
-  void TakeData() { untaken_ = false; }
-  [[nodiscard]] bool WasUntaken() { return std::exchange(untaken_, false); }
   /// An answer to a PING has come; false if none of ours was open.
   [[nodiscard]] bool TakePong();
 
@@ -144,8 +139,6 @@ class Http2 final {
   nghttp2_session* session_ = nullptr;
   /// Of the list of headers that arrives.
   std::size_t header_bytes_ = 0;
-  /// The frame that began last is DATA, and no stream has taken any of it.
-  bool untaken_ = false;
   /// PINGs that were not answered.
   std::size_t pings_open_ = 0;
 };

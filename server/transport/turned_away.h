@@ -36,7 +36,6 @@ enum class TurnedAway : std::uint8_t {
   kResets,
   kSettings,
   kEmptyData,
-  kLateData,
   kPriorities,
   kWindowUpdates,
   kUnknownFrames,
@@ -52,7 +51,7 @@ enum class TurnedAway : std::uint8_t {
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 27> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 26> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -69,7 +68,6 @@ inline constexpr std::array<std::string_view, 27> kTurnedAwayTexts = {"full",
                                                                       "resets",
                                                                       "settings",
                                                                       "empty_data",
-                                                                      "late_data",
                                                                       "priorities",
                                                                       "window_updates",
                                                                       "unknown_frames",
