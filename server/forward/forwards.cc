@@ -15,10 +15,6 @@ std::size_t BytesOf(const ItemKey& key, const EncodedFrame& frame) {
   return frame->size() + key.ruri.size() + key.id.size() + kItemOverheadBytes;
 }
 
-void WakeAll(const std::vector<robot::StreamRef>& streams) {
-  for (const robot::StreamRef stream : streams) stream.Wake();
-}
-
 }  // namespace
 
 /// A stream's membership in its fleet.
@@ -89,7 +85,7 @@ void Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t ex
     return shares_.NoteLeftOut();
   }
   where.bytes = bytes;
-  WakeAll(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
+  ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
 }
 
 void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
@@ -101,7 +97,7 @@ void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t
   if (!shares_.Resize(key.ruri, 0, bytes)) return shares_.NoteLeftOut();
   const Where where{fleet, FleetOf(fleet), command, bytes};
   where_.emplace(key, where);
-  WakeAll(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
+  ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
 }
 
 void Forwards::Remove(const ItemKey& key) {
@@ -111,7 +107,18 @@ void Forwards::Remove(const ItemKey& key) {
   const ItemKey gone = known->first;
   where_.erase(known);
   static_cast<void>(shares_.Resize(gone.ruri, where.bytes, 0));
-  WakeAll(where.fleet->Remove(gone, DeleteFrame(gone, NewCommand())));
+  ToWake(where.fleet->Remove(gone, DeleteFrame(gone, NewCommand())));
+}
+
+void Forwards::ToWake(const std::vector<robot::StreamRef>& streams) {
+  to_wake_.insert(to_wake_.end(), streams.begin(), streams.end());
+}
+
+std::size_t Forwards::WakeReceivers() {
+  for (const robot::StreamRef stream : to_wake_) stream.Wake();
+  const std::size_t woken = to_wake_.size();
+  to_wake_.clear();
+  return woken;
 }
 
 void Forwards::SetWhole() {
@@ -119,7 +126,7 @@ void Forwards::SetWhole() {
     const std::lock_guard lock(mutex_);
     whole_ = true;
   }
-  for (const FleetRef& fleet : Fleets()) WakeAll(fleet->SetWhole());
+  for (const FleetRef& fleet : Fleets()) ToWake(fleet->SetWhole());
 }
 
 void Forwards::Expire(SystemTime now) {

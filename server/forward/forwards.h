@@ -44,6 +44,9 @@ class Forwards final : public session::ForwardSource {
   void SetWhole();
   /// Removes what expired at or before then.
   void Expire(SystemTime now);
+  /// Wakes those for whom something waits since the last call, each once for all of it. Returns how
+  /// many.
+  std::size_t WakeReceivers();
   /// Keys of all that is there.
   [[nodiscard]] std::vector<ItemKey> Keys() const;
   /// Something was left out for lack of room since the last call of ForgetLeftOut.
@@ -69,6 +72,7 @@ class Forwards final : public session::ForwardSource {
   using FleetRef = std::shared_ptr<FleetItems>;
   class Receiver;
 
+  void ToWake(const std::vector<robot::StreamRef>& streams);
   void PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
               const Encode& encode);
   [[nodiscard]] FleetRef FleetOf(const std::string& name);
@@ -93,6 +97,8 @@ class Forwards final : public session::ForwardSource {
     std::size_t bytes = 0;
   };
   std::map<ItemKey, Where> where_;
+  /// Streams that are to be woken; one that looks meanwhile may be here twice.
+  std::vector<robot::StreamRef> to_wake_;
   Shares shares_;
 };
 

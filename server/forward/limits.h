@@ -31,6 +31,11 @@ inline constexpr std::chrono::seconds kLookEvery{1};
 /// Changes that come sooner after the last look wait for each other: a burst of upserts is one
 /// look.
 inline constexpr std::chrono::milliseconds kLookAgain{10};
+/// They wait so much longer for each stream that the last look woke, up to kLookAgainMax. A write
+/// takes 10 to 20 us of CPU, however many changes it holds (docs/reference/performance.md): so what
+/// a busy fleet shares takes a third of a core, and not all of several.
+inline constexpr std::chrono::microseconds kPauseForOne{50};
+inline constexpr std::chrono::milliseconds kLookAgainMax{250};
 /// Where something was left out, all is read again once there may be room, but not more often.
 inline constexpr std::chrono::seconds kReadAllAgain{60};
 

@@ -12,6 +12,10 @@
 
 namespace uplink::forward {
 
+SteadyTime::duration LookAgainAfter(std::size_t woken) {
+  return std::clamp<SteadyTime::duration>(woken * kPauseForOne, kLookAgain, kLookAgainMax);
+}
+
 void Rounds::Start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
   ::pthread_setname_np(thread_.native_handle(), "forward");
@@ -38,17 +42,23 @@ void Rounds::Run(const std::stop_token& stop) {
     // A store that is away answers nobody sooner.
     const SteadyTime::duration most = kLookEvery;
     if (!wake_.wait_for(lock, stop, most, [this] { return woken_ && !failing_; })) continue;
-    wake_.wait_for(lock, stop, began + kLookAgain - context_.clock.Steady(), [] { return false; });
+    const SteadyTime next = began + LookAgainAfter(woken_streams_);
+    wake_.wait_for(lock, stop, next - context_.clock.Steady(), [] { return false; });
     woken_ = false;
   }
 }
 
 absl::Status Rounds::Round() {
+  woken_streams_ = 0;
   if (context_.clock_trust.vouched()) context_.forwards.Expire(context_.clock.System());
+  WakeReceivers();
   absl::Status status = Look();
+  WakeReceivers();
   Tell(status);
   return status;
 }
+
+void Rounds::WakeReceivers() { woken_streams_ += context_.forwards.WakeReceivers(); }
 
 absl::Status Rounds::Look() {
   const bool again =
@@ -74,6 +84,7 @@ absl::Status Rounds::ReadAll() {
       present.insert(item.Key());
       Put(item);
     }
+    WakeReceivers();
     if (!page->more) break;
     after = page->items.back().Key();
   }
@@ -83,6 +94,7 @@ absl::Status Rounds::ReadAll() {
   positions_ = *std::move(positions);
   context_.probe.reads_of_all.Add();
   context_.forwards.SetWhole();
+  WakeReceivers();
   return absl::OkStatus();
 }
 
@@ -118,6 +130,7 @@ absl::Status Rounds::Apply(std::span<const storage::ItemKey> keys) {
         Put(*item->second);
       }
     }
+    WakeReceivers();
   }
   return absl::OkStatus();
 }

@@ -22,9 +22,13 @@
 
 namespace uplink::forward {
 
+/// How long changes wait after a look that woke so many streams.
+[[nodiscard]] SteadyTime::duration LookAgainAfter(std::size_t woken);
+
 /// Keeps the shared set as the store has it: reads all of it once, then every change that any
 /// server committed, by the store's own numbering of them; and lets items go that expire. A change
-/// of this server's is looked for at once, one of another's within kLookEvery.
+/// of this server's is looked for at once, unless the last look is not that old (LookAgainAfter);
+/// one of another's within kLookEvery.
 ///
 /// Nothing is forwarded from what a session or the journal has in hand: only what the store holds
 /// is, so a kill loses no forward and a fenced or refused record makes none.
@@ -61,6 +65,7 @@ class Rounds final {
   absl::Status FollowChanges();
   absl::Status Apply(std::span<const storage::ItemKey> keys);
   void Put(const storage::SharedItem& item);
+  void WakeReceivers();
   void NoteUnreadable(const storage::ItemKey& key, const absl::Status& why);
   [[nodiscard]] bool Expired(std::int64_t expires_ms) const;
   void Tell(const absl::Status& status);
@@ -71,6 +76,8 @@ class Rounds final {
   SteadyTime read_all_at_;
   bool failing_ = false;
   bool told_left_out_ = false;
+  /// Streams that the last look woke.
+  std::size_t woken_streams_ = 0;
 
   std::mutex mutex_;
   std::condition_variable_any wake_;

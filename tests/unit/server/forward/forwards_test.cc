@@ -77,10 +77,26 @@ TEST_F(ForwardsTest, NothingIsToldUntilAllWasRead) {
   Put(KeyOf("c", "1"), "hazard");
   EXPECT_THAT(Take(*before), IsEmpty());
   forwards_.SetWhole();
+  EXPECT_EQ(forwards_.WakeReceivers(), 1U);
   EXPECT_THAT(woken_.Take(), ElementsAre(1));
   EXPECT_THAT(Take(*before), ElementsAre("begin", "hazard", "end"));
   const auto new_fleet = Join("b", "south");
   EXPECT_THAT(Take(*new_fleet), ElementsAre("begin", "end"));
+}
+
+TEST_F(ForwardsTest, AReceiverIsWokenOnceForAllThatALookBrings) {
+  forwards_.SetWhole();
+  const auto a = Join("a");
+  static_cast<void>(Take(*a));
+  for (const char* id : {"1", "2", "3"}) Put(KeyOf("c", id), "hazard");
+  EXPECT_THAT(woken_.Take(), IsEmpty()) << "the look is not over";
+  EXPECT_EQ(forwards_.WakeReceivers(), 1U);
+  EXPECT_THAT(woken_.Take(), ElementsAre(1));
+  forwards_.Remove(KeyOf("c", "1"));
+  EXPECT_EQ(forwards_.WakeReceivers(), 0U) << "it has not looked since";
+  EXPECT_THAT(Take(*a), ElementsAre("hazard", "hazard"));
+  forwards_.Remove(KeyOf("c", "2"));
+  EXPECT_EQ(forwards_.WakeReceivers(), 1U);
 }
 
 TEST_F(ForwardsTest, WhatIsTheSameIsNotToldAgain) {

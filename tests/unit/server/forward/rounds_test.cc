@@ -106,6 +106,15 @@ class ScriptedItems final : public storage::SharedItems {
   }
 };
 
+TEST(LookAgainAfter, GrowsWithTheStreamsThatWereWoken) {
+  EXPECT_EQ(LookAgainAfter(0), std::chrono::milliseconds(10));
+  EXPECT_EQ(LookAgainAfter(200), std::chrono::milliseconds(10));
+  EXPECT_EQ(LookAgainAfter(202), std::chrono::microseconds(10'100));
+  EXPECT_EQ(LookAgainAfter(2000), std::chrono::milliseconds(100));
+  EXPECT_EQ(LookAgainAfter(5000), std::chrono::milliseconds(250));
+  EXPECT_EQ(LookAgainAfter(1'000'000), std::chrono::milliseconds(250));
+}
+
 class RoundsTest : public ::testing::Test {
  protected:
   void Round() { static_cast<void>(rounds_.Round()); }
@@ -200,6 +209,24 @@ TEST_F(RoundsTest, WhatExpiredGoesByAClockThatIsVouchedFor) {
   trust_.Set(true);
   Round();
   EXPECT_THAT(Ids(), ElementsAre("never"));
+}
+
+TEST_F(RoundsTest, ReceiversAreWokenByEachLookWhateverTheStoreAnswers) {
+  Woken woken;
+  const auto receiver = forwards_.Join({.ruri = "b", .fleet = "north"}, {&woken, 7});
+  items_.Set(KeyOf("a", "soon"), UnixMs(clock_.System()) + 1000);
+  Round();
+  EXPECT_THAT(woken.Take(), ElementsAre(7)) << "the set is whole";
+  std::vector<EncodedFrame> frames;
+  receiver->Take(frames);
+  items_.Set(KeyOf("a", "new"));
+  Round();
+  EXPECT_THAT(woken.Take(), ElementsAre(7)) << "by a change";
+  receiver->Take(frames);
+  clock_.Advance(milliseconds(1000));
+  items_.status = absl::UnavailableError("away");
+  Round();
+  EXPECT_THAT(woken.Take(), ElementsAre(7)) << "by an end that needs no store";
 }
 
 TEST_F(RoundsTest, WhatCannotBeReadIsCountedAndNamed) {
