@@ -1,5 +1,7 @@
 #include "server/identity/server_pair.h"
 
+#include <array>
+#include <cstddef>
 #include <ctime>
 #include <fstream>
 #include <memory>
@@ -26,6 +28,9 @@ struct KeyFree {
 using Bio = std::unique_ptr<BIO, BioFree>;
 using Certificate = std::unique_ptr<X509, X509Free>;
 using Key = std::unique_ptr<EVP_PKEY, KeyFree>;
+
+/// Of a file at once.
+constexpr std::size_t kReadBytes = std::size_t{16} * 1024;
 
 absl::Status Unfit(const std::string& text) { return absl::FailedPreconditionError(text); }
 
@@ -56,9 +61,13 @@ absl::StatusOr<Key> ParseKey(const NamedPem& pem) {
 absl::StatusOr<NamedPem> ReadPem(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Unfit(fmt::format("{}: cannot be read", path));
-  std::string text(kPemBytesMax + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  // Read each second: the most that a file may have is not taken for a small one.
+  std::string text;
+  std::array<char, kReadBytes> piece{};
+  do {
+    file.read(piece.data(), piece.size());
+    text.append(piece.data(), static_cast<std::size_t>(file.gcount()));
+  } while (file && text.size() <= kPemBytesMax);
   if (text.size() > kPemBytesMax) {
     return Unfit(fmt::format("{}: is larger than {} bytes", path, kPemBytesMax));
   }
