@@ -1,7 +1,6 @@
 // What a message, a connection and a byte of state cost uplinkd, beside bare servers and brokers
 // that do less, in one run. Servers have one core, the load has the other.
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include "schema/base/check.h"
 #include "tests/bench/figures.h"
@@ -375,10 +373,6 @@ int Run(int argc, char** argv) {
 }  // namespace uplink::bench
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);
-  rlimit limit{};
-  getrlimit(RLIMIT_NOFILE, &limit);
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
+  uplink::bench::PrepareLoad();
   return uplink::bench::Run(argc, argv);
 }

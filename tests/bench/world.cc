@@ -1,8 +1,10 @@
 #include "tests/bench/world.h"
 
+#include <csignal>
 #include <string>
 
 #include <sched.h>
+#include <sys/resource.h>
 
 #include "schema/base/check.h"
 #include "tests/bench/load/bench_ruri.h"
@@ -15,6 +17,14 @@ bool PinTo(int core) {
   CPU_ZERO(&set);
   CPU_SET(static_cast<std::size_t>(core), &set);
   return sched_setaffinity(0, sizeof set, &set) == 0;
+}
+
+void PrepareLoad() {
+  std::signal(SIGPIPE, SIG_IGN);
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 void World::MakeRobots(std::size_t robots) {

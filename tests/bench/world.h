@@ -14,6 +14,9 @@ inline constexpr int kServerCore = 0;
 inline constexpr int kLoadCore = 1;
 /// Binds this thread, and what it starts, to a core; false if the machine has none of that number.
 bool PinTo(int core);
+/// Before a load begins: a peer that is gone ends no program, and as many connections are open as
+/// the system allows.
+void PrepareLoad();
 
 /// Robots' certificates, and which authorities servers and robots trust; for a whole run.
 struct World {

@@ -1,14 +1,12 @@
 // What one robot costs the others: well-behaved robots beside one that misbehaves in every way that
 // it may, before and while it does. The server has one core, all robots the other.
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include "tests/bench/fair/fair_run.h"
 #include "tools/uplink-fleet/run/signals.h"
@@ -60,10 +58,6 @@ int Run(int argc, char** argv) {
 }  // namespace uplink::bench
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);
-  rlimit limit{};
-  getrlimit(RLIMIT_NOFILE, &limit);
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
+  uplink::bench::PrepareLoad();
   return uplink::bench::Run(argc, argv);
 }

@@ -1,7 +1,6 @@
 // What it costs to pass a change on to thousands of robots, beside brokers that do the same, in one
 // run. Servers have one core, the load has the other.
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -10,7 +9,6 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include "tests/bench/figures.h"
 #include "tests/bench/forward/deliveries.h"
@@ -235,10 +233,6 @@ int Run(int argc, char** argv) {
 }  // namespace uplink::bench
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);
-  rlimit limit{};
-  getrlimit(RLIMIT_NOFILE, &limit);
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
+  uplink::bench::PrepareLoad();
   return uplink::bench::Run(argc, argv);
 }

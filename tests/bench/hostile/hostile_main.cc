@@ -1,14 +1,12 @@
 // What hostile clients do to a server, on each transport: attacks one by one, each on a server and
 // a store of its own, beside an honest robot. The server has one core, everybody else the other.
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include "tests/bench/hostile/hostile_flags.h"
 #include "tests/bench/hostile/hostile_run.h"
@@ -61,10 +59,6 @@ int Run(int argc, char** argv) {
 }  // namespace uplink::bench
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);
-  rlimit limit{};
-  getrlimit(RLIMIT_NOFILE, &limit);
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
+  uplink::bench::PrepareLoad();
   return uplink::bench::Run(argc, argv);
 }
