@@ -72,6 +72,21 @@ std::optional<std::string> Connection::last_answers_warning() const {
   return warning_->text;
 }
 
+int Connection::socket() const { return PQsocket(handle_.get()); }
+
+absl::StatusOr<std::size_t> Connection::TakeNotifications(std::int64_t own_session) {
+  UPLINK_CHECK(!broken_, "a broken connection is not used again");
+  if (PQconsumeInput(handle_.get()) != 1) {
+    return Broken("listen", PQerrorMessage(handle_.get()));
+  }
+  std::size_t others = 0;
+  while (PGnotify* const notification = PQnotifies(handle_.get())) {
+    if (notification->be_pid != own_session) ++others;
+    PQfreemem(notification);
+  }
+  return others;
+}
+
 std::optional<uid_t> Connection::peer_user() const {
   const int socket = PQsocket(handle_.get());
   sockaddr_storage address{};

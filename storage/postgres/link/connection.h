@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
@@ -90,6 +91,12 @@ class Connection final {
   /// The WARNING that the server sent with the last answer of the last Run, or right before it
   /// (libpq hands it over as soon as it is read); nothing if there was none.
   [[nodiscard]] std::optional<std::string> last_answers_warning() const;
+
+  /// How many notifications have come from sessions other than `own_session` (pg_backend_pid) since
+  /// the last call, as far as they can be read without waiting. For a session that listens.
+  [[nodiscard]] absl::StatusOr<std::size_t> TakeNotifications(std::int64_t own_session);
+  /// For poll(2): readable once something may have come. Valid until broken().
+  [[nodiscard]] int socket() const;
 
   /// The user who runs the server, if it was reached by a Unix socket: then it is on this machine.
   [[nodiscard]] std::optional<uid_t> peer_user() const;

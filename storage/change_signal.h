@@ -1,0 +1,33 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+
+namespace uplink::storage {
+
+/// A process tells the others at most once in so long: what comes sooner is told at its end, once.
+inline constexpr milliseconds kTellEvery{10};
+
+/// How processes that share a store wake each other once there may be changes to read
+/// (SharedItems).
+///
+/// It says nothing of what changed, and may miss a telling while the store is away: whoever waits
+/// for it looks by itself now and then as well.
+///
+/// Errors: of Wait: others are neither told nor heard until a later Wait succeeds. What Tell asked
+///         for meanwhile is told then.
+/// Thread: Tell and End from any; Wait by one thread at a time.
+class ChangeSignal {
+ public:
+  virtual ~ChangeSignal() = default;
+
+  /// Something was committed that the others may want to read. Wait sends it; nobody waits here.
+  virtual void Tell() = 0;
+  /// Sends what is to be told. True as soon as another process has told, false after `most` or End.
+  [[nodiscard]] virtual absl::StatusOr<bool> Wait(milliseconds most) = 0;
+  /// Ends the Wait under way and each later one at once; a call to the store still takes its time.
+  virtual void End() = 0;
+};
+
+}  // namespace uplink::storage
