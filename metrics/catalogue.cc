@@ -137,6 +137,12 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Times that all shared items were read from the store: once at the start."},
     {kForwardFailing, "uplinkd_forward_failing", kGauge, "0 or 1",
      "1 while the store cannot be asked for changes of shared items."},
+    {kForwardHeard, "uplinkd_forward_heard_total", kCounter, "times",
+     "Times that other servers on the store told of their commits; several at once may be one."},
+    {kForwardDeaf, "uplinkd_forward_deaf", kGauge, "0 or 1",
+     "1 while other servers are neither heard nor told: what one commits reaches the others' "
+     "robots "
+     "within a second or two."},
     {kStreamsRefused, "uplinkd_streams_refused_total", kCounter, "streams",
      "Calls that ended before they became a stream.", kByCause},
     {kGatewayStreams, "uplinkd_gateway_streams", kGauge, "streams",

@@ -78,6 +78,8 @@ enum class MetricId : std::uint8_t {
   kForwardChanges,
   kForwardReadsOfAll,
   kForwardFailing,
+  kForwardHeard,
+  kForwardDeaf,
   kStreamsRefused,
   kGatewayStreams,
   kHandshakesFailed,

@@ -274,8 +274,8 @@ class App::Impl {
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   fleet::Fleet fleet_;
   store::Stores stores_;
-  forward::Forwarding forwarding_{
-      {options_.clock, options_.logger, *stores_.shared, *stores_.clock, options_.random()}};
+  forward::Forwarding forwarding_{{options_.clock, options_.logger, *stores_.shared, *stores_.clock,
+                                   options_.random(), stores_.change_signal.get()}};
   store::RejectReads rejects_{*stores_.reader, ground_.OnReadsAhead()};
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();

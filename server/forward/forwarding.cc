@@ -9,7 +9,9 @@ namespace uplink::forward {
 Forwarding::Forwarding(const Context& context)
     : forwards_({kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
       rounds_(
-          {context.clock, context.logger, context.items, forwards_, probe_, context.clock_trust}) {}
+          {context.clock, context.logger, context.items, forwards_, probe_, context.clock_trust}),
+      hearing_({context.logger, probe_, context.change_signal, [this] { rounds_.Wake(); },
+                context.seed}) {}
 
 void Forwarding::AddSamples(metrics::Exposition& page) const {
   using enum metrics::MetricId;
@@ -32,6 +34,8 @@ void Forwarding::AddSamples(metrics::Exposition& page) const {
   page.Add(kForwardChanges, probe_.changes);
   page.Add(kForwardReadsOfAll, probe_.reads_of_all);
   page.Add(kForwardFailing, probe_.failing);
+  page.Add(kForwardHeard, probe_.heard);
+  page.Add(kForwardDeaf, probe_.deaf);
 }
 
 }  // namespace uplink::forward

@@ -4,12 +4,14 @@
 
 #include "metrics/exposition.h"
 #include "server/forward/forwards.h"
+#include "server/forward/hearing.h"
 #include "server/forward/probe.h"
 #include "server/forward/rounds.h"
 
 namespace uplink::forward {
 
-/// All of forwarding in one server: what its robots share, and the thread that follows the store.
+/// All of forwarding in one server: what its robots share, the thread that follows the store, and
+/// the one that hears other servers.
 ///
 /// Thread: Start and Stop by main; source() is for the listener; the rest from any.
 class Forwarding final {
@@ -22,13 +24,24 @@ class Forwarding final {
     const storage::ClockTrust& clock_trust;
     /// For the numbers of commands.
     std::uint64_t seed = 0;
+    /// Null where one process has the store; outlives it.
+    storage::ChangeSignal* change_signal = nullptr;
   };
   explicit Forwarding(const Context& context);
 
-  void Start() { rounds_.Start(); }
-  void Stop() { rounds_.Stop(); }
-  /// Something was committed that may be shared.
-  void Wake() { rounds_.Wake(); }
+  void Start() {
+    rounds_.Start();
+    hearing_.Start();
+  }
+  void Stop() {
+    hearing_.Stop();
+    rounds_.Stop();
+  }
+  /// Something was committed that may be shared, by this server.
+  void Wake() {
+    rounds_.Wake();
+    hearing_.Tell();
+  }
   /// Where streams receive from.
   [[nodiscard]] session::ForwardSource& source() { return forwards_; }
   /// Changes cannot be read now, or not all that is shared has room.
@@ -43,6 +56,7 @@ class Forwarding final {
   ForwardProbe probe_;
   Forwards forwards_;
   Rounds rounds_;
+  Hearing hearing_;
 };
 
 }  // namespace uplink::forward

@@ -15,6 +15,10 @@ struct ForwardProbe {
   metrics::Cell unreadable;
   /// 1 while the store cannot be asked for changes.
   metrics::Cell failing;
+  /// Times that other servers told of their commits, as far as they were heard apart.
+  metrics::Cell heard;
+  /// 1 while they cannot be heard or told.
+  metrics::Cell deaf;
 };
 
 }  // namespace uplink::forward

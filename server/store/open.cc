@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "storage/postgres/change_signal.h"
 #include "storage/postgres/clock_marks.h"
 #include "storage/postgres/forget_store.h"
 #include "storage/postgres/leases.h"
@@ -99,6 +100,9 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   auto shared = storage::postgres::PostgresSharedItems::Make(options, clock);
   if (!shared.ok()) return shared.status();
   stores.shared = *std::move(shared);
+  auto change_signal = storage::postgres::PostgresChangeSignal::Make(options, clock);
+  if (!change_signal.ok()) return change_signal.status();
+  stores.change_signal = *std::move(change_signal);
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;

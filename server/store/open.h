@@ -13,6 +13,7 @@
 #include "server/config/config.h"
 #include "server/store/oldest_snapshot.h"
 #include "server/store/vouched_clock.h"
+#include "storage/change_signal.h"
 #include "storage/clock_marks.h"
 #include "storage/disk_space.h"
 #include "storage/forget_store.h"
@@ -35,6 +36,8 @@ struct Stores {
   std::unique_ptr<storage::Leases> leases;
   /// What robots of a fleet share.
   std::unique_ptr<storage::SharedItems> shared;
+  /// Null for a store that one process has at a time.
+  std::unique_ptr<storage::ChangeSignal> change_signal;
   /// Why the store cannot be reached now; it will be tried again. OK if it can.
   absl::Status away;
   /// As they are now. Any thread, while the writers live.

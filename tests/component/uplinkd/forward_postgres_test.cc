@@ -19,6 +19,8 @@ namespace {
 
 using ::testing::ElementsAre;
 
+constexpr const char* kHeard = "uplinkd_forward_heard_total";
+
 std::string Shared(const std::string& id, const std::string& robot) {
   return id + "@" + SharingRuri(robot);
 }
@@ -82,6 +84,34 @@ TEST_F(TwoServersTest, WhatOneCommitsReachesTheRobotsOfBothOnce) {
   // Of each server: its receivers' share of three changes, and nothing more.
   EXPECT_EQ(Sample(0, "uplinkd_forwards_due_total"), 4) << "pit and its end to b, dog to a and b";
   EXPECT_EQ(Sample(1, "uplinkd_forwards_due_total"), 2) << "pit and its end to c";
+}
+
+// Each server also looks by itself each second; that it need not is seen by what it heard.
+TEST_F(TwoServersTest, WhatOneCommitsWakesTheOtherAndNotItself) {
+  const auto a = Connect(0, "a");
+  const auto c = Connect(1, "c");
+  ASSERT_TRUE(c->ReadSnapshot());
+  for (const std::string name : {kHeard, "uplinkd_forward_deaf"}) {
+    EXPECT_EQ(Sample(0, name), 0);
+    EXPECT_EQ(Sample(1, name), 0);
+  }
+  a->Report(model::ShapeOp{SharedShape("pit")});
+  ASSERT_TRUE(c->ReadUntilHolds({Shared("pit", "a")}));
+  EXPECT_TRUE(Eventually([&] { return Sample(1, kHeard) == 1; })) << Sample(1, kHeard);
+  EXPECT_EQ(Sample(0, kHeard), 0);
+  database_.Shell().Run(
+      "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database()"
+      " AND application_name LIKE 'uplinkd%'");
+  std::size_t reported = 0;
+  std::vector<std::string> held{Shared("pit", "a")};
+  // Until both listen again.
+  EXPECT_TRUE(Eventually([&] {
+    const std::string id = "later " + std::to_string(++reported);
+    a->Report(model::ShapeOp{SharedShape(id)});
+    held.push_back(Shared(id, "a"));
+    return c->ReadUntilHolds(held) && Sample(1, kHeard) > 1;
+  }));
+  EXPECT_EQ(Sample(0, kHeard), 0);
 }
 
 TEST_F(TwoServersTest, AServerThatWasAwayHasWhatTheOtherCommittedMeanwhile) {

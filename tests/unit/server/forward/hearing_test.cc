@@ -1,0 +1,152 @@
+// Another server's commits wake the look here, and ours are told.
+#include "server/forward/hearing.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/forward/limits.h"
+#include "tests/support/eventually.h"
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::forward {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// What Wait answers stands in a list; after that it waits for its end.
+class ScriptedSignal final : public storage::ChangeSignal {
+ public:
+  explicit ScriptedSignal(std::deque<absl::StatusOr<bool>> answers = {})
+      : answers_(std::move(answers)) {}
+
+  void Tell() override { ++told; }
+  absl::StatusOr<bool> Wait(milliseconds most) override {
+    std::unique_lock lock(mutex_);
+    ++waits;
+    longest = most;
+    if (!answers_.empty()) {
+      absl::StatusOr<bool> answer = answers_.front();
+      answers_.pop_front();
+      return answer;
+    }
+    end_.wait(lock, [this] { return ended_; });
+    return false;
+  }
+  void End() override {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    end_.notify_all();
+  }
+
+  std::atomic<int> told = 0;
+  std::atomic<int> waits = 0;
+  milliseconds longest{0};
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable end_;
+  bool ended_ = false;
+  std::deque<absl::StatusOr<bool>> answers_;
+};
+
+class HearingTest : public ::testing::Test {
+ protected:
+  Hearing::Context With(storage::ChangeSignal* signal) {
+    return {logger_, probe_, signal, [this] { ++woken_; }, 1};
+  }
+
+  std::vector<std::string> lines_;
+  const testing::ManualClock clock_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  ForwardProbe probe_;
+  std::atomic<int> woken_ = 0;
+};
+
+TEST_F(HearingTest, WhatAnotherTellsWakesAndIsCounted) {
+  ScriptedSignal signal({false, true, false, true});
+  Hearing hearing(With(&signal));
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(hearing.Round().ok());
+  EXPECT_EQ(woken_, 2);
+  EXPECT_EQ(probe_.heard.value(), 2);
+  EXPECT_EQ(probe_.deaf.value(), 0);
+  EXPECT_EQ(signal.longest, kLookEvery);
+  EXPECT_THAT(lines_, IsEmpty());
+}
+
+TEST_F(HearingTest, OwnCommitsAreTold) {
+  ScriptedSignal signal;
+  Hearing hearing(With(&signal));
+  hearing.Tell();
+  EXPECT_EQ(signal.told, 1);
+  EXPECT_EQ(woken_, 0);
+}
+
+TEST_F(HearingTest, AFailureIsLoggedOnceAndSoIsItsEnd) {
+  const absl::Status away = absl::UnavailableError("away");
+  ScriptedSignal signal({false, away, away, false, true, away});
+  Hearing hearing(With(&signal));
+  EXPECT_TRUE(hearing.Round().ok());
+  EXPECT_EQ(hearing.Round(), away);
+  EXPECT_EQ(hearing.Round(), away);
+  EXPECT_EQ(probe_.deaf.value(), 1);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_hears_nobody why=away")));
+  EXPECT_TRUE(hearing.Round().ok());
+  EXPECT_TRUE(hearing.Round().ok());
+  EXPECT_EQ(probe_.deaf.value(), 0);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("nobody"), HasSubstr("forward_hears_again")));
+  EXPECT_EQ(hearing.Round(), away);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("nobody"), HasSubstr("again"), HasSubstr("nobody")));
+}
+
+TEST_F(HearingTest, ItsThreadTriesAgainUntilItHears) {
+  ScriptedSignal signal({absl::UnavailableError("away"), absl::UnavailableError("away"), true});
+  Hearing hearing(With(&signal));
+  hearing.Start();
+  EXPECT_TRUE(testing::Eventually([&] { return woken_ == 1; }));
+  EXPECT_EQ(probe_.heard.value(), 1);
+}
+
+TEST_F(HearingTest, AStopEndsAWaitUnderWay) {
+  ScriptedSignal signal;
+  Hearing hearing(With(&signal));
+  hearing.Start();
+  ASSERT_TRUE(testing::Eventually([&] { return signal.waits == 1; }));
+  hearing.Stop();
+  EXPECT_LE(signal.waits, 2);
+  hearing.Stop();
+}
+
+TEST_F(HearingTest, AStopEndsAPauseBetweenTries) {
+  ScriptedSignal signal(std::deque<absl::StatusOr<bool>>(100, absl::UnavailableError("away")));
+  Hearing hearing(With(&signal));
+  hearing.Start();
+  ASSERT_TRUE(testing::Eventually([&] { return signal.waits == 3; }));
+  hearing.Stop();
+  EXPECT_LT(signal.waits, 100) << "each pause is longer than the last one, up to seconds";
+}
+
+TEST_F(HearingTest, WhereOneProcessHasTheStoreThereIsNothingToHear) {
+  Hearing hearing(With(nullptr));
+  hearing.Start();
+  hearing.Tell();
+  hearing.Stop();
+  EXPECT_EQ(woken_, 0);
+}
+
+}  // namespace
+}  // namespace uplink::forward
