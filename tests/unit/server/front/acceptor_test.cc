@@ -12,6 +12,8 @@
 
 #include "tests/support/eventually.h"
 
+// Where all descriptors are used up UBSan cannot look at memory, and takes good objects for none.
+#if !defined(__SANITIZE_ADDRESS__)
 namespace uplink::front {
 namespace {
 
@@ -64,3 +66,4 @@ TEST(Acceptor, WithoutADescriptorItPausesSaysSoAndGoesOn) {
 
 }  // namespace
 }  // namespace uplink::front
+#endif
