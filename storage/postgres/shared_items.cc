@@ -48,11 +48,15 @@ constexpr SqlText PageSql() {
           " AND (ruri, id) > ($1::text, $2::text) ORDER BY ruri, id LIMIT $3::bigint"};
 }
 
-/// $1, $2: robots and ids.
+/// $1, $2: robots and ids. One look by the key for each, which a limit demands: a join is planned
+/// once, while the table may be new and empty, and would then read all rows for each key until the
+/// table is analyzed.
 template <PageKind kList>
 constexpr SqlText OfSql() {
-  return {SelectSql<kList>().view(), " JOIN unnest($1::text[], $2::text[]) AS u (of_ruri, of_id)",
-          " ON ruri = of_ruri AND id = of_id WHERE ", kSharedIf};
+  return {
+      "SELECT l.* FROM unnest($1::text[], $2::text[]) AS u (of_ruri, of_id) CROSS JOIN LATERAL (",
+      SelectSql<kList>().view(), " WHERE ruri = of_ruri AND id = of_id AND ", kSharedIf,
+      " LIMIT 1) AS l"};
 }
 
 ChangePositions LastOf(const std::vector<Result>& answers) {

@@ -240,6 +240,20 @@ TEST_P(SharedItemsContract, RobotsOfAllFleetsAreThereWithTheirFleets) {
   EXPECT_EQ(items[1].robot().fleet, "f2");
 }
 
+TEST_P(SharedItemsContract, ARobotThatMovesToAnotherFleetTakesItsItemsWithIt) {
+  FreshBegin();
+  Commit(
+      {Shape("s"), Object("o"), Shape("own", ScopeType::kRobot), Of(Robot("b"), Object("stays"))});
+  EXPECT_THAT(Changed(), SizeIs(3));
+  OpenAlso({Robot("a", "f2")});
+  EXPECT_THAT(Changed(), UnorderedElementsAre(ShapeKey("s"), ObjectKey("o")));
+  for (const SharedItem& item : AllItems()) {
+    EXPECT_EQ(item.robot().fleet, item.robot().ruri == robot_->ruri ? "f2" : "f1");
+  }
+  OpenAlso({Robot("a", "f2")});
+  EXPECT_THAT(Changed(), IsEmpty()) << "it is there already";
+}
+
 TEST_P(SharedItemsContract, PagesHaveEachItemOnceInTheOrderOfKeys) {
   FreshBegin();
   std::vector<storage::CommitRecord> records;

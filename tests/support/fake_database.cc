@@ -232,6 +232,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   }
   const bool was_known = robot.epoch != 0;
   if (!was_known) robot.first_seen = robot.last_seen = request.at;
+  if (was_known && robot.id.fleet != request.robot->fleet) kinds_.Move(*request.robot);
   robot.id = *request.robot;
   robot.end = storage::HolderEnd::kEnded;
   robot.last_seen = std::max(robot.last_seen, request.at);

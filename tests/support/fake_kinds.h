@@ -51,6 +51,11 @@ class FakeKinds final {
   std::size_t Sweep(SystemTime now);
   /// The same for changes.
   void SweepChanges() { changes_.Sweep(); }
+  /// A robot takes its shapes and objects to the fleet that it belongs to from now on.
+  void Move(const model::RobotId& robot) {
+    shapes_.Move(robot.ruri, robot.fleet);
+    objects_.Move(robot.ruri, robot.fleet);
+  }
   /// A robot's shapes and objects go with it.
   void DeletePresent(const std::string& ruri) {
     shapes_.DeleteAll(ruri);

@@ -106,6 +106,17 @@ class FakePresent final {
     robots_.erase(ruri);
   }
 
+  /// The robot belongs to this fleet from now on, and what it has with it.
+  void Move(const std::string& ruri, const std::string& fleet) {
+    const auto robot = robots_.find(ruri);
+    if (robot == robots_.end()) return;
+    for (auto& [id, entry] : robot->second) {
+      if (entry.row.robot.fleet == fleet) continue;
+      entry.row.robot.fleet = fleet;
+      NoteIfShared(ruri, id, {entry.row.scope});
+    }
+  }
+
   /// Deletes the longest expired of those that were so at `then`. Returns how many.
   std::size_t Sweep(std::int64_t then, std::size_t rows_max) {
     std::vector<std::tuple<std::int64_t, std::string, std::string>> expired;

@@ -240,6 +240,44 @@ TEST_F(PostgresChangesTest, ItemsFromBeforeTheStepAreThere) {
   EXPECT_THAT(changes->keys, ElementsAre(Key("before")));
 }
 
+TEST_F(PostgresChangesTest, ATruncationMakesWhoReadsReadAllAnew) {
+  one_.Run(Upsert("a"));
+  Begin();
+  shell_.Run("TRUNCATE uplinkd.objects");
+  EXPECT_TRUE(Changes().trimmed);
+  Begin();
+  EXPECT_THAT(Changed(), IsEmpty());
+  one_.Run(Upsert("b"));
+  EXPECT_THAT(Changed(), ElementsAre(Key("b")));
+  shell_.Run("TRUNCATE uplinkd.shapes");
+  EXPECT_TRUE(Changes().trimmed);
+}
+
+// A statement is planned once, for a table that may have been empty then: without a limit its plan
+// passes over all rows for each key.
+TEST_F(PostgresChangesTest, LookingKeysUpReadsNoOtherRowsHoweverTheTableGrew) {
+  shell_.Run("ALTER TABLE uplinkd.objects SET (autovacuum_enabled = false)");
+  ASSERT_TRUE(Items().Of(std::vector{Key("none")}).ok());
+  shell_.Run(
+      "INSERT INTO uplinkd.objects SELECT 'rcan://robots/a', 'x' || n, 'f1', now(), n, now(),"
+      " 0, 'name', 0, 0, 1, 1, '{}', NULL FROM generate_series(1, 4000) AS n");
+  std::vector<ItemKey> keys;
+  for (int i = 1; i <= 100; ++i) keys.push_back(Key("x" + std::to_string(i)));
+  const auto read = [this] {
+    shell_.Run("SELECT pg_stat_clear_snapshot()");
+    return std::stol(
+        shell_.Read("SELECT coalesce(sum(idx_tup_read), 0) FROM pg_stat_user_indexes"
+                    " WHERE relname = 'objects'"));
+  };
+  const long before = read();
+  const auto items = Items().Of(keys);
+  ASSERT_TRUE(items.ok()) << items.status();
+  EXPECT_THAT(*items, SizeIs(100));
+  items_.reset();  // a session tells what it read when it ends
+  ASSERT_TRUE(testing::Eventually([&] { return read() >= before + 100; }));
+  EXPECT_LT(read(), before + 1000);
+}
+
 // What was replaced would stay for as long as a transaction elsewhere is open.
 TEST_F(PostgresChangesTest, NoRowIsEverChanged) {
   {

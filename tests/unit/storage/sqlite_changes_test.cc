@@ -18,6 +18,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
 
 constexpr std::string_view kOlderRows =
     "INSERT INTO shapes VALUES"
@@ -62,6 +63,28 @@ TEST(SqliteChanges, WhatAnOlderFileSharesIsReadAndFollowed) {
   const auto changes = (*items)->ChangesSince(*positions);
   ASSERT_TRUE(changes.ok()) << changes.status();
   EXPECT_THAT(changes->keys, ElementsAre(Shape("own"), Object("shared"), Shape("shared")));
+}
+
+TEST(SqliteChanges, ARowOfAnotherKeyHasEndedUnderTheOldOne) {
+  const testing::TempFolder folder;
+  const std::string path = folder.File("uplinkd.db");
+  auto database = Database::Open(path, Access::kWrite, milliseconds(100));
+  ASSERT_TRUE(database.ok()) << database.status();
+  ASSERT_TRUE(Migrate(**database, Migrations(), IfOlder::kMigrate).ok());
+  ASSERT_TRUE((*database)->Execute(std::string(kOlderRows)).ok());
+  auto items = SqliteSharedItems::Open(path);
+  ASSERT_TRUE(items.ok()) << items.status();
+  const auto positions = (*items)->Positions();
+  ASSERT_TRUE(positions.ok()) << positions.status();
+  ASSERT_TRUE((*database)
+                  ->Execute("UPDATE shapes SET id = 'new' WHERE id = 'shared';"
+                            "UPDATE objects SET ruri = 'rcan://b'")
+                  .ok());
+  const auto changes = (*items)->ChangesSince(*positions);
+  ASSERT_TRUE(changes.ok()) << changes.status();
+  const ItemKey moved = {PresentKind::kObject, "rcan://b", "shared"};
+  EXPECT_THAT(changes->keys,
+              UnorderedElementsAre(Shape("shared"), Shape("new"), Object("shared"), moved));
 }
 
 }  // namespace

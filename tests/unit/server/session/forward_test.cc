@@ -12,7 +12,13 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class ForwardTest : public SessionTest {
+/// A base, so that it outlives the streams of the test.
+class WithForwards {
+ protected:
+  ScriptedForwards forwards_;
+};
+
+class ForwardTest : public WithForwards, public SessionTest {
  protected:
   ForwardTest() { server().forwards = &forwards_; }
 
@@ -22,8 +28,6 @@ class ForwardTest : public SessionTest {
     server().Commit();
     return stream;
   }
-
-  ScriptedForwards forwards_;
 };
 
 TEST_F(ForwardTest, AStreamReceivesFromItsWelcomeOn) {
