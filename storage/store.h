@@ -77,11 +77,11 @@ class Store {
   [[nodiscard]] virtual absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) = 0;
 
   /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
-  /// kSweepRowsMax of each. Returns how many went; more may be left when it is as many as that.
-  /// None while nobody vouches for `now` (StoreRules.clock). Also deletes what is left of changes
-  /// beyond kChangesKept of each writer, and writers after kChangeWriterKept (shared_items.h);
-  /// those go by no clock of ours, and are not counted.
-  [[nodiscard]] virtual absl::StatusOr<std::size_t> Sweep(SystemTime now) = 0;
+  /// kSweepRowsMax of each; none while nobody vouches for `now` (StoreRules.clock). Also deletes
+  /// changes beyond kChangesKept of each writer, at most kChangesSweptMax, and writers after
+  /// kChangeWriterKept (shared_items.h); those go by no clock of ours. More may be left when as
+  /// many went as may.
+  [[nodiscard]] virtual absl::StatusOr<Swept> Sweep(SystemTime now) = 0;
 
   /// Closes mission runs that were left open and not reported for kOpenRunAgeMax before `now`, at
   /// most kSweepRowsMax. Returns how many; more may be left when it is as many as that. None while

@@ -156,6 +156,14 @@ struct AdoptResult {
   HolderEnd end = HolderEnd::kEnded;
 };
 
+/// What Sweep deleted.
+struct Swept {
+  /// Shapes and objects that had expired.
+  std::size_t items = 0;
+  /// Changes of shared items that nobody needs any more (shared_items.h).
+  std::size_t changes = 0;
+};
+
 /// What TrimQuarantine did.
 struct Trimmed {
   /// Rows that went; index: RejectReason.

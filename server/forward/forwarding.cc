@@ -7,7 +7,8 @@
 namespace uplink::forward {
 
 Forwarding::Forwarding(const Context& context)
-    : forwards_({kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
+    : clock_(context.clock),
+      forwards_({kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
       rounds_(
           {context.clock, context.logger, context.items, forwards_, probe_, context.clock_trust}),
       hearing_({context.logger, probe_, context.change_signal, [this] { rounds_.Wake(); },
@@ -31,9 +32,13 @@ void Forwarding::AddSamples(metrics::Exposition& page) const {
   page.Add(kForwardBytesLimit, number(forwards_.bytes_max()));
   page.Add(kForwardLeftOut, number(sum.left_out));
   page.Add(kForwardUnreadable, probe_.unreadable);
+  page.Add(kForwardUnreadableNow, probe_.unreadable_now);
   page.Add(kForwardChanges, probe_.changes);
   page.Add(kForwardReadsOfAll, probe_.reads_of_all);
   page.Add(kForwardFailing, probe_.failing);
+  const std::int64_t followed_at = probe_.followed_at_ms.value();
+  const std::int64_t age = followed_at == 0 ? 0 : SteadyMs(clock_.Steady()) - followed_at;
+  page.Add(kForwardLookAge, milliseconds(age));
   page.Add(kForwardHeard, probe_.heard);
   page.Add(kForwardDeaf, probe_.deaf);
 }

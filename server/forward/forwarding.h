@@ -44,15 +44,18 @@ class Forwarding final {
   }
   /// Where streams receive from.
   [[nodiscard]] session::ForwardSource& source() { return forwards_; }
-  /// Changes cannot be read now, or not all that is shared has room.
+  /// All was not read yet, changes cannot be read now, not all that is shared has room, or some of
+  /// it cannot be read.
   [[nodiscard]] bool incomplete() const {
-    return probe_.failing.value() != 0 || forwards_.left_out();
+    return !forwards_.whole() || probe_.failing.value() != 0 || forwards_.left_out() ||
+           probe_.unreadable_now.value() != 0;
   }
   /// What is shared and what became of its changes, for a page of metrics: due is the sum of
   /// settled and waiting in each text.
   void AddSamples(metrics::Exposition& page) const;
 
  private:
+  const Clock& clock_;
   ForwardProbe probe_;
   Forwards forwards_;
   Rounds rounds_;

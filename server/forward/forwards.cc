@@ -82,7 +82,7 @@ void Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t ex
   if (!shares_.Resize(key.ruri, where.bytes, bytes)) {
     // What was forwarded of it is not true any more.
     Remove(key);
-    return shares_.NoteLeftOut();
+    return shares_.NoteLeftOut(key.ruri);
   }
   where.bytes = bytes;
   ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
@@ -94,7 +94,7 @@ void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t
   EncodedFrame frame = encode(command);
   if (frame == nullptr) return;
   const std::size_t bytes = BytesOf(key, frame);
-  if (!shares_.Resize(key.ruri, 0, bytes)) return shares_.NoteLeftOut();
+  if (!shares_.Resize(key.ruri, 0, bytes)) return shares_.NoteLeftOut(key.ruri);
   const Where where{fleet, FleetOf(fleet), command, bytes};
   where_.emplace(key, where);
   ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));

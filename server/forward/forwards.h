@@ -49,9 +49,15 @@ class Forwards final : public session::ForwardSource {
   std::size_t WakeReceivers();
   /// Keys of all that is there.
   [[nodiscard]] std::vector<ItemKey> Keys() const;
-  /// Something was left out for lack of room since the last call of ForgetLeftOut.
+  /// Something is left out for lack of room. Any thread.
   [[nodiscard]] bool left_out() const { return shares_.left_out() > 0; }
-  void ForgetLeftOut() { shares_.ForgetLeftOut(); }
+  /// Whose items are, and the looks at them.
+  [[nodiscard]] Shares& shares() { return shares_; }
+  /// As of SetWhole. Any thread.
+  [[nodiscard]] bool whole() const {
+    const std::lock_guard lock(mutex_);
+    return whole_;
+  }
 
   /// What all fleets are and did, each as of one moment.
   struct Sum {

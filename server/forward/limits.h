@@ -20,8 +20,8 @@ struct ReceiverLimits {
 };
 /// Bytes of what all fleets share. What is over is not forwarded, and that is told.
 inline constexpr std::size_t kSharedBytesMax = 256U * 1024 * 1024;
-/// What one robot may have of it: as much as a robot may have of the journal.
-inline constexpr std::size_t kRobotBytesMax = kSharedBytesMax / 32;
+/// What one robot may have of it: its 10,000 shapes (storage::BoundOf) with a few points each.
+inline constexpr std::size_t kRobotBytesMax = kSharedBytesMax / 16;
 /// Memory that an item takes besides its texts and its frame (measured on the containers).
 inline constexpr std::size_t kItemOverheadBytes = 512;
 /// Items that are looked up in the store at once: some may be as large as a frame.
@@ -36,7 +36,13 @@ inline constexpr std::chrono::milliseconds kLookAgain{10};
 /// a busy fleet shares takes a third of a core, and not all of several.
 inline constexpr std::chrono::microseconds kPauseForOne{50};
 inline constexpr std::chrono::milliseconds kLookAgainMax{250};
-/// Where something was left out, all is read again once there may be room, but not more often.
-inline constexpr std::chrono::seconds kReadAllAgain{60};
+/// Where something was left out of a robot's items, they are read again once there may be room, but
+/// not more often.
+inline constexpr std::chrono::seconds kLookAtLeftOutEvery{60};
+/// Items that cannot be read and are remembered, so that their end is noticed and each is told
+/// once.
+inline constexpr std::size_t kUnreadableMax = 1'000;
+/// Lines about them, and about robots of which items are left out, per minute.
+inline constexpr std::uint32_t kForwardLinesMax = 20;
 
 }  // namespace uplink::forward

@@ -1,8 +1,17 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+
 #include "metrics/cells.h"
+#include "schema/base/clock.h"
 
 namespace uplink::forward {
+
+/// Milliseconds of the steady clock, as a cell holds them.
+[[nodiscard]] inline std::int64_t SteadyMs(SteadyTime time) {
+  return std::chrono::duration_cast<milliseconds>(time.time_since_epoch()).count();
+}
 
 /// What the reading of the shared set counts; what becomes of changes counts itself (counts.h).
 /// Thread-safe.
@@ -13,6 +22,10 @@ struct ForwardProbe {
   metrics::Cell changes;
   /// Items that the store holds and that could not be made a command.
   metrics::Cell unreadable;
+  /// Of these, those that are there now, up to kUnreadableMax.
+  metrics::Cell unreadable_now;
+  /// When the store last told all changes that it had: milliseconds of the steady clock.
+  metrics::Cell followed_at_ms;
   /// 1 while the store cannot be asked for changes.
   metrics::Cell failing;
   /// Times that other servers told of their commits, as far as they were heard apart.

@@ -16,12 +16,17 @@ SteadyTime::duration LookAgainAfter(std::size_t woken) {
   return std::clamp<SteadyTime::duration>(woken * kPauseForOne, kLookAgain, kLookAgainMax);
 }
 
+Rounds::Rounds(const Context& context)
+    : context_(context), lines_(context.logger, kForwardLinesMax, std::chrono::minutes(1)) {}
+
 void Rounds::Start() {
+  stopping_ = false;
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
   ::pthread_setname_np(thread_.native_handle(), "forward");
 }
 
 void Rounds::Stop() {
+  stopping_ = true;
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
 }
@@ -61,40 +66,86 @@ absl::Status Rounds::Round() {
 void Rounds::WakeReceivers() { woken_streams_ += context_.forwards.WakeReceivers(); }
 
 absl::Status Rounds::Look() {
-  const bool again =
-      context_.forwards.left_out() && context_.clock.Steady() - read_all_at_ >= kReadAllAgain;
-  if (!positions_ || again) {
+  if (!positions_) {
     if (absl::Status read = ReadAll(); !read.ok()) return read;
   }
-  return FollowChanges();
+  if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
+  return LookAtLeftOut();
+}
+
+absl::Status Rounds::WalkPages(std::optional<storage::ItemKey> after, const Walk& walk) {
+  while (true) {
+    // All that fleets share may take seconds to read.
+    if (stopping_) return absl::CancelledError("the server stops");
+    const auto page = context_.items.Page(after);
+    if (!page.ok()) return page.status();
+    for (const storage::SharedItem& item : page->items) {
+      if (!walk.take(item)) return absl::OkStatus();
+    }
+    WakeReceivers();
+    if (!page->more) return absl::OkStatus();
+    after = page->items.back().Key();
+    if (absl::Status between = walk.between(); !between.ok()) return between;
+  }
 }
 
 absl::Status Rounds::ReadAll() {
   // Before the items: what is committed while they are read comes again as a change.
   auto positions = context_.items.Positions();
   if (!positions.ok()) return positions.status();
-  read_all_at_ = context_.clock.Steady();
-  context_.forwards.ForgetLeftOut();
+  context_.forwards.shares().BeginLookAtAll();
   std::set<storage::ItemKey> present;
-  std::optional<storage::ItemKey> after;
-  while (true) {
-    const auto page = context_.items.Page(after);
-    if (!page.ok()) return page.status();
-    for (const storage::SharedItem& item : page->items) {
-      present.insert(item.Key());
-      Put(item);
-    }
-    WakeReceivers();
-    if (!page->more) break;
-    after = page->items.back().Key();
-  }
+  const absl::Status read = WalkPages(std::nullopt, {.take =
+                                                         [&](const storage::SharedItem& item) {
+                                                           present.insert(item.Key());
+                                                           Put(item);
+                                                           return true;
+                                                         },
+                                                     .between = [] { return absl::OkStatus(); }});
+  if (!read.ok()) return read;
   for (const storage::ItemKey& key : context_.forwards.Keys()) {
     if (!present.contains(key)) context_.forwards.Remove(key);
   }
+  std::erase_if(unreadable_, [&](const auto& key) { return !present.contains(key); });
+  context_.probe.unreadable_now.Set(static_cast<std::int64_t>(unreadable_.size()));
+  context_.forwards.shares().EndLook();
   positions_ = *std::move(positions);
   context_.probe.reads_of_all.Add();
   context_.forwards.SetWhole();
   WakeReceivers();
+  return absl::OkStatus();
+}
+
+absl::Status Rounds::LookAtLeftOut() {
+  const SteadyTime now = context_.clock.Steady();
+  if (!context_.forwards.left_out() || now - looked_at_left_out_ < kLookAtLeftOutEvery) {
+    return absl::OkStatus();
+  }
+  looked_at_left_out_ = now;
+  while (const std::optional<std::string> robot = context_.forwards.shares().ToLookAtAgain()) {
+    if (absl::Status read = ReadRobot(*robot); !read.ok()) return read;
+    // What others share is not kept waiting for one robot.
+    if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Rounds::ReadRobot(const std::string& ruri) {
+  context_.forwards.shares().BeginLook(ruri);
+  for (const auto kind : {storage::PresentKind::kShape, storage::PresentKind::kObject}) {
+    const absl::Status read = WalkPages(storage::ItemKey{kind, ruri, ""},
+                                        {.take =
+                                             [&](const storage::SharedItem& item) {
+                                               const storage::ItemKey key = item.Key();
+                                               if (key.kind != kind || key.ruri != ruri)
+                                                 return false;
+                                               Put(item);
+                                               return true;
+                                             },
+                                         .between = [this] { return FollowChanges(); }});
+    if (!read.ok()) return read;
+  }
+  context_.forwards.shares().EndLook();
   return absl::OkStatus();
 }
 
@@ -110,7 +161,9 @@ absl::Status Rounds::FollowChanges() {
     if (absl::Status applied = Apply(changes->keys); !applied.ok()) return applied;
     positions_ = std::move(changes->positions);
     context_.probe.changes.Add(static_cast<std::int64_t>(changes->keys.size()));
-    if (!changes->more) return absl::OkStatus();
+    if (changes->more) continue;
+    context_.probe.followed_at_ms.Set(SteadyMs(context_.clock.Steady()));
+    return absl::OkStatus();
   }
 }
 
@@ -125,7 +178,7 @@ absl::Status Rounds::Apply(std::span<const storage::ItemKey> keys) {
     for (const storage::ItemKey& key : now) {
       const auto item = present.find(key);
       if (item == present.end()) {
-        context_.forwards.Remove(key);
+        Remove(key);
       } else {
         Put(*item->second);
       }
@@ -140,33 +193,61 @@ bool Rounds::Expired(std::int64_t expires_ms) const {
          expires_ms <= UnixMs(context_.clock.System());
 }
 
+void Rounds::Remove(const storage::ItemKey& key) {
+  NoteReadable(key);
+  context_.forwards.Remove(key);
+}
+
 void Rounds::Put(const storage::SharedItem& item) {
   const storage::ItemKey key = item.Key();
-  if (Expired(item.expires_at_ms())) return context_.forwards.Remove(key);
+  if (Expired(item.expires_at_ms())) return Remove(key);
+  absl::Status unreadable;
   context_.forwards.Put(key, item.robot().fleet, item.expires_at_ms(),
                         [&](const nexus_command::CommandId& command) -> EncodedFrame {
                           auto frame = UpsertFrame(item, command);
                           if (frame.ok()) return *std::move(frame);
-                          NoteUnreadable(key, frame.status());
+                          unreadable = frame.status();
                           return nullptr;
                         });
+  if (unreadable.ok()) {
+    NoteReadable(key);
+  } else {
+    NoteUnreadable(key, unreadable);
+  }
 }
 
 void Rounds::NoteUnreadable(const storage::ItemKey& key, const absl::Status& why) {
+  if (unreadable_.contains(key)) return;
   context_.probe.unreadable.Add();
-  context_.logger.Warn("forward_unreadable",
-                       {{"robot", key.ruri}, {"id", key.id}, {"why", std::string(why.message())}});
+  lines_.Write(log::Level::kWarn, "forward_unreadable",
+               {{"robot", key.ruri}, {"id", key.id}, {"why", std::string(why.message())}});
+  if (unreadable_.size() >= kUnreadableMax) return;
+  unreadable_.insert(key);
+  context_.probe.unreadable_now.Set(static_cast<std::int64_t>(unreadable_.size()));
+}
+
+void Rounds::NoteReadable(const storage::ItemKey& key) {
+  if (unreadable_.erase(key) == 0) return;
+  context_.probe.unreadable_now.Set(static_cast<std::int64_t>(unreadable_.size()));
+}
+
+void Rounds::TellLeftOut() {
+  const std::vector<std::string> robots = context_.forwards.shares().robots_left_out();
+  if (robots.empty()) {
+    if (told_left_out_.empty()) return;
+    told_left_out_.clear();
+    return context_.logger.Info("forward_complete_again", {});
+  }
+  for (const std::string& robot : robots) {
+    if (!told_left_out_.insert(robot).second) continue;
+    lines_.Write(log::Level::kWarn, "forward_left_out",
+                 {{"robot", robot}, {"bytes", context_.forwards.sum().bytes}});
+  }
 }
 
 void Rounds::Tell(const absl::Status& status) {
-  const bool left_out = context_.forwards.left_out();
-  if (left_out != std::exchange(told_left_out_, left_out)) {
-    if (left_out) {
-      context_.logger.Warn("forward_left_out", {{"bytes", context_.forwards.sum().bytes}});
-    } else {
-      context_.logger.Info("forward_complete_again", {});
-    }
-  }
+  TellLeftOut();
+  if (stopping_) return;
   context_.probe.failing.Set(status.ok() ? 0 : 1);
   const std::lock_guard lock(mutex_);
   if (failing_ == !status.ok()) return;

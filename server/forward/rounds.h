@@ -1,13 +1,16 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -17,6 +20,7 @@
 #include "server/forward/forwards.h"
 #include "server/forward/probe.h"
 #include "server/log/logger.h"
+#include "server/log/rate_limited.h"
 #include "storage/clock_trust.h"
 #include "storage/shared_items.h"
 
@@ -45,7 +49,7 @@ class Rounds final {
     ForwardProbe& probe;
     const storage::ClockTrust& clock_trust;
   };
-  explicit Rounds(const Context& context) : context_(context) {}
+  explicit Rounds(const Context& context);
   ~Rounds() { Stop(); }
   Rounds(const Rounds&) = delete;
   Rounds& operator=(const Rounds&) = delete;
@@ -62,20 +66,37 @@ class Rounds final {
   absl::Status Look();
   /// Reads all that is shared, and removes what is there no more.
   absl::Status ReadAll();
+  /// Reads again what robots share of which items were left out, if there may be room for them.
+  absl::Status LookAtLeftOut();
+  absl::Status ReadRobot(const std::string& ruri);
+  /// What a walk through the pages does with each item, until that is false, and between pages.
+  struct Walk {
+    std::function<bool(const storage::SharedItem&)> take;
+    std::function<absl::Status()> between;
+  };
+  absl::Status WalkPages(std::optional<storage::ItemKey> after, const Walk& walk);
   absl::Status FollowChanges();
   absl::Status Apply(std::span<const storage::ItemKey> keys);
   void Put(const storage::SharedItem& item);
   void WakeReceivers();
+  void Remove(const storage::ItemKey& key);
   void NoteUnreadable(const storage::ItemKey& key, const absl::Status& why);
+  void NoteReadable(const storage::ItemKey& key);
+  void TellLeftOut();
   [[nodiscard]] bool Expired(std::int64_t expires_ms) const;
   void Tell(const absl::Status& status);
 
   const Context context_;
   /// Nothing: all is to be read.
   std::optional<storage::ChangePositions> positions_;
-  SteadyTime read_all_at_;
+  SteadyTime looked_at_left_out_;
   bool failing_ = false;
-  bool told_left_out_ = false;
+  /// Robots that the log named since all was there.
+  std::set<std::string> told_left_out_;
+  /// Items that are there and cannot be read; at most kUnreadableMax.
+  std::set<storage::ItemKey> unreadable_;
+  log::RateLimited lines_;
+  std::atomic<bool> stopping_{false};
   /// Streams that the last look woke.
   std::size_t woken_streams_ = 0;
 

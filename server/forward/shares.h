@@ -3,13 +3,16 @@
 #include <atomic>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace uplink::forward {
 
-/// How much memory the shared set takes, as a whole and per robot that reported it, and what was
-/// left out for that.
+/// How much memory the shared set takes, as a whole and per robot that reported it, and whose items
+/// were left out for that.
 ///
+/// Bound:  robots of which items were left out; there are no more than robots with items.
 /// Thread: bytes and left_out from any; the rest on one thread.
 class Shares final {
  public:
@@ -22,18 +25,40 @@ class Shares final {
   /// An item of the robot takes `after` bytes in place of `before`. False, and nothing changes, if
   /// there is no room for more.
   [[nodiscard]] bool Resize(const std::string& ruri, std::size_t before, std::size_t after);
-  void NoteLeftOut() { ++left_out_; }
-  void ForgetLeftOut() { left_out_ = 0; }
+  /// An item of the robot was left out.
+  void NoteLeftOut(const std::string& ruri);
+  /// The items of one robot, or of all, are looked at again, and what is left out of them is noted
+  /// anew. What was left out before counts until EndLook: it is not there yet.
+  void BeginLook(const std::string& ruri);
+  void BeginLookAtAll();
+  void EndLook();
+  /// A robot of which items were left out, and for which there may be room by now: it, or where all
+  /// is full anybody, gave some back since. Nothing if there is none.
+  [[nodiscard]] std::optional<std::string> ToLookAtAgain() const;
+  [[nodiscard]] std::vector<std::string> robots_left_out() const;
 
   [[nodiscard]] std::size_t bytes_max() const { return limits_.bytes_max; }
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
-  /// Times that an item was left out since ForgetLeftOut.
+  /// Times that an item was left out, since the last look at it.
   [[nodiscard]] std::size_t left_out() const { return left_out_.load(); }
 
  private:
+  struct LeftOut;
+  void NoteRoom(const std::string& ruri);
+  static void Begin(LeftOut& left_out);
+
   const Limits limits_;
   /// By robots that have any.
   std::map<std::string, std::size_t> robots_;
+  struct LeftOut {
+    std::size_t times = 0;
+    /// Those of the look before, while one is under way.
+    std::size_t before = 0;
+    /// For want of room of all, not of the robot's own.
+    bool for_all = false;
+    bool has_room = false;
+  };
+  std::map<std::string, LeftOut> robots_left_out_;
   std::atomic<std::size_t> bytes_{0};
   std::atomic<std::size_t> left_out_{0};
 };

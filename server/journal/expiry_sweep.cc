@@ -4,20 +4,22 @@
 #include <cstddef>
 
 #include "server/journal/limits.h"
+#include "storage/shared_items.h"
 #include "storage/store.h"
 
 namespace uplink::journal {
 
 Step ExpirySweep::Do() {
   const SystemTime now = context_.clock.System();
-  const auto deleted = context_.store.Sweep(now);
-  auto closed = deleted;
-  if (deleted.ok()) closed = context_.store.CloseRuns(now);
+  const auto swept = context_.store.Sweep(now);
+  const auto closed =
+      swept.ok() ? context_.store.CloseRuns(now) : absl::StatusOr<std::size_t>(swept.status());
   context_.errors.NoteDuty(closed.status());
-  const std::size_t most = std::max(deleted.value_or(0), closed.value_or(0));
-  duty_.DueAt(context_.clock.Steady() +
-              (most >= storage::kSweepRowsMax ? kSweepAgain : kSweepInterval));
-  context_.probe.expired_deleted.Add(static_cast<std::int64_t>(deleted.value_or(0)));
+  const storage::Swept went = swept.value_or(storage::Swept());
+  const bool more = std::max(went.items, closed.value_or(0)) >= storage::kSweepRowsMax ||
+                    went.changes >= storage::kChangesSweptMax;
+  duty_.DueAt(context_.clock.Steady() + (more ? kSweepAgain : kSweepInterval));
+  context_.probe.expired_deleted.Add(static_cast<std::int64_t>(went.items));
   if (!closed.ok()) return Step::kFailed;
   context_.probe.runs_closed_for_age.Add(static_cast<std::int64_t>(*closed));
   return Step::kWorked;

@@ -54,7 +54,8 @@ absl::Status Gate::CheckGateway(const std::string& gateway) const {
   if (has < per_gateway_max_) return absl::OkStatus();
   probe_.refused_gateway_total.Add();
   return absl::ResourceExhaustedError(
-      fmt::format("the server admits no more streams of gateway {}: it has {}", gateway, has));
+      fmt::format("the server admits no more streams of gateway {}: it has {} (limits.gateway_streams_max, "
+                  "limits.robots_max)", gateway, has));
 }
 
 absl::Status Gate::Enter(const Entrant& entrant) {

@@ -119,9 +119,9 @@ absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
   });
 }
 
-absl::StatusOr<std::size_t> PostgresStore::Sweep(SystemTime now) {
+absl::StatusOr<Swept> PostgresStore::Sweep(SystemTime now) {
   const StoreOptions& options = impl_->options;
-  return With<std::size_t>([&](Connection& connection) {
+  return With<Swept>([&](Connection& connection) {
     return SweepRows(connection, now, options.rules, options.before_commit);
   });
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
@@ -16,8 +18,9 @@ class ChangesTable final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
-  /// Deletes what is beyond kChangesKept, the oldest first, at most kChangesSweptMax rows.
-  [[nodiscard]] absl::Status Sweep();
+  /// Deletes what is beyond kChangesKept, the oldest first, at most kChangesSweptMax rows. Returns
+  /// how many.
+  [[nodiscard]] absl::StatusOr<std::size_t> Sweep();
 
  private:
   std::unique_ptr<Statement> sweep_;

@@ -193,20 +193,21 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
                              std::string(outcomes.status().message()));
 }
 
-absl::StatusOr<std::size_t> SqliteStore::Sweep(SystemTime now) {
+absl::StatusOr<Swept> SqliteStore::Sweep(SystemTime now) {
   const bool vouches = Vouches(impl_->options.rules.clock, now);
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
-  return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
-    std::size_t swept = 0;
+  return InTransaction<Swept>([&]() -> absl::StatusOr<Swept> {
+    Swept swept;
     for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
       if (!vouches) break;
       const auto rows = impl_->tables.present_rows(kind).Sweep(until_ms, kSweepRowsMax);
       if (!rows.ok()) return rows.status();
-      swept += *rows;
+      swept.items += *rows;
     }
     // Changes go by their number, whatever the time is.
-    absl::Status changes = impl_->tables.changes.Sweep();
-    if (!changes.ok()) return changes;
+    const auto changes = impl_->tables.changes.Sweep();
+    if (!changes.ok()) return changes.status();
+    swept.changes = *changes;
     return swept;
   });
 }

@@ -144,7 +144,7 @@ TEST_P(BoundContract, CountsWhatAFailedCommitTookBack) {
 TEST_P(BoundContract, HasRoomAgainAfterASweep) {
   ForEachKind([this](const PresentKind& kind) {
     Fill(kind, kind.per_robot_max, 1);
-    EXPECT_EQ(*store_->Process(kProcess).Sweep(Time(1'000) + storage::kExpiredKept), 1U);
+    EXPECT_EQ(store_->Process(kProcess).Sweep(Time(1'000) + storage::kExpiredKept)->items, 1U);
     // Its own clock says that nothing has expired: the room is the swept row's.
     EXPECT_THAT(Commit({Upsert(kind, "new", 5), Upsert(kind, "more", 5)}),
                 ElementsAre(OutcomeKind::kStored, OutcomeKind::kRefused));

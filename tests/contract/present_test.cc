@@ -157,11 +157,11 @@ TEST_P(PresentContract, SweepsWhatExpiredLongEnoughAgo) {
   ForEachKind([this](const PresentKind& kind) {
     Commit({Upsert(kind, "a", 0, 1'000), Upsert(kind, "b", 1, 1'001)});
     storage::Store& store = store_->Process(kProcess);
-    EXPECT_EQ(*store.Sweep(Time(1'000 + kKeptMs - 1)), 0U);
+    EXPECT_EQ(store.Sweep(Time(1'000 + kKeptMs - 1))->items, 0U);
     EXPECT_EQ(Count(kind), 2U);
-    EXPECT_EQ(*store.Sweep(Time(1'000 + kKeptMs)), 1U);
+    EXPECT_EQ(store.Sweep(Time(1'000 + kKeptMs))->items, 1U);
     EXPECT_THAT(Ids(kind, 1'001, true), ElementsAre("b"));
-    EXPECT_EQ(*store.Sweep(Time(1'000 + kKeptMs)), 0U) << "it went";
+    EXPECT_EQ(store.Sweep(Time(1'000 + kKeptMs))->items, 0U) << "it went";
   });
 }
 
@@ -170,10 +170,10 @@ TEST_P(PresentContract, SweepsNothingByAClockThatNobodyVouchesFor) {
     Commit({Upsert(kind, "a", 0, 1'000)});
     storage::Store& store = store_->Process(kProcess);
     trust_.Set(false);
-    EXPECT_EQ(*store.Sweep(Time(100 * kKeptMs)), 0U);
+    EXPECT_EQ(store.Sweep(Time(100 * kKeptMs))->items, 0U);
     EXPECT_EQ(Count(kind), 1U);
     trust_.Set(true);
-    EXPECT_EQ(*store.Sweep(Time(100 * kKeptMs)), 1U);
+    EXPECT_EQ(store.Sweep(Time(100 * kKeptMs))->items, 1U);
   });
 }
 
@@ -194,7 +194,7 @@ TEST_P(PresentContract, SweepsBothKindsInOneCall) {
   std::vector<storage::CommitRecord> records;
   for (const PresentKind& kind : PresentKinds()) records.push_back(Upsert(kind, "a", 0, 1'000));
   Commit(std::move(records));
-  EXPECT_EQ(*store_->Process(kProcess).Sweep(Time(1'000 + kKeptMs)), 2U);
+  EXPECT_EQ(store_->Process(kProcess).Sweep(Time(1'000 + kKeptMs))->items, 2U);
   for (const PresentKind& kind : PresentKinds()) EXPECT_EQ(Count(kind), 0U);
 }
 
@@ -205,7 +205,7 @@ TEST_P(PresentContract, SweepLeavesWhatLivesForEver) {
   model::Object object = test::SampleObject();
   object.expires_unix_time_ms = 0;
   Commit({Good(1, model::ShapeOp{shape}), Good(2, model::ObjectOp{object})});
-  EXPECT_EQ(*store_->Process(kProcess).Sweep(Time(1'000'000'000'000)), 0U);
+  EXPECT_EQ(store_->Process(kProcess).Sweep(Time(1'000'000'000'000))->items, 0U);
   EXPECT_THAT(Shapes(), SizeIs(1));
   EXPECT_THAT(Objects(), SizeIs(1));
 }
@@ -220,10 +220,10 @@ TEST_P(PresentContract, SweepsSoManyAtOnce) {
     Commit(std::move(records));
     storage::Store& store = store_->Process(kProcess);
     const SystemTime then = Time(1'000 + kKeptMs);
-    EXPECT_EQ(*store.Sweep(then), storage::kSweepRowsMax);
+    EXPECT_EQ(store.Sweep(then)->items, storage::kSweepRowsMax);
     EXPECT_EQ(Count(kind), 1U);
-    EXPECT_EQ(*store.Sweep(then), 1U);
-    EXPECT_EQ(*store.Sweep(then), 0U);
+    EXPECT_EQ(store.Sweep(then)->items, 1U);
+    EXPECT_EQ(store.Sweep(then)->items, 0U);
     EXPECT_EQ(Count(kind), 0U);
     // What was swept may come again.
     Commit({Upsert(kind, "1", 2'000)});

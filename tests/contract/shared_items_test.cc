@@ -195,11 +195,11 @@ TEST_P(SharedItemsContract, OneThatExpiredIsThereUntilItIsSwept) {
   Commit({Object("o", ScopeType::kFleet, 1'000), Object("r", ScopeType::kRobot, 1'000)});
   EXPECT_THAT(Changed(), ElementsAre(ObjectKey("o")));
   storage::Store& store = store_->Process(kProcess);
-  EXPECT_EQ(*store.Sweep(Time(1'000)), 0U);
+  EXPECT_EQ(store.Sweep(Time(1'000))->items, 0U);
   EXPECT_THAT(Changed(), IsEmpty());
   EXPECT_THAT(Present(), ElementsAre(ObjectKey("o")));
   EXPECT_THAT(Found({ObjectKey("o")}), ElementsAre(ObjectKey("o")));
-  EXPECT_EQ(*store.Sweep(Time(1'000 + kKeptMs)), 2U);
+  EXPECT_EQ(store.Sweep(Time(1'000 + kKeptMs))->items, 2U);
   EXPECT_THAT(Changed(), ElementsAre(ObjectKey("o")));
   EXPECT_THAT(Present(), IsEmpty());
 }
@@ -376,14 +376,16 @@ TEST_P(SharedItemsContract, SoManyChangesAreKeptAndWhoIsFurtherBehindIsTold) {
   trust.Set(false);  // they do not go by the time
   storage::Store& store = store_->Process(kProcess);
   store_->AddChanges(storage::kChangesKept);
-  ASSERT_EQ(*store.Sweep(Time()), 0U);
+  ASSERT_EQ(store.Sweep(Time())->items, 0U);
   const ChangePositions begun = positions_;
   EXPECT_GT(SkipChanges(), static_cast<int>(storage::kChangesKept / storage::kChangesReadMax));
   EXPECT_THAT(Changed(), IsEmpty());
   const ChangePositions current = std::exchange(positions_, begun);
   store_->AddChanges(1);
   EXPECT_FALSE(IsTrimmed());
-  ASSERT_EQ(*store.Sweep(Time()), 0U);
+  const auto swept = ValueOf(store.Sweep(Time()));
+  EXPECT_EQ(swept.items, 0U);
+  EXPECT_EQ(swept.changes, 1U);
   EXPECT_TRUE(IsTrimmed());
   const SharedChanges trimmed = ValueOf(Items().ChangesSince(begun));
   EXPECT_THAT(trimmed.keys, IsEmpty());

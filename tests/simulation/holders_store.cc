@@ -73,7 +73,7 @@ absl::StatusOr<std::vector<storage::Outcome>> HoldersStore::Commit(const storage
   });
 }
 
-absl::StatusOr<std::size_t> HoldersStore::Sweep(SystemTime now) {
+absl::StatusOr<storage::Swept> HoldersStore::Sweep(SystemTime now) {
   return Pass([&] { return store_.Sweep(now); });
 }
 

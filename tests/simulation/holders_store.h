@@ -77,7 +77,7 @@ class HoldersStore final : public storage::Store {
       std::span<const storage::AdoptRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Sweep(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<storage::Swept> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
   [[nodiscard]] std::size_t TakeRunsClosed() override;
   [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(

@@ -65,7 +65,7 @@ absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Ba
   return outcomes;
 }
 
-absl::StatusOr<std::size_t> Recorder::Sweep(SystemTime now) {
+absl::StatusOr<storage::Swept> Recorder::Sweep(SystemTime now) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
   auto deleted = store_->Sweep(now);

@@ -122,10 +122,11 @@ absl::StatusOr<std::vector<storage::Outcome>> TracedStore::Commit(const storage:
   });
 }
 
-absl::StatusOr<std::size_t> TracedStore::Sweep(SystemTime now) {
+absl::StatusOr<storage::Swept> TracedStore::Sweep(SystemTime now) {
   trace_.Add(fmt::format("store Sweep at {}", UnixMs(now)));
-  return Traced(trace_, store_.Sweep(now),
-                [this](std::size_t rows) { trace_.Add(fmt::format("swept {}", rows)); });
+  return Traced(trace_, store_.Sweep(now), [this](const storage::Swept& swept) {
+    trace_.Add(fmt::format("swept {}", swept.items));
+  });
 }
 
 absl::StatusOr<std::size_t> TracedStore::CloseRuns(SystemTime now) {

@@ -19,12 +19,13 @@ class FakeChanges final {
   };
 
   void Note(storage::ItemKey key) { rows_.push_back({++last_, std::move(key)}); }
-  /// As storage::Store::Sweep.
-  void Sweep() {
-    for (std::size_t swept = 0; swept < storage::kChangesSweptMax; ++swept) {
-      if (rows_.size() <= storage::kChangesKept) return;
+  /// As storage::Store::Sweep. Returns how many went.
+  std::size_t Sweep() {
+    std::size_t swept = 0;
+    for (; swept < storage::kChangesSweptMax && rows_.size() > storage::kChangesKept; ++swept) {
       rows_.pop_front();
     }
+    return swept;
   }
 
   [[nodiscard]] std::uint64_t last() const { return last_; }

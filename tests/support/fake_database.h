@@ -83,9 +83,9 @@ class FakeDatabase final {
                                        const storage::Batch& batch, const FakeRules& rules,
                                        const storage::StoreRules& store_rules);
   std::size_t Sweep(SystemTime now);
-  void SweepChanges() {
+  std::size_t SweepChanges() {
     const std::lock_guard lock(mutex_);
-    kinds_.SweepChanges();
+    return kinds_.SweepChanges();
   }
   std::size_t CloseRuns(SystemTime now) {
     const std::lock_guard lock(mutex_);

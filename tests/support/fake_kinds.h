@@ -50,7 +50,7 @@ class FakeKinds final {
   /// As storage::Store::Sweep, for shapes and objects.
   std::size_t Sweep(SystemTime now);
   /// The same for changes.
-  void SweepChanges() { changes_.Sweep(); }
+  std::size_t SweepChanges() { return changes_.Sweep(); }
   /// A robot takes its shapes and objects to the fleet that it belongs to from now on.
   void Move(const model::RobotId& robot) {
     shapes_.Move(robot.ruri, robot.fleet);

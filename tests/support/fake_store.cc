@@ -39,12 +39,12 @@ absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::B
   return outcomes;
 }
 
-absl::StatusOr<std::size_t> FakeStore::Sweep(SystemTime now) {
+absl::StatusOr<storage::Swept> FakeStore::Sweep(SystemTime now) {
   Fate fate = Begin({&sweep_order_}, sweeps_);
   if (fate.fail_before) return std::move(fate.status);
   const bool vouched = storage::Vouches(store_rules_.clock, now);
-  const std::size_t swept = vouched ? database_.Sweep(now) : 0;
-  database_.SweepChanges();
+  const storage::Swept swept = {.items = vouched ? database_.Sweep(now) : 0,
+                                .changes = database_.SweepChanges()};
   if (fate.fail_after) return std::move(fate.status);
   return swept;
 }

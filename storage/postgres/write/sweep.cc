@@ -17,9 +17,8 @@ constexpr std::string_view kSweepChanges =
 
 }  // namespace
 
-absl::StatusOr<std::size_t> SweepRows(Connection& connection, SystemTime now,
-                                      const StoreRules& rules,
-                                      const std::function<absl::Status()>& before_commit) {
+absl::StatusOr<Swept> SweepRows(Connection& connection, SystemTime now, const StoreRules& rules,
+                                const std::function<absl::Status()>& before_commit) {
   std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
   const std::size_t first = calls.size();
@@ -38,8 +37,9 @@ absl::StatusOr<std::size_t> SweepRows(Connection& connection, SystemTime now,
   changes.parameters.Int8(static_cast<std::int64_t>(kChangesSweptMax));
   const auto results = RunAndCommitFor(connection, std::move(calls), "sweep", before_commit);
   if (!results.ok()) return results.status();
-  std::size_t swept = 0;
-  for (std::size_t i = first; i < last; ++i) swept += (*results)[i].written();
+  Swept swept;
+  for (std::size_t i = first; i < last; ++i) swept.items += (*results)[i].written();
+  swept.changes = static_cast<std::size_t>((*results)[last].Int(0, 0));
   return swept;
 }
 

@@ -13,8 +13,8 @@
 namespace uplink::storage::postgres {
 
 /// Store::Sweep, in one transaction. `before_commit`: as in RunAndCommitFor.
-[[nodiscard]] absl::StatusOr<std::size_t> SweepRows(
-    Connection& connection, SystemTime now, const StoreRules& rules,
-    const std::function<absl::Status()>& before_commit);
+[[nodiscard]] absl::StatusOr<Swept> SweepRows(Connection& connection, SystemTime now,
+                                              const StoreRules& rules,
+                                              const std::function<absl::Status()>& before_commit);
 
 }  // namespace uplink::storage::postgres

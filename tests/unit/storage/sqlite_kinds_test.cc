@@ -125,10 +125,10 @@ TEST_F(SqliteKinds, ASweepDeletesNoMoreThanItsBound) {
       ") INSERT INTO shapes SELECT 'rcan://r/1', i, 'f', 1, i, 1, 2, '', 0, '', 0, 0, 0, 0, 0,"
       " '{}' FROM n");
   const SystemTime later = FromUnixMs(2) + kExpiredKept;
-  EXPECT_EQ(*store_->Sweep(later - milliseconds(1)), 0U);
-  EXPECT_EQ(*store_->Sweep(later), kSweepRowsMax);
-  EXPECT_EQ(*store_->Sweep(later), 1U);
-  EXPECT_EQ(*store_->Sweep(later), 0U);
+  EXPECT_EQ(store_->Sweep(later - milliseconds(1))->items, 0U);
+  EXPECT_EQ(store_->Sweep(later)->items, kSweepRowsMax);
+  EXPECT_EQ(store_->Sweep(later)->items, 1U);
+  EXPECT_EQ(store_->Sweep(later)->items, 0U);
 }
 
 }  // namespace

@@ -174,8 +174,7 @@ TEST_F(ForwardsTest, OneRobotFillsNoMoreThanItsShare) {
   // One that outgrows the share is not shown as it was any more.
   Put(KeyOf("c", "2"), std::string(8'000, 'y'));
   EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
-  forwards_.ForgetLeftOut();
-  EXPECT_FALSE(forwards_.left_out());
+  EXPECT_THAT(forwards_.shares().robots_left_out(), ElementsAre("c"));
 }
 
 TEST_F(ForwardsTest, WhatCannotBeMadeAFrameIsNotThere) {

@@ -22,6 +22,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
 /// A store of one writer, as a list of changes and what is there.
@@ -238,26 +239,54 @@ TEST_F(RoundsTest, WhatCannotBeReadIsCountedAndNamed) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_unreadable robot=a id=bad")));
 }
 
-TEST_F(RoundsTest, WhatWasLeftOutIsReadAgainLaterAndTold) {
+TEST_F(RoundsTest, WhatWasLeftOutIsReadAgainOnceItsRobotHasRoom) {
   const std::string line = R"({"type":"LineString","coordinates":[)";
   std::string points = "[1.5,2.5]";
-  while (points.size() < 1'000'000) points += ",[1.5,2.5]";
+  while (points.size() < 2'000'000) points += ",[1.5,2.5]";
   const std::string large = line + points + "]}";
-  std::size_t items = 0;
   for (std::size_t i = 0; i < 10; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
+  items_.Set(KeyOf("b", "small"));
   Round();
-  items = Ids().size();
-  EXPECT_LT(items, 10U);
+  EXPECT_LT(Ids().size(), 11U);
   EXPECT_TRUE(forwards_.left_out());
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_left_out")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_left_out robot=a")));
+  const std::size_t pages = items_.pages;
+  clock_.Advance(kLookAtLeftOutEvery);
+  Round();
+  EXPECT_EQ(items_.pages, pages) << "there is no room yet";
   for (std::size_t i = 1; i < 10; ++i) items_.Erase(KeyOf("a", std::to_string(i)));
+  items_.Set(KeyOf("c", "other"));
   Round();
   EXPECT_TRUE(forwards_.left_out()) << "not before its time";
-  clock_.Advance(kReadAllAgain);
+  clock_.Advance(kLookAtLeftOutEvery);
   Round();
   EXPECT_FALSE(forwards_.left_out());
+  EXPECT_THAT(Ids(), UnorderedElementsAre("0", "small", "other"));
   EXPECT_THAT(lines_.back(), HasSubstr("forward_complete_again"));
-  EXPECT_EQ(probe_.reads_of_all.value(), 2);
+  EXPECT_EQ(probe_.reads_of_all.value(), 1) << "one robot costs no look at all others";
+}
+
+TEST_F(RoundsTest, EachItemThatCannotBeReadIsToldOnceAndUntilItEnds) {
+  for (const char* id : {"1", "2"}) items_.Set(KeyOf("a", id), 0, "no geometry");
+  Round();
+  items_.Set(KeyOf("a", "1"), 0, "none again");
+  Round();
+  EXPECT_EQ(probe_.unreadable_now.value(), 2);
+  EXPECT_THAT(lines_, SizeIs(2));
+  items_.Set(KeyOf("a", "1"));
+  items_.Erase(KeyOf("a", "2"));
+  Round();
+  EXPECT_EQ(probe_.unreadable_now.value(), 0);
+  EXPECT_THAT(Ids(), ElementsAre("1"));
+}
+
+TEST_F(RoundsTest, HowFarItFollowedIsKnown) {
+  Round();
+  EXPECT_EQ(probe_.followed_at_ms.value(), SteadyMs(clock_.Steady()));
+  clock_.Advance(milliseconds(500));
+  items_.status = absl::UnavailableError("away");
+  Round();
+  EXPECT_EQ(probe_.followed_at_ms.value(), SteadyMs(clock_.Steady()) - 500);
 }
 
 TEST_F(RoundsTest, ItsThreadLooksWhenItIsWoken) {

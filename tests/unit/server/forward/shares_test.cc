@@ -1,10 +1,16 @@
 // What the shared set may take, and one robot of it.
 #include "server/forward/shares.h"
 
+#include <optional>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace uplink::forward {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 TEST(SharesTest, ARobotEndsAtItsShareAndTheOthersGoOn) {
   Shares shares({.bytes_max = 100, .robot_bytes_max = 40});
@@ -33,13 +39,49 @@ TEST(SharesTest, WhatDoesNotFitChangesNothing) {
   EXPECT_TRUE(shares.Resize("a", 0, 40));
 }
 
-TEST(SharesTest, WhatWasLeftOutIsKnownUntilItIsForgotten) {
+TEST(SharesTest, WhatIsLeftOutCountsUntilTheLookAfterItHasEnded) {
   Shares shares({.bytes_max = 1, .robot_bytes_max = 1});
   EXPECT_EQ(shares.left_out(), 0U);
-  shares.NoteLeftOut();
-  EXPECT_EQ(shares.left_out(), 1U);
-  shares.ForgetLeftOut();
+  shares.NoteLeftOut("a");
+  shares.NoteLeftOut("a");
+  shares.NoteLeftOut("b");
+  EXPECT_EQ(shares.left_out(), 3U);
+  EXPECT_THAT(shares.robots_left_out(), ElementsAre("a", "b"));
+  shares.BeginLook("a");
+  EXPECT_EQ(shares.left_out(), 3U) << "none of them is there yet";
+  shares.NoteLeftOut("a");
+  shares.EndLook();
+  EXPECT_EQ(shares.left_out(), 2U);
+  shares.BeginLookAtAll();
+  shares.BeginLookAtAll();  // the first one failed
+  shares.EndLook();
   EXPECT_EQ(shares.left_out(), 0U);
+  EXPECT_THAT(shares.robots_left_out(), IsEmpty());
+}
+
+TEST(SharesTest, ARobotIsLookedAtAgainOnceItGaveSomeBack) {
+  Shares shares({.bytes_max = 100, .robot_bytes_max = 10});
+  EXPECT_TRUE(shares.Resize("a", 0, 10));
+  EXPECT_TRUE(shares.Resize("b", 0, 10));
+  EXPECT_FALSE(shares.Resize("a", 0, 5));
+  shares.NoteLeftOut("a");
+  EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt);
+  EXPECT_TRUE(shares.Resize("b", 10, 0));
+  EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt) << "that is another's share";
+  EXPECT_TRUE(shares.Resize("a", 10, 9));
+  EXPECT_EQ(shares.ToLookAtAgain(), "a");
+  shares.BeginLook("a");
+  EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt);
+}
+
+TEST(SharesTest, WhereAllIsFullWhatAnybodyGivesBackIsRoom) {
+  Shares shares({.bytes_max = 20, .robot_bytes_max = 10});
+  EXPECT_TRUE(shares.Resize("a", 0, 10));
+  EXPECT_TRUE(shares.Resize("b", 0, 10));
+  EXPECT_FALSE(shares.Resize("c", 0, 1));
+  shares.NoteLeftOut("c");
+  EXPECT_TRUE(shares.Resize("a", 10, 5));
+  EXPECT_EQ(shares.ToLookAtAgain(), "c");
 }
 
 }  // namespace

@@ -69,6 +69,17 @@ TEST_F(ExpirySweepTest, IsDueAgainSoonWhereMoreIsLeft) {
   EXPECT_EQ(probe.expired_deleted.value(), static_cast<std::int64_t>(storage::kSweepRowsMax) + 1);
 }
 
+TEST_F(ExpirySweepTest, IsDueAgainSoonWhereMoreChangesAreLeft) {
+  for (std::size_t i = 0; i < storage::kChangesKept + storage::kChangesSweptMax + 1; ++i) {
+    database.NoteChange({storage::PresentKind::kObject, "rcan://a", "i"});
+  }
+  EXPECT_EQ(sweep_.Do(), Step::kWorked);
+  EXPECT_EQ(sweep_.duty().due(), clock.Steady() + kSweepAgain);
+  EXPECT_EQ(sweep_.Do(), Step::kWorked);
+  EXPECT_EQ(sweep_.duty().due(), clock.Steady() + kSweepInterval);
+  EXPECT_EQ(probe.expired_deleted.value(), 0);
+}
+
 TEST_F(ExpirySweepTest, ClosesRunsThatWereLeftOpenForTooLong) {
   StoreRuns(storage::kOpenRunsPerRobotMax);
   EXPECT_EQ(sweep_.Do(), Step::kWorked);
