@@ -144,6 +144,14 @@ Certificate NewCertificate(const CertificateSpec& spec, EVP_PKEY* key, X509* iss
   return certificate;
 }
 
+CertificateSpec AuthoritySpec(const std::string& name) {
+  CertificateSpec spec;
+  spec.common_names = {name};
+  spec.key_usages.clear();
+  spec.is_authority = true;
+  return spec;
+}
+
 }  // namespace
 
 CertificateSpec RobotSpec(const std::string& ruri, const std::string& fleet) {
@@ -170,12 +178,17 @@ struct TestAuthority::Impl {
 };
 
 TestAuthority::TestAuthority(const std::string& name) : impl_(std::make_unique<Impl>()) {
-  CertificateSpec spec;
-  spec.common_names = {name};
-  spec.key_usages.clear();
-  spec.is_authority = true;
   impl_->key = NewKey();
-  impl_->certificate = NewCertificate(spec, impl_->key.get(), nullptr, impl_->key.get());
+  impl_->certificate =
+      NewCertificate(AuthoritySpec(name), impl_->key.get(), nullptr, impl_->key.get());
+  impl_->pem = PemOf(impl_->certificate.get());
+}
+
+TestAuthority::TestAuthority(const std::string& name, const TestAuthority& issuer)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->key = NewKey();
+  impl_->certificate = NewCertificate(AuthoritySpec(name), impl_->key.get(),
+                                      issuer.impl_->certificate.get(), issuer.impl_->key.get());
   impl_->pem = PemOf(impl_->certificate.get());
 }
 

@@ -41,6 +41,8 @@ struct KeyPair {
 class TestAuthority final {
  public:
   explicit TestAuthority(const std::string& name = "test authority");
+  /// One that `issuer` has signed.
+  TestAuthority(const std::string& name, const TestAuthority& issuer);
   ~TestAuthority();
   TestAuthority(const TestAuthority&) = delete;
   TestAuthority& operator=(const TestAuthority&) = delete;

@@ -51,6 +51,13 @@ void UseIdentity(SSL_CTX* context, const KeyPair& identity) {
   UPLINK_CHECK(SSL_CTX_use_certificate(context, CertificateOf(identity.certificate).get()) == 1 &&
                    SSL_CTX_use_PrivateKey(context, key.get()) == 1,
                "a key pair of the test's own");
+  const auto text = Reader(identity.certificate);
+  // The first one is the certificate itself.
+  Certificate next(PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr));
+  while (next.reset(PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr)), next != nullptr) {
+    UPLINK_CHECK(SSL_CTX_add1_chain_cert(context, next.get()) == 1, "a chain of the test's own");
+  }
+  ERR_clear_error();
 }
 
 void SawMessage(int is_sent, int /*version*/, int content_type, const void* bytes, std::size_t size,

@@ -34,7 +34,8 @@ class RawHttp2 final {
     std::uint16_t port = 0;
     /// The authority that the server's certificate must come from.
     std::string server_ca;
-    /// What the client shows; empty: nothing.
+    /// What the client shows, with those that stand between it and an authority behind its
+    /// certificate; empty: nothing.
     KeyPair identity;
     /// The address to come from; empty: any.
     std::string source;

@@ -1,4 +1,5 @@
 // Who gets through the handshake, and what those are told that do not.
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -176,6 +177,39 @@ TEST(Tls, AChainThatIsTooLargeEndsTheHandshake) {
   RawHttp2 client(ClientOf(world, world.authority.Issue(spec)));
   EXPECT_TRUE(client.ReadUntilEnd());
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kHandshakeError) == 1; }));
+}
+
+/// A robot's certificate with so many intermediate authorities between it and the world's.
+KeyPair BehindIntermediates(const ListenerWorld& world, int count) {
+  std::vector<std::unique_ptr<TestAuthority>> authorities;
+  std::string chain;
+  for (int i = 1; i <= count; ++i) {
+    const TestAuthority& issuer = i == 1 ? world.authority : *authorities.back();
+    authorities.push_back(
+        std::make_unique<TestAuthority>("intermediate " + std::to_string(i), issuer));
+    chain.insert(0, authorities.back()->certificate());
+  }
+  KeyPair keys = authorities.back()->Issue(RobotSpec(RuriOf(1)));
+  keys.certificate += chain;
+  return keys;
+}
+
+constexpr int kIntermediatesMax = 8;
+
+TEST(Tls, AChainOfAsManyIntermediatesAsThereMayBeIsTaken) {
+  RelayWorld world(Native());
+  RawHttp2 client(ClientOf(world, BehindIntermediates(world, kIntermediatesMax)));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + FaultsMessage(1, 1)));
+  EXPECT_TRUE(client.ReadUntil([&] { return LastAck(client.At(1)).through_seq() == 1; }));
+}
+
+TEST(Tls, AChainOfOneIntermediateMoreIsRefused) {
+  RelayWorld world(Native());
+  RawHttp2 client(ClientOf(world, BehindIntermediates(world, kIntermediatesMax + 1)));
+  ExpectAlert(client, SSL_AD_UNKNOWN_CA);
+  EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kUntrusted), 1);
+  EXPECT_EQ(world.relay_probe.connections.value(), 0);
 }
 
 /// Whatever it asks for, who shows this is told this sentence and no more; then the connection
