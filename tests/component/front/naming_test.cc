@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/front/evictions.h"
+#include "server/front/limits.h"
 #include "tests/component/front/front_world.h"
 #include "tests/component/front/shared_lines.h"
 
@@ -21,12 +23,13 @@ using transport::TurnedAway;
 
 class Naming : public ::testing::Test {
  protected:
+  Naming() { Make(); }
+
   void Make() {
     RelayWorld::Options options;
     options.logger = &logger_;
     world_ = std::make_unique<RelayWorld>(Native(options));
   }
-  void SetUp() override { Make(); }
 
   /// A call with these headers changed has ended.
   void Call(const KeyPair& keys, const http2::Fields& changes) {
@@ -145,6 +148,41 @@ TEST_F(Naming, AMessageThatBreaksTheRulesOfGrpc) {
   EXPECT_THAT(lines_.All(),
               Contains(AllOf(HasSubstr("protocol_error"), HasSubstr("robot=" + RuriOf(7)),
                              HasSubstr("flagged as compressed"))));
+}
+
+/// Connections of one key, one after the other; each has its place by the time that it is here.
+class NamingCrowds : public Naming {
+ protected:
+  void Come(std::size_t connections) {
+    for (std::size_t i = 0; i < connections; ++i) {
+      clients_.push_back(std::make_unique<RawHttp2>(ClientOf(*world_, keys_, "127.0.0.66")));
+      ASSERT_TRUE(clients_.back()->Begin());
+    }
+  }
+  [[nodiscard]] bool AreEvicted(std::int64_t connections) const {
+    return Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kKey) == connections; });
+  }
+
+  KeyPair keys_ = RobotKeys(*world_, 7);
+  std::vector<std::unique_ptr<RawHttp2>> clients_;
+};
+
+TEST_F(NamingCrowds, OneConnectionTooManyIsNoContest) {
+  Come(front::kRobotConnectionsMax + 1);
+  EXPECT_TRUE(AreEvicted(1));
+  EXPECT_THAT(LinesOf("why=key"), SizeIs(1));
+  EXPECT_THAT(LinesOf("connections_contested"), IsEmpty());
+}
+
+TEST_F(NamingCrowds, AKeyThatEvictsItsOwnAgainAndAgain) {
+  Come(front::kRobotConnectionsMax + front::kEvictionsFlagged - 1);
+  EXPECT_TRUE(AreEvicted(front::kEvictionsFlagged - 1));
+  EXPECT_THAT(LinesOf("connections_contested"), IsEmpty());
+  Come(1);
+  EXPECT_TRUE(AreEvicted(front::kEvictionsFlagged));
+  EXPECT_THAT(LinesOf("connections_contested"),
+              Contains(AllOf(HasSubstr("source=127.0.0.66 "), HasSubstr("robot=" + RuriOf(7)),
+                             HasSubstr("one certificate opens connections again and again"))));
 }
 
 TEST_F(Naming, TooFewDescriptors) {
