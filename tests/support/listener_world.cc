@@ -55,7 +55,7 @@ transport::RelayContext ListenerWorld::Context() {
           .judge_limits = {.payload_bytes_max = options.session.payload_bytes_max,
                            .message_bytes_max = options.session.message_bytes_max,
                            .extras_items_max = options.session.extras_items_max},
-          .allowances = allowances_,
+          .allowances = allowances,
           .rejects = rejects_,
           .clock_trust = clock_trust_,
           .logger = options.logger,

@@ -88,13 +88,13 @@ class ListenerWorld {
   fleet::Fleet fleet;
   journal::Journal journal;
   journal::Shards shards{{&journal}};
+  session::Allowances allowances;
 
  private:
   [[nodiscard]] transport::RelayContext Context();
 
   const StartListener start_;
   KeyPair server_identity_;
-  const session::Allowances allowances_;
   const FakeTrust clock_trust_;
   FakeRejectSource rejects_{&store};
   std::optional<journal::JournalWriter> writer_;
