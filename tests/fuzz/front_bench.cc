@@ -188,7 +188,8 @@ FrontBench::FrontBench(front::Methods methods)
       context_(Context()),
       methods_(std::move(methods)),
       gate_({.streams_max = kStreamsMax}, relay_probe_),
-      door_book_({}, relay_probe_, nullptr),
+      door_book_({.connections_max = kPlacesMax, .lingers_max = kLingersMax}, relay_probe_,
+                 nullptr),
       unfinished_({.bytes_max = kUnfinishedMax, .share_max = kUnfinishedMax / 2}, relay_probe_),
       thread_(context_, gate_, methods_, *this, door_book_, unfinished_) {}
 

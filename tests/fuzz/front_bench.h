@@ -112,6 +112,9 @@ class FrontBench final : public robot::WakeInbox {
  public:
   /// Connections at once; more would only cost time.
   static constexpr std::size_t kWiresMax = 6;
+  /// Of the door, for who gives it connections of his own.
+  static constexpr std::size_t kPlacesMax = 8;
+  static constexpr std::size_t kLingersMax = 2;
 
   FrontBench();
   /// Of other methods than the relay's.
@@ -140,6 +143,10 @@ class FrontBench final : public robot::WakeInbox {
   [[nodiscard]] testing::FakeStore& store() { return store_; }
   [[nodiscard]] session::SessionProbe& session_probe() { return session_probe_; }
   [[nodiscard]] front::DoorBook& door_book() { return door_book_; }
+  [[nodiscard]] front::Thread& thread() { return thread_; }
+  [[nodiscard]] transport::RelayProbe& relay_probe() { return relay_probe_; }
+  [[nodiscard]] testing::ManualClock& clock() { return clock_; }
+  [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
   [[nodiscard]] SteadyTime now() const { return clock_.Steady(); }
   [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
 
@@ -156,7 +163,7 @@ class FrontBench final : public robot::WakeInbox {
   testing::FakeStore store_{database_, storage::ProcessId{1}};
   const session::SessionLimits limits_;
   const session::Allowances allowances_;
-  const testing::FakeTrust clock_trust_;
+  testing::FakeTrust clock_trust_;
   testing::FakeRejectSource rejects_{&store_, testing::FakeRejectSource::Reads::kWhenTold};
   metrics::LedgerBook book_;
   session::SessionProbe session_probe_;
