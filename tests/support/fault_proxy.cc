@@ -36,6 +36,7 @@ sockaddr_in Loopback(std::uint16_t port) {
 
 FaultProxy::FaultProxy(std::uint16_t target_port)
     : target_port_(target_port), wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  reserved_ = Bound();
   Listen();
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
@@ -47,6 +48,7 @@ FaultProxy::~FaultProxy() {
   StopListening();
   for (Pair& pair : pairs_) Cut(pair);
   Reap();
+  close(reserved_);
   close(wake_);
 }
 
@@ -56,18 +58,23 @@ void FaultProxy::Set(ProxyMode mode) {
   UPLINK_CHECK(write(wake_, &one, sizeof(one)) == sizeof(one), "an eventfd takes a count");
 }
 
-void FaultProxy::Listen() {
-  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+int FaultProxy::Bound() {
+  const int bound = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int on = 1;
-  setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-  // The port of the first time is kept.
+  // Two of ours may have it as long as one of them does not listen.
+  setsockopt(bound, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
   sockaddr_in address = Loopback(port_);
   const auto* const raw = reinterpret_cast<const sockaddr*>(&address);
-  UPLINK_CHECK(bind(listener_, raw, sizeof(address)) == 0, "the proxy's port is free");
-  UPLINK_CHECK(listen(listener_, SOMAXCONN) == 0, "the proxy listens");
+  UPLINK_CHECK(bind(bound, raw, sizeof(address)) == 0, "the proxy's port is its own");
   socklen_t size = sizeof(address);
-  getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+  getsockname(bound, reinterpret_cast<sockaddr*>(&address), &size);
   port_ = ntohs(address.sin_port);
+  return bound;
+}
+
+void FaultProxy::Listen() {
+  listener_ = Bound();
+  UPLINK_CHECK(listen(listener_, SOMAXCONN) == 0, "the proxy listens");
 }
 
 void FaultProxy::StopListening() {

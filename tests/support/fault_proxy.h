@@ -14,7 +14,8 @@ namespace uplink::testing {
 /// What a FaultProxy does to what passes through it.
 enum class ProxyMode : std::uint8_t {
   kPass,
-  /// Nobody listens, and what was connected is cut.
+  /// Nobody listens, and what was connected is cut. The port stays ours: somebody else would take
+  /// it meanwhile, on a busy machine.
   kRefuse,
   /// Connections are taken and stand; not a byte passes.
   kBlackHole,
@@ -66,6 +67,8 @@ class FaultProxy final {
   };
 
   void Run(const std::stop_token& stop);
+  /// A socket that is bound to the port; the first one chooses it.
+  [[nodiscard]] int Bound();
   void Listen();
   void StopListening();
   void Accept();
@@ -78,6 +81,8 @@ class FaultProxy final {
   const SystemClock clock_{};
   const std::uint16_t target_port_;
   std::uint16_t port_ = 0;
+  /// Never listens.
+  int reserved_ = -1;
   int wake_ = -1;
   std::atomic<ProxyMode> mode_{ProxyMode::kPass};
   std::atomic<bool> cut_reply_{false};

@@ -102,8 +102,11 @@ std::optional<std::uint16_t> PortIn(std::string_view text, std::string_view key)
 }
 
 std::optional<Ports> WaitForPorts(ServerProcess& process) {
-  if (!process.WaitFor(" listening ") || !process.WaitFor("version=")) return std::nullopt;
-  const std::string line = process.text().substr(process.text().find(" listening "));
+  if (!process.WaitFor(" listening ")) return std::nullopt;
+  const std::size_t at = process.text().find(" listening ");
+  // A line may come in two pieces, and the first end in the middle of a port.
+  if (!process.WaitFor("\n", std::chrono::seconds(30), at)) return std::nullopt;
+  const std::string line = process.text().substr(at);
   const auto relay = PortIn(line, "relay");
   const auto http = PortIn(line, "http");
   if (!relay || !http) return std::nullopt;

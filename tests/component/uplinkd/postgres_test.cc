@@ -1,5 +1,6 @@
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,15 @@ class PostgresServing : public ::testing::Test {
  protected:
   PostgresServing() : proxy_(static_cast<std::uint16_t>(std::stoul(database_.cluster().port))) {
     folder_.Write("password", "uplinkd\n");
+  }
+
+  /// Where a test fails its server's log says what it knew of it, and whether it still ran.
+  void TearDown() override {
+    if (!HasFailure() || process_ == nullptr) return;
+    process_->Signal(SIGTERM);
+    const std::optional<int> code = process_->WaitForExit();
+    ADD_FAILURE() << "the server ended with " << code.value_or(-1) << " after\n"
+                  << process_->text();
   }
 
   std::vector<std::string> Environment() const {
