@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <boost/json/basic_parser_impl.hpp>
 
@@ -22,6 +23,10 @@ class Builder final {
   static constexpr std::size_t max_array_size = boost::json::array::max_size();
   static constexpr std::size_t max_key_size = boost::json::string::max_size();
   static constexpr std::size_t max_string_size = boost::json::string::max_size();
+
+  explicit Builder(const boost::json::storage_ptr& memory) : stack_(memory) {
+    stack_.reset(memory);
+  }
 
   [[nodiscard]] boost::json::value Take() { return stack_.release(); }
 
@@ -98,11 +103,41 @@ class Builder final {
 }  // namespace
 
 std::optional<boost::json::value> ParseExact(std::string_view text) {
-  boost::json::basic_parser<Builder> parser(boost::json::parse_options{});
+  ExactReading reading = ReadExact(text, {});
+  if (reading.error) return std::nullopt;
+  return std::move(reading.value);
+}
+
+ExactReading ReadExact(std::string_view text, const ReadTerms& terms) {
+  boost::json::parse_options options;
+  options.max_depth = terms.depth_max;
+  boost::json::basic_parser<Builder> parser(options, terms.memory);
   Error error;
   const std::size_t read = parser.write_some(false, text.data(), text.size(), error);
-  if (error || read != text.size()) return std::nullopt;
-  return parser.handler().Take();
+  if (!error && read != text.size()) error = boost::json::error::extra_data;
+  if (error) return {.value = {}, .error = error};
+  return {.value = parser.handler().Take(), .error = {}};
+}
+
+std::string_view KindOf(const boost::json::value& value) {
+  switch (value.kind()) {
+    case boost::json::kind::null:
+      return "null";
+    case boost::json::kind::bool_:
+      return "boolean";
+    case boost::json::kind::int64:
+    case boost::json::kind::uint64:
+      return "integer";
+    case boost::json::kind::double_:
+      return "number";
+    case boost::json::kind::string:
+      return "string";
+    case boost::json::kind::array:
+      return "array";
+    case boost::json::kind::object:
+      return "object";
+  }
+  return "";
 }
 
 std::optional<double> NumberOf(const boost::json::value& value) {

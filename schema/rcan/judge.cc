@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "schema/base/utf8.h"
+#include "schema/json/exact.h"
 #include "schema/limits.h"
 #include "schema/model/ids.h"
 #include "schema/rcan/members.h"
@@ -102,7 +103,7 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Violati
     const Path item = list.Item(i);
     const js::object* object = (*items)[i].if_object();
     if (object == nullptr) {
-      violations.Content(TypeMismatch(item, KindOf((*items)[i]), "object"));
+      violations.Content(TypeMismatch(item, json::KindOf((*items)[i]), "object"));
       continue;
     }
     Members members(*object, item, violations);
@@ -173,7 +174,7 @@ RcanJudgement JudgeText(std::string_view text, std::string_view ruri, TextForm t
   if (error == js::error::exponent_overflow) return Rejected(BeyondDouble());
   if (error) return Rejected(Malformed(error.message()));
   if (const js::object* object = value.if_object()) return JudgeObject(*object, ruri, texts);
-  return Rejected(TypeMismatch(Path(), KindOf(value), "object"));
+  return Rejected(TypeMismatch(Path(), json::KindOf(value), "object"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "schema/json/exact.h"
 #include "schema/rules/describe.h"
 #include "schema/rules/texts.h"
 
@@ -44,27 +45,6 @@ std::optional<std::uint64_t> AsUnsigned(const js::value& value) {
 
 }  // namespace
 
-std::string_view KindOf(const js::value& value) {
-  switch (value.kind()) {
-    case js::kind::null:
-      return "null";
-    case js::kind::bool_:
-      return "boolean";
-    case js::kind::int64:
-    case js::kind::uint64:
-      return "integer";
-    case js::kind::double_:
-      return "number";
-    case js::kind::string:
-      return "string";
-    case js::kind::array:
-      return "array";
-    case js::kind::object:
-      return "object";
-  }
-  return "";
-}
-
 void Members::Report(Need need, const Violation& violation) {
   if (need == Need::kMust) {
     violations_.Reject(violation);
@@ -76,7 +56,7 @@ void Members::Report(Need need, const Violation& violation) {
 void Members::ReportType(Need need, std::string_view name, const js::value& value,
                          std::string_view expected) {
   const Path field = path_.Field(name);
-  Report(need, TypeMismatch(field, KindOf(value), expected));
+  Report(need, TypeMismatch(field, json::KindOf(value), expected));
 }
 
 const js::value* Members::Find(std::string_view name, Need need) {

@@ -60,7 +60,4 @@ class Members final {
   Violations& violations_;
 };
 
-/// `string`, `null`: what a value is, for sentences.
-[[nodiscard]] std::string_view KindOf(const boost::json::value& value);
-
 }  // namespace uplink::schema

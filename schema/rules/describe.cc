@@ -201,4 +201,15 @@ Violation IdentityMismatch(const Path& path, std::string_view said, std::string_
           .texts = {said, own}};
 }
 
+Violation TopicMismatch(const Path& path, std::string_view said, std::string_view own) {
+  return {.reason = RejectReason::kIdentityMismatch,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("\"{}\" is not the topic's \"{}\"", Quoted(self.texts[0]),
+                                   Quoted(self.texts[1]));
+              },
+          .texts = {said, own}};
+}
+
 }  // namespace uplink::schema

@@ -52,5 +52,8 @@ struct Violation {
 /// `said` is the RURI that the message names, `own` that of its stream's robot.
 [[nodiscard]] Violation IdentityMismatch(const Path& path, std::string_view said,
                                          std::string_view own);
+/// `said` is what the message names, `own` what the topic that it came on names.
+[[nodiscard]] Violation TopicMismatch(const Path& path, std::string_view said,
+                                      std::string_view own);
 
 }  // namespace uplink::schema

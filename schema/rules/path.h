@@ -11,6 +11,9 @@ namespace uplink::schema {
 /// A link must not outlive the one above it.
 class Path {
  public:
+  /// Bytes that are shown of a key of the sender's own.
+  static constexpr std::size_t kKeyBytesMax = 64;
+
   /// The variant's own struct: an empty path.
   constexpr Path() = default;
 
@@ -18,6 +21,12 @@ class Path {
     Path path;
     path.above_ = this;
     path.name_ = name;
+    return path;
+  }
+  /// A member of an object whose keys are the sender's own: shown cut and printable.
+  [[nodiscard]] constexpr Path Key(std::string_view name) const& {
+    Path path = Field(name);
+    path.foreign_ = true;
     return path;
   }
   [[nodiscard]] constexpr Path Item(std::size_t index) const& {
@@ -28,6 +37,7 @@ class Path {
   }
   // A link to a temporary would dangle unless it is used in the same expression; name it first.
   Path Field(std::string_view name) && = delete;
+  Path Key(std::string_view name) && = delete;
   Path Item(std::size_t index) && = delete;
 
   /// As the surface spells it: `kv[3].key`, `[3].key`.
@@ -37,6 +47,7 @@ class Path {
   const Path* above_ = nullptr;
   std::string_view name_;
   std::optional<std::size_t> index_;
+  bool foreign_ = false;
 };
 
 }  // namespace uplink::schema

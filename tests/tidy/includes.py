@@ -41,7 +41,7 @@ FOREIGN = (
         re.compile(r"^(capnp|kj)/|\.capnp\.h$"),
         ("schema/", "tests/unit/schema/", "tests/conformance/", "tests/fuzz/", "tests/bench/"),
     ),
-    Foreign("Boost.JSON", re.compile(r"^boost/json"), ("schema/json/", "schema/rcan/", "server/view/", "tools/", "tests/")),
+    Foreign("Boost.JSON", re.compile(r"^boost/json"), ("schema/json/", "schema/rcan/", "schema/cyberwave/", "server/view/", "tools/", "tests/")),
     Foreign(
         "Boost",
         re.compile(r"^boost/(?!json)"),
