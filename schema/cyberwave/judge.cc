@@ -20,7 +20,6 @@ namespace js = boost::json;
 using model::cyberwave::Body;
 using model::cyberwave::Commanded;
 using model::cyberwave::Joints;
-using model::cyberwave::Mark;
 using model::cyberwave::Media;
 using model::cyberwave::Signalling;
 using schema::Path;
