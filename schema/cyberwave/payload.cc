@@ -55,12 +55,12 @@ bool SaysJson(std::string_view head, const js::storage_ptr& memory) {
 }  // namespace
 
 PayloadReading ReadPayload(std::string_view text, const js::storage_ptr& memory) {
-  if (!IsCleanUtf8(text)) return Rejected(schema::TextNotUtf8(Path(), text));
+  if (!IsCleanUtf8(text)) return Rejected(schema::PayloadNotUtf8());
   json::ExactReading reading = json::ReadExact(text, {.depth_max = kDepthMax, .memory = memory});
   if (reading.error == js::error::exponent_overflow) return Rejected(schema::BeyondDouble());
   if (reading.error) {
     // The library does not tell a lone surrogate from other errors of syntax.
-    if (HasLoneSurrogate(text)) return Rejected(schema::TextNotUtf8(Path(), text));
+    if (HasLoneSurrogate(text)) return Rejected(schema::PayloadNotUtf8());
     return Rejected(schema::Malformed(reading.error.message()));
   }
   if (!reading.value.is_object()) {

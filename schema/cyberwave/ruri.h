@@ -20,7 +20,8 @@ enum class RobotKind : std::uint8_t { kReal, kSimulated };
 [[nodiscard]] std::string TwinRuri(std::string_view prefix, const model::cyberwave::Uuid& twin,
                                    RobotKind kind);
 
-/// True for a RURI that only twins may have. Pure.
+/// True for a RURI that only twins may have; its shorthand must be written out before
+/// (schema/rcan/ruri.h). Pure.
 [[nodiscard]] bool IsTwinRuri(std::string_view ruri);
 
 }  // namespace uplink::cyberwave

@@ -109,6 +109,15 @@ Violation TextNotUtf8(const Path& path, std::string_view text) {
           .texts = {text}};
 }
 
+Violation PayloadNotUtf8() {
+  return {
+      .reason = RejectReason::kTextNotUtf8,
+      .path = &kWhole,
+      .sentence = [](const Violation& /*self*/) {
+        return std::string("the payload is not UTF-8 without NUL and halves of surrogate pairs");
+      }};
+}
+
 Violation MissingField(const Path& path, std::string_view what) {
   return {.reason = RejectReason::kMissingField,
           .path = &path,

@@ -38,6 +38,8 @@ struct Violation {
                                     std::string_view what);
 [[nodiscard]] Violation TextTooLong(const Path& path, std::size_t bytes, std::size_t bytes_max);
 [[nodiscard]] Violation TextNotUtf8(const Path& path, std::string_view text);
+/// A payload that is no text as a whole. It quotes nothing: what it is of may be secret.
+[[nodiscard]] Violation PayloadNotUtf8();
 /// `what` is what is missing, such as "is empty" or "is a null pointer".
 [[nodiscard]] Violation MissingField(const Path& path, std::string_view what);
 [[nodiscard]] Violation OutOfRange(const Path& path, double value, double min, double max);

@@ -221,6 +221,18 @@ TEST(CyberwaveValues, HeadsOfCommandsAndNothingElseOfThem) {
   EXPECT_EQ(head("command", "{}"), CommandHead());
 }
 
+TEST(CyberwaveValues, QuotesNothingOfAPayloadThatItRejectsAsAWhole) {
+  for (const std::string& payload :
+       {std::string(R"({"key":"secret)"), std::string("\"secret\""),
+        std::string("{\"key\":\"secret\xFF\"}"), std::string(R"({"key":"secret\ud83d"})"),
+        std::string(R"({"key":"secret","n":NaN})")}) {
+    const Judgement judgement = JudgeOn("command", payload);
+    ASSERT_NE(judgement.rejection(), nullptr) << payload;
+    EXPECT_EQ(judgement.rejection()->detail.find("secret"), std::string::npos) << payload;
+    EXPECT_EQ(judgement.message_class, MessageClass::kObserved);
+  }
+}
+
 TEST(CyberwaveValues, CountsSignallingAndMediaUnseen) {
   const std::string large(2 * kMessageBytesMax, '{');
   for (const std::string tail : {"webrtc-offer", "webrtc-answer", "webrtc-candidate"}) {
