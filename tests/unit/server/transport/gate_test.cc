@@ -43,7 +43,8 @@ TEST(Gate, AdmitsAsManyOfAGatewayAsFourFullConnectionsHold) {
   const absl::Status status = gate.Enter(gateway);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(std::string(status.message()),
-            "the server admits no more streams of gateway g: it has 8");
+            "the server admits no more streams of gateway g: it has 8 (limits.gateway_streams_max, "
+            "limits.robots_max)");
   EXPECT_EQ(probe.refused_gateway_total.value(), 1);
   EXPECT_EQ(probe.gateway_streams.value(), 8);
   EXPECT_TRUE(gate.Enter({.gateway = "another"}).ok());
