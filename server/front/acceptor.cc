@@ -13,6 +13,7 @@
 #include <pthread.h>
 #include <sys/socket.h>
 
+#include "server/front/limits.h"
 #include "server/transport/listenable.h"
 
 namespace uplink::front {
@@ -52,6 +53,9 @@ std::uint16_t PortOf(int descriptor) {
 
 void SetUp(int descriptor) {
   SetOption(descriptor, IPPROTO_TCP, TCP_NODELAY, 1);
+  // What waits for a peer that reads slowly waits here, where an Ack passes forwards by, and not in
+  // a buffer of the system that grows to megabytes.
+  SetOption(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, static_cast<int>(kUnsentBytesMax));
   // No TCP_USER_TIMEOUT: it cuts a peer that reads steadily and slowly, since the system counts
   // from the first time that it had no room. Lifetime knows such a peer from one that is gone.
 }

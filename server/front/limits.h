@@ -33,6 +33,9 @@ inline constexpr std::size_t kAnswersWaitingMax = 64;
 inline constexpr std::size_t kSharedReadBytes = 64 * 1024;
 /// Bytes that go out in one call of the system at most; what does not fit waits at its connection.
 inline constexpr std::size_t kSendBytesMax = 64 * 1024;
+/// Bytes of a connection that the system keeps and has not sent yet: some tenths of a second of a
+/// robot's slow network. What is on its way to the peer does not count.
+inline constexpr std::size_t kUnsentBytesMax = 32 * 1024;
 
 /// Bytes that wait for a peer that takes nothing, past which it is cut: TLS's own records are sent
 /// even while the socket is blocked, so they need this bound.
