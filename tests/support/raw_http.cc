@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <system_error>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -29,7 +29,8 @@ RawConnection::RawConnection(std::uint16_t port, int receive_bytes)
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   // Without a connection nothing can be sent or read below.
   if (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    std::fprintf(stderr, "no connection to port %d: %s\n", port, std::strerror(errno));
+    const std::error_code why(errno, std::generic_category());
+    std::fprintf(stderr, "no connection to port %d: %s\n", port, why.message().c_str());
   }
 }
 
