@@ -126,7 +126,7 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Shapes and objects that robots share now."},
     {kForwardBytes, "uplinkd_forward_bytes", kGauge, "bytes", "Memory that these take."},
     {kForwardBytesLimit, "uplinkd_forward_bytes_limit", kGauge, "bytes",
-     "Memory that they may take; a robot may have a 16th of it."},
+     "Memory that they may take; a fleet may have a quarter of it, a robot a 16th."},
     {kForwardLeftOut, "uplinkd_forward_left_out", kGauge, "times",
      "Times that an item was left out for that, since its robot's were read last."},
     {kForwardUnreadable, "uplinkd_forward_unreadable_total", kCounter, "items",

@@ -69,7 +69,7 @@ struct SharedItem {
   std::variant<ShapeRow, ObjectRow> row;
 
   [[nodiscard]] ItemKey Key() const;
-  /// Whose item it is, with the fleet that the robot had when it was last upserted.
+  /// Whose item it is, with the fleet that the robot has.
   [[nodiscard]] const model::RobotId& robot() const;
   /// Unix milliseconds; 0: never.
   [[nodiscard]] std::int64_t expires_at_ms() const;

@@ -8,7 +8,7 @@ namespace uplink::forward {
 
 Forwarding::Forwarding(const Context& context)
     : clock_(context.clock),
-      forwards_({kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
+      forwards_({kSharedBytesMax, kFleetBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
       rounds_(
           {context.clock, context.logger, context.items, forwards_, probe_, context.clock_trust}),
       hearing_({context.logger, probe_, context.change_signal, [this] { rounds_.Wake(); },

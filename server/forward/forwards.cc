@@ -79,10 +79,10 @@ void Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t ex
   where.command = NewCommand();
   EncodedFrame frame = encode(where.command);
   const std::size_t bytes = BytesOf(key, frame);
-  if (!shares_.Resize(key.ruri, where.bytes, bytes)) {
+  if (!shares_.Resize({key.ruri, fleet}, where.bytes, bytes)) {
     // What was forwarded of it is not true any more.
     Remove(key);
-    return shares_.NoteLeftOut(key.ruri);
+    return shares_.NoteLeftOut({key.ruri, fleet});
   }
   where.bytes = bytes;
   ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
@@ -94,7 +94,8 @@ void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t
   EncodedFrame frame = encode(command);
   if (frame == nullptr) return;
   const std::size_t bytes = BytesOf(key, frame);
-  if (!shares_.Resize(key.ruri, 0, bytes)) return shares_.NoteLeftOut(key.ruri);
+  const Shares::Holder holder{key.ruri, fleet};
+  if (!shares_.Resize(holder, 0, bytes)) return shares_.NoteLeftOut(holder);
   const Where where{fleet, FleetOf(fleet), command, bytes};
   where_.emplace(key, where);
   ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
@@ -106,7 +107,7 @@ void Forwards::Remove(const ItemKey& key) {
   const Where where = std::move(known->second);
   const ItemKey gone = known->first;
   where_.erase(known);
-  static_cast<void>(shares_.Resize(gone.ruri, where.bytes, 0));
+  static_cast<void>(shares_.Resize({gone.ruri, where.fleet_name}, where.bytes, 0));
   ToWake(where.fleet->Remove(gone, DeleteFrame(gone, NewCommand())));
 }
 

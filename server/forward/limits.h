@@ -20,6 +20,8 @@ struct ReceiverLimits {
 };
 /// Bytes of what all fleets share. What is over is not forwarded, and that is told.
 inline constexpr std::size_t kSharedBytesMax = 256U * 1024 * 1024;
+/// What one fleet may have of it: fleets that do not trust each other share a server.
+inline constexpr std::size_t kFleetBytesMax = kSharedBytesMax / 4;
 /// What one robot may have of it: its 10,000 shapes (storage::BoundOf) with a few points each.
 inline constexpr std::size_t kRobotBytesMax = kSharedBytesMax / 16;
 /// Memory that an item takes besides its texts and its frame (measured on the containers).

@@ -95,13 +95,13 @@ absl::Status Rounds::ReadAll() {
   if (!positions.ok()) return positions.status();
   context_.forwards.shares().BeginLookAtAll();
   std::set<storage::ItemKey> present;
-  const absl::Status read = WalkPages(std::nullopt, {.take =
-                                                         [&](const storage::SharedItem& item) {
-                                                           present.insert(item.Key());
-                                                           Put(item);
-                                                           return true;
-                                                         },
-                                                     .between = [] { return absl::OkStatus(); }});
+  absl::Status read = WalkPages(std::nullopt, {.take =
+                                                   [&](const storage::SharedItem& item) {
+                                                     present.insert(item.Key());
+                                                     Put(item);
+                                                     return true;
+                                                   },
+                                               .between = [] { return absl::OkStatus(); }});
   if (!read.ok()) return read;
   for (const storage::ItemKey& key : context_.forwards.Keys()) {
     if (!present.contains(key)) context_.forwards.Remove(key);
@@ -133,17 +133,19 @@ absl::Status Rounds::LookAtLeftOut() {
 absl::Status Rounds::ReadRobot(const std::string& ruri) {
   context_.forwards.shares().BeginLook(ruri);
   for (const auto kind : {storage::PresentKind::kShape, storage::PresentKind::kObject}) {
-    const absl::Status read = WalkPages(storage::ItemKey{kind, ruri, ""},
-                                        {.take =
-                                             [&](const storage::SharedItem& item) {
-                                               const storage::ItemKey key = item.Key();
-                                               if (key.kind != kind || key.ruri != ruri)
-                                                 return false;
-                                               Put(item);
-                                               return true;
-                                             },
-                                         .between = [this] { return FollowChanges(); }});
-    if (!read.ok()) return read;
+    absl::Status read = WalkPages(storage::ItemKey{kind, ruri, ""},
+                                  {.take =
+                                       [&](const storage::SharedItem& item) {
+                                         const storage::ItemKey key = item.Key();
+                                         if (key.kind != kind || key.ruri != ruri) return false;
+                                         Put(item);
+                                         return true;
+                                       },
+                                   .between = [this] { return FollowChanges(); }});
+    if (!read.ok()) {
+      context_.forwards.shares().BreakOffLook();
+      return read;
+    }
   }
   context_.forwards.shares().EndLook();
   return absl::OkStatus();

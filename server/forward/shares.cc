@@ -5,36 +5,45 @@
 
 namespace uplink::forward {
 
-bool Shares::Resize(const std::string& ruri, std::size_t before, std::size_t after) {
-  const auto place = robots_.try_emplace(ruri, 0).first;
-  const std::size_t robot = place->second - before + after;
+bool Shares::Resize(const Holder& holder, std::size_t before, std::size_t after) {
+  const auto robot = robots_.try_emplace(holder.ruri, 0).first;
+  const auto fleet = fleets_.try_emplace(holder.fleet, 0).first;
+  const std::size_t of_robot = robot->second - before + after;
+  const std::size_t of_fleet = fleet->second - before + after;
   const std::size_t all = bytes_.load() - before + after;
   const bool grows = after > before;
-  const bool fits = !grows || (robot <= limits_.robot_bytes_max && all <= limits_.bytes_max);
+  const bool fits = !grows || (of_robot <= limits_.robot_bytes_max &&
+                               of_fleet <= limits_.fleet_bytes_max && all <= limits_.bytes_max);
   if (fits) {
-    place->second = robot;
+    robot->second = of_robot;
+    fleet->second = of_fleet;
     bytes_ = all;
   }
-  if (place->second == 0) robots_.erase(place);
-  if (after < before) NoteRoom(ruri);
+  if (robot->second == 0) robots_.erase(robot);
+  if (fleet->second == 0) fleets_.erase(fleet);
+  if (after < before) NoteRoom(holder.ruri);
   return fits;
 }
 
 void Shares::NoteRoom(const std::string& ruri) {
   for (auto& [robot, left_out] : robots_left_out_) {
-    left_out.has_room = left_out.has_room || left_out.for_all || robot == ruri;
+    left_out.has_room = left_out.has_room || left_out.for_others || robot == ruri;
   }
 }
 
-void Shares::NoteLeftOut(const std::string& ruri) {
+void Shares::NoteLeftOut(const Holder& holder) {
+  const auto has = [](const auto& bytes, const std::string& of) {
+    const auto found = bytes.find(of);
+    return found == bytes.end() ? 0 : found->second;
+  };
   ++left_out_;
-  LeftOut& left_out = robots_left_out_[ruri];
+  LeftOut& left_out = robots_left_out_[holder.ruri];
   ++left_out.times;
-  const auto has = robots_.find(ruri);
   // Whose room was the smaller one: that is what must grow.
-  const std::size_t own = has == robots_.end() ? 0 : has->second;
-  left_out.for_all =
-      left_out.for_all || limits_.bytes_max - bytes_.load() < limits_.robot_bytes_max - own;
+  const std::size_t own = limits_.robot_bytes_max - has(robots_, holder.ruri);
+  const std::size_t others = std::min(limits_.fleet_bytes_max - has(fleets_, holder.fleet),
+                                      limits_.bytes_max - bytes_.load());
+  left_out.for_others = left_out.for_others || others < own;
 }
 
 void Shares::Begin(LeftOut& left_out) { left_out = {.before = left_out.before + left_out.times}; }
@@ -51,6 +60,12 @@ void Shares::BeginLookAtAll() {
 void Shares::EndLook() {
   for (auto& [robot, left_out] : robots_left_out_) left_out_ -= std::exchange(left_out.before, 0);
   std::erase_if(robots_left_out_, [](const auto& entry) { return entry.second.times == 0; });
+}
+
+void Shares::BreakOffLook() {
+  for (auto& [robot, left_out] : robots_left_out_) {
+    left_out.has_room = left_out.has_room || left_out.before > 0;
+  }
 }
 
 std::optional<std::string> Shares::ToLookAtAgain() const {

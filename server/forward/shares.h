@@ -9,8 +9,8 @@
 
 namespace uplink::forward {
 
-/// How much memory the shared set takes, as a whole and per robot that reported it, and whose items
-/// were left out for that.
+/// How much memory the shared set takes, as a whole, per fleet and per robot that reported it, and
+/// whose items were left out for that. A fleet has a share, so that none fills the room of others.
 ///
 /// Bound:  robots of which items were left out; there are no more than robots with items.
 /// Thread: bytes and left_out from any; the rest on one thread.
@@ -18,22 +18,30 @@ class Shares final {
  public:
   struct Limits {
     std::size_t bytes_max = 0;
+    std::size_t fleet_bytes_max = 0;
     std::size_t robot_bytes_max = 0;
+  };
+  /// Whose an item is.
+  struct Holder {
+    const std::string& ruri;
+    const std::string& fleet;
   };
   explicit Shares(const Limits& limits) : limits_(limits) {}
 
   /// An item of the robot takes `after` bytes in place of `before`. False, and nothing changes, if
   /// there is no room for more.
-  [[nodiscard]] bool Resize(const std::string& ruri, std::size_t before, std::size_t after);
+  [[nodiscard]] bool Resize(const Holder& holder, std::size_t before, std::size_t after);
   /// An item of the robot was left out.
-  void NoteLeftOut(const std::string& ruri);
+  void NoteLeftOut(const Holder& holder);
   /// The items of one robot, or of all, are looked at again, and what is left out of them is noted
   /// anew. What was left out before counts until EndLook: it is not there yet.
   void BeginLook(const std::string& ruri);
   void BeginLookAtAll();
   void EndLook();
-  /// A robot of which items were left out, and for which there may be room by now: it, or where all
-  /// is full anybody, gave some back since. Nothing if there is none.
+  /// The look did not come to its end: what it was for is to be looked at again.
+  void BreakOffLook();
+  /// A robot of which items were left out, and for which there may be room by now: it, or where its
+  /// fleet or all is full anybody, gave some back since. Nothing if there is none.
   [[nodiscard]] std::optional<std::string> ToLookAtAgain() const;
   [[nodiscard]] std::vector<std::string> robots_left_out() const;
 
@@ -48,14 +56,15 @@ class Shares final {
   static void Begin(LeftOut& left_out);
 
   const Limits limits_;
-  /// By robots that have any.
+  /// By robots, and fleets, that have any.
   std::map<std::string, std::size_t> robots_;
+  std::map<std::string, std::size_t> fleets_;
   struct LeftOut {
     std::size_t times = 0;
     /// Those of the look before, while one is under way.
     std::size_t before = 0;
-    /// For want of room of all, not of the robot's own.
-    bool for_all = false;
+    /// For want of room of its fleet or of all, not of the robot's own.
+    bool for_others = false;
     bool has_room = false;
   };
   std::map<std::string, LeftOut> robots_left_out_;

@@ -51,8 +51,8 @@ SimForwards::SimForwards(const Clock& clock, const ForwardSetup& setup)
       random_(setup.seed),
       logger_(std::make_unique<testing::NoLines>(), clock, log::Format::kText, log::Level::kInfo),
       forwards_(
-          {forward::kSharedBytesMax, forward::kRobotBytesMax}, [this] { return random_.Next(); },
-          setup.receivers),
+          {forward::kSharedBytesMax, forward::kFleetBytesMax, forward::kRobotBytesMax},
+          [this] { return random_.Next(); }, setup.receivers),
       rounds_({clock, logger_, *setup.items, forwards_, probe_, clock_trust_}) {
   if (fault_ == ForwardFault::kBeginsBeforeWhole) forwards_.SetWhole();
 }

@@ -20,7 +20,8 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-constexpr Shares::Limits kLimits = {.bytes_max = 100'000, .robot_bytes_max = 10'000};
+constexpr Shares::Limits kLimits = {
+    .bytes_max = 100'000, .fleet_bytes_max = 50'000, .robot_bytes_max = 10'000};
 
 class ForwardsTest : public ::testing::Test {
  protected:
@@ -158,6 +159,15 @@ TEST_F(ForwardsTest, ALaterExpiryCountsThoughNothingElseChanged) {
   EXPECT_EQ(forwards_.sum().items, 1U);
   forwards_.Expire(FromUnixMs(2000));
   EXPECT_EQ(forwards_.sum().items, 0U);
+}
+
+TEST_F(ForwardsTest, AnItemThatGrowsTakesMoreOfTheRoom) {
+  Put(KeyOf("c", "1"), "small");
+  const std::size_t before = forwards_.sum().bytes;
+  Put(KeyOf("c", "1"), std::string(1'005, 'x'));
+  EXPECT_EQ(forwards_.sum().bytes, before + 1'000);
+  forwards_.Remove(KeyOf("c", "1"));
+  EXPECT_EQ(forwards_.sum().bytes, 0U);
 }
 
 TEST_F(ForwardsTest, OneRobotFillsNoMoreThanItsShare) {

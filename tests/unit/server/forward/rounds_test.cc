@@ -131,7 +131,7 @@ class RoundsTest : public ::testing::Test {
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
   ScriptedItems items_;
-  Forwards forwards_{{kSharedBytesMax, kRobotBytesMax}, std::mt19937_64(1)};
+  Forwards forwards_{{kSharedBytesMax, kFleetBytesMax, kRobotBytesMax}, std::mt19937_64(1)};
   ForwardProbe probe_;
   Rounds rounds_{{clock_, logger_, items_, forwards_, probe_, trust_}};
 };
@@ -264,6 +264,35 @@ TEST_F(RoundsTest, WhatWasLeftOutIsReadAgainOnceItsRobotHasRoom) {
   EXPECT_THAT(Ids(), UnorderedElementsAre("0", "small", "other"));
   EXPECT_THAT(lines_.back(), HasSubstr("forward_complete_again"));
   EXPECT_EQ(probe_.reads_of_all.value(), 1) << "one robot costs no look at all others";
+}
+
+TEST_F(RoundsTest, ALookAtWhatWasLeftOutThatFailsIsRepeated) {
+  const std::string line = R"({"type":"LineString","coordinates":[)";
+  std::string points = "[1.5,2.5]";
+  while (points.size() < 2'000'000) points += ",[1.5,2.5]";
+  const std::string large = line + points + "]}";
+  for (std::size_t i = 0; i < 10; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
+  Round();
+  const std::vector<std::string> held = Ids();
+  ASSERT_TRUE(forwards_.left_out());
+  for (const std::string& id : held) items_.Erase(KeyOf("a", id));
+  Round();
+  clock_.Advance(kLookAtLeftOutEvery);
+  items_.fails_at_page = items_.pages;
+  Round();
+  EXPECT_THAT(Ids(), IsEmpty());
+  EXPECT_TRUE(forwards_.left_out()) << "it is not there yet";
+  clock_.Advance(kLookAtLeftOutEvery);
+  Round();
+  EXPECT_THAT(Ids(), SizeIs(10 - held.size()));
+  EXPECT_FALSE(forwards_.left_out());
+}
+
+TEST_F(RoundsTest, NothingIsTakenForExpiredByAClockThatNobodyVouchesFor) {
+  trust_.Set(false);
+  items_.Set(KeyOf("a", "perhaps"), UnixMs(clock_.System()));
+  Round();
+  EXPECT_THAT(Ids(), ElementsAre("perhaps"));
 }
 
 TEST_F(RoundsTest, EachItemThatCannotBeReadIsToldOnceAndUntilItEnds) {

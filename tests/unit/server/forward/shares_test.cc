@@ -13,43 +13,43 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 TEST(SharesTest, ARobotEndsAtItsShareAndTheOthersGoOn) {
-  Shares shares({.bytes_max = 100, .robot_bytes_max = 40});
-  EXPECT_TRUE(shares.Resize("a", 0, 40));
-  EXPECT_FALSE(shares.Resize("a", 0, 1));
-  EXPECT_TRUE(shares.Resize("b", 0, 40));
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 100, .robot_bytes_max = 40});
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 0, 40));
+  EXPECT_FALSE(shares.Resize({"a", "f"}, 0, 1));
+  EXPECT_TRUE(shares.Resize({"b", "f"}, 0, 40));
   EXPECT_EQ(shares.bytes(), 80U);
 }
 
 TEST(SharesTest, AllEndAtTheWhole) {
-  Shares shares({.bytes_max = 100, .robot_bytes_max = 60});
-  EXPECT_TRUE(shares.Resize("a", 0, 60));
-  EXPECT_TRUE(shares.Resize("b", 0, 40));
-  EXPECT_FALSE(shares.Resize("c", 0, 1));
-  EXPECT_TRUE(shares.Resize("a", 60, 59));
-  EXPECT_TRUE(shares.Resize("c", 0, 1));
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 100, .robot_bytes_max = 60});
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 0, 60));
+  EXPECT_TRUE(shares.Resize({"b", "f"}, 0, 40));
+  EXPECT_FALSE(shares.Resize({"c", "f"}, 0, 1));
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 60, 59));
+  EXPECT_TRUE(shares.Resize({"c", "f"}, 0, 1));
 }
 
 TEST(SharesTest, WhatDoesNotFitChangesNothing) {
-  Shares shares({.bytes_max = 100, .robot_bytes_max = 40});
-  EXPECT_TRUE(shares.Resize("a", 0, 30));
-  EXPECT_FALSE(shares.Resize("a", 30, 41));
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 100, .robot_bytes_max = 40});
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 0, 30));
+  EXPECT_FALSE(shares.Resize({"a", "f"}, 30, 41));
   EXPECT_EQ(shares.bytes(), 30U);
-  EXPECT_TRUE(shares.Resize("a", 30, 0));
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 30, 0));
   EXPECT_EQ(shares.bytes(), 0U);
-  EXPECT_TRUE(shares.Resize("a", 0, 40));
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 0, 40));
 }
 
 TEST(SharesTest, WhatIsLeftOutCountsUntilTheLookAfterItHasEnded) {
-  Shares shares({.bytes_max = 1, .robot_bytes_max = 1});
+  Shares shares({.bytes_max = 1, .fleet_bytes_max = 1, .robot_bytes_max = 1});
   EXPECT_EQ(shares.left_out(), 0U);
-  shares.NoteLeftOut("a");
-  shares.NoteLeftOut("a");
-  shares.NoteLeftOut("b");
+  shares.NoteLeftOut({"a", "f"});
+  shares.NoteLeftOut({"a", "f"});
+  shares.NoteLeftOut({"b", "f"});
   EXPECT_EQ(shares.left_out(), 3U);
   EXPECT_THAT(shares.robots_left_out(), ElementsAre("a", "b"));
   shares.BeginLook("a");
   EXPECT_EQ(shares.left_out(), 3U) << "none of them is there yet";
-  shares.NoteLeftOut("a");
+  shares.NoteLeftOut({"a", "f"});
   shares.EndLook();
   EXPECT_EQ(shares.left_out(), 2U);
   shares.BeginLookAtAll();
@@ -60,28 +60,40 @@ TEST(SharesTest, WhatIsLeftOutCountsUntilTheLookAfterItHasEnded) {
 }
 
 TEST(SharesTest, ARobotIsLookedAtAgainOnceItGaveSomeBack) {
-  Shares shares({.bytes_max = 100, .robot_bytes_max = 10});
-  EXPECT_TRUE(shares.Resize("a", 0, 10));
-  EXPECT_TRUE(shares.Resize("b", 0, 10));
-  EXPECT_FALSE(shares.Resize("a", 0, 5));
-  shares.NoteLeftOut("a");
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 100, .robot_bytes_max = 10});
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 0, 10));
+  EXPECT_TRUE(shares.Resize({"b", "f"}, 0, 10));
+  EXPECT_FALSE(shares.Resize({"a", "f"}, 0, 5));
+  shares.NoteLeftOut({"a", "f"});
   EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt);
-  EXPECT_TRUE(shares.Resize("b", 10, 0));
+  EXPECT_TRUE(shares.Resize({"b", "f"}, 10, 0));
   EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt) << "that is another's share";
-  EXPECT_TRUE(shares.Resize("a", 10, 9));
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 10, 9));
   EXPECT_EQ(shares.ToLookAtAgain(), "a");
   shares.BeginLook("a");
   EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt);
 }
 
 TEST(SharesTest, WhereAllIsFullWhatAnybodyGivesBackIsRoom) {
-  Shares shares({.bytes_max = 20, .robot_bytes_max = 10});
-  EXPECT_TRUE(shares.Resize("a", 0, 10));
-  EXPECT_TRUE(shares.Resize("b", 0, 10));
-  EXPECT_FALSE(shares.Resize("c", 0, 1));
-  shares.NoteLeftOut("c");
-  EXPECT_TRUE(shares.Resize("a", 10, 5));
+  Shares shares({.bytes_max = 20, .fleet_bytes_max = 20, .robot_bytes_max = 10});
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 0, 10));
+  EXPECT_TRUE(shares.Resize({"b", "f"}, 0, 10));
+  EXPECT_FALSE(shares.Resize({"c", "f"}, 0, 1));
+  shares.NoteLeftOut({"c", "f"});
+  EXPECT_TRUE(shares.Resize({"a", "f"}, 10, 5));
   EXPECT_EQ(shares.ToLookAtAgain(), "c");
+}
+
+TEST(SharesTest, AFleetEndsAtItsShareAndTheOthersGoOn) {
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 30, .robot_bytes_max = 20});
+  EXPECT_TRUE(shares.Resize({"a", "north"}, 0, 20));
+  EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 10));
+  EXPECT_FALSE(shares.Resize({"b", "north"}, 0, 1));
+  shares.NoteLeftOut({"b", "north"});
+  EXPECT_TRUE(shares.Resize({"c", "south"}, 0, 20));
+  EXPECT_TRUE(shares.Resize({"a", "north"}, 20, 10));
+  EXPECT_EQ(shares.ToLookAtAgain(), "b") << "another of its fleet gave some back";
+  EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 1));
 }
 
 }  // namespace
