@@ -32,17 +32,19 @@ void CheckNumber(const std::optional<double>& number) {
   UPLINK_CHECK(!number || std::isfinite(*number), "a kept number is finite");
 }
 
+void CheckText(std::string_view text) { UPLINK_CHECK(uplink::IsCleanUtf8(text), "a clean text"); }
+
 // NOLINTNEXTLINE(misc-no-recursion): as deep as a payload
 void CheckValue(const boost::json::value& value) {
   if (const auto* object = value.if_object()) {
     for (const auto& member : *object) {
-      UPLINK_CHECK(uplink::IsCleanUtf8({member.key().data(), member.key().size()}), "a clean name");
+      CheckText({member.key().data(), member.key().size()});
       CheckValue(member.value());
     }
   } else if (const auto* items = value.if_array()) {
     for (const auto& item : *items) CheckValue(item);
   } else if (const auto* text = value.if_string()) {
-    UPLINK_CHECK(uplink::IsCleanUtf8({text->data(), text->size()}), "a clean text");
+    CheckText({text->data(), text->size()});
   } else if (const auto* number = value.if_double()) {
     UPLINK_CHECK(std::isfinite(*number), "a finite number");
   }
