@@ -53,9 +53,10 @@ absl::Status Gate::CheckGateway(const std::string& gateway) const {
   const std::size_t has = gateway.empty() ? 0 : Of(by_gateway_, gateway);
   if (has < per_gateway_max_) return absl::OkStatus();
   probe_.refused_gateway_total.Add();
-  return absl::ResourceExhaustedError(
-      fmt::format("the server admits no more streams of gateway {}: it has {} (limits.gateway_streams_max, "
-                  "limits.robots_max)", gateway, has));
+  return absl::ResourceExhaustedError(fmt::format(
+      "the server admits no more streams of gateway {}: it has {} (limits.gateway_streams_max, "
+      "limits.robots_max)",
+      gateway, has));
 }
 
 absl::Status Gate::Enter(const Entrant& entrant) {
