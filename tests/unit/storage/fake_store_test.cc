@@ -98,9 +98,9 @@ TEST_F(FakeStoreFaults, KeepsOrdersForSweepsFromTheOthers) {
   store_.FailNextSweeps(1, FailAt::kBefore);
   store_.FailNext(1, FailAt::kBefore);
   EXPECT_FALSE(store_.Sweep(FromUnixMs(1)).ok());
-  const absl::StatusOr<std::size_t> swept = store_.Sweep(FromUnixMs(1));
+  const absl::StatusOr<storage::Swept> swept = store_.Sweep(FromUnixMs(1));
   ASSERT_TRUE(swept.ok()) << swept.status();
-  EXPECT_EQ(*swept, 0U);
+  EXPECT_EQ(swept->items, 0U);
   EXPECT_FALSE(store_.Commit(Numbers(1, 1)).ok());
   store_.FailNextSweeps(5, FailAt::kAfter);
   EXPECT_FALSE(store_.Sweep(FromUnixMs(1)).ok());
