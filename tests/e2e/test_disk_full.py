@@ -3,6 +3,7 @@
 And one whose disk is about to be full by one robot: that one is slowed down, and the others go on.
 """
 
+import errno
 import json
 import os
 import pathlib
@@ -93,8 +94,13 @@ class SmallDisk:
 
     def leave(self, process, free_bytes):
         """Fills the disk until so much is left, if there is more."""
-        with self.filler(process).open("ab") as file:
-            file.write(bytes(max(0, self.free_bytes(process) - free_bytes)))
+        with self.filler(process).open("ab", buffering=0) as file:
+            try:
+                file.write(bytes(max(0, self.free_bytes(process) - free_bytes)))
+            except OSError as error:
+                # The server took the last of it meanwhile: the disk is as full as it can be.
+                if error.errno != errno.ENOSPC:
+                    raise
 
     def make_space(self, process):
         self.filler(process).unlink()
