@@ -1,7 +1,5 @@
 // What a live message goes without, and what rejects it because nothing of it is left: each rule by
 // its name, with a payload that keeps it and one that breaks it.
-#include <cctype>
-#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,25 +12,9 @@ namespace {
 
 using model::RejectReason;
 using test::JudgeOn;
-
-struct Rule {
-  std::string name;
-  std::string tail;
-  std::string good;
-  std::string bad;
-  RejectReason reason;
-  std::string field;
-};
-
-void PrintTo(const Rule& rule, std::ostream* out) { *out << rule.name; }
-
-std::string NameOf(const ::testing::TestParamInfo<Rule>& each) {
-  std::string name = each.param.name;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-}
-
-std::string Long(std::size_t bytes) { return "\"" + std::string(bytes, 'a') + "\""; }
+using test::Long;
+using test::NameOf;
+using test::Rule;
 
 class Dropping : public ::testing::TestWithParam<Rule> {};
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cctype>
+#include <cstddef>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -45,6 +48,30 @@ template <typename T>
   const T* body = std::get_if<T>(judgement.body());
   EXPECT_NE(body, nullptr) << "another body: " << judgement.body()->index();
   return body == nullptr ? T() : *body;
+}
+
+/// A message with one thing at fault, beside the same one that is good.
+struct Rule {
+  std::string name;
+  std::string tail;
+  std::string good;
+  std::string bad;
+  model::RejectReason reason;
+  std::string field;
+};
+
+inline void PrintTo(const Rule& rule, std::ostream* out) { *out << rule.name; }
+
+/// What GoogleTest calls the case.
+[[nodiscard]] inline std::string NameOf(const ::testing::TestParamInfo<Rule>& each) {
+  std::string name = each.param.name;
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
+}
+
+/// A JSON text of so many bytes.
+[[nodiscard]] inline std::string Long(std::size_t bytes) {
+  return "\"" + std::string(bytes, 'a') + "\"";
 }
 
 /// `count` members `"PREFIX0":VALUE`, parted by commas.

@@ -1,7 +1,5 @@
 // What rejects a message: each rule by its name, with a payload that keeps it and one that breaks
 // it. Content rejects in durable messages; in live ones see dropping_test.cc.
-#include <cctype>
-#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,26 +12,11 @@ namespace {
 using model::RejectReason;
 using test::Items;
 using test::JudgeOn;
+using test::Long;
 using test::Members;
+using test::NameOf;
+using test::Rule;
 
-struct Rule {
-  std::string name;
-  std::string tail;
-  std::string good;
-  std::string bad;
-  RejectReason reason;
-  std::string field;
-};
-
-void PrintTo(const Rule& rule, std::ostream* out) { *out << rule.name; }
-
-std::string NameOf(const ::testing::TestParamInfo<Rule>& each) {
-  std::string name = each.param.name;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-}
-
-std::string Long(std::size_t bytes) { return "\"" + std::string(bytes, 'a') + "\""; }
 std::string Lists(std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); }
 std::string Sized(std::size_t bytes) {
   const std::string rest = R"({"status":"ok","x":""})";
