@@ -96,6 +96,7 @@ void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t
   const std::size_t bytes = BytesOf(key, frame);
   const Shares::Holder holder{key.ruri, fleet};
   if (!shares_.Resize(holder, 0, bytes)) return shares_.NoteLeftOut(holder);
+  shares_.NoteChanged(key.ruri);
   const Where where{fleet, FleetOf(fleet), command, bytes};
   where_.emplace(key, where);
   ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
@@ -103,7 +104,8 @@ void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t
 
 void Forwards::Remove(const ItemKey& key) {
   const auto known = where_.find(key);
-  if (known == where_.end()) return;
+  // One that was left out may have gone.
+  if (known == where_.end()) return shares_.NoteChanged(key.ruri);
   const Where where = std::move(known->second);
   const ItemKey gone = known->first;
   where_.erase(known);

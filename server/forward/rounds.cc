@@ -122,8 +122,9 @@ absl::Status Rounds::LookAtLeftOut() {
     return absl::OkStatus();
   }
   looked_at_left_out_ = now;
-  while (const std::optional<std::string> robot = context_.forwards.shares().ToLookAtAgain()) {
-    if (absl::Status read = ReadRobot(*robot); !read.ok()) return read;
+  // Each once: a robot that goes on giving room back would keep this thread for ever.
+  for (const std::string& robot : context_.forwards.shares().ToLookAtAgain()) {
+    if (absl::Status read = ReadRobot(robot); !read.ok()) return read;
     // What others share is not kept waiting for one robot.
     if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
   }
@@ -235,16 +236,15 @@ void Rounds::NoteReadable(const storage::ItemKey& key) {
 
 void Rounds::TellLeftOut() {
   const std::vector<std::string> robots = context_.forwards.shares().robots_left_out();
-  if (robots.empty()) {
-    if (told_left_out_.empty()) return;
-    told_left_out_.clear();
-    return context_.logger.Info("forward_complete_again", {});
-  }
   for (const std::string& robot : robots) {
-    if (!told_left_out_.insert(robot).second) continue;
+    if (told_left_out_.contains(robot)) continue;
     lines_.Write(log::Level::kWarn, "forward_left_out",
                  {{"robot", robot}, {"bytes", context_.forwards.sum().bytes}});
   }
+  if (robots.empty() && !told_left_out_.empty()) {
+    context_.logger.Info("forward_complete_again", {});
+  }
+  told_left_out_ = {robots.begin(), robots.end()};
 }
 
 void Rounds::Tell(const absl::Status& status) {

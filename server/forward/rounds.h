@@ -91,7 +91,7 @@ class Rounds final {
   std::optional<storage::ChangePositions> positions_;
   SteadyTime looked_at_left_out_;
   bool failing_ = false;
-  /// Robots that the log named since all was there.
+  /// Robots of which something is left out, as the log last said.
   std::set<std::string> told_left_out_;
   /// Items that are there and cannot be read; at most kUnreadableMax.
   std::set<storage::ItemKey> unreadable_;

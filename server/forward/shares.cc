@@ -27,8 +27,13 @@ bool Shares::Resize(const Holder& holder, std::size_t before, std::size_t after)
 
 void Shares::NoteRoom(const std::string& ruri) {
   for (auto& [robot, left_out] : robots_left_out_) {
-    left_out.has_room = left_out.has_room || left_out.for_others || robot == ruri;
+    left_out.to_look_at = left_out.to_look_at || left_out.for_others || robot == ruri;
   }
+}
+
+void Shares::NoteChanged(const std::string& ruri) {
+  const auto robot = robots_left_out_.find(ruri);
+  if (robot != robots_left_out_.end()) robot->second.to_look_at = true;
 }
 
 void Shares::NoteLeftOut(const Holder& holder) {
@@ -64,15 +69,16 @@ void Shares::EndLook() {
 
 void Shares::BreakOffLook() {
   for (auto& [robot, left_out] : robots_left_out_) {
-    left_out.has_room = left_out.has_room || left_out.before > 0;
+    left_out.to_look_at = left_out.to_look_at || left_out.before > 0;
   }
 }
 
-std::optional<std::string> Shares::ToLookAtAgain() const {
-  const auto robot = std::ranges::find_if(robots_left_out_,
-                                          [](const auto& entry) { return entry.second.has_room; });
-  if (robot == robots_left_out_.end()) return std::nullopt;
-  return robot->first;
+std::vector<std::string> Shares::ToLookAtAgain() const {
+  std::vector<std::string> robots;
+  for (const auto& [robot, left_out] : robots_left_out_) {
+    if (left_out.to_look_at) robots.push_back(robot);
+  }
+  return robots;
 }
 
 std::vector<std::string> Shares::robots_left_out() const {

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstddef>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +32,9 @@ class Shares final {
   [[nodiscard]] bool Resize(const Holder& holder, std::size_t before, std::size_t after);
   /// An item of the robot was left out.
   void NoteLeftOut(const Holder& holder);
+  /// One of the robot's items went, or found room: of what was left out of them less may be missing
+  /// by now.
+  void NoteChanged(const std::string& ruri);
   /// The items of one robot, or of all, are looked at again, and what is left out of them is noted
   /// anew. What was left out before counts until EndLook: it is not there yet.
   void BeginLook(const std::string& ruri);
@@ -40,9 +42,9 @@ class Shares final {
   void EndLook();
   /// The look did not come to its end: what it was for is to be looked at again.
   void BreakOffLook();
-  /// A robot of which items were left out, and for which there may be room by now: it, or where its
-  /// fleet or all is full anybody, gave some back since. Nothing if there is none.
-  [[nodiscard]] std::optional<std::string> ToLookAtAgain() const;
+  /// The robots of which items were left out that may be there by now: the robot, or where its
+  /// fleet or all is full anybody, gave some room back since, or an item of it changed.
+  [[nodiscard]] std::vector<std::string> ToLookAtAgain() const;
   [[nodiscard]] std::vector<std::string> robots_left_out() const;
 
   [[nodiscard]] std::size_t bytes_max() const { return limits_.bytes_max; }
@@ -65,7 +67,7 @@ class Shares final {
     std::size_t before = 0;
     /// For want of room of its fleet or of all, not of the robot's own.
     bool for_others = false;
-    bool has_room = false;
+    bool to_look_at = false;
   };
   std::map<std::string, LeftOut> robots_left_out_;
   std::atomic<std::size_t> bytes_{0};

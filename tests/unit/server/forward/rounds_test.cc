@@ -1,6 +1,7 @@
 // How the shared set follows the store: read whole once, then by its changes.
 #include "server/forward/rounds.h"
 
+#include <functional>
 #include <map>
 #include <random>
 #include <string>
@@ -71,6 +72,7 @@ class ScriptedItems final : public storage::SharedItems {
   }
   absl::StatusOr<storage::SharedPage> Page(const std::optional<storage::ItemKey>& after) override {
     if (fails_at_page == pages++) return absl::UnavailableError("away within the read");
+    if (at_each_page) at_each_page();
     storage::SharedPage page;
     for (const auto& [key, item] : there) {
       if (after && key <= *after) continue;
@@ -97,6 +99,7 @@ class ScriptedItems final : public storage::SharedItems {
   absl::Status status;
   std::size_t pages = 0;
   std::optional<std::size_t> fails_at_page;
+  std::function<void()> at_each_page;
   int asked_for_positions = 0;
 
  private:
@@ -114,6 +117,13 @@ TEST(LookAgainAfter, GrowsWithTheStreamsThatWereWoken) {
   EXPECT_EQ(LookAgainAfter(2000), std::chrono::milliseconds(100));
   EXPECT_EQ(LookAgainAfter(5000), std::chrono::milliseconds(250));
   EXPECT_EQ(LookAgainAfter(1'000'000), std::chrono::milliseconds(250));
+}
+
+/// Of which a robot may share some.
+std::string LargeGeometry() {
+  std::string points = "[1.5,2.5]";
+  while (points.size() < 2'000'000) points += ",[1.5,2.5]";
+  return R"({"type":"LineString","coordinates":[)" + points + "]}";
 }
 
 class RoundsTest : public ::testing::Test {
@@ -240,10 +250,7 @@ TEST_F(RoundsTest, WhatCannotBeReadIsCountedAndNamed) {
 }
 
 TEST_F(RoundsTest, WhatWasLeftOutIsReadAgainOnceItsRobotHasRoom) {
-  const std::string line = R"({"type":"LineString","coordinates":[)";
-  std::string points = "[1.5,2.5]";
-  while (points.size() < 2'000'000) points += ",[1.5,2.5]";
-  const std::string large = line + points + "]}";
+  const std::string large = LargeGeometry();
   for (std::size_t i = 0; i < 10; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
   items_.Set(KeyOf("b", "small"));
   Round();
@@ -267,10 +274,7 @@ TEST_F(RoundsTest, WhatWasLeftOutIsReadAgainOnceItsRobotHasRoom) {
 }
 
 TEST_F(RoundsTest, ALookAtWhatWasLeftOutThatFailsIsRepeated) {
-  const std::string line = R"({"type":"LineString","coordinates":[)";
-  std::string points = "[1.5,2.5]";
-  while (points.size() < 2'000'000) points += ",[1.5,2.5]";
-  const std::string large = line + points + "]}";
+  const std::string large = LargeGeometry();
   for (std::size_t i = 0; i < 10; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
   Round();
   const std::vector<std::string> held = Ids();
@@ -286,6 +290,39 @@ TEST_F(RoundsTest, ALookAtWhatWasLeftOutThatFailsIsRepeated) {
   Round();
   EXPECT_THAT(Ids(), SizeIs(10 - held.size()));
   EXPECT_FALSE(forwards_.left_out());
+}
+
+TEST_F(RoundsTest, WhatWasLeftOutAndHasGoneOrShrunkIsMissedNoMore) {
+  const std::string large = LargeGeometry();
+  for (std::size_t i = 0; i < 10; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
+  Round();
+  const std::vector<std::string> held = Ids();
+  ASSERT_LT(held.size(), 9U);
+  // Of those that had no room one becomes small, and the others go: nothing gives room back.
+  items_.Set(KeyOf("a", std::to_string(held.size())));
+  for (std::size_t i = held.size() + 1; i < 10; ++i) items_.Erase(KeyOf("a", std::to_string(i)));
+  clock_.Advance(kLookAtLeftOutEvery);
+  Round();
+  EXPECT_THAT(Ids(), SizeIs(held.size() + 1));
+  EXPECT_FALSE(forwards_.left_out());
+  EXPECT_THAT(lines_.back(), HasSubstr("forward_complete_again"));
+}
+
+TEST_F(RoundsTest, ARobotThatGoesOnGivingRoomBackIsReadOnceInALook) {
+  const std::string large = LargeGeometry();
+  for (std::size_t i = 0; i < 20; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
+  Round();
+  ASSERT_TRUE(forwards_.left_out());
+  items_.at_each_page = [&, number = 100]() mutable {
+    items_.Erase(KeyOf("a", Ids().front()));
+    items_.Set(KeyOf("a", std::to_string(number++)), 0, large);
+  };
+  items_.at_each_page();
+  clock_.Advance(kLookAtLeftOutEvery);
+  const std::size_t before = items_.pages;
+  Round();
+  EXPECT_LE(items_.pages, before + 2 * 11) << "its pages of shapes, and of objects";
+  EXPECT_TRUE(forwards_.left_out());
 }
 
 TEST_F(RoundsTest, NothingIsTakenForExpiredByAClockThatNobodyVouchesFor) {

@@ -1,8 +1,6 @@
 // What the shared set may take, and one robot of it.
 #include "server/forward/shares.h"
 
-#include <optional>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,13 +63,13 @@ TEST(SharesTest, ARobotIsLookedAtAgainOnceItGaveSomeBack) {
   EXPECT_TRUE(shares.Resize({"b", "f"}, 0, 10));
   EXPECT_FALSE(shares.Resize({"a", "f"}, 0, 5));
   shares.NoteLeftOut({"a", "f"});
-  EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt);
+  EXPECT_THAT(shares.ToLookAtAgain(), IsEmpty());
   EXPECT_TRUE(shares.Resize({"b", "f"}, 10, 0));
-  EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt) << "that is another's share";
+  EXPECT_THAT(shares.ToLookAtAgain(), IsEmpty()) << "that is another's share";
   EXPECT_TRUE(shares.Resize({"a", "f"}, 10, 9));
-  EXPECT_EQ(shares.ToLookAtAgain(), "a");
+  EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("a"));
   shares.BeginLook("a");
-  EXPECT_EQ(shares.ToLookAtAgain(), std::nullopt);
+  EXPECT_THAT(shares.ToLookAtAgain(), IsEmpty());
 }
 
 TEST(SharesTest, WhereAllIsFullWhatAnybodyGivesBackIsRoom) {
@@ -81,7 +79,7 @@ TEST(SharesTest, WhereAllIsFullWhatAnybodyGivesBackIsRoom) {
   EXPECT_FALSE(shares.Resize({"c", "f"}, 0, 1));
   shares.NoteLeftOut({"c", "f"});
   EXPECT_TRUE(shares.Resize({"a", "f"}, 10, 5));
-  EXPECT_EQ(shares.ToLookAtAgain(), "c");
+  EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("c"));
 }
 
 TEST(SharesTest, AFleetEndsAtItsShareAndTheOthersGoOn) {
@@ -92,7 +90,7 @@ TEST(SharesTest, AFleetEndsAtItsShareAndTheOthersGoOn) {
   shares.NoteLeftOut({"b", "north"});
   EXPECT_TRUE(shares.Resize({"c", "south"}, 0, 20));
   EXPECT_TRUE(shares.Resize({"a", "north"}, 20, 10));
-  EXPECT_EQ(shares.ToLookAtAgain(), "b") << "another of its fleet gave some back";
+  EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("b")) << "another of its fleet gave some back";
   EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 1));
 }
 
