@@ -187,12 +187,22 @@ void Call::DropReceived() {
 
 // --- The response ---
 
-void Call::Write(std::string messages_with_prefixes) {
+void Call::Write(std::string message_with_prefix) {
+  BeginWrite();
+  response_.Write(std::move(message_with_prefix));
+  owner_.Touch(*this);
+}
+
+void Call::Write(std::vector<SharedMessage> messages) {
+  BeginWrite();
+  response_.Write(std::move(messages));
+  owner_.Touch(*this);
+}
+
+void Call::BeginWrite() {
   UPLINK_CHECK(!response_.writing() && serving(), "a write is under way, or the call ends");
   const bool first = !std::exchange(has_written_, true);
   UPLINK_CHECK(first || kind_ != MethodKind::kUnary, "a unary call has one answer");
-  response_.Write(std::move(messages_with_prefixes));
-  owner_.Touch(*this);
 }
 
 Http2Stream::Body Call::OnBody(char* into, std::size_t size) {

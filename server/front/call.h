@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -52,8 +53,10 @@ class Call final : public Http2Stream {
 
   /// The next message, please: answered by one call of the handler, later.
   void RequestMessage();
-  /// One message with its prefix, or several one after the other; at most one write is under way.
-  void Write(std::string messages_with_prefixes);
+  /// One message with its prefix, or several that are shared, one after the other; at most one
+  /// write is under way.
+  void Write(std::string message_with_prefix);
+  void Write(std::vector<SharedMessage> messages);
   /// Ends the call, after a write under way.
   void Finish(const absl::Status& status);
   /// Ends it at once.
@@ -111,6 +114,8 @@ class Call final : public Http2Stream {
   void NoteUnfinished(std::size_t bytes);
   void DropReceived();
   void SetTimer();
+  /// A write may begin.
+  void BeginWrite();
   [[nodiscard]] bool serving() const { return handler_ != nullptr && !over_ && !cancelled_; }
 
   Thread& thread_;

@@ -1,22 +1,14 @@
 #include "server/front/relay_handler.h"
 
-#include <array>
 #include <utility>
+#include <vector>
 
 #include "schema/base/check.h"
-#include "server/front/message_reader.h"
+#include "server/front/outbound.h"
 #include "server/front/thread.h"
 
 namespace uplink::front {
 namespace {
-
-/// Writes what goes before a frame: it is not compressed, and so many bytes long.
-void PutPrefix(std::size_t bytes, char* into) {
-  into[0] = '\0';
-  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
-    into[i] = static_cast<char>((bytes >> (8 * (kPrefixBytes - 1 - i))) & 0xFFU);
-  }
-}
 
 /// The frame as it goes out.
 std::string WithPrefix(const v1::RelayResponse& frame) {
@@ -70,16 +62,7 @@ void RelayHandler::OnWritten() {
 void RelayHandler::Write(const v1::RelayResponse& frame) { call_.Write(WithPrefix(frame)); }
 
 void RelayHandler::WriteEncoded(std::span<const session::EncodedFrame> frames) {
-  std::string messages;
-  std::size_t bytes = 0;
-  for (const session::EncodedFrame& frame : frames) bytes += kPrefixBytes + frame->size();
-  messages.reserve(bytes);
-  for (const session::EncodedFrame& frame : frames) {
-    std::array<char, kPrefixBytes> prefix{};
-    PutPrefix(frame->size(), prefix.data());
-    messages.append(prefix.data(), prefix.size()).append(*frame);
-  }
-  call_.Write(std::move(messages));
+  call_.Write(std::vector<SharedMessage>(frames.begin(), frames.end()));
 }
 
 void RelayHandler::Finish(const absl::Status& status) {

@@ -1,7 +1,5 @@
 #include "server/front/response.h"
 
-#include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "server/front/grpc_status.h"
@@ -10,15 +8,21 @@ namespace uplink::front {
 namespace {
 
 constexpr std::string_view kContentType = "application/grpc";
-/// Memory that is kept for the next message; more is given back.
-constexpr std::size_t kOutIdleBytes = 256;
 
 }  // namespace
 
 void Response::Write(std::string message) {
+  out_.Set(std::move(message));
+  Send();
+}
+
+void Response::Write(std::vector<SharedMessage> messages) {
+  out_.Set(std::move(messages));
+  Send();
+}
+
+void Response::Send() {
   writing_ = true;
-  out_ = std::move(message);
-  out_from_ = 0;
   if (std::exchange(begun_, true)) return http2_.Resume(stream_);
   http2_.Respond(stream_, {{":status", "200"}, {"content-type", std::string(kContentType)}},
                  Http2::Then::kBody);
@@ -26,13 +30,8 @@ void Response::Write(std::string message) {
 
 Http2Stream::Body Response::Take(char* into, std::size_t size) {
   using State = Http2Stream::Body::State;
-  const std::size_t bytes = std::min(size, out_.size() - out_from_);
-  std::memcpy(into, out_.data() + out_from_, bytes);
-  out_from_ += bytes;
-  if (out_from_ < out_.size()) return {State::kMore, bytes};
-  out_from_ = 0;
-  out_.clear();
-  if (out_.capacity() > kOutIdleBytes) std::string().swap(out_);
+  const std::size_t bytes = out_.Take(into, size);
+  if (!out_.empty()) return {State::kMore, bytes};
   writing_ = false;
   return {finished_ ? State::kEnd : State::kWait, bytes};
 }
@@ -60,7 +59,7 @@ void Response::Finish(const absl::Status& status) {
 }
 
 void Response::DropMessage() {
-  if (out_from_ == 0) out_.clear();
+  if (!out_.begun()) out_.Clear();
 }
 
 void Response::FinishHttp(int http_status) {

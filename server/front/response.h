@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
 #include "server/front/http2.h"
+#include "server/front/outbound.h"
 
 namespace uplink::front {
 
@@ -18,8 +20,9 @@ class Response final {
  public:
   Response(Http2& http2, std::int32_t stream) : http2_(http2), stream_(stream) {}
 
-  /// Sends a message with its prefix, once the one before was taken.
+  /// Sends a message with its prefix, or some that are shared, once what was before was taken.
   void Write(std::string message);
+  void Write(std::vector<SharedMessage> messages);
   /// Ends the call once the message under way was taken.
   void Finish(const absl::Status& status);
   /// Gives a message up of which nothing has gone out.
@@ -37,6 +40,8 @@ class Response final {
   [[nodiscard]] bool writing() const { return writing_; }
 
  private:
+  /// What is to go out was set.
+  void Send();
   [[nodiscard]] Headers StatusFields() const;
 
   Http2& http2_;
@@ -47,8 +52,7 @@ class Response final {
   bool writing_ = false;
   bool finished_ = false;
   absl::Status status_;
-  std::string out_;
-  std::size_t out_from_ = 0;
+  Outbound out_;
 };
 
 }  // namespace uplink::front
