@@ -120,6 +120,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Snapshots that were begun."},
     {kForwardSnapshotItems, "uplinkd_forward_snapshot_items_total", kCounter, "items",
      "Items that were written in snapshots."},
+    {kForwardOverflows, "uplinkd_forward_overflows_total", kCounter, "times",
+     "Times that more than 1,024 items waited for a stream: it gets a new snapshot instead."},
     {kForwardReceivers, "uplinkd_forward_receivers", kGauge, "streams",
      "Streams that receive what other robots of their fleet share."},
     {kForwardItems, "uplinkd_forward_items", kGauge, "items",
@@ -133,6 +135,9 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Items of the store that could not be forwarded: their geometry is none."},
     {kForwardUnreadableNow, "uplinkd_forward_unreadable", kGauge, "items",
      "Of these, those that are there now (up to 1,000): no robot gets them."},
+    {kForwardPaced, "uplinkd_forward_paced", kGauge, "items",
+     "Items whose changes wait, since what their robot shares is over 64 MiB per second to all "
+     "receivers."},
     {kForwardChanges, "uplinkd_forward_changes_total", kCounter, "items",
      "Changed items that were read from the store, of this server and of others."},
     {kForwardReadsOfAll, "uplinkd_forward_reads_of_all_total", kCounter, "times",

@@ -23,6 +23,8 @@ struct Counts {
   /// Besides: snapshots that began, and their items that were written.
   std::uint64_t snapshots = 0;
   std::uint64_t snapshot_items = 0;
+  /// Times that more items waited for a receiver than may: a new snapshot for each.
+  std::uint64_t overflows = 0;
 
   Counts& operator+=(const Counts& other) {
     due += other.due;
@@ -32,6 +34,7 @@ struct Counts {
     dropped += other.dropped;
     snapshots += other.snapshots;
     snapshot_items += other.snapshot_items;
+    overflows += other.overflows;
     return *this;
   }
 };

@@ -6,7 +6,7 @@ namespace uplink::forward {
 
 // --- The shared set ---
 
-std::vector<robot::StreamRef> FleetItems::Put(const ItemKey& key, Item item) {
+FleetItems::FannedOut FleetItems::Put(const ItemKey& key, Item item) {
   const std::lock_guard lock(mutex_);
   auto place = items_.find(key);
   const Change change = place == items_.end() ? Change::kComes : Change::kChanges;
@@ -31,7 +31,7 @@ void FleetItems::SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires
   if (expires_ms != 0) expiries_.emplace(expires_ms, key);
 }
 
-std::vector<robot::StreamRef> FleetItems::Remove(const ItemKey& key, const EncodedFrame& deletion) {
+FleetItems::FannedOut FleetItems::Remove(const ItemKey& key, const EncodedFrame& deletion) {
   const std::lock_guard lock(mutex_);
   const auto place = items_.find(key);
   if (place == items_.end()) return {};
@@ -67,48 +67,60 @@ std::vector<ItemKey> FleetItems::Expired(std::int64_t now_ms, std::size_t most) 
 
 // --- The fan-out ---
 
-std::vector<robot::StreamRef> FleetItems::FanOut(const KeyRef& key, const EncodedFrame& frame,
-                                                 Change change) {
-  std::vector<robot::StreamRef> wake;
+FleetItems::FannedOut FleetItems::FanOut(const KeyRef& key, const EncodedFrame& frame,
+                                         Change change) {
+  FannedOut out;
   for (Receiver* receiver : receivers_) {
     if (receiver->ruri == key->ruri) continue;
     ++counts_.due;
-    Offer(*receiver, key, frame, change);
+    if (Offer(*receiver, key, frame, change)) ++out.receivers;
     if (receiver->waiting.size() == 0 || std::exchange(receiver->woken, true)) continue;
-    wake.push_back(receiver->stream);
+    out.to_wake.push_back(receiver->stream);
   }
-  return wake;
+  return out;
 }
 
-void FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame,
+bool FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame,
                        Change change) {
   const bool passed = receiver.state == Receiver::State::kFollows ||
                       (receiver.state == Receiver::State::kWalks && receiver.walked != nullptr &&
                        !KeyOrder()(receiver.walked, key));
   if (!passed || receiver.again) {
     ++counts_.replaced;
-    return;
+    return false;
   }
   switch (receiver.waiting.Add(key, frame, change)) {
     case Waiting::Added::kNew:
-      return;
+      return true;
     case Waiting::Added::kCoalesced:
       ++counts_.coalesced;
-      return;
+      return false;
     case Waiting::Added::kCancelled:
       // This one, and the one that waited.
       counts_.coalesced += 2;
-      return;
+      return false;
     case Waiting::Added::kFull:
-      counts_.replaced += receiver.waiting.size() + 1;
-      receiver.waiting.Clear();
-      if (receiver.state == Receiver::State::kFollows) {
-        receiver.state = Receiver::State::kBegins;
-      } else {
-        receiver.again = true;
-      }
-      return;
+      Overflow(receiver);
+      return false;
   }
+  return false;
+}
+
+void FleetItems::Overflow(Receiver& receiver) {
+  counts_.replaced += receiver.waiting.size() + 1;
+  receiver.waiting.Clear();
+  ++counts_.overflows;
+  if (overflowed_.size() < kOverflowsToldMax) overflowed_.insert(receiver.ruri);
+  if (receiver.state == Receiver::State::kFollows) {
+    receiver.state = Receiver::State::kBegins;
+  } else {
+    receiver.again = true;
+  }
+}
+
+std::set<std::string> FleetItems::TakeOverflowed() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(overflowed_, {});
 }
 
 // --- Receivers ---
@@ -143,10 +155,24 @@ void FleetItems::Take(Receiver& receiver, std::vector<EncodedFrame>& into) {
     ++counts_.snapshots;
     into.push_back(marks_.begin);
   }
-  if (receiver.state == Receiver::State::kWalks) Walk(receiver, room, into);
-  if (receiver.state != Receiver::State::kFollows) return;
-  while (receiver.waiting.size() > 0 && room.Give(receiver.waiting.first())) {
-    into.push_back(receiver.waiting.Take());
+  if (receiver.state == Receiver::State::kWalks) {
+    // The walk has the other half, so that it comes to its end.
+    Room half = room.Split();
+    GiveWaiting(receiver, Waiting::Which::kUpserts, half, into);
+    room.Join(half);
+    Walk(receiver, room, into);
+  }
+  if (receiver.state == Receiver::State::kFollows) {
+    GiveWaiting(receiver, Waiting::Which::kAll, room, into);
+  }
+}
+
+void FleetItems::GiveWaiting(Receiver& receiver, Waiting::Which which, Room& room,
+                             std::vector<EncodedFrame>& into) {
+  for (EncodedFrame frame = receiver.waiting.First(which); frame != nullptr && room.Give(frame);
+       frame = receiver.waiting.First(which)) {
+    into.push_back(std::move(frame));
+    receiver.waiting.Pop(which);
     ++counts_.written;
   }
 }

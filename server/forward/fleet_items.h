@@ -27,7 +27,8 @@ struct SnapshotMarks {
 
 /// What the robots of one fleet share, and the streams that receive it: each change is put before
 /// every receiver but its origin once, and a snapshot walks the shared set, so that nothing of it
-/// is queued.
+/// is queued. What changes behind the walk goes between its frames, up to half of them, so that
+/// less waits at its end; ends wait until then, since a snapshot holds none.
 ///
 /// Thread: thread-safe; nothing is held across a call out.
 class FleetItems final {
@@ -62,15 +63,22 @@ class FleetItems final {
   FleetItems(const SnapshotMarks& marks, bool whole, const ReceiverLimits& limits = {})
       : marks_(marks), limits_(limits), whole_(whole) {}
 
-  // --- The shared set; one thread at a time. Each returns the streams to wake. ---
+  /// Who is told of a change.
+  struct FannedOut {
+    std::vector<robot::StreamRef> to_wake;
+    /// Receivers for which it waits now.
+    std::size_t receivers = 0;
+  };
+
+  // --- The shared set; one thread at a time ---
 
   /// The item is there, or changed.
-  std::vector<robot::StreamRef> Put(const ItemKey& key, Item item);
+  FannedOut Put(const ItemKey& key, Item item);
   /// The item is there as before, for another time.
   void SetExpiry(const ItemKey& key, std::int64_t expires_ms);
   /// The item is there no more: `deletion` says so. Nothing if it was not.
-  std::vector<robot::StreamRef> Remove(const ItemKey& key, const EncodedFrame& deletion);
-  /// From now on the set is whole, and snapshots may begin.
+  FannedOut Remove(const ItemKey& key, const EncodedFrame& deletion);
+  /// From now on the set is whole, and snapshots may begin. Returns the streams to wake.
   std::vector<robot::StreamRef> SetWhole();
 
   /// The item's frame; null if it is not there.
@@ -93,6 +101,9 @@ class FleetItems final {
     std::size_t receivers = 0;
   };
   [[nodiscard]] Sum sum() const;
+  /// Receivers that fell so far behind, since the last call, that they get a new snapshot; the
+  /// first kOverflowsToldMax.
+  [[nodiscard]] std::set<std::string> TakeOverflowed();
 
  private:
   using Items = std::map<KeyRef, Item, KeyOrder>;
@@ -108,6 +119,18 @@ class FleetItems final {
       bytes -= std::min(bytes, frame->size());
       return true;
     }
+    /// Half of it, which is not there any more.
+    Room Split() {
+      const Room half{frames / 2, bytes / 2};
+      frames -= half.frames;
+      bytes -= half.bytes;
+      return half;
+    }
+    /// What is left of a half.
+    void Join(const Room& half) {
+      frames += half.frames;
+      bytes += half.bytes;
+    }
   };
   struct ExpiryOrder {
     using Entry = std::pair<std::int64_t, KeyRef>;
@@ -117,9 +140,13 @@ class FleetItems final {
   };
 
   /// Puts a change before every receiver but its origin.
-  std::vector<robot::StreamRef> FanOut(const KeyRef& key, const EncodedFrame& frame, Change change);
-  void Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame, Change change);
+  FannedOut FanOut(const KeyRef& key, const EncodedFrame& frame, Change change);
+  /// False: it need not wait for the receiver.
+  bool Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame, Change change);
+  void Overflow(Receiver& receiver);
   void Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>& into);
+  void GiveWaiting(Receiver& receiver, Waiting::Which which, Room& room,
+                   std::vector<EncodedFrame>& into);
   void SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires_ms);
 
   const SnapshotMarks marks_;
@@ -131,6 +158,7 @@ class FleetItems final {
   std::set<ExpiryOrder::Entry, ExpiryOrder> expiries_;
   std::vector<Receiver*> receivers_;
   Counts counts_;
+  std::set<std::string> overflowed_;
 };
 
 }  // namespace uplink::forward

@@ -26,6 +26,7 @@ void Forwarding::AddSamples(metrics::Exposition& page) const {
   page.Add(kForwardsWaiting, number(sum.waiting));
   page.Add(kForwardSnapshots, number(sum.counts.snapshots));
   page.Add(kForwardSnapshotItems, number(sum.counts.snapshot_items));
+  page.Add(kForwardOverflows, number(sum.counts.overflows));
   page.Add(kForwardReceivers, number(sum.receivers));
   page.Add(kForwardItems, number(sum.items));
   page.Add(kForwardBytes, number(sum.bytes));
@@ -33,6 +34,7 @@ void Forwarding::AddSamples(metrics::Exposition& page) const {
   page.Add(kForwardLeftOut, number(sum.left_out));
   page.Add(kForwardUnreadable, probe_.unreadable);
   page.Add(kForwardUnreadableNow, probe_.unreadable_now);
+  page.Add(kForwardPaced, probe_.paced_now);
   page.Add(kForwardChanges, probe_.changes);
   page.Add(kForwardReadsOfAll, probe_.reads_of_all);
   page.Add(kForwardFailing, probe_.failing);

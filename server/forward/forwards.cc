@@ -64,53 +64,84 @@ std::vector<Forwards::FleetRef> Forwards::Fleets() const {
 
 // --- The shared set ---
 
-void Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-                   const Encode& encode) {
+std::size_t Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+                          const Encode& encode) {
   const auto known = where_.find(key);
   if (known == where_.end()) return PutNew(key, fleet, expires_ms, encode);
   Where& where = known->second;
   if (where.fleet_name != fleet) {
-    Remove(key);
-    return PutNew(key, fleet, expires_ms, encode);
+    const std::size_t ends = Remove(key);
+    return ends + PutNew(key, fleet, expires_ms, encode);
   }
   const EncodedFrame same = encode(where.command);
   if (same == nullptr) return Remove(key);
-  if (*same == *where.fleet->FrameOf(key)) return where.fleet->SetExpiry(key, expires_ms);
+  if (*same == *where.fleet->FrameOf(key)) {
+    where.fleet->SetExpiry(key, expires_ms);
+    return 0;
+  }
   where.command = NewCommand();
   EncodedFrame frame = encode(where.command);
+  const std::size_t frame_bytes = frame->size();
   const std::size_t bytes = BytesOf(key, frame);
   if (!shares_.Resize({key.ruri, fleet}, where.bytes, bytes)) {
     // What was forwarded of it is not true any more.
-    Remove(key);
-    return shares_.NoteLeftOut({key.ruri, fleet});
+    const std::size_t ends = Remove(key);
+    shares_.NoteLeftOut({key.ruri, fleet});
+    return ends;
   }
   where.bytes = bytes;
-  ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
+  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}),
+              frame_bytes);
 }
 
-void Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-                      const Encode& encode) {
+std::size_t Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+                             const Encode& encode) {
   const nexus_command::CommandId command = NewCommand();
   EncodedFrame frame = encode(command);
-  if (frame == nullptr) return;
+  if (frame == nullptr) return 0;
+  const std::size_t frame_bytes = frame->size();
   const std::size_t bytes = BytesOf(key, frame);
   const Shares::Holder holder{key.ruri, fleet};
-  if (!shares_.Resize(holder, 0, bytes)) return shares_.NoteLeftOut(holder);
+  if (!shares_.Resize(holder, 0, bytes)) {
+    shares_.NoteLeftOut(holder);
+    return 0;
+  }
   shares_.NoteChanged(key.ruri);
   const Where where{fleet, FleetOf(fleet), command, bytes};
   where_.emplace(key, where);
-  ToWake(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}));
+  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}),
+              frame_bytes);
 }
 
-void Forwards::Remove(const ItemKey& key) {
+std::size_t Forwards::Remove(const ItemKey& key) {
   const auto known = where_.find(key);
-  // One that was left out may have gone.
-  if (known == where_.end()) return shares_.NoteChanged(key.ruri);
+  if (known == where_.end()) {
+    // One that was left out may have gone.
+    shares_.NoteChanged(key.ruri);
+    return 0;
+  }
   const Where where = std::move(known->second);
   const ItemKey gone = known->first;
   where_.erase(known);
   static_cast<void>(shares_.Resize({gone.ruri, where.fleet_name}, where.bytes, 0));
-  ToWake(where.fleet->Remove(gone, DeleteFrame(gone, NewCommand())));
+  const EncodedFrame deletion = DeleteFrame(gone, NewCommand());
+  return Told(where.fleet->Remove(gone, deletion), deletion->size());
+}
+
+void Forwards::RemoveElsewhere(const ItemKey& key, const std::string& fleet) {
+  const auto known = where_.find(key);
+  if (known != where_.end() && known->second.fleet_name != fleet) Remove(key);
+}
+
+std::size_t Forwards::Told(const FleetItems::FannedOut& out, std::size_t frame_bytes) {
+  ToWake(out.to_wake);
+  return out.receivers * (frame_bytes + kWireOverheadBytes);
+}
+
+std::set<std::string> Forwards::TakeOverflowed() {
+  std::set<std::string> robots;
+  for (const FleetRef& fleet : Fleets()) robots.merge(fleet->TakeOverflowed());
+  return robots;
 }
 
 void Forwards::ToWake(const std::vector<robot::StreamRef>& streams) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,13 @@ class Forwards final : public session::ForwardSource {
   /// Makes the frame of an item, with the number of its command. Null: it cannot be forwarded.
   using Encode = std::function<EncodedFrame(const nexus_command::CommandId& command)>;
   /// The item is there, in this fleet. Nothing is forwarded if no robot would see a difference.
-  /// Left out, and gone, if there is no room for it.
-  void Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-           const Encode& encode);
-  /// The item is there no more; nothing if it was not.
-  void Remove(const ItemKey& key);
+  /// Left out, and gone, if there is no room for it. Returns the bytes that receivers are to get.
+  std::size_t Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+                  const Encode& encode);
+  /// The item is there no more; nothing if it was not. Returns the bytes that receivers are to get.
+  std::size_t Remove(const ItemKey& key);
+  /// The item is in this fleet, and in no other one any more.
+  void RemoveElsewhere(const ItemKey& key, const std::string& fleet);
   /// All that the store holds was put: snapshots may begin.
   void SetWhole();
   /// Removes what expired at or before then.
@@ -72,6 +75,9 @@ class Forwards final : public session::ForwardSource {
     bool whole = false;
   };
   [[nodiscard]] Sum sum() const;
+  /// Robots that receive and fell so far behind, since the last call, that they get a new snapshot;
+  /// the first kOverflowsToldMax of each fleet.
+  [[nodiscard]] std::set<std::string> TakeOverflowed();
   [[nodiscard]] std::size_t bytes_max() const { return shares_.bytes_max(); }
 
  private:
@@ -79,8 +85,10 @@ class Forwards final : public session::ForwardSource {
   class Receiver;
 
   void ToWake(const std::vector<robot::StreamRef>& streams);
-  void PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-              const Encode& encode);
+  /// Wakes those who are to be, and returns the bytes that they get of the frame.
+  std::size_t Told(const FleetItems::FannedOut& out, std::size_t frame_bytes);
+  std::size_t PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
+                     const Encode& encode);
   [[nodiscard]] FleetRef FleetOf(const std::string& name);
   [[nodiscard]] std::vector<FleetRef> Fleets() const;
   [[nodiscard]] nexus_command::CommandId NewCommand() const;

@@ -2,6 +2,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+
+#include "server/robot/token_bucket.h"
 
 namespace uplink::forward {
 
@@ -38,13 +41,27 @@ inline constexpr std::chrono::milliseconds kLookAgain{10};
 /// a busy fleet shares takes a third of a core, and not all of several.
 inline constexpr std::chrono::microseconds kPauseForOne{50};
 inline constexpr std::chrono::milliseconds kLookAgainMax{250};
+/// What one robot may make all others of its fleet receive, in bytes per second and at once: half
+/// of a gigabit network. What is over waits, the latest of each item. 2,000 receivers of 50 changes
+/// per second, 250 bytes each, take a half of it.
+inline constexpr robot::BucketSize kFanOut = {.rate = std::uint64_t{64} * 1024 * 1024,
+                                              .burst = std::uint64_t{256} * 1024 * 1024};
+/// What a frame takes on the wire besides its bytes: gRPC's, HTTP/2's, TLS's and TCP's headers.
+inline constexpr std::size_t kWireOverheadBytes = 128;
+/// Items whose changes may wait for that, of all robots: some 40 MiB. Past it nothing more waits.
+inline constexpr std::size_t kPacedItemsMax = 200'000;
+/// Of these, looked up in one look.
+inline constexpr std::size_t kDueMax = 4 * kLookedUpMax;
 /// Where something was left out of a robot's items, they are read again once there may be room, but
 /// not more often.
 inline constexpr std::chrono::seconds kLookAtLeftOutEvery{60};
 /// Items that cannot be read and are remembered, so that their end is noticed and each is told
 /// once.
 inline constexpr std::size_t kUnreadableMax = 1'000;
-/// Lines about them, and about robots of which items are left out, per minute.
+/// Receivers that fell behind, of a fleet, that are named in one look.
+inline constexpr std::size_t kOverflowsToldMax = 16;
+/// Lines per minute about each: items that cannot be read, robots of which items are left out or
+/// wait, receivers that fell behind.
 inline constexpr std::uint32_t kForwardLinesMax = 20;
 
 }  // namespace uplink::forward

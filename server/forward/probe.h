@@ -24,6 +24,8 @@ struct ForwardProbe {
   metrics::Cell unreadable;
   /// Of these, those that are there now, up to kUnreadableMax.
   metrics::Cell unreadable_now;
+  /// Items whose changes wait because their robot makes the others receive too much.
+  metrics::Cell paced_now;
   /// When the store last told all changes that it had: milliseconds of the steady clock.
   metrics::Cell followed_at_ms;
   /// 1 while the store cannot be asked for changes.

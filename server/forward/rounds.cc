@@ -11,13 +11,17 @@
 #include "server/forward/limits.h"
 
 namespace uplink::forward {
-
 SteadyTime::duration LookAgainAfter(std::size_t woken) {
   return std::clamp<SteadyTime::duration>(woken * kPauseForOne, kLookAgain, kLookAgainMax);
 }
 
 Rounds::Rounds(const Context& context)
-    : context_(context), lines_(context.logger, kForwardLinesMax, std::chrono::minutes(1)) {}
+    : context_(context),
+      unreadable_(context.logger, context.probe),
+      paces_(context.paces),
+      left_out_(context.logger, "forward_left_out"),
+      paced_(context.logger, "forward_paced"),
+      behind_(context.logger, "forward_receiver_behind") {}
 
 void Rounds::Start() {
   stopping_ = false;
@@ -43,14 +47,21 @@ void Rounds::Run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const SteadyTime began = context_.clock.Steady();
     static_cast<void>(Round());
+    const SteadyTime::duration most = NextLookIn();
     std::unique_lock lock(mutex_);
     // A store that is away answers nobody sooner.
-    const SteadyTime::duration most = kLookEvery;
     if (!wake_.wait_for(lock, stop, most, [this] { return woken_ && !failing_; })) continue;
     const SteadyTime next = began + LookAgainAfter(woken_streams_);
     wake_.wait_for(lock, stop, next - context_.clock.Steady(), [] { return false; });
     woken_ = false;
   }
+}
+
+SteadyTime::duration Rounds::NextLookIn() {
+  const SteadyTime now = context_.clock.Steady();
+  const std::optional<SteadyTime> due = paces_.DueAt(now);
+  if (!due) return kLookEvery;
+  return std::clamp<SteadyTime::duration>(*due - now, LookAgainAfter(woken_streams_), kLookEvery);
 }
 
 absl::Status Rounds::Round() {
@@ -70,6 +81,8 @@ absl::Status Rounds::Look() {
     if (absl::Status read = ReadAll(); !read.ok()) return read;
   }
   if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
+  const std::vector<storage::ItemKey> due = paces_.Due(context_.clock.Steady());
+  if (absl::Status applied = Apply(due, Paces::Turn::kWaited); !applied.ok()) return applied;
   return LookAtLeftOut();
 }
 
@@ -94,6 +107,7 @@ absl::Status Rounds::ReadAll() {
   auto positions = context_.items.Positions();
   if (!positions.ok()) return positions.status();
   context_.forwards.shares().BeginLookAtAll();
+  paces_.ForgetAll();
   std::set<storage::ItemKey> present;
   absl::Status read = WalkPages(std::nullopt, {.take =
                                                    [&](const storage::SharedItem& item) {
@@ -104,10 +118,9 @@ absl::Status Rounds::ReadAll() {
                                                .between = [] { return absl::OkStatus(); }});
   if (!read.ok()) return read;
   for (const storage::ItemKey& key : context_.forwards.Keys()) {
-    if (!present.contains(key)) context_.forwards.Remove(key);
+    if (!present.contains(key)) Remove(key);
   }
-  std::erase_if(unreadable_, [&](const auto& key) { return !present.contains(key); });
-  context_.probe.unreadable_now.Set(static_cast<std::int64_t>(unreadable_.size()));
+  unreadable_.KeepOnly([&](const storage::ItemKey& key) { return present.contains(key); });
   context_.forwards.shares().EndLook();
   positions_ = *std::move(positions);
   context_.probe.reads_of_all.Add();
@@ -139,7 +152,7 @@ absl::Status Rounds::ReadRobot(const std::string& ruri) {
                                        [&](const storage::SharedItem& item) {
                                          const storage::ItemKey key = item.Key();
                                          if (key.kind != kind || key.ruri != ruri) return false;
-                                         Put(item);
+                                         PutPaced(item, Paces::Turn::kNew);
                                          return true;
                                        },
                                    .between = [this] { return FollowChanges(); }});
@@ -161,7 +174,8 @@ absl::Status Rounds::FollowChanges() {
       positions_.reset();
       return ReadAll();
     }
-    if (absl::Status applied = Apply(changes->keys); !applied.ok()) return applied;
+    if (absl::Status applied = Apply(changes->keys, Paces::Turn::kNew); !applied.ok())
+      return applied;
     positions_ = std::move(changes->positions);
     context_.probe.changes.Add(static_cast<std::int64_t>(changes->keys.size()));
     if (changes->more) continue;
@@ -170,7 +184,7 @@ absl::Status Rounds::FollowChanges() {
   }
 }
 
-absl::Status Rounds::Apply(std::span<const storage::ItemKey> keys) {
+absl::Status Rounds::Apply(std::span<const storage::ItemKey> keys, Paces::Turn turn) {
   while (!keys.empty()) {
     const auto now = keys.first(std::min(keys.size(), kLookedUpMax));
     keys = keys.subspan(now.size());
@@ -183,7 +197,7 @@ absl::Status Rounds::Apply(std::span<const storage::ItemKey> keys) {
       if (item == present.end()) {
         Remove(key);
       } else {
-        Put(*item->second);
+        PutPaced(*item->second, turn);
       }
     }
     WakeReceivers();
@@ -197,58 +211,48 @@ bool Rounds::Expired(std::int64_t expires_ms) const {
 }
 
 void Rounds::Remove(const storage::ItemKey& key) {
-  NoteReadable(key);
-  context_.forwards.Remove(key);
+  unreadable_.Forget(key);
+  paces_.Forget(key);
+  paces_.NoteForwarded(key.ruri, context_.forwards.Remove(key), context_.clock.Steady());
+}
+
+void Rounds::PutPaced(const storage::SharedItem& item, Paces::Turn turn) {
+  const storage::ItemKey key = item.Key();
+  if (paces_.Passes(key, turn, context_.clock.Steady())) return Put(item);
+  context_.forwards.RemoveElsewhere(key, item.robot().fleet);
 }
 
 void Rounds::Put(const storage::SharedItem& item) {
   const storage::ItemKey key = item.Key();
   if (Expired(item.expires_at_ms())) return Remove(key);
   absl::Status unreadable;
-  context_.forwards.Put(key, item.robot().fleet, item.expires_at_ms(),
-                        [&](const nexus_command::CommandId& command) -> EncodedFrame {
-                          auto frame = UpsertFrame(item, command);
-                          if (frame.ok()) return *std::move(frame);
-                          unreadable = frame.status();
-                          return nullptr;
-                        });
+  const std::size_t bytes =
+      context_.forwards.Put(key, item.robot().fleet, item.expires_at_ms(),
+                            [&](const nexus_command::CommandId& command) -> EncodedFrame {
+                              auto frame = UpsertFrame(item, command);
+                              if (frame.ok()) return *std::move(frame);
+                              unreadable = frame.status();
+                              return nullptr;
+                            });
+  paces_.NoteForwarded(key.ruri, bytes, context_.clock.Steady());
   if (unreadable.ok()) {
-    NoteReadable(key);
+    unreadable_.Forget(key);
   } else {
-    NoteUnreadable(key, unreadable);
+    unreadable_.Note(key, unreadable);
   }
 }
 
-void Rounds::NoteUnreadable(const storage::ItemKey& key, const absl::Status& why) {
-  if (unreadable_.contains(key)) return;
-  context_.probe.unreadable.Add();
-  lines_.Write(log::Level::kWarn, "forward_unreadable",
-               {{"robot", key.ruri}, {"id", key.id}, {"why", std::string(why.message())}});
-  if (unreadable_.size() >= kUnreadableMax) return;
-  unreadable_.insert(key);
-  context_.probe.unreadable_now.Set(static_cast<std::int64_t>(unreadable_.size()));
-}
-
-void Rounds::NoteReadable(const storage::ItemKey& key) {
-  if (unreadable_.erase(key) == 0) return;
-  context_.probe.unreadable_now.Set(static_cast<std::int64_t>(unreadable_.size()));
-}
-
-void Rounds::TellLeftOut() {
-  const std::vector<std::string> robots = context_.forwards.shares().robots_left_out();
-  for (const std::string& robot : robots) {
-    if (told_left_out_.contains(robot)) continue;
-    lines_.Write(log::Level::kWarn, "forward_left_out",
-                 {{"robot", robot}, {"bytes", context_.forwards.sum().bytes}});
-  }
-  if (robots.empty() && !told_left_out_.empty()) {
-    context_.logger.Info("forward_complete_again", {});
-  }
-  told_left_out_ = {robots.begin(), robots.end()};
+void Rounds::TellRobots() {
+  const bool was_left_out = !left_out_.empty();
+  left_out_.Tell(context_.forwards.shares().robots_left_out());
+  if (was_left_out && left_out_.empty()) context_.logger.Info("forward_complete_again", {});
+  context_.probe.paced_now.Set(static_cast<std::int64_t>(paces_.waiting()));
+  paced_.Tell(paces_.robots());
+  behind_.Tell(context_.forwards.TakeOverflowed());
 }
 
 void Rounds::Tell(const absl::Status& status) {
-  TellLeftOut();
+  TellRobots();
   if (stopping_) return;
   context_.probe.failing.Set(status.ok() ? 0 : 1);
   const std::lock_guard lock(mutex_);

@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -18,9 +17,11 @@
 
 #include "schema/base/clock.h"
 #include "server/forward/forwards.h"
+#include "server/forward/paces.h"
 #include "server/forward/probe.h"
+#include "server/forward/told_robots.h"
+#include "server/forward/unreadable.h"
 #include "server/log/logger.h"
-#include "server/log/rate_limited.h"
 #include "storage/clock_trust.h"
 #include "storage/shared_items.h"
 
@@ -48,6 +49,7 @@ class Rounds final {
     Forwards& forwards;
     ForwardProbe& probe;
     const storage::ClockTrust& clock_trust;
+    Paces::Limits paces = {.fan_out = kFanOut, .waiting_max = kPacedItemsMax};
   };
   explicit Rounds(const Context& context);
   ~Rounds() { Stop(); }
@@ -76,13 +78,15 @@ class Rounds final {
   };
   absl::Status WalkPages(std::optional<storage::ItemKey> after, const Walk& walk);
   absl::Status FollowChanges();
-  absl::Status Apply(std::span<const storage::ItemKey> keys);
+  absl::Status Apply(std::span<const storage::ItemKey> keys, Paces::Turn turn);
+  /// Puts the item unless its robot is over its pace: then it waits.
+  void PutPaced(const storage::SharedItem& item, Paces::Turn turn);
   void Put(const storage::SharedItem& item);
   void WakeReceivers();
   void Remove(const storage::ItemKey& key);
-  void NoteUnreadable(const storage::ItemKey& key, const absl::Status& why);
-  void NoteReadable(const storage::ItemKey& key);
-  void TellLeftOut();
+  /// How long a look that nothing wakes is put off.
+  [[nodiscard]] SteadyTime::duration NextLookIn();
+  void TellRobots();
   [[nodiscard]] bool Expired(std::int64_t expires_ms) const;
   void Tell(const absl::Status& status);
 
@@ -91,11 +95,12 @@ class Rounds final {
   std::optional<storage::ChangePositions> positions_;
   SteadyTime looked_at_left_out_;
   bool failing_ = false;
-  /// Robots of which something is left out, as the log last said.
-  std::set<std::string> told_left_out_;
-  /// Items that are there and cannot be read; at most kUnreadableMax.
-  std::set<storage::ItemKey> unreadable_;
-  log::RateLimited lines_;
+  Unreadable unreadable_;
+  Paces paces_;
+  ToldRobots left_out_;
+  ToldRobots paced_;
+  /// Those of the last look alone: one that falls behind again is named again.
+  ToldRobots behind_;
   std::atomic<bool> stopping_{false};
   /// Streams that the last look woke.
   std::size_t woken_streams_ = 0;

@@ -81,10 +81,9 @@ std::vector<std::string> Shares::ToLookAtAgain() const {
   return robots;
 }
 
-std::vector<std::string> Shares::robots_left_out() const {
-  std::vector<std::string> robots;
-  robots.reserve(robots_left_out_.size());
-  for (const auto& [robot, left_out] : robots_left_out_) robots.push_back(robot);
+std::set<std::string> Shares::robots_left_out() const {
+  std::set<std::string> robots;
+  for (const auto& [robot, left_out] : robots_left_out_) robots.insert(robots.end(), robot);
   return robots;
 }
 

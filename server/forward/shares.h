@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ class Shares final {
   /// The robots of which items were left out that may be there by now: the robot, or where its
   /// fleet or all is full anybody, gave some room back since, or an item of it changed.
   [[nodiscard]] std::vector<std::string> ToLookAtAgain() const;
-  [[nodiscard]] std::vector<std::string> robots_left_out() const;
+  [[nodiscard]] std::set<std::string> robots_left_out() const;
 
   [[nodiscard]] std::size_t bytes_max() const { return limits_.bytes_max; }
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }

@@ -5,32 +5,52 @@
 namespace uplink::forward {
 
 Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame, Change change) {
-  if (const auto place = places_.find(key); place != places_.end()) {
-    const auto entry = place->second;
-    if (change == Change::kGoes && !entry->told) {
-      places_.erase(place);
-      entries_.erase(entry);
+  const bool ends = change == Change::kGoes;
+  if (const auto known = places_.find(key); known != places_.end()) {
+    Place& place = known->second;
+    Entries& from = Of(place.ends);
+    const auto entry = from.find(place.number);
+    if (ends && !entry->second.told) {
+      from.erase(entry);
+      places_.erase(known);
       return Added::kCancelled;
     }
-    entry->frame = frame;
+    entry->second.frame = frame;
+    if (place.ends != ends) Of(ends).insert(from.extract(entry));
+    place.ends = ends;
     return Added::kCoalesced;
   }
-  if (entries_.size() >= items_max_) return Added::kFull;
+  if (places_.size() >= items_max_) return Added::kFull;
+  const std::uint64_t number = next_++;
+  Entries& into = Of(ends);
   const bool told = change != Change::kComes;
-  places_.emplace(key, entries_.insert(entries_.end(), {key, frame, told}));
+  into.emplace_hint(into.end(), number, Entry{key, frame, told});
+  places_.emplace(key, Place{number, ends});
   return Added::kNew;
 }
 
-EncodedFrame Waiting::Take() {
-  EncodedFrame frame = std::move(entries_.front().frame);
-  places_.erase(entries_.front().key);
-  entries_.pop_front();
-  return frame;
+const Waiting::Entries& Waiting::FirstOf(Which which) const {
+  if (which == Which::kUpserts || ends_.empty()) return upserts_;
+  if (upserts_.empty()) return ends_;
+  return upserts_.begin()->first < ends_.begin()->first ? upserts_ : ends_;
+}
+
+EncodedFrame Waiting::First(Which which) const {
+  const Entries& entries = FirstOf(which);
+  return entries.empty() ? nullptr : entries.begin()->second.frame;
+}
+
+void Waiting::Pop(Which which) {
+  Entries& entries = Of(&FirstOf(which) == &ends_);
+  const auto first = entries.begin();
+  places_.erase(first->second.key);
+  entries.erase(first);
 }
 
 void Waiting::Clear() {
   places_.clear();
-  entries_.clear();
+  upserts_.clear();
+  ends_.clear();
 }
 
 }  // namespace uplink::forward

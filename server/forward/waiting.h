@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <list>
+#include <map>
 #include <unordered_map>
 
 #include "server/forward/item.h"
@@ -26,12 +26,19 @@ class Waiting final {
     /// As many items wait as may: nothing was added.
     kFull,
   };
+  /// What is asked for of what waits.
+  enum class Which : std::uint8_t {
+    kAll,
+    /// What a snapshot may hold: items as they are, and no ends.
+    kUpserts,
+  };
   [[nodiscard]] Added Add(const KeyRef& key, const EncodedFrame& frame, Change change);
-  /// The first; size() is not 0.
-  [[nodiscard]] const EncodedFrame& first() const { return entries_.front().frame; }
-  [[nodiscard]] EncodedFrame Take();
+  /// The first of them; null if there is none.
+  [[nodiscard]] EncodedFrame First(Which which) const;
+  /// Takes the first of them away; there is one.
+  void Pop(Which which);
   void Clear();
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
 
  private:
   struct Entry {
@@ -40,9 +47,21 @@ class Waiting final {
     /// The receiver was told of the item before these changes.
     bool told = false;
   };
+  /// By when the first change of the item came.
+  using Entries = std::map<std::uint64_t, Entry>;
+  struct Place {
+    std::uint64_t number = 0;
+    bool ends = false;
+  };
+  [[nodiscard]] Entries& Of(bool ends) { return ends ? ends_ : upserts_; }
+  /// Where the first of them is.
+  [[nodiscard]] const Entries& FirstOf(Which which) const;
+
   const std::size_t items_max_;
-  std::list<Entry> entries_;
-  std::unordered_map<KeyRef, std::list<Entry>::iterator, KeyHash, KeyEqual> places_;
+  std::uint64_t next_ = 0;
+  Entries upserts_;
+  Entries ends_;
+  std::unordered_map<KeyRef, Place, KeyHash, KeyEqual> places_;
 };
 
 }  // namespace uplink::forward

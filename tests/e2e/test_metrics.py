@@ -181,6 +181,14 @@ class Files(unittest.TestCase):
         for file in ("rules_test.yml", "usual_test.yml"):
             run("promtool", "test", "rules", SOURCE / "tests/prometheus" / file, timeout=300)
 
+    def test_each_alert_is_tried_firing_and_silent(self):
+        rules = (SOURCE / "deploy/prometheus/alerts.rules.yml").read_text(encoding="utf-8")
+        tried = (SOURCE / "tests/prometheus/rules_test.yml").read_text(encoding="utf-8")
+        silence, firing = tried.split("- name: everything fires", 1)
+        for alert in re.findall(r"alert: (\w+)", rules):
+            self.assertIn(f"alertname: {alert}}}\n", silence)
+            self.assertRegex(firing, rf"alertname: {alert}\n +exp_alerts:\n +- exp_labels")
+
     def test_each_alert_has_its_section_of_the_guide(self):
         rules = (SOURCE / "deploy/prometheus/alerts.rules.yml").read_text(encoding="utf-8")
         alerts = re.findall(r"alert: (\w+)", rules)

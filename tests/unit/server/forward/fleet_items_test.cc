@@ -27,10 +27,12 @@ class FleetItemsTest : public ::testing::Test {
               counts.written + counts.coalesced + counts.replaced + counts.dropped + sum.waiting);
   }
   void Put(const ItemKey& key, std::string_view text, std::int64_t expires_ms = 0) {
-    for (const robot::StreamRef stream : fleet_.Put(key, {Text(text), expires_ms})) stream.Wake();
+    const auto out = fleet_.Put(key, {Text(text), expires_ms});
+    for (const robot::StreamRef stream : out.to_wake) stream.Wake();
+    told_ = out.receivers;
   }
   void Remove(const ItemKey& key, std::string_view text) {
-    for (const robot::StreamRef stream : fleet_.Remove(key, Text(text))) stream.Wake();
+    for (const robot::StreamRef stream : fleet_.Remove(key, Text(text)).to_wake) stream.Wake();
   }
   std::unique_ptr<FleetItems::Receiver> Join(std::string_view robot, std::uint64_t stream = 1) {
     return fleet_.Join(std::string(robot), {&woken_, stream});
@@ -51,6 +53,8 @@ class FleetItemsTest : public ::testing::Test {
   }
 
   Woken woken_;
+  /// Receivers for which the last item that was put waits.
+  std::size_t told_ = 0;
   FleetItems fleet_{{Text("begin"), Text("end")}, true};
 };
 
@@ -77,7 +81,7 @@ TEST_F(FleetItemsTest, NothingBeginsBeforeTheSetIsWhole) {
   std::vector<EncodedFrame> frames;
   unread.Take(*a, frames);
   EXPECT_THAT(frames, IsEmpty());
-  EXPECT_THAT(unread.Put(KeyOf("b", "1"), {Text("b1")}), IsEmpty());
+  EXPECT_THAT(unread.Put(KeyOf("b", "1"), {Text("b1")}).to_wake, IsEmpty());
   unread.Take(*a, frames);
   EXPECT_THAT(frames, IsEmpty());
   EXPECT_THAT(unread.SetWhole(), ElementsAre(robot::StreamRef{&woken_, 7}));
@@ -143,6 +147,23 @@ TEST_F(FleetItemsTest, OfAnItemTheLatestWaits) {
   fleet_.Leave(*a);
 }
 
+TEST_F(FleetItemsTest, SaysForHowManyAChangeWaitsThatWasNotToldBefore) {
+  Put(KeyOf("b", "1"), "nobody is there");
+  EXPECT_EQ(told_, 0U);
+  const auto a = Join("a", 1);
+  const auto b = Join("b", 2);
+  const auto c = Join("c", 3);
+  Put(KeyOf("b", "1"), "their snapshot will hold it");
+  EXPECT_EQ(told_, 0U);
+  for (const auto* receiver : {&a, &b, &c}) static_cast<void>(TakeAll(**receiver));
+  Put(KeyOf("b", "1"), "new for a and c");
+  EXPECT_EQ(told_, 2U);
+  static_cast<void>(TakeAll(*a));
+  Put(KeyOf("b", "1"), "c has not looked");
+  EXPECT_EQ(told_, 1U);
+  for (const auto* receiver : {&a, &b, &c}) fleet_.Leave(**receiver);
+}
+
 TEST_F(FleetItemsTest, OfAnItemThatCameAndWentMeanwhileNothingIsTold) {
   const auto a = Join("a");
   static_cast<void>(TakeAll(*a));
@@ -169,6 +190,9 @@ TEST_F(FleetItemsTest, PastTheBoundANewSnapshotComes) {
   EXPECT_EQ(all.front(), "begin");
   EXPECT_EQ(all.back(), "end");
   EXPECT_EQ(fleet_.sum().counts.snapshots, 2U);
+  EXPECT_EQ(fleet_.sum().counts.overflows, 1U);
+  EXPECT_THAT(fleet_.TakeOverflowed(), ElementsAre("a"));
+  EXPECT_THAT(fleet_.TakeOverflowed(), IsEmpty()) << "it was named";
   fleet_.Leave(*a);
 }
 
@@ -188,11 +212,51 @@ TEST_F(FleetItemsTest, WhatChangesWhileASnapshotIsWalkedComesOnce) {
   EXPECT_EQ(fleet_.sum().waiting, 3U);
   EXPECT_EQ(fleet_.sum().counts.replaced, 2U);
   const auto rest = TakeAll(*a);
-  EXPECT_EQ(rest.front(), "new behind");
   ASSERT_THAT(rest, SizeIs(2 * kTakenMax - 1 + 1 + 3));
-  EXPECT_THAT(std::vector(rest.end() - 4, rest.end()),
-              ElementsAre("end", "new 0", "new at the edge", "gone 1"));
+  EXPECT_THAT(std::vector(rest.begin(), rest.begin() + 3),
+              ElementsAre("new 0", "new at the edge", "new behind"));
+  EXPECT_THAT(std::vector(rest.end() - 2, rest.end()), ElementsAre("end", "gone 1"))
+      << "a snapshot holds no ends";
   EXPECT_THAT(rest, ::testing::Not(::testing::Contains("never seen")));
+  fleet_.Leave(*a);
+}
+
+TEST_F(FleetItemsTest, ASnapshotGoesOnHoweverMuchChangesBehindIt) {
+  constexpr std::size_t kItems = 8 * kTakenMax;
+  const auto name = [](std::size_t i) { return std::to_string(1000 + i); };
+  for (std::size_t i = 0; i < kItems; ++i) Put(KeyOf("b", name(i)), "old");
+  const auto a = Join("a");
+  std::vector<std::string> all;
+  std::size_t takes = 0;
+  for (auto some = Take(*a); std::ranges::find(some, "end") == some.end(); some = Take(*a)) {
+    ASSERT_LE(++takes, 2 * kItems / kTakenMax) << "half of each piece is the walk's";
+    EXPECT_LE(some.size(), 1 + kTakenMax);
+    // All that was passed changes again.
+    for (std::size_t i = 0; i < kItems; ++i) Put(KeyOf("b", name(i)), "new");
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  EXPECT_GT(std::ranges::count(all, "new"), 0);
+  EXPECT_EQ(std::ranges::count(all, "begin"), 1);
+  EXPECT_EQ(fleet_.sum().counts.overflows, 0U);
+  static_cast<void>(TakeAll(*a));
+  fleet_.Leave(*a);
+}
+
+TEST_F(FleetItemsTest, ASlowReceiverNeedsNoSecondSnapshotForChangesThatItKeepsUpWith) {
+  // As many as wait at most, and as many again: what changes behind the walk would not fit.
+  constexpr std::size_t kItems = 2 * kWaitingMax;
+  const auto name = [](std::size_t i) { return std::to_string(10'000 + i); };
+  for (std::size_t i = 0; i < kItems; ++i) Put(KeyOf("b", name(i)), "old");
+  const auto a = Join("a");
+  std::size_t changed = 0;
+  auto some = Take(*a);
+  for (; std::ranges::find(some, "end") == some.end(); some = Take(*a)) {
+    for (std::size_t i = 0; i < kTakenMax / 2; ++i) Put(KeyOf("b", name(changed++)), "new");
+  }
+  EXPECT_GT(changed, kWaitingMax);
+  EXPECT_EQ(fleet_.sum().counts.overflows, 0U);
+  EXPECT_EQ(fleet_.sum().counts.snapshots, 1U);
+  static_cast<void>(TakeAll(*a));
   fleet_.Leave(*a);
 }
 

@@ -40,6 +40,10 @@ class ScriptedItems final : public storage::SharedItems {
     there[key] = {.row = row};
     log.push_back(key);
   }
+  void MoveToFleet(const storage::ItemKey& key, const std::string& fleet) {
+    std::get<storage::ShapeRow>(there.at(key).row).robot.fleet = fleet;
+    log.push_back(key);
+  }
   void Erase(const storage::ItemKey& key) {
     there.erase(key);
     log.push_back(key);
@@ -323,6 +327,124 @@ TEST_F(RoundsTest, ARobotThatGoesOnGivingRoomBackIsReadOnceInALook) {
   Round();
   EXPECT_LE(items_.pages, before + 2 * 11) << "its pages of shapes, and of objects";
   EXPECT_TRUE(forwards_.left_out());
+}
+
+/// A robot that goes over the pace with its second change, and one that receives.
+class PacedRoundsTest : public RoundsTest {
+ protected:
+  PacedRoundsTest() {
+    Round();
+    static_cast<void>(Taken());
+  }
+  void PacedRound() { static_cast<void>(paced_.Round()); }
+  std::size_t Taken() {
+    std::vector<EncodedFrame> frames;
+    receiver_->Take(frames);
+    return frames.size();
+  }
+
+  static constexpr Paces::Limits kPaces = {.fan_out = {.rate = 1, .burst = 600}, .waiting_max = 10};
+  Woken woken_;
+  std::unique_ptr<session::ForwardReceiver> receiver_ =
+      forwards_.Join({.ruri = "receiver", .fleet = "north"}, {&woken_, 7});
+  Rounds paced_{{clock_, logger_, items_, forwards_, probe_, trust_, kPaces}};
+};
+
+std::string PointAt(int x) {
+  return R"({"type":"Point","coordinates":[)" + std::to_string(x) + ".0,2.0]}";
+}
+
+TEST_F(PacedRoundsTest, OfWhatIsOverThePaceTheLatestComesLater) {
+  PacedRound();
+  items_.Set(KeyOf("a", "1"));
+  PacedRound();
+  EXPECT_EQ(Taken(), 1U);
+  for (int x = 0; x < 5; ++x) {
+    items_.Set(KeyOf("a", "1"), 0, PointAt(x));
+    PacedRound();
+  }
+  const std::size_t once = Taken();
+  items_.Set(KeyOf("b", "1"));
+  PacedRound();
+  EXPECT_EQ(Taken(), 1U) << "of another robot";
+  EXPECT_LT(once, 5U);
+  EXPECT_EQ(probe_.paced_now.value(), 1);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_paced robot=a")));
+  clock_.Advance(std::chrono::hours(1));
+  PacedRound();
+  EXPECT_EQ(Taken(), 1U);
+  EXPECT_EQ(probe_.paced_now.value(), 0);
+  // What it is told now is what the store holds.
+  items_.Set(KeyOf("a", "1"), 0, PointAt(4));
+  PacedRound();
+  EXPECT_EQ(Taken(), 0U);
+}
+
+TEST_F(PacedRoundsTest, AnEndWaitsForNoPace) {
+  PacedRound();
+  items_.Set(KeyOf("a", "1"));
+  PacedRound();
+  for (int x = 0; x < 5; ++x) {
+    items_.Set(KeyOf("a", std::to_string(x)), 0, PointAt(x));
+    PacedRound();
+  }
+  ASSERT_GT(probe_.paced_now.value(), 0);
+  while (Taken() > 0) {
+  }
+  items_.Erase(KeyOf("a", "1"));
+  for (int x = 0; x < 5; ++x) items_.Erase(KeyOf("a", std::to_string(x)));
+  PacedRound();
+  EXPECT_GT(Taken(), 0U);
+  EXPECT_THAT(Ids(), IsEmpty());
+  EXPECT_EQ(probe_.paced_now.value(), 0);
+}
+
+TEST_F(PacedRoundsTest, ARobotThatIsOverItsPaceLeavesItsFleetAtOnce) {
+  PacedRound();
+  items_.Set(KeyOf("a", "1"));
+  PacedRound();
+  for (int x = 0; x < 5; ++x) {
+    static_cast<void>(Taken());
+    items_.Set(KeyOf("a", "1"), 0, PointAt(x));
+    PacedRound();
+  }
+  ASSERT_EQ(probe_.paced_now.value(), 1);
+  while (Taken() > 0) {
+  }
+  items_.MoveToFleet(KeyOf("a", "1"), "south");
+  PacedRound();
+  EXPECT_EQ(Taken(), 1U) << "its end, to those that it left";
+  EXPECT_THAT(Ids(), IsEmpty()) << "it comes to the others later";
+  clock_.Advance(std::chrono::hours(1));
+  PacedRound();
+  EXPECT_THAT(Ids(), ElementsAre("1"));
+  EXPECT_EQ(Taken(), 0U);
+}
+
+TEST_F(PacedRoundsTest, AReadOfAllWaitsForNoPace) {
+  PacedRound();
+  for (int x = 0; x < 5; ++x) {
+    items_.Set(KeyOf("a", std::to_string(x)));
+    PacedRound();
+  }
+  ASSERT_GT(probe_.paced_now.value(), 0);
+  items_.trimmed_to = items_.log.size() + 1;
+  items_.Set(KeyOf("b", "1"));
+  PacedRound();
+  EXPECT_THAT(Ids(), SizeIs(6));
+  EXPECT_EQ(probe_.paced_now.value(), 0);
+}
+
+TEST_F(RoundsTest, AReceiverThatFallsBehindIsNamed) {
+  Woken woken;
+  const auto receiver = forwards_.Join({.ruri = "slow", .fleet = "north"}, {&woken, 7});
+  Round();
+  std::vector<EncodedFrame> frames;
+  receiver->Take(frames);
+  for (std::size_t i = 0; i <= kWaitingMax; ++i) items_.Set(KeyOf("a", std::to_string(i)));
+  Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_receiver_behind robot=slow")));
+  EXPECT_EQ(forwards_.sum().counts.overflows, 1U);
 }
 
 TEST_F(RoundsTest, NothingIsTakenForExpiredByAClockThatNobodyVouchesFor) {

@@ -11,13 +11,22 @@ namespace {
 
 KeyRef Ref(std::string_view id) { return std::make_shared<const ItemKey>(KeyOf("r", id)); }
 
+using enum Waiting::Which;
+
+std::string Take(Waiting& waiting, Waiting::Which which = kAll) {
+  const EncodedFrame frame = waiting.First(which);
+  if (frame == nullptr) return "none";
+  waiting.Pop(which);
+  return *frame;
+}
+
 TEST(WaitingTest, FirstComeFirstTaken) {
   Waiting waiting;
   EXPECT_EQ(waiting.Add(Ref("a"), Text("1"), Change::kChanges), Waiting::Added::kNew);
   EXPECT_EQ(waiting.Add(Ref("b"), Text("2"), Change::kChanges), Waiting::Added::kNew);
-  EXPECT_EQ(*waiting.first(), "1");
-  EXPECT_EQ(*waiting.Take(), "1");
-  EXPECT_EQ(*waiting.Take(), "2");
+  EXPECT_EQ(*waiting.First(kAll), "1");
+  EXPECT_EQ(Take(waiting), "1");
+  EXPECT_EQ(Take(waiting), "2");
   EXPECT_EQ(waiting.size(), 0U);
 }
 
@@ -28,11 +37,11 @@ TEST(WaitingTest, TheLatestOfAnItemTakesThePlaceOfTheFirst) {
   // Another object with the same content: an item that went and came back.
   EXPECT_EQ(waiting.Add(Ref("a"), Text("3"), Change::kChanges), Waiting::Added::kCoalesced);
   EXPECT_EQ(waiting.size(), 2U);
-  EXPECT_EQ(*waiting.Take(), "3");
+  EXPECT_EQ(Take(waiting), "3");
   EXPECT_EQ(waiting.Add(Ref("a"), Text("4"), Change::kChanges), Waiting::Added::kNew)
       << "it was taken";
-  EXPECT_EQ(*waiting.Take(), "2");
-  EXPECT_EQ(*waiting.Take(), "4");
+  EXPECT_EQ(Take(waiting), "2");
+  EXPECT_EQ(Take(waiting), "4");
 }
 
 TEST(WaitingTest, WhatComesAndGoesWhileItWaitsIsNotTold) {
@@ -42,7 +51,7 @@ TEST(WaitingTest, WhatComesAndGoesWhileItWaitsIsNotTold) {
   EXPECT_EQ(waiting.Add(Ref("a"), Text("goes"), Change::kGoes), Waiting::Added::kCancelled);
   EXPECT_EQ(waiting.size(), 0U);
   EXPECT_EQ(waiting.Add(Ref("a"), Text("comes again"), Change::kComes), Waiting::Added::kNew);
-  EXPECT_EQ(*waiting.Take(), "comes again");
+  EXPECT_EQ(Take(waiting), "comes again");
 }
 
 TEST(WaitingTest, OfWhatWasToldTheEndIsToldToo) {
@@ -50,7 +59,37 @@ TEST(WaitingTest, OfWhatWasToldTheEndIsToldToo) {
   EXPECT_EQ(waiting.Add(Ref("a"), Text("goes"), Change::kGoes), Waiting::Added::kNew);
   EXPECT_EQ(waiting.Add(Ref("a"), Text("comes"), Change::kComes), Waiting::Added::kCoalesced);
   EXPECT_EQ(waiting.Add(Ref("a"), Text("goes again"), Change::kGoes), Waiting::Added::kCoalesced);
-  EXPECT_EQ(*waiting.Take(), "goes again");
+  EXPECT_EQ(Take(waiting), "goes again");
+}
+
+TEST(WaitingTest, EndsWaitWhileUpsertsAreTaken) {
+  Waiting waiting;
+  const auto add = [&](std::string_view id, std::string_view text, Change change) {
+    return waiting.Add(Ref(id), Text(text), change);
+  };
+  EXPECT_EQ(add("a", "a goes", Change::kGoes), Waiting::Added::kNew);
+  EXPECT_EQ(add("b", "b", Change::kChanges), Waiting::Added::kNew);
+  EXPECT_EQ(add("c", "c", Change::kChanges), Waiting::Added::kNew);
+  EXPECT_EQ(add("d", "d", Change::kChanges), Waiting::Added::kNew);
+  EXPECT_EQ(add("d", "d goes", Change::kGoes), Waiting::Added::kCoalesced);
+  EXPECT_EQ(Take(waiting, kUpserts), "b");
+  EXPECT_EQ(add("a", "a is back", Change::kComes), Waiting::Added::kCoalesced);
+  EXPECT_EQ(Take(waiting, kUpserts), "a is back") << "in the place of its end";
+  EXPECT_EQ(Take(waiting, kUpserts), "c");
+  EXPECT_EQ(Take(waiting, kUpserts), "none");
+  EXPECT_EQ(waiting.size(), 1U);
+  EXPECT_EQ(Take(waiting), "d goes");
+  EXPECT_EQ(Take(waiting), "none");
+}
+
+TEST(WaitingTest, UpsertsAndEndsAreTakenInTheOrderInWhichTheyCame) {
+  Waiting waiting;
+  for (const char* id : {"1", "3"}) {
+    EXPECT_EQ(waiting.Add(Ref(id), Text(id), Change::kChanges), Waiting::Added::kNew);
+    const std::string after = std::to_string(std::stoi(id) + 1);
+    EXPECT_EQ(waiting.Add(Ref(after), Text(after), Change::kGoes), Waiting::Added::kNew);
+  }
+  for (const char* id : {"1", "2", "3", "4"}) EXPECT_EQ(Take(waiting), id);
 }
 
 TEST(WaitingTest, OneMoreThanTheBoundIsNotAdded) {

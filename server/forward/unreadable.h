@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <set>
+
+#include <absl/status/status.h>
+
+#include "server/forward/item.h"
+#include "server/forward/probe.h"
+#include "server/log/logger.h"
+#include "server/log/rate_limited.h"
+
+namespace uplink::forward {
+
+/// Items that the store holds and that cannot be made a command: each is told and counted once,
+/// until it is good or gone.
+///
+/// Bound:  kUnreadableMax are remembered; what is over is told each time that it is read.
+/// Thread: confined to its owner's.
+class Unreadable final {
+ public:
+  /// Both outlive it.
+  Unreadable(const log::Logger& logger, ForwardProbe& probe);
+
+  void Note(const ItemKey& key, const absl::Status& why);
+  /// The item is good, or gone.
+  void Forget(const ItemKey& key);
+  /// All items are known: those that are not there are forgotten.
+  void KeepOnly(const std::function<bool(const ItemKey&)>& there);
+
+ private:
+  void Show();
+
+  ForwardProbe& probe_;
+  log::RateLimited lines_;
+  std::set<ItemKey> items_;
+};
+
+}  // namespace uplink::forward
