@@ -46,9 +46,9 @@ class Store {
   virtual ~Store() = default;
 
   /// Opens streams, one answer per request, in one transaction: this process holds their robots
-  /// from then on (but see OpenResult.taken). Creates the robots' rows; touches
-  /// the sessions' rows; evicts the least recently used sessions of each robot over
-  /// kSessionsPerRobotMax, the requested one included, but none in `sessions_held`.
+  /// from then on (but see OpenResult.taken), and they are of their requests' fleets. Creates the
+  /// robots' rows; touches the sessions' rows; evicts the least recently used sessions of each
+  /// robot over kSessionsPerRobotMax, the requested one included, but none in `sessions_held`.
   [[nodiscard]] virtual absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) = 0;
 

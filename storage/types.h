@@ -75,6 +75,14 @@ using RobotRef = std::shared_ptr<const model::RobotId>;
 /// Whether the stream that asked for an OpenStream is still there.
 enum class StreamState : std::uint8_t { kOpen, kEnded };
 
+/// What a stream's word for the fleet of its robot is worth.
+enum class FleetWord : std::uint8_t {
+  /// A certificate that names the robot gave it: a robot of another fleet moves.
+  kMoves,
+  /// A gateway gave it for its whole fleet: it stands for no robot of another fleet.
+  kMatches,
+};
+
 /// A stream begins: draw the robot's next epoch, read the session's cursor.
 struct OpenRequest {
   RobotRef robot;
@@ -88,6 +96,8 @@ struct OpenRequest {
   StreamState stream = StreamState::kOpen;
   /// How many quarantined numbers are returned at most: 1 or more.
   std::size_t rejects_max = kOpenRejectsMax;
+  /// What `robot->fleet` does to a robot that the store has in another fleet.
+  FleetWord fleet_word = FleetWord::kMoves;
 };
 
 /// The last change of a robot's presence that the store has.
@@ -105,9 +115,12 @@ struct StoredReject {
 };
 
 struct OpenResult {
-  /// False: the stream had ended, and a process that did not release its lease holds the robot.
-  /// Nothing was written, and nothing else is set.
+  /// False: the stream had ended, and a process that did not release its lease holds the robot; or
+  /// the robot is of another fleet (`other_fleet`). Nothing was written, and nothing else is set.
   bool taken = true;
+  /// In which fleet the store has the robot, where that is another one and the request's word moves
+  /// nothing.
+  std::optional<std::string> other_fleet;
   /// The store had a row of the robot before.
   bool was_known = false;
   /// The epoch of this stream.

@@ -38,7 +38,7 @@ Step Opening::Open() {
   for (std::size_t i = 0; i < opened.size(); ++i) {
     const storage::OpenResult& result = (*results)[i];
     // For a stream that came meanwhile, and may not have asked for itself: records may wait.
-    if (!result.taken && opened[i].client->HasStream()) {
+    if (!result.taken && !result.other_fleet && opened[i].client->HasStream()) {
       again.push_back(opened[i]);
     } else {
       Tell(opened[i], result);
@@ -50,6 +50,9 @@ Step Opening::Open() {
 }
 
 void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
+  if (result.other_fleet) {
+    return open.client->OnOtherFleet(open.open_id, *result.other_fleet, context_.ledger).Wake();
+  }
   if (!result.taken) return holds_.Lose(*open.client, open.request.robot).Wake();
   const Holds::Told told = holds_.Begin(*open.client, open.request.robot,
                                         {.how = robot::HoldBegan::kOpened,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
@@ -45,6 +46,11 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   virtual void OnLeft() {}
   /// The stream `open_id` was opened. Returns the stream to wake.
   virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
+  /// The store has the robot in `fleet`, and the word of stream `open_id` does not move it: that
+  /// stream must end, and what waits of it is void, counted superseded; generation() has grown on
+  /// return. Nothing happens where another stream was opened since. Returns the stream to wake.
+  virtual StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                                 metrics::Ledger& ledger) = 0;
   /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
   /// wake.
   virtual StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;

@@ -35,6 +35,8 @@ class Opening final {
   /// older question.
   bool Answer(std::uint64_t open_id, const storage::OpenResult& result);
   [[nodiscard]] bool answered(std::uint64_t open_id) const;
+  /// No newer stream has asked.
+  [[nodiscard]] bool IsLast(std::uint64_t open_id) const { return open_id == open_id_; }
   /// Welcome goes out now, with the answer if it is here; a later one is not wanted any more.
   [[nodiscard]] std::optional<storage::OpenResult> Take(std::uint64_t open_id);
   /// After a Take without an answer: it is wanted all the same, once it comes.

@@ -40,4 +40,11 @@ void ApplyOutcome(const Settled& settled, RejectMemory& rejects, metrics::Uplink
   UPLINK_CHECK(false, "fenced records are told by OnFenced");
 }
 
+metrics::UplinkCounts SupersededCounts(std::size_t messages) {
+  metrics::UplinkCounts counts;
+  counts.superseded += messages;
+  counts.in_flight -= static_cast<std::int64_t>(messages);
+  return counts;
+}
+
 }  // namespace uplink::robot

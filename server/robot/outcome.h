@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "metrics/ledger.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/reject_memory.h"
@@ -12,5 +14,8 @@ namespace uplink::robot {
 ///
 /// Thread: confined to the owner's lock of `rejects`.
 void ApplyOutcome(const Settled& settled, RejectMemory& rejects, metrics::UplinkCounts& counts);
+
+/// So many messages that waited are void.
+[[nodiscard]] metrics::UplinkCounts SupersededCounts(std::size_t messages);
 
 }  // namespace uplink::robot

@@ -58,6 +58,20 @@ StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
   return sessions.OnFenced(ledger);
 }
 
+StreamRef Robot::OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                              metrics::Ledger& ledger) {
+  const auto refused = sessions.OnOtherFleet(open_id, ledger);
+  if (!refused) return {};
+  // What its live messages said. Where this process holds the robot, they are not all that it has.
+  if (state.held_since() == 0) {
+    state.Lose();
+    state.FollowHolder({}, {Presence::kUnknown, clock_.System()});
+  }
+  // A certificate that names the robot may have moved it meanwhile.
+  MoveFleet(refused->claimed, fleet);
+  return refused->stream;
+}
+
 storage::RobotRef Robot::id() const {
   const std::lock_guard lock(mutex_);
   return id_;
@@ -68,6 +82,13 @@ void Robot::SetFleet(std::string_view fleet) {
   if (id_->fleet == fleet) return;
   id_ = std::make_shared<const model::RobotId>(
       model::RobotId{.ruri = ruri_, .fleet = std::string(fleet)});
+}
+
+void Robot::MoveFleet(std::string_view from, std::string_view to) {
+  const std::lock_guard lock(mutex_);
+  if (id_->fleet != from) return;
+  id_ = std::make_shared<const model::RobotId>(
+      model::RobotId{.ruri = ruri_, .fleet = std::string(to)});
 }
 
 }  // namespace uplink::robot

@@ -37,6 +37,8 @@ class Robot final : public CommitClient {
   /// Identity now. The fleet part may change when the robot gets a certificate of another fleet.
   [[nodiscard]] storage::RobotRef id() const;
   void SetFleet(std::string_view fleet);
+  /// The same, unless it is in another fleet than `from` by now.
+  void MoveFleet(std::string_view from, std::string_view to);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
 
   // --- Leaving memory ---
@@ -69,6 +71,8 @@ class Robot final : public CommitClient {
   StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override {
     return sessions.OnOpened(open_id, result);
   }
+  StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                         metrics::Ledger& ledger) override;
   StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) override {
     return sessions.OnSettled(settled, ledger);
   }

@@ -36,15 +36,12 @@ StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
   return takeover_.Detach(stream);
 }
 
-StreamRef RobotSessions::EndStream() {
-  const std::lock_guard lock(mutex_);
-  takeover_.End();
-  return takeover_.current();
-}
-
 std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId& session,
-                                                         SteadyTime now) {
+                                                         SteadyTime now, const FleetSaid& said) {
   const std::lock_guard lock(mutex_);
+  const FleetWords::Heard heard = fleet_words_.Say(said, takeover_.current());
+  std::optional<std::size_t> disowned;
+  if (heard.disowns) disowned = Void();
   SessionMemory* memory = sessions_.FindOrCreate(session);
   if (memory == nullptr) return std::nullopt;
   memory->last_used = now;
@@ -54,7 +51,10 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   free_through_.store(kNotKnown);
   last_session_.reset();
   resends_.Begin();
-  return Begun{.open_id = opening_.Ask(), .generation = generation_.load()};
+  return Begun{.open_id = opening_.Ask(),
+               .generation = generation_.load(),
+               .fleet_word = heard.word,
+               .disowned = disowned};
 }
 
 Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t open_id,
@@ -62,18 +62,7 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
   if (memory == nullptr) return {.committed = settled_seq, .rejects = {}};
-  memory->known_judged = judged_seq;
-  std::optional<storage::OpenResult> answer = opening_.Take(open_id);
-  const bool answered = answer.has_value();
-  StoredSession stored = StoredOf(std::move(answer));
-  std::vector<RejectedSeq> rejects =
-      memory->rejects.TellAgain(settled_seq, std::move(stored.rejects));
-  if (answered) memory->rejects.SetComplete();
-  if (!answered && memory->rejects.AwaitLate(settled_seq, judged_seq)) opening_.WantLate();
-  if (stored.more > 0) memory->rejects.BeginPages(stored.unread, stored.more);
-  Resume resume{.committed = memory->numbers.Resume(settled_seq, judged_seq, stored.through),
-                .rejects = std::move(rejects)};
-  if (Planted(Mutation::kRejectNotRepeated)) resume.rejects.clear();
+  Resume resume = ResumeOf(*memory, opening_, {open_id, settled_seq, judged_seq});
   CountUnconfirmed();
   return resume;
 }
@@ -118,18 +107,7 @@ void RobotSessions::Remember(const model::SessionId& session, RejectedSeq reject
 Progress RobotSessions::Take(const model::SessionId& session) {
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
-  if (memory == nullptr) return {};
-  const Numbering& numbers = memory->numbers;
-  const model::Seq through =
-      Planted(Mutation::kAckBeforeCommit) ? numbers.seen() : numbers.through();
-  // An Ack covers no Reject that was not told, neither as settled nor as judged.
-  const bool awaits = !Planted(Mutation::kPagesNotAwaited);
-  const model::Seq told = memory->rejects.told_through().value_or(through);
-  const auto judged = memory->rejects.judged_through(memory->known_judged);
-  return {.through = awaits ? std::min(through, told) : through,
-          .judged = std::min(numbers.judged(), judged.value_or(numbers.judged())),
-          .rejects = memory->rejects.TakeUntold(),
-          .released = std::exchange(memory->released, {})};
+  return memory == nullptr ? Progress() : TakeProgress(*memory);
 }
 
 std::optional<UnreadRejects> RobotSessions::UnreadOf(const model::SessionId& session) const {
@@ -226,6 +204,7 @@ bool RobotSessions::HasStream() const {
 StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
   if (opening_.Answer(open_id, result)) {
+    fleet_words_.Answered();
     free_through_.store(result.cursor);
     // What is at or below the cursor is no news to the store, though it waits.
     resends_.Answer(result.latest_kinds, [&](const SentMessage& sent) {
@@ -275,26 +254,45 @@ StreamRef RobotSessions::OnGapsWritten(std::size_t count) {
 }
 
 StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
-  metrics::UplinkCounts counts;
+  std::size_t waited = 0;
   StreamRef wake;
   {
     const std::lock_guard lock(mutex_);
-    const std::size_t waiting = sessions_.waiting();
-    counts.superseded += waiting;
-    counts.in_flight -= static_cast<std::int64_t>(waiting);
-    in_flight_.fetch_sub(waiting);
-    record_bytes_.store(0);
-    sessions_.Clear();
-    last_session_.reset();
-    settled_taken_.reset();
-    opening_.Forget();
-    resends_.Begin();
-    generation_.fetch_add(1);
+    waited = Void();
+    fleet_words_.Answered();
     takeover_.Supersede();
     wake = takeover_.current();
   }
-  ledger.Publish(counts);
+  ledger.Publish(SupersededCounts(waited));
   return wake;
+}
+
+std::optional<FleetWords::Refused> RobotSessions::OnOtherFleet(std::uint64_t open_id,
+                                                               metrics::Ledger& ledger) {
+  std::size_t waited = 0;
+  std::optional<FleetWords::Refused> refused;
+  {
+    const std::lock_guard lock(mutex_);
+    if (opening_.IsLast(open_id)) refused = fleet_words_.Refuse();
+    if (!refused) return refused;
+    waited = Void();
+    takeover_.Refuse(refused->stream);
+  }
+  ledger.Publish(SupersededCounts(waited));
+  return refused;
+}
+
+std::size_t RobotSessions::Void() {
+  const std::size_t waiting = sessions_.waiting();
+  in_flight_.fetch_sub(waiting);
+  record_bytes_.store(0);
+  sessions_.Clear();
+  last_session_.reset();
+  settled_taken_.reset();
+  opening_.Forget();
+  resends_.Begin();
+  generation_.fetch_add(1);
+  return waiting;
 }
 
 }  // namespace uplink::robot

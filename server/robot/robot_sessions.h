@@ -14,12 +14,14 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "server/robot/commit_client.h"
+#include "server/robot/fleet_words.h"
 #include "server/robot/held_back.h"
 #include "server/robot/journal_use.h"
 #include "server/robot/limits.h"
 #include "server/robot/numbering.h"
 #include "server/robot/opening.h"
 #include "server/robot/pacing.h"
+#include "server/robot/progress.h"
 #include "server/robot/reconnects.h"
 #include "server/robot/rejected_seq.h"
 #include "server/robot/resends.h"
@@ -30,23 +32,6 @@
 #include "storage/live_row.h"
 
 namespace uplink::robot {
-
-/// How far a session is, for an Ack, with the Rejects that must be written before it.
-struct Progress {
-  model::Seq through = 0;
-  model::Seq judged = 0;
-  std::vector<RejectedSeq> rejects;
-  /// Arrivals of the durable messages that commits released since the last look, for ack latency.
-  std::vector<SteadyTime> released;
-};
-
-/// What a stream learns when it starts on a session.
-struct Resume {
-  /// Welcome.committed_seq.
-  model::Seq committed = 0;
-  /// Rejects above Hello.settled_seq, ascending, to be told once more.
-  std::vector<RejectedSeq> rejects;
-};
 
 /// What is known of a stream that wants the robot.
 struct Newcomer {
@@ -107,7 +92,11 @@ class RobotSessions final {
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
   /// The robot's stream is to end. Returns it, to be woken; none if there is none.
-  StreamRef EndStream();
+  StreamRef EndStream() {
+    const std::lock_guard lock(mutex_);
+    takeover_.End();
+    return takeover_.current();
+  }
 
   // --- The robot's stream ---
 
@@ -116,10 +105,17 @@ class RobotSessions final {
     std::uint64_t open_id = 0;
     /// Goes with every record of the stream (Journal::Append).
     std::uint64_t generation = 0;
+    /// What OpenStream is to be told: a word that moves a robot stands until the store was told.
+    storage::FleetWord fleet_word = storage::FleetWord::kMoves;
+    /// Messages that waited for an earlier stream's word for another fleet, which the store has not
+    /// judged and never will: they are void, to be counted superseded.
+    std::optional<std::size_t> disowned = {};
   };
-  /// Opens the session on the robot's stream; creates it, forgetting the least recently used idle
-  /// one over kSessionsMax. Nothing if all sessions wait for commits.
-  [[nodiscard]] std::optional<Begun> Begin(const model::SessionId& session, SteadyTime now);
+  /// Opens the session on the robot's stream, which says so of the robot's fleet; creates it,
+  /// forgetting the least recently used idle one over kSessionsMax. Nothing if all sessions wait
+  /// for commits.
+  [[nodiscard]] std::optional<Begun> Begin(const model::SessionId& session, SteadyTime now,
+                                           const FleetSaid& said = {});
   /// Sessions in memory, for OpenRequest.sessions_held.
   [[nodiscard]] std::vector<model::SessionId> Held() const {
     const std::lock_guard lock(mutex_);
@@ -228,6 +224,8 @@ class RobotSessions final {
 
   [[nodiscard]] bool HasStream() const;
   StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result);
+  /// Nothing if another stream was opened since. The stream is to be woken.
+  std::optional<FleetWords::Refused> OnOtherFleet(std::uint64_t open_id, metrics::Ledger& ledger);
   StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
   StreamRef OnGapsWritten(std::size_t count);
   StreamRef OnFenced(metrics::Ledger& ledger);
@@ -238,6 +236,8 @@ class RobotSessions final {
 
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
   [[nodiscard]] const SessionMemory* CurrentSession() const;
+  /// All that waits is void. Returns how much it was. Under the lock.
+  std::size_t Void();
   /// Of the current session, after it was given Rejects; also whether some are to be read. Under
   /// the lock.
   void CountUnconfirmed();
@@ -253,6 +253,7 @@ class RobotSessions final {
   std::optional<model::SessionId> current_session_;
   std::optional<storage::SettledSession> settled_taken_;
   HeldBackTrack held_back_;
+  FleetWords fleet_words_;
   /// For View alone, while the current session is not held.
   std::optional<storage::SettledSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};

@@ -64,6 +64,10 @@ void Takeover::Supersede() {
   if (current_) current_standing_ = Standing::kSuperseded;
 }
 
+void Takeover::Refuse(StreamRef stream) {
+  if (current_ && current_ == stream) current_standing_ = Standing::kOtherFleet;
+}
+
 void Takeover::End() {
   if (current_ && current_standing_ == Standing::kCurrent) current_standing_ = Standing::kEnded;
 }

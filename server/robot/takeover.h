@@ -20,6 +20,9 @@ enum class Standing : std::uint8_t {
   kSuperseded,
   /// It was ended on request: it must stop and Detach.
   kEnded,
+  /// The store has the robot in another fleet than the gateway that speaks for it: it must stop and
+  /// Detach.
+  kOtherFleet,
 };
 
 /// Which stream is the robot's: a newer one replaces the older, which must confirm its end first.
@@ -46,6 +49,8 @@ class Takeover final {
   StreamRef Detach(StreamRef stream);
   /// Another process holds the robot: the current stream must stop.
   void Supersede();
+  /// The stream may not speak for the robot, as the store has it: it must stop if it is current.
+  void Refuse(StreamRef stream);
   /// The current stream is to stop, though nothing takes its place.
   void End();
   /// Lets old takeovers go, so that a robot that calmed down is contested no more.

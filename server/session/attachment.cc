@@ -4,14 +4,18 @@
 
 #include <fmt/format.h>
 
+#include "server/robot/outcome.h"
+
 namespace uplink::session {
 
-absl::Status EndOf(robot::Standing standing) {
+absl::Status Attachment::EndOf(robot::Standing standing) const {
   switch (standing) {
     case robot::Standing::kSuperseded:
       return absl::AbortedError("superseded");
     case robot::Standing::kEnded:
       return absl::UnavailableError("an operator ended the stream");
+    case robot::Standing::kOtherFleet:
+      return Refused(fleet::Refusal::kOtherFleet);
     case robot::Standing::kWaiting:
     case robot::Standing::kCurrent:
       break;
@@ -87,11 +91,28 @@ robot::Standing Attachment::Attach() {
   return attached.standing;
 }
 
+bool Attachment::ClaimFleet() {
+  const fleet::Claim& claim = terms_.claim;
+  if (claim.grant == fleet::Grant::kFleet) return robot_->id()->fleet == claim.robot.fleet;
+  // A gateway's word may have stood between Admit and now.
+  robot_->SetFleet(claim.robot.fleet);
+  return true;
+}
+
 absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
-  const auto begun = robot_->sessions.Begin(terms_.session, now);
+  if (!ClaimFleet()) return Refused(fleet::Refusal::kOtherFleet);
+  const auto begun = robot_->sessions.Begin(
+      terms_.session, now,
+      {.fleet = terms_.claim.robot.fleet,
+       .word = terms_.claim.grant == fleet::Grant::kFleet ? storage::FleetWord::kMatches
+                                                          : storage::FleetWord::kMoves});
   if (!begun) {
     return absl::ResourceExhaustedError(
         fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax));
+  }
+  if (begun->disowned) {
+    context_.ledger.Publish(robot::SupersededCounts(*begun->disowned));
+    if (robot_->state.held_since() == 0) robot_->state.Lose();
   }
   open_id_ = begun->open_id;
   robot_->state.Claim(now);
@@ -101,7 +122,8 @@ absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
                   .settled_seq = terms_.settled_seq,
                   .at = context_.clock.System(),
                   .sessions_held = robot_->sessions.Held(),
-                  .rejects_max = context_.limits.open_rejects_max});
+                  .rejects_max = context_.limits.open_rejects_max,
+                  .fleet_word = begun->fleet_word});
   return begun->generation;
 }
 

@@ -16,9 +16,6 @@
 
 namespace uplink::session {
 
-/// With what a stream of this standing must end; OK if it need not.
-[[nodiscard]] absl::Status EndOf(robot::Standing standing);
-
 /// The robot as one stream holds it, from its Hello to its end: where it stands among the robot's
 /// streams, and the session that it opened. Confined to the stream's thread.
 class Attachment final {
@@ -34,6 +31,8 @@ class Attachment final {
   ///         no more streams of this one may wait; kPermissionDenied if the robot is of another
   ///         fleet than the gateway that speaks for it.
   [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
+  /// With what the stream must end where it stands so; OK if it need not.
+  [[nodiscard]] absl::Status EndOf(robot::Standing standing) const;
   /// Asks where the stream stands among the robot's; those that it replaces are woken. After Admit,
   /// and after the wait.
   [[nodiscard]] robot::Standing Attach();
@@ -42,7 +41,8 @@ class Attachment final {
   /// Begins the session and asks the store for its cursor. Returns the generation under which the
   /// stream's records are written (RobotSessions::Begin).
   ///
-  /// Errors: kResourceExhausted if all sessions of the robot wait for the store.
+  /// Errors: kResourceExhausted if all sessions of the robot wait for the store; kPermissionDenied
+  ///         if the robot came into another fleet than its gateway's since Admit.
   [[nodiscard]] absl::StatusOr<std::uint64_t> Open(SteadyTime now);
   /// What Welcome says.
   [[nodiscard]] robot::Resume Resume();
@@ -78,6 +78,8 @@ class Attachment final {
   [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
 
  private:
+  /// Says so of the robot's fleet as its certificate lets it. False if it may not.
+  [[nodiscard]] bool ClaimFleet();
   /// Counts it, and says it to the peer.
   [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
 

@@ -199,7 +199,7 @@ void Session::OnWake() {
 }
 
 bool Session::FollowStanding(robot::Standing standing) {
-  if (const absl::Status end = EndOf(standing); !end.ok()) {
+  if (const absl::Status end = robot_.EndOf(standing); !end.ok()) {
     if (standing == robot::Standing::kSuperseded) context_.probe.superseded_total.Add();
     Finish(end);
   }

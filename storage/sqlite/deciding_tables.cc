@@ -39,6 +39,7 @@ absl::Status DecidingTables::Prepare(Database& database) {
   prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
   prepare.Into(latest_kinds_, "SELECT kind FROM latest WHERE ruri = ?");
   prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
+  prepare.Into(fleet_, "SELECT fleet FROM robots WHERE ruri = ?");
   prepare.Into(open_session_,
                "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
                " VALUES (?1, ?2, 0, ?3, ?4) ON CONFLICT (ruri, session) DO UPDATE"
@@ -74,6 +75,15 @@ absl::StatusOr<Epoch> DecidingTables::DrawEpoch() {
   if (!found.ok()) return found.status();
   if (!*found) return absl::InternalError("the store's count of epochs is gone");
   return Unsigned(rows.Int(0));
+}
+
+absl::StatusOr<std::optional<std::string>> DecidingTables::OtherFleet(const OpenRequest& request) {
+  if (request.fleet_word == FleetWord::kMoves) return std::optional<std::string>();
+  Rows rows = fleet_->Select(std::string_view(request.robot->ruri));
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found || rows.Bytes(0) == request.robot->fleet) return std::optional<std::string>();
+  return std::optional(std::string(rows.Bytes(0)));
 }
 
 absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request,

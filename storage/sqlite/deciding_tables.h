@@ -53,6 +53,9 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<LatestKindSet> LatestKinds(std::string_view ruri);
   /// Nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri);
+  /// In which other fleet than the request's the robot is, whose word moves nothing; nothing if the
+  /// robot may be opened.
+  [[nodiscard]] absl::StatusOr<std::optional<std::string>> OtherFleet(const OpenRequest& request);
 
   /// Creates the row if there is none; `next_entry` is its first then.
   [[nodiscard]] absl::StatusOr<SessionCursor> OpenSession(const OpenRequest& request,
@@ -71,8 +74,8 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<Epoch> DrawEpoch();
 
   std::unique_ptr<Statement> next_entry_, set_next_entry_, draw_epoch_, open_robot_, adopt_robot_,
-      presence_, latest_kinds_, held_since_, open_session_, find_session_, raise_cursor_, sessions_,
-      delete_session_;
+      presence_, latest_kinds_, held_since_, fleet_, open_session_, find_session_, raise_cursor_,
+      sessions_, delete_session_;
 };
 
 }  // namespace uplink::storage::sqlite

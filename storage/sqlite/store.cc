@@ -101,6 +101,14 @@ absl::StatusOr<std::vector<OpenResult>> SqliteStore::OpenStreams(
 absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   DecidingTables& deciding = impl_->tables.deciding;
   const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, impl_->options.process);
+  absl::StatusOr<std::optional<std::string>> other_fleet = deciding.OtherFleet(request);
+  if (!other_fleet.ok()) return other_fleet.status();
+  if (*other_fleet) {
+    OpenResult refused;
+    refused.taken = false;
+    refused.other_fleet = *std::move(other_fleet);
+    return refused;
+  }
   if (!robot.ok()) return robot.status();
   const absl::StatusOr<EntryNumber> next_entry = deciding.NextEntry();
   if (!next_entry.ok()) return next_entry.status();

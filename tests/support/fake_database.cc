@@ -224,15 +224,17 @@ std::size_t FakeDatabase::EraseGaps(SystemTime until) {
 
 OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {
   Robot& robot = robots_[request.robot->ruri];
-  if (request.stream == storage::StreamState::kEnded && robot.owner != process &&
-      leases_.Stands(robot.owner)) {
-    OpenResult result;
-    result.taken = false;
-    return result;
-  }
   const bool was_known = robot.epoch != 0;
+  const bool moves = was_known && robot.id.fleet != request.robot->fleet;
+  OpenResult result;
+  if (moves && request.fleet_word == storage::FleetWord::kMatches) {
+    result.other_fleet = robot.id.fleet;
+  }
+  result.taken = !result.other_fleet && !(request.stream == storage::StreamState::kEnded &&
+                                          robot.owner != process && leases_.Stands(robot.owner));
+  if (!result.taken) return result;
   if (!was_known) robot.first_seen = robot.last_seen = request.at;
-  if (was_known && robot.id.fleet != request.robot->fleet) kinds_.Move(*request.robot);
+  if (moves) kinds_.Move(*request.robot);
   robot.id = *request.robot;
   robot.end = storage::HolderEnd::kEnded;
   robot.last_seen = std::max(robot.last_seen, request.at);
@@ -245,7 +247,6 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   session.last_used = std::max(session.last_used, request.at);
   session.settled = std::max(session.settled, std::min(request.settled_seq, session.cursor));
 
-  OpenResult result;
   result.was_known = was_known;
   result.epoch = robot.epoch;
   result.held_since = robot.held_since;

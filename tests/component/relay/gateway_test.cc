@@ -106,6 +106,55 @@ TEST(Gateway, DoesNotReachIntoAnotherFleet) {
   EXPECT_TRUE(own.ReadThrough(1)) << "its stream was not touched";
 }
 
+TEST(Gateway, DoesNotReachIntoAnotherFleetThatTheStoreAloneKnows) {
+  RelayWorld world;
+  FakeStore before(world.database, storage::ProcessId{2});
+  const storage::OpenRequest known{
+      .robot = std::make_shared<const model::RobotId>(model::RobotId{RuriOf(1), "south"}),
+      .session = SessionOf(1)};
+  ASSERT_TRUE(before.OpenStreams({&known, 1}).ok());
+  ASSERT_EQ(world.fleet.Find(RuriOf(1)), nullptr) << "as after a restart";
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
+  Relayed neighbour(channel, 2);
+  ASSERT_EQ(neighbour.Welcomed(), RuriOf(2));
+  Relayed denied(channel, 1);
+  EXPECT_EQ(denied.Welcomed(), "");
+  const grpc::Status status = denied.agent().End();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_THAT(status.error_message(),
+              AllOf(HasSubstr(RuriOf(1)), HasSubstr("the robot is of another fleet")));
+  EXPECT_EQ(world.fleet.Find(RuriOf(1))->id()->fleet, "south");
+  TestAgent own(world.Channel(world.authority.Issue(RobotSpec(RuriOf(1), "south"))));
+  ASSERT_TRUE(own.Connect(SessionOf(1)));
+  for (TestAgent* agent : {&neighbour.agent(), &own}) {
+    agent->Send(BatchFrame({{1, FaultPayload("a")}}));
+    EXPECT_TRUE(agent->ReadThrough(1));
+  }
+  EXPECT_TRUE(world.Settles());
+}
+
+TEST(Gateway, EndsWhenTheStoreComesBackAndKnowsAnotherFleet) {
+  RelayWorld world;
+  FakeStore before(world.database, storage::ProcessId{2});
+  const storage::OpenRequest known{
+      .robot = std::make_shared<const model::RobotId>(model::RobotId{RuriOf(1), "south"}),
+      .session = SessionOf(1)};
+  ASSERT_TRUE(before.OpenStreams({&known, 1}).ok());
+  world.store.Block();
+  Relayed through(world.Channel(world.authority.Issue(GatewaySpec())), 1);
+  ASSERT_EQ(through.Welcomed(), RuriOf(1)) << "the store is away, so that nobody can tell";
+  through.agent().Send(BatchFrame({{1, FaultPayload("a")}}));
+  ASSERT_TRUE(Eventually([&] { return world.Counts().in_flight == 1; }));
+  world.store.Release();
+  const grpc::Status status = through.agent().End();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_THAT(status.error_message(), HasSubstr("the robot is of another fleet"));
+  EXPECT_TRUE(world.Settles());
+  EXPECT_EQ(world.Counts().superseded, 1U);
+  EXPECT_TRUE(world.database.Log(RuriOf(1), SessionOf(1)).stored.empty());
+  EXPECT_EQ(world.fleet.Find(RuriOf(1))->id()->fleet, "south");
+}
+
 TEST(Gateway, CompetesWithTheRobotsOwnStream) {
   RelayWorld world;
   const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));

@@ -123,6 +123,25 @@ TEST_F(OpeningTest, AStreamThatCameMeanwhileIsNotFencedByTheAnswerOfAnEndedOne) 
   EXPECT_TRUE(inbox.idle());
 }
 
+TEST_F(OpeningTest, AStreamOfAnotherFleetIsToldThatAndHoldsNothing) {
+  testing::FakeStore elsewhere(database, storage::ProcessId{2});
+  OpenEntry open = OpenOf(robot_, 2);
+  open.request.robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://a", "south"});
+  ASSERT_TRUE(elsewhere.OpenStreams(std::vector{open.request}).ok());
+  open.request.robot = robot_.robot();
+  open.request.fleet_word = storage::FleetWord::kMatches;
+  inbox.Open(std::move(open));
+  Append(robot_, 1);
+  Open(other_);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("refused 2: of south"));
+  EXPECT_EQ(wakes_.wakes(1), 1);
+  EXPECT_EQ(holds.robots().Since(robot_), 0U);
+  EXPECT_THAT(other_.Told(), ElementsAre("opened 1"));
+  EXPECT_FALSE(opening_.Gather().opens) << "though its stream is here, it is not asked again";
+}
+
 TEST_F(OpeningTest, AfterFailuresTheLaterHalfGoesBackAndComesNext) {
   std::deque<RecordingClient> clients;
   for (int i = 0; i < 5; ++i) Open(clients.emplace_back("rcan://" + std::to_string(i)));

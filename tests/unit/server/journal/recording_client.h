@@ -51,6 +51,11 @@ class RecordingClient final : public robot::CommitClient {
   robot::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
     return Note("opened " + std::to_string(open_id));
   }
+  robot::StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                                metrics::Ledger& /*ledger*/) override {
+    generation_.fetch_add(1);
+    return Note("refused " + std::to_string(open_id) + ": of " + fleet);
+  }
   robot::StreamRef OnSettled(std::span<const robot::Settled> settled,
                              metrics::Ledger& /*ledger*/) override {
     std::string line = "settled";

@@ -6,6 +6,7 @@
 namespace uplink::session {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
@@ -94,6 +95,133 @@ TEST_F(GatewayTest, DoesNotPullARobotOutOfAnotherFleet) {
             "certificate does not name it");
   EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south");
   EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
+}
+
+constexpr std::string_view kOfAnotherFleet =
+    "PERMISSION_DENIED: the certificate of gateway CN=hall,OU=gateway,O=bench may not speak for "
+    "hello.robot_ruri rcan://a/1: the robot is of another fleet, and the certificate does not name "
+    "it";
+
+TEST_F(GatewayTest, DoesNotPullARobotOutOfTheFleetThatTheStoreKnows) {
+  ConnectOfFleet("rcan://a/1", "south").Send(BatchFrame({{1, Fault()}}));
+  server().Commit();
+  Start();
+  ASSERT_EQ(server().fleet().size(), 0U) << "it is not in memory";
+  BenchStream& refused = ConnectVia("rcan://a/1");
+  EXPECT_EQ(refused.end(), kOfAnotherFleet);
+  EXPECT_THAT(refused.Said(), IsEmpty()) << "not even how far its session is";
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south");
+  EXPECT_FALSE(server().robot("rcan://a/1").HasStream());
+  EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
+  EXPECT_EQ(ConnectVia("rcan://a/1").end(), kOfAnotherFleet);
+  EXPECT_EQ(server().store().opens(), 1U) << "memory knows it now";
+  EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").Said(),
+              ElementsAre("welcome 1", "ack 1 judged 1"));
+  EXPECT_THAT(ConnectVia("rcan://a/1", {"rcan://a/1"}).Said(),
+              ElementsAre("welcome 1", "ack 1 judged 1"))
+      << "by a certificate that names it the robot moves";
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "bench");
+}
+
+TEST_F(GatewayTest, AnotherProcessKeepsTheRobotThatItMayNotSpeakFor) {
+  ConnectOfFleet("rcan://a/1", "south");
+  BenchServer second(clock_, database_, 200, limits_);
+  BenchStream& stream = second.OpenAs(
+      {.role = identity::Role::kGateway, .fleet = "bench", .subject = std::string(kSubject)});
+  v1::RelayRequest hello = HelloFrame(SessionOf(1));
+  hello.mutable_hello()->set_robot_ruri("rcan://a/1");
+  stream.Send(hello);
+  second.Commit();
+  EXPECT_EQ(stream.end(), kOfAnotherFleet);
+  const robot::Robot& robot = server().robot("rcan://a/1");
+  EXPECT_TRUE(robot.HasStream());
+  EXPECT_NE(robot.state.held_since(), 0U);
+}
+
+TEST_F(GatewayTest, WhatItSentBeforeTheStoreAnsweredIsNotKept) {
+  ConnectOfFleet("rcan://a/1", "south");
+  Start().StoreAway();
+  BenchStream& stream = ConnectVia("rcan://a/1");
+  server().Pass(kWelcomeWait);
+  EXPECT_THAT(stream.Said(), Contains("welcome 0"));
+  stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}, {3, BadFault()}}));
+  server().Commit();
+  EXPECT_EQ(stream.end(), "") << "nobody knows";
+  EXPECT_EQ(server().counts().in_flight, 2);
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(stream.end(), kOfAnotherFleet);
+  EXPECT_EQ(server().counts().in_flight, 0);
+  EXPECT_EQ(server().counts().superseded, 2U);
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south");
+  server().robot("rcan://a/1").state.LookAt([](const robot::StateView& state) {
+    EXPECT_FALSE(state.parts.motion) << "nor what it said live";
+    EXPECT_EQ(state.presence, model::Presence::kUnknown);
+  });
+  EXPECT_TRUE(database_.Log("rcan://a/1", SessionOf(1)).stored.empty());
+  EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").Said(),
+              ElementsAre("welcome 0", "ack 0 judged 0"))
+      << "whoever may speak for the robot sends it again";
+}
+
+TEST_F(GatewayTest, WhatItSentForAnotherFleetGoesWhenTheRobotComesByItself) {
+  ConnectOfFleet("rcan://a/1", "south");
+  Start().StoreAway();
+  BenchStream& through = ConnectVia("rcan://a/1");
+  server().Pass(kWelcomeWait);
+  through.Send(BatchFrame({{1, Fault("GATEWAYS")}, {2, Motion()}}));
+  BenchStream& own = ConnectOfFleet("rcan://a/1", "south");
+  EXPECT_EQ(through.end(), "ABORTED: superseded");
+  EXPECT_EQ(server().counts().superseded, 1U);
+  server().Pass(kWelcomeWait);
+  own.Send(BatchFrame({{1, Fault("OWN")}}));
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(own.end(), "");
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south");
+  const auto faults = server().store().FaultHistory({});
+  ASSERT_TRUE(faults.ok());
+  ASSERT_EQ(faults->rows.size(), 1U);
+  EXPECT_EQ(faults->rows[0].fault.fault_id, "OWN");
+  EXPECT_EQ(faults->rows[0].robot.fleet, "south");
+}
+
+TEST_F(GatewayTest, WhatItSentForTheRobotsOwnFleetIsKept) {
+  Start().StoreAway();
+  BenchStream& through = ConnectVia("rcan://a/1");
+  server().Pass(kWelcomeWait);
+  through.Send(BatchFrame({{1, Fault()}}));
+  ConnectOfFleet("rcan://a/1", "bench");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(server().counts().superseded, 0U);
+  EXPECT_THAT(database_.Log("rcan://a/1", SessionOf(1)).stored, ElementsAre(1));
+}
+
+TEST_F(GatewayTest, AMoveThatTheStoreWasNotToldStandsForTheGatewayOfTheNewFleet) {
+  ConnectOfFleet("rcan://a/1", "south");
+  Start().StoreAway();
+  BenchStream& own = ConnectOfFleet("rcan://a/1", "bench");
+  server().Pass(kWelcomeWait);
+  own.Send(BatchFrame({{1, Fault()}}));
+  BenchStream& through = ConnectVia("rcan://a/1");
+  EXPECT_EQ(own.end(), "ABORTED: superseded");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(through.end(), "") << "the robot's own certificate had moved it";
+  EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "bench");
+  EXPECT_THAT(database_.Log("rcan://a/1", SessionOf(1)).stored, ElementsAre(1));
+}
+
+TEST_F(GatewayTest, AStreamThatWaitedIsRefusedIfTheRobotMovedMeanwhile) {
+  limits_.session.reconnects.per_minute = 1;
+  ConnectVia("rcan://a/1");
+  BenchStream& waits = ConnectVia("rcan://a/1");
+  EXPECT_THAT(waits.Said(), IsEmpty());
+  server().robot("rcan://a/1").SetFleet("south");
+  server().Pass(std::chrono::seconds(5));
+  server().Commit();
+  EXPECT_EQ(waits.end(), kOfAnotherFleet);
 }
 
 TEST_F(GatewayTest, ACertificateThatNamesTheRobotDecidesItsFleet) {

@@ -1,0 +1,43 @@
+#include "server/robot/progress.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "server/robot/mutation.h"
+
+namespace uplink::robot {
+
+Progress TakeProgress(SessionMemory& memory) {
+  const Numbering& numbers = memory.numbers;
+  const model::Seq through =
+      Planted(Mutation::kAckBeforeCommit) ? numbers.seen() : numbers.through();
+  // An Ack covers no Reject that was not told, neither as settled nor as judged.
+  const bool awaits = !Planted(Mutation::kPagesNotAwaited);
+  const model::Seq told = memory.rejects.told_through().value_or(through);
+  const auto judged = memory.rejects.judged_through(memory.known_judged);
+  return {.through = awaits ? std::min(through, told) : through,
+          .judged = std::min(numbers.judged(), judged.value_or(numbers.judged())),
+          .rejects = memory.rejects.TakeUntold(),
+          .released = std::exchange(memory.released, {})};
+}
+
+Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello) {
+  memory.known_judged = hello.judged_seq;
+  std::optional<storage::OpenResult> answer = opening.Take(hello.open_id);
+  const bool answered = answer.has_value();
+  StoredSession stored = StoredOf(std::move(answer));
+  std::vector<RejectedSeq> rejects =
+      memory.rejects.TellAgain(hello.settled_seq, std::move(stored.rejects));
+  if (answered) memory.rejects.SetComplete();
+  if (!answered && memory.rejects.AwaitLate(hello.settled_seq, hello.judged_seq))
+    opening.WantLate();
+  if (stored.more > 0) memory.rejects.BeginPages(stored.unread, stored.more);
+  Resume resume{
+      .committed = memory.numbers.Resume(hello.settled_seq, hello.judged_seq, stored.through),
+      .rejects = std::move(rejects)};
+  if (Planted(Mutation::kRejectNotRepeated)) resume.rejects.clear();
+  return resume;
+}
+
+}  // namespace uplink::robot

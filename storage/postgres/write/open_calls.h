@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "storage/postgres/link/connection.h"
+#include "storage/types.h"
+
+// The statements of Store::OpenStreams.
+namespace uplink::storage::postgres {
+
+/// Requests of different robots, by RURI: their places among all requests.
+using Wave = std::map<std::string_view, std::size_t>;
+
+/// The place of each statement's answer among those of CallsOf.
+enum OpenAnswer : std::size_t {
+  /// RURI, epoch and held_since of robots that were taken; epoch 0 of those without a row.
+  kRobotsAnswer = 0,
+  /// RURI and epoch of those that had no row.
+  kNewRobotsAnswer = 1,
+  /// RURI and cursor.
+  kSessionsAnswer = 3,
+  /// RURI, number and rejection.
+  kRejectsAnswer = 4,
+  /// RURI and how many.
+  kRejectCountsAnswer = 5,
+  kPresenceAnswer = 7,
+  /// RURI and LatestKind.
+  kLatestKindsAnswer = 8,
+  /// RURI and fleet, of those whose word moves nothing.
+  kFleetsAnswer = 9,
+};
+
+/// Opens the wave's streams, within a transaction.
+[[nodiscard]] std::vector<StoreCall> CallsOf(const Wave& wave,
+                                             std::span<const OpenRequest> requests,
+                                             const ProcessId& process);
+
+}  // namespace uplink::storage::postgres
