@@ -103,6 +103,34 @@ TEST_F(ResendTest, WhatAStoreLostIsAskedFor) {
   EXPECT_THAT(Requests(stream), ElementsAre("resend AGENT_INFO"));
 }
 
+TEST_F(ResendTest, WhatAStoreLosesBehindAnOpenStreamIsAskedForOnTheNextOne) {
+  BenchStream& open = Welcomed();
+  open.Send(BatchFrame({{1, Info()}, {2, Settings()}, {3, Capabilities()}}));
+  server().Commit();
+  database_.EraseLatest(kRobot, LatestKind::kSettings);
+  open.Send(BatchFrame({{4, Fault()}}));
+  server().Pass(kEvery);
+  EXPECT_THAT(Requests(open), IsEmpty()) << "the store says what it has when a stream begins";
+  EXPECT_EQ(open.end(), "");
+  BenchStream& next = Welcomed();
+  server().Pass(kGrace);
+  EXPECT_THAT(Requests(next), ElementsAre("resend CURRENT_SETTINGS"));
+}
+
+TEST_F(ResendTest, ALossThatTakesTheRobotTooEndsTheStreamAndIsAskedFor) {
+  BenchStream& open = Welcomed();
+  open.Send(BatchFrame({{1, Info()}, {2, Settings()}, {3, Capabilities()}}));
+  server().Commit();
+  database_.DeleteRobotRow(kRobot);
+  for (const LatestKind kind : storage::kEachLatestKind) database_.EraseLatest(kRobot, kind);
+  open.Send(BatchFrame({{4, Fault()}}));
+  server().Commit();
+  EXPECT_EQ(open.end(), "ABORTED: superseded") << "by the next durable message";
+  BenchStream& next = Welcomed();
+  server().Pass(kGrace);
+  EXPECT_THAT(Requests(next), ElementsAre(kAskedForAll));
+}
+
 TEST_F(ResendTest, WhatComesWithinTheGraceIsNotAskedFor) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Settings()}}));
