@@ -11,6 +11,10 @@
 #include "server/forward/limits.h"
 
 namespace uplink::forward {
+
+static_assert(kLookEvery + kLookAgainMax < std::chrono::seconds(2),
+              "what another server committed is forwarded within two seconds");
+
 SteadyTime::duration LookAgainAfter(std::size_t woken) {
   return std::clamp<SteadyTime::duration>(woken * kPauseForOne, kLookAgain, kLookAgainMax);
 }
@@ -49,8 +53,8 @@ void Rounds::Run(const std::stop_token& stop) {
     static_cast<void>(Round());
     const SteadyTime::duration most = NextLookIn();
     std::unique_lock lock(mutex_);
-    // A store that is away answers nobody sooner.
-    if (!wake_.wait_for(lock, stop, most, [this] { return woken_ && !failing_; })) continue;
+    const bool woken = wake_.wait_for(lock, stop, most, [this] { return woken_ && !failing_; });
+    if (!woken) continue;
     const SteadyTime next = began + LookAgainAfter(woken_streams_);
     wake_.wait_for(lock, stop, next - context_.clock.Steady(), [] { return false; });
     woken_ = false;
@@ -60,8 +64,11 @@ void Rounds::Run(const std::stop_token& stop) {
 SteadyTime::duration Rounds::NextLookIn() {
   const SteadyTime now = context_.clock.Steady();
   const std::optional<SteadyTime> due = paces_.DueAt(now);
-  if (!due) return kLookEvery;
-  return std::clamp<SteadyTime::duration>(*due - now, LookAgainAfter(woken_streams_), kLookEvery);
+  // A store that is away answers nobody sooner.
+  if (!due || failing_) return context_.look_every;
+  return std::clamp<SteadyTime::duration>(
+      *due - now, LookAgainAfter(woken_streams_),
+      std::max(context_.look_every, SteadyTime::duration(kLookAgainMax)));
 }
 
 absl::Status Rounds::Round() {

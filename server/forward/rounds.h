@@ -17,6 +17,7 @@
 
 #include "schema/base/clock.h"
 #include "server/forward/forwards.h"
+#include "server/forward/limits.h"
 #include "server/forward/paces.h"
 #include "server/forward/probe.h"
 #include "server/forward/told_robots.h"
@@ -50,6 +51,8 @@ class Rounds final {
     ForwardProbe& probe;
     const storage::ClockTrust& clock_trust;
     Paces::Limits paces = {.fan_out = kFanOut, .waiting_max = kPacedItemsMax};
+    /// How often the store is asked if nothing wakes who asks.
+    SteadyTime::duration look_every = kLookEvery;
   };
   explicit Rounds(const Context& context);
   ~Rounds() { Stop(); }

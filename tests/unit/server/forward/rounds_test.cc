@@ -1,8 +1,7 @@
 // How the shared set follows the store: read whole once, then by its changes.
 #include "server/forward/rounds.h"
 
-#include <functional>
-#include <map>
+#include <algorithm>
 #include <random>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/server/forward/receiving.h"
+#include "tests/unit/server/forward/scripted_items.h"
 
 namespace uplink::forward {
 namespace {
@@ -25,94 +25,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
-
-/// A store of one writer, as a list of changes and what is there.
-class ScriptedItems final : public storage::SharedItems {
- public:
-  void Set(const storage::ItemKey& key, std::int64_t expires_ms = 0,
-           const std::string& geometry = R"({"type":"Point","coordinates":[1.0,2.0]})") {
-    storage::ShapeRow row;
-    row.robot = {.ruri = key.ruri, .fleet = "north"};
-    row.identity.id = key.id;
-    row.scope = model::ScopeType::kFleet;
-    row.geometry_json = geometry;
-    row.expires_at_ms = expires_ms;
-    there[key] = {.row = row};
-    log.push_back(key);
-  }
-  void MoveToFleet(const storage::ItemKey& key, const std::string& fleet) {
-    std::get<storage::ShapeRow>(there.at(key).row).robot.fleet = fleet;
-    log.push_back(key);
-  }
-  void Erase(const storage::ItemKey& key) {
-    there.erase(key);
-    log.push_back(key);
-  }
-
-  absl::StatusOr<storage::ChangePositions> Positions() override {
-    if (!status.ok()) return status;
-    ++asked_for_positions;
-    return At(log.size());
-  }
-  absl::StatusOr<storage::SharedChanges> ChangesSince(
-      const storage::ChangePositions& positions) override {
-    if (!status.ok()) return status;
-    const auto entry = positions.writers.find({});
-    const std::size_t from = entry == positions.writers.end() ? 0 : entry->second.number;
-    storage::SharedChanges changes;
-    if (from < trimmed_to) {
-      changes.trimmed = true;
-      return changes;
-    }
-    const std::size_t to = std::min(log.size(), from + 2);
-    for (std::size_t i = from; i < to; ++i) {
-      if (std::ranges::find(changes.keys, log[i]) == changes.keys.end()) {
-        changes.keys.push_back(log[i]);
-      }
-    }
-    changes.positions = At(to);
-    changes.more = to < log.size();
-    return changes;
-  }
-  absl::StatusOr<storage::SharedPage> Page(const std::optional<storage::ItemKey>& after) override {
-    if (fails_at_page == pages++) return absl::UnavailableError("away within the read");
-    if (at_each_page) at_each_page();
-    storage::SharedPage page;
-    for (const auto& [key, item] : there) {
-      if (after && key <= *after) continue;
-      if (page.items.size() == 2) {
-        page.more = true;
-        break;
-      }
-      page.items.push_back(item);
-    }
-    return page;
-  }
-  absl::StatusOr<std::vector<storage::SharedItem>> Of(
-      std::span<const storage::ItemKey> keys) override {
-    std::vector<storage::SharedItem> items;
-    for (const storage::ItemKey& key : keys) {
-      if (there.contains(key)) items.push_back(there.at(key));
-    }
-    return items;
-  }
-
-  std::map<storage::ItemKey, storage::SharedItem> there;
-  std::vector<storage::ItemKey> log;
-  std::size_t trimmed_to = 0;
-  absl::Status status;
-  std::size_t pages = 0;
-  std::optional<std::size_t> fails_at_page;
-  std::function<void()> at_each_page;
-  int asked_for_positions = 0;
-
- private:
-  static storage::ChangePositions At(std::size_t number) {
-    storage::ChangePositions positions;
-    positions.writers[{}].number = number;
-    return positions;
-  }
-};
 
 TEST(LookAgainAfter, GrowsWithTheStreamsThatWereWoken) {
   EXPECT_EQ(LookAgainAfter(0), std::chrono::milliseconds(10));
@@ -477,16 +389,69 @@ TEST_F(RoundsTest, HowFarItFollowedIsKnown) {
   EXPECT_EQ(probe_.followed_at_ms.value(), SteadyMs(clock_.Steady()) - 500);
 }
 
-TEST_F(RoundsTest, ItsThreadLooksWhenItIsWoken) {
-  rounds_.Start();
-  ASSERT_TRUE(testing::Eventually([&] { return probe_.reads_of_all.value() == 1; }));
-  rounds_.Stop();
-  // The store is this thread's again.
-  items_.Set(KeyOf("a", "1"));
-  rounds_.Start();
-  rounds_.Wake();
-  EXPECT_TRUE(testing::Eventually([&] { return forwards_.sum().items == 1; }));
-  rounds_.Stop();
+TEST_F(RoundsTest, MoreChangesThanAreLookedUpAtOnceAreLookedUpInParts) {
+  Round();
+  constexpr std::size_t kChanges = 2 * kLookedUpMax + 1;
+  items_.changes_at_once = kChanges;
+  for (std::size_t i = 0; i < kChanges; ++i) items_.Set(KeyOf("a", std::to_string(i)));
+  Round();
+  EXPECT_THAT(Ids(), SizeIs(kChanges));
+  EXPECT_THAT(items_.looked_up, ElementsAre(kLookedUpMax, kLookedUpMax, 1));
+  items_.looked_up.clear();
+  for (std::size_t i = 0; i < kLookedUpMax; ++i) items_.Erase(KeyOf("a", std::to_string(i)));
+  Round();
+  EXPECT_THAT(items_.looked_up, ElementsAre(kLookedUpMax)) << "as many as it may be are one";
+  EXPECT_THAT(Ids(), SizeIs(kChanges - kLookedUpMax));
+}
+
+/// Rounds on a thread of its own, by real time.
+class RoundsThreadTest : public ::testing::Test {
+ protected:
+  Rounds::Context Context(SteadyTime::duration look_every) {
+    return {clock_, logger_, items_, forwards_, probe_, trust_, look_every};
+  }
+  /// So many looks were begun in all.
+  bool Looked(std::size_t looks) {
+    return testing::Eventually([&] { return items_.looks().size() >= looks; });
+  }
+
+  SystemClock clock_;
+  testing::FakeTrust trust_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  LockedItems items_;
+  Forwards forwards_{{kSharedBytesMax, kFleetBytesMax, kRobotBytesMax}, std::mt19937_64(1)};
+  ForwardProbe probe_;
+};
+
+TEST_F(RoundsThreadTest, LooksWhenItIsWoken) {
+  // Nothing else would make it look.
+  Rounds rounds(Context(std::chrono::hours(1)));
+  rounds.Start();
+  ASSERT_TRUE(Looked(1));
+  for (std::size_t looks = 2; looks < 5; ++looks) {
+    items_.With([&](ScriptedItems& items) { items.Set(KeyOf("a", std::to_string(looks))); });
+    rounds.Wake();
+    ASSERT_TRUE(Looked(looks));
+  }
+  EXPECT_TRUE(testing::Eventually([&] { return forwards_.sum().items == 3; }));
+  rounds.Stop();
+}
+
+TEST_F(RoundsThreadTest, LooksAgainWithinTwoSecondsThoughNothingWakesIt) {
+  Rounds rounds(Context(kLookEvery));
+  rounds.Start();
+  // A machine under load may keep one of them waiting, not all.
+  const bool in_time = testing::Eventually([&] {
+    const std::vector<SteadyTime> looks = items_.looks();
+    for (std::size_t i = 1; i < looks.size(); ++i) {
+      if (looks[i] - looks[i - 1] < std::chrono::seconds(2)) return true;
+    }
+    return false;
+  });
+  rounds.Stop();
+  EXPECT_TRUE(in_time);
 }
 
 }  // namespace
