@@ -2,12 +2,20 @@
 
 namespace uplink::storage {
 
-ItemKey SharedItem::Key() const {
-  if (const auto* shape = std::get_if<ShapeRow>(&row)) {
-    return {PresentKind::kShape, shape->robot.ruri, shape->identity.id};
-  }
-  const auto& object = std::get<ObjectRow>(row);
+namespace {
+
+// One for each kind of row: the compiler finds the one that is missing.
+ItemKey KeyOf(const ShapeRow& shape) {
+  return {PresentKind::kShape, shape.robot.ruri, shape.identity.id};
+}
+ItemKey KeyOf(const ObjectRow& object) {
   return {PresentKind::kObject, object.robot.ruri, object.id};
+}
+
+}  // namespace
+
+ItemKey SharedItem::Key() const {
+  return std::visit([](const auto& one) { return KeyOf(one); }, row);
 }
 
 const model::RobotId& SharedItem::robot() const {

@@ -38,6 +38,22 @@ inline constexpr std::chrono::hours kChangeWriterKept{24};
 /// hour less than writers are kept, since a change is noted a while before its commit.
 inline constexpr std::chrono::hours kChangesReadWithin{23};
 
+/// The kinds of items, in the order of their keys.
+inline constexpr std::array kItemKinds = {PresentKind::kShape, PresentKind::kObject};
+/// By which number a kind of items stands in a row of changes, as the triggers of both stores write
+/// it; nothing for a kind of which nobody else is told.
+[[nodiscard]] constexpr std::optional<std::int64_t> ItemNumberOf(PresentKind kind) {
+  switch (kind) {
+    case PresentKind::kShape:
+      return 1;
+    case PresentKind::kObject:
+      return 2;
+    case PresentKind::kFault:
+      break;
+  }
+  return std::nullopt;
+}
+
 /// What identifies a shape or an object. By kind, robot and id, as bytes compare. A value.
 struct ItemKey {
   /// kShape or kObject.
@@ -51,10 +67,20 @@ struct ItemKey {
 
 /// The kind that stands in a row of changes; nothing for a number that no trigger of ours wrote.
 [[nodiscard]] constexpr std::optional<PresentKind> ItemKindOf(std::int64_t number) {
-  if (number == 1) return PresentKind::kShape;
-  if (number == 2) return PresentKind::kObject;
+  for (const PresentKind kind : kItemKinds) {
+    if (ItemNumberOf(kind) == number) return kind;
+  }
   return std::nullopt;
 }
+static_assert(
+    [] {
+      std::size_t items = 0;
+      for (std::size_t kind = 0; kind < kPresentKinds; ++kind) {
+        if (ItemNumberOf(static_cast<PresentKind>(kind))) ++items;
+      }
+      return items;
+    }() == kItemKinds.size(),
+    "kItemKinds names each kind that has a number");
 
 /// SQL: the row is one of these. Word for word what the partial indexes of both stores have.
 inline constexpr std::string_view kSharedIf = "scope IN (1, 2)";

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "schema/base/check.h"
 #include "schema/json/read.h"
 #include "schema/nexus_command/encode.h"
 #include "uplink/v1/relay.pb.h"
@@ -62,6 +63,18 @@ absl::StatusOr<model::Object> ReportedOf(const storage::ObjectRow& row) {
   return object;
 }
 
+nexus_command::ItemKind KindOf(storage::PresentKind kind) {
+  switch (kind) {
+    case storage::PresentKind::kShape:
+      return nexus_command::ItemKind::kShape;
+    case storage::PresentKind::kObject:
+      return nexus_command::ItemKind::kObject;
+    case storage::PresentKind::kFault:
+      break;
+  }
+  CheckFailed(__FILE__, __LINE__, "ItemNumberOf(kind)", "the key of an item");
+}
+
 }  // namespace
 
 EncodedFrame SnapshotBegin() { return Mark(v1::FORWARD_KIND_SNAPSHOT_BEGIN); }
@@ -81,9 +94,8 @@ absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
 }
 
 EncodedFrame DeleteFrame(const ItemKey& key, const nexus_command::CommandId& command) {
-  const auto kind = key.kind == storage::PresentKind::kShape ? nexus_command::ItemKind::kShape
-                                                             : nexus_command::ItemKind::kObject;
-  return Command(key.ruri, nexus_command::EncodeDelete(command, kind, key.id, key.ruri));
+  return Command(key.ruri,
+                 nexus_command::EncodeDelete(command, KindOf(key.kind), key.id, key.ruri));
 }
 
 }  // namespace uplink::forward

@@ -153,7 +153,7 @@ absl::Status Rounds::LookAtLeftOut() {
 
 absl::Status Rounds::ReadRobot(const std::string& ruri) {
   context_.forwards.shares().BeginLook(ruri);
-  for (const auto kind : {storage::PresentKind::kShape, storage::PresentKind::kObject}) {
+  for (const auto kind : storage::kItemKinds) {
     absl::Status read = WalkPages(storage::ItemKey{kind, ruri, ""},
                                   {.take =
                                        [&](const storage::SharedItem& item) {

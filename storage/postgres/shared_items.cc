@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "schema/base/check.h"
 #include "storage/change_walk.h"
 #include "storage/gathered_page.h"
 #include "storage/postgres/own_connection.h"
@@ -175,15 +176,21 @@ absl::StatusOr<SharedChanges> PostgresSharedItems::ChangesSince(const ChangePosi
 }
 
 absl::StatusOr<SharedPage> PostgresSharedItems::Page(const std::optional<ItemKey>& after) {
-  const ItemKey start = after.value_or(ItemKey{});
+  ItemKey start = after.value_or(ItemKey{});
   GatheredPage gathered;
   absl::Status read;
-  if (start.kind == PresentKind::kShape) {
-    read = Gather<PageKind::kShapes>(*impl_->connection, start, gathered);
-  }
-  if (read.ok() && !gathered.page.more) {
-    const bool within = start.kind == PresentKind::kObject;
-    read = Gather<PageKind::kObjects>(*impl_->connection, within ? start : ItemKey{}, gathered);
+  // Each kind goes on with the next one, from its beginning.
+  switch (start.kind) {
+    case PresentKind::kShape:
+      read = Gather<PageKind::kShapes>(*impl_->connection, start, gathered);
+      if (!read.ok() || gathered.page.more) break;
+      start = {};
+      [[fallthrough]];
+    case PresentKind::kObject:
+      read = Gather<PageKind::kObjects>(*impl_->connection, start, gathered);
+      break;
+    case PresentKind::kFault:
+      UPLINK_CHECK(false, "the key of an item");
   }
   if (!read.ok()) return read;
   return std::move(gathered.page);
@@ -192,7 +199,16 @@ absl::StatusOr<SharedPage> PostgresSharedItems::Page(const std::optional<ItemKey
 absl::StatusOr<std::vector<SharedItem>> PostgresSharedItems::Of(std::span<const ItemKey> keys) {
   std::vector<const ItemKey*> shapes, objects;
   for (const ItemKey& key : keys) {
-    (key.kind == PresentKind::kShape ? shapes : objects).push_back(&key);
+    switch (key.kind) {
+      case PresentKind::kShape:
+        shapes.push_back(&key);
+        break;
+      case PresentKind::kObject:
+        objects.push_back(&key);
+        break;
+      case PresentKind::kFault:
+        UPLINK_CHECK(false, "the key of an item");
+    }
   }
   std::vector<SharedItem> items;
   absl::Status found = LookUp<PageKind::kShapes>(*impl_->connection, shapes, items);

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "schema/base/check.h"
 #include "storage/change_walk.h"
 #include "storage/gathered_page.h"
 #include "storage/sqlite/lists.h"
@@ -131,15 +132,21 @@ absl::StatusOr<SharedChanges> SqliteSharedItems::ChangesSince(const ChangePositi
 }
 
 absl::StatusOr<SharedPage> SqliteSharedItems::Page(const std::optional<ItemKey>& after) {
-  const ItemKey start = after.value_or(ItemKey{});
+  ItemKey start = after.value_or(ItemKey{});
   GatheredPage gathered;
   absl::Status read;
-  if (start.kind == PresentKind::kShape) {
-    read = Gather<PageKind::kShapes>(*shapes_, start, gathered);
-  }
-  if (read.ok() && !gathered.page.more) {
-    const bool within = start.kind == PresentKind::kObject;
-    read = Gather<PageKind::kObjects>(*objects_, within ? start : ItemKey{}, gathered);
+  // Each kind goes on with the next one, from its beginning.
+  switch (start.kind) {
+    case PresentKind::kShape:
+      read = Gather<PageKind::kShapes>(*shapes_, start, gathered);
+      if (!read.ok() || gathered.page.more) break;
+      start = {};
+      [[fallthrough]];
+    case PresentKind::kObject:
+      read = Gather<PageKind::kObjects>(*objects_, start, gathered);
+      break;
+    case PresentKind::kFault:
+      UPLINK_CHECK(false, "the key of an item");
   }
   if (!read.ok()) return read;
   return std::move(gathered.page);
@@ -148,9 +155,17 @@ absl::StatusOr<SharedPage> SqliteSharedItems::Page(const std::optional<ItemKey>&
 absl::StatusOr<std::vector<SharedItem>> SqliteSharedItems::Of(std::span<const ItemKey> keys) {
   std::vector<SharedItem> items;
   for (const ItemKey& key : keys) {
-    absl::Status found = key.kind == PresentKind::kShape
-                             ? LookUp<PageKind::kShapes>(*shape_, key, items)
-                             : LookUp<PageKind::kObjects>(*object_, key, items);
+    absl::Status found;
+    switch (key.kind) {
+      case PresentKind::kShape:
+        found = LookUp<PageKind::kShapes>(*shape_, key, items);
+        break;
+      case PresentKind::kObject:
+        found = LookUp<PageKind::kObjects>(*object_, key, items);
+        break;
+      case PresentKind::kFault:
+        UPLINK_CHECK(false, "the key of an item");
+    }
     if (!found.ok()) return found;
   }
   return items;

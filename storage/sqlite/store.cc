@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "storage/retention.h"
+#include "storage/shared_items.h"
 #include "storage/sqlite/batch_commit.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
@@ -100,7 +101,6 @@ absl::StatusOr<std::vector<OpenResult>> SqliteStore::OpenStreams(
 
 absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   DecidingTables& deciding = impl_->tables.deciding;
-  const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, impl_->options.process);
   absl::StatusOr<std::optional<std::string>> other_fleet = deciding.OtherFleet(request);
   if (!other_fleet.ok()) return other_fleet.status();
   if (*other_fleet) {
@@ -109,6 +109,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
     refused.other_fleet = *std::move(other_fleet);
     return refused;
   }
+  const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, impl_->options.process);
   if (!robot.ok()) return robot.status();
   const absl::StatusOr<EntryNumber> next_entry = deciding.NextEntry();
   if (!next_entry.ok()) return next_entry.status();
@@ -206,7 +207,7 @@ absl::StatusOr<Swept> SqliteStore::Sweep(SystemTime now) {
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
   return InTransaction<Swept>([&]() -> absl::StatusOr<Swept> {
     Swept swept;
-    for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
+    for (const PresentKind kind : kItemKinds) {
       if (!vouches) break;
       const auto rows = impl_->tables.present_rows(kind).Sweep(until_ms, kSweepRowsMax);
       if (!rows.ok()) return rows.status();

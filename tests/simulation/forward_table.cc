@@ -1,6 +1,5 @@
 #include "tests/simulation/forward_table.h"
 
-#include <type_traits>
 #include <utility>
 
 #include <absl/strings/match.h>
@@ -50,19 +49,8 @@ void ForwardTable::OnCommand(const v1::Forward& forward) {
   auto command = nexus_command::Decode(forward.nexus_command());
   if (!command.ok()) return violation_("a command: " + std::string(command.status().message()));
   const SharedKey key = std::visit([](const auto& what) { return KeyOf(what); }, command->what);
-  std::visit([&](auto& what) { Apply(forward, key, std::move(what)); }, command->what);
-}
-
-template <typename What>
-void ForwardTable::Apply(const v1::Forward& forward, const SharedKey& key, What what) {
   CheckOrigin(forward, key);
-  constexpr bool kIsUpsert =
-      std::is_same_v<What, nexus_command::Shape> || std::is_same_v<What, model::Object>;
-  if constexpr (kIsUpsert) {
-    Upsert(key, std::move(what));
-  } else {
-    Delete(key);
-  }
+  std::visit([&](auto& what) { Apply(key, std::move(what)); }, command->what);
 }
 
 void ForwardTable::CheckOrigin(const v1::Forward& forward, const SharedKey& key) const {

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "schema/model/spatial.h"
+#include "schema/nexus_command/command.h"
 #include "tests/simulation/shared_book.h"
 #include "uplink/v1/relay.pb.h"
 
@@ -35,8 +37,11 @@ class ForwardTable final {
   void Begin();
   void End();
   void OnCommand(const v1::Forward& forward);
-  template <typename What>
-  void Apply(const v1::Forward& forward, const SharedKey& key, What what);
+  // One for each kind of command: the compiler finds the one that is missing.
+  void Apply(const SharedKey& key, nexus_command::Shape what) { Upsert(key, std::move(what)); }
+  void Apply(const SharedKey& key, model::Object what) { Upsert(key, std::move(what)); }
+  void Apply(const SharedKey& key, const nexus_command::ShapeDeletion&) { Delete(key); }
+  void Apply(const SharedKey& key, const nexus_command::ObjectDeletion&) { Delete(key); }
   void Upsert(const SharedKey& key, SharedWhat what);
   void Delete(const SharedKey& key);
   void CheckOrigin(const v1::Forward& forward, const SharedKey& key) const;

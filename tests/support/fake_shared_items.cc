@@ -3,6 +3,7 @@
 #include <mutex>
 #include <utility>
 
+#include "schema/base/check.h"
 #include "storage/change_walk.h"
 #include "storage/gathered_page.h"
 #include "tests/support/fake_page.h"
@@ -79,12 +80,20 @@ absl::StatusOr<storage::SharedChanges> FakeSharedItems::ChangesSince(
 absl::StatusOr<storage::SharedPage> FakeSharedItems::Page(const std::optional<ItemKey>& after) {
   if (away_) return Away();
   const std::lock_guard lock(database_.mutex_);
-  const ItemKey start = after.value_or(ItemKey{});
+  ItemKey start = after.value_or(ItemKey{});
   storage::GatheredPage gathered;
-  const bool within_objects = start.kind == storage::PresentKind::kObject;
-  if (!within_objects) Gather(database_.kinds_.shapes(), start, gathered);
-  if (!gathered.page.more) {
-    Gather(database_.kinds_.objects(), within_objects ? start : ItemKey{}, gathered);
+  // Each kind goes on with the next one, from its beginning.
+  switch (start.kind) {
+    case storage::PresentKind::kShape:
+      Gather(database_.kinds_.shapes(), start, gathered);
+      if (gathered.page.more) break;
+      start = {};
+      [[fallthrough]];
+    case storage::PresentKind::kObject:
+      Gather(database_.kinds_.objects(), start, gathered);
+      break;
+    case storage::PresentKind::kFault:
+      UPLINK_CHECK(false, "the key of an item");
   }
   return std::move(gathered.page);
 }
@@ -94,10 +103,15 @@ absl::StatusOr<std::vector<SharedItem>> FakeSharedItems::Of(std::span<const Item
   const std::lock_guard lock(database_.mutex_);
   std::vector<SharedItem> items;
   for (const ItemKey& key : keys) {
-    if (key.kind == storage::PresentKind::kShape) {
-      LookUp(database_.kinds_.shapes(), key, items);
-    } else {
-      LookUp(database_.kinds_.objects(), key, items);
+    switch (key.kind) {
+      case storage::PresentKind::kShape:
+        LookUp(database_.kinds_.shapes(), key, items);
+        break;
+      case storage::PresentKind::kObject:
+        LookUp(database_.kinds_.objects(), key, items);
+        break;
+      case storage::PresentKind::kFault:
+        UPLINK_CHECK(false, "the key of an item");
     }
   }
   return items;

@@ -116,10 +116,13 @@ void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejec
 
 void BatchRows::Drop(const PresentKey& key) {
   UPLINK_CHECK(BoundOf(key.kind).expires, "a kind that expires");
-  if (key.kind == PresentKind::kShape) {
-    shapes_.Delete(key);
-  } else {
-    objects_.Delete(key);
+  switch (key.kind) {
+    case PresentKind::kShape:
+      return shapes_.Delete(key);
+    case PresentKind::kObject:
+      return objects_.Delete(key);
+    case PresentKind::kFault:
+      break;  // does not expire
   }
 }
 

@@ -23,7 +23,7 @@ absl::StatusOr<Swept> SweepRows(Connection& connection, SystemTime now, const St
   calls.push_back({kBegin, {}});
   const std::size_t first = calls.size();
   if (Vouches(rules.clock, now)) {
-    for (const PresentKind kind : {PresentKind::kShape, PresentKind::kObject}) {
+    for (const PresentKind kind : kItemKinds) {
       StoreCall& call = calls.emplace_back(StoreCall{PresentSqlOf(kind).sweep.view(), {}});
       call.parameters.Int8(UnixMs(now - kExpiredKept));
       call.parameters.Int8(static_cast<std::int64_t>(kSweepRowsMax));

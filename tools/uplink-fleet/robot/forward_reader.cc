@@ -1,6 +1,5 @@
 #include "tools/uplink-fleet/robot/forward_reader.h"
 
-#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -15,23 +14,24 @@ ItemRef Item(ItemKind kind, const std::string& id) {
   return std::make_shared<const ItemName>(ItemName{kind, id});
 }
 
+// One for each kind of command: the compiler finds the one that is missing.
+ReadCommand ReadOf(const nexus_command::Shape& what) {
+  return {.item = Item(ItemKind::kShape, what.identity.id), .fingerprint = FingerprintOf(what)};
+}
+ReadCommand ReadOf(const model::Object& what) {
+  return {.item = Item(ItemKind::kObject, what.id), .fingerprint = FingerprintOf(what)};
+}
+ReadCommand ReadOf(const nexus_command::ShapeDeletion& what) {
+  return {.item = Item(ItemKind::kShape, what.id), .deletion = true};
+}
+ReadCommand ReadOf(const nexus_command::ObjectDeletion& what) {
+  return {.item = Item(ItemKind::kObject, what.id), .deletion = true};
+}
+
 ReadCommand Decoded(const std::string& bytes) {
   const auto command = nexus_command::Decode(bytes);
   if (!command.ok()) return {.error = std::string(command.status().message())};
-  return std::visit(
-      []<typename What>(const What& what) -> ReadCommand {
-        if constexpr (std::is_same_v<What, nexus_command::Shape>) {
-          return {.item = Item(ItemKind::kShape, what.identity.id),
-                  .fingerprint = FingerprintOf(what)};
-        } else if constexpr (std::is_same_v<What, model::Object>) {
-          return {.item = Item(ItemKind::kObject, what.id), .fingerprint = FingerprintOf(what)};
-        } else if constexpr (std::is_same_v<What, nexus_command::ShapeDeletion>) {
-          return {.item = Item(ItemKind::kShape, what.id), .deletion = true};
-        } else {
-          return {.item = Item(ItemKind::kObject, what.id), .deletion = true};
-        }
-      },
-      command->what);
+  return std::visit([](const auto& what) { return ReadOf(what); }, command->what);
 }
 
 }  // namespace

@@ -9,10 +9,21 @@
 
 namespace uplink::synthetic {
 
-std::string Shown(const ItemName& item) {
-  const bool shape = item.kind == nexus_command::ItemKind::kShape;
-  return fmt::format("{} {}", shape ? "shape" : "object", item.id);
+namespace {
+
+std::string_view NameOf(nexus_command::ItemKind kind) {
+  switch (kind) {
+    case nexus_command::ItemKind::kShape:
+      return "shape";
+    case nexus_command::ItemKind::kObject:
+      break;
+  }
+  return "object";
 }
+
+}  // namespace
+
+std::string Shown(const ItemName& item) { return fmt::format("{} {}", NameOf(item.kind), item.id); }
 
 bool IsOf(const ItemName& item, std::string_view ruri) {
   const std::string_view id = item.id;
