@@ -29,4 +29,13 @@ std::string ForwardedId(std::string_view id, std::string_view origin_ruri) {
   return forwarded;
 }
 
+std::optional<std::string_view> OriginalId(std::string_view forwarded_id,
+                                           std::string_view origin_ruri) {
+  if (!forwarded_id.ends_with(origin_ruri)) return std::nullopt;
+  forwarded_id.remove_suffix(origin_ruri.size());
+  if (!forwarded_id.ends_with('@')) return std::nullopt;
+  forwarded_id.remove_suffix(1);
+  return forwarded_id;
+}
+
 }  // namespace uplink::nexus_command

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -22,6 +23,12 @@ using CommandId = std::array<std::uint8_t, 16>;
 /// The id by which other robots know an item: `<id>@<origin RURI>`. Robots may choose the same ids,
 /// and a command names nothing but an id.
 [[nodiscard]] std::string ForwardedId(std::string_view id, std::string_view origin_ruri);
+
+/// The id by which the origin knows the item: what is before `@<origin RURI>`. Nothing if the
+/// forwarded id is of no item of that robot. An id and a RURI may hold `@` and `@rcan://`, so this
+/// is the one way to take a forwarded id apart. The view leads into `forwarded_id`.
+[[nodiscard]] std::optional<std::string_view> OriginalId(std::string_view forwarded_id,
+                                                         std::string_view origin_ruri);
 
 /// A shape as robots are told of it: a ReportedShape without its expiry. A value.
 struct Shape {

@@ -1,5 +1,6 @@
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -110,6 +111,24 @@ TEST(NexusCommandTest, DeletesByTheForwardedId) {
 }
 
 /// An id as long as it may be kept, from a robot with the longest RURI.
+TEST(NexusCommandTest, AForwardedIdIsTakenApartByItsOriginAlone) {
+  for (const std::string_view id :
+       {"pit", "", "@", "a@b", "a@rcan://x", "a@rcan://local.rcan/acme/mower/1", "rcan://x@"}) {
+    for (const std::string_view origin : {kOrigin, std::string_view("rcan://x@rcan://y")}) {
+      const std::string deletion = EncodeDelete(kId, ItemKind::kShape, id, origin);
+      const std::string told = std::get<ShapeDeletion>(Decoded(deletion).what).id;
+      EXPECT_EQ(OriginalId(told, origin), id) << told;
+    }
+  }
+  // Of two robots, one of which bears the other's name within its own, ids alone may be the same.
+  EXPECT_EQ(ForwardedId("a", "rcan://x@rcan://y"), ForwardedId("a@rcan://x", "rcan://y"));
+  EXPECT_EQ(OriginalId("a@rcan://x@rcan://y", "rcan://y"), "a@rcan://x");
+  EXPECT_EQ(OriginalId("a@rcan://x@rcan://y", "rcan://x@rcan://y"), "a");
+  EXPECT_EQ(OriginalId("a@rcan://x", "rcan://y"), std::nullopt);
+  EXPECT_EQ(OriginalId("arcan://x", "rcan://x"), std::nullopt);
+  EXPECT_EQ(OriginalId("rcan://x", "rcan://x"), std::nullopt);
+}
+
 TEST(NexusCommandTest, HasRoomForTheLongestForwardedIdAndNoMore) {
   const std::string origin(model::kRuriBytesMax, 'r');
   model::Object object = test::SampleObject();

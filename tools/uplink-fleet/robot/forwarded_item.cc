@@ -26,8 +26,7 @@ std::string_view NameOf(nexus_command::ItemKind kind) {
 std::string Shown(const ItemName& item) { return fmt::format("{} {}", NameOf(item.kind), item.id); }
 
 bool IsOf(const ItemName& item, std::string_view ruri) {
-  const std::string_view id = item.id;
-  return id.ends_with(ruri) && id.size() > ruri.size() && id[id.size() - ruri.size() - 1] == '@';
+  return nexus_command::OriginalId(item.id, ruri).has_value();
 }
 
 std::uint64_t FingerprintOf(v1::Shape row) {

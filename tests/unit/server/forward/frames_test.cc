@@ -133,6 +133,19 @@ TEST(FramesTest, ADeletionNamesTheForwardedIdByItsKind) {
       "dog@rcan://a/1");
 }
 
+TEST(FramesTest, AnIdThatHoldsAnAddressIsTakenApartByTheFramesOrigin) {
+  constexpr const char* kId = "pit@rcan://b/2";
+  model::ReportedShape hazard = Hazard();
+  hazard.identity.id = kId;
+  const auto upsert = UpsertFrame(RowOf(hazard), kCommand);
+  ASSERT_TRUE(upsert.ok()) << upsert.status();
+  const auto told = std::get<nexus_command::Shape>(CommandOf(*upsert).what).identity.id;
+  EXPECT_EQ(nexus_command::OriginalId(told, ForwardOf(*upsert).origin_ruri()), kId);
+  const EncodedFrame end =
+      DeleteFrame({storage::PresentKind::kShape, std::string(kOrigin), kId}, kCommand);
+  EXPECT_EQ(std::get<nexus_command::ShapeDeletion>(CommandOf(end).what).id, told);
+}
+
 TEST(FramesTest, ARowThatIsNoGeometryIsAnError) {
   storage::SharedItem item = RowOf(Hazard());
   std::get<storage::ShapeRow>(item.row).geometry_json = R"({"type":"Blob"})";

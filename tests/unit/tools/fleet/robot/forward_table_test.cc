@@ -166,6 +166,17 @@ TEST_F(ForwardTableTest, AnIdOfAnotherThanTheOrigin) {
   ExpectViolation("came as one of rcan://test/third");
 }
 
+TEST_F(ForwardTableTest, AnIdThatHoldsAnotherRobotsAddressIsOfItsOrigin) {
+  const std::string id = std::string("a@") + kSelf;
+  Snapshot({id});
+  EXPECT_THAT(Ids(), ElementsAre("a@rcan://test/self@rcan://test/other"));
+  EXPECT_TRUE(IsOf(*table_.Held().front().first, kOther));
+  EXPECT_FALSE(IsOf(*table_.Held().front().first, kSelf));
+  table_.Take(Delete(id));
+  EXPECT_THAT(Ids(), IsEmpty());
+  EXPECT_EQ(table_.violations(), 0U) << table_.first_violation();
+}
+
 TEST_F(ForwardTableTest, BytesThatAreNoCommand) {
   Snapshot({});
   table_.Take(Command("no command", kOther));
