@@ -108,9 +108,11 @@ bool FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame
 
 void FleetItems::Overflow(Receiver& receiver) {
   counts_.replaced += receiver.waiting.size() + 1;
-  receiver.waiting.Clear();
   ++counts_.overflows;
-  if (overflowed_.size() < kOverflowsToldMax) overflowed_.insert(receiver.ruri);
+  if (overflowed_.size() < kOverflowsToldMax) {
+    overflowed_.try_emplace(receiver.ruri, receiver.waiting.MostFrom());
+  }
+  receiver.waiting.Clear();
   if (receiver.state == Receiver::State::kFollows) {
     receiver.state = Receiver::State::kBegins;
   } else {
@@ -118,7 +120,7 @@ void FleetItems::Overflow(Receiver& receiver) {
   }
 }
 
-std::set<std::string> FleetItems::TakeOverflowed() {
+std::map<std::string, std::string> FleetItems::TakeOverflowed() {
   const std::lock_guard lock(mutex_);
   return std::exchange(overflowed_, {});
 }

@@ -101,9 +101,9 @@ class FleetItems final {
     std::size_t receivers = 0;
   };
   [[nodiscard]] Sum sum() const;
-  /// Receivers that fell so far behind, since the last call, that they get a new snapshot; the
-  /// first kOverflowsToldMax.
-  [[nodiscard]] std::set<std::string> TakeOverflowed();
+  /// Receivers that fell so far behind, since the last call, that they get a new snapshot, each
+  /// with the robot of which most waited; the first kOverflowsToldMax.
+  [[nodiscard]] std::map<std::string, std::string> TakeOverflowed();
 
  private:
   using Items = std::map<KeyRef, Item, KeyOrder>;
@@ -158,7 +158,7 @@ class FleetItems final {
   std::set<ExpiryOrder::Entry, ExpiryOrder> expiries_;
   std::vector<Receiver*> receivers_;
   Counts counts_;
-  std::set<std::string> overflowed_;
+  std::map<std::string, std::string> overflowed_;
 };
 
 }  // namespace uplink::forward

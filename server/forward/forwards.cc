@@ -64,53 +64,76 @@ std::vector<Forwards::FleetRef> Forwards::Fleets() const {
 
 // --- The shared set ---
 
-std::size_t Forwards::Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-                          const Encode& encode) {
+std::size_t Forwards::Put(const ItemKey& key, const Facts& facts, const Encode& encode) {
   const auto known = where_.find(key);
-  if (known == where_.end()) return PutNew(key, fleet, expires_ms, encode);
+  if (known == where_.end()) return PutNew(key, facts, encode);
   Where& where = known->second;
-  if (where.fleet_name != fleet) {
+  if (where.fleet_name != facts.fleet) {
     const std::size_t ends = Remove(key);
-    return ends + PutNew(key, fleet, expires_ms, encode);
+    return ends + PutNew(key, facts, encode);
   }
   const EncodedFrame same = encode(where.command);
   if (same == nullptr) return Remove(key);
   if (*same == *where.fleet->FrameOf(key)) {
-    where.fleet->SetExpiry(key, expires_ms);
+    where.fleet->SetExpiry(key, facts.expires_ms);
     return 0;
   }
   where.command = NewCommand();
   EncodedFrame frame = encode(where.command);
   const std::size_t frame_bytes = frame->size();
   const std::size_t bytes = BytesOf(key, frame);
-  if (!shares_.Resize({key.ruri, fleet}, where.bytes, bytes)) {
+  const Shares::Holder holder{key.ruri, facts.fleet};
+  if (!TakeRoom(holder, where.bytes, bytes)) {
     // What was forwarded of it is not true any more.
     const std::size_t ends = Remove(key);
-    shares_.NoteLeftOut({key.ruri, fleet});
+    shares_.NoteLeftOut(holder);
     return ends;
   }
   where.bytes = bytes;
-  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}),
+  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = facts.expires_ms}),
               frame_bytes);
 }
 
-std::size_t Forwards::PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-                             const Encode& encode) {
+std::size_t Forwards::PutNew(const ItemKey& key, const Facts& facts, const Encode& encode) {
+  const Shares::Holder holder{key.ruri, facts.fleet};
+  const auto leave_out = [&] {
+    shares_.NoteLeftOut(holder);
+    return std::size_t{0};
+  };
+  if (!shares_.MayFit(holder, facts.least_bytes + kItemOverheadBytes)) return leave_out();
   const nexus_command::CommandId command = NewCommand();
   EncodedFrame frame = encode(command);
   if (frame == nullptr) return 0;
   const std::size_t frame_bytes = frame->size();
   const std::size_t bytes = BytesOf(key, frame);
-  const Shares::Holder holder{key.ruri, fleet};
-  if (!shares_.Resize(holder, 0, bytes)) {
-    shares_.NoteLeftOut(holder);
-    return 0;
-  }
+  if (!TakeRoom(holder, 0, bytes)) return leave_out();
   shares_.NoteChanged(key.ruri);
-  const Where where{fleet, FleetOf(fleet), command, bytes};
+  const Where where{facts.fleet, FleetOf(facts.fleet), command, bytes};
   where_.emplace(key, where);
-  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = expires_ms}),
+  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = facts.expires_ms}),
               frame_bytes);
+}
+
+bool Forwards::TakeRoom(const Shares::Holder& holder, std::size_t before, std::size_t after) {
+  for (std::size_t gone = 0; !shares_.Resize(holder, before, after); ++gone) {
+    const auto who = shares_.WhoGivesWay(holder, before, after);
+    if (!who || gone == kGiveWayMax || !GiveWay(*who)) return false;
+  }
+  return true;
+}
+
+bool Forwards::GiveWay(const Shares::OwnedHolder& holder) {
+  for (const storage::PresentKind kind : storage::kItemKinds) {
+    const auto first = where_.lower_bound(ItemKey{kind, holder.ruri, ""});
+    if (first == where_.end() || first->first.kind != kind || first->first.ruri != holder.ruri) {
+      continue;
+    }
+    const ItemKey key = first->first;
+    Remove(key);
+    shares_.NoteLeftOut({holder.ruri, holder.fleet});
+    return true;
+  }
+  return false;
 }
 
 std::size_t Forwards::Remove(const ItemKey& key) {
@@ -128,9 +151,14 @@ std::size_t Forwards::Remove(const ItemKey& key) {
   return Told(where.fleet->Remove(gone, deletion), deletion->size());
 }
 
-void Forwards::RemoveElsewhere(const ItemKey& key, const std::string& fleet) {
+void Forwards::PutOff(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms) {
   const auto known = where_.find(key);
-  if (known != where_.end() && known->second.fleet_name != fleet) Remove(key);
+  if (known == where_.end()) return;
+  if (known->second.fleet_name == fleet) {
+    known->second.fleet->SetExpiry(key, expires_ms);
+  } else {
+    Remove(key);
+  }
 }
 
 std::size_t Forwards::Told(const FleetItems::FannedOut& out, std::size_t frame_bytes) {
@@ -138,8 +166,8 @@ std::size_t Forwards::Told(const FleetItems::FannedOut& out, std::size_t frame_b
   return out.receivers * (frame_bytes + kWireOverheadBytes);
 }
 
-std::set<std::string> Forwards::TakeOverflowed() {
-  std::set<std::string> robots;
+std::map<std::string, std::string> Forwards::TakeOverflowed() {
+  std::map<std::string, std::string> robots;
   for (const FleetRef& fleet : Fleets()) robots.merge(fleet->TakeOverflowed());
   return robots;
 }

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -35,14 +34,22 @@ class Forwards final : public session::ForwardSource {
 
   /// Makes the frame of an item, with the number of its command. Null: it cannot be forwarded.
   using Encode = std::function<EncodedFrame(const nexus_command::CommandId& command)>;
+  /// What is known of an item before its frame is made. A value.
+  struct Facts {
+    const std::string& fleet;
+    /// Unix milliseconds; 0: never.
+    std::int64_t expires_ms = 0;
+    std::size_t least_bytes = 0;
+  };
   /// The item is there, in this fleet. Nothing is forwarded if no robot would see a difference.
   /// Left out, and gone, if there is no room for it. Returns the bytes that receivers are to get.
-  std::size_t Put(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-                  const Encode& encode);
+  /// The frame has at least `least_bytes`: where those have no room it is not made.
+  std::size_t Put(const ItemKey& key, const Facts& facts, const Encode& encode);
   /// The item is there no more; nothing if it was not. Returns the bytes that receivers are to get.
   std::size_t Remove(const ItemKey& key);
-  /// The item is in this fleet, and in no other one any more.
-  void RemoveElsewhere(const ItemKey& key, const std::string& fleet);
+  /// The item is there, in this fleet, and how it is now is told later: it is in no other fleet any
+  /// more, and lives until then.
+  void PutOff(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms);
   /// All that the store holds was put: snapshots may begin.
   void SetWhole();
   /// Removes what expired at or before then.
@@ -75,9 +82,9 @@ class Forwards final : public session::ForwardSource {
     bool whole = false;
   };
   [[nodiscard]] Sum sum() const;
-  /// Robots that receive and fell so far behind, since the last call, that they get a new snapshot;
-  /// the first kOverflowsToldMax of each fleet.
-  [[nodiscard]] std::set<std::string> TakeOverflowed();
+  /// Robots that receive and fell so far behind, since the last call, that they get a new snapshot,
+  /// each with the robot of which most waited; the first kOverflowsToldMax of each fleet.
+  [[nodiscard]] std::map<std::string, std::string> TakeOverflowed();
   [[nodiscard]] std::size_t bytes_max() const { return shares_.bytes_max(); }
 
  private:
@@ -87,8 +94,12 @@ class Forwards final : public session::ForwardSource {
   void ToWake(const std::vector<robot::StreamRef>& streams);
   /// Wakes those who are to be, and returns the bytes that they get of the frame.
   std::size_t Told(const FleetItems::FannedOut& out, std::size_t frame_bytes);
-  std::size_t PutNew(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms,
-                     const Encode& encode);
+  std::size_t PutNew(const ItemKey& key, const Facts& facts, const Encode& encode);
+  /// Room for an item of the robot that takes `after` in place of `before`, if need be where those
+  /// that take most gave way.
+  [[nodiscard]] bool TakeRoom(const Shares::Holder& holder, std::size_t before, std::size_t after);
+  /// One item of the robot goes, and is left out. False if there is none.
+  bool GiveWay(const Shares::OwnedHolder& holder);
   [[nodiscard]] FleetRef FleetOf(const std::string& name);
   [[nodiscard]] std::vector<FleetRef> Fleets() const;
   [[nodiscard]] nexus_command::CommandId NewCommand() const;

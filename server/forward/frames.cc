@@ -1,5 +1,6 @@
 #include "server/forward/frames.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -91,6 +92,14 @@ absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
         return Command(origin, nexus_command::EncodeUpsert(command, *reported, origin));
       },
       item.row);
+}
+
+std::size_t LeastFrameBytes(const storage::SharedItem& item) {
+  const auto* const shape = std::get_if<storage::ShapeRow>(&item.row);
+  if (shape == nullptr) return 0;
+  // One bracket for each position, and some for what holds them: half of 16 bytes for each is less.
+  constexpr std::size_t kBytesPerBracket = 8;
+  return kBytesPerBracket * static_cast<std::size_t>(std::ranges::count(shape->geometry_json, '['));
 }
 
 EncodedFrame DeleteFrame(const ItemKey& key, const nexus_command::CommandId& command) {

@@ -16,6 +16,9 @@ namespace uplink::forward {
 /// Errors: what the store holds is no shape or object: the message says of which item.
 [[nodiscard]] absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
                                                        const nexus_command::CommandId& command);
+/// What the frame of the item has at least, without making it: a position of its geometry is two
+/// numbers of eight bytes.
+[[nodiscard]] std::size_t LeastFrameBytes(const storage::SharedItem& item);
 /// The item is there no more.
 [[nodiscard]] EncodedFrame DeleteFrame(const ItemKey& key, const nexus_command::CommandId& command);
 

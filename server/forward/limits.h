@@ -27,6 +27,8 @@ inline constexpr std::size_t kSharedBytesMax = 256U * 1024 * 1024;
 inline constexpr std::size_t kFleetBytesMax = kSharedBytesMax / 4;
 /// What one robot may have of it: its 10,000 shapes (storage::BoundOf) with a few points each.
 inline constexpr std::size_t kRobotBytesMax = kSharedBytesMax / 16;
+/// Items that give way to one of a robot that takes little.
+inline constexpr std::size_t kGiveWayMax = 256;
 /// Memory that an item takes besides its texts and its frame (measured on the containers).
 inline constexpr std::size_t kItemOverheadBytes = 512;
 /// Items that are looked up in the store at once: some may be as large as a frame.

@@ -98,11 +98,11 @@ std::optional<SteadyTime> Paces::DueAt(SteadyTime now) const {
   return due;
 }
 
-std::set<std::string> Paces::robots() const {
-  std::set<std::string> robots;
+std::map<std::string, std::string> Paces::robots() const {
+  std::map<std::string, std::string> robots;
   if (waiting_ == 0) return robots;
   for (const auto& [ruri, robot] : robots_) {
-    if (!robot.waiting.empty()) robots.insert(ruri);
+    if (!robot.waiting.empty()) robots.emplace(ruri, "");
   }
   return robots;
 }

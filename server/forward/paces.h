@@ -52,8 +52,8 @@ class Paces final {
   /// When some may go out; nothing if none waits.
   [[nodiscard]] std::optional<SteadyTime> DueAt(SteadyTime now) const;
   [[nodiscard]] std::size_t waiting() const { return waiting_; }
-  /// Whose changes wait.
-  [[nodiscard]] std::set<std::string> robots() const;
+  /// Whose changes wait, for ToldRobots.
+  [[nodiscard]] std::map<std::string, std::string> robots() const;
 
  private:
   struct Robot {

@@ -23,9 +23,9 @@ Rounds::Rounds(const Context& context)
     : context_(context),
       unreadable_(context.logger, context.probe),
       paces_(context.paces),
-      left_out_(context.logger, "forward_left_out"),
+      left_out_(context.logger, "forward_left_out", "most_from"),
       paced_(context.logger, "forward_paced"),
-      behind_(context.logger, "forward_receiver_behind") {}
+      behind_(context.logger, "forward_receiver_behind", "most_from") {}
 
 void Rounds::Start() {
   stopping_ = false;
@@ -73,8 +73,7 @@ SteadyTime::duration Rounds::NextLookIn() {
 
 absl::Status Rounds::Round() {
   woken_streams_ = 0;
-  if (context_.clock_trust.vouched()) context_.forwards.Expire(context_.clock.System());
-  WakeReceivers();
+  Expire();
   absl::Status status = Look();
   WakeReceivers();
   Tell(status);
@@ -87,10 +86,19 @@ absl::Status Rounds::Look() {
   if (!positions_) {
     if (absl::Status read = ReadAll(); !read.ok()) return read;
   }
-  if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
-  const std::vector<storage::ItemKey> due = paces_.Due(context_.clock.Steady());
-  if (absl::Status applied = Apply(due, Paces::Turn::kWaited); !applied.ok()) return applied;
+  if (absl::Status step = Step(); !step.ok()) return step;
   return LookAtLeftOut();
+}
+
+void Rounds::Expire() {
+  if (context_.clock_trust.vouched()) context_.forwards.Expire(context_.clock.System());
+  WakeReceivers();
+}
+
+absl::Status Rounds::Step() {
+  Expire();
+  if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
+  return Apply(paces_.Due(context_.clock.Steady()), Paces::Turn::kWaited);
 }
 
 absl::Status Rounds::WalkPages(std::optional<storage::ItemKey> after, const Walk& walk) {
@@ -122,7 +130,11 @@ absl::Status Rounds::ReadAll() {
                                                      Put(item);
                                                      return true;
                                                    },
-                                               .between = [] { return absl::OkStatus(); }});
+                                               .between =
+                                                   [this] {
+                                                     Expire();
+                                                     return absl::OkStatus();
+                                                   }});
   if (!read.ok()) return read;
   for (const storage::ItemKey& key : context_.forwards.Keys()) {
     if (!present.contains(key)) Remove(key);
@@ -146,7 +158,7 @@ absl::Status Rounds::LookAtLeftOut() {
   for (const std::string& robot : context_.forwards.shares().ToLookAtAgain()) {
     if (absl::Status read = ReadRobot(robot); !read.ok()) return read;
     // What others share is not kept waiting for one robot.
-    if (absl::Status followed = FollowChanges(); !followed.ok()) return followed;
+    if (absl::Status step = Step(); !step.ok()) return step;
   }
   return absl::OkStatus();
 }
@@ -154,15 +166,16 @@ absl::Status Rounds::LookAtLeftOut() {
 absl::Status Rounds::ReadRobot(const std::string& ruri) {
   context_.forwards.shares().BeginLook(ruri);
   for (const auto kind : storage::kItemKinds) {
-    absl::Status read = WalkPages(storage::ItemKey{kind, ruri, ""},
-                                  {.take =
-                                       [&](const storage::SharedItem& item) {
-                                         const storage::ItemKey key = item.Key();
-                                         if (key.kind != kind || key.ruri != ruri) return false;
-                                         PutPaced(item, Paces::Turn::kNew);
-                                         return true;
-                                       },
-                                   .between = [this] { return FollowChanges(); }});
+    absl::Status read =
+        WalkPages(storage::ItemKey{kind, ruri, ""}, {.take =
+                                                         [&](const storage::SharedItem& item) {
+                                                           const storage::ItemKey key = item.Key();
+                                                           if (key.kind != kind || key.ruri != ruri)
+                                                             return false;
+                                                           PutPaced(item, Paces::Turn::kNew);
+                                                           return true;
+                                                         },
+                                                     .between = [this] { return Step(); }});
     if (!read.ok()) {
       context_.forwards.shares().BreakOffLook();
       return read;
@@ -185,7 +198,10 @@ absl::Status Rounds::FollowChanges() {
       return applied;
     positions_ = std::move(changes->positions);
     context_.probe.changes.Add(static_cast<std::int64_t>(changes->keys.size()));
-    if (changes->more) continue;
+    if (changes->more) {
+      Expire();
+      continue;
+    }
     context_.probe.followed_at_ms.Set(SteadyMs(context_.clock.Steady()));
     return absl::OkStatus();
   }
@@ -226,7 +242,8 @@ void Rounds::Remove(const storage::ItemKey& key) {
 void Rounds::PutPaced(const storage::SharedItem& item, Paces::Turn turn) {
   const storage::ItemKey key = item.Key();
   if (paces_.Passes(key, turn, context_.clock.Steady())) return Put(item);
-  context_.forwards.RemoveElsewhere(key, item.robot().fleet);
+  // Until it is told how the item is now, its life is what the store says.
+  context_.forwards.PutOff(key, item.robot().fleet, item.expires_at_ms());
 }
 
 void Rounds::Put(const storage::SharedItem& item) {
@@ -234,7 +251,10 @@ void Rounds::Put(const storage::SharedItem& item) {
   if (Expired(item.expires_at_ms())) return Remove(key);
   absl::Status unreadable;
   const std::size_t bytes =
-      context_.forwards.Put(key, item.robot().fleet, item.expires_at_ms(),
+      context_.forwards.Put(key,
+                            {.fleet = item.robot().fleet,
+                             .expires_ms = item.expires_at_ms(),
+                             .least_bytes = LeastFrameBytes(item)},
                             [&](const nexus_command::CommandId& command) -> EncodedFrame {
                               auto frame = UpsertFrame(item, command);
                               if (frame.ok()) return *std::move(frame);
@@ -250,9 +270,9 @@ void Rounds::Put(const storage::SharedItem& item) {
 }
 
 void Rounds::TellRobots() {
-  const bool was_left_out = !left_out_.empty();
+  const bool was_left_out = !left_out_.none();
   left_out_.Tell(context_.forwards.shares().robots_left_out());
-  if (was_left_out && left_out_.empty()) context_.logger.Info("forward_complete_again", {});
+  if (was_left_out && left_out_.none()) context_.logger.Info("forward_complete_again", {});
   context_.probe.paced_now.Set(static_cast<std::int64_t>(paces_.waiting()));
   paced_.Tell(paces_.robots());
   behind_.Tell(context_.forwards.TakeOverflowed());

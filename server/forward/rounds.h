@@ -80,6 +80,9 @@ class Rounds final {
     std::function<absl::Status()> between;
   };
   absl::Status WalkPages(std::optional<storage::ItemKey> after, const Walk& walk);
+  /// What must not wait for long: ends, changes, and those that waited for their pace.
+  absl::Status Step();
+  void Expire();
   absl::Status FollowChanges();
   absl::Status Apply(std::span<const storage::ItemKey> keys, Paces::Turn turn);
   /// Puts the item unless its robot is over its pace: then it waits.

@@ -5,24 +5,65 @@
 
 namespace uplink::forward {
 
-bool Shares::Resize(const Holder& holder, std::size_t before, std::size_t after) {
-  const auto robot = robots_.try_emplace(holder.ruri, 0).first;
-  const auto fleet = fleets_.try_emplace(holder.fleet, 0).first;
-  const std::size_t of_robot = robot->second - before + after;
-  const std::size_t of_fleet = fleet->second - before + after;
-  const std::size_t all = bytes_.load() - before + after;
-  const bool grows = after > before;
-  const bool fits = !grows || (of_robot <= limits_.robot_bytes_max &&
-                               of_fleet <= limits_.fleet_bytes_max && all <= limits_.bytes_max);
-  if (fits) {
-    robot->second = of_robot;
-    fleet->second = of_fleet;
-    bytes_ = all;
+Shares::Taken Shares::TakenBy(const Holder& holder) const {
+  Taken taken{.all = bytes_.load()};
+  const auto fleet = fleets_.find(holder.fleet);
+  if (fleet == fleets_.end()) return taken;
+  taken.fleet = fleet->second.bytes;
+  const auto robot = fleet->second.robots.find(holder.ruri);
+  if (robot != fleet->second.robots.end()) taken.robot = robot->second;
+  return taken;
+}
+
+void Shares::Set(const Holder& holder, const Taken& taken) {
+  Fleet& fleet = fleets_[holder.fleet];
+  const auto robot = fleet.robots.try_emplace(holder.ruri, 0).first;
+  fleet.by_bytes.erase({robot->second, holder.ruri});
+  if (taken.robot > 0) {
+    robot->second = taken.robot;
+    fleet.by_bytes.emplace(taken.robot, holder.ruri);
+  } else {
+    fleet.robots.erase(robot);
   }
-  if (robot->second == 0) robots_.erase(robot);
-  if (fleet->second == 0) fleets_.erase(fleet);
+  fleet.bytes = taken.fleet;
+  bytes_ = taken.all;
+  if (fleet.robots.empty()) fleets_.erase(holder.fleet);
+}
+
+bool Shares::Resize(const Holder& holder, std::size_t before, std::size_t after) {
+  Taken taken = TakenBy(holder);
+  for (std::size_t* bytes : {&taken.robot, &taken.fleet, &taken.all}) *bytes += after - before;
+  if (after > before && !Fits(taken)) return false;
+  Set(holder, taken);
   if (after < before) NoteRoom(holder.ruri);
-  return fits;
+  return true;
+}
+
+std::optional<Shares::OwnedHolder> Shares::WhoGivesWay(const Holder& holder, std::size_t before,
+                                                       std::size_t after) const {
+  Taken taken = TakenBy(holder);
+  for (std::size_t* bytes : {&taken.robot, &taken.fleet, &taken.all}) *bytes += after - before;
+  if (taken.robot > limits_.robot_bytes_max) return std::nullopt;
+  auto fleet = fleets_.find(holder.fleet);
+  if (taken.fleet <= limits_.fleet_bytes_max) {
+    fleet =
+        std::ranges::max_element(fleets_, {}, [](const auto& entry) { return entry.second.bytes; });
+  }
+  if (fleet == fleets_.end() || fleet->second.by_bytes.empty()) return std::nullopt;
+  const auto& [bytes, ruri] = *fleet->second.by_bytes.rbegin();
+  if (ruri == holder.ruri || bytes / 2 < taken.robot) return std::nullopt;
+  return OwnedHolder{ruri, fleet->first};
+}
+
+bool Shares::MayFit(const Holder& holder, std::size_t bytes) const {
+  Taken taken = TakenBy(holder);
+  for (std::size_t* of : {&taken.robot, &taken.fleet, &taken.all}) *of += bytes;
+  return Fits(taken) || WhoGivesWay(holder, 0, bytes);
+}
+
+std::string Shares::MostOf(const std::string& fleet) const {
+  const auto known = fleets_.find(fleet);
+  return known == fleets_.end() ? std::string() : known->second.by_bytes.rbegin()->second;
 }
 
 void Shares::NoteRoom(const std::string& ruri) {
@@ -37,21 +78,21 @@ void Shares::NoteChanged(const std::string& ruri) {
 }
 
 void Shares::NoteLeftOut(const Holder& holder) {
-  const auto has = [](const auto& bytes, const std::string& of) {
-    const auto found = bytes.find(of);
-    return found == bytes.end() ? 0 : found->second;
-  };
   ++left_out_;
   LeftOut& left_out = robots_left_out_[holder.ruri];
+  left_out.fleet = holder.fleet;
   ++left_out.times;
   // Whose room was the smaller one: that is what must grow.
-  const std::size_t own = limits_.robot_bytes_max - has(robots_, holder.ruri);
-  const std::size_t others = std::min(limits_.fleet_bytes_max - has(fleets_, holder.fleet),
-                                      limits_.bytes_max - bytes_.load());
+  const Taken taken = TakenBy(holder);
+  const std::size_t own = limits_.robot_bytes_max - taken.robot;
+  const std::size_t others =
+      std::min(limits_.fleet_bytes_max - taken.fleet, limits_.bytes_max - taken.all);
   left_out.for_others = left_out.for_others || others < own;
 }
 
-void Shares::Begin(LeftOut& left_out) { left_out = {.before = left_out.before + left_out.times}; }
+void Shares::Begin(LeftOut& left_out) {
+  left_out = {.fleet = left_out.fleet, .before = left_out.before + left_out.times};
+}
 
 void Shares::BeginLook(const std::string& ruri) {
   const auto robot = robots_left_out_.find(ruri);
@@ -81,9 +122,11 @@ std::vector<std::string> Shares::ToLookAtAgain() const {
   return robots;
 }
 
-std::set<std::string> Shares::robots_left_out() const {
-  std::set<std::string> robots;
-  for (const auto& [robot, left_out] : robots_left_out_) robots.insert(robots.end(), robot);
+std::map<std::string, std::string> Shares::robots_left_out() const {
+  std::map<std::string, std::string> robots;
+  for (const auto& [robot, left_out] : robots_left_out_) {
+    robots.emplace_hint(robots.end(), robot, MostOf(left_out.fleet));
+  }
   return robots;
 }
 

@@ -7,14 +7,25 @@
 
 namespace uplink::forward {
 
-ToldRobots::ToldRobots(const log::Logger& logger, std::string event)
-    : event_(std::move(event)), lines_(logger, kForwardLinesMax, std::chrono::minutes(1)) {}
+ToldRobots::ToldRobots(const log::Logger& logger, std::string event, std::string other)
+    : event_(std::move(event)),
+      other_(std::move(other)),
+      lines_(logger, kForwardLinesMax, std::chrono::minutes(1)) {}
 
-void ToldRobots::Tell(std::set<std::string> robots) {
-  for (const std::string& robot : robots) {
-    if (!robots_.contains(robot)) lines_.Write(log::Level::kWarn, event_, {{"robot", robot}});
+bool ToldRobots::Write(const std::string& robot, const std::string& other) {
+  if (other.empty()) return lines_.Write(log::Level::kWarn, event_, {{"robot", robot}});
+  return lines_.Write(log::Level::kWarn, event_, {{"robot", robot}, {other_, other}});
+}
+
+void ToldRobots::Tell(const Robots& robots) {
+  none_ = robots.empty();
+  std::erase_if(told_, [&](const std::string& robot) { return !robots.contains(robot); });
+  for (const auto& [robot, other] : robots) {
+    if (told_.contains(robot)) continue;
+    // What is kept back is counted by the next line, and tried again by the next look.
+    if (!Write(robot, other)) return;
+    told_.insert(robot);
   }
-  robots_ = std::move(robots);
 }
 
 }  // namespace uplink::forward

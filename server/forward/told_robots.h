@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <set>
 #include <string>
 
@@ -9,21 +10,31 @@
 
 namespace uplink::forward {
 
-/// Robots to which something applies: the log names each once while it does, up to
-/// kForwardLinesMax a minute. Confined to its owner's thread.
+/// Robots to which something applies: the log names each once while it does. Past kForwardLinesMax
+/// names in a minute the others come in the next one. Confined to its owner's thread.
 class ToldRobots final {
  public:
-  /// `event` is what the log says of them. The logger outlives it.
-  ToldRobots(const log::Logger& logger, std::string event);
+  /// Each with another robot that has to do with it; empty: none.
+  using Robots = std::map<std::string, std::string>;
+
+  /// `event` is what the log says of them, and `other` as what it names the other robot. The logger
+  /// outlives it.
+  ToldRobots(const log::Logger& logger, std::string event, std::string other = {});
 
   /// These are the robots now.
-  void Tell(std::set<std::string> robots);
-  [[nodiscard]] bool empty() const { return robots_.empty(); }
+  void Tell(const Robots& robots);
+  /// It applied to none at the last Tell.
+  [[nodiscard]] bool none() const { return none_; }
 
  private:
+  [[nodiscard]] bool Write(const std::string& robot, const std::string& other);
+
   const std::string event_;
+  const std::string other_;
   log::RateLimited lines_;
-  std::set<std::string> robots_;
+  /// Those that were named.
+  std::set<std::string> told_;
+  bool none_ = true;
 };
 
 }  // namespace uplink::forward

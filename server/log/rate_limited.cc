@@ -5,9 +5,9 @@
 
 namespace uplink::log {
 
-void RateLimited::Write(Level level, std::string_view event, Fields fields) {
+bool RateLimited::Write(Level level, std::string_view event, Fields fields) {
   if (!logger_.Enabled(level)) {
-    return;
+    return true;
   }
   std::uint64_t kept_back = 0;
   {
@@ -20,7 +20,7 @@ void RateLimited::Write(Level level, std::string_view event, Fields fields) {
     if (lines_ >= lines_max_) {
       ++suppressed_;
       ++suppressed_total_;
-      return;
+      return false;
     }
     ++lines_;
     kept_back = std::exchange(suppressed_, 0);
@@ -30,6 +30,7 @@ void RateLimited::Write(Level level, std::string_view event, Fields fields) {
     all.emplace_back("suppressed", kept_back);
   }
   logger_.Write(level, event, std::span<const Field>(all));
+  return true;
 }
 
 std::uint64_t RateLimited::suppressed_total() const {

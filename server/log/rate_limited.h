@@ -25,8 +25,9 @@ class RateLimited final {
                        milliseconds span = kSpan)
       : logger_(logger), lines_max_(lines_max), span_(span) {}
 
-  /// Writes the line, with suppressed=N if N were kept back before it; or keeps it back.
-  void Write(Level level, std::string_view event, Fields fields);
+  /// Writes the line, with suppressed=N if N were kept back before it; or keeps it back. True
+  /// unless it was kept back.
+  bool Write(Level level, std::string_view event, Fields fields);
 
   /// Lines kept back since the object was made.
   [[nodiscard]] std::uint64_t suppressed_total() const;

@@ -14,6 +14,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Pair;
 using ::testing::SizeIs;
 
 class FleetItemsTest : public ::testing::Test {
@@ -191,7 +192,7 @@ TEST_F(FleetItemsTest, PastTheBoundANewSnapshotComes) {
   EXPECT_EQ(all.back(), "end");
   EXPECT_EQ(fleet_.sum().counts.snapshots, 2U);
   EXPECT_EQ(fleet_.sum().counts.overflows, 1U);
-  EXPECT_THAT(fleet_.TakeOverflowed(), ElementsAre("a"));
+  EXPECT_THAT(fleet_.TakeOverflowed(), ElementsAre(Pair("a", "b")));
   EXPECT_THAT(fleet_.TakeOverflowed(), IsEmpty()) << "it was named";
   fleet_.Leave(*a);
 }

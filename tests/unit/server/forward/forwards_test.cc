@@ -17,17 +17,20 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Key;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
 constexpr Shares::Limits kLimits = {
     .bytes_max = 100'000, .fleet_bytes_max = 50'000, .robot_bytes_max = 10'000};
 
+const std::string kNorth = "north";
+
 class ForwardsTest : public ::testing::Test {
  protected:
   void Put(const ItemKey& key, const std::string& text, std::int64_t expires_ms = 0,
            const std::string& fleet = "north") {
-    forwards_.Put(key, fleet, expires_ms, [&](const nexus_command::CommandId& command) {
+    forwards_.Put(key, {fleet, expires_ms}, [&](const nexus_command::CommandId& command) {
       return Text(text + std::string(reinterpret_cast<const char*>(command.data()), 16));
     });
   }
@@ -116,7 +119,7 @@ TEST_F(ForwardsTest, EachChangeIsACommandOfItsOwn) {
   std::set<nexus_command::CommandId> commands;
   for (const char* text : {"1", "2", "3"}) {
     nexus_command::CommandId last{};
-    forwards_.Put(KeyOf("c", "1"), "north", 0, [&](const nexus_command::CommandId& command) {
+    forwards_.Put(KeyOf("c", "1"), {kNorth}, [&](const nexus_command::CommandId& command) {
       last = command;
       return Text(text);
     });
@@ -184,18 +187,75 @@ TEST_F(ForwardsTest, OneRobotFillsNoMoreThanItsShare) {
   // One that outgrows the share is not shown as it was any more.
   Put(KeyOf("c", "2"), std::string(8'000, 'y'));
   EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
-  EXPECT_THAT(forwards_.shares().robots_left_out(), ElementsAre("c"));
+  EXPECT_THAT(forwards_.shares().robots_left_out(), ElementsAre(Key("c")));
+}
+
+TEST_F(ForwardsTest, WhoSharesMostGivesWayToWhoSharesLittle) {
+  forwards_.SetWhole();
+  const std::string large(4'000, 'x');
+  // Five robots fill the fleet's share with two items each.
+  for (const char* robot : {"a", "b", "c", "d", "e"}) {
+    for (const char* id : {"1", "2"}) Put(KeyOf(robot, id), large);
+  }
+  Put(KeyOf("f", "1"), large);
+  const auto reader = Join("reader");
+  EXPECT_THAT(Take(*reader), SizeIs(1 + 11 + 1));
+  Put(KeyOf("f", "2"), large);
+  const std::size_t before = forwards_.sum().items;
+  const std::string smaller(3'000, 'y');
+  Put(KeyOf("honest", "1"), smaller);
+  EXPECT_EQ(forwards_.sum().items, before) << "it came, and one of another's went";
+  const auto told = Take(*reader);
+  EXPECT_THAT(told, ::testing::Contains(smaller));
+  EXPECT_THAT(told, ::testing::Contains(StartsWith("gone of ")));
+  EXPECT_TRUE(forwards_.left_out());
+  for (const auto& [robot, most_from] : forwards_.shares().robots_left_out()) {
+    EXPECT_NE(robot, "honest");
+    EXPECT_NE(most_from, "");
+  }
+  // One that has two of them already is not let in by anybody.
+  Put(KeyOf("a", "3"), large);
+  EXPECT_THAT(forwards_.shares().robots_left_out(), ::testing::Contains(Key("a")));
+}
+
+TEST_F(ForwardsTest, AFrameThatCannotHaveRoomIsNotMade) {
+  bool made = false;
+  forwards_.Put(KeyOf("c", "1"), {.fleet = kNorth, .least_bytes = kLimits.robot_bytes_max},
+                [&](const nexus_command::CommandId&) {
+                  made = true;
+                  return Text("x");
+                });
+  EXPECT_FALSE(made);
+  EXPECT_TRUE(forwards_.left_out());
+}
+
+TEST_F(ForwardsTest, WhatIsPutOffLivesAsLongAsItIsToAndInItsFleetAlone) {
+  forwards_.SetWhole();
+  const auto a = Join("a");
+  Put(KeyOf("c", "1"), "hazard", 1000);
+  static_cast<void>(Take(*a));
+  forwards_.PutOff(KeyOf("c", "1"), "north", 2000);
+  forwards_.PutOff(KeyOf("c", "unknown"), "north", 2000);
+  forwards_.Expire(FromUnixMs(1999));
+  EXPECT_THAT(Take(*a), IsEmpty());
+  forwards_.PutOff(KeyOf("c", "1"), "north", 1500);
+  forwards_.Expire(FromUnixMs(1999));
+  EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
+  Put(KeyOf("c", "2"), "hazard");
+  static_cast<void>(Take(*a));
+  forwards_.PutOff(KeyOf("c", "2"), "south", 0);
+  EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
 }
 
 TEST_F(ForwardsTest, WhatCannotBeMadeAFrameIsNotThere) {
   forwards_.SetWhole();
   const auto none = [](const nexus_command::CommandId&) -> EncodedFrame { return nullptr; };
-  forwards_.Put(KeyOf("c", "1"), "north", 0, none);
+  forwards_.Put(KeyOf("c", "1"), {kNorth}, none);
   EXPECT_THAT(forwards_.Keys(), IsEmpty());
   Put(KeyOf("c", "1"), "hazard");
   const auto a = Join("a");
   static_cast<void>(Take(*a));
-  forwards_.Put(KeyOf("c", "1"), "north", 0, none);
+  forwards_.Put(KeyOf("c", "1"), {kNorth}, none);
   EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
   EXPECT_EQ(forwards_.sum().bytes, 0U);
 }

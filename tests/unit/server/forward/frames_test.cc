@@ -155,5 +155,18 @@ TEST(FramesTest, ARowThatIsNoGeometryIsAnError) {
   EXPECT_FALSE(UpsertFrame({object}, kCommand).ok());
 }
 
+TEST(FramesTest, WhatAFrameHasAtLeastIsKnownFromItsGeometry) {
+  model::ReportedShape shape = Hazard();
+  for (const std::size_t points : {1U, 2U, 100U, 8'000U}) {
+    shape.data = model::PolygonData{.exterior = model::Positions(points, {1.5, 2.5})};
+    const storage::SharedItem row = RowOf(shape);
+    const auto frame = UpsertFrame(row, kCommand);
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_LE(LeastFrameBytes(row), (*frame)->size()) << points;
+    EXPECT_GT(4 * LeastFrameBytes(row), 16 * points) << points;
+  }
+  EXPECT_LE(LeastFrameBytes(RowOf(Hazard())), (*UpsertFrame(RowOf(Hazard()), kCommand))->size());
+}
+
 }  // namespace
 }  // namespace uplink::forward

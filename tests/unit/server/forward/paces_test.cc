@@ -16,6 +16,7 @@ namespace {
 using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Key;
 using ::testing::SizeIs;
 using Turn = Paces::Turn;
 
@@ -50,7 +51,7 @@ TEST_F(PacesTest, WhoIsOverItWaitsAndNobodyElse) {
   EXPECT_FALSE(New(KeyOf("a", "2")));
   EXPECT_TRUE(New(KeyOf("b", "1")));
   EXPECT_EQ(paces_.waiting(), 2U);
-  EXPECT_THAT(paces_.robots(), ElementsAre("a"));
+  EXPECT_THAT(paces_.robots(), ElementsAre(Key("a")));
 }
 
 TEST_F(PacesTest, OneChangePassesAFullBucketHoweverLargeAndIsPaidForAfterwards) {

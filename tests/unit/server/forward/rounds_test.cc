@@ -333,6 +333,29 @@ TEST_F(PacedRoundsTest, ARobotThatIsOverItsPaceLeavesItsFleetAtOnce) {
   EXPECT_EQ(Taken(), 0U);
 }
 
+TEST_F(PacedRoundsTest, WhatWaitsForItsPaceLivesAsLongAsTheStoreSays) {
+  const std::int64_t now = UnixMs(clock_.System());
+  PacedRound();
+  for (int x = 0; x < 5; ++x) {
+    items_.Set(KeyOf("a", "1"), now + 3000, PointAt(x));
+    PacedRound();
+    static_cast<void>(Taken());
+  }
+  ASSERT_EQ(probe_.paced_now.value(), 1);
+  clock_.Advance(milliseconds(2000));
+  items_.Set(KeyOf("a", "1"), now + 6000, PointAt(5));
+  PacedRound();
+  ASSERT_EQ(probe_.paced_now.value(), 1);
+  clock_.Advance(milliseconds(2000));
+  PacedRound();
+  EXPECT_EQ(Taken(), 0U) << "it is there";
+  EXPECT_THAT(Ids(), ElementsAre("1"));
+  clock_.Advance(milliseconds(2000));
+  PacedRound();
+  EXPECT_EQ(Taken(), 1U) << "its end";
+  EXPECT_THAT(Ids(), IsEmpty());
+}
+
 TEST_F(PacedRoundsTest, AReadOfAllWaitsForNoPace) {
   PacedRound();
   for (int x = 0; x < 5; ++x) {
@@ -355,8 +378,27 @@ TEST_F(RoundsTest, AReceiverThatFallsBehindIsNamed) {
   receiver->Take(frames);
   for (std::size_t i = 0; i <= kWaitingMax; ++i) items_.Set(KeyOf("a", std::to_string(i)));
   Round();
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_receiver_behind robot=slow")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_receiver_behind robot=slow most_from=a")));
   EXPECT_EQ(forwards_.sum().counts.overflows, 1U);
+}
+
+TEST_F(RoundsTest, EndsDoNotWaitForALookAtWhatWasLeftOut) {
+  const std::string large = LargeGeometry();
+  for (std::size_t i = 0; i < 20; ++i) items_.Set(KeyOf("a", std::to_string(i)), 0, large);
+  items_.Set(KeyOf("b", "short-lived"), UnixMs(clock_.System()) + 100'000);
+  Round();
+  ASSERT_TRUE(forwards_.left_out());
+  items_.Erase(KeyOf("a", Ids().front()));
+  clock_.Advance(kLookAtLeftOutEvery);
+  std::size_t pages = 0;
+  std::vector<std::string> at_last_page;
+  items_.at_each_page = [&] {
+    if (++pages == 2) clock_.Advance(std::chrono::seconds(50));
+    at_last_page = Ids();
+  };
+  Round();
+  EXPECT_GT(pages, 3U);
+  EXPECT_THAT(at_last_page, ::testing::Not(::testing::Contains("short-lived")));
 }
 
 TEST_F(RoundsTest, NothingIsTakenForExpiredByAClockThatNobodyVouchesFor) {
@@ -408,7 +450,13 @@ TEST_F(RoundsTest, MoreChangesThanAreLookedUpAtOnceAreLookedUpInParts) {
 class RoundsThreadTest : public ::testing::Test {
  protected:
   Rounds::Context Context(SteadyTime::duration look_every) {
-    return {clock_, logger_, items_, forwards_, probe_, trust_, look_every};
+    return {.clock = clock_,
+            .logger = logger_,
+            .items = items_,
+            .forwards = forwards_,
+            .probe = probe_,
+            .clock_trust = trust_,
+            .look_every = look_every};
   }
   /// So many looks were begun in all.
   bool Looked(std::size_t looks) {

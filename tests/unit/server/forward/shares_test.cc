@@ -9,6 +9,8 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Key;
+using ::testing::Pair;
 
 TEST(SharesTest, ARobotEndsAtItsShareAndTheOthersGoOn) {
   Shares shares({.bytes_max = 100, .fleet_bytes_max = 100, .robot_bytes_max = 40});
@@ -44,7 +46,7 @@ TEST(SharesTest, WhatIsLeftOutCountsUntilTheLookAfterItHasEnded) {
   shares.NoteLeftOut({"a", "f"});
   shares.NoteLeftOut({"b", "f"});
   EXPECT_EQ(shares.left_out(), 3U);
-  EXPECT_THAT(shares.robots_left_out(), ElementsAre("a", "b"));
+  EXPECT_THAT(shares.robots_left_out(), ElementsAre(Key("a"), Key("b")));
   shares.BeginLook("a");
   EXPECT_EQ(shares.left_out(), 3U) << "none of them is there yet";
   shares.NoteLeftOut({"a", "f"});
@@ -92,6 +94,52 @@ TEST(SharesTest, AFleetEndsAtItsShareAndTheOthersGoOn) {
   EXPECT_TRUE(shares.Resize({"a", "north"}, 20, 10));
   EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("b")) << "another of its fleet gave some back";
   EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 1));
+}
+
+TEST(SharesTest, WhoTakesMostGivesWayToWhoTakesLittle) {
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 60, .robot_bytes_max = 40});
+  EXPECT_TRUE(shares.Resize({"big", "north"}, 0, 40));
+  EXPECT_TRUE(shares.Resize({"small", "north"}, 0, 20));
+  const auto who = shares.WhoGivesWay({"new", "north"}, 0, 20);
+  ASSERT_TRUE(who);
+  EXPECT_EQ(who->ruri, "big");
+  EXPECT_EQ(who->fleet, "north");
+  EXPECT_FALSE(shares.WhoGivesWay({"new", "north"}, 0, 21)) << "that is over half of what it has";
+  EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 40, 41)) << "it is over its own share";
+  EXPECT_TRUE(shares.Resize({"big", "north"}, 40, 30));
+  EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 30, 40)) << "to nobody else";
+  EXPECT_EQ(shares.MostOf("north"), "big");
+  EXPECT_EQ(shares.MostOf("south"), "");
+}
+
+TEST(SharesTest, WhereAllAreFullTheLargestFleetGivesWay) {
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 60, .robot_bytes_max = 40});
+  EXPECT_TRUE(shares.Resize({"a", "north"}, 0, 30));
+  EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 25));
+  EXPECT_TRUE(shares.Resize({"c", "south"}, 0, 40));
+  EXPECT_FALSE(shares.Resize({"d", "east"}, 0, 10));
+  const auto who = shares.WhoGivesWay({"d", "east"}, 0, 10);
+  ASSERT_TRUE(who);
+  EXPECT_EQ(who->ruri, "a") << "of the fleet that takes most, though c alone takes more";
+}
+
+TEST(SharesTest, WhatCannotFitIsKnownBefore) {
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 60, .robot_bytes_max = 40});
+  EXPECT_TRUE(shares.MayFit({"a", "north"}, 40));
+  EXPECT_FALSE(shares.MayFit({"a", "north"}, 41));
+  EXPECT_TRUE(shares.Resize({"a", "north"}, 0, 40));
+  EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 20));
+  EXPECT_FALSE(shares.MayFit({"a", "north"}, 1));
+  EXPECT_TRUE(shares.MayFit({"c", "north"}, 20)) << "a gives way";
+  EXPECT_FALSE(shares.MayFit({"c", "north"}, 21));
+}
+
+TEST(SharesTest, WhoIsLeftOutIsToldWithWhoTakesMostOfItsFleet) {
+  Shares shares({.bytes_max = 100, .fleet_bytes_max = 60, .robot_bytes_max = 40});
+  EXPECT_TRUE(shares.Resize({"big", "north"}, 0, 40));
+  shares.NoteLeftOut({"x", "north"});
+  shares.NoteLeftOut({"y", "south"});
+  EXPECT_THAT(shares.robots_left_out(), ElementsAre(Pair("x", "big"), Pair("y", "")));
 }
 
 }  // namespace

@@ -9,7 +9,9 @@
 namespace uplink::forward {
 namespace {
 
-KeyRef Ref(std::string_view id) { return std::make_shared<const ItemKey>(KeyOf("r", id)); }
+KeyRef Ref(std::string_view id, std::string_view robot = "r") {
+  return std::make_shared<const ItemKey>(KeyOf(robot, id));
+}
 
 using enum Waiting::Which;
 
@@ -90,6 +92,55 @@ TEST(WaitingTest, UpsertsAndEndsAreTakenInTheOrderInWhichTheyCame) {
     EXPECT_EQ(waiting.Add(Ref(after), Text(after), Change::kGoes), Waiting::Added::kNew);
   }
   for (const char* id : {"1", "2", "3", "4"}) EXPECT_EQ(Take(waiting), id);
+}
+
+TEST(WaitingTest, RobotsTakeTurnsByBytes) {
+  Waiting waiting;
+  const std::string large(10'000, 'x');
+  const auto add = [&](std::string_view robot, std::string_view id, std::string_view text) {
+    EXPECT_EQ(waiting.Add(Ref(id, robot), Text(text), Change::kChanges), Waiting::Added::kNew);
+  };
+  for (const char* id : {"1", "2", "3", "4"}) add("big", id, large);
+  EXPECT_EQ(Take(waiting), large);
+  // Whoever comes now is behind one of those that wait at most, however many they are.
+  for (const char* id : {"1", "2", "3"}) add("small", id, "s");
+  for (const char* id : {"1", "2", "3"}) add("other", id, "o");
+  std::string order;
+  for (int i = 0; i < 6; ++i) order += Take(waiting);
+  EXPECT_EQ(order, "sososo");
+  EXPECT_EQ(waiting.size(), 3U);
+  add("small", "4", large);
+  EXPECT_EQ(Take(waiting), large);
+  EXPECT_EQ(Take(waiting), large);
+  EXPECT_EQ(waiting.size(), 2U) << "one of each: what was not taken is no credit";
+}
+
+TEST(WaitingTest, ARobotThatComesBackAtOnceKeepsNobodyWaiting) {
+  Waiting waiting;
+  const std::string large(10'000, 'x');
+  const auto add = [&](std::string_view robot, std::string_view id, std::string_view text) {
+    return waiting.Add(Ref(id, robot), Text(text), Change::kChanges);
+  };
+  EXPECT_EQ(add("big", "1", large), Waiting::Added::kNew);
+  EXPECT_EQ(add("small", "1", "small"), Waiting::Added::kNew);
+  EXPECT_EQ(Take(waiting), large);
+  EXPECT_EQ(add("big", "1", large), Waiting::Added::kNew);
+  EXPECT_EQ(Take(waiting), "small");
+}
+
+TEST(WaitingTest, SaysFromWhomMostWaits) {
+  Waiting waiting;
+  EXPECT_EQ(waiting.MostFrom(), "");
+  for (const char* id : {"1", "2", "3"}) {
+    EXPECT_EQ(waiting.Add(Ref(id, "a"), Text("x"), Change::kGoes), Waiting::Added::kNew);
+  }
+  for (const char* id : {"1", "2"}) {
+    EXPECT_EQ(waiting.Add(Ref(id, "b"), Text("x"), Change::kChanges), Waiting::Added::kNew);
+  }
+  EXPECT_EQ(waiting.MostFrom(), "a");
+  waiting.Clear();
+  EXPECT_EQ(waiting.MostFrom(), "");
+  EXPECT_EQ(Take(waiting), "none");
 }
 
 TEST(WaitingTest, OneMoreThanTheBoundIsNotAdded) {
