@@ -45,7 +45,7 @@ FOREIGN = (
     Foreign(
         "Boost",
         re.compile(r"^boost/(?!json)"),
-        ("server/front/", "server/http/", "server/loop/", "tools/", "tests/"),
+        ("server/front/", "server/http/", "server/loop/", "server/mqtt/", "tools/", "tests/"),
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
     Foreign("spdlog", re.compile(r"^spdlog/"), ("server/log/",)),
@@ -67,11 +67,11 @@ ROOMS = (
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),
     ("transport",),  # what every listener for robots needs
-    ("front", "relay", "http"),  # the adapters: they translate and enqueue
+    ("front", "relay", "mqtt", "http"),  # the adapters: they translate and enqueue
     ("store", "loop", "lifecycle"),  # what runs it all
 )
 # Tools do not see these.
-ADAPTERS = ("front", "relay", "http")
+ADAPTERS = ("front", "relay", "mqtt", "http")
 # The rooms of uplink-fleet, in the same way: its README says what each holds.
 FLEET_ROOMS = (("scenario",), ("robot",), ("compare",), ("report",), ("run",))
 

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/mqtt/packets.h"
+#include "server/mqtt/probe.h"
+#include "server/mqtt/subscriptions.h"
+
+namespace uplink::mqtt {
+
+/// SUBSCRIBE and UNSUBSCRIBE on one connection, one at a time, and what answers them. Pure.
+///
+/// Thread: confined to its client's; the subscriptions outlive it.
+class Asking final {
+ public:
+  /// `retry`: until what was refused is asked for again.
+  Asking(Version version, Subscriptions& subscriptions, ClientProbe& probe, milliseconds retry)
+      : version_(version), subscriptions_(subscriptions), probe_(probe), retry_(retry) {}
+
+  /// The next packet to send; empty while an answer is waited for, or if all is said.
+  [[nodiscard]] std::string Next(SteadyTime now);
+  /// An answer is waited for.
+  [[nodiscard]] bool waiting() const { return waiting_; }
+
+  /// What the broker does not serve as asked. Errors: kUnexpectedAnswer.
+  [[nodiscard]] Decoded<std::vector<Subscriptions::Lack>> Answered(const Suback& answer);
+  [[nodiscard]] std::optional<Fault> Answered(const Unsuback& answer);
+
+  /// When Retry has something to do; nothing if no filter is refused.
+  [[nodiscard]] std::optional<SteadyTime> retry_at() const { return retry_at_; }
+  /// What was refused is to be asked for again.
+  void Retry();
+
+ private:
+  const Version version_;
+  Subscriptions& subscriptions_;
+  ClientProbe& probe_;
+  const milliseconds retry_;
+  bool waiting_ = false;
+  PacketId id_ = 0;
+  std::optional<SteadyTime> retry_at_;
+};
+
+/// For people: which filter is not served as it was asked for, and what the broker says of it.
+[[nodiscard]] std::string LackText(const Subscriptions::Lack& lack);
+/// True if the broker refuses it; else it serves it at a lower QoS.
+[[nodiscard]] bool IsRefused(const Subscriptions::Lack& lack);
+
+}  // namespace uplink::mqtt

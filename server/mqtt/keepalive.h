@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+#include "schema/base/clock.h"
+
+namespace uplink::mqtt {
+
+/// When a PINGREQ is due, and when its PINGRESP is late. Pure.
+///
+/// A PINGREQ is due once nothing was sent for the interval, since the broker counts on that; and
+/// once nothing came for it, since else a connection that only writes would never find out that
+/// nobody is there. The PINGRESP is late when since its request, and for `wait`, nothing came at
+/// all: bytes that come are a sign of life, and the PINGRESP may stand behind many of them. While
+/// we do not read, nothing is late; the wait begins anew when we read again.
+///
+/// Thread: confined to its connection's.
+class Keepalive final {
+ public:
+  Keepalive(milliseconds interval, milliseconds wait, SteadyTime now)
+      : interval_(interval), wait_(wait), sent_(now), heard_(now) {}
+
+  /// What the broker wants instead (Server Keep Alive). 0, which is none, leaves ours: we may ping
+  /// when we like.
+  void SetInterval(milliseconds interval) {
+    if (interval.count() > 0) interval_ = interval;
+  }
+  [[nodiscard]] milliseconds interval() const { return interval_; }
+
+  /// Bytes were given to the connection; bytes came from it.
+  void Sent(SteadyTime now) { sent_ = now; }
+  void Heard(SteadyTime now) { heard_ = now; }
+  void Pinged(SteadyTime now) {
+    sent_ = now;
+    if (!waiting_) waited_since_ = now;
+    waiting_ = true;
+  }
+  void Ponged() { waiting_ = false; }
+  void StopReading() { reading_ = false; }
+  void ReadAgain(SteadyTime now);
+
+  enum class Due : std::uint8_t { kNothing, kPing, kLate };
+  [[nodiscard]] Due At(SteadyTime now) const;
+  /// When At may say something else.
+  [[nodiscard]] SteadyTime Next() const;
+
+ private:
+  [[nodiscard]] SteadyTime PingAt() const;
+  [[nodiscard]] SteadyTime LateAt() const;
+
+  milliseconds interval_;
+  const milliseconds wait_;
+  SteadyTime sent_;
+  SteadyTime heard_;
+  SteadyTime waited_since_{};
+  bool waiting_ = false;
+  bool reading_ = true;
+};
+
+}  // namespace uplink::mqtt

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace uplink::mqtt {
+
+// What MQTT's own numbers can say.
+
+/// The largest remaining length: four digits of seven bits.
+inline constexpr std::uint32_t kRemainingLengthMax = 268'435'455;
+/// Bytes of any text or binary field: its length has 16 bits.
+inline constexpr std::size_t kFieldBytesMax = 65'535;
+
+// What we take.
+
+/// Bytes of a PUBLISH before its payload: topic, packet id and properties. The topic alone may have
+/// 64 KiB; as much again is left for properties, of which we use at most kCorrelationBytesMax.
+inline constexpr std::size_t kHeadBytesMax = std::size_t{128} * 1024;
+/// Bytes of any other packet. A SUBACK has a byte for each of kFiltersPerAsk; what is longer is
+/// long by texts that we would not show.
+inline constexpr std::size_t kAnswerBytesMax = std::size_t{128} * 1024;
+/// Bytes of correlation data that are kept to be echoed; longer data is left out.
+inline constexpr std::size_t kCorrelationBytesMax = 1024;
+/// Bytes that are read from a connection at once.
+inline constexpr std::size_t kReadBytes = std::size_t{64} * 1024;
+/// Bytes that wait to be written, past which no further PUBLISH joins them: over a second of a
+/// thousand pongs each second.
+inline constexpr std::size_t kQueueBytesMax = std::size_t{256} * 1024;
+/// Bytes of an error's text in a status.
+inline constexpr std::size_t kErrorBytesMax = 256;
+
+// What we ask.
+
+/// Topic filters of one client, and bytes of one.
+inline constexpr std::size_t kFiltersMax = 1024;
+inline constexpr std::size_t kFilterBytesMax = 1024;
+/// Filters of one SUBSCRIBE or UNSUBSCRIBE: what the strictest broker that we know of takes (AWS
+/// IoT Core's limits, "subscriptions per subscribe request").
+inline constexpr std::size_t kFiltersPerAsk = 8;
+inline constexpr std::size_t kClientIdBytesMax = 256;
+inline constexpr std::size_t kUsernameBytesMax = 1024;
+/// Bytes of a file with a password.
+inline constexpr std::size_t kPasswordBytesMax = 4096;
+inline constexpr std::size_t kHostBytesMax = 253;
+/// The largest window: a packet id has 16 bits, and 0 is none.
+inline constexpr std::size_t kUnackedMaxMax = 65'535;
+
+// How long we wait.
+
+inline constexpr std::chrono::seconds kResolveWait{10};
+inline constexpr std::chrono::seconds kConnectWait{10};
+inline constexpr std::chrono::seconds kTlsWait{10};
+/// For a CONNACK, a SUBACK and an UNSUBACK.
+inline constexpr std::chrono::seconds kAnswerWait{20};
+/// For a PINGRESP, during which nothing else comes either.
+inline constexpr std::chrono::seconds kPingWait{15};
+/// For the system to take what we write.
+inline constexpr std::chrono::seconds kWriteWait{30};
+/// For a DISCONNECT to leave.
+inline constexpr std::chrono::seconds kFarewellWait{1};
+/// Until a filter that the broker refused is asked for again: its rules may have been mended.
+inline constexpr std::chrono::seconds kRefusedPause{60};
+
+}  // namespace uplink::mqtt

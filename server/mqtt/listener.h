@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "schema/base/clock.h"
+#include "server/mqtt/end_reason.h"
+#include "server/mqtt/packets.h"
+#include "server/mqtt/unacked.h"
+
+namespace uplink::mqtt {
+
+/// A PUBLISH, as it came. Its views hold during the call.
+struct Message {
+  Publish publish;
+  /// To be released once it is settled; nothing at QoS 0.
+  std::optional<AckHandle> ack;
+  /// This connection delivered it before, and `ack` is the handle of then: one release is enough.
+  bool again = false;
+};
+
+/// A connection that a broker accepted.
+struct Connected {
+  /// Connections of this client are numbered from 1; those of AckHandle.
+  std::uint64_t connection = 0;
+  bool session_present = false;
+  /// There was a kept session, and the broker does not have it any more: what it held for us, and
+  /// what we had not acked, does not come again.
+  bool session_lost = false;
+};
+
+/// What a broker does not do as it was asked.
+struct Trouble {
+  enum class Kind : std::uint8_t {
+    kFilterRefused,
+    kLowerQos,
+    kSessionLost,
+    kIdTaken,
+  };
+  Kind kind = Kind::kFilterRefused;
+  /// For people.
+  std::string text;
+};
+
+/// What one connection tells. Thread: the client's.
+class ConversationEvents {
+ public:
+  virtual ~ConversationEvents() = default;
+  /// Before any message of the connection.
+  virtual void OnConnected(const Connected& connected) = 0;
+  /// All filters were answered; again when others were asked for.
+  virtual void OnSubscribed() = 0;
+  virtual void OnMessage(const Message& message) = 0;
+  /// To be logged, and shown as degraded.
+  virtual void OnTrouble(const Trouble& trouble) = 0;
+};
+
+/// Whoever a client works for.
+///
+/// Every method of the client may be called within, but Start and its destruction.
+/// Thread: all on the client's.
+class ClientListener : public ConversationEvents {
+ public:
+  /// A connection, or an attempt, ended; the next one begins after `pause`. Not called for Stop.
+  virtual void OnEnded(const End& end, milliseconds pause) = 0;
+};
+
+}  // namespace uplink::mqtt

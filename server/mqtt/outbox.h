@@ -1,0 +1,45 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace uplink::mqtt {
+
+/// Bytes that wait to be written, and how many are being written. What MQTT obliges us to say
+/// always joins them: PUBACKs are bounded by the window, the others by their number. A PUBLISH only
+/// while there is room.
+///
+/// Limits:  `bytes_max` for what waits and is being written together, past which no PUBLISH joins.
+/// Thread:  confined to its connection's.
+class Outbox final {
+ public:
+  explicit Outbox(std::size_t bytes_max) : bytes_max_(bytes_max) {}
+
+  void Add(std::string_view bytes) { waiting_.append(bytes); }
+  /// False if there is no room.
+  [[nodiscard]] bool AddIfRoom(std::string_view bytes) {
+    if (bytes.size() > bytes_max_ - std::min(bytes_max_, this->bytes())) return false;
+    waiting_.append(bytes);
+    return true;
+  }
+  /// All that waits, which is then being written until Written.
+  [[nodiscard]] std::string Take() {
+    writing_ += waiting_.size();
+    return std::exchange(waiting_, {});
+  }
+  void Written() { writing_ = 0; }
+
+  [[nodiscard]] bool waiting() const { return !waiting_.empty(); }
+  [[nodiscard]] bool writing() const { return writing_ > 0; }
+  [[nodiscard]] std::size_t bytes() const { return waiting_.size() + writing_; }
+
+ private:
+  const std::size_t bytes_max_;
+  std::string waiting_;
+  std::size_t writing_ = 0;
+};
+
+}  // namespace uplink::mqtt

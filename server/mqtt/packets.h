@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "server/mqtt/end_reason.h"
+
+namespace uplink::mqtt {
+
+enum class Version : std::uint8_t { k311, k5 };
+
+/// The upper half of a packet's first byte.
+enum class PacketType : std::uint8_t {
+  kConnect = 1,
+  kConnack = 2,
+  kPublish = 3,
+  kPuback = 4,
+  kSubscribe = 8,
+  kSuback = 9,
+  kUnsubscribe = 10,
+  kUnsuback = 11,
+  kPingreq = 12,
+  kPingresp = 13,
+  kDisconnect = 14,
+};
+
+/// Zero is none: a packet that has an id has another one.
+using PacketId = std::uint16_t;
+
+enum class Qos : std::uint8_t { kAtMostOnce = 0, kAtLeastOnce = 1 };
+
+/// What is subscribed to. A value.
+struct Filter {
+  std::string topic;
+  Qos qos = Qos::kAtMostOnce;
+
+  friend bool operator==(const Filter&, const Filter&) = default;
+};
+
+// What we say.
+
+struct Connect {
+  Version version = Version::k5;
+  std::string client_id;
+  /// False: the broker's session of this id goes on, or a kept one begins.
+  bool clean = true;
+  std::uint16_t keepalive_seconds = 60;
+  std::optional<std::string> username;
+  std::optional<std::string> password;
+  // These three by MQTT 5 alone; nothing: not said.
+  std::optional<std::uint32_t> session_expiry_seconds;
+  std::optional<std::uint16_t> receive_maximum;
+  std::optional<std::uint32_t> packet_bytes_max;
+};
+
+/// A PUBLISH at QoS 0.
+struct Outgoing {
+  std::string topic;
+  std::string payload;
+  /// By MQTT 5 alone; empty: none.
+  std::string correlation;
+};
+
+// What a broker says. Views are into the bytes that were read.
+
+struct Connack {
+  bool session_present = false;
+  /// 0: accepted. MQTT 5 and 3.1.1 number the others differently.
+  std::uint8_t code = 0;
+  // By MQTT 5 alone.
+  std::optional<std::uint16_t> server_keepalive_seconds;
+  std::optional<std::uint32_t> packet_bytes_max;
+  std::string_view reason;
+};
+
+struct Publish {
+  std::string_view topic;
+  Qos qos = Qos::kAtMostOnce;
+  /// The broker says that it may have sent this before.
+  bool dup = false;
+  bool retained = false;
+  /// 0 at QoS 0.
+  PacketId id = 0;
+  /// Empty if there was none, or more than kCorrelationBytesMax.
+  std::string_view correlation;
+  /// Somebody named a topic to answer on. We note it and never follow it.
+  bool has_response_topic = false;
+  /// Nothing if it was over the bound and read past.
+  std::optional<std::string_view> payload;
+  std::size_t payload_bytes = 0;
+};
+
+struct Suback {
+  PacketId id = 0;
+  /// One byte for each filter, in their order: a QoS, or 128 and more for a refusal.
+  std::string_view codes;
+};
+
+struct Unsuback {
+  PacketId id = 0;
+  /// Empty by 3.1.1.
+  std::string_view codes;
+};
+
+struct Pingresp {};
+
+struct Disconnect {
+  std::uint8_t code = 0;
+  std::string_view reason;
+};
+
+using Packet = std::variant<Connack, Publish, Suback, Unsuback, Pingresp, Disconnect>;
+
+/// A part of a packet, or what is wrong with it.
+template <typename T>
+using Decoded = std::variant<T, Fault>;
+
+}  // namespace uplink::mqtt

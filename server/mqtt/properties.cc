@@ -1,0 +1,178 @@
+#include "server/mqtt/properties.h"
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <iterator>
+
+#include "schema/base/utf8.h"
+#include "server/mqtt/property_ids.h"
+
+namespace uplink::mqtt {
+namespace {
+
+enum class Kind : std::uint8_t {
+  kSwitch,   // a byte, 0 or 1
+  kU16,      // any
+  kU16Some,  // not 0
+  kU32,      // any
+  kU32Some,  // not 0
+  kLength,   // a length, not 0
+  kText,
+  kBinary,
+  kPair,  // two texts
+};
+
+// Who may have it.
+constexpr unsigned kInConnack = 1;
+constexpr unsigned kInPublish = 2;
+constexpr unsigned kInAnswer = 4;  // SUBACK, UNSUBACK
+constexpr unsigned kInDisconnect = 8;
+constexpr unsigned kInAll = kInConnack | kInPublish | kInAnswer | kInDisconnect;
+
+struct Property {
+  std::uint8_t id;
+  Kind kind;
+  unsigned packets;
+};
+
+constexpr Property kProperties[] = {
+    {kPayloadFormat, Kind::kSwitch, kInPublish},
+    {kMessageExpiry, Kind::kU32, kInPublish},
+    {kContentType, Kind::kText, kInPublish},
+    {kResponseTopic, Kind::kText, kInPublish},
+    {kCorrelationData, Kind::kBinary, kInPublish},
+    {kSubscriptionId, Kind::kLength, kInPublish},
+    {kSessionExpiry, Kind::kU32, kInConnack},
+    {kAssignedClientId, Kind::kText, kInConnack},
+    {kServerKeepalive, Kind::kU16, kInConnack},
+    {kAuthMethod, Kind::kText, kInConnack},
+    {kAuthData, Kind::kBinary, kInConnack},
+    {kResponseInformation, Kind::kText, kInConnack},
+    {kServerReference, Kind::kText, kInConnack | kInDisconnect},
+    {kReasonString, Kind::kText, kInConnack | kInAnswer | kInDisconnect},
+    {kReceiveMaximum, Kind::kU16Some, kInConnack},
+    {kTopicAliasMaximum, Kind::kU16, kInConnack},
+    {kTopicAlias, Kind::kU16, kInPublish},
+    {kMaximumQos, Kind::kSwitch, kInConnack},
+    {kRetainAvailable, Kind::kSwitch, kInConnack},
+    {kUserProperty, Kind::kPair, kInAll},
+    {kMaximumPacketSize, Kind::kU32Some, kInConnack},
+    {kWildcardAvailable, Kind::kSwitch, kInConnack},
+    {kSubscriptionIdAvailable, Kind::kSwitch, kInConnack},
+    {kSharedAvailable, Kind::kSwitch, kInConnack},
+};
+
+/// Identifiers that the table may have.
+constexpr std::size_t kIds = 0x2B;
+
+/// 0 for packets that have none.
+unsigned FlagOf(PacketType packet) {
+  switch (packet) {
+    case PacketType::kConnack:
+      return kInConnack;
+    case PacketType::kPublish:
+      return kInPublish;
+    case PacketType::kSuback:
+    case PacketType::kUnsuback:
+      return kInAnswer;
+    case PacketType::kDisconnect:
+      return kInDisconnect;
+    case PacketType::kConnect:
+    case PacketType::kPuback:
+    case PacketType::kSubscribe:
+    case PacketType::kUnsubscribe:
+    case PacketType::kPingreq:
+    case PacketType::kPingresp:
+      return 0;
+  }
+  return 0;
+}
+
+/// A property's value: a number, or what its field holds.
+struct Value {
+  std::uint32_t number = 0;
+  std::string_view field;
+};
+
+std::optional<Value> NumberIn(std::optional<std::uint32_t> number, std::uint32_t min,
+                              std::uint32_t max) {
+  if (!number || *number < min || *number > max) return std::nullopt;
+  return Value{.number = *number};
+}
+
+std::optional<Value> TextIn(ByteReader& from) {
+  const auto text = from.Field();
+  if (!text || !IsCleanUtf8(*text)) return std::nullopt;
+  return Value{.field = *text};
+}
+
+std::optional<Value> ValueIn(Kind kind, ByteReader& from) {
+  constexpr std::uint32_t kAny = 0xFFFF'FFFF;
+  switch (kind) {
+    case Kind::kSwitch:
+      return NumberIn(from.Number<1>(), 0, 1);
+    case Kind::kU16:
+      return NumberIn(from.Number<2>(), 0, kAny);
+    case Kind::kU16Some:
+      return NumberIn(from.Number<2>(), 1, kAny);
+    case Kind::kU32:
+      return NumberIn(from.Number<4>(), 0, kAny);
+    case Kind::kU32Some:
+      return NumberIn(from.Number<4>(), 1, kAny);
+    case Kind::kLength:
+      return NumberIn(from.Length(), 1, kAny);
+    case Kind::kText:
+      return TextIn(from);
+    case Kind::kBinary: {
+      const auto field = from.Field();
+      return field ? std::optional(Value{.field = *field}) : std::nullopt;
+    }
+    case Kind::kPair:
+      return TextIn(from) ? TextIn(from) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+void Keep(std::uint8_t id, const Value& value, Properties& in) {
+  if (id == kServerKeepalive)
+    in.server_keepalive_seconds = static_cast<std::uint16_t>(value.number);
+  if (id == kMaximumPacketSize) in.packet_bytes_max = value.number;
+  if (id == kReasonString) in.reason = value.field;
+  if (id == kCorrelationData) in.correlation = value.field;
+  if (id == kResponseTopic) in.has_response_topic = true;
+}
+
+}  // namespace
+
+Decoded<Properties> ReadProperties(PacketType packet, ByteReader& from) {
+  const auto length = from.Length();
+  const auto bytes = length ? from.Bytes(*length) : std::nullopt;
+  if (!bytes) return Fault{EndReason::kMalformed, "the properties end past their packet"};
+  Properties found;
+  std::bitset<kIds> seen;
+  for (ByteReader rest(*bytes); !rest.empty();) {
+    // An identifier is a length by its form; each one that there is has one digit.
+    const auto id = rest.Number<1>();
+    const auto* const known = std::ranges::find(kProperties, *id, &Property::id);
+    if (known == std::end(kProperties)) {
+      return Fault{EndReason::kUnknownProperty, "a property that MQTT 5 does not have"};
+    }
+    if ((known->packets & FlagOf(packet)) == 0) {
+      return Fault{EndReason::kMalformed, "a property that this packet cannot have"};
+    }
+    if (*id == kTopicAlias) {
+      return Fault{EndReason::kTopicAlias, "a topic alias, though we announced none"};
+    }
+    if (seen[*id] && *id != kUserProperty && *id != kSubscriptionId) {
+      return Fault{EndReason::kMalformed, "a property stands twice"};
+    }
+    seen.set(*id);
+    const auto value = ValueIn(known->kind, rest);
+    if (!value) return Fault{EndReason::kMalformed, "a property without a valid value"};
+    Keep(known->id, *value, found);
+  }
+  return found;
+}
+
+}  // namespace uplink::mqtt

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "server/mqtt/settings.h"
+
+namespace uplink::mqtt {
+
+/// What a TLS connection is made with, PEM; empty where the settings name no file. A value.
+struct TlsTexts {
+  std::string ca;
+  std::string certificate;
+  std::string key;
+};
+
+/// What the files of the settings hold. A value; no log shows it.
+struct Secrets {
+  std::optional<std::string> password;
+  TlsTexts tls;
+};
+
+/// Reads the files, for one connection: they may have changed since the last one.
+///
+/// Errors:  kFailedPrecondition names the key of the configuration and the file: it cannot be read,
+///          is too large (kPasswordBytesMax, identity::kPemBytesMax), is empty, or everybody may
+///          write it.
+/// Thread:  any; blocks on the files.
+[[nodiscard]] absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings);
+
+}  // namespace uplink::mqtt

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <openssl/types.h>
+
+#include "server/mqtt/secrets.h"
+#include "server/mqtt/url.h"
+
+namespace uplink::mqtt {
+
+struct SslContextFree {
+  void operator()(SSL_CTX* context) const;
+};
+using SslContext = std::unique_ptr<SSL_CTX, SslContextFree>;
+
+/// What a client's handshakes need: TLS 1.2 or later, a broker whose chain leads to an authority of
+/// ours (those of the system if `tls.ca` is empty), our certificate if there is one.
+///
+/// Errors:  kFailedPrecondition names the key of the configuration whose text OpenSSL does not
+/// take. Thread:  pure; any thread.
+[[nodiscard]] absl::StatusOr<SslContext> MakeSslContext(const TlsTexts& tls);
+
+/// Has the broker prove that it is `url.host`, a name or an address, and tells it which name we
+/// want (SNI; an address has none).
+///
+/// Errors: kInternal if OpenSSL does not take the name.
+[[nodiscard]] absl::Status AskForHost(SSL* connection, const Url& url);
+
+/// Why the broker's certificate was not accepted; empty if it was, or none came.
+[[nodiscard]] const char* VerifyText(const SSL* connection);
+
+}  // namespace uplink::mqtt

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <unordered_map>
+#include <vector>
+
+#include "server/mqtt/packets.h"
+
+namespace uplink::mqtt {
+
+/// Which delivery of a PUBLISH at QoS 1 is to be acked, and on which connection. A value; means
+/// nothing to anybody but the client that gave it out.
+struct AckHandle {
+  /// Connections of one client are numbered from 1; 0 is none.
+  std::uint64_t connection = 0;
+  /// Deliveries of one connection are numbered from 0.
+  std::uint64_t number = 0;
+
+  friend bool operator==(const AckHandle&, const AckHandle&) = default;
+};
+
+/// The PUBLISHes at QoS 1 of one connection that are not acked, in the order in which they came.
+/// PUBACKs go out in that order: one that is released early waits for those before it.
+///
+/// **What an id means that comes again.** A broker gives an id to another message only after it got
+/// our PUBACK for it. So:
+/// - with DUP, while the id is unacked: the same message again (brokers that resend by a timer). It
+///   has the handle, and the place in order, of its first delivery, and both together get one
+///   PUBACK. A second one could reach the broker after the id went to another message, and would
+///   ack that one before it is stored.
+/// - without DUP, while the id is unacked: a new message. The broker is done with the older one,
+///   because a PUBACK of an earlier delivery crossed with a resending, so the older one gets none;
+///   it keeps its place in order.
+///
+/// Limits:  `unacked_max` entries; whoever adds has asked full() before.
+/// Thread:  confined to its client's.
+/// Source:  MQTT 3.1.1, 4.3.2 and 4.6; MQTT 5.0, 4.3.2, 4.4 and 4.6.
+class Unacked final {
+ public:
+  Unacked(std::uint64_t connection, std::size_t unacked_max)
+      : connection_(connection), unacked_max_(unacked_max) {}
+
+  [[nodiscard]] bool full() const { return entries_.size() >= unacked_max_; }
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+  struct Delivery {
+    AckHandle handle;
+    /// This connection delivered it before.
+    bool again = false;
+  };
+  /// It must not be full.
+  Delivery Add(PacketId id, bool dup);
+
+  /// The core is done with a delivery. Returns the ids whose PUBACK is due now, in their order.
+  /// Handles of other connections, and those that were released before, do nothing.
+  [[nodiscard]] std::vector<PacketId> Release(const AckHandle& handle);
+  /// True if the handle is of this connection and was not released.
+  [[nodiscard]] bool Holds(const AckHandle& handle) const;
+
+ private:
+  struct Entry {
+    PacketId id = 0;
+    bool released = false;
+    /// Its id went to another message.
+    bool replaced = false;
+  };
+
+  const std::uint64_t connection_;
+  const std::size_t unacked_max_;
+  std::deque<Entry> entries_;
+  /// The number of the first entry.
+  std::uint64_t first_ = 0;
+  /// The numbers of those that are not replaced, by id.
+  std::unordered_map<PacketId, std::uint64_t> number_of_;
+};
+
+}  // namespace uplink::mqtt

@@ -1,0 +1,194 @@
+#include "server/mqtt/settings.h"
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/mqtt/limits.h"
+#include "server/mqtt/outbox.h"
+#include "server/mqtt/secrets.h"
+#include "tests/support/temp_folder.h"
+
+namespace uplink::mqtt {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(MqttUrl, TakesSchemeHostAndPort) {
+  EXPECT_EQ(*ParseUrl("mqtts://broker.example"), (Url{true, "broker.example", 8883}));
+  EXPECT_EQ(*ParseUrl("mqtt://broker.example/"), (Url{false, "broker.example", 1883}));
+  EXPECT_EQ(*ParseUrl("mqtts://10.0.0.1:1"), (Url{true, "10.0.0.1", 1}));
+  EXPECT_EQ(*ParseUrl("mqtts://[::1]:65535"), (Url{true, "::1", 65'535}));
+  EXPECT_EQ(*ParseUrl("mqtt://[fe80::1]"), (Url{false, "fe80::1", 1883}));
+  const std::string longest(kHostBytesMax, 'a');
+  EXPECT_EQ(ParseUrl("mqtt://" + longest)->host, longest);
+}
+
+TEST(MqttUrl, ShowsItselfAsItIsWritten) {
+  for (const std::string text : {"mqtts://broker.example:8883", "mqtt://[::1]:1883"}) {
+    EXPECT_EQ(ParseUrl(text)->Text(), text);
+  }
+}
+
+TEST(MqttUrl, SaysWhatIsWrong) {
+  struct Case {
+    std::string text;
+    std::string says;
+  };
+  for (const Case& each : std::vector<Case>{
+           {"", "neither mqtts:// nor mqtt://"},
+           {"broker:1883", "neither mqtts:// nor mqtt://"},
+           {"https://broker", "neither mqtts:// nor mqtt://"},
+           {"MQTT://broker", "neither mqtts:// nor mqtt://"},
+           {"mqtt://", "names no host"},
+           {"mqtt://:1883", "names no host"},
+           {"mqtt://a b", "characters that no name has"},
+           {"mqtt://::1", "IPv6 address without"},
+           {"mqtt://fe80::1", "IPv6 address without"},
+           {"mqtt://[::1", "without its ]"},
+           {"mqtt://[broker]", "no IPv6 address"},
+           {"mqtt://[::1]1883", "something else than a port"},
+           {"mqtt://broker:", "no port from 1 to 65535"},
+           {"mqtt://broker:0", "no port from 1 to 65535"},
+           {"mqtt://broker:65536", "no port from 1 to 65535"},
+           {"mqtt://broker:-1", "no port from 1 to 65535"},
+           {"mqtt://broker:18x", "no port from 1 to 65535"},
+           {"mqtt://me:hunter2@broker", "mqtt.password_file"},
+           {"mqtt://broker/path", "no path"},
+           {"mqtt://broker?x=1", "no path"},
+           {"mqtt://" + std::string(kHostBytesMax + 1, 'a'), "254 bytes, at most 253"},
+       }) {
+    const auto parsed = ParseUrl(each.text);
+    ASSERT_FALSE(parsed.ok()) << each.text;
+    EXPECT_THAT(std::string(parsed.status().message()), StartsWith("mqtt.url ")) << each.text;
+    EXPECT_THAT(std::string(parsed.status().message()), HasSubstr(each.says)) << each.text;
+    EXPECT_EQ(parsed.status().message().find("hunter2"), absl::string_view::npos);
+  }
+}
+
+ClientSettings Good() {
+  ClientSettings settings;
+  settings.url = {false, "broker", 1883};
+  settings.client_id = "core";
+  return settings;
+}
+
+TEST(MqttSettings, SayWhatIsWrongByTheirKey) {
+  struct Case {
+    std::function<void(ClientSettings&)> change;
+    /// Empty: good.
+    std::string says;
+  };
+  using S = ClientSettings;
+  const std::vector<Case> cases = {
+      {[](S&) {}, ""},
+      {[](S& s) { s.url.host.clear(); }, "mqtt.url "},
+      {[](S& s) { s.client_id.clear(); }, "mqtt.client_id is empty"},
+      {[](S& s) { s.client_id.assign(kClientIdBytesMax, 'c'); }, ""},
+      {[](S& s) { s.client_id.assign(kClientIdBytesMax + 1, 'c'); },
+       "mqtt.client_id has 257 bytes, at most 256"},
+      {[](S& s) { s.client_id = "a\n"; }, "mqtt.client_id holds what is not text"},
+      {[](S& s) { s.client_id = "\xFF"; }, "mqtt.client_id holds what is not text"},
+      {[](S& s) { s.username.assign(kUsernameBytesMax + 1, 'c'); }, "mqtt.username has 1025 bytes"},
+      {[](S& s) { s.password_file = "p"; }, "mqtt.password_file needs mqtt.username"},
+      {[](S& s) { s.certificate_file = "p"; }, "mqtt.certificate_file and mqtt.key_file"},
+      {[](S& s) { s.ca_file = "p"; }, "mqtt.url is mqtt://, which has no TLS"},
+      {[](S& s) { s.keepalive = std::chrono::seconds(5); }, ""},
+      {[](S& s) { s.keepalive = std::chrono::seconds(4); }, "mqtt.keepalive is 4 s, from 5 to"},
+      {[](S& s) { s.keepalive = std::chrono::seconds(65'535); }, ""},
+      {[](S& s) { s.keepalive = std::chrono::seconds(65'536); }, "mqtt.keepalive is 65536 s"},
+      {[](S& s) { s.session_expiry = std::chrono::seconds(0); }, ""},
+      {[](S& s) {
+         s.session_expiry = std::chrono::seconds(0);
+         s.kept_session = true;
+       },
+       "mqtt.session_expiry is 0 s, from 1 to 4294967294"},
+      {[](S& s) { s.unacked_max = 0; }, "mqtt.unacked_max is 0, from 1 to 65535"},
+      {[](S& s) { s.unacked_max = 65'535; }, ""},
+      {[](S& s) { s.unacked_max = 65'536; }, "mqtt.unacked_max is 65536"},
+      {[](S& s) { s.payload_bytes_max = kRemainingLengthMax + 1; }, "payload_bytes_max"},
+  };
+  for (const Case& each : cases) {
+    ClientSettings settings = Good();
+    each.change(settings);
+    const absl::Status checked = CheckSettings(settings);
+    EXPECT_EQ(checked.ok(), each.says.empty()) << each.says << checked;
+    EXPECT_THAT(std::string(checked.message()), StartsWith(each.says));
+  }
+}
+
+TEST(MqttSettings, FiltersHaveWildcardsWhereMqttHasThem) {
+  for (const std::string good : {"a", "#", "+", "a/#", "+/b/+", "a//b", "/", "a/+/#"}) {
+    EXPECT_TRUE(CheckFilters({{good}}).ok()) << good;
+  }
+  for (const std::string bad : {"", "a#", "#/a", "a+", "+a/b", "a/#/b", "\xFF"}) {
+    EXPECT_FALSE(CheckFilters({{bad}}).ok()) << bad;
+  }
+  EXPECT_TRUE(CheckFilters({{std::string(kFilterBytesMax, 'a')}}).ok());
+  EXPECT_FALSE(CheckFilters({{std::string(kFilterBytesMax + 1, 'a')}}).ok());
+  EXPECT_TRUE(CheckFilters(std::vector<Filter>(kFiltersMax, Filter{"a"})).ok());
+  EXPECT_FALSE(CheckFilters(std::vector<Filter>(kFiltersMax + 1, Filter{"a"})).ok());
+}
+
+void WriteFile(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+  std::filesystem::permissions(
+      path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+TEST(MqttSecrets, APasswordIsTheFileWithoutItsLineEnd) {
+  const testing::TempFolder folder;
+  ClientSettings settings = Good();
+  settings.username = "me";
+  settings.password_file = folder.File("password");
+  for (const std::string& end : {std::string(), std::string("\n"), std::string("\r\n")}) {
+    WriteFile(settings.password_file, " secret " + end);
+    EXPECT_EQ(*ReadSecrets(settings)->password, " secret ");
+  }
+  WriteFile(settings.password_file, std::string(kPasswordBytesMax, 'p'));
+  EXPECT_EQ(ReadSecrets(settings)->password->size(), kPasswordBytesMax);
+}
+
+TEST(MqttSecrets, SayWhichFileIsInvalid) {
+  const testing::TempFolder folder;
+  ClientSettings settings = Good();
+  settings.username = "me";
+  settings.password_file = folder.File("password");
+  const auto problem = [&] { return std::string(ReadSecrets(settings).status().message()); };
+  EXPECT_THAT(problem(), HasSubstr("No such file"));
+  WriteFile(settings.password_file, "\n");
+  EXPECT_THAT(problem(), HasSubstr("is empty"));
+  WriteFile(settings.password_file, std::string(kPasswordBytesMax + 1, 'p'));
+  EXPECT_THAT(problem(), HasSubstr("has over 4096 bytes"));
+  WriteFile(settings.password_file, "secret");
+  std::filesystem::permissions(settings.password_file, std::filesystem::perms::others_write,
+                               std::filesystem::perm_options::add);
+  EXPECT_THAT(problem(), StartsWith("mqtt.password_file: "));
+  settings.password_file.clear();
+  settings.ca_file = folder.File("ca");
+  EXPECT_THAT(problem(), StartsWith("mqtt.ca_file: "));
+}
+
+TEST(MqttOutbox, AMessageJoinsWhileThereIsRoomAndAnAckAlways) {
+  Outbox outbox(10);
+  EXPECT_TRUE(outbox.AddIfRoom("12345"));
+  EXPECT_EQ(outbox.Take(), "12345");
+  EXPECT_TRUE(outbox.writing());
+  EXPECT_TRUE(outbox.AddIfRoom("67890")) << "what is being written counts";
+  EXPECT_FALSE(outbox.AddIfRoom("x"));
+  outbox.Add("ack");
+  outbox.Written();
+  EXPECT_FALSE(outbox.AddIfRoom("xyz"));
+  EXPECT_EQ(outbox.Take(), "67890ack");
+  outbox.Written();
+  EXPECT_EQ(outbox.bytes(), 0U);
+}
+
+}  // namespace
+}  // namespace uplink::mqtt

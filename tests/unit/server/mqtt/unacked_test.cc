@@ -1,0 +1,99 @@
+#include "server/mqtt/unacked.h"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::mqtt {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(MqttUnacked, AcksInTheOrderOfArrivalWhateverTheOrderOfRelease) {
+  Unacked unacked(1, 8);
+  const AckHandle first = unacked.Add(10, false).handle;
+  const AckHandle second = unacked.Add(11, false).handle;
+  const AckHandle third = unacked.Add(12, false).handle;
+  EXPECT_THAT(unacked.Release(third), IsEmpty());
+  EXPECT_THAT(unacked.Release(second), IsEmpty());
+  EXPECT_EQ(unacked.size(), 3U);
+  EXPECT_THAT(unacked.Release(first), ElementsAre(10, 11, 12));
+  EXPECT_EQ(unacked.size(), 0U);
+}
+
+TEST(MqttUnacked, IsFullAtItsBoundAndHasRoomAfterAnAck) {
+  Unacked unacked(1, 2);
+  const AckHandle first = unacked.Add(1, false).handle;
+  EXPECT_FALSE(unacked.full());
+  const AckHandle second = unacked.Add(2, false).handle;
+  EXPECT_TRUE(unacked.full());
+  EXPECT_THAT(unacked.Release(second), IsEmpty());
+  EXPECT_TRUE(unacked.full()) << "released, and not acked yet";
+  EXPECT_THAT(unacked.Release(first), ElementsAre(1, 2));
+  EXPECT_FALSE(unacked.full());
+}
+
+TEST(MqttUnacked, AHandleOfAnotherConnectionDoesNothing) {
+  Unacked older(1, 8);
+  const AckHandle stale = older.Add(5, false).handle;
+  Unacked unacked(2, 8);
+  const AckHandle own = unacked.Add(5, true).handle;
+  EXPECT_THAT(unacked.Release(stale), IsEmpty());
+  EXPECT_TRUE(unacked.Holds(own));
+  EXPECT_THAT(unacked.Release(own), ElementsAre(5));
+}
+
+TEST(MqttUnacked, ASecondReleaseDoesNothing) {
+  Unacked unacked(1, 8);
+  const AckHandle first = unacked.Add(1, false).handle;
+  const AckHandle second = unacked.Add(2, false).handle;
+  EXPECT_THAT(unacked.Release(second), IsEmpty());
+  EXPECT_THAT(unacked.Release(second), IsEmpty());
+  EXPECT_THAT(unacked.Release(first), ElementsAre(1, 2));
+  EXPECT_THAT(unacked.Release(first), IsEmpty());
+  EXPECT_THAT(unacked.Release({1, 1000}), IsEmpty());
+}
+
+TEST(MqttUnacked, ARedeliveryHasThePlaceOfTheFirstAndOneAck) {
+  Unacked unacked(1, 8);
+  const Unacked::Delivery first = unacked.Add(1, false);
+  const AckHandle second = unacked.Add(2, false).handle;
+  const Unacked::Delivery again = unacked.Add(1, true);
+  EXPECT_TRUE(again.again);
+  EXPECT_EQ(again.handle, first.handle);
+  EXPECT_EQ(unacked.size(), 2U);
+  EXPECT_THAT(unacked.Release(again.handle), ElementsAre(1));
+  EXPECT_THAT(unacked.Release(first.handle), IsEmpty()) << "a second PUBACK could ack another one";
+  EXPECT_THAT(unacked.Release(second), ElementsAre(2));
+}
+
+TEST(MqttUnacked, ADupOfWhatWasAckedIsADelivery) {
+  Unacked unacked(1, 8);
+  EXPECT_THAT(unacked.Release(unacked.Add(1, false).handle), ElementsAre(1));
+  const Unacked::Delivery crossed = unacked.Add(1, true);
+  EXPECT_FALSE(crossed.again);
+  EXPECT_THAT(unacked.Release(crossed.handle), ElementsAre(1));
+}
+
+TEST(MqttUnacked, AnIdThatWentToAnotherMessageAcksThatOneOnly) {
+  Unacked unacked(1, 8);
+  // A PUBACK crossed with this resending, so the broker is done with it, and gives its id away.
+  const AckHandle crossed = unacked.Add(1, true).handle;
+  const Unacked::Delivery other = unacked.Add(1, false);
+  EXPECT_FALSE(other.again);
+  EXPECT_NE(other.handle, crossed);
+  EXPECT_THAT(unacked.Release(crossed), IsEmpty()) << "it would ack the other one unstored";
+  EXPECT_THAT(unacked.Release(other.handle), ElementsAre(1));
+  EXPECT_EQ(unacked.size(), 0U);
+}
+
+TEST(MqttUnackedDeathTest, ReadingPastTheWindowIsOurMistake) {
+  Unacked unacked(1, 1);
+  static_cast<void>(unacked.Add(1, false));
+  EXPECT_DEATH(static_cast<void>(unacked.Add(2, false)), "past the window");
+}
+
+}  // namespace
+}  // namespace uplink::mqtt
