@@ -75,6 +75,7 @@ void Client::Stop() {
 absl::Status Client::SetFilters(const std::vector<Filter>& filters,
                                 const std::vector<std::string>& gone) {
   std::vector<Filter> gone_filters;
+  gone_filters.reserve(gone.size());
   for (const std::string& topic : gone) gone_filters.push_back({.topic = topic});
   if (absl::Status good = CheckFilters(filters); !good.ok()) return good;
   if (absl::Status good = CheckFilters(gone_filters); !good.ok()) return good;

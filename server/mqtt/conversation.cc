@@ -76,16 +76,18 @@ std::size_t Conversation::Take(std::string_view bytes) {
       at_qos1_ = opened->is_qos1;
     } else {
       at_qos1_ = false;
-      const auto& packet = std::get<Packet>(step.found);
-      if (!accepted_at_ && !std::holds_alternative<Connack>(packet)) {
-        Finish(EndReason::kUnexpectedPacket, "a packet before CONNACK");
-      } else {
-        std::visit([this](const auto& each) { Handle(each); }, packet);
-      }
+      TakePacket(std::get<Packet>(step.found));
     }
   }
   FollowReading();
   return size - bytes.size();
+}
+
+void Conversation::TakePacket(const Packet& packet) {
+  if (!accepted_at_ && !std::holds_alternative<Connack>(packet)) {
+    return Finish(EndReason::kUnexpectedPacket, "a packet before CONNACK");
+  }
+  std::visit([this](const auto& each) { Handle(each); }, packet);
 }
 
 void Conversation::Handle(const Connack& connack) {

@@ -84,6 +84,7 @@ class Conversation final {
   [[nodiscard]] bool window_is_shut() const { return at_qos1_ && unacked_.full(); }
   [[nodiscard]] std::string ConnectBytes(Beginning& beginning) const;
 
+  void TakePacket(const Packet& packet);
   void Handle(const Connack& connack);
   void Handle(const mqtt::Publish& message);
   void Handle(const Suback& answer);

@@ -61,7 +61,7 @@ constexpr std::array<std::string_view, 6> kConnackReasons311 = {
     "server unavailable", "bad user name or password",     "not authorized"};
 
 std::string Joined(std::string_view name, std::uint8_t code, std::string_view text) {
-  const std::string reason = fmt::format("{} (0x{:02X})", name, code);
+  std::string reason = fmt::format("{} (0x{:02X})", name, code);
   if (text.empty()) return reason;
   const std::size_t room = kErrorBytesMax / 2;
   return fmt::format("{}: {}", reason, PrintableUtf8(text, room));
