@@ -61,6 +61,7 @@ ROOMS = (
     ("log", "identity"),  # lines; what a certificate says: both know nothing of the server
     ("config",),  # it reads the certificates that it names, by identity
     ("robot",),  # what is held of one robot
+    ("cyberwave",),  # what is held of one twin: the queries show it, and the series are made of it
     ("fleet",),  # the map of robots
     ("journal",),  # what stands before the store
     ("session", "view"),  # one stream's protocol; the queries

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "server/robot/latest_by_key.h"
+
+namespace uplink::cyberwave {
+
+/// The latest value of each key, at most `kKeysMax` of them and `kBytesMax` bytes: the least
+/// recently updated goes first. A value.
+template <typename Value, std::size_t kKeysMax, std::size_t kBytesMax>
+class LatestWithin {
+ public:
+  struct Sized {
+    Value value;
+    std::size_t bytes = 0;
+  };
+
+  /// `bytes` is what key and value hold, themselves included. Returns the number of keys that had
+  /// to go, this one too if it alone has no room.
+  std::size_t Put(std::string key, Value value, std::size_t bytes) {
+    std::size_t gone = latest_.Put(std::move(key), {.value = std::move(value), .bytes = bytes});
+    while (this->bytes() > kBytesMax) {
+      latest_.Erase(latest_.items().front().first);
+      ++gone;
+    }
+    return gone;
+  }
+
+  /// Null if the key is not kept.
+  [[nodiscard]] const Value* Find(std::string_view key) const {
+    const Sized* found = latest_.Find(key);
+    return found == nullptr ? nullptr : &found->value;
+  }
+
+  /// Key and Sized, least recently updated first.
+  [[nodiscard]] const auto& items() const { return latest_.items(); }
+  [[nodiscard]] std::size_t size() const { return latest_.items().size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const auto& [key, sized] : latest_.items()) sum += sized.bytes;
+    return sum;
+  }
+
+ private:
+  robot::LatestByKey<Sized, kKeysMax> latest_;
+};
+
+}  // namespace uplink::cyberwave

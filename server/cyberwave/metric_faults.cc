@@ -1,0 +1,73 @@
+#include "server/cyberwave/metric_faults.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "schema/base/utf8.h"
+#include "schema/limits.h"
+
+namespace uplink::cyberwave {
+namespace {
+
+constexpr std::string_view kCategory = "metrics";
+
+/// FNV-1a: the same wherever it is computed. Who could make two texts share it could as well send
+/// the same text twice.
+std::uint64_t NumberOf(std::string_view text) {
+  constexpr std::uint64_t kBasis = 0xcbf29ce484222325U;
+  constexpr std::uint64_t kPrime = 0x100000001b3U;
+  std::uint64_t number = kBasis;
+  for (const char c : text) {
+    number ^= static_cast<unsigned char>(c);
+    number *= kPrime;
+  }
+  return number;
+}
+
+model::Fault FaultOf(std::string id, std::int64_t unix_time_ms) {
+  model::Fault fault;
+  fault.unix_time_ms = unix_time_ms;
+  fault.fault_id = std::move(id);
+  fault.source = kMetricFaultSource;
+  fault.severity = model::FaultSeverity::kMajor;
+  fault.category = kCategory;
+  return fault;
+}
+
+}  // namespace
+
+std::string FaultIdOf(std::string_view error) {
+  if (error.size() <= schema::kIdBytesMax) return std::string(error);
+  const std::string number = fmt::format("~{:016x}", NumberOf(error));
+  return std::string(Utf8Prefix(error, schema::kIdBytesMax - number.size())) + number;
+}
+
+std::vector<model::Fault> MetricFaults::Take(const std::vector<std::string>& errors,
+                                             std::int64_t unix_time_ms) {
+  std::vector<model::Fault> changes;
+  std::set<std::string, std::less<>> named;
+  for (const std::string& error : errors) {
+    if (named.size() >= kMetricFaultsMax) break;
+    const auto [id, first] = named.insert(FaultIdOf(error));
+    if (!first || active_.contains(*id)) continue;
+    model::Fault fault = FaultOf(*id, unix_time_ms);
+    fault.active = true;
+    fault.description = error;
+    changes.push_back(std::move(fault));
+  }
+  for (const std::string& id : active_) {
+    if (!named.contains(id)) changes.push_back(FaultOf(id, unix_time_ms));
+  }
+  active_ = std::move(named);
+  return changes;
+}
+
+void MetricFaults::Restore(const std::vector<std::string>& fault_ids) {
+  for (const std::string& id : fault_ids) {
+    if (active_.size() >= kMetricFaultsMax) return;
+    active_.insert(id);
+  }
+}
+
+}  // namespace uplink::cyberwave

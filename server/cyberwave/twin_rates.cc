@@ -1,0 +1,32 @@
+#include "server/cyberwave/twin_rates.h"
+
+#include <variant>
+
+#include "server/robot/rates.h"
+
+namespace uplink::cyberwave {
+namespace {
+
+bool IsLogLine(const Judgement& judgement) {
+  if (judgement.topic.kind == TopicKind::kDriverLog) return true;
+  const model::cyberwave::Body* body = judgement.body();
+  return body != nullptr && std::holds_alternative<model::cyberwave::DriverLog>(*body);
+}
+
+}  // namespace
+
+std::optional<model::Rejection> TwinRates::Limit(const Judgement& judgement, JournalFill fill,
+                                                 SteadyTime now) {
+  const bool durable = judgement.message_class == MessageClass::kDurable;
+  if (durable && fill == JournalFill::kUpToHalf) return std::nullopt;
+  if (messages_.PassesAt(1, kMessagesOfTwin, now) > now) return robot::RateLimited(kMessagesOfTwin);
+  const bool log_line = IsLogLine(judgement);
+  if (log_line && log_lines_.PassesAt(1, kLogLinesOfTwin, now) > now) {
+    return robot::RateLimited(kLogLinesOfTwin);
+  }
+  messages_.Take(1, kMessagesOfTwin, now);
+  if (log_line) log_lines_.Take(1, kLogLinesOfTwin, now);
+  return std::nullopt;
+}
+
+}  // namespace uplink::cyberwave

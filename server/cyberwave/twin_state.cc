@@ -1,0 +1,210 @@
+#include "server/cyberwave/twin_state.h"
+
+#include <map>
+#include <utility>
+#include <variant>
+
+#include "server/cyberwave/held_bytes.h"
+
+namespace uplink::cyberwave {
+namespace {
+
+namespace cw = model::cyberwave;
+
+/// What stands around the body of one message.
+struct Said {
+  TopicKind topic;
+  const cw::Head& head;
+  Stamp stamp;
+  SessionNumber session = 0;
+
+  [[nodiscard]] std::int64_t unix_time_ms() const {
+    constexpr std::int64_t kUsPerMs = 1000;
+    return head.timestamp_us / kUsPerMs;
+  }
+};
+
+/// Whether the message is the latest of its session for the value that these are the times of.
+bool IsLatest(SessionTimes& times, const Said& said) {
+  return times.Take(said.session, said.stamp.timestamp_us);
+}
+
+template <typename T>
+Outcome Keep(std::optional<Held<T>>& held, T&& value, const Said& said) {
+  if (!held) held.emplace();
+  if (!IsLatest(held->times, said)) return Outcome::kSuperseded;
+  held->value = std::forward<T>(value);
+  held->source = said.head.source;
+  held->stamp = said.stamp;
+  return Outcome::kApplied;
+}
+
+template <typename T>
+std::size_t ItemBytes(const std::string& key, const Held<T>& held) {
+  // Key, value and the places of both in a table.
+  constexpr std::size_t kTableBytes = 96;
+  return sizeof(held) + kTableBytes + HeldBytes(key) + HeldBytes(held.source.text) +
+         HeldBytes(held.value);
+}
+
+/// How many keys had to go; nothing if what the table holds is later.
+template <typename Table, typename T>
+std::optional<std::size_t> KeepIn(Table& table, const std::string& key, T&& value,
+                                  const Said& said) {
+  Held<std::decay_t<T>> held;
+  if (const auto* before = table.Find(key)) held.times = before->times;
+  if (!IsLatest(held.times, said)) return std::nullopt;
+  held.value = std::forward<T>(value);
+  held.source = said.head.source;
+  held.stamp = said.stamp;
+  const std::size_t bytes = ItemBytes(key, held);
+  return table.Put(key, std::move(held), bytes);
+}
+
+Applied Only(Outcome outcome) {
+  Applied applied;
+  applied.outcome = outcome;
+  return applied;
+}
+
+std::size_t BytesOf(const std::vector<cw::Metric>& metrics) {
+  std::size_t held = metrics.capacity() * sizeof(cw::Metric) + kAllocationBytes;
+  for (const cw::Metric& metric : metrics) held += HeldBytes(metric);
+  return held;
+}
+
+}  // namespace
+
+struct TwinState::Taking {
+  TwinState& state;
+  TwinParts& parts;
+  const Said& said;
+
+  Applied operator()(cw::Position&& value) {
+    return Only(Keep(parts.position, std::move(value), said));
+  }
+  Applied operator()(cw::Rotation&& value) {
+    return Only(Keep(parts.rotation, std::move(value), said));
+  }
+  Applied operator()(cw::Scale&& value) { return Only(Keep(parts.scale, std::move(value), said)); }
+  Applied operator()(cw::Gps&& value) { return Only(Keep(parts.gps, std::move(value), said)); }
+  Applied operator()(cw::BatteryStatus&& value) {
+    return Only(Keep(parts.battery, std::move(value), said));
+  }
+
+  Applied operator()(cw::Joints&& joints) {
+    parts.observed.CountSetpoints(joints.setpoints);
+    const std::optional<JointGroup> group = JointGroupOf(said.head.source.type);
+    if (!group || (joints.joints.empty() && joints.setpoints > 0)) {
+      parts.observed.Count(said.topic);
+      return Only(Outcome::kObserved);
+    }
+    JointTable::Taken taken = parts.joints.Take(joints.joints, {.group = *group,
+                                                                .source = said.head.source,
+                                                                .stamp = said.stamp,
+                                                                .session = said.session});
+    const bool old = taken.applied == 0 && taken.superseded > 0;
+    return {.outcome = old ? Outcome::kSuperseded : Outcome::kApplied,
+            .records = {},
+            .dropped = std::move(taken.dropped),
+            .without_room = taken.without_room};
+  }
+
+  Applied operator()(cw::Metrics&& metrics) {
+    if (!IsLatest(state.metrics_times_, said)) return Only(Outcome::kSuperseded);
+    // No error where there is no list of them.
+    const std::vector<std::string> none;
+    const auto& errors = metrics.errors ? *metrics.errors : none;
+    Applied applied = Only(Outcome::kApplied);
+    for (model::Fault& fault : state.faults_.Take(errors, said.unix_time_ms())) {
+      applied.outcome = Outcome::kStored;
+      applied.records.emplace_back(std::move(fault));
+    }
+    std::map<std::string, std::vector<cw::Metric>> by_category;
+    for (cw::Metric& metric : metrics.metrics) {
+      by_category[metric.category].push_back(std::move(metric));
+    }
+    for (auto& [category, values] : by_category) {
+      MetricCategory held{
+          .value = std::move(values), .source = said.head.source, .stamp = said.stamp};
+      const std::size_t bytes = sizeof(held) + 2 * HeldBytes(category) +
+                                HeldBytes(held.source.text) + BytesOf(held.value);
+      state.keys_evicted_ += parts.metrics.Put(category, std::move(held), bytes);
+    }
+    return applied;
+  }
+
+  Applied operator()(cw::EdgeHealth&& health) {
+    const std::string edge_id = health.edge_id;
+    return InTable(KeepIn(parts.edges, edge_id, std::move(health), said));
+  }
+
+  Applied operator()(cw::Report&& report) {
+    report.detail.shrink_to_fit();
+    switch (report.kind) {
+      case cw::ReportKind::kMotorStatus:
+        return Only(Keep(parts.motors, std::move(report), said));
+      case cw::ReportKind::kDriverInfo:
+        return Only(Keep(parts.driver_info, std::move(report), said));
+      case cw::ReportKind::kTelemetry:
+      case cw::ReportKind::kRobotState:
+        break;
+    }
+    const std::string name = report.name;
+    return InTable(KeepIn(parts.reports, name, std::move(report), said));
+  }
+
+  Applied operator()(cw::CommandHead&& head) {
+    parts.observed.Take(said.topic, head, said.head.source, said.stamp);
+    return Only(Outcome::kObserved);
+  }
+  Applied operator()(cw::Commanded&& commanded) {
+    parts.observed.Count(said.topic);
+    parts.observed.CountSetpoints(commanded.setpoints);
+    return Only(Outcome::kObserved);
+  }
+  Applied operator()(cw::Signalling&& /*secret*/) {
+    parts.observed.Count(said.topic);
+    return Only(Outcome::kObserved);
+  }
+  Applied operator()(cw::Media&& media) {
+    parts.observed.CountMedia(said.topic, media.bytes);
+    return Only(Outcome::kObserved);
+  }
+
+  /// The rest is durable, and becomes a record, or is nothing of a twin's.
+  template <typename Other>
+  Applied operator()(Other&& /*body*/) {
+    return Only(Outcome::kIgnored);
+  }
+
+ private:
+  Applied InTable(const std::optional<std::size_t>& evicted) {
+    if (!evicted) return Only(Outcome::kSuperseded);
+    state.keys_evicted_ += *evicted;
+    return Only(Outcome::kApplied);
+  }
+};
+
+Applied TwinState::Apply(Judgement&& judgement, const Arrival& arrival) {
+  auto* body = std::get_if<cw::Body>(&judgement.verdict);
+  if (body == nullptr || !IsOfTwin(judgement.topic.kind)) return {};
+  const cw::Head& head = judgement.head;
+  const Said said{.topic = judgement.topic.kind,
+                  .head = head,
+                  .stamp = {.timestamp_us = head.timestamp_us, .arrived = arrival},
+                  .session = SessionNumberOf(head.session_id)};
+  if (const auto* mark = std::get_if<cw::Mark>(body)) {
+    parts_.sessions.Take(*mark, head.session_id, said.stamp);
+  } else {
+    parts_.sessions.Touch(head.session_id);
+  }
+  if (std::optional<DurableRecord> record = TakeRecord(judgement)) {
+    Applied stored = Only(Outcome::kStored);
+    stored.records.push_back(*std::move(record));
+    return stored;
+  }
+  return std::visit(Taking{*this, parts_, said}, std::move(*body));
+}
+
+}  // namespace uplink::cyberwave
