@@ -37,6 +37,7 @@ enum class SeriesId : std::uint8_t {
   kTurnRateRadS,
   kPositionXM,
   kPositionYM,
+  kPositionZM,
   kPositionHeadingRad,
   kRangeRemainingM,
   kRuntimeRemainingS,
@@ -49,6 +50,8 @@ enum class SeriesId : std::uint8_t {
   kMemPct,
   kDiskPct,
   kCpuTemperatureC,
+  kStreams,
+  kStreamsHealthy,
   kExtra,
 };
 inline constexpr std::size_t kSeries = static_cast<std::size_t>(SeriesId::kExtra) + 1;

@@ -1,0 +1,215 @@
+#include "server/rcan/twin_series.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace uplink::rcan {
+namespace {
+
+namespace cw = model::cyberwave;
+using cyberwave::HeldJoint;
+using cyberwave::JointGroup;
+using cyberwave::TwinParts;
+using metrics::rcan::SeriesPage;
+using enum metrics::rcan::SeriesId;
+
+constexpr double kMillisPerSecond = 1000;
+constexpr double kSecondsPerMinute = 60;
+/// The metrics that have a series of their own.
+constexpr std::string_view kPower = "power";
+constexpr std::string_view kBatteryPercent = "battery_percent";
+constexpr std::string_view kVoltage = "voltage";
+constexpr std::string_view kRuntimeMinutes = "estimated_runtime_minutes";
+
+template <typename Number>
+void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, const std::optional<Number>& value) {
+  if (value) page.Add(id, static_cast<double>(*value));
+}
+
+/// A product may be beyond a double.
+void AddFinite(SeriesPage& page, metrics::rcan::SeriesId id, double value) {
+  if (std::isfinite(value)) page.Add(id, value);
+}
+
+/// The value that arrived last, of several that may be there.
+class Latest final {
+ public:
+  void Offer(const std::optional<double>& value, SteadyTime arrived) {
+    if (!value || (value_ && arrived < arrived_)) return;
+    value_ = value;
+    arrived_ = arrived;
+  }
+  [[nodiscard]] const std::optional<double>& value() const { return value_; }
+
+ private:
+  std::optional<double> value_;
+  SteadyTime arrived_{};
+};
+
+std::optional<double> NumberOf(const cw::MetricValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (const auto* on = std::get_if<bool>(&value)) return *on ? 1 : 0;
+  return std::nullopt;
+}
+
+/// A metric of that name in the category `power`, if it is a number.
+std::optional<double> PowerOf(const cyberwave::MetricCategory* power, std::string_view name) {
+  if (power == nullptr) return std::nullopt;
+  for (const cw::Metric& metric : power->value) {
+    if (metric.name == name) return NumberOf(metric.value);
+  }
+  return std::nullopt;
+}
+
+bool HasOwnSeries(const cw::Metric& metric) {
+  return metric.category == kPower && (metric.name == kBatteryPercent || metric.name == kVoltage ||
+                                       metric.name == kRuntimeMinutes);
+}
+
+/// Older drivers mean 0 to 1: up to 1 nobody can tell which it is.
+bool IsAmbiguous(double percentage) { return percentage > 0 && percentage <= 1; }
+
+void AddBattery(const TwinParts& parts, SeriesPage& page) {
+  Latest percent;
+  Latest voltage;
+  const cyberwave::MetricCategory* power = parts.metrics.Find(kPower);
+  if (power != nullptr) {
+    const SteadyTime arrived = power->stamp.arrived.steady;
+    percent.Offer(PowerOf(power, kBatteryPercent), arrived);
+    voltage.Offer(PowerOf(power, kVoltage), arrived);
+  }
+  if (const cyberwave::HeldReport* report = parts.reports.Find("battery")) {
+    percent.Offer(report->value.battery_percent, report->stamp.arrived.steady);
+  }
+  if (parts.battery) {
+    const cw::BatteryStatus& battery = parts.battery->value;
+    const SteadyTime arrived = parts.battery->stamp.arrived.steady;
+    if (battery.percentage && !IsAmbiguous(*battery.percentage)) {
+      percent.Offer(battery.percentage, arrived);
+    }
+    voltage.Offer(battery.voltage_v, arrived);
+  }
+  AddIf(page, kBatteryV, voltage.value());
+  AddIf(page, kBatteryPct, percent.value());
+  if (const auto minutes = PowerOf(power, kRuntimeMinutes)) {
+    AddFinite(page, kRuntimeRemainingS, *minutes * kSecondsPerMinute);
+  }
+}
+
+void AddPlace(const TwinParts& parts, SeriesPage& page) {
+  if (parts.gps) {
+    const cw::Gps& gps = parts.gps->value;
+    AddIf(page, kLatitudeDeg, gps.latitude_deg);
+    AddIf(page, kLongitudeDeg, gps.longitude_deg);
+    AddIf(page, kAltitudeM, gps.altitude_m);
+    AddIf(page, kHeadingDeg, gps.compass_heading_deg);
+  }
+  if (parts.position) {
+    page.Add(kPositionXM, parts.position->value.x_m);
+    page.Add(kPositionYM, parts.position->value.y_m);
+    page.Add(kPositionZM, parts.position->value.z_m);
+  }
+  if (parts.rotation) page.Add(kPositionHeadingRad, HeadingOf(parts.rotation->value));
+}
+
+/// Of the twin's own driver, whose edge_id is the twin's id; else of the edge that was heard last.
+std::optional<double> UptimeOf(const TwinParts& parts) {
+  if (const auto* driver = parts.edges.Find(parts.twin.ToText())) return driver->value.uptime_s;
+  if (parts.edges.size() == 0) return std::nullopt;
+  return parts.edges.items().back().second.value.value.uptime_s;
+}
+
+template <typename Number>
+std::optional<double> AsDouble(const std::optional<Number>& number) {
+  if (!number) return std::nullopt;
+  return static_cast<double>(*number);
+}
+
+void AddEdges(const TwinParts& parts, NamedSeries& series) {
+  for (const auto& [edge_id, sized] : parts.edges.items()) {
+    const cw::EdgeHealth& health = sized.value.value;
+    // In the order of SeriesId.
+    const std::array<std::optional<double>, 6> samples = {
+        health.host_cpu_percent, health.host_memory_percent,    health.host_disk_percent,
+        health.cpu_temp_c,       AsDouble(health.stream_count), AsDouble(health.healthy_streams)};
+    series.Add(kCpuPct, edge_id, samples);
+  }
+}
+
+/// One channel of a joint that two sources say: of the later one, if it says it.
+std::optional<double> ChannelOf(const HeldJoint& joint, const HeldJoint* other,
+                                std::optional<double> HeldJoint::*channel) {
+  if (other == nullptr || !(other->*channel)) return joint.*channel;
+  const bool later = other->stamp.arrived.steady > joint.stamp.arrived.steady;
+  return later || !(joint.*channel) ? other->*channel : joint.*channel;
+}
+
+void AddJoint(std::string_view name, const HeldJoint& joint, const HeldJoint* other,
+              NamedSeries& series) {
+  const auto position = ChannelOf(joint, other, &HeldJoint::position);
+  const auto velocity = ChannelOf(joint, other, &HeldJoint::velocity);
+  const auto effort = ChannelOf(joint, other, &HeldJoint::effort);
+  const std::optional<double> none;
+  // In the order of SeriesId: radians, then metres.
+  const std::array<std::optional<double>, 5> samples =
+      joint.prismatic ? std::array{none, none, position, velocity, effort}
+                      : std::array{position, velocity, none, none, effort};
+  series.Add(kJointPositionRad, name, samples);
+}
+
+/// What the robot's own arms say. A leader is what somebody moves by hand, under the same names.
+void AddJoints(const TwinParts& parts, NamedSeries& series) {
+  const auto& edge = parts.joints.Of(JointGroup::kEdge);
+  const auto& follower = parts.joints.Of(JointGroup::kFollower);
+  for (const auto& [name, joint] : edge) {
+    const auto same = follower.find(name);
+    AddJoint(name, joint, same == follower.end() ? nullptr : &same->second, series);
+  }
+  for (const auto& [name, joint] : follower) {
+    if (!edge.contains(name)) AddJoint(name, joint, nullptr, series);
+  }
+}
+
+void AddMetrics(const TwinParts& parts, NamedSeries& series) {
+  for (const auto& [category, sized] : parts.metrics.items()) {
+    for (const cw::Metric& metric : sized.value.value) {
+      const std::array<std::optional<double>, 1> sample = {NumberOf(metric.value)};
+      if (!sample[0] || HasOwnSeries(metric)) continue;
+      std::string key = "metrics/" + category;
+      if (!metric.name.empty()) key.append("/").append(metric.name);
+      series.Add(kExtra, key, sample);
+    }
+  }
+}
+
+}  // namespace
+
+double HeadingOf(const cw::Rotation& rotation) {
+  const double longest = std::max(
+      {std::abs(rotation.w), std::abs(rotation.x), std::abs(rotation.y), std::abs(rotation.z)});
+  // At most 1 each, so that no square is beyond a double.
+  const double w = rotation.w / longest;
+  const double x = rotation.x / longest;
+  const double y = rotation.y / longest;
+  const double z = rotation.z / longest;
+  return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
+}
+
+void AddTwin(const TwinParts& parts, NamedSeries& series) {
+  SeriesPage& page = series.page();
+  AddBattery(parts, page);
+  AddPlace(parts, page);
+  if (const auto uptime_s = UptimeOf(parts))
+    AddFinite(page, kUptimeMs, *uptime_s * kMillisPerSecond);
+  AddEdges(parts, series);
+  AddJoints(parts, series);
+  AddMetrics(parts, series);
+}
+
+}  // namespace uplink::rcan
