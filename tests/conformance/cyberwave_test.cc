@@ -1,6 +1,5 @@
 // What the vendor's client publishes, line by line, against what each line is for us.
 #include <cstddef>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/cyberwave/judge.h"
-#include "tests/conformance/base64.h"
+#include "tests/conformance/cyberwave_lines.h"
 
 namespace uplink::cyberwave {
 namespace {
@@ -20,15 +19,7 @@ namespace {
 namespace js = boost::json;
 namespace cw = model::cyberwave;
 
-constexpr auto kVectors = "tests/conformance/cyberwave/sdk-0.7.4.jsonl";
 constexpr auto kExpected = "tests/conformance/cyberwave/sdk-0.7.4.expected";
-
-std::vector<std::string> LinesOf(const char* path) {
-  std::vector<std::string> lines;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  return lines;
-}
 
 std::string_view WordOf(MessageClass message_class) {
   switch (message_class) {
@@ -149,36 +140,24 @@ std::string InWords(const Judgement& judgement) {
   return text + std::visit(InShort(), *judgement.body());
 }
 
-std::string PayloadOf(const js::object& line) {
-  if (const js::value* text = line.if_contains("payload")) {
-    return std::string(text->as_string().c_str(), text->as_string().size());
-  }
-  const js::string& coded = line.at("payload_base64").as_string();
-  return test::FromBase64({coded.data(), coded.size()});
-}
-
 TEST(CyberwaveVectors, AreWhatIsExpectedLineByLine) {
-  const std::vector<std::string> lines = LinesOf(kVectors);
-  const std::vector<std::string> expected = LinesOf(kExpected);
+  const std::vector<std::string> lines = test::LinesOf(test::kCyberwaveVectors);
+  const std::vector<std::string> expected = test::LinesOf(kExpected);
   ASSERT_GT(lines.size(), 100U);
   EXPECT_EQ(lines.size(), expected.size());
-  const JudgeTerms terms = {.prefixes = {"", "local", "site/a/"}};
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const js::object line = js::parse(lines[i]).as_object();
-    const js::string& topic = line.at("topic").as_string();
-    const Judgement judgement = JudgeMessage({topic.data(), topic.size()}, PayloadOf(line), terms);
-    const std::string found = InWords(judgement);
+    const std::string found = InWords(test::JudgeLine(line));
     EXPECT_EQ(found, i < expected.size() ? expected[i] : "nothing")
         << "line " << i + 1 << ": " << line.at("call").as_string();
   }
 }
 
 TEST(CyberwaveVectors, BelongToTheTwinOfTheirTopic) {
-  for (const std::string& text : LinesOf(kVectors)) {
+  for (const std::string& text : test::LinesOf(test::kCyberwaveVectors)) {
     const js::object line = js::parse(text).as_object();
     const std::string topic(line.at("topic").as_string().c_str());
-    const Judgement judgement =
-        JudgeMessage(topic, PayloadOf(line), {.prefixes = {"", "local", "site/a/"}});
+    const Judgement judgement = test::JudgeLine(line);
     if (!IsOfTwin(judgement.topic.kind)) continue;
     std::string lower = topic;
     for (char& c : lower) c = c >= 'A' && c <= 'F' ? static_cast<char>(c - 'A' + 'a') : c;
