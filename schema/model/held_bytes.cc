@@ -84,7 +84,7 @@ struct Counter {
   }
   static std::size_t Held(const FaultClearedEvent& event) { return Held(event.fault_code); }
   static std::size_t Held(const EventTelemetry& body) { return Held(body.kind); }
-  static std::size_t Held(const Message& body) { return Held(body.message); }
+  static std::size_t Held(const Message& body) { return HeldByAll(body.message, body.detail_json); }
 
   static std::size_t Held(const AssetIdentity& identity) {
     return HeldByAll(identity.id, identity.name, identity.hash);

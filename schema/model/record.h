@@ -22,6 +22,9 @@
 namespace uplink::schema {
 class Judge;
 }
+namespace uplink::cyberwave {
+class Records;
+}
 
 namespace uplink::model {
 
@@ -64,8 +67,8 @@ UPLINK_VARIANTS(UPLINK_VARIANT)
   return static_cast<Variant>(body.index());
 }
 
-/// A validated message. Only a passing judgement makes one (schema::Judge), so whoever holds a
-/// Record need not check it again. A value.
+/// A validated message. Only a passing judgement makes one (schema::Judge, cyberwave::Records), so
+/// whoever holds a Record need not check it again. A value.
 class Record {
  public:
   [[nodiscard]] Variant variant() const { return VariantOf(body_); }
@@ -83,6 +86,7 @@ class Record {
 
  private:
   friend class uplink::schema::Judge;
+  friend class uplink::cyberwave::Records;
   Record(Body body, std::vector<DroppedField> dropped, std::vector<UntoldFields> untold,
          std::size_t payload_bytes)
       : body_(std::move(body)),

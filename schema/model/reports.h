@@ -97,6 +97,9 @@ struct Message {
   std::int64_t unix_time_ms = 0;
   MessageLevel level = MessageLevel::kInfo;
   std::string message;
+  /// What else its sender said, as the JSON text of an object; empty if that is nothing. Payloads
+  /// of generation 0.1 have none.
+  std::string detail_json{};
 
   friend bool operator==(const Message&, const Message&) = default;
 };

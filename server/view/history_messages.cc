@@ -54,6 +54,9 @@ v1::ListMessagesResponse ToMessage(const storage::Page<storage::MessageRow>& pag
     item.set_message(row.message.message);
     item.set_sampled_at_ms(row.message.unix_time_ms);
     item.set_received_at_ms(UnixMs(row.received_at));
+    if (!row.message.detail_json.empty()) {
+      *item.mutable_detail() = ParseStruct(row.message.detail_json);
+    }
   }
   message.set_next_page_token(page.next_token);
   return message;

@@ -31,7 +31,7 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
   return row.kind.size() + row.detail_json.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::MessageRow& row) {
-  return row.message.message.size();
+  return row.message.message.size() + row.message.detail_json.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::MissionRunRow& row) {
   return row.mission_id.size() + row.run_id.size() + row.name.size() + row.latest_json.size();

@@ -37,7 +37,7 @@ inline constexpr Table<EventReport, EventRow, 9> kEventsTable = {
               [](const Cell& cell, EventRow& row) { row.detail_json = cell.Text(); }},
          }))};
 
-inline constexpr Table<MessageReport, MessageRow, 9> kMessagesTable = {
+inline constexpr Table<MessageReport, MessageRow, 10> kMessagesTable = {
     "messages", Writes::kInserts, ByArrival<MessageRow>(),
     Join(kReportColumns<MessageReport, MessageRow>,
          std::to_array<Column<MessageReport, MessageRow>>({
@@ -52,6 +52,9 @@ inline constexpr Table<MessageReport, MessageRow, 9> kMessagesTable = {
              {"message", Type::kText, Role::kValue,
               [](Array& to, const MessageReport& row) { to.Text(row.body->message); },
               [](const Cell& cell, MessageRow& row) { row.message.message = cell.Text(); }},
+             {"detail", Type::kText, Role::kValue,
+              [](Array& to, const MessageReport& row) { to.Text(row.body->detail_json); },
+              [](const Cell& cell, MessageRow& row) { row.message.detail_json = cell.Text(); }},
          }))};
 
 /// What names a run of a robot, and how it stands. In: has `body`. Out: the row of a report or of a

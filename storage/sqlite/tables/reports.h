@@ -29,7 +29,7 @@ inline constexpr Table<EventReport, EventRow, 9> kEventsTable = {
               [](const Cell& cell, EventRow& row) { row.detail_json = cell.Text(); }},
          }))};
 
-inline constexpr Table<MessageReport, MessageRow, 9> kMessagesTable = {
+inline constexpr Table<MessageReport, MessageRow, 10> kMessagesTable = {
     "messages", Writes::kInserts, ByArrival<MessageRow>(),
     Join(kReportColumns<MessageReport, MessageRow>,
          std::to_array<Column<MessageReport, MessageRow>>({
@@ -44,6 +44,9 @@ inline constexpr Table<MessageReport, MessageRow, 9> kMessagesTable = {
              {"message", Role::kValue,
               [](Binder& to, const MessageReport& row) { to.Text(row.body->message); },
               [](const Cell& cell, MessageRow& row) { row.message.message = cell.Text(); }},
+             {"detail", Role::kValue,
+              [](Binder& to, const MessageReport& row) { to.Text(row.body->detail_json); },
+              [](const Cell& cell, MessageRow& row) { row.message.detail_json = cell.Text(); }},
          }))};
 
 }  // namespace uplink::storage::sqlite

@@ -38,6 +38,8 @@ TEST(HeldBytes, EveryTextOfAMessageCounts) {
   event.kind =
       FaultRaisedEvent{.fault_code = std::string(50, 'x'), .description = std::string(60, 'y')};
   EXPECT_EQ(HeldBytes(Body(event)), Text(50) + Text(60));
+  const Message message{.message = std::string(70, 'x'), .detail_json = std::string(80, 'y')};
+  EXPECT_EQ(HeldBytes(Body(message)), Text(70) + Text(80));
 }
 
 TEST(HeldBytes, PositionsCountInEveryGeometry) {

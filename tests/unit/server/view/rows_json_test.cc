@@ -57,6 +57,17 @@ TEST(RowsJson, Messages) {
     "message": "a \"b\" ä\n", "sampledAtMs": "1", "receivedAtMs": "2"})");
 }
 
+TEST(RowsJson, AMessageShowsTheDetailThatItsSenderGave) {
+  storage::MessageRow row;
+  row.message = {.message = "gripper is warm", .detail_json = R"({"source":"arm","axis":3})"};
+  ExpectJson("messages", row, R"({"ruri": "rcan://a", "level": "info",
+    "message": "gripper is warm", "sampledAtMs": "0", "receivedAtMs": "0",
+    "detail": {"source": "arm", "axis": 3}})");
+  row.message.detail_json = "{}";
+  ExpectJson("messages", row, R"({"ruri": "rcan://a", "level": "info",
+    "message": "gripper is warm", "sampledAtMs": "0", "receivedAtMs": "0", "detail": {}})");
+}
+
 TEST(RowsJson, PresenceChanges) {
   for (const auto& [presence, name] : {std::pair{model::Presence::kUnknown, "PRESENCE_UNKNOWN"},
                                        std::pair{model::Presence::kOnline, "PRESENCE_ONLINE"},

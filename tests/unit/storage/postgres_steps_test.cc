@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "schema/base/clock.h"
+#include "storage/postgres/migrations.h"
+#include "storage/postgres/schema.h"
+#include "tests/support/postgres_database.h"
+
+// What steps of the schema make of rows that are there, and of who serves.
+namespace uplink::storage::postgres {
+namespace {
+
+using testing::DatabaseContent;
+using testing::PostgresDatabase;
+using testing::PostgresShell;
+
+class PostgresSteps : public ::testing::Test {
+ protected:
+  PostgresSteps() {
+    ConnectionOptions options;
+    options.url = *ParseUrl(database_.owner_url());
+    auto connection = Connection::Open(options, clock_);
+    EXPECT_TRUE(connection.ok()) << connection.status();
+    if (connection.ok()) owner_ = *std::move(connection);
+  }
+  /// All steps before the one of this name, with the server's role granted.
+  void MigrateUpTo(std::string_view name) {
+    const auto step = std::ranges::find_if(Migrations(), [&](const Migration& migration) {
+      return std::string_view(migration.name).ends_with(name);
+    });
+    ASSERT_NE(step, Migrations().end());
+    const auto before = static_cast<std::size_t>(step - Migrations().begin());
+    ASSERT_TRUE(Migrate(*owner_, Migrations().first(before)).ok());
+    ASSERT_TRUE(GrantTo(*owner_, "uplinkd").ok());
+  }
+  void MigrateAll() {
+    const auto steps = Migrate(*owner_, Migrations());
+    ASSERT_TRUE(steps.ok()) << steps.status();
+  }
+
+  const SystemClock clock_{};
+  PostgresDatabase database_{DatabaseContent::kEmpty};
+  std::unique_ptr<Connection> owner_;
+};
+
+TEST_F(PostgresSteps, MessagesOfAnEarlierBuildHaveNoDetail) {
+  MigrateUpTo("_message_detail");
+  database_.Shell().Run(
+      "SELECT uplinkd.make_partitions('2026-01-02', 1);"
+      "INSERT INTO uplinkd.messages VALUES ('rcan://a', '2026-01-02 12:00Z', 1, 'f',"
+      " '07000000-0000-0000-0000-000000000000', 1, 0, 0, 'hello')");
+  MigrateAll();
+  EXPECT_EQ(PostgresShell(database_.url())
+                .Read("SELECT tableoid::regclass, message, detail FROM uplinkd.messages"),
+            "uplinkd.messages_20260102|hello|\n");
+}
+
+}  // namespace
+}  // namespace uplink::storage::postgres
