@@ -25,7 +25,7 @@
   LIST(Messages, 6, MessageRow, HistoryQuery, kAsHistory)              \
   /* Every report of the runs that match. */                           \
   LIST(MissionReports, 8, MissionReportRow, MissionsQuery, kAsHistory) \
-  LIST(Quarantine, 3, QuarantineRow, HistoryQuery, kAsSetAside)        \
+  LIST(Quarantine, 3, QuarantineRow, QuarantineQuery, kAsSetAside)     \
   LIST(PresenceChanges, 11, PresenceRow, HistoryQuery, kAsHistory)     \
   /* from and to are of the first arrival. */                          \
   LIST(MissionRuns, 7, MissionRunRow, MissionsQuery, kAsHistory)       \

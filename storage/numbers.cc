@@ -16,6 +16,12 @@ model::Presence PresenceOf(std::int64_t column) {
   return model::Presence::kUnknown;
 }
 
+model::MessageSource MessageSourceOf(std::int64_t column) {
+  return column == static_cast<std::int64_t>(model::MessageSource::kCyberwave)
+             ? model::MessageSource::kCyberwave
+             : model::MessageSource::kUplink;
+}
+
 model::RejectReason ReasonOf(std::int64_t column) {
   for (const model::RejectReason reason : model::kAllRejectReasons) {
     if (static_cast<std::int64_t>(reason) == column) return reason;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "schema/model/enum_text.h"
+#include "schema/model/message_source.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "storage/rows.h"
@@ -31,5 +32,8 @@ template <model::WireEnum E>
 /// The reason of the contract that a column holds; kStoreRefused for a number that none has, which
 /// a newer program may have written: one row must not keep a robot, nor a batch, from the store.
 [[nodiscard]] model::RejectReason ReasonOf(std::int64_t column);
+
+/// kUplink for a number that this program does not know.
+[[nodiscard]] model::MessageSource MessageSourceOf(std::int64_t column);
 
 }  // namespace uplink::storage

@@ -61,10 +61,18 @@ struct PresentQuery {
   bool include_expired = false;
 };
 
+/// Which rows of quarantine.
+struct QuarantineQuery {
+  HistoryQuery rows;
+  /// Nothing: whatever way they came.
+  std::optional<model::MessageSource> source{};
+};
+
 // Which rows, of any query.
 [[nodiscard]] inline const HistoryQuery& RowsOf(const HistoryQuery& query) { return query; }
 [[nodiscard]] inline const HistoryQuery& RowsOf(const MissionsQuery& query) { return query.rows; }
 [[nodiscard]] inline const HistoryQuery& RowsOf(const PresentQuery& query) { return query.rows; }
+[[nodiscard]] inline const HistoryQuery& RowsOf(const QuarantineQuery& query) { return query.rows; }
 
 /// Newest first by arrival. A token stays valid while rows are added: a walk sees every row that
 /// was there when it began exactly once.
@@ -133,7 +141,7 @@ class Reader {
   virtual ~Reader() = default;
 
   /// Robots that ever opened a stream, at most `robots_max`: those heard last first, of several at
-  /// one time by RURI.
+  /// one time by RURI. What stands for no robot (origin.h) is not among them.
   [[nodiscard]] virtual absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) = 0;
   /// How many robots ever opened a stream.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> RobotCount() = 0;

@@ -6,6 +6,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "schema/model/message_source.h"
 #include "schema/model/mission.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
@@ -31,6 +32,9 @@ struct QuarantineRow {
   SystemTime received_at;
   std::string payload;
   std::uint64_t payload_bytes = 0;
+  model::MessageSource source = model::MessageSource::kUplink;
+  /// Empty if it came by the relay.
+  std::string topic;
 };
 
 /// Rows of a robot's quarantine that went for its bound, for one reason.

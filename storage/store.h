@@ -93,7 +93,8 @@ class Store {
 
   /// Brings the quarantine of these robots to kQuarantineRowsPerRobotMax, as far as rows may go: of
   /// each the oldest of sessions that are not kept, then the oldest at or below what the Hellos of
-  /// their sessions said is settled; no other, however many there are. At most kTrimRowsMax of a
+  /// their sessions said is settled, or that did not come by the relay; no other, however many
+  /// there are. At most kTrimRowsMax of a
   /// robot per call. How many went for which reason stays (Reader::QuarantineDropped). Goes by no
   /// clock.
   [[nodiscard]] virtual absl::StatusOr<Trimmed> TrimQuarantine(

@@ -18,6 +18,7 @@
 #include "schema/model/rejection.h"
 #include "storage/clock_trust.h"
 #include "storage/latest_kind.h"
+#include "storage/origin.h"
 
 namespace uplink::storage {
 
@@ -204,6 +205,8 @@ struct CommitRecord {
   std::string payload;
   /// Size of the payload as it came.
   std::uint64_t payload_bytes = 0;
+  /// Where it came from, for its row of quarantine.
+  OriginRef origin{};
 };
 
 /// A range of numbers that an agent skipped. Has no number of its own; writing it twice is writing

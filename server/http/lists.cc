@@ -1,6 +1,10 @@
 // The handlers of /api/v1 that answer rows of the store.
+#include <optional>
+#include <string>
+
 #include <absl/status/statusor.h>
 
+#include "schema/model/message_source.h"
 #include "server/http/answers.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
@@ -15,6 +19,20 @@ using storage::Page;
 void ReadRobots(Parameters& parameters, HistoryQuery& query) {
   query.ruri = parameters.Text("ruri");
   query.fleet = parameters.Text("fleet");
+}
+
+/// Nothing: every source.
+std::optional<model::MessageSource> ReadSource(Parameters& parameters) {
+  const std::string text = parameters.Text("source");
+  if (text.empty()) return std::nullopt;
+  const std::optional<model::MessageSource> source = model::MessageSourceFromText(text);
+  if (!source) parameters.Reject("source", "must be uplink or cyberwave");
+  return source;
+}
+
+Response QuarantineResponse(const absl::StatusOr<view::QuarantineView>& quarantine) {
+  return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
+                         : ErrorResponse(quarantine.status());
 }
 
 /// Shapes or objects.
@@ -38,9 +56,18 @@ Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
   ReadTimes(parameters, query);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   query.ruri = request.segment;
-  const absl::StatusOr<view::QuarantineView> quarantine = sources.queries.Quarantine(query);
-  return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
-                         : ErrorResponse(quarantine.status());
+  return QuarantineResponse(sources.queries.Quarantine(query));
+}
+
+Response GetAllQuarantine(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  storage::QuarantineQuery query;
+  query.rows = ReadPage(parameters);
+  ReadTimes(parameters, query.rows);
+  ReadRobots(parameters, query.rows);
+  query.source = ReadSource(parameters);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return QuarantineResponse(sources.queries.AllQuarantine(query));
 }
 
 Response GetFaults(const Sources& sources, const RoutedRequest& request) {

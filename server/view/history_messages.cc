@@ -78,7 +78,7 @@ v1::ListQuarantineResponse ToMessage(const storage::Page<storage::QuarantineRow>
   v1::ListQuarantineResponse message;
   for (const storage::QuarantineRow& row : page.rows) {
     v1::Quarantined& item = *message.add_items();
-    item.set_ruri(row.robot.ruri);
+    if (!storage::IsNoRobot(row.robot.ruri)) item.set_ruri(row.robot.ruri);
     item.set_session_id(row.session.ToHex());
     item.set_seq(row.seq);
     item.set_reason(std::string(model::ToText(row.rejection.reason)));
@@ -87,6 +87,8 @@ v1::ListQuarantineResponse ToMessage(const storage::Page<storage::QuarantineRow>
     item.set_received_at_ms(UnixMs(row.received_at));
     item.set_payload(row.payload);
     item.set_payload_bytes(Signed(row.payload_bytes));
+    item.set_source(std::string(model::ToText(row.source)));
+    item.set_topic(row.topic);
   }
   message.set_next_page_token(page.next_token);
   return message;

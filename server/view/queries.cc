@@ -11,6 +11,7 @@
 
 #include "schema/base/check.h"
 #include "server/view/foreign_parts.h"
+#include "server/view/keyed_bytes.h"
 #include "server/view/page_token.h"
 
 namespace uplink::view {
@@ -28,38 +29,6 @@ robot::RobotState::Parts Wanted(const PartSet& parts) {
   using enum robot::RobotState::Parts;
   if (parts.AnyLarge()) return kAll;
   return parts.AnyLive() ? kSmall : kNone;
-}
-
-/// About how many bytes an item holds beside its texts.
-constexpr std::size_t kItemBytes = 256;
-
-template <typename Value>
-std::size_t BytesOf(const Value& /*item*/) {
-  return kItemBytes;
-}
-
-std::size_t BytesOf(const robot::Extra& extra) {
-  const auto* text = std::get_if<std::string>(&extra.value);
-  return kItemBytes + (text == nullptr ? 0 : text->size());
-}
-
-template <typename Message>
-std::size_t PartBytes(const std::optional<Message>& /*part*/) {
-  return 0;
-}
-
-template <typename Value, std::size_t kMax>
-std::size_t PartBytes(const robot::LatestByKey<Value, kMax>& part) {
-  std::size_t bytes = 0;
-  for (const auto& [key, value] : part.items()) bytes += BytesOf(value);
-  return bytes;
-}
-
-/// About how many bytes a copy of the keyed parts holds.
-std::size_t KeyedBytes(const robot::LiveParts& parts) {
-  std::size_t bytes = 0;
-  robot::ForEachPart([&](auto /*row*/, const auto& part) { bytes += PartBytes(part); }, parts);
-  return bytes;
 }
 
 std::vector<std::string> RurisOf(const std::vector<RobotView>& robots) {
@@ -176,6 +145,26 @@ absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultsActive(
 absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultHistory(
     const storage::HistoryQuery& query) {
   return sources_.reader.FaultHistory(query);
+}
+
+absl::StatusOr<QuarantineView> Queries::Quarantine(const storage::HistoryQuery& query) {
+  auto page = OfRobot(sources_.reader.Quarantine({.rows = query}), query.ruri);
+  if (!page.ok()) return page.status();
+  return WithDropped(*std::move(page), query.ruri);
+}
+
+absl::StatusOr<QuarantineView> Queries::AllQuarantine(const storage::QuarantineQuery& query) {
+  auto page = sources_.reader.Quarantine(query);
+  if (!page.ok()) return page.status();
+  if (query.rows.ruri.empty()) return QuarantineView{*std::move(page), {}};
+  return WithDropped(*std::move(page), query.rows.ruri);
+}
+
+absl::StatusOr<QuarantineView> Queries::WithDropped(storage::Page<storage::QuarantineRow> page,
+                                                    const std::string& ruri) {
+  auto dropped = sources_.reader.QuarantineDropped(ruri);
+  if (!dropped.ok()) return dropped.status();
+  return QuarantineView{std::move(page), *std::move(dropped)};
 }
 
 absl::StatusOr<storage::Page<storage::MissionRunRow>> Queries::MissionRuns(

@@ -65,10 +65,10 @@ struct RobotsPage {
   std::int64_t total = 0;
 };
 
-/// The quarantine of one robot. A value.
+/// Rows of quarantine. A value.
 struct QuarantineView {
   storage::Page<storage::QuarantineRow> page;
-  /// What went for its bound.
+  /// Of one robot, if one was asked for: what went for its bound.
   std::vector<storage::DroppedRow> dropped;
 };
 
@@ -128,19 +128,13 @@ class Queries final {
   template <typename Row>
   [[nodiscard]] absl::StatusOr<storage::Page<Row>> History(storage::HistoryList<Row> list,
                                                            const storage::HistoryQuery& query) {
-    auto page = (sources_.reader.*list)(query);
-    const bool empty = page.ok() && page->rows.empty();
-    if (empty && sources_.fleet.Find(query.ruri) == nullptr) return Unknown(query.ruri);
-    return page;
+    return OfRobot((sources_.reader.*list)(query), query.ruri);
   }
-  /// As History of quarantine, with what is not there any more.
-  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::HistoryQuery& query) {
-    auto page = History(&storage::Reader::Quarantine, query);
-    if (!page.ok()) return page.status();
-    auto dropped = sources_.reader.QuarantineDropped(query.ruri);
-    if (!dropped.ok()) return dropped.status();
-    return QuarantineView{*std::move(page), *std::move(dropped)};
-  }
+  /// The quarantine of one robot as a history, with what is not there any more.
+  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::HistoryQuery& query);
+  /// The same of all robots and of none, or of those that match: a robot that is not in memory
+  /// matches too.
+  [[nodiscard]] absl::StatusOr<QuarantineView> AllQuarantine(const storage::QuarantineQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
       const storage::MissionsQuery& query);
   // What is there now, by our clock; query.now is not looked at.
@@ -152,6 +146,18 @@ class Queries final {
   [[nodiscard]] StatusView Status() const;
 
  private:
+  /// The page of a robot's rows, unless nobody knows the robot.
+  template <typename Row>
+  [[nodiscard]] absl::StatusOr<storage::Page<Row>> OfRobot(absl::StatusOr<storage::Page<Row>> page,
+                                                           const std::string& ruri) {
+    const bool empty = page.ok() && page->rows.empty();
+    const bool unknown =
+        storage::IsNoRobot(ruri) || (empty && sources_.fleet.Find(ruri) == nullptr);
+    if (page.ok() && unknown) return Unknown(ruri);
+    return page;
+  }
+  [[nodiscard]] absl::StatusOr<QuarantineView> WithDropped(
+      storage::Page<storage::QuarantineRow> page, const std::string& ruri);
   struct Lookup;
 
   /// Why there is no answer on a robot that is not in memory.

@@ -37,7 +37,9 @@ constexpr std::string_view kRobotsOfOthers =
     " LEFT JOIN LATERAL (SELECT session, cursor_seq FROM uplinkd.sessions"
     " WHERE (l.session IS NULL OR l.held_since <> r.held_since) AND ruri = r.ruri"
     " ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
-    " WHERE r.owner <> $1::uuid AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
+    // Those that stand for no robot (origin.h) are left out.
+    " WHERE r.owner <> $1::uuid AND left(r.ruri, 10) <> 'cyberwave:'"
+    " AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
 
 }  // namespace
 

@@ -33,8 +33,11 @@ constexpr std::string_view kRobots =
     " LEFT JOIN LATERAL (SELECT session, cursor_seq, last_used FROM uplinkd.sessions"
     " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
+    // Those that stand for no robot (origin.h).
+    " WHERE left(r.ruri, 10) <> 'cyberwave:'"
     " ORDER BY heard_at DESC, r.ruri LIMIT $1::bigint";
-constexpr std::string_view kRobotCount = "SELECT count(*) FROM uplinkd.robots";
+constexpr std::string_view kRobotCount =
+    "SELECT count(*) FROM uplinkd.robots WHERE left(ruri, 10) <> 'cyberwave:'";
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
     " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";

@@ -17,7 +17,8 @@ constexpr std::string_view kSilent =
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
     " LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN uplinkd.processes AS o ON o.process = r.owner"
-    " WHERE r.last_seen < $1::timestamptz"
+    // Those that stand for no robot (origin.h) are left out.
+    " WHERE r.last_seen < $1::timestamptz AND left(r.ruri, 10) <> 'cyberwave:'"
     " AND coalesce(l.written_at < $1::timestamptz, true)"
     " AND coalesce(p.changed_at < $1::timestamptz, true)"
     " AND NOT EXISTS (SELECT 1 FROM uplinkd.sessions AS s WHERE s.ruri = r.ruri"

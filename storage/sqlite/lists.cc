@@ -24,4 +24,13 @@ ListFilter FilterOf(const PresentQuery& query, std::string_view /*open_if*/) {
   return {" AND (expires_ms = 0 OR expires_ms > ?)", {UnixMs(query.now)}};
 }
 
+ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_if*/) {
+  if (!query.source) return {};
+  // Nearly all rows are the relay's: the index has the others alone, and is taken if the statement
+  // says so.
+  const bool indexed = *query.source != model::MessageSource::kUplink;
+  return {indexed ? " AND source <> 0 AND source = ?" : " AND source = ?",
+          {static_cast<std::int64_t>(*query.source)}};
+}
+
 }  // namespace uplink::storage::sqlite

@@ -12,12 +12,14 @@ namespace uplink::storage::sqlite {
 absl::Status QuarantineBound::Prepare(Database& database) {
   Preparer prepare(database);
   prepare.Into(count_, "SELECT COUNT(*) FROM quarantine WHERE ruri = ?");
-  // A session that is not kept has no row, or one that begins above the quarantine row.
+  // A session that is not kept has no row, or one that begins above the quarantine row. No Hello
+  // asks for what did not come by the relay.
   prepare.Into(trim_,
                "DELETE FROM quarantine WHERE rowid IN (SELECT q.rowid FROM quarantine AS q"
                " LEFT JOIN sessions AS s ON s.ruri = q.ruri AND s.session = q.session"
                " AND q.entry >= s.first_entry"
-               " WHERE q.ruri = ?1 AND (s.session IS NULL OR q.seq <= s.settled_seq)"
+               " WHERE q.ruri = ?1 AND (s.session IS NULL OR q.seq <= s.settled_seq OR"
+               " q.source <> 0)"
                " ORDER BY s.session IS NOT NULL, q.entry LIMIT ?2) RETURNING reason");
   prepare.Into(add_,
                "INSERT INTO quarantine_dropped (ruri, reason, count) VALUES (?, ?, ?)"

@@ -58,6 +58,8 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
         " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
         " WHERE ruri = r.ruri ORDER BY last_used_ms DESC, session DESC LIMIT 1)"
         " LEFT JOIN live AS l ON l.ruri = r.ruri"
+        // Those that stand for no robot (origin.h).
+        " WHERE substr(r.ruri, 1, 10) <> 'cyberwave:'"
         " ORDER BY heard_ms DESC, r.ruri LIMIT ?");
     if (!statement.ok()) return statement.status();
     Rows rows = (*statement)->Select(std::int64_t{robots_max});
@@ -73,7 +75,8 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
 
 absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
   return pool_->With([](Database& database) -> absl::StatusOr<std::size_t> {
-    auto statement = database.Prepare("SELECT count(*) FROM robots");
+    auto statement =
+        database.Prepare("SELECT count(*) FROM robots WHERE substr(ruri, 1, 10) <> 'cyberwave:'");
     if (!statement.ok()) return statement.status();
     Rows rows = (*statement)->Select();
     const absl::StatusOr<bool> found = rows.Next();

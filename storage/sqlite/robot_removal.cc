@@ -26,6 +26,8 @@ absl::Status SqliteRobotRemoval::Prepare() {
                " AND coalesce((SELECT last_sign_ms FROM live WHERE ruri = r.ruri) < ?1, 1)"
                " AND coalesce((SELECT at_ms FROM presence_latest WHERE ruri = r.ruri) < ?1, 1)"
                " AND NOT EXISTS (SELECT 1 FROM sessions WHERE ruri = r.ruri AND last_used_ms >= ?1)"
+               // Those that stand for no robot (origin.h).
+               " AND substr(ruri, 1, 10) <> 'cyberwave:'"
                " AND ruri > ?2 ORDER BY ruri LIMIT ?3");
   prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");
   for (const std::string_view table : kKeptTables) {

@@ -61,7 +61,7 @@ TEST_P(PageBytesContract, EndAPageOfQuarantine) {
         storage::HistoryQuery query;
         query.page_token = token;
         query.page_size = storage::kPageSizeMax;
-        return store_->reader().Quarantine(query);
+        return store_->reader().Quarantine({.rows = query});
       },
       [](const storage::QuarantineRow& row) { return row.payload.size(); }, rows);
   EXPECT_EQ(rows, kPayloads) << "each row once";

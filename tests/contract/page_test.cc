@@ -80,12 +80,12 @@ TEST_P(StoreContract, GivesNoTokenWithTheLastPage) {
   query.page_size = 2;
   EXPECT_EQ(store_->reader().FaultHistory(query)->next_token, "");
   EXPECT_EQ(store_->reader().FaultsActive(query)->next_token, "");
-  EXPECT_EQ(store_->reader().Quarantine(query)->next_token, "");
+  EXPECT_EQ(store_->reader().Quarantine({.rows = query})->next_token, "");
   EXPECT_EQ(store_->reader().Gaps(query)->next_token, "");
   query.page_size = 1;
   EXPECT_NE(store_->reader().FaultHistory(query)->next_token, "");
   EXPECT_NE(store_->reader().FaultsActive(query)->next_token, "");
-  EXPECT_NE(store_->reader().Quarantine(query)->next_token, "");
+  EXPECT_NE(store_->reader().Quarantine({.rows = query})->next_token, "");
   EXPECT_NE(store_->reader().Gaps(query)->next_token, "");
 }
 
@@ -156,7 +156,8 @@ TEST_P(StoreContract, RefusesPageTokensOfOthers) {
   query.page_token = good;
   EXPECT_THAT(History(query), SizeIs(1));
   EXPECT_EQ(store_->reader().Gaps(query).status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(store_->reader().Quarantine(query).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(store_->reader().Quarantine({.rows = query}).status().code(),
+            absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(store_->reader().FaultsActive(query).status().code(),
             absl::StatusCode::kInvalidArgument);
 }

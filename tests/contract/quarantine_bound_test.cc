@@ -64,7 +64,7 @@ class QuarantineBoundContract : public StoreContract {
     query.page_size = storage::kPageSizeMax;
     std::vector<model::Seq> numbers;
     do {
-      const auto page = store_->reader().Quarantine(query);
+      const auto page = store_->reader().Quarantine({.rows = query});
       EXPECT_TRUE(page.ok()) << page.status();
       if (!page.ok()) return numbers;
       for (const auto& row : page->rows) numbers.push_back(row.seq);

@@ -75,7 +75,7 @@ TEST_P(StoreContract, DropsTheOldestPayloadsPastTheBoundAndKeepsTheirRows) {
     std::string token;
     do {
       query.page_token = token;
-      const auto page = store_->reader().Quarantine(query);
+      const auto page = store_->reader().Quarantine({.rows = query});
       EXPECT_TRUE(page.ok()) << page.status();
       if (!page.ok()) return count;
       for (const auto& row : page->rows)
@@ -100,7 +100,7 @@ TEST_P(StoreContract, DropsTheOldestPayloadsPastTheBoundAndKeepsTheirRows) {
   storage::HistoryQuery oldest;
   oldest.page_size = storage::kPageSizeMax;
   oldest.ruri = robot_->ruri;
-  const auto first = store_->reader().Quarantine(oldest);
+  const auto first = store_->reader().Quarantine({.rows = oldest});
   ASSERT_TRUE(first.ok()) << first.status();
   oldest.page_token = first->next_token;
   const auto rows = Quarantine(oldest);

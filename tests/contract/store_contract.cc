@@ -134,7 +134,7 @@ std::vector<storage::FaultRow> StoreContract::Active(const storage::HistoryQuery
 }
 
 std::vector<storage::QuarantineRow> StoreContract::Quarantine(const storage::HistoryQuery& query) {
-  return RowsOf(store_->reader().Quarantine(query));
+  return RowsOf(store_->reader().Quarantine({.rows = query}));
 }
 
 std::vector<storage::GapRow> StoreContract::Gaps(const storage::HistoryQuery& query) {

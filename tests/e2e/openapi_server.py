@@ -9,9 +9,11 @@ WAIT_SECONDS = 60
 # The list of each answer that holds one.
 LISTS = {
     "robots": "robots", "events": "events", "messages": "messages", "presence": "changes",
-    "quarantine": "items", "gaps": "gaps", "faults": "faults", "missions": "missionRuns",
+    "quarantine": "items", "all_quarantine": "items", "gaps": "gaps", "faults": "faults", "missions": "missionRuns",
     "shapes": "shapes", "objects": "objects",
 }  # fmt: skip
+# Paths that show the same rows, and so take each other's tokens.
+SAME_ROWS = {"quarantine", "all_quarantine"}
 
 
 class Served(EndToEnd):

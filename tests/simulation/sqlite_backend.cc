@@ -76,7 +76,8 @@ std::optional<std::string> SqliteBackend::Compare(const Recorder& recorder) {
   }
   for (const auto& [ruri, numbers] : quarantined) {
     const auto rows = AllRows<storage::QuarantineRow>(
-        ruri, [&](const storage::HistoryQuery& query) { return (*reader)->Quarantine(query); });
+        ruri,
+        [&](const storage::HistoryQuery& query) { return (*reader)->Quarantine({.rows = query}); });
     std::set<std::pair<model::SessionId, model::Seq>> found;
     for (const storage::QuarantineRow& row : rows) found.emplace(row.session, row.seq);
     if (rows.size() != found.size() || found != numbers) {

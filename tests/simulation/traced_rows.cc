@@ -72,8 +72,8 @@ void TraceRows(storage::Reader& reader, Trace& trace) {
                                 [&](const Query& query) { return reader.FaultHistory(query); });
   TraceTable<storage::EventRow>("events", trace,
                                 [&](const Query& query) { return reader.Events(query); });
-  TraceTable<storage::QuarantineRow>("quarantine", trace,
-                                     [&](const Query& query) { return reader.Quarantine(query); });
+  TraceTable<storage::QuarantineRow>(
+      "quarantine", trace, [&](const Query& query) { return reader.Quarantine({.rows = query}); });
   TraceTable<storage::GapRow>("gaps", trace,
                               [&](const Query& query) { return reader.Gaps(query); });
   TraceTable<storage::PresenceRow>(

@@ -86,7 +86,7 @@ std::vector<storage::ForeignRobot> FakeDatabase::RobotsOfOthers(const ProcessId&
   for (auto row = robots_.upper_bound(after);
        row != robots_.end() && robots.size() < storage::kForeignRobotsMax; ++row) {
     const Robot& robot = row->second;
-    if (robot.epoch == 0 || robot.owner == process) continue;
+    if (robot.epoch == 0 || robot.owner == process || storage::IsNoRobot(row->first)) continue;
     storage::ForeignRobot foreign{.robot = robot.id,
                                   .holder = robot.owner,
                                   .held_since = robot.held_since,
@@ -185,7 +185,8 @@ storage::Trimmed FakeDatabase::TrimQuarantine(std::span<const std::string> ruris
       ++rows;
       const auto session = robot.sessions.find(row.row.session);
       const bool kept = session != robot.sessions.end() && row.entry >= session->second.first_entry;
-      if (kept && row.row.seq > session->second.settled) continue;
+      const bool asked = row.row.source == model::MessageSource::kUplink;
+      if (kept && asked && row.row.seq > session->second.settled) continue;
       may_go.emplace_back(kept, row.entry, row.row.rejection.reason);
     }
     if (rows <= storage::kQuarantineRowsPerRobotMax) continue;
@@ -402,7 +403,8 @@ void FakeDatabase::WriteQuarantine(Robot& robot, Session& session, const CommitR
   quarantine_.push_back({record.received_at,
                          ++entries_,
                          {*record.robot, record.session, record.seq, rejection, record.received_at,
-                          record.payload, record.payload_bytes}});
+                          record.payload, record.payload_bytes, storage::SourceOf(record.origin),
+                          std::string(storage::TopicOf(record.origin))}});
   if (record.payload.empty()) return;
   robot.payload_rows.push_back(quarantine_.size() - 1);
   if (robot.payload_rows.size() > storage::kQuarantinePayloadsPerRobotMax) {
@@ -478,17 +480,6 @@ std::optional<Rejection> FakeDatabase::QuarantineReason(std::string_view ruri,
   const auto reason = log->quarantined.find(seq);
   if (reason == log->quarantined.end()) return std::nullopt;
   return reason->second;
-}
-
-std::vector<Application> FakeDatabase::ApplicationsFrom(std::size_t first) const {
-  const std::lock_guard lock(mutex_);
-  if (first >= applications_.size()) return {};
-  return {applications_.begin() + static_cast<std::ptrdiff_t>(first), applications_.end()};
-}
-
-std::size_t FakeDatabase::ApplicationCount() const {
-  const std::lock_guard lock(mutex_);
-  return applications_.size();
 }
 
 storage::Epoch FakeDatabase::EpochOf(std::string_view ruri) const {

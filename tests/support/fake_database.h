@@ -149,8 +149,15 @@ class FakeDatabase final {
                                                                  const model::SessionId& session,
                                                                  model::Seq seq) const;
   /// The applications from number `first` on, counted from 0.
-  [[nodiscard]] std::vector<Application> ApplicationsFrom(std::size_t first) const;
-  [[nodiscard]] std::size_t ApplicationCount() const;
+  [[nodiscard]] std::vector<Application> ApplicationsFrom(std::size_t first) const {
+    const std::lock_guard lock(mutex_);
+    if (first >= applications_.size()) return {};
+    return {applications_.begin() + static_cast<std::ptrdiff_t>(first), applications_.end()};
+  }
+  [[nodiscard]] std::size_t ApplicationCount() const {
+    const std::lock_guard lock(mutex_);
+    return applications_.size();
+  }
   [[nodiscard]] storage::Epoch EpochOf(std::string_view ruri) const;
 
  private:

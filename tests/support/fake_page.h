@@ -24,7 +24,8 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
          fault.description.size() + fault.suggested_action.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::QuarantineRow& row) {
-  return row.rejection.field.size() + row.rejection.detail.size() + row.payload.size();
+  return row.rejection.field.size() + row.rejection.detail.size() + row.payload.size() +
+         row.topic.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::GapRow& /*row*/) { return 0; }
 [[nodiscard]] inline std::size_t BytesOf(const storage::EventRow& row) {

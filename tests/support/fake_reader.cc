@@ -57,7 +57,7 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
   const std::lock_guard lock(database_.mutex_);
   std::vector<storage::RobotRow> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
-    if (robot.epoch == 0) continue;
+    if (robot.epoch == 0 || storage::IsNoRobot(ruri)) continue;
     storage::RobotRow& row = rows.emplace_back();
     row.robot = robot.id;
     row.first_seen = robot.first_seen;
@@ -86,8 +86,9 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
 
 absl::StatusOr<std::size_t> FakeReader::RobotCount() {
   const std::lock_guard lock(database_.mutex_);
-  return static_cast<std::size_t>(std::ranges::count_if(
-      database_.robots_, [](const auto& robot) { return robot.second.epoch != 0; }));
+  return static_cast<std::size_t>(std::ranges::count_if(database_.robots_, [](const auto& robot) {
+    return robot.second.epoch != 0 && !storage::IsNoRobot(robot.first);
+  }));
 }
 
 absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(const HistoryQuery& query) {
@@ -120,9 +121,14 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> FakeReader::ActiveFaultCounts
   return counts;
 }
 
-absl::StatusOr<Page<storage::QuarantineRow>> FakeReader::Quarantine(const HistoryQuery& query) {
+absl::StatusOr<Page<storage::QuarantineRow>> FakeReader::Quarantine(
+    const storage::QuarantineQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  return FakePageOf(PageKind::kQuarantine, query, AllOf(database_.quarantine_));
+  std::vector<FakePlaced<storage::QuarantineRow>> rows = AllOf(database_.quarantine_);
+  std::erase_if(rows, [&query](const auto& row) {
+    return query.source && row.second->source != *query.source;
+  });
+  return FakePageOf(PageKind::kQuarantine, query.rows, std::move(rows));
 }
 
 absl::StatusOr<Page<storage::GapRow>> FakeReader::Gaps(const HistoryQuery& query) {

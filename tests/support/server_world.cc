@@ -71,13 +71,20 @@ model::SessionId ServerWorld::session() {
   return *model::SessionId::FromHex("000102030405060708090a0b0c0d0e0f");
 }
 
-storage::CommitRecord ServerWorld::Next(const std::string& ruri) {
+storage::RobotRef ServerWorld::IdOf(const std::string& ruri) const {
+  if (storage::IsNoRobot(ruri)) {
+    return std::make_shared<const model::RobotId>(model::RobotId{ruri, "default"});
+  }
   const fleet::RobotPtr robot = fleet.Find(ruri);
   UPLINK_CHECK(robot != nullptr, "AddRobot comes first");
-  const storage::OpenRequest open{.robot = robot->id(), .session = session(), .at = clock.System()};
+  return robot->id();
+}
+
+storage::CommitRecord ServerWorld::Next(const std::string& ruri) {
+  const storage::OpenRequest open{.robot = IdOf(ruri), .session = session(), .at = clock.System()};
   const auto opened = store.OpenStreams(std::span(&open, 1));
   UPLINK_CHECK(opened.ok(), "the fake store opens");
-  storage::CommitRecord record{.robot = robot->id(),
+  storage::CommitRecord record{.robot = open.robot,
                                .session = session(),
                                .seq = ++last_seq_,
                                .held_since = opened->front().held_since,
@@ -121,9 +128,10 @@ void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presen
 }
 
 void ServerWorld::CommitQuarantine(const std::string& ruri, const model::Rejection& rejection,
-                                   const std::string& payload) {
+                                   const std::string& payload, storage::OriginRef origin) {
   storage::CommitRecord record = Next(ruri);
   record.content = storage::QuarantineItem{rejection};
+  record.origin = std::move(origin);
   record.payload = payload;
   record.payload_bytes = payload.size();
   std::vector<storage::CommitRecord> records;

@@ -45,7 +45,7 @@ class ServerWorld {
   void CommitFault(const std::string& ruri, const model::Fault& fault) { CommitBody(ruri, fault); }
   void CommitPresence(const std::string& ruri, model::Presence presence);
   void CommitQuarantine(const std::string& ruri, const model::Rejection& rejection,
-                        const std::string& payload);
+                        const std::string& payload, storage::OriginRef origin = nullptr);
   void CommitGap(const std::string& ruri, model::Seq first, model::Seq last);
 
   [[nodiscard]] http::Response Get(const std::string& target) const {
@@ -96,6 +96,7 @@ class ServerWorld {
 
  private:
   [[nodiscard]] std::vector<metrics::PageSource> PageSources();
+  [[nodiscard]] storage::RobotRef IdOf(const std::string& ruri) const;
   storage::CommitRecord Next(const std::string& ruri);
 
   model::Seq last_seq_ = 0;

@@ -21,4 +21,13 @@ ListFilter FilterOf(const PresentQuery& query, std::string_view /*open_if*/) {
   return {{{"(expires_ms = 0 OR expires_ms > ?)", UnixMs(query.now)}}};
 }
 
+ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_if*/) {
+  if (!query.source) return {};
+  // Nearly all rows are the relay's: the index has the others alone, and is taken if the statement
+  // says so.
+  const bool indexed = *query.source != model::MessageSource::kUplink;
+  return {{{indexed ? "source <> 0 AND source = ?" : "source = ?",
+            static_cast<std::int64_t>(*query.source)}}};
+}
+
 }  // namespace uplink::storage::postgres

@@ -19,7 +19,7 @@ struct Quarantined {
   }
 };
 
-inline constexpr Table<Quarantined, QuarantineRow, 11> kQuarantineTable = {
+inline constexpr Table<Quarantined, QuarantineRow, 13> kQuarantineTable = {
     "quarantine", Writes::kInserts, ByArrival<QuarantineRow>(),
     Join(kReportColumns<Quarantined, QuarantineRow>,
          std::to_array<Column<Quarantined, QuarantineRow>>({
@@ -50,6 +50,19 @@ inline constexpr Table<Quarantined, QuarantineRow, 11> kQuarantineTable = {
                 }
               },
               [](const Cell& cell, QuarantineRow& row) { row.payload = cell.Text(); }},
+             {"source", Type::kInt4, Role::kValue,
+              [](Array& to, const Quarantined& row) {
+                to.Int4(static_cast<std::int32_t>(SourceOf(row.record->origin)));
+              },
+              [](const Cell& cell, QuarantineRow& row) {
+                row.source = MessageSourceOf(cell.Int());
+              }},
+             {"topic", Type::kText, Role::kValue,
+              [](Array& to, const Quarantined& row) {
+                to.Text(row.detail == QuarantineDetail::kBare ? std::string_view()
+                                                              : TopicOf(row.record->origin));
+              },
+              [](const Cell& cell, QuarantineRow& row) { row.topic = cell.Text(); }},
          }))};
 
 /// What a batch reported of one gap.

@@ -13,12 +13,13 @@ namespace uplink::storage::postgres {
 namespace {
 
 // Of one robot. A session that is not kept has no row, or one that begins above the quarantine row;
-// the statement sees both as of one moment. Without rows over the bound it stops at the count.
+// the statement sees both as of one moment. No Hello asks for what did not come by the relay.
+// Without rows over the bound it stops at the count.
 constexpr std::string_view kTrim =
     "WITH old AS (SELECT q.session, q.seq, q.entry, q.received_at"
     " FROM uplinkd.quarantine AS q LEFT JOIN uplinkd.sessions AS s ON s.ruri = q.ruri"
     " AND s.session = q.session AND q.entry >= s.first_entry"
-    " WHERE q.ruri = $1::text AND (s.session IS NULL OR q.seq <= s.settled_seq)"
+    " WHERE q.ruri = $1::text AND (s.session IS NULL OR q.seq <= s.settled_seq OR q.source <> 0)"
     " ORDER BY s.session IS NOT NULL, q.entry LIMIT (SELECT least($3::bigint, greatest(0,"
     " count(*) - $2::bigint)) FROM uplinkd.quarantine WHERE ruri = $1::text)),"
     " went AS (DELETE FROM uplinkd.quarantine AS q USING old WHERE q.ruri = $1::text"

@@ -23,7 +23,7 @@ struct Quarantined {
   }
 };
 
-inline constexpr Table<Quarantined, QuarantineRow, 11> kQuarantineTable = {
+inline constexpr Table<Quarantined, QuarantineRow, 13> kQuarantineTable = {
     "quarantine", Writes::kInserts, ByArrival<QuarantineRow>(),
     Join(kReportColumns<Quarantined, QuarantineRow>,
          std::to_array<Column<Quarantined, QuarantineRow>>({
@@ -54,6 +54,19 @@ inline constexpr Table<Quarantined, QuarantineRow, 11> kQuarantineTable = {
                 }
               },
               [](const Cell& cell, QuarantineRow& row) { row.payload = cell.Text(); }},
+             {"source", Role::kValue,
+              [](Binder& to, const Quarantined& row) {
+                to.Int(static_cast<std::int64_t>(SourceOf(row.record->origin)));
+              },
+              [](const Cell& cell, QuarantineRow& row) {
+                row.source = MessageSourceOf(cell.Int());
+              }},
+             {"topic", Role::kValue,
+              [](Binder& to, const Quarantined& row) {
+                to.Text(row.detail == QuarantineDetail::kBare ? std::string_view()
+                                                              : TopicOf(row.record->origin));
+              },
+              [](const Cell& cell, QuarantineRow& row) { row.topic = cell.Text(); }},
          }))};
 
 struct Gap {

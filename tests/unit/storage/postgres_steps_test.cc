@@ -60,5 +60,16 @@ TEST_F(PostgresSteps, MessagesOfAnEarlierBuildHaveNoDetail) {
             "uplinkd.messages_20260102|hello|\n");
 }
 
+TEST_F(PostgresSteps, QuarantineOfAnEarlierBuildCameByTheRelay) {
+  MigrateUpTo("_quarantine_source");
+  database_.Shell().Run(
+      "SELECT uplinkd.make_partitions('2026-01-02', 1);"
+      "INSERT INTO uplinkd.quarantine VALUES ('rcan://a', '07000000-0000-0000-0000-000000000000',"
+      " 1, 1, '2026-01-02 12:00Z', 'f', 1, '', '', 0, NULL)");
+  MigrateAll();
+  EXPECT_EQ(PostgresShell(database_.url()).Read("SELECT source, topic FROM uplinkd.quarantine"),
+            "0|\n");
+}
+
 }  // namespace
 }  // namespace uplink::storage::postgres

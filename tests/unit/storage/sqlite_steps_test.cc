@@ -54,5 +54,12 @@ TEST_F(SqliteSteps, MessagesOfAnEarlierBuildHaveNoDetail) {
   EXPECT_EQ(Int("SELECT COUNT(*) FROM messages WHERE detail = '' AND message = 'hello'"), 1);
 }
 
+TEST_F(SqliteSteps, QuarantineOfAnEarlierBuildCameByTheRelay) {
+  MigrateUpTo("_quarantine_source");
+  Run("INSERT INTO quarantine VALUES ('rcan://a', x'00', 1, 1, 'f', 1, 1, '', '', 0, NULL)");
+  MigrateAll();
+  EXPECT_EQ(Int("SELECT COUNT(*) FROM quarantine WHERE source = 0 AND topic = ''"), 1);
+}
+
 }  // namespace
 }  // namespace uplink::storage::sqlite

@@ -185,13 +185,14 @@ TEST_F(SqliteTrouble, ShowsAReasonThatANewerProgramWroteAsTheStoresOwn) {
   OpenStore();
   SqliteShell(path_).Run(
       "INSERT INTO quarantine VALUES ('rcan://r', zeroblob(16), 1, 1, 'f', 1, 99, '', '', 0, "
-      "NULL)");
+      "NULL, 99, '')");
   auto reader = SqliteReader::Open(path_);
   ASSERT_TRUE(reader.ok()) << reader.status();
   const auto page = (*reader)->Quarantine({});
   ASSERT_TRUE(page.ok()) << page.status();
   ASSERT_EQ(page->rows.size(), 1U);
   EXPECT_EQ(page->rows[0].rejection.reason, model::RejectReason::kStoreRefused);
+  EXPECT_EQ(page->rows[0].source, model::MessageSource::kUplink);
 }
 
 TEST_F(SqliteTrouble, KeepsItsWalWhenAnotherProgramOpensAndClosesTheFile) {

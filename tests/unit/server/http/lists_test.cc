@@ -193,6 +193,56 @@ TEST_F(ListsTest, ARobotThatWasNeverSeenIsNotFound) {
   }
 }
 
+class AllQuarantineTest : public ListsTest {
+ protected:
+  void Reject(const std::string& ruri, const std::string& topic) {
+    world_.clock.Advance(milliseconds(1));
+    world_.CommitQuarantine(ruri, {model::RejectReason::kMalformed, "", ""}, "bytes",
+                            storage::OriginOf(model::MessageSource::kCyberwave, topic));
+  }
+  AllQuarantineTest() {
+    start_ms_ = UnixMs(world_.clock.System());
+    world_.AddRobot("rcan://a", "north");
+    world_.AddRobot("rcan://b", "south");
+    world_.clock.Advance(milliseconds(1));
+    world_.CommitQuarantine("rcan://a", {model::RejectReason::kOutOfRange, "x", "far"}, "bytes");
+    Reject("rcan://b", "cyberwave/twin/T/event");
+    Reject(storage::NoRobotOf("local"), "localcyberwave/twin/x/event");
+  }
+  const std::string path_ = "/api/v1/quarantine";
+};
+
+TEST_F(AllQuarantineTest, ShowsWhatBelongsToRobotsAndToNone) {
+  EXPECT_THAT(Texts(path_, "/topic"),
+              ElementsAre("localcyberwave/twin/x/event", "cyberwave/twin/T/event", ""));
+  EXPECT_THAT(Texts(path_, "/ruri"), ElementsAre("", "rcan://b", "rcan://a"));
+  EXPECT_THAT(Texts(path_, "/source"), ElementsAre("cyberwave", "cyberwave", "uplink"));
+}
+
+TEST_F(AllQuarantineTest, IsFilteredAndWalked) {
+  EXPECT_THAT(Texts(path_ + "?source=uplink", "/ruri"), ElementsAre("rcan://a"));
+  const std::string cyberwave = path_ + "?source=cyberwave";
+  EXPECT_THAT(Texts(cyberwave, "/ruri"), ElementsAre("", "rcan://b"));
+  EXPECT_THAT(Texts(cyberwave + "&fleet=south", "/ruri"), ElementsAre("rcan://b"));
+  EXPECT_THAT(Texts(cyberwave + "&fromMs=" + Ms(3), "/ruri"), ElementsAre(""));
+  EXPECT_THAT(Texts(cyberwave + "&toMs=" + Ms(2), "/ruri"), ElementsAre("rcan://b"));
+  EXPECT_THAT(Texts(cyberwave + "&ruri=" + kA, "/ruri"), IsEmpty());
+  const std::string page = cyberwave + "&pageSize=1";
+  EXPECT_THAT(Texts(page + "&pageToken=" + Token(page), "/ruri"), ElementsAre("rcan://b"));
+}
+
+TEST_F(AllQuarantineTest, RefusesASourceThatDoesNotExist) {
+  const Response answer = Get(path_ + "?source=mqtt");
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_THAT(answer.body, HasSubstr(R"("field":"source")"));
+  EXPECT_THAT(answer.body, HasSubstr("must be uplink or cyberwave"));
+}
+
+TEST_F(AllQuarantineTest, WhatStandsForNoRobotIsNone) {
+  EXPECT_EQ(Get("/api/v1/robots/cyberwave%3Alocal/quarantine").status, 404);
+  EXPECT_EQ(Get("/api/v1/robots/cyberwave%3Alocal").status, 404);
+}
+
 TEST_F(ListsTest, ListsOfRobotsShowTheStoredPartsThatTheyAreAskedFor) {
   world_.AddRobot("rcan://a");
   world_.CommitBody("rcan://a", model::AgentInfo{.agent_version = "7"});
@@ -224,8 +274,8 @@ std::vector<BadCase> BadCases() {
                                 {"/api/v1/missions?includeExpired=true", "includeExpired"},
                                 {"/api/v1/shapes?includeExpired=1", "includeExpired"},
                                 {"/api/v1/objects?includeExpired=TRUE", "includeExpired"}};
-  std::vector<std::string> lists = {"/api/v1/robots", "/api/v1/faults", "/api/v1/missions",
-                                    "/api/v1/shapes", "/api/v1/objects"};
+  std::vector<std::string> lists = {"/api/v1/robots", "/api/v1/faults",  "/api/v1/missions",
+                                    "/api/v1/shapes", "/api/v1/objects", "/api/v1/quarantine"};
   const std::vector<std::string> histories = {"events", "messages", "presence", "quarantine",
                                               "gaps"};
   for (const std::string& history : histories) {

@@ -26,7 +26,7 @@ class RejectTest : public SessionTest {
   }
   /// The payloads' sizes in quarantine, newest first.
   std::vector<std::size_t> PayloadsKept() {
-    const auto page = testing::FakeReader(database_).Quarantine({.page_size = 100});
+    const auto page = testing::FakeReader(database_).Quarantine({.rows = {.page_size = 100}});
     std::vector<std::size_t> sizes;
     if (!page.ok()) return sizes;
     for (const storage::QuarantineRow& row : page->rows) sizes.push_back(row.payload.size());
@@ -271,7 +271,7 @@ TEST_F(RejectTest, WhatLiesInQuarantineKeepsItsControlCharacters) {
   stream.Send(BatchFrame({{1, payload}}));
   server().Commit();
   EXPECT_THAT(stream.Said(), ElementsAre(BadReject(1), "ack 1 judged 1"));
-  const auto page = testing::FakeReader(database_).Quarantine({.page_size = 100});
+  const auto page = testing::FakeReader(database_).Quarantine({.rows = {.page_size = 100}});
   ASSERT_TRUE(page.ok() && page->rows.size() == 1);
   EXPECT_EQ(page->rows[0].payload, payload);
   EXPECT_EQ(server().page().odd.control_characters, 0U);

@@ -184,7 +184,26 @@ TEST(Json, RowsOfQuarantineHoldBytesAsBase64) {
   ExpectSameJson(*ToJson(page), R"({"items": [{"ruri": "rcan://a",
     "sessionId": "00000000000000000000000000000000", "seq": "7", "reason": "out_of_range",
     "field": "pose.latDeg", "detail": "too far", "receivedAtMs": "5", "payload": "/wA=",
-    "payloadBytes": "2"}], "nextPageToken": "t", "droppedByReason": {}})");
+    "payloadBytes": "2", "source": "uplink", "topic": ""}], "nextPageToken": "t",
+    "droppedByReason": {}})");
+}
+
+TEST(Json, QuarantineOfNoRobotNamesItsTopic) {
+  storage::Page<storage::QuarantineRow> page;
+  page.rows.push_back({.robot = {storage::NoRobotOf("local"), "f"},
+                       .session = {},
+                       .seq = 7,
+                       .rejection = {model::RejectReason::kMalformed, "", ""},
+                       .received_at = FromUnixMs(5),
+                       .payload = "",
+                       .payload_bytes = 2,
+                       .source = model::MessageSource::kCyberwave,
+                       .topic = "localcyberwave/twin/x/event"});
+  ExpectSameJson(*ToJson(page), R"({"items": [{"ruri": "",
+    "sessionId": "00000000000000000000000000000000", "seq": "7", "reason": "malformed",
+    "field": "", "detail": "", "receivedAtMs": "5", "payload": "", "payloadBytes": "2",
+    "source": "cyberwave", "topic": "localcyberwave/twin/x/event"}], "nextPageToken": "",
+    "droppedByReason": {}})");
 }
 
 TEST(Json, QuarantineOfARobotSaysHowManyRowsWentForWhichReason) {

@@ -153,8 +153,7 @@ TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
   query.ruri = "rcan://a";
   EXPECT_EQ(world_.queries.FaultsActive(query).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.FaultHistory(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Quarantine, query).status().code(),
-            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
             absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.History(&storage::Reader::Events, query).status().code(),
@@ -174,8 +173,7 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
   query.ruri = "rcan://x";
   EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
             absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Quarantine, query).status().code(),
-            absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(world_.queries.History(&storage::Reader::Events, query).status().code(),
             absl::StatusCode::kNotFound);
   EXPECT_EQ(world_.queries.History(&storage::Reader::Messages, query).status().code(),

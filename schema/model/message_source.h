@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace uplink::model {
+
+/// By which way a message came. The numbers are what stores keep.
+enum class MessageSource : std::uint8_t {
+  /// A robot's stream on the relay.
+  kUplink = 0,
+  /// A broker of a fleet that speaks Cyberwave.
+  kCyberwave = 1,
+};
+
+/// `uplink` or `cyberwave`.
+[[nodiscard]] std::string_view ToText(MessageSource source);
+/// The source that ToText spells so, or nothing.
+[[nodiscard]] std::optional<MessageSource> MessageSourceFromText(std::string_view text);
+
+}  // namespace uplink::model

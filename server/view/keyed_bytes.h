@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+
+#include "server/robot/live_parts.h"
+
+namespace uplink::view {
+
+/// About how many bytes a copy of the keyed parts holds. Pure; any thread.
+[[nodiscard]] std::size_t KeyedBytes(const robot::LiveParts& parts);
+
+}  // namespace uplink::view
