@@ -22,6 +22,7 @@ inline constexpr auto kHistoryTables =
     std::to_array<HistoryTable>({{"faults_history", "received_at"},
                                  {"events", "received_at"},
                                  {"messages", "received_at"},
+                                 {"scope_updates", "received_at"},
                                  {"mission_reports", "received_at"},
                                  {"presence_changes", "changed_at"},
                                  {"quarantine", "received_at"}});

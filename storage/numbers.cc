@@ -16,6 +16,12 @@ model::Presence PresenceOf(std::int64_t column) {
   return model::Presence::kUnknown;
 }
 
+model::ScopeKind ScopeKindOf(std::int64_t column) {
+  return column == static_cast<std::int64_t>(model::ScopeKind::kWorkflowRun)
+             ? model::ScopeKind::kWorkflowRun
+             : model::ScopeKind::kEnvironment;
+}
+
 model::MessageSource MessageSourceOf(std::int64_t column) {
   return column == static_cast<std::int64_t>(model::MessageSource::kCyberwave)
              ? model::MessageSource::kCyberwave

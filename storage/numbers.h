@@ -6,6 +6,7 @@
 #include "schema/model/message_source.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
+#include "schema/model/scope_update.h"
 #include "storage/rows.h"
 
 // How enumerations stand in columns, in every store.
@@ -32,6 +33,9 @@ template <model::WireEnum E>
 /// The reason of the contract that a column holds; kStoreRefused for a number that none has, which
 /// a newer program may have written: one row must not keep a robot, nor a batch, from the store.
 [[nodiscard]] model::RejectReason ReasonOf(std::int64_t column);
+
+/// kEnvironment for a number that no scope has.
+[[nodiscard]] model::ScopeKind ScopeKindOf(std::int64_t column);
 
 /// kUplink for a number that this program does not know.
 [[nodiscard]] model::MessageSource MessageSourceOf(std::int64_t column);

@@ -68,10 +68,21 @@ struct QuarantineQuery {
   std::optional<model::MessageSource> source{};
 };
 
+/// Which updates of what is no robot. Empty texts match everything.
+struct ScopeUpdatesQuery {
+  HistoryQuery rows;
+  /// Nothing: of every scope.
+  std::optional<model::ScopeKind> scope{};
+  std::string id{};
+};
+
 // Which rows, of any query.
 [[nodiscard]] inline const HistoryQuery& RowsOf(const HistoryQuery& query) { return query; }
 [[nodiscard]] inline const HistoryQuery& RowsOf(const MissionsQuery& query) { return query.rows; }
 [[nodiscard]] inline const HistoryQuery& RowsOf(const PresentQuery& query) { return query.rows; }
+[[nodiscard]] inline const HistoryQuery& RowsOf(const ScopeUpdatesQuery& query) {
+  return query.rows;
+}
 [[nodiscard]] inline const HistoryQuery& RowsOf(const QuarantineQuery& query) { return query.rows; }
 
 /// Newest first by arrival. A token stays valid while rows are added: a walk sees every row that

@@ -11,6 +11,7 @@
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/reports.h"
+#include "schema/model/scope_update.h"
 #include "schema/model/spatial.h"
 
 // The rows of the lists that are read in pages (lists.h). Values.
@@ -67,6 +68,14 @@ struct EventRow {
 struct MessageRow {
   model::RobotId robot;
   model::Message message;
+  SystemTime received_at;
+};
+
+/// An update of what is no robot. `robot` is what stands in a robot's place, with the fleet that
+/// may see it.
+struct ScopeUpdateRow {
+  model::RobotId robot;
+  model::ScopeUpdate update;
   SystemTime received_at;
 };
 

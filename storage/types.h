@@ -16,6 +16,7 @@
 #include "schema/model/presence.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "schema/model/scope_update.h"
 #include "storage/clock_trust.h"
 #include "storage/latest_kind.h"
 #include "storage/origin.h"
@@ -191,7 +192,11 @@ struct QuarantineItem {
   model::Rejection rejection;
 };
 
-/// One durable message: a validated record, or the rejected payload in its place.
+/// What a durable message says: a validated record of a robot, the rejected payload in its place,
+/// or an update of what is no robot (its robot is a stand-in, origin.h).
+using CommitContent = std::variant<model::Record, QuarantineItem, model::ScopeUpdate>;
+
+/// One durable message.
 struct CommitRecord {
   RobotRef robot;
   model::SessionId session;
@@ -199,7 +204,7 @@ struct CommitRecord {
   /// OpenResult.held_since of the process's hold under which the record is committed.
   Epoch held_since = 0;
   SystemTime received_at;
-  std::variant<model::Record, QuarantineItem> content;
+  CommitContent content;
   /// The serialized payload, for quarantine: of a good record too, since the store may refuse it.
   /// Cut at the size limit; empty where thinning dropped it.
   std::string payload;

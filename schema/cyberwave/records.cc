@@ -39,4 +39,14 @@ model::Record Records::Of(model::cyberwave::DriverLog log, const model::cyberwav
   return {std::move(message), {}, {}, payload_bytes};
 }
 
+model::ScopeUpdate Records::Of(model::cyberwave::ScopeUpdate update,
+                               const model::cyberwave::Uuid& id,
+                               const model::cyberwave::Head& head) {
+  return {.scope = update.scope,
+          .id = id.ToText(),
+          .type = std::move(update.type),
+          .detail_json = std::move(update.detail),
+          .unix_time_ms = SampledMs(head)};
+}
+
 }  // namespace uplink::cyberwave

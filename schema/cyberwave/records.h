@@ -4,7 +4,10 @@
 
 #include "schema/model/cyberwave/head.h"
 #include "schema/model/cyberwave/reports.h"
+#include "schema/model/cyberwave/runs.h"
+#include "schema/model/cyberwave/uuid.h"
 #include "schema/model/record.h"
+#include "schema/model/scope_update.h"
 
 namespace uplink::cyberwave {
 
@@ -19,6 +22,11 @@ class Records final {
   [[nodiscard]] static model::Record Of(model::cyberwave::DriverLog log,
                                         const model::cyberwave::Head& head,
                                         std::size_t payload_bytes);
+  /// Of the environment or workflow run that the topic names, which is no robot: so it is no record
+  /// of one either.
+  [[nodiscard]] static model::ScopeUpdate Of(model::cyberwave::ScopeUpdate update,
+                                             const model::cyberwave::Uuid& id,
+                                             const model::cyberwave::Head& head);
 };
 
 }  // namespace uplink::cyberwave

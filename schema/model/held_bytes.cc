@@ -146,4 +146,8 @@ std::size_t HeldBytes(const Record& record) {
 
 std::size_t HeldBytes(const Rejection& rejection) { return Counter::Held(rejection); }
 
+std::size_t HeldBytes(const ScopeUpdate& update) {
+  return Counter::HeldByAll(update.id, update.type, update.detail_json);
+}
+
 }  // namespace uplink::model

@@ -4,6 +4,7 @@
 
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "schema/model/scope_update.h"
 
 namespace uplink::model {
 
@@ -12,5 +13,6 @@ namespace uplink::model {
 [[nodiscard]] std::size_t HeldBytes(const Body& body);
 [[nodiscard]] std::size_t HeldBytes(const Record& record);
 [[nodiscard]] std::size_t HeldBytes(const Rejection& rejection);
+[[nodiscard]] std::size_t HeldBytes(const ScopeUpdate& update);
 
 }  // namespace uplink::model

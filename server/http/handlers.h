@@ -57,6 +57,7 @@ struct RoutedRequest {
 // lists.cc: rows of the store. The histories of one robot are made by GetHistory (rows.h).
 [[nodiscard]] Response GetQuarantine(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetAllQuarantine(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFaults(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetMissions(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetShapes(const Sources& sources, const RoutedRequest& request);

@@ -4,7 +4,9 @@
 
 #include <absl/status/statusor.h>
 
+#include "schema/model/cyberwave/uuid.h"
 #include "schema/model/message_source.h"
+#include "schema/model/scope_update.h"
 #include "server/http/answers.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
@@ -28,6 +30,25 @@ std::optional<model::MessageSource> ReadSource(Parameters& parameters) {
   const std::optional<model::MessageSource> source = model::MessageSourceFromText(text);
   if (!source) parameters.Reject("source", "must be uplink or cyberwave");
   return source;
+}
+
+/// Nothing: every scope.
+std::optional<model::ScopeKind> ReadScope(Parameters& parameters) {
+  const std::string text = parameters.Text("scope");
+  if (text.empty()) return std::nullopt;
+  const std::optional<model::ScopeKind> scope = model::ScopeKindFromText(text);
+  if (!scope) parameters.Reject("scope", "must be environment or workflow_run");
+  return scope;
+}
+
+/// In the spelling of the rows; empty: every id.
+std::string ReadUuid(Parameters& parameters, std::string_view name) {
+  const std::string text = parameters.Text(name);
+  if (text.empty()) return text;
+  const auto id = model::cyberwave::Uuid::FromText(text);
+  if (id) return id->ToText();
+  parameters.Reject(name, "must be a UUID: 8-4-4-4-12 hex digits");
+  return {};
 }
 
 Response QuarantineResponse(const absl::StatusOr<view::QuarantineView>& quarantine) {
@@ -68,6 +89,18 @@ Response GetAllQuarantine(const Sources& sources, const RoutedRequest& request) 
   query.source = ReadSource(parameters);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   return QuarantineResponse(sources.queries.AllQuarantine(query));
+}
+
+Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  storage::ScopeUpdatesQuery query;
+  query.rows = ReadPage(parameters);
+  ReadTimes(parameters, query.rows);
+  query.rows.fleet = parameters.Text("fleet");
+  query.scope = ReadScope(parameters);
+  query.id = ReadUuid(parameters, "id");
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return RowsResponse(sources.queries.ScopeUpdates(query));
 }
 
 Response GetFaults(const Sources& sources, const RoutedRequest& request) {

@@ -27,6 +27,7 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetQuarantine},
     {"/api/v1/robots/{}/gaps", "gaps", Lane::kRead, GetHistory<&Reader::Gaps>},
     {"/api/v1/quarantine", "all_quarantine", Lane::kRead, GetAllQuarantine},
+    {"/api/v1/scope-updates", "scope_updates", Lane::kRead, GetScopeUpdates},
     {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
     {"/api/v1/missions", "missions", Lane::kRead, GetMissions},
     {"/api/v1/shapes", "shapes", Lane::kRead, GetShapes},

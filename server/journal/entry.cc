@@ -15,8 +15,12 @@ std::size_t CostOf(std::size_t payload_bytes, const model::Rejection& rejection)
 
 std::size_t CostOf(const storage::CommitRecord& record) {
   const std::size_t payload_bytes = record.payload.size();
-  const auto* good = std::get_if<model::Record>(&record.content);
-  if (good != nullptr) return CostOf(payload_bytes, *good);
+  if (const auto* good = std::get_if<model::Record>(&record.content)) {
+    return CostOf(payload_bytes, *good);
+  }
+  if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
+    return robot::kRecordOverheadBytes + payload_bytes + model::HeldBytes(*update);
+  }
   return CostOf(payload_bytes, std::get<storage::QuarantineItem>(record.content).rejection);
 }
 

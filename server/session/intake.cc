@@ -260,8 +260,8 @@ void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection,
          uplink.payload.size());
 }
 
-void Intake::Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
-                    std::string payload, std::size_t payload_bytes) {
+void Intake::Append(model::Seq seq, storage::CommitContent content, std::string payload,
+                    std::size_t payload_bytes) {
   ++counts_.received;
   storage::CommitRecord record{.robot = id_,
                                .session = session_,

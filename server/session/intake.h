@@ -102,8 +102,8 @@ class Intake final {
   void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Processed& processed);
   void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);
-  void Append(model::Seq seq, std::variant<model::Record, storage::QuarantineItem> content,
-              std::string payload, std::size_t payload_bytes);
+  void Append(model::Seq seq, storage::CommitContent content, std::string payload,
+              std::size_t payload_bytes);
   void CountSuperseded();
   void ApplyLive();
   void Publish();

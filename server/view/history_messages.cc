@@ -103,6 +103,21 @@ v1::ListQuarantineResponse ToMessage(const QuarantineView& quarantine) {
   return message;
 }
 
+v1::ListScopeUpdatesResponse ToMessage(const storage::Page<storage::ScopeUpdateRow>& page) {
+  v1::ListScopeUpdatesResponse message;
+  for (const storage::ScopeUpdateRow& row : page.rows) {
+    v1::ScopeUpdate& item = *message.add_updates();
+    item.set_scope(std::string(model::ToText(row.update.scope)));
+    item.set_id(row.update.id);
+    item.set_type(row.update.type);
+    *item.mutable_detail() = ParseStruct(row.update.detail_json);
+    item.set_sampled_at_ms(row.update.unix_time_ms);
+    item.set_received_at_ms(UnixMs(row.received_at));
+  }
+  message.set_next_page_token(page.next_token);
+  return message;
+}
+
 v1::ListGapsResponse ToMessage(const storage::Page<storage::GapRow>& page) {
   v1::ListGapsResponse message;
   for (const storage::GapRow& row : page.rows) {

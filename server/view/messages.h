@@ -28,6 +28,8 @@ namespace uplink::view {
     const storage::Page<storage::QuarantineRow>& page);
 [[nodiscard]] v1::ListQuarantineResponse ToMessage(const QuarantineView& quarantine);
 [[nodiscard]] v1::ListGapsResponse ToMessage(const storage::Page<storage::GapRow>& page);
+[[nodiscard]] v1::ListScopeUpdatesResponse ToMessage(
+    const storage::Page<storage::ScopeUpdateRow>& page);
 [[nodiscard]] v1::ListMissionRunsResponse ToMessage(
     const storage::Page<storage::MissionRunRow>& page);
 [[nodiscard]] v1::ListShapesResponse ToMessage(const storage::Page<storage::ShapeRow>& page);

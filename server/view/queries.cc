@@ -167,6 +167,11 @@ absl::StatusOr<QuarantineView> Queries::WithDropped(storage::Page<storage::Quara
   return QuarantineView{std::move(page), *std::move(dropped)};
 }
 
+absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> Queries::ScopeUpdates(
+    const storage::ScopeUpdatesQuery& query) {
+  return sources_.reader.ScopeUpdates(query);
+}
+
 absl::StatusOr<storage::Page<storage::MissionRunRow>> Queries::MissionRuns(
     const storage::MissionsQuery& query) {
   return sources_.reader.MissionRuns(query);

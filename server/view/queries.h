@@ -135,6 +135,8 @@ class Queries final {
   /// The same of all robots and of none, or of those that match: a robot that is not in memory
   /// matches too.
   [[nodiscard]] absl::StatusOr<QuarantineView> AllQuarantine(const storage::QuarantineQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> ScopeUpdates(
+      const storage::ScopeUpdatesQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
       const storage::MissionsQuery& query);
   // What is there now, by our clock; query.now is not looked at.

@@ -76,6 +76,9 @@ struct KindWriter::Visitor {
 };
 
 absl::Status KindWriter::Write(const CommitRecord& record, const Ruling& ruling) {
+  if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
+    return tables_.rows.Write<kScopeUpdatesTable>({&record, update, next_entry_++});
+  }
   return std::visit(Visitor{tables_, next_entry_, record, ruling},
                     std::get<model::Record>(record.content).body());
 }

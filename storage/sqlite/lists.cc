@@ -24,6 +24,20 @@ ListFilter FilterOf(const PresentQuery& query, std::string_view /*open_if*/) {
   return {" AND (expires_ms = 0 OR expires_ms > ?)", {UnixMs(query.now)}};
 }
 
+ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view /*open_if*/) {
+  ListFilter filter;
+  if (query.scope) {
+    // Where an id is named, its index is the better one.
+    filter.sql += query.id.empty() ? " AND scope = ?" : " AND +scope = ?";
+    filter.values.emplace_back(static_cast<std::int64_t>(*query.scope));
+  }
+  if (!query.id.empty()) {
+    filter.sql += " AND id = ?";
+    filter.values.emplace_back(std::string_view(query.id));
+  }
+  return filter;
+}
+
 ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_if*/) {
   if (!query.source) return {};
   // Nearly all rows are the relay's: the index has the others alone, and is taken if the statement

@@ -49,8 +49,8 @@ class FakeUnderTest final : public StoreUnderTest {
   void RefuseFault(const std::string& fault_id) override {
     rules_.refuse =
         [fault_id](const storage::CommitRecord& record) -> std::optional<model::Rejection> {
-      const auto& good = std::get<model::Record>(record.content);
-      const auto* fault = std::get_if<model::Fault>(&good.body());
+      const auto* good = std::get_if<model::Record>(&record.content);
+      const auto* fault = good == nullptr ? nullptr : std::get_if<model::Fault>(&good->body());
       if (fault == nullptr || fault->fault_id != fault_id) return std::nullopt;
       return storage::StoreRefused("the test says so");
     };

@@ -75,7 +75,8 @@ class RemovalContract : public StoreContract {
     object.id = "o";
     Commit({Good(1, Fault("f")), Good(2), Good(3, Report()), Bad(4), Good(5),
             Good(6, model::EventTelemetry{}), Good(7, model::ShapeOp{shape}),
-            Good(8, model::ObjectOp{object}), Good(9, model::AgentInfo{"a", "a", "a", 1})});
+            Good(8, model::ObjectOp{object}), Good(9, model::AgentInfo{"a", "a", "a", 1}),
+            Update(robot_, 10, {.id = "e", .detail_json = "{}"})});
     storage::Batch batch;
     batch.presence_session = model::SessionId({0xEE});
     batch.presence = {{robot_, model::Presence::kOnline, Time(), ++presence_, held_since_}};
@@ -88,7 +89,7 @@ class RemovalContract : public StoreContract {
     EXPECT_TRUE(store_->Process(kProcess).Checkpoint({&live, 1}).ok());
     store_->NoteQuarantineDropped(robot_->ruri);
   }
-  static constexpr std::size_t kFilledHistories = 7;
+  static constexpr std::size_t kFilledHistories = 8;
   static std::vector<std::string_view> NamesOf(const std::vector<TableCount>& counts) {
     std::vector<std::string_view> names;
     names.reserve(counts.size());

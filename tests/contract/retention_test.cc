@@ -40,6 +40,7 @@ class RetentionContract : public StoreContract {
     records.push_back(At(after_ms, Good(++last_, Note())));
     records.push_back(At(after_ms, Good(++last_, Report(run, model::MissionStatus::kComplete))));
     records.push_back(At(after_ms, Bad(++last_)));
+    records.push_back(At(after_ms, Update(robot_, ++last_, {.id = "e", .detail_json = "{}"})));
     Commit(records);
     storage::Batch batch;
     batch.presence_session = model::SessionId({0xEE});
@@ -49,8 +50,9 @@ class RetentionContract : public StoreContract {
     Commit(batch);
   }
   std::vector<std::size_t> Counts() {
-    return {History().size(), Events().size(),  Messages().size(),   Reports().size(),
-            Runs().size(),    Changes().size(), Quarantine().size(), Gaps().size()};
+    return {History().size(),      Events().size(),     Messages().size(),
+            Reports().size(),      Runs().size(),       Changes().size(),
+            ScopeUpdates().size(), Quarantine().size(), Gaps().size()};
   }
 
   model::Seq last_ = 0;
@@ -65,15 +67,15 @@ TEST_P(RetentionContract, KeepsWholeDaysOfEachHistory) {
   CommitOneOfEach(-kDayMs - 1, "a");  // the last of its day
   CommitOneOfEach(-kDayMs, "b");      // the first of the next
   CommitOneOfEach(0, "c");
-  EXPECT_THAT(Counts(), ElementsAre(3, 3, 3, 3, 3, 3, 3, 3));
+  EXPECT_THAT(Counts(), ElementsAre(3, 3, 3, 3, 3, 3, 3, 3, 3));
   // A moment before the second day after that of "a" has ended, nothing is too old.
   EXPECT_EQ(Retain(kDayMs - 1), 0U);
   EXPECT_GT(Retain(kDayMs), 0U);
-  EXPECT_THAT(Counts(), ElementsAre(3, 3, 3, 3, 3, 3, 2, 2));
+  EXPECT_THAT(Counts(), ElementsAre(3, 3, 3, 3, 3, 3, 3, 2, 2));
   EXPECT_GT(Retain(2 * kDayMs), 0U);
-  EXPECT_THAT(Counts(), ElementsAre(2, 2, 2, 2, 2, 2, 1, 1));
+  EXPECT_THAT(Counts(), ElementsAre(2, 2, 2, 2, 2, 2, 2, 1, 1));
   EXPECT_GT(Retain(100 * kDayMs), 0U);
-  EXPECT_THAT(Counts(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(Counts(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0, 0));
   EXPECT_EQ(Retain(100 * kDayMs), 0U);
   // What is present or decides is no history.
   EXPECT_THAT(Active(), SizeIs(1));
@@ -91,7 +93,7 @@ TEST_P(RetentionContract, ZeroKeepsAllForEver) {
   Fresh(rules);
   CommitOneOfEach(-10'000 * kDayMs, "a");
   EXPECT_EQ(Retain(0), 0U);
-  EXPECT_THAT(Counts(), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1));
+  EXPECT_THAT(Counts(), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1, 1));
 }
 
 TEST_P(RetentionContract, AnOpenRunStaysAndAClosedOneGoesByItsLastReport) {
@@ -159,10 +161,10 @@ TEST_P(RetentionContract, AClockThatNobodyVouchesForDeletesNothing) {
   Fresh(rules);
   CommitOneOfEach(0, "a");
   EXPECT_EQ(Retain(100 * kDayMs), 0U);
-  EXPECT_THAT(Counts(), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1));
+  EXPECT_THAT(Counts(), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1, 1));
   trust.Set(true);
   EXPECT_GT(Retain(100 * kDayMs), 0U);
-  EXPECT_THAT(Counts(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(Counts(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0, 0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, RetentionContract, EveryStore(), NameOfKind);

@@ -56,6 +56,11 @@ storage::CommitRecord StoreContract::Bad(model::Seq seq, const std::string& payl
           payload, payload_bytes};
 }
 
+storage::CommitRecord StoreContract::Update(storage::RobotRef robot, model::Seq seq,
+                                            model::ScopeUpdate update) const {
+  return {std::move(robot), session_, seq, held_since_, Time(), std::move(update), "", 0};
+}
+
 model::Rejection StoreContract::BadReason() {
   return {model::RejectReason::kOutOfRange, "battery.socPct", "socPct is 140, at most 105"};
 }
@@ -163,6 +168,11 @@ std::vector<storage::ShapeRow> StoreContract::Shapes(std::int64_t after_ms) {
 
 std::vector<storage::ObjectRow> StoreContract::Objects(std::int64_t after_ms) {
   return RowsOf(store_->reader().Objects({{}, Time(after_ms), false}));
+}
+
+std::vector<storage::ScopeUpdateRow> StoreContract::ScopeUpdates(
+    const storage::ScopeUpdatesQuery& query) {
+  return RowsOf(store_->reader().ScopeUpdates(query));
 }
 
 std::vector<storage::PresenceRow> StoreContract::Changes(const storage::HistoryQuery& query) {

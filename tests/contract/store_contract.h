@@ -47,6 +47,10 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   storage::CommitRecord Bad(model::Seq seq, const std::string& payload = "bad bytes") const;
   static model::Rejection BadReason();
 
+  /// Of `robot`, or of what stands in its place.
+  storage::CommitRecord Update(storage::RobotRef robot, model::Seq seq,
+                               model::ScopeUpdate update) const;
+
   static storage::CommitRecord At(std::int64_t after_ms, storage::CommitRecord record);
   static storage::CommitRecord Of(storage::RobotRef robot, storage::CommitRecord record);
 
@@ -83,6 +87,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   /// Those that have not expired `after_ms` after Time().
   std::vector<storage::ShapeRow> Shapes(std::int64_t after_ms = 0);
   std::vector<storage::ObjectRow> Objects(std::int64_t after_ms = 0);
+  std::vector<storage::ScopeUpdateRow> ScopeUpdates(const storage::ScopeUpdatesQuery& query = {});
   std::vector<storage::PresenceRow> Changes(const storage::HistoryQuery& query = {});
   /// The latest rows of the fixture's robot, all kinds.
   std::vector<storage::LatestRow> LatestRows();

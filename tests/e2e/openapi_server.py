@@ -9,7 +9,8 @@ WAIT_SECONDS = 60
 # The list of each answer that holds one.
 LISTS = {
     "robots": "robots", "events": "events", "messages": "messages", "presence": "changes",
-    "quarantine": "items", "all_quarantine": "items", "gaps": "gaps", "faults": "faults", "missions": "missionRuns",
+    "quarantine": "items", "all_quarantine": "items", "gaps": "gaps",
+    "scope_updates": "updates", "faults": "faults", "missions": "missionRuns",
     "shapes": "shapes", "objects": "objects",
 }  # fmt: skip
 # Paths that show the same rows, and so take each other's tokens.
@@ -32,6 +33,7 @@ class Served(EndToEnd):
             lambda status: int(status["uplinks"]["stored"]) > 0, WAIT_SECONDS, "the fleet is at work"
         )
         self.add_gaps()
+        self.add_scope_updates()
         empty = []
 
         def full():
@@ -52,6 +54,17 @@ class Served(EndToEnd):
                     "INSERT INTO gaps (ruri, session, first, last, fleet, seen_ms, entry)"
                     " SELECT ruri, x'00112233445566778899aabbccddeeff', ?, ? + 4, fleet, ?, 0 FROM robots",
                     (first, first, 1763683200000 + first),
+                )
+        store.close()
+
+    def add_scope_updates(self):
+        """The fleet has no environments and workflow runs: these rows say that two changed."""
+        with sqlite3.connect(self.folder / "uplinkd.db", timeout=WAIT_SECONDS) as store:
+            for scope in (0, 1):
+                store.execute(
+                    "INSERT INTO scope_updates VALUES ('cyberwave:', ?, 0, 'default',"
+                    " x'00112233445566778899aabbccddeeff', ?, 5, ?, ?, 'running', '{\"status\":\"running\"}')",
+                    (1763683200000 + scope, scope + 1, scope, f"5b1f0c2e-7d0b-4a6f-9d57-0c6a2f1f3b1{scope}"),
                 )
         store.close()
 

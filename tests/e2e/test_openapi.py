@@ -20,7 +20,8 @@ WAL_LOCK_FIRST, WAL_LOCKS = 120, 8
 # What a parameter's schema refuses; for texts anything is good but for the token.
 WRONG = {"integer": ["0x1", "-1", "1.5"], "boolean": ["1", "TRUE"], "array": ["wheels", "motion;status"]}
 # One that is taken, for those whose schema does not name any.
-GOOD = {"ruri": "rcan://a", "fleet": "default", "missionId": "m", "runId": "r", "parts": "health,settings"}
+GOOD = {"ruri": "rcan://a", "fleet": "default", "missionId": "m", "runId": "r", "parts": "health,settings",
+        "id": "5b1f0c2e-7d0b-4a6f-9d57-0c6a2f1f3b11"}  # fmt: skip
 # Bodies of the vectors that answers show as they are.
 BODIES = {
     "motionTelemetry": "MotionTelemetry", "statusTelemetry": "StatusTelemetry",
@@ -300,7 +301,7 @@ def wrong_values(name, schema):
         return ["nonsense", schema["enum"][0].upper()]
     if schema["type"] == "integer":
         return [str(schema["minimum"] - 1), str(schema["maximum"] + 1), *WRONG["integer"]]
-    return ["x"] if name == "pageToken" else WRONG.get(schema["type"], [])
+    return ["x"] if name in ("pageToken", "id") else WRONG.get(schema["type"], [])
 
 
 if __name__ == "__main__":

@@ -39,6 +39,7 @@ std::string TextOf(const storage::CommitRecord& record) {
   if (const auto* item = std::get_if<storage::QuarantineItem>(&record.content)) {
     return text + " quarantine " + TextOf(item->rejection);
   }
+  if (std::holds_alternative<model::ScopeUpdate>(record.content)) return text + " scope update";
   const auto& good = std::get<model::Record>(record.content);
   return text + fmt::format(" variant {}", static_cast<int>(good.variant()));
 }

@@ -352,6 +352,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
 
 std::optional<Rejection> FakeDatabase::Refusal(const Transaction& transaction, const Robot& robot,
                                                const CommitRecord& record) const {
+  if (std::holds_alternative<model::ScopeUpdate>(record.content)) return std::nullopt;
   const auto& good = std::get<Record>(record.content);
   UPLINK_CHECK(good.durable(), "a live record reached the store");
   const auto* fault = std::get_if<Fault>(&good.body());
@@ -369,8 +370,9 @@ std::optional<Rejection> FakeDatabase::Refusal(const Transaction& transaction, c
 
 void FakeDatabase::WriteRecord(const Transaction& transaction, Robot& robot,
                                const CommitRecord& record) {
-  const auto& good = std::get<Record>(record.content);
-  if (const auto* fault = std::get_if<Fault>(&good.body())) {
+  const auto* good = std::get_if<Record>(&record.content);
+  const auto* fault = good == nullptr ? nullptr : std::get_if<Fault>(&good->body());
+  if (fault != nullptr) {
     WriteFault(robot, *fault, record);
   } else {
     kinds_.Write(record, ++entries_, transaction.store_rules);

@@ -39,6 +39,11 @@ std::optional<model::Rejection> FakeKinds::Refusal(const CommitRecord& record,
 void FakeKinds::Write(const CommitRecord& record, std::uint64_t entry,
                       const storage::StoreRules& rules) {
   const Target target{record, entry, rules};
+  if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
+    const SystemTime at = record.received_at;
+    scope_updates_.push_back({at, entry, {*record.robot, *update, at}});
+    return;
+  }
   const model::Body& body = BodyOf(record);
   if (const auto* event = std::get_if<model::EventTelemetry>(&body)) {
     WriteEvent(target, *event);
@@ -191,6 +196,7 @@ std::size_t FakeKinds::EraseHistory(SystemTime until) {
   std::size_t erased = EraseBefore(events_, until, storage::kRetainRowsMax);
   erased += EraseBefore(messages_, until, storage::kRetainRowsMax);
   erased += EraseBefore(reports_, until, storage::kRetainRowsMax);
+  erased += EraseBefore(scope_updates_, until, storage::kRetainRowsMax);
   std::vector<std::tuple<SystemTime, std::uint64_t, RunKey>> closed;
   for (const auto& [key, run] : runs_) {
     if (!run.open() && run.row.last_received_at < until && run.at < until) {

@@ -72,6 +72,9 @@ class FakeKinds final {
   [[nodiscard]] const History<storage::EventRow>& events() const { return events_; }
   [[nodiscard]] const History<storage::MessageRow>& messages() const { return messages_; }
   [[nodiscard]] const History<storage::MissionReportRow>& reports() const { return reports_; }
+  [[nodiscard]] const History<storage::ScopeUpdateRow>& scope_updates() const {
+    return scope_updates_;
+  }
   [[nodiscard]] const Runs& runs() const { return runs_; }
   [[nodiscard]] const FakePresent<storage::ShapeRow>& shapes() const { return shapes_; }
   [[nodiscard]] const FakePresent<storage::ObjectRow>& objects() const { return objects_; }
@@ -102,6 +105,7 @@ class FakeKinds final {
   History<storage::EventRow> events_;
   History<storage::MessageRow> messages_;
   History<storage::MissionReportRow> reports_;
+  History<storage::ScopeUpdateRow> scope_updates_;
   Runs runs_;
   FakeChanges changes_;
   FakePresent<storage::ShapeRow> shapes_{storage::PresentKind::kShape, changes_};

@@ -34,6 +34,9 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
 [[nodiscard]] inline std::size_t BytesOf(const storage::MessageRow& row) {
   return row.message.message.size() + row.message.detail_json.size();
 }
+[[nodiscard]] inline std::size_t BytesOf(const storage::ScopeUpdateRow& row) {
+  return row.update.id.size() + row.update.type.size() + row.update.detail_json.size();
+}
 [[nodiscard]] inline std::size_t BytesOf(const storage::MissionRunRow& row) {
   return row.mission_id.size() + row.run_id.size() + row.name.size() + row.latest_json.size();
 }

@@ -179,6 +179,18 @@ absl::StatusOr<Page<storage::MessageRow>> FakeReader::Messages(const HistoryQuer
   return FakePageOf(PageKind::kMessages, query, AllOf(database_.kinds_.messages()));
 }
 
+absl::StatusOr<Page<storage::ScopeUpdateRow>> FakeReader::ScopeUpdates(
+    const storage::ScopeUpdatesQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<FakePlaced<storage::ScopeUpdateRow>> rows = AllOf(database_.kinds_.scope_updates());
+  std::erase_if(rows, [&query](const auto& row) {
+    const model::ScopeUpdate& update = row.second->update;
+    return (query.scope && update.scope != *query.scope) ||
+           (!query.id.empty() && update.id != query.id);
+  });
+  return FakePageOf(PageKind::kScopeUpdates, query.rows, std::move(rows));
+}
+
 absl::StatusOr<Page<storage::MissionRunRow>> FakeReader::MissionRuns(const MissionsQuery& query) {
   const std::lock_guard lock(database_.mutex_);
   std::vector<FakePlaced<storage::MissionRunRow>> rows;

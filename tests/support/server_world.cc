@@ -139,6 +139,15 @@ void ServerWorld::CommitQuarantine(const std::string& ruri, const model::Rejecti
   Commit(ruri, std::move(records));
 }
 
+void ServerWorld::CommitScopeUpdate(const model::ScopeUpdate& update, const std::string& fleet) {
+  storage::CommitRecord record = Next(storage::NoRobotOf(""));
+  record.robot = std::make_shared<const model::RobotId>(model::RobotId{record.robot->ruri, fleet});
+  record.content = update;
+  std::vector<storage::CommitRecord> records;
+  records.push_back(std::move(record));
+  Commit(records.front().robot->ruri, std::move(records));
+}
+
 void ServerWorld::CommitGap(const std::string& ruri, model::Seq first, model::Seq last) {
   const storage::CommitRecord like = Next(ruri);
   Commit(ruri, {},

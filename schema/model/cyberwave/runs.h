@@ -5,6 +5,7 @@
 #include <string>
 
 #include "schema/model/mission.h"
+#include "schema/model/scope_update.h"
 
 /// What goes on under an id of its own: actions, missions, environments, workflows. Durable.
 namespace uplink::model::cyberwave {
@@ -26,7 +27,7 @@ struct RunStatus {
   friend bool operator==(const RunStatus&, const RunStatus&) = default;
 };
 
-enum class ScopeKind : std::uint8_t { kEnvironment, kWorkflowRun };
+using model::ScopeKind;
 
 /// Something that changed in an environment or a workflow run; its id is the topic's. A value.
 struct ScopeUpdate {

@@ -21,6 +21,15 @@ ListFilter FilterOf(const PresentQuery& query, std::string_view /*open_if*/) {
   return {{{"(expires_ms = 0 OR expires_ms > ?)", UnixMs(query.now)}}};
 }
 
+ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view /*open_if*/) {
+  ListFilter filter;
+  if (query.scope) {
+    filter.conditions.push_back({"scope = ?", static_cast<std::int64_t>(*query.scope)});
+  }
+  if (!query.id.empty()) filter.conditions.push_back({"id = ?", std::string_view(query.id)});
+  return filter;
+}
+
 ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_if*/) {
   if (!query.source) return {};
   // Nearly all rows are the relay's: the index has the others alone, and is taken if the statement

@@ -43,6 +43,7 @@ struct List {
 [[nodiscard]] ListFilter FilterOf(const HistoryQuery& query, std::string_view open_if);
 [[nodiscard]] ListFilter FilterOf(const MissionsQuery& query, std::string_view open_if);
 [[nodiscard]] ListFilter FilterOf(const PresentQuery& query, std::string_view open_if);
+[[nodiscard]] ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view open_if);
 [[nodiscard]] ListFilter FilterOf(const QuarantineQuery& query, std::string_view open_if);
 
 /// Reads one page of a list.

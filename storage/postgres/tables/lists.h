@@ -8,6 +8,7 @@
 #include "storage/postgres/tables/latest.h"
 #include "storage/postgres/tables/mission_runs.h"
 #include "storage/postgres/tables/reports.h"
+#include "storage/postgres/tables/scope_updates.h"
 #include "storage/postgres/tables/set_aside.h"
 #include "storage/postgres/tables/spatial.h"
 

@@ -103,7 +103,11 @@ struct BatchRows::KindWriter {
 };
 
 void BatchRows::Write(const CommitRecord& record, std::int32_t place) {
-  std::visit(KindWriter{*this, record, place}, std::get<model::Record>(record.content).body());
+  if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
+    added_.Add<kScopeUpdatesTable>({&record, update, place});
+  } else {
+    std::visit(KindWriter{*this, record, place}, std::get<model::Record>(record.content).body());
+  }
   Raise(record.robot->ruri, record.session, record.seq, record.received_at);
 }
 

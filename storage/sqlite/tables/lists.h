@@ -8,6 +8,7 @@
 #include "storage/sqlite/tables/latest.h"
 #include "storage/sqlite/tables/missions.h"
 #include "storage/sqlite/tables/reports.h"
+#include "storage/sqlite/tables/scope_updates.h"
 #include "storage/sqlite/tables/set_aside.h"
 #include "storage/sqlite/tables/spatial.h"
 

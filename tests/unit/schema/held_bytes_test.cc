@@ -38,6 +38,10 @@ TEST(HeldBytes, EveryTextOfAMessageCounts) {
   event.kind =
       FaultRaisedEvent{.fault_code = std::string(50, 'x'), .description = std::string(60, 'y')};
   EXPECT_EQ(HeldBytes(Body(event)), Text(50) + Text(60));
+  const ScopeUpdate update{.id = std::string(36, 'i'),
+                           .type = std::string(40, 't'),
+                           .detail_json = std::string(90, 'd')};
+  EXPECT_EQ(HeldBytes(update), Text(36) + Text(40) + Text(90));
   const Message message{.message = std::string(70, 'x'), .detail_json = std::string(80, 'y')};
   EXPECT_EQ(HeldBytes(Body(message)), Text(70) + Text(80));
 }

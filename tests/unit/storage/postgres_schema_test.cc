@@ -143,8 +143,8 @@ TEST_F(PostgresSchemaTest, EpochsBeginAboveAllThatRowsNameAndAServersRoleMayDraw
 TEST(PostgresPartitionsTest, TheServersRoleMakesAndDropsDays) {
   PostgresDatabase database;
   PostgresShell server(database.url());
-  // Six histories, of which three days are there already.
-  EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "6\n");
+  // Seven histories, of which three days are there already.
+  EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "7\n");
   EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "0\n");
   EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('events', '2025-11-22')"), "2\n");
   EXPECT_EQ(server.Read("SELECT to_regclass('uplinkd.events_20251121') IS NULL,"
@@ -158,7 +158,7 @@ TEST(PostgresPartitionsTest, RowsOfTheDefaultMoveIntoTheirDay) {
   database.Shell().Run(
       "INSERT INTO uplinkd.presence_changes VALUES ('rcan://a', '2026-01-02 12:00Z', 1, 'f', 1)");
   EXPECT_EQ(PostgresShell(database.url()).Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"),
-            "6\n");
+            "7\n");
   EXPECT_EQ(database.Shell().Read("SELECT tableoid::regclass FROM uplinkd.presence_changes"),
             "uplinkd.presence_changes_20260102\n");
 }
@@ -169,7 +169,7 @@ TEST(PostgresPartitionsTest, ADayWithVeryManyRowsInTheDefaultStaysThere) {
       "INSERT INTO uplinkd.presence_changes SELECT 'rcan://a', '2026-01-02 12:00Z', n, 'f', 1"
       " FROM generate_series(1, 10001) AS n");
   EXPECT_EQ(PostgresShell(database.url()).Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"),
-            "5\n");
+            "6\n");
   EXPECT_EQ(
       database.Shell().Read("SELECT DISTINCT tableoid::regclass FROM uplinkd.presence_changes"),
       "uplinkd.presence_changes_default\n");
@@ -198,7 +198,7 @@ TEST(PostgresPartitionsTest, DaysFarAheadAreNotMade) {
   const auto make = [](const std::string& first_day, const std::string& days) {
     return "SELECT uplinkd.make_partitions(" + first_day + ", " + days + ")";
   };
-  EXPECT_EQ(PostgresShell(database.url()).Read(make(kToday + " + 30", "2")), "12\n");
+  EXPECT_EQ(PostgresShell(database.url()).Read(make(kToday + " + 30", "2")), "14\n");
   EXPECT_TRUE(Refuses(database, make(kTodayOrTomorrow + " + 32", "1")));
   EXPECT_TRUE(Refuses(database, make(kTodayOrTomorrow + " + 2", "31")));
   EXPECT_TRUE(Refuses(database, make("'infinity'", "1")));
@@ -211,7 +211,7 @@ TEST(PostgresPartitionsTest, DaysLongAgoAreNotMade) {
   const auto make = [](const std::string& first_day, const std::string& days) {
     return "SELECT uplinkd.make_partitions(" + first_day + ", " + days + ")";
   };
-  EXPECT_EQ(PostgresShell(database.url()).Read(make(kToday + " - 9999", "1")), "6\n");
+  EXPECT_EQ(PostgresShell(database.url()).Read(make(kToday + " - 9999", "1")), "7\n");
   EXPECT_TRUE(Refuses(database, make(kToday + " - 10001", "1")));
   EXPECT_TRUE(Refuses(database, make("'4713-01-01 BC'", "31")));
   EXPECT_TRUE(Refuses(database, make("'-infinity'", "1")));

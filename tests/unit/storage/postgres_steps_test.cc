@@ -71,5 +71,19 @@ TEST_F(PostgresSteps, QuarantineOfAnEarlierBuildCameByTheRelay) {
             "0|\n");
 }
 
+TEST_F(PostgresSteps, AServerOfALaterBuildMakesTheDaysOfScopeUpdatesToo) {
+  MigrateUpTo("_scope_updates");
+  PostgresShell server(database_.url());
+  EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"), "6\n");
+  MigrateAll();
+  EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2026-01-02', 1)"), "1\n");
+  server.Run(
+      "INSERT INTO uplinkd.scope_updates VALUES ('cyberwave:', '2026-01-02 12:00Z', 1, 'f',"
+      " '07000000-0000-0000-0000-000000000000', 1, 0, 0, 'e', 't', '{}')");
+  EXPECT_EQ(server.Read("SELECT tableoid::regclass FROM uplinkd.scope_updates"),
+            "uplinkd.scope_updates_20260102\n");
+  EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('scope_updates', '2026-01-03')"), "1\n");
+}
+
 }  // namespace
 }  // namespace uplink::storage::postgres

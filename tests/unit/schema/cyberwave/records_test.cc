@@ -2,6 +2,7 @@
 #include "schema/cyberwave/records.h"
 
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -45,6 +46,32 @@ TEST(CyberwaveRecords, EachLevelHasItsPlace) {
     EXPECT_EQ(message.level, level) << word;
     EXPECT_EQ(message.unix_time_ms, 0) << "no time was said";
   }
+}
+
+TEST(CyberwaveRecords, AnUpdateOfAScopeIsThatOfItsTopic) {
+  for (const auto& [topic, payload, scope, type] :
+       {std::tuple{"environment/weather", R"({"type":"weather","data":{},"timestamp":2})",
+                   model::ScopeKind::kEnvironment, "weather"},
+        std::tuple{"workflow-run", R"({"status":"running","timestamp":2})",
+                   model::ScopeKind::kWorkflowRun, "running"}}) {
+    const Judgement judgement = JudgeOn(topic, payload);
+    const model::ScopeUpdate update = Records::Of(BodyOf<model::cyberwave::ScopeUpdate>(judgement),
+                                                  judgement.topic.id, judgement.head);
+    EXPECT_EQ(update.scope, scope);
+    EXPECT_EQ(update.id, test::kEnvironment);
+    EXPECT_EQ(update.type, type);
+    EXPECT_EQ(update.unix_time_ms, 2'000);
+    EXPECT_NE(update.detail_json.find(type), std::string::npos);
+  }
+}
+
+TEST(CyberwaveRecords, ScopesHaveTextsThatLeadBack) {
+  for (const model::ScopeKind kind :
+       {model::ScopeKind::kEnvironment, model::ScopeKind::kWorkflowRun}) {
+    EXPECT_EQ(model::ScopeKindFromText(ToText(kind)), kind);
+  }
+  EXPECT_FALSE(model::ScopeKindFromText("workflow-run"));
+  EXPECT_FALSE(model::ScopeKindFromText(""));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <boost/json.hpp>
@@ -193,6 +194,56 @@ TEST_F(ListsTest, ARobotThatWasNeverSeenIsNotFound) {
   }
 }
 
+class ScopeUpdatesTest : public ListsTest {
+ protected:
+  void Say(model::ScopeKind scope, const std::string& id, const std::string& type,
+           const std::string& fleet = "north") {
+    world_.clock.Advance(milliseconds(1));
+    world_.CommitScopeUpdate({scope, id, type, "{}", 0}, fleet);
+  }
+  ScopeUpdatesTest() {
+    start_ms_ = UnixMs(world_.clock.System());
+    Say(model::ScopeKind::kEnvironment, kId, "a");
+    Say(model::ScopeKind::kWorkflowRun, kId, "b");
+    Say(model::ScopeKind::kEnvironment, kOtherId, "c", "south");
+  }
+  static constexpr const char* kId = "eeeeeeee-eeee-4eee-8eee-eeeeeeeeeeee";
+  static constexpr const char* kOtherId = "11111111-1111-4111-8111-111111111111";
+  const std::string path_ = "/api/v1/scope-updates";
+};
+
+TEST_F(ScopeUpdatesTest, AreNewestFirstAndFiltered) {
+  EXPECT_THAT(Texts(path_, "/type"), ElementsAre("c", "b", "a"));
+  EXPECT_THAT(Texts(path_ + "?scope=environment", "/type"), ElementsAre("c", "a"));
+  EXPECT_THAT(Texts(path_ + "?scope=workflow_run", "/type"), ElementsAre("b"));
+  EXPECT_THAT(Texts(path_ + "?id=" + kId, "/type"), ElementsAre("b", "a"));
+  EXPECT_THAT(Texts(path_ + "?id=EEEEEEEE-EEEE-4EEE-8EEE-EEEEEEEEEEEE", "/type"),
+              ElementsAre("b", "a"));
+  EXPECT_THAT(Texts(path_ + "?scope=environment&id=" + kId, "/type"), ElementsAre("a"));
+  EXPECT_THAT(Texts(path_ + "?fleet=south", "/type"), ElementsAre("c"));
+  EXPECT_THAT(Texts(path_ + "?fromMs=" + Ms(2) + "&toMs=" + Ms(2), "/type"), ElementsAre("b"));
+  const std::string page = path_ + "?pageSize=2";
+  EXPECT_THAT(Texts(page + "&pageToken=" + Token(page), "/type"), ElementsAre("a"));
+}
+
+TEST_F(ScopeUpdatesTest, TheParameterAtFaultIsNamed) {
+  for (const auto& [query, field, words] :
+       {std::tuple{"scope=twin", "scope", "must be environment or workflow_run"},
+        std::tuple{"id=x", "id", "must be a UUID: 8-4-4-4-12 hex digits"},
+        std::tuple{"ruri=x", "ruri", "is not a parameter of this path"}}) {
+    const Response answer = Get(path_ + "?" + query);
+    EXPECT_EQ(answer.status, 400) << query;
+    EXPECT_THAT(answer.body, HasSubstr(R"("field":")" + std::string(field) + '"'));
+    EXPECT_THAT(answer.body, HasSubstr(words));
+  }
+}
+
+TEST_F(ScopeUpdatesTest, WithoutTheStoreThereIsNoAnswer) {
+  world_.reader.SetAway(true);
+  EXPECT_EQ(Get(path_).status, 503);
+  EXPECT_EQ(Get("/api/v1/quarantine").status, 503);
+}
+
 class AllQuarantineTest : public ListsTest {
  protected:
   void Reject(const std::string& ruri, const std::string& topic) {
@@ -274,8 +325,9 @@ std::vector<BadCase> BadCases() {
                                 {"/api/v1/missions?includeExpired=true", "includeExpired"},
                                 {"/api/v1/shapes?includeExpired=1", "includeExpired"},
                                 {"/api/v1/objects?includeExpired=TRUE", "includeExpired"}};
-  std::vector<std::string> lists = {"/api/v1/robots", "/api/v1/faults",  "/api/v1/missions",
-                                    "/api/v1/shapes", "/api/v1/objects", "/api/v1/quarantine"};
+  std::vector<std::string> lists = {"/api/v1/robots",       "/api/v1/faults",  "/api/v1/missions",
+                                    "/api/v1/shapes",       "/api/v1/objects", "/api/v1/quarantine",
+                                    "/api/v1/scope-updates"};
   const std::vector<std::string> histories = {"events", "messages", "presence", "quarantine",
                                               "gaps"};
   for (const std::string& history : histories) {

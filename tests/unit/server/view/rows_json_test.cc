@@ -68,6 +68,19 @@ TEST(RowsJson, AMessageShowsTheDetailThatItsSenderGave) {
     "message": "gripper is warm", "sampledAtMs": "0", "receivedAtMs": "0", "detail": {}})");
 }
 
+TEST(RowsJson, ScopeUpdates) {
+  storage::ScopeUpdateRow row;
+  row.update = {.scope = model::ScopeKind::kWorkflowRun,
+                .id = "eeeeeeee-eeee-4eee-8eee-eeeeeeeeeeee",
+                .type = "running",
+                .detail_json = R"({"status":"running","step":2})",
+                .unix_time_ms = 1};
+  row.received_at = FromUnixMs(2);
+  ExpectJson("updates", row, R"({"scope": "workflow_run",
+    "id": "eeeeeeee-eeee-4eee-8eee-eeeeeeeeeeee", "type": "running",
+    "detail": {"status": "running", "step": 2}, "sampledAtMs": "1", "receivedAtMs": "2"})");
+}
+
 TEST(RowsJson, PresenceChanges) {
   for (const auto& [presence, name] : {std::pair{model::Presence::kUnknown, "PRESENCE_UNKNOWN"},
                                        std::pair{model::Presence::kOnline, "PRESENCE_ONLINE"},
