@@ -21,8 +21,24 @@ absl::StatusOr<bool> Decider::IsFenced(const RobotRef& robot, Epoch held_since) 
   return *known == nullptr || held_since < (*known)->held_since;
 }
 
+absl::StatusOr<bool> Decider::IsLeaseOver(const TopicHold* hold) {
+  if (hold == nullptr) return false;
+  const absl::StatusOr<Epoch> epoch = known_.LeaseEpoch(hold->client_id);
+  if (!epoch.ok()) return epoch.status();
+  return *epoch != hold->epoch;
+}
+
+absl::StatusOr<bool> Decider::Takes(const Deliveries& deliveries) {
+  const absl::StatusOr<bool> over = IsLeaseOver(deliveries.hold.get());
+  if (!over.ok()) return over.status();
+  return deliveries.hold != nullptr && !*over;
+}
+
 absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record) {
   UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
+  const absl::StatusOr<bool> over = IsLeaseOver(HoldOf(record.origin));
+  if (!over.ok()) return over.status();
+  if (*over) return Outcome{OutcomeKind::kFenced, std::nullopt};
   const absl::StatusOr<bool> fenced = IsFenced(record.robot, record.held_since);
   if (!fenced.ok()) return fenced.status();
   if (*fenced) return Outcome{OutcomeKind::kFenced, std::nullopt};

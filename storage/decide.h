@@ -52,6 +52,10 @@ class Known {
   [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) = 0;
 
+  /// The epoch of the client id's lease on topics, which nobody takes until the batch ends; 0: it
+  /// has none.
+  [[nodiscard]] virtual absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) = 0;
+
   /// When the entry expires, 0: never; nothing if there is none.
   [[nodiscard]] virtual absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(
       const PresentKey& key) = 0;
@@ -84,7 +88,8 @@ struct Ruling {
 /// it asks for the next:
 ///
 /// 1. Look: the record is fenced, or was there before: that is its outcome, and nothing is written.
-///    Nobody holds a robot that the store does not know: what comes of it is fenced.
+///    Nobody holds a robot that the store does not know: what comes of it is fenced. So is what
+///    came under a lease that another took.
 /// 2. Otherwise it is new, and the session's cursor is its number now. A QuarantineItem goes to
 ///    quarantine and is stored.
 /// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
@@ -101,12 +106,16 @@ class Decider final {
   [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
   /// Of a good record that Look found new. What it lets pass counts from now on.
   [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
+  /// Whether deliveries are to be remembered: false if they are fenced.
+  [[nodiscard]] absl::StatusOr<bool> Takes(const Deliveries& deliveries);
   /// Whether the gap is to be written: false if it is fenced.
   [[nodiscard]] absl::StatusOr<bool> Takes(const GapItem& gap);
   /// What becomes of a change of presence; kStored is to be written. `session` numbers it.
   [[nodiscard]] absl::StatusOr<OutcomeKind> Decide(const PresenceItem& item, KnownSession& session);
 
  private:
+  /// True if the lease is not that of the client id any more; none always is.
+  absl::StatusOr<bool> IsLeaseOver(const TopicHold* hold);
   /// True if this process does not hold the robot since then, or not any more.
   absl::StatusOr<bool> IsFenced(const RobotRef& robot, Epoch held_since);
   /// True if there is room for an upsert of the entry; it is counted then. `there` is when the

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "schema/model/message_source.h"
+#include "storage/deliveries.h"
 
 namespace uplink::storage {
 
@@ -18,19 +19,27 @@ struct Origin {
   model::MessageSource source = model::MessageSource::kCyberwave;
   /// As it was published, fit for a column (OriginOf).
   std::string topic;
+  /// The lease under which it came; null: it needs none. One that another took since fences it.
+  TopicHoldRef hold{};
 };
 
 /// Shared by the records of a message; null: the relay.
 using OriginRef = std::shared_ptr<const Origin>;
 
 /// An origin whose topic is printable and has at most kTopicBytesMax bytes.
-[[nodiscard]] OriginRef OriginOf(model::MessageSource source, std::string_view topic);
+[[nodiscard]] OriginRef OriginOf(model::MessageSource source, std::string_view topic,
+                                 TopicHoldRef hold = nullptr);
 
 [[nodiscard]] inline model::MessageSource SourceOf(const OriginRef& origin) {
   return origin == nullptr ? model::MessageSource::kUplink : origin->source;
 }
 [[nodiscard]] inline std::string_view TopicOf(const OriginRef& origin) {
   return origin == nullptr ? std::string_view() : std::string_view(origin->topic);
+}
+
+/// Null if it needs no lease.
+[[nodiscard]] inline const TopicHold* HoldOf(const OriginRef& origin) {
+  return origin == nullptr ? nullptr : origin->hold.get();
 }
 
 /// What stands in a robot's place for messages that belong to none begins with this: no RURI does,

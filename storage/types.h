@@ -18,6 +18,8 @@
 #include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
 #include "storage/clock_trust.h"
+#include "storage/deliveries.h"
+#include "storage/epoch.h"
 #include "storage/latest_kind.h"
 #include "storage/origin.h"
 
@@ -66,10 +68,6 @@ inline constexpr std::size_t kServerSessionsMax = 256;
 
 /// One life of one server process: 16 random bytes drawn at its start.
 using ProcessId = std::array<std::uint8_t, 16>;
-
-/// Drawn from the store's one sequence whenever a robot's stream is opened or it is adopted: from
-/// 1, never the same twice, and of one robot ever greater, even if its row went in between.
-using Epoch = std::uint64_t;
 
 /// A robot's identity, shared by all records of the robot. Immutable.
 using RobotRef = std::shared_ptr<const model::RobotId>;
@@ -261,6 +259,8 @@ struct Batch {
   std::vector<PresenceItem> presence;
   /// The numbering of `presence`: one session a process and shard, under kServerRuri.
   model::SessionId presence_session;
+  /// What is remembered with them: at most once of each client id.
+  std::vector<Deliveries> deliveries{};
 };
 
 enum class OutcomeKind : std::uint8_t {

@@ -49,6 +49,14 @@ absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Quarantined(
   return std::optional(std::move(rejects->front().rejection));
 }
 
+absl::StatusOr<Epoch> BatchKnown::LeaseEpoch(std::string_view client_id) {
+  const auto found = leases_.find(client_id);
+  if (found != leases_.end()) return found->second;
+  const absl::StatusOr<Epoch> stored = tables_.topics.LeaseEpoch(client_id);
+  if (stored.ok()) leases_.emplace(client_id, *stored);
+  return stored;
+}
+
 absl::StatusOr<std::optional<std::int64_t>> BatchKnown::ExpiryOf(const PresentKey& key) {
   return tables_.present_rows(key.kind).ExpiryOf(key);
 }

@@ -49,6 +49,7 @@ class BatchKnown final : public Known {
   [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) override;
+  [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override;
   [[nodiscard]] absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(
       const PresentKey& key) override;
   [[nodiscard]] absl::StatusOr<std::size_t> Count(PresentKind kind, std::string_view ruri) override;
@@ -64,6 +65,7 @@ class BatchKnown final : public Known {
   Tables& tables_;
   const EntryNumber& next_entry_;
   Robots robots_;
+  std::unordered_map<std::string_view, Epoch> leases_;
 };
 
 }  // namespace uplink::storage::sqlite

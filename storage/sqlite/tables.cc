@@ -14,6 +14,7 @@ absl::Status Tables::Prepare(Database& database) {
   if (status.ok()) status = retention.Prepare(database);
   if (status.ok()) status = live.Prepare(database);
   if (status.ok()) status = changes.Prepare(database);
+  if (status.ok()) status = topics.Prepare(database);
   return status;
 }
 

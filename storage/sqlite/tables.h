@@ -16,6 +16,7 @@
 #include "storage/sqlite/retention_tables.h"
 #include "storage/sqlite/set_aside_tables.h"
 #include "storage/sqlite/table_writers.h"
+#include "storage/sqlite/topic_tables.h"
 
 namespace uplink::storage::sqlite {
 
@@ -31,6 +32,7 @@ struct Tables {
   RetentionTables retention;
   LiveTable live;
   ChangesTable changes;
+  TopicTables topics;
 
   [[nodiscard]] absl::Status Prepare(Database& database);
   [[nodiscard]] PresentRows& present_rows(PresentKind kind) {

@@ -8,6 +8,7 @@
 #include "tests/support/fake_leases.h"
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
+#include "tests/support/fake_topic_leases.h"
 
 namespace uplink::testing {
 namespace {
@@ -26,6 +27,13 @@ class FakeUnderTest final : public StoreUnderTest {
       leases = std::make_unique<FakeLeases>(database_, storage::ProcessId{number});
     }
     return leases.get();
+  }
+  storage::TopicLeases& TopicLeasesOf(std::uint8_t number) override {
+    auto& leases = topic_leases_[number];
+    if (leases == nullptr) {
+      leases = std::make_unique<FakeTopicLeases>(database_, storage::ProcessId{number});
+    }
+    return *leases;
   }
   storage::ClockMarks* clock_marks() override { return nullptr; }
   storage::RobotRemoval* removal() override { return nullptr; }
@@ -82,6 +90,7 @@ class FakeUnderTest final : public StoreUnderTest {
   FakeRules rules_;
   std::map<std::uint8_t, std::unique_ptr<FakeStore>> stores_;
   std::map<std::uint8_t, std::unique_ptr<FakeLeases>> leases_;
+  std::map<std::uint8_t, std::unique_ptr<FakeTopicLeases>> topic_leases_;
 };
 
 }  // namespace

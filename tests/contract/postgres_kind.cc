@@ -11,6 +11,7 @@
 #include "storage/postgres/reader.h"
 #include "storage/postgres/shared_items.h"
 #include "storage/postgres/store.h"
+#include "storage/postgres/topic_leases.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/postgres_database.h"
 
@@ -50,6 +51,20 @@ class PostgresUnderTest final : public StoreUnderTest {
       leases = *std::move(made);
     }
     return leases.get();
+  }
+
+  storage::TopicLeases& TopicLeasesOf(std::uint8_t number) override {
+    static_cast<void>(Process(number));  // makes the schema
+    auto& leases = topic_leases_[number];
+    if (leases == nullptr) {
+      storage::postgres::StoreOptions options;
+      options.url = database_.url();
+      options.process = {number};
+      auto made = storage::postgres::PostgresTopicLeases::Make(options, clock_);
+      UPLINK_CHECK(made.ok(), made.status().ToString());
+      leases = *std::move(made);
+    }
+    return *leases;
   }
 
   storage::ClockMarks* clock_marks() override {
@@ -116,6 +131,7 @@ class PostgresUnderTest final : public StoreUnderTest {
     forget_ = nullptr;
     shared_items_ = nullptr;
     leases_.clear();
+    topic_leases_.clear();
     processes_.clear();
   }
 
@@ -177,6 +193,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   PostgresDatabase database_;
   std::map<std::uint8_t, One> processes_;
   std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresLeases>> leases_;
+  std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresTopicLeases>> topic_leases_;
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
   std::unique_ptr<storage::postgres::PostgresClockMarks> marks_;
   std::unique_ptr<storage::postgres::PostgresForgetStore> forget_;

@@ -9,6 +9,7 @@
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
+#include "storage/sqlite/topic_leases.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/temp_folder.h"
@@ -82,6 +83,16 @@ class SqliteUnderTest final : public StoreUnderTest {
   }
 
   storage::Leases* LeasesOf(std::uint8_t /*number*/) override { return nullptr; }
+  storage::TopicLeases& TopicLeasesOf(std::uint8_t number) override {
+    static_cast<void>(Process(1));  // makes the file
+    auto& leases = topic_leases_[number];
+    if (leases == nullptr) {
+      auto opened = storage::sqlite::SqliteTopicLeases::Open(path_, storage::ProcessId{number});
+      UPLINK_CHECK(opened.ok(), opened.status().ToString());
+      leases = *std::move(opened);
+    }
+    return *leases;
+  }
 
   void FailNextWrite(std::uint8_t number) override { processes_[number].fail_before = true; }
   void LoseNextAnswer(std::uint8_t number) override { processes_[number].fail_after = true; }
@@ -91,6 +102,7 @@ class SqliteUnderTest final : public StoreUnderTest {
     marks_ = nullptr;
     forget_ = nullptr;
     shared_items_ = nullptr;
+    topic_leases_.clear();
     processes_.clear();
   }
 
@@ -147,6 +159,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   TempFolder folder_;
   const std::string path_ = folder_.File("uplinkd.db");
   std::map<std::uint8_t, One> processes_;
+  std::map<std::uint8_t, std::unique_ptr<storage::sqlite::SqliteTopicLeases>> topic_leases_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
   std::unique_ptr<storage::sqlite::SqliteClockMarks> marks_;
   std::unique_ptr<storage::sqlite::SqliteForgetStore> forget_;

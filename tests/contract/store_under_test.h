@@ -15,6 +15,7 @@
 #include "storage/robot_removal.h"
 #include "storage/shared_items.h"
 #include "storage/store.h"
+#include "storage/topic_leases.h"
 
 namespace uplink::testing {
 
@@ -29,6 +30,9 @@ class StoreUnderTest {
   virtual storage::Reader& reader() = 0;
   /// The leases as process `number` has them; null for a store that one process has at a time.
   virtual storage::Leases* LeasesOf(std::uint8_t number) = 0;
+
+  /// The leases on topics as process `number` has them.
+  virtual storage::TopicLeases& TopicLeasesOf(std::uint8_t number) = 0;
 
   /// The mark of the clock, as an operator or a server has it beside the writers; null for the
   /// fake, which has none.

@@ -51,6 +51,7 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   for (const CommitRecord& record : batch.records) {
     outcomes.push_back(CommitOne(transaction, record));
   }
+  for (const storage::Deliveries& deliveries : batch.deliveries) topics_.Write(deliveries);
   for (const GapItem& gap : batch.gaps) WriteGap(gap);
   const auto is_fenced = [this](const storage::PresenceItem& item) {
     return IsFenced(item.robot, item.held_since);
@@ -320,7 +321,10 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
     made.epoch = made.held_since = record.held_since;
     made.owner = transaction.process;
   }
-  if (IsFenced(record.robot, record.held_since)) return {OutcomeKind::kFenced, std::nullopt};
+  const bool lease_stands = record.origin == nullptr || topics_.Stands(record.origin->hold);
+  if (!lease_stands || IsFenced(record.robot, record.held_since)) {
+    return {OutcomeKind::kFenced, std::nullopt};
+  }
   Robot& robot = *FindRobot(record.robot->ruri);
   Session& session = SessionOf(robot, record.session);
   if (record.seq <= session.cursor) {

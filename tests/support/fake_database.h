@@ -21,6 +21,7 @@
 #include "tests/support/fake_lease_table.h"
 #include "tests/support/fake_presence.h"
 #include "tests/support/fake_present.h"
+#include "tests/support/fake_topics.h"
 
 namespace uplink::testing {
 
@@ -116,6 +117,30 @@ class FakeDatabase final {
   }
   [[nodiscard]] std::vector<storage::ForeignRobot> RobotsOfOthers(const storage::ProcessId& process,
                                                                   std::string_view after) const;
+
+  // What FakeTopicLeases builds on.
+  std::optional<storage::Epoch> TakeTopics(const storage::ProcessId& process,
+                                           const storage::TakeRequest& request) {
+    const std::lock_guard lock(mutex_);
+    return topics_.Take(
+        request, process,
+        [this](const storage::ProcessId& other, std::uint64_t counter) {
+          return leases_.RenewedSince(other, counter);
+        },
+        [this] { return ++epochs_; });
+  }
+  void ReleaseTopics(const storage::ProcessId& process, std::string_view client_id) {
+    const std::lock_guard lock(mutex_);
+    topics_.Release(client_id, process);
+  }
+  [[nodiscard]] std::vector<storage::TopicLease> ReadTopics() const {
+    const std::lock_guard lock(mutex_);
+    return topics_.Read();
+  }
+  [[nodiscard]] storage::DeliveryMemory MemoryOfTopics(std::string_view client_id) const {
+    const std::lock_guard lock(mutex_);
+    return topics_.MemoryOf(client_id);
+  }
 
   // What an operator, or a restored copy, does to the rows.
   /// The robot's row in `robots` goes; all else of it stays.
@@ -241,6 +266,7 @@ class FakeDatabase final {
   FakePresence presence_;
   std::map<std::string, storage::LiveRow, std::less<>> live_;
   FakeLeaseTable leases_;
+  FakeTopics topics_;
   std::vector<Application> applications_;
   std::uint64_t entries_ = 0;
   std::uint64_t transactions_ = 0;

@@ -124,11 +124,15 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     premises.AddHold(gap.robot->ruri, gap.held_since);
     rows.AddGap(gap, place++);
   }
+  for (const Deliveries& deliveries : batch_.deliveries) {
+    if (deliveries.hold != nullptr) rows.AddDeliveries(deliveries);
+  }
   for (const PresenceItem& item : batch_.presence) {
     premises.AddHold(item.robot->ruri, item.held_since);
     rows.AddPresence(item, batch_.presence_session, place++);
   }
   std::vector<StoreCall> calls = BeginCalls();
+  AddHoldCall(batch_, calls);
   calls.push_back(BeginBatchCall(premises, batch_));
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   absl::Status committed = CommitCalls(std::move(calls));

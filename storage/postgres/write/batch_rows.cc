@@ -171,6 +171,7 @@ std::vector<StoreCall> BatchRows::TakeCalls() && {
   latest_.MoveInto(calls);
   presence_.MoveInto(calls);
   gaps_.MoveInto(calls);
+  AddDeliveryCalls(deliveries_, calls);
   MoveCursors(calls);
   if (!robots_with_payloads_.empty()) {
     calls.push_back(

@@ -11,6 +11,7 @@
 
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/write/added_rows.h"
+#include "storage/postgres/write/delivery_rows.h"
 #include "storage/postgres/write/latest_rows.h"
 #include "storage/postgres/write/present_rows.h"
 #include "storage/present.h"
@@ -33,6 +34,8 @@ class BatchRows final {
   void Reject(const CommitRecord& record, const model::Rejection& rejection,
               QuarantineDetail detail, std::int32_t place);
   void AddGap(const GapItem& gap, std::int32_t place);
+  /// What is remembered of messages that a broker delivered.
+  void AddDeliveries(const Deliveries& deliveries) { deliveries_.push_back(&deliveries); }
   /// A change of presence, and its number in `session`.
   void AddPresence(const PresenceItem& item, const model::SessionId& session, std::int32_t place);
   /// An expired shape or object that makes room for another. The views must outlive this.
@@ -62,6 +65,7 @@ class BatchRows final {
   LatestRows latest_;
   PresenceRows presence_;
   GapRows gaps_;
+  std::vector<const Deliveries*> deliveries_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
   /// Robots of which a bound is to be kept after the writes.
   std::set<std::string_view> robots_with_payloads_;

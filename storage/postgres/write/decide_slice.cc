@@ -36,6 +36,10 @@ class KnownByRows final : public Known {
     if (why == known_.quarantined.end()) return std::optional<model::Rejection>();
     return std::optional(why->second);
   }
+  absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override {
+    const auto lease = known_.leases.find(client_id);
+    return lease == known_.leases.end() ? Epoch{0} : lease->second;
+  }
   absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(const PresentKey& key) override {
     const KnownRows::Entries& entries = known_.entries(key.kind);
     const auto entry = entries.find(ViewOf(key));
@@ -122,6 +126,9 @@ class SliceDecision final {
     for (const GapItem& gap : batch.gaps) {
       if (Sure(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
       ++place;
+    }
+    for (const Deliveries& deliveries : batch.deliveries) {
+      if (Sure(decider_.Takes(deliveries))) rows_.AddDeliveries(deliveries);
     }
     if (batch.presence.empty()) return;
     KnownSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];

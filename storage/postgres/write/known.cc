@@ -11,6 +11,10 @@
 namespace uplink::storage::postgres {
 namespace {
 
+// Nobody takes these leases until the transaction ends; commits do not wait for each other.
+constexpr std::string_view kLockLeases =
+    "SELECT client_id, epoch FROM uplinkd.topic_clients WHERE client_id = ANY($1::text[])"
+    " ORDER BY client_id FOR SHARE";
 // A batch makes no robot: one that has no row is held by nobody.
 constexpr std::string_view kLockRobots =
     "SELECT ruri, held_since FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
@@ -70,6 +74,27 @@ class Reads final {
   std::vector<StoreCall> calls_;
   std::vector<Take> takes_;
 };
+
+/// Before robots are locked, as hold_topics goes before begin_batch.
+void ReadLeases(const Slice& slice, KnownRows& known, Reads& reads) {
+  std::set<std::string_view> clients;
+  for (const CommitRecord& record : slice.records()) {
+    if (const TopicHold* const hold = HoldOf(record.origin)) clients.insert(hold->client_id);
+  }
+  if (slice.with_rest) {
+    for (const Deliveries& deliveries : slice.batch->deliveries) {
+      if (deliveries.hold != nullptr) clients.insert(deliveries.hold->client_id);
+    }
+  }
+  if (clients.empty()) return;
+  Array locked{Type::kText};
+  for (const std::string_view client : clients) locked.Text(client);
+  reads.Add(StoreCallOf(kLockLeases, {&locked}), [&known](const Result& rows) {
+    for (int row = 0; row < rows.rows(); ++row) {
+      known.leases[Text(rows, row, 0)] = static_cast<Epoch>(rows.Int(row, 1));
+    }
+  });
+}
 
 void ReadRobots(const Slice& slice, KnownRows& known, Reads& reads) {
   std::set<std::string_view> robots;
@@ -210,6 +235,7 @@ absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
                                     const StoreRules& rules) {
   KnownRows known;
   Reads reads;
+  ReadLeases(slice, known, reads);
   ReadRobots(slice, known, reads);
   ReadSessions(slice, known, reads);
   ReadQuarantined(slice, known, reads);

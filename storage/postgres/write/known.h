@@ -51,6 +51,8 @@ struct KnownRows {
   /// Those that have a row, each with the counts of the kinds that the slice names of it.
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
+  /// The epochs of the client ids under whose leases the slice came, as far as they have one.
+  std::map<std::string, Epoch, std::less<>> leases;
   /// Why a number lies in quarantine: of those that the slice names.
   std::map<Number, model::Rejection> quarantined;
   /// By PresentKind: the entries that the slice names, as far as they are there; of robots that are

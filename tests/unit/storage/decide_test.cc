@@ -45,6 +45,11 @@ class PlainKnown final : public Known {
     if (why == quarantined.end()) return std::optional<model::Rejection>();
     return std::optional(why->second);
   }
+  absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override {
+    if (!failure.ok()) return failure;
+    const auto lease = leases.find(client_id);
+    return lease == leases.end() ? Epoch{0} : lease->second;
+  }
   absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(const PresentKey& key) override {
     const auto entry = entries.find(EntryOf(key));
     if (entry == entries.end()) return std::optional<std::int64_t>();
@@ -77,6 +82,7 @@ class PlainKnown final : public Known {
   }
 
   absl::Status failure;
+  std::map<std::string, Epoch, std::less<>> leases;
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession> sessions;
   std::map<model::Seq, model::Rejection> quarantined;
@@ -267,6 +273,27 @@ const Bounded kObjects = {
     TooManyObjects,
     ObjectOf,
     [](const std::string& id) -> model::Body { return model::ObjectOp{model::Deletion{id}}; }};
+
+TEST_F(Decide, WhatCameUnderALeaseThatIsOverIsFencedAndNotLookedAt) {
+  known_.leases["c"] = 5;
+  const auto under = [this](const char* client_id, Epoch epoch) {
+    CommitRecord record = Note(1);
+    record.origin = OriginOf(model::MessageSource::kCyberwave, "t",
+                             std::make_shared<const TopicHold>(TopicHold{client_id, epoch}));
+    return record;
+  };
+  EXPECT_EQ(Kind(under("c", 4)), OutcomeKind::kFenced);
+  EXPECT_EQ(Kind(under("c", 6)), OutcomeKind::kFenced);
+  EXPECT_EQ(Kind(under("nobody", 5)), OutcomeKind::kFenced);
+  EXPECT_THAT(known_.asked, IsEmpty());
+  EXPECT_EQ(Kind(under("c", 5)), OutcomeKind::kStored);
+  EXPECT_FALSE(*decider_.Takes(Deliveries{under("c", 4).origin->hold}));
+  EXPECT_FALSE(*decider_.Takes(Deliveries{}));
+  EXPECT_TRUE(*decider_.Takes(Deliveries{under("c", 5).origin->hold}));
+  known_.failure = absl::UnavailableError("away");
+  EXPECT_EQ(decider_.Look(under("c", 5)).status(), known_.failure);
+  EXPECT_EQ(decider_.Takes(Deliveries{under("c", 5).origin->hold}).status(), known_.failure);
+}
 
 class DecideBound : public Decide, public ::testing::WithParamInterface<Bounded> {
  protected:

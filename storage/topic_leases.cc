@@ -1,0 +1,52 @@
+#include "storage/topic_leases.h"
+
+#include <algorithm>
+
+namespace uplink::storage {
+namespace {
+
+bool SharesPrefix(const TopicLease& lease, const TakeRequest& request) {
+  return std::ranges::any_of(lease.prefixes, [&](const std::string& prefix) {
+    return std::ranges::find(request.prefixes, prefix) != request.prefixes.end();
+  });
+}
+
+absl::Status Bad(const std::string& text) { return absl::InvalidArgumentError(text); }
+
+}  // namespace
+
+absl::Status CheckRequest(const TakeRequest& request) {
+  if (request.client_id.empty() || request.client_id.size() > kClientIdBytesMax) {
+    return Bad("client_id has " + std::to_string(request.client_id.size()) +
+               " bytes, outside 1 to " + std::to_string(kClientIdBytesMax));
+  }
+  if (request.prefixes.empty() || request.prefixes.size() > kLeasePrefixesMax) {
+    return Bad("prefixes has " + std::to_string(request.prefixes.size()) + " items, outside 1 to " +
+               std::to_string(kLeasePrefixesMax));
+  }
+  std::vector<std::string> sorted = request.prefixes;
+  std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  if (twice != sorted.end()) return Bad("prefixes names \"" + *twice + "\" twice");
+  if (request.deliveries_max < 1 || request.deliveries_max > kDeliveriesMax) {
+    return Bad("deliveries_max is " + std::to_string(request.deliveries_max) + ", outside 1 to " +
+               std::to_string(kDeliveriesMax));
+  }
+  return absl::OkStatus();
+}
+
+bool IsInTheWay(
+    const TopicLease& lease, const TakeRequest& request, const ProcessId& self,
+    const std::function<bool(const ProcessId& process, std::uint64_t counter)>& renewed_since) {
+  if (lease.client_id != request.client_id && !SharesPrefix(lease, request)) return false;
+  if (lease.released || lease.holder == self) return false;
+  return std::ranges::none_of(request.over, [&](const OverHolder& over) {
+    return over.process == lease.holder && !renewed_since(over.process, over.lease_counter);
+  });
+}
+
+bool EndsWith(const TopicLease& lease, const TakeRequest& request) {
+  return lease.client_id != request.client_id && SharesPrefix(lease, request);
+}
+
+}  // namespace uplink::storage

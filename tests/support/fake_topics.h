@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "storage/topic_leases.h"
+
+namespace uplink::testing {
+
+/// The leases of topics, and what is remembered of deliveries, of a FakeDatabase. Confined to its
+/// lock.
+class FakeTopics final {
+ public:
+  using RenewedSince = std::function<bool(const storage::ProcessId&, std::uint64_t)>;
+  using DrawEpoch = std::function<storage::Epoch()>;
+
+  std::optional<storage::Epoch> Take(const storage::TakeRequest& request,
+                                     const storage::ProcessId& process,
+                                     const RenewedSince& renewed_since, const DrawEpoch& draw);
+  void Release(std::string_view client_id, const storage::ProcessId& process);
+  [[nodiscard]] std::vector<storage::TopicLease> Read() const;
+  [[nodiscard]] storage::DeliveryMemory MemoryOf(std::string_view client_id) const;
+
+  /// The lease is that of the client id still; so is none.
+  [[nodiscard]] bool Stands(const storage::TopicHoldRef& hold) const;
+  /// Remembers what a commit says, if its lease stands.
+  void Write(const storage::Deliveries& deliveries);
+
+ private:
+  struct Client {
+    storage::TopicLease lease;
+    std::map<std::uint64_t, storage::Delivery> deliveries;
+    std::uint64_t forget_below = 0;
+  };
+  void DropOldClients();
+
+  std::map<std::string, Client, std::less<>> clients_;
+};
+
+}  // namespace uplink::testing
