@@ -120,6 +120,8 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
      "Snapshots that were begun."},
     {kForwardSnapshotItems, "uplinkd_forward_snapshot_items_total", kCounter, "items",
      "Items that were written in snapshots."},
+    {kForwardSnapshotsOpen, "uplinkd_forward_snapshots_open", kGauge, "streams",
+     "Streams whose snapshot is not over, or did not begin."},
     {kForwardOverflows, "uplinkd_forward_overflows_total", kCounter, "times",
      "Times that more than 1,024 items waited for a stream: it gets a new snapshot instead."},
     {kForwardReceivers, "uplinkd_forward_receivers", kGauge, "streams",

@@ -69,6 +69,7 @@ enum class MetricId : std::uint8_t {
   kForwardsWaiting,
   kForwardSnapshots,
   kForwardSnapshotItems,
+  kForwardSnapshotsOpen,
   kForwardOverflows,
   kForwardReceivers,
   kForwardItems,

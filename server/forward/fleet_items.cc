@@ -197,7 +197,10 @@ void FleetItems::Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>&
 FleetItems::Sum FleetItems::sum() const {
   const std::lock_guard lock(mutex_);
   Sum sum{.counts = counts_, .items = items_.size(), .receivers = receivers_.size()};
-  for (const Receiver* receiver : receivers_) sum.waiting += receiver->waiting.size();
+  for (const Receiver* receiver : receivers_) {
+    sum.waiting += receiver->waiting.size();
+    if (receiver->state != Receiver::State::kFollows) ++sum.snapshots_open;
+  }
   return sum;
 }
 

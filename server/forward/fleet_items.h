@@ -99,6 +99,8 @@ class FleetItems final {
     std::uint64_t waiting = 0;
     std::size_t items = 0;
     std::size_t receivers = 0;
+    /// Receivers whose snapshot is not over, or did not begin.
+    std::size_t snapshots_open = 0;
   };
   [[nodiscard]] Sum sum() const;
   /// Receivers that fell so far behind, since the last call, that they get a new snapshot, each

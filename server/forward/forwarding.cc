@@ -26,6 +26,7 @@ void Forwarding::AddSamples(metrics::Exposition& page) const {
   page.Add(kForwardsWaiting, number(sum.waiting));
   page.Add(kForwardSnapshots, number(sum.counts.snapshots));
   page.Add(kForwardSnapshotItems, number(sum.counts.snapshot_items));
+  page.Add(kForwardSnapshotsOpen, number(sum.snapshots_open));
   page.Add(kForwardOverflows, number(sum.counts.overflows));
   page.Add(kForwardReceivers, number(sum.receivers));
   page.Add(kForwardItems, number(sum.items));

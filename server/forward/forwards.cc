@@ -223,6 +223,7 @@ Forwards::Sum Forwards::sum() const {
     sum.waiting += of_fleet.waiting;
     sum.items += of_fleet.items;
     sum.receivers += of_fleet.receivers;
+    sum.snapshots_open += of_fleet.snapshots_open;
   }
   return sum;
 }

@@ -77,7 +77,9 @@ class Forwards final : public session::ForwardSource {
     std::size_t items = 0;
     std::size_t bytes = 0;
     std::size_t receivers = 0;
-    /// Times that an item was left out for lack of room, since all was read.
+    /// Receivers whose snapshot is not over, or did not begin.
+    std::size_t snapshots_open = 0;
+    /// Times that an item was left out for lack of room, since its robot's were read last.
     std::size_t left_out = 0;
     bool whole = false;
   };

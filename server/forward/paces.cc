@@ -66,7 +66,7 @@ void Paces::AddDue(Robot& robot, SteadyTime now, std::vector<ItemKey>& into) con
       kDueAtOnce, [&](std::size_t changes) { return PassesNow(robot, changes, now); });
   if (most == kDueAtOnce.end()) return;
   auto next = robot.last ? robot.waiting.upper_bound(*robot.last) : robot.waiting.begin();
-  const std::size_t count = std::min(*most, robot.waiting.size());
+  const std::size_t count = std::min({*most, robot.waiting.size(), kDueMax - into.size()});
   for (std::size_t i = 0; i < count; ++i, ++next) {
     if (next == robot.waiting.end()) next = robot.waiting.begin();
     into.push_back(*next);

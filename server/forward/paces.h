@@ -32,7 +32,7 @@ class Paces final {
   enum class Turn : std::uint8_t {
     /// A change that was read just now. It waits behind those of its robot that wait already.
     kNew,
-    /// One that TakeDue gave.
+    /// One that Due gave.
     kWaited,
   };
   explicit Paces(const Limits& limits) : limits_(limits) {}

@@ -106,13 +106,17 @@ TEST(Gateway, DoesNotReachIntoAnotherFleet) {
   EXPECT_TRUE(own.ReadThrough(1)) << "its stream was not touched";
 }
 
+/// The store knows the robot, and the server does not yet.
+void NoteInStore(RelayWorld& world, const model::RobotId& robot) {
+  FakeStore before(world.database, storage::ProcessId{2});
+  const storage::OpenRequest known{.robot = std::make_shared<const model::RobotId>(robot),
+                                   .session = SessionOf(1)};
+  ASSERT_TRUE(before.OpenStreams({&known, 1}).ok());
+}
+
 TEST(Gateway, DoesNotReachIntoAnotherFleetThatTheStoreAloneKnows) {
   RelayWorld world;
-  FakeStore before(world.database, storage::ProcessId{2});
-  const storage::OpenRequest known{
-      .robot = std::make_shared<const model::RobotId>(model::RobotId{RuriOf(1), "south"}),
-      .session = SessionOf(1)};
-  ASSERT_TRUE(before.OpenStreams({&known, 1}).ok());
+  NoteInStore(world, {RuriOf(1), "south"});
   ASSERT_EQ(world.fleet.Find(RuriOf(1)), nullptr) << "as after a restart";
   const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
   Relayed neighbour(channel, 2);
@@ -135,11 +139,7 @@ TEST(Gateway, DoesNotReachIntoAnotherFleetThatTheStoreAloneKnows) {
 
 TEST(Gateway, EndsWhenTheStoreComesBackAndKnowsAnotherFleet) {
   RelayWorld world;
-  FakeStore before(world.database, storage::ProcessId{2});
-  const storage::OpenRequest known{
-      .robot = std::make_shared<const model::RobotId>(model::RobotId{RuriOf(1), "south"}),
-      .session = SessionOf(1)};
-  ASSERT_TRUE(before.OpenStreams({&known, 1}).ok());
+  NoteInStore(world, {RuriOf(1), "south"});
   world.store.Block();
   Relayed through(world.Channel(world.authority.Issue(GatewaySpec())), 1);
   ASSERT_EQ(through.Welcomed(), RuriOf(1)) << "the store is away, so that nobody can tell";

@@ -204,6 +204,7 @@ TEST_F(FleetItemsTest, WhatChangesWhileASnapshotIsWalkedComesOnce) {
   const auto a = Join("a");
   auto all = Take(*a);
   ASSERT_THAT(all, SizeIs(1 + kTakenMax));
+  EXPECT_EQ(fleet_.sum().snapshots_open, 1U);
   EXPECT_EQ(all.back(), "old " + name(kTakenMax - 1));
   Put(KeyOf("b", name(0)), "new 0");
   Put(KeyOf("b", name(kTakenMax - 1)), "new at the edge");
@@ -214,6 +215,7 @@ TEST_F(FleetItemsTest, WhatChangesWhileASnapshotIsWalkedComesOnce) {
   EXPECT_EQ(fleet_.sum().counts.replaced, 2U);
   const auto rest = TakeAll(*a);
   ASSERT_THAT(rest, SizeIs(2 * kTakenMax - 1 + 1 + 3));
+  EXPECT_EQ(fleet_.sum().snapshots_open, 0U);
   EXPECT_THAT(std::vector(rest.begin(), rest.begin() + 3),
               ElementsAre("new 0", "new at the edge", "new behind"));
   EXPECT_THAT(std::vector(rest.end() - 2, rest.end()), ElementsAre("end", "gone 1"))

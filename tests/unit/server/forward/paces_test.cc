@@ -142,6 +142,21 @@ TEST_F(PacesTest, OneLookHasABoundAndRobotsTakeTurns) {
   EXPECT_EQ(paces.Due(now_).front(), first.front()) << "they wait until they pass";
 }
 
+TEST_F(PacesTest, TheBoundOfOneLookHoldsForAnyNumberOfItems) {
+  const Paces::Limits wide = {.fan_out = {.rate = 1'000'000, .burst = 1'000'000},
+                              .waiting_max = 100'000};
+  Paces paces(wide);
+  for (const char* robot : {"a", "b", "c", "d", "e"}) {
+    paces.NoteForwarded(robot, 2'000'000, now_);
+    for (std::size_t i = 0; i < kLookedUpMax - 6; ++i) {
+      EXPECT_FALSE(paces.Passes(KeyOf(robot, std::to_string(i)), Turn::kNew, now_));
+    }
+    paces.NoteForwarded(robot, 1, now_);
+  }
+  now_ += seconds(60);
+  EXPECT_THAT(paces.Due(now_), SizeIs(kDueMax));
+}
+
 TEST_F(PacesTest, ARateOfNothingIsNoBound) {
   Paces paces({.fan_out = {}, .waiting_max = 1});
   paces.NoteForwarded("a", 1'000'000'000, now_);

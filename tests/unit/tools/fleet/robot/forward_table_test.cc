@@ -146,9 +146,16 @@ TEST_F(ForwardTableTest, ADeleteWithinASnapshot) {
   ExpectViolation("within a snapshot");
 }
 
-TEST_F(ForwardTableTest, AnItemTwiceInASnapshot) {
-  Snapshot({"a", "a"});
-  ExpectViolation("twice");
+TEST_F(ForwardTableTest, OfAnItemThatStandsTwiceInASnapshotTheLaterCounts) {
+  Snapshot({"a"});
+  const std::uint64_t before = table_.Held().front().second;
+  table_.Take(Mark(v1::FORWARD_KIND_SNAPSHOT_BEGIN));
+  table_.Take(Upsert("a", 1));
+  table_.Take(Upsert("a", 2));
+  table_.Take(Mark(v1::FORWARD_KIND_SNAPSHOT_END));
+  EXPECT_THAT(Ids(), ElementsAre("a@rcan://test/other"));
+  EXPECT_NE(table_.Held().front().second, before);
+  EXPECT_EQ(table_.violations(), 0U) << table_.first_violation();
 }
 
 TEST_F(ForwardTableTest, AnOwnItem) {
