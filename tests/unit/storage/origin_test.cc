@@ -23,7 +23,7 @@ TEST(Origin, ATopicIsKeptFitForAColumn) {
   const std::string longest(kTopicBytesMax, 'x');
   EXPECT_EQ(TopicOf(OriginOf(MessageSource::kCyberwave, longest)), longest);
   EXPECT_EQ(TopicOf(OriginOf(MessageSource::kCyberwave, longest + "y")).size(), kTopicBytesMax);
-  for (const std::string topic :
+  for (const std::string& topic :
        {std::string("a\0b", 3), std::string("\xFF/x"), std::string("\n")}) {
     EXPECT_TRUE(IsCleanUtf8(TopicOf(OriginOf(MessageSource::kCyberwave, topic))));
   }

@@ -56,8 +56,9 @@ TEST_F(PostgresSteps, MessagesOfAnEarlierBuildHaveNoDetail) {
       " '07000000-0000-0000-0000-000000000000', 1, 0, 0, 'hello')");
   MigrateAll();
   EXPECT_EQ(PostgresShell(database_.url())
-                .Read("SELECT tableoid::regclass, message, detail FROM uplinkd.messages"),
-            "uplinkd.messages_20260102|hello|\n");
+                .Read("SELECT c.relname, m.message, m.detail FROM uplinkd.messages AS m"
+                      " JOIN pg_class AS c ON c.oid = m.tableoid"),
+            "messages_20260102|hello|\n");
 }
 
 TEST_F(PostgresSteps, QuarantineOfAnEarlierBuildCameByTheRelay) {
@@ -80,8 +81,9 @@ TEST_F(PostgresSteps, AServerOfALaterBuildMakesTheDaysOfScopeUpdatesToo) {
   server.Run(
       "INSERT INTO uplinkd.scope_updates VALUES ('cyberwave:', '2026-01-02 12:00Z', 1, 'f',"
       " '07000000-0000-0000-0000-000000000000', 1, 0, 0, 'e', 't', '{}')");
-  EXPECT_EQ(server.Read("SELECT tableoid::regclass FROM uplinkd.scope_updates"),
-            "uplinkd.scope_updates_20260102\n");
+  EXPECT_EQ(server.Read("SELECT c.relname FROM uplinkd.scope_updates AS u"
+                        " JOIN pg_class AS c ON c.oid = u.tableoid"),
+            "scope_updates_20260102\n");
   EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('scope_updates', '2026-01-03')"), "1\n");
 }
 
