@@ -139,9 +139,10 @@ void ServerWorld::CommitQuarantine(const std::string& ruri, const model::Rejecti
   Commit(ruri, std::move(records));
 }
 
-void ServerWorld::CommitScopeUpdate(const model::ScopeUpdate& update, const std::string& fleet) {
+void ServerWorld::CommitScopeUpdate(const model::ScopeUpdate& update, const std::string& of_fleet) {
   storage::CommitRecord record = Next(storage::NoRobotOf(""));
-  record.robot = std::make_shared<const model::RobotId>(model::RobotId{record.robot->ruri, fleet});
+  record.robot =
+      std::make_shared<const model::RobotId>(model::RobotId{record.robot->ruri, of_fleet});
   record.content = update;
   std::vector<storage::CommitRecord> records;
   records.push_back(std::move(record));

@@ -47,7 +47,7 @@ class ServerWorld {
   void CommitQuarantine(const std::string& ruri, const model::Rejection& rejection,
                         const std::string& payload, storage::OriginRef origin = nullptr);
   /// Of what stands for no robot, of this fleet.
-  void CommitScopeUpdate(const model::ScopeUpdate& update, const std::string& fleet);
+  void CommitScopeUpdate(const model::ScopeUpdate& update, const std::string& of_fleet);
   void CommitGap(const std::string& ruri, model::Seq first, model::Seq last);
 
   [[nodiscard]] http::Response Get(const std::string& target) const {
