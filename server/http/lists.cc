@@ -43,7 +43,7 @@ std::optional<model::ScopeKind> ReadScope(Parameters& parameters) {
 
 /// In the spelling of the rows; empty: every id.
 std::string ReadUuid(Parameters& parameters, std::string_view name) {
-  const std::string text = parameters.Text(name);
+  std::string text = parameters.Text(name);
   if (text.empty()) return text;
   const auto id = model::cyberwave::Uuid::FromText(text);
   if (id) return id->ToText();

@@ -138,6 +138,29 @@ absl::Status LookUp(OwnConnection& connection, std::span<const ItemKey* const> k
   return absl::OkStatus();
 }
 
+struct KeysByKind {
+  std::vector<const ItemKey*> shapes;
+  std::vector<const ItemKey*> objects;
+
+  std::vector<const ItemKey*>& Of(PresentKind kind) {
+    switch (kind) {
+      case PresentKind::kShape:
+        return shapes;
+      case PresentKind::kObject:
+        return objects;
+      case PresentKind::kFault:
+        break;
+    }
+    CheckFailed(__FILE__, __LINE__, "ItemNumberOf(kind)", "the key of an item");
+  }
+};
+
+KeysByKind ByKind(std::span<const ItemKey> keys) {
+  KeysByKind by_kind;
+  for (const ItemKey& key : keys) by_kind.Of(key.kind).push_back(&key);
+  return by_kind;
+}
+
 }  // namespace
 
 struct PostgresSharedItems::Impl {
@@ -197,22 +220,10 @@ absl::StatusOr<SharedPage> PostgresSharedItems::Page(const std::optional<ItemKey
 }
 
 absl::StatusOr<std::vector<SharedItem>> PostgresSharedItems::Of(std::span<const ItemKey> keys) {
-  std::vector<const ItemKey*> shapes, objects;
-  for (const ItemKey& key : keys) {
-    switch (key.kind) {
-      case PresentKind::kShape:
-        shapes.push_back(&key);
-        break;
-      case PresentKind::kObject:
-        objects.push_back(&key);
-        break;
-      case PresentKind::kFault:
-        UPLINK_CHECK(false, "the key of an item");
-    }
-  }
+  const KeysByKind by_kind = ByKind(keys);
   std::vector<SharedItem> items;
-  absl::Status found = LookUp<PageKind::kShapes>(*impl_->connection, shapes, items);
-  if (found.ok()) found = LookUp<PageKind::kObjects>(*impl_->connection, objects, items);
+  absl::Status found = LookUp<PageKind::kShapes>(*impl_->connection, by_kind.shapes, items);
+  if (found.ok()) found = LookUp<PageKind::kObjects>(*impl_->connection, by_kind.objects, items);
   if (!found.ok()) return found;
   return items;
 }

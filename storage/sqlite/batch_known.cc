@@ -52,7 +52,7 @@ absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Quarantined(
 absl::StatusOr<Epoch> BatchKnown::LeaseEpoch(std::string_view client_id) {
   const auto found = leases_.find(client_id);
   if (found != leases_.end()) return found->second;
-  const absl::StatusOr<Epoch> stored = tables_.topics.LeaseEpoch(client_id);
+  absl::StatusOr<Epoch> stored = tables_.topics.LeaseEpoch(client_id);
   if (stored.ok()) leases_.emplace(client_id, *stored);
   return stored;
 }

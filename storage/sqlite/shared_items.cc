@@ -152,21 +152,22 @@ absl::StatusOr<SharedPage> SqliteSharedItems::Page(const std::optional<ItemKey>&
   return std::move(gathered.page);
 }
 
+absl::Status SqliteSharedItems::AddItem(const ItemKey& key, std::vector<SharedItem>& items) {
+  switch (key.kind) {
+    case PresentKind::kShape:
+      return LookUp<PageKind::kShapes>(*shape_, key, items);
+    case PresentKind::kObject:
+      return LookUp<PageKind::kObjects>(*object_, key, items);
+    case PresentKind::kFault:
+      break;
+  }
+  CheckFailed(__FILE__, __LINE__, "ItemNumberOf(key.kind)", "the key of an item");
+}
+
 absl::StatusOr<std::vector<SharedItem>> SqliteSharedItems::Of(std::span<const ItemKey> keys) {
   std::vector<SharedItem> items;
   for (const ItemKey& key : keys) {
-    absl::Status found;
-    switch (key.kind) {
-      case PresentKind::kShape:
-        found = LookUp<PageKind::kShapes>(*shape_, key, items);
-        break;
-      case PresentKind::kObject:
-        found = LookUp<PageKind::kObjects>(*object_, key, items);
-        break;
-      case PresentKind::kFault:
-        UPLINK_CHECK(false, "the key of an item");
-    }
-    if (!found.ok()) return found;
+    if (absl::Status added = AddItem(key, items); !added.ok()) return added;
   }
   return items;
 }

@@ -33,6 +33,8 @@ class SqliteSharedItems final : public SharedItems {
  private:
   explicit SqliteSharedItems(std::unique_ptr<Database> database);
   absl::Status Prepare();
+  /// Adds the item if it is there.
+  absl::Status AddItem(const ItemKey& key, std::vector<SharedItem>& items);
 
   /// Destroyed in reverse: statements, then their database.
   std::unique_ptr<Database> database_;

@@ -172,7 +172,7 @@ absl::Status SqliteTopicLeases::Trim(const TakeRequest& request) {
 absl::Status SqliteTopicLeases::Release(std::string_view client_id) {
   return InTransaction<bool>([&]() -> absl::StatusOr<bool> {
            Rows rows = release_->Select(client_id, BlobOf(process_));
-           const absl::StatusOr<bool> held = rows.Next();
+           absl::StatusOr<bool> held = rows.Next();
            if (!held.ok() || !*held) return held;
            absl::Status dropped = drop_prefixes_->Run(client_id);
            if (!dropped.ok()) return dropped;

@@ -52,6 +52,18 @@ void LookUp(const FakePresent<Row>& present, const ItemKey& key, std::vector<Sha
   items.push_back({found->second.row});
 }
 
+/// Adds the item if it is there.
+void AddItem(const FakeKinds& kinds, const ItemKey& key, std::vector<SharedItem>& items) {
+  switch (key.kind) {
+    case storage::PresentKind::kShape:
+      return LookUp(kinds.shapes(), key, items);
+    case storage::PresentKind::kObject:
+      return LookUp(kinds.objects(), key, items);
+    case storage::PresentKind::kFault:
+      UPLINK_CHECK(false, "the key of an item");
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<ChangePositions> FakeSharedItems::Positions() {
@@ -102,18 +114,7 @@ absl::StatusOr<std::vector<SharedItem>> FakeSharedItems::Of(std::span<const Item
   if (away_) return Away();
   const std::lock_guard lock(database_.mutex_);
   std::vector<SharedItem> items;
-  for (const ItemKey& key : keys) {
-    switch (key.kind) {
-      case storage::PresentKind::kShape:
-        LookUp(database_.kinds_.shapes(), key, items);
-        break;
-      case storage::PresentKind::kObject:
-        LookUp(database_.kinds_.objects(), key, items);
-        break;
-      case storage::PresentKind::kFault:
-        UPLINK_CHECK(false, "the key of an item");
-    }
-  }
+  for (const ItemKey& key : keys) AddItem(database_.kinds_, key, items);
   return items;
 }
 

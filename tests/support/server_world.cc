@@ -141,12 +141,12 @@ void ServerWorld::CommitQuarantine(const std::string& ruri, const model::Rejecti
 
 void ServerWorld::CommitScopeUpdate(const model::ScopeUpdate& update, const std::string& of_fleet) {
   storage::CommitRecord record = Next(storage::NoRobotOf(""));
-  record.robot =
-      std::make_shared<const model::RobotId>(model::RobotId{record.robot->ruri, of_fleet});
+  const std::string ruri = record.robot->ruri;
+  record.robot = std::make_shared<const model::RobotId>(model::RobotId{ruri, of_fleet});
   record.content = update;
   std::vector<storage::CommitRecord> records;
   records.push_back(std::move(record));
-  Commit(records.front().robot->ruri, std::move(records));
+  Commit(ruri, std::move(records));
 }
 
 void ServerWorld::CommitGap(const std::string& ruri, model::Seq first, model::Seq last) {
