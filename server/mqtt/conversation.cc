@@ -131,6 +131,7 @@ void Conversation::Handle(const mqtt::Publish& message) {
   if (message.dup) probe.dups.Add();
   if (message.retained) probe.retained.Add();
   if (!message.payload) probe.unread.Add();
+  if (message.bad_topic) probe.bad_topics.Add();
   if (message.qos == Qos::kAtMostOnce) {
     return context_.listener.OnMessage({.publish = message});
   }

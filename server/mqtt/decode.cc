@@ -28,6 +28,12 @@ std::optional<Fault> CheckPublishFlags(std::uint8_t first) {
   return std::nullopt;
 }
 
+/// [MQTT-1.5.4-1], [MQTT-3.3.2-1], [MQTT-3.3.2-2]; and an empty one stands for an alias, of which
+/// there are none.
+bool IsTopic(std::string_view text) {
+  return !text.empty() && text.find_first_of("+#") == std::string_view::npos && IsCleanUtf8(text);
+}
+
 /// Properties of an answer, where the version has any; those of a packet that ends before them are
 /// none.
 Decoded<Properties> PropertiesOf(Version version, PacketType type, ByteReader& from) {
@@ -165,36 +171,28 @@ Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening, std::s
   }
   const std::size_t bytes = before + (there - behind.rest().size()) + *properties;
   if (bytes > remaining) return kPast;
-  if (bytes > kHeadBytesMax) {
-    return Fault{EndReason::kTooLarge, "topic and properties of a PUBLISH over 128 KiB"};
-  }
+  if (bytes > kHeadBytesMax) return HeadExtent{before, true, true};
   return HeadExtent{bytes, true};
 }
 
-Decoded<Publish> DecodePublishHead(Version version, const Opening& opening, std::string_view head) {
+Decoded<Publish> DecodePublishHead(Version version, const Opening& opening,
+                                   const HeadExtent& extent, std::string_view head) {
   Publish message{.qos = opening.qos(),
                   .dup = (opening.first & kDupFlag) != 0,
-                  .retained = (opening.first & kRetainFlag) != 0};
+                  .retained = (opening.first & kRetainFlag) != 0,
+                  .head_unread = extent.too_large};
   ByteReader from(head);
   const auto topic = from.Field();
   if (!topic) return kEndsEarly;
-  if (topic->empty()) {
-    // By MQTT 5 an empty topic stands for an alias, and there are none.
-    return Fault{EndReason::kMalformed, "a PUBLISH with an empty topic"};
-  }
-  if (!IsCleanUtf8(*topic)) {  // [MQTT-3.3.2-1], [MQTT-1.5.4-1]
-    return Fault{EndReason::kMalformed, "a topic that is not UTF-8, or holds NUL"};
-  }
-  if (topic->find_first_of("+#") != std::string_view::npos) {  // [MQTT-3.3.2-2]
-    return Fault{EndReason::kMalformed, "a PUBLISH to a topic with a wildcard"};
-  }
   message.topic = *topic;
+  message.bad_topic = !IsTopic(*topic);
   if (message.qos == Qos::kAtLeastOnce) {
     const auto id = from.Number<2>();
     if (!id) return kEndsEarly;
     if (*id == 0) return Fault{EndReason::kMalformed, "a PUBLISH at QoS 1 with packet id 0"};
     message.id = static_cast<PacketId>(*id);
   }
+  if (extent.too_large) return message;
   const auto found = PropertiesOf(version, PacketType::kPublish, from);
   if (const auto* fault = std::get_if<Fault>(&found)) return *fault;
   if (!from.empty()) return kGoesOn;

@@ -31,16 +31,22 @@ struct HeadExtent {
   /// Bytes of the head if `known`, else those that are needed to know more; never past the packet.
   std::size_t bytes = 0;
   bool known = false;
+  /// It is over kHeadBytesMax by its properties: `bytes` ends before these, and nothing behind that
+  /// is to be kept.
+  bool too_large = false;
 };
 /// `begin`: the packet's bytes behind the opening, as far as they are there.
 ///
-/// Errors: kMalformed if it would end past the packet, kTooLarge past kHeadBytesMax.
+/// Errors: kMalformed if it would end past the packet.
 [[nodiscard]] Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening,
                                                std::string_view begin);
 
-/// A PUBLISH from its whole head. The caller sets the payload.
+/// A PUBLISH from its head, of which `extent` is known. The caller sets the payload.
+///
+/// What its publisher chose is no error: a topic may be none (Publish::bad_topic), and a head too
+/// large (Publish::head_unread).
 [[nodiscard]] Decoded<Publish> DecodePublishHead(Version version, const Opening& opening,
-                                                 std::string_view head);
+                                                 const HeadExtent& extent, std::string_view head);
 
 /// Any other packet, whose opening passed CheckOpening, from all that follows it.
 [[nodiscard]] Decoded<Packet> DecodeAnswer(Version version, const Opening& opening,

@@ -25,7 +25,7 @@ enum class EndReason : std::uint8_t {
   kPingLate,          // neither PINGRESP nor anything else came
   kWriteStalled,      // the broker does not take what we write
   kMalformed,         // bytes that MQTT does not have
-  kTooLarge,          // a packet, or a head, over our bounds
+  kTooLarge,          // an answer over our bound
   kUnknownProperty,   // a property that MQTT 5 does not have
   kTopicAlias,        // a topic alias, though we announced none
   kQos2,              // a PUBLISH at QoS 2, for which we never ask

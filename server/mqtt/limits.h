@@ -16,7 +16,8 @@ inline constexpr std::size_t kFieldBytesMax = 65'535;
 // What we take.
 
 /// Bytes of a PUBLISH before its payload: topic, packet id and properties. The topic alone may have
-/// 64 KiB; as much again is left for properties, of which we use at most kCorrelationBytesMax.
+/// 64 KiB; as much again is left for properties, of which we use at most kCorrelationBytesMax. What
+/// has more is read past.
 inline constexpr std::size_t kHeadBytesMax = std::size_t{128} * 1024;
 /// Bytes of any other packet. A SUBACK has a byte for each of kFiltersPerAsk; what is longer is
 /// long by texts that we would not show.

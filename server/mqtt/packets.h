@@ -79,7 +79,10 @@ struct Connack {
 };
 
 struct Publish {
+  /// As it came, if `bad_topic`: its bytes are for nobody's eyes then.
   std::string_view topic;
+  /// It is no topic: empty, not UTF-8, or with NUL or a wildcard. Some brokers pass that on.
+  bool bad_topic = false;
   Qos qos = Qos::kAtMostOnce;
   /// The broker says that it may have sent this before.
   bool dup = false;
@@ -90,9 +93,12 @@ struct Publish {
   std::string_view correlation;
   /// Somebody named a topic to answer on. We note it and never follow it.
   bool has_response_topic = false;
-  /// Nothing if it was over the bound and read past.
+  /// Nothing if it was over the bound and read past, or `head_unread`.
   std::optional<std::string_view> payload;
+  /// If `head_unread`, of all that follows the packet's opening.
   std::size_t payload_bytes = 0;
+  /// Its head was over kHeadBytesMax: all behind the topic and the id was read past.
+  bool head_unread = false;
 };
 
 struct Suback {

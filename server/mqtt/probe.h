@@ -14,16 +14,18 @@ struct ClientProbe {
   metrics::Cell connected;
   /// Connections, and attempts, that ended, by EndReason.
   std::array<metrics::Cell, kEndReasonNames.size()> ended;
-  /// PUBLISHes that were given to the core, by QoS; each of the next four is part of them.
+  /// PUBLISHes that were given to the core, by QoS; each of the next five is part of them.
   std::array<metrics::Cell, 2> messages;
   /// The broker said that it may have sent it before.
   metrics::Cell dups;
   /// This connection had delivered it before, and it was not acked.
   metrics::Cell redelivered;
   metrics::Cell retained;
-  /// The payload was over the bound, and read past.
+  /// The payload or the head was over its bound, and read past.
   metrics::Cell unread;
-  /// Of payloads, those read past included.
+  /// The topic was none.
+  metrics::Cell bad_topics;
+  /// Of payloads, those read past included; of what a too large head belongs to, all.
   metrics::Cell payload_bytes;
   /// PUBACKs that were given to a connection.
   metrics::Cell pubacks;

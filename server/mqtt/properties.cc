@@ -89,49 +89,66 @@ unsigned FlagOf(PacketType packet) {
   return 0;
 }
 
-/// A property's value: a number, or what its field holds.
+/// A property's value: a number, or what its field holds, for a pair behind its name.
 struct Value {
   std::uint32_t number = 0;
   std::string_view field;
+  std::string_view name;
 };
 
-std::optional<Value> NumberIn(std::optional<std::uint32_t> number, std::uint32_t min,
-                              std::uint32_t max) {
-  if (!number || *number < min || *number > max) return std::nullopt;
-  return Value{.number = *number};
+std::optional<Value> NumberIn(std::optional<std::uint32_t> number) {
+  return number ? std::optional(Value{.number = *number}) : std::nullopt;
 }
 
-std::optional<Value> TextIn(ByteReader& from) {
-  const auto text = from.Field();
-  if (!text || !IsCleanUtf8(*text)) return std::nullopt;
-  return Value{.field = *text};
+std::optional<Value> FieldIn(std::optional<std::string_view> field) {
+  return field ? std::optional(Value{.field = *field}) : std::nullopt;
 }
 
+/// What stands there by its form alone; nothing if that ends too early.
 std::optional<Value> ValueIn(Kind kind, ByteReader& from) {
-  constexpr std::uint32_t kAny = 0xFFFF'FFFF;
   switch (kind) {
     case Kind::kSwitch:
-      return NumberIn(from.Number<1>(), 0, 1);
+      return NumberIn(from.Number<1>());
     case Kind::kU16:
-      return NumberIn(from.Number<2>(), 0, kAny);
     case Kind::kU16Some:
-      return NumberIn(from.Number<2>(), 1, kAny);
+      return NumberIn(from.Number<2>());
     case Kind::kU32:
-      return NumberIn(from.Number<4>(), 0, kAny);
     case Kind::kU32Some:
-      return NumberIn(from.Number<4>(), 1, kAny);
+      return NumberIn(from.Number<4>());
     case Kind::kLength:
-      return NumberIn(from.Length(), 1, kAny);
+      return NumberIn(from.Length());
     case Kind::kText:
-      return TextIn(from);
-    case Kind::kBinary: {
-      const auto field = from.Field();
-      return field ? std::optional(Value{.field = *field}) : std::nullopt;
+    case Kind::kBinary:
+      return FieldIn(from.Field());
+    case Kind::kPair: {
+      const auto name = from.Field();
+      auto value = name ? FieldIn(from.Field()) : std::nullopt;
+      if (value) value->name = *name;
+      return value;
     }
-    case Kind::kPair:
-      return TextIn(from) ? TextIn(from) : std::nullopt;
   }
   return std::nullopt;
+}
+
+/// Whether MQTT 5 lets its kind have this value.
+bool IsValid(Kind kind, const Value& value) {
+  switch (kind) {
+    case Kind::kSwitch:
+      return value.number <= 1;
+    case Kind::kU16Some:
+    case Kind::kU32Some:
+    case Kind::kLength:
+      return value.number > 0;
+    case Kind::kText:
+      return IsCleanUtf8(value.field);
+    case Kind::kPair:
+      return IsCleanUtf8(value.name) && IsCleanUtf8(value.field);
+    case Kind::kU16:
+    case Kind::kU32:
+    case Kind::kBinary:
+      return true;
+  }
+  return false;
 }
 
 void Keep(std::uint8_t id, const Value& value, Properties& in) {
@@ -149,6 +166,8 @@ Decoded<Properties> ReadProperties(PacketType packet, ByteReader& from) {
   const auto length = from.Length();
   const auto bytes = length ? from.Bytes(*length) : std::nullopt;
   if (!bytes) return Fault{EndReason::kMalformed, "the properties end past their packet"};
+  // A broker may pass on what a publisher made up, and would deliver it again, for ever.
+  const bool judged = packet != PacketType::kPublish;
   Properties found;
   std::bitset<kIds> seen;
   for (ByteReader rest(*bytes); !rest.empty();) {
@@ -158,18 +177,20 @@ Decoded<Properties> ReadProperties(PacketType packet, ByteReader& from) {
     if (known == std::end(kProperties)) {
       return Fault{EndReason::kUnknownProperty, "a property that MQTT 5 does not have"};
     }
-    if ((known->packets & FlagOf(packet)) == 0) {
+    if (judged && (known->packets & FlagOf(packet)) == 0) {
       return Fault{EndReason::kMalformed, "a property that this packet cannot have"};
     }
     if (*id == kTopicAlias) {
       return Fault{EndReason::kTopicAlias, "a topic alias, though we announced none"};
     }
-    if (seen[*id] && *id != kUserProperty && *id != kSubscriptionId) {
+    if (judged && seen[*id] && *id != kUserProperty && *id != kSubscriptionId) {
       return Fault{EndReason::kMalformed, "a property stands twice"};
     }
     seen.set(*id);
     const auto value = ValueIn(known->kind, rest);
-    if (!value) return Fault{EndReason::kMalformed, "a property without a valid value"};
+    if (!value || (judged && !IsValid(known->kind, *value))) {
+      return Fault{EndReason::kMalformed, "a property without a valid value"};
+    }
     Keep(known->id, *value, found);
   }
   return found;

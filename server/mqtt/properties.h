@@ -21,10 +21,14 @@ struct Properties {
 
 /// Reads the properties of one packet of MQTT 5, its length of them first.
 ///
-/// Each must be one that MQTT 5 has, that this packet may have, once (user properties and
-/// subscription identifiers: any number), with a value of its type that it may take, texts in
-/// UTF-8. Of what we do not use nothing is kept. Errors:  kUnknownProperty, kTopicAlias (we
-/// announced that there are none), else kMalformed. Limits:  those of the packet, which is whole.
+/// Each must be one that MQTT 5 has, so that its length is known. In an answer it must also be one
+/// that this packet may have, once (user properties: any number), with a value that it may take,
+/// texts in UTF-8. Those of a PUBLISH come from its publisher, whom a broker may let say anything:
+/// they are passed over by their lengths and not judged, and of one that stands twice the last
+/// counts. Of what we do not use nothing is kept.
+///
+/// Errors:  kUnknownProperty, kTopicAlias (we announced that there are none), else kMalformed.
+/// Limits:  those of the packet, which is whole.
 /// Thread:  pure; any thread.
 /// Source:  MQTT 5.0, table 2-4.
 [[nodiscard]] Decoded<Properties> ReadProperties(PacketType packet, ByteReader& from);

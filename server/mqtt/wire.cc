@@ -69,7 +69,7 @@ Wire::Step Wire::TakeHead(std::string_view bytes, std::size_t before) {
     const auto& extent = std::get<HeadExtent>(found);
     const std::size_t missing = extent.bytes - std::min(extent.bytes, kept_.size());
     if (missing == 0 && extent.known) {
-      head_bytes_ = extent.bytes;
+      head_ = extent;
       break;
     }
     const std::string_view next = bytes.substr(0, missing);
@@ -78,8 +78,8 @@ Wire::Step Wire::TakeHead(std::string_view bytes, std::size_t before) {
     before += next.size();
     if (next.size() < missing) return {before, More{}};
   }
-  past_bytes_ = opening_.remaining - head_bytes_;
-  part_ = past_bytes_ > payload_bytes_max_ ? Part::kPast : Part::kBody;
+  past_bytes_ = opening_.remaining - kept_.size();
+  part_ = IsWanted(head_) ? Part::kBody : Part::kPast;
   return part_ == Part::kPast ? TakePast(bytes, before) : TakeBody(bytes, before);
 }
 
@@ -94,15 +94,14 @@ Wire::Step Wire::TakePast(std::string_view bytes, std::size_t before) {
   const std::size_t next = std::min(bytes.size(), past_bytes_);
   past_bytes_ -= next;
   if (past_bytes_ > 0) return {before + next, More{}};
-  return WholePublish(kept_, opening_.remaining - head_bytes_, before + next);
+  return WholePublish(kept_, head_, before + next);
 }
 
 Wire::Step Wire::Whole(std::string_view rest, std::size_t taken) {
   if (opening_.is_publish()) {
     const auto found = ExtentOfHead(version_, opening_, rest);
     if (const auto* fault = std::get_if<Fault>(&found)) return Break(*fault, taken);
-    const std::size_t head = std::get<HeadExtent>(found).bytes;
-    return WholePublish(rest, rest.size() - head, taken);
+    return WholePublish(rest, std::get<HeadExtent>(found), taken);
   }
   auto packet = DecodeAnswer(version_, opening_, rest);
   if (const auto* fault = std::get_if<Fault>(&packet)) return Break(*fault, taken);
@@ -111,13 +110,16 @@ Wire::Step Wire::Whole(std::string_view rest, std::size_t taken) {
   return {taken, std::get<Packet>(packet)};
 }
 
-Wire::Step Wire::WholePublish(std::string_view head, std::size_t payload_bytes, std::size_t taken) {
-  const std::size_t head_bytes = opening_.remaining - payload_bytes;
-  auto found = DecodePublishHead(version_, opening_, head.substr(0, head_bytes));
+bool Wire::IsWanted(const HeadExtent& head) const {
+  return !head.too_large && opening_.remaining - head.bytes <= payload_bytes_max_;
+}
+
+Wire::Step Wire::WholePublish(std::string_view rest, const HeadExtent& head, std::size_t taken) {
+  auto found = DecodePublishHead(version_, opening_, head, rest.substr(0, head.bytes));
   if (const auto* fault = std::get_if<Fault>(&found)) return Break(*fault, taken);
   auto& message = std::get<Publish>(found);
-  message.payload_bytes = payload_bytes;
-  if (payload_bytes <= payload_bytes_max_) message.payload = head.substr(head_bytes);
+  message.payload_bytes = opening_.remaining - (head.too_large ? 0 : head.bytes);
+  if (IsWanted(head)) message.payload = rest.substr(head.bytes);
   part_ = Part::kFirst;
   given_ = true;
   return {taken, Packet(message)};

@@ -15,7 +15,8 @@ namespace uplink::mqtt {
 ///
 /// A packet that lies whole in the bytes is read where it lies; of one that does not, the beginning
 /// is kept until the rest comes. A PUBLISH whose payload is over `payload_bytes_max` is read past:
-/// its head is kept, of its payload the size alone.
+/// its head is kept, of its payload the size alone. If its head is over kHeadBytesMax, its topic
+/// and id are kept, and the size of all.
 ///
 /// Errors:  what is found once is found again; a connection that is broken stays so.
 /// Limits:  kHeadBytesMax, kAnswerBytesMax and `payload_bytes_max` bound what is kept.
@@ -51,7 +52,7 @@ class Wire final {
     kLength,  // the digits of its remaining length
     kHead,    // a PUBLISH up to its payload, not whole in the bytes that were given
     kBody,    // up to its end, to be kept until then
-    kPast,    // a payload that is not wanted
+    kPast,    // what is not wanted, behind the head or what is kept of it
     kBroken,
   };
 
@@ -62,8 +63,9 @@ class Wire final {
   Step TakePast(std::string_view bytes, std::size_t before);
   /// The packet is whole; `rest` is all that follows its opening.
   Step Whole(std::string_view rest, std::size_t taken);
-  /// `head` is whole, and the payload `payload_bytes` long, or read past.
-  Step WholePublish(std::string_view head, std::size_t payload_bytes, std::size_t taken);
+  /// `rest` has the whole head, and the payload behind it if that is wanted.
+  Step WholePublish(std::string_view rest, const HeadExtent& head, std::size_t taken);
+  [[nodiscard]] bool IsWanted(const HeadExtent& head) const;
   Step Break(const Fault& fault, std::size_t taken);
 
   const Version version_;
@@ -74,7 +76,7 @@ class Wire final {
   /// The packet before it was given out: `kept_` is of no use any more.
   bool given_ = false;
   std::string kept_;
-  std::size_t head_bytes_ = 0;
+  HeadExtent head_;
   std::size_t past_bytes_ = 0;
   Fault fault_;
 };

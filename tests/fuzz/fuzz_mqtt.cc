@@ -30,9 +30,11 @@ void Add(std::string& text, std::string_view field) {
 void Add(std::string& text, const Packet& packet) {
   text += std::to_string(packet.index()) + ' ';
   if (const auto* message = std::get_if<Publish>(&packet)) {
-    UPLINK_CHECK(!message->topic.empty() && message->topic.size() <= kFieldBytesMax, "a topic");
+    UPLINK_CHECK(message->topic.size() <= kFieldBytesMax, "bounded");
+    UPLINK_CHECK(!message->topic.empty() || message->bad_topic, "a topic, or told that it is none");
     UPLINK_CHECK((message->id != 0) == (message->qos == Qos::kAtLeastOnce), "an id at QoS 1");
-    UPLINK_CHECK(message->payload.has_value() == (message->payload_bytes <= kPayloadMax),
+    const bool wanted = !message->head_unread && message->payload_bytes <= kPayloadMax;
+    UPLINK_CHECK(message->payload.has_value() == wanted,
                  "a payload within the bound, and no other");
     UPLINK_CHECK(!message->payload || message->payload->size() == message->payload_bytes, "whole");
     UPLINK_CHECK(message->correlation.size() <= kCorrelationBytesMax, "bounded");
@@ -41,7 +43,8 @@ void Add(std::string& text, const Packet& packet) {
     Add(text, message->correlation);
     text += std::to_string(message->id) + ' ' + std::to_string(message->payload_bytes) +
             (message->dup ? " dup" : "") + (message->retained ? " retained" : "") +
-            (message->has_response_topic ? " response" : "");
+            (message->has_response_topic ? " response" : "") + (message->bad_topic ? " bad" : "") +
+            (message->head_unread ? " headless" : "");
   } else if (const auto* connack = std::get_if<Connack>(&packet)) {
     Add(text, connack->reason);
     text += std::to_string(connack->code) + (connack->session_present ? " present" : "");

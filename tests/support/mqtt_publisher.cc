@@ -20,6 +20,19 @@ MqttPublisher::MqttPublisher(std::uint16_t port, const std::string& id, const st
   Expect(std::string_view("\x20\2\0\0", 4));
 }
 
+MqttPublisher::MqttPublisher(std::uint16_t port, Mqtt5 /*version*/) : tcp_(port) {
+  Send(MqttPacket(0x10, MqttField("MQTT") + std::string("\5\2\0\0\0", 5) + MqttField("publisher")));
+  ExpectPacket('\x20');
+}
+
+void MqttPublisher::PublishWith(std::string_view properties, std::string_view topic,
+                                std::string_view payload) {
+  ++id_;
+  Send(MqttPacket(
+      0x32, MqttField(topic) + MqttU16(id_) + MqttProperties(properties) + std::string(payload)));
+  Expect(std::string("\x40\2") + MqttU16(id_));
+}
+
 void MqttPublisher::Publish(std::string_view topic, std::string_view payload) {
   ++id_;
   Send(MqttPacket(0x32, MqttField(topic) + MqttU16(id_) + std::string(payload)));
@@ -41,15 +54,28 @@ void MqttPublisher::Send(std::string_view bytes) {
   }
 }
 
+void MqttPublisher::ExpectPacket(char first) {
+  constexpr std::size_t kOpening = 2;
+  ReceiveBytes(kOpening);
+  UPLINK_CHECK(received_[0] == first, "the broker's answer");
+  const std::size_t bytes = kOpening + static_cast<unsigned char>(received_[1]);
+  ReceiveBytes(bytes);
+  received_.erase(0, bytes);
+}
+
 void MqttPublisher::Expect(std::string_view bytes) {
+  ReceiveBytes(bytes.size());
+  UPLINK_CHECK(received_.starts_with(bytes), "the broker's answer");
+  received_.erase(0, bytes.size());
+}
+
+void MqttPublisher::ReceiveBytes(std::size_t count) {
   const SteadyTime deadline = SystemClock{}.Steady() + kPatience;
-  while (received_.size() < bytes.size()) {
+  while (received_.size() < count) {
     UPLINK_CHECK(tcp_.end() == RawTcp::End::kNone, "the broker ended a publisher");
     UPLINK_CHECK(tcp_.Wait(RawTcp::For::kInput, deadline), "the broker answers a publisher");
     received_ += tcp_.Receive();
   }
-  UPLINK_CHECK(received_.starts_with(bytes), "the broker's answer");
-  received_.erase(0, bytes.size());
 }
 
 }  // namespace uplink::testing

@@ -14,6 +14,7 @@
 
 #include "tests/component/mqtt/client_world.h"
 #include "tests/support/certificates.h"
+#include "tests/support/mqtt_bytes.h"
 #include "tests/support/mqtt_publisher.h"
 #include "tests/support/temp_folder.h"
 
@@ -77,6 +78,28 @@ TEST_P(MqttMosquitto, GivesMessagesOfBothKindsAndTheBrokerTakesItsAcks) {
   EXPECT_EQ(client.messages[2].bytes, 800'000U);
   client->Release(*client.messages[0].ack);
   EXPECT_TRUE(UntilLogged("Received PUBACK from core"));
+}
+
+TEST_P(MqttMosquitto, WhatAPublisherMakesUpEndsNothingAndDoesNotComeAgain) {
+  StartBroker();
+  WorldClient client(world_, Settings());
+  ASSERT_TRUE(client.Subscribe(kDurable));
+  MqttPublisher publisher(broker_->port(), MqttPublisher::Mqtt5{});
+  std::string large;
+  for (int i = 0; i < 4; ++i) {
+    large += "\x26" + testing::MqttField("k") + testing::MqttField(std::string(60'000, 'v'));
+  }
+  publisher.PublishWith(testing::Raw("\1\2"), "d/format", "1");  // 0 and 1 are the formats
+  publisher.PublishWith(large, "d/large", "2");
+  publisher.PublishWith({}, "d/good", "3");
+  ASSERT_TRUE(client.UntilMessages(3));
+  const bool mqtt5 = GetParam() == Version::k5;
+  EXPECT_THAT(client.Payloads(), ElementsAre("1", mqtt5 ? "" : "2", "3"));
+  EXPECT_EQ(client.messages[1].topic, "d/large");
+  EXPECT_EQ(client.messages[1].read, !mqtt5) << "3.1.1 has no properties";
+  for (const ClientMessage& each : client.messages) client->Release(*each.ack);
+  EXPECT_TRUE(UntilLogged("Received PUBACK from core (Mid: 3"));
+  EXPECT_THAT(client.ends, SizeIs(0));
 }
 
 TEST_P(MqttMosquitto, WhatIsUnackedComesAgainAfterAKillAndWhatWasAckedDoesNot) {

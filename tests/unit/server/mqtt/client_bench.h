@@ -22,6 +22,7 @@ struct KeptMessage {
   bool dup = false;
   bool again = false;
   bool read = true;
+  bool bad_topic = false;
   std::size_t bytes = 0;
   std::optional<mqtt::AckHandle> ack;
 };
@@ -54,6 +55,7 @@ class ClientBench : public mqtt::ClientListener {
                         .dup = publish.dup,
                         .again = message.again,
                         .read = publish.payload.has_value(),
+                        .bad_topic = publish.bad_topic,
                         .bytes = publish.payload_bytes,
                         .ack = message.ack});
     if (on_message) on_message();

@@ -49,22 +49,6 @@ TEST(MqttClient, SaysWhoItIsAndWhatItWants) {
   EXPECT_EQ(bench.probe.connected.value(), 1);
 }
 
-TEST(MqttClient, AcksWhatIsReleasedAndNothingElse) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("one", 7) + bench.MessageBytes("two", 8));
-  EXPECT_THAT(bench.Payloads(), ElementsAre("one", "two"));
-  EXPECT_EQ(bench.Written(), "");
-  EXPECT_EQ(bench.client->status().unacked, 2U);
-  bench.client->Release(*bench.messages[1].ack);
-  EXPECT_EQ(bench.Written(), "");
-  bench.client->Release(*bench.messages[0].ack);
-  EXPECT_EQ(bench.Written(), EncodePuback(7) + EncodePuback(8));
-  EXPECT_EQ(bench.client->status().unacked, 0U);
-  EXPECT_EQ(bench.probe.pubacks.value(), 2);
-}
-
 TEST(MqttClient, ReadsNoFurtherPastTheWindowUntilThereIsRoom) {
   ClientBench bench;
   bench.client->Start();
@@ -89,55 +73,6 @@ TEST(MqttClient, AFullWindowAloneStopsNothing) {
   bench.link->Bring(bench.MessageBytes("1", 1) + bench.MessageBytes("2", 2));
   EXPECT_TRUE(bench.link->reading) << "a broker that obeys sends no third one, but PINGRESP";
   EXPECT_EQ(bench.probe.window_stops.value(), 0);
-}
-
-TEST(MqttClient, AnAckGoesOnlyToTheConnectionThatDelivered) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("x", 5));
-  const AckHandle stale = *bench.messages[0].ack;
-  bench.link->events()->OnDown({EndReason::kClosed, "closed"});
-  bench.client->Release(stale);
-  bench.Advance(1s);
-  bench.Connect(true);
-  bench.link->Bring(bench.MessageBytes("x", 5, true));
-  bench.client->Release(stale);
-  EXPECT_EQ(bench.Written(), "");
-  EXPECT_EQ(bench.probe.releases_late.value(), 2);
-  bench.client->Release(*bench.messages[1].ack);
-  EXPECT_EQ(bench.Written(), EncodePuback(5));
-}
-
-TEST(MqttClient, ARedeliveryOnTheSameConnectionIsToldAndAckedOnce) {
-  ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("x", 5) + bench.MessageBytes("x", 5, true));
-  ASSERT_THAT(bench.messages, SizeIs(2));
-  EXPECT_FALSE(bench.messages[0].again);
-  EXPECT_TRUE(bench.messages[1].again);
-  EXPECT_TRUE(bench.messages[1].dup);
-  EXPECT_EQ(bench.messages[0].ack, bench.messages[1].ack);
-  bench.client->Release(*bench.messages[0].ack);
-  bench.client->Release(*bench.messages[1].ack);
-  EXPECT_EQ(bench.Written(), EncodePuback(5));
-  EXPECT_EQ(bench.probe.redelivered.value(), 1);
-}
-
-TEST(MqttClient, ReleasesWithinTheCallAreWrittenAfterIt) {
-  ClientBench bench;
-  bench.on_message = [&] { bench.client->Release(*bench.messages.back().ack); };
-  bench.client->Start();
-  bench.Connect();
-  std::string all;
-  std::string acks;
-  for (std::size_t id = 1; id <= 5; ++id) {
-    all += bench.MessageBytes("x", id);
-    acks += EncodePuback(static_cast<PacketId>(id));
-  }
-  bench.link->Bring(all);
-  EXPECT_EQ(bench.Written(), acks);
 }
 
 TEST(MqttClient, StopsReadingWhenTheCoreAsksAlsoOverConnections) {

@@ -95,17 +95,30 @@ std::string MessageWithHead(std::size_t bytes) {
   return PublishBytes{.payload = "p", .properties = properties}.Text();
 }
 
-TEST(MqttWire, AHeadAtItsBoundIsTakenAndOnePastItEndsTheConnection) {
+TEST(MqttWire, AHeadAtItsBoundIsTakenAndOnePastItIsReadPast) {
   for (const std::size_t piece : {std::size_t{1000}, std::size_t{1'000'000}}) {
-    Wire good(Version::k5, 64);
-    EXPECT_TRUE(std::holds_alternative<Publish>(
-        FirstIn(good, MessageWithHead(kHeadBytesMax), piece).found));
-    Wire bad(Version::k5, 64);
-    const First first = FirstIn(bad, MessageWithHead(kHeadBytesMax + 1), piece);
-    ASSERT_TRUE(std::holds_alternative<Fault>(first.found));
-    EXPECT_EQ(std::get<Fault>(first.found).reason, EndReason::kTooLarge);
-    EXPECT_LE(first.kept_max, 16U) << "it is known by its length";
+    Wire wire(Version::k5, 64);
+    const First good = FirstIn(wire, MessageWithHead(kHeadBytesMax), piece);
+    ASSERT_TRUE(std::holds_alternative<Publish>(good.found));
+    EXPECT_EQ(std::get<Publish>(good.found).payload, "p");
+    EXPECT_FALSE(std::get<Publish>(good.found).head_unread);
+    const First large = FirstIn(wire, MessageWithHead(kHeadBytesMax + 1), piece);
+    ASSERT_TRUE(std::holds_alternative<Publish>(large.found));
+    const auto& message = std::get<Publish>(large.found);
+    EXPECT_EQ(message.topic, "t");
+    EXPECT_TRUE(message.head_unread);
+    EXPECT_FALSE(message.payload.has_value());
+    EXPECT_EQ(message.payload_bytes, kHeadBytesMax + 2) << "all of it";
+    EXPECT_LE(large.kept_max, kHeadBytesMax + 1) << "the rest of the first one, and no more";
+    const First next = FirstIn(wire, MessageWithHead(20), piece);
+    ASSERT_TRUE(std::holds_alternative<Publish>(next.found));
+    EXPECT_EQ(std::get<Publish>(next.found).payload, "p");
   }
+}
+
+TEST(MqttWire, OfAHeadThatIsTooLargeNoMoreThanTheTopicIsKept) {
+  Wire wire(Version::k5, 64);
+  EXPECT_LE(FirstIn(wire, MessageWithHead(1'000'000), 1000).kept_max, 16U);
 }
 
 TEST(MqttWire, CorrelationDataPastItsBoundIsLeftOut) {

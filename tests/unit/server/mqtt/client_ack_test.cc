@@ -1,0 +1,114 @@
+// Which messages a client gives to its listener, and which PUBACKs follow.
+#include <chrono>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/mqtt/client.h"
+#include "server/mqtt/encode.h"
+#include "tests/unit/server/mqtt/client_bench.h"
+
+namespace uplink::mqtt {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ClientBench;
+using ::testing::ElementsAre;
+using testing::MqttField;
+using testing::PublishBytes;
+using testing::Raw;
+using ::testing::SizeIs;
+
+TEST(MqttClientAck, AcksWhatIsReleasedAndNothingElse) {
+  ClientBench bench;
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(bench.MessageBytes("one", 7) + bench.MessageBytes("two", 8));
+  EXPECT_THAT(bench.Payloads(), ElementsAre("one", "two"));
+  EXPECT_EQ(bench.Written(), "");
+  EXPECT_EQ(bench.client->status().unacked, 2U);
+  bench.client->Release(*bench.messages[1].ack);
+  EXPECT_EQ(bench.Written(), "");
+  bench.client->Release(*bench.messages[0].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(7) + EncodePuback(8));
+  EXPECT_EQ(bench.client->status().unacked, 0U);
+  EXPECT_EQ(bench.probe.pubacks.value(), 2);
+}
+
+TEST(MqttClientAck, AnAckGoesOnlyToTheConnectionThatDelivered) {
+  ClientBench bench;
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(bench.MessageBytes("x", 5));
+  const AckHandle stale = *bench.messages[0].ack;
+  bench.link->events()->OnDown({EndReason::kClosed, "closed"});
+  bench.client->Release(stale);
+  bench.Advance(1s);
+  bench.Connect(true);
+  bench.link->Bring(bench.MessageBytes("x", 5, true));
+  bench.client->Release(stale);
+  EXPECT_EQ(bench.Written(), "");
+  EXPECT_EQ(bench.probe.releases_late.value(), 2);
+  bench.client->Release(*bench.messages[1].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(5));
+}
+
+TEST(MqttClientAck, ARedeliveryOnTheSameConnectionIsToldAndAckedOnce) {
+  ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(bench.MessageBytes("x", 5) + bench.MessageBytes("x", 5, true));
+  ASSERT_THAT(bench.messages, SizeIs(2));
+  EXPECT_FALSE(bench.messages[0].again);
+  EXPECT_TRUE(bench.messages[1].again);
+  EXPECT_TRUE(bench.messages[1].dup);
+  EXPECT_EQ(bench.messages[0].ack, bench.messages[1].ack);
+  bench.client->Release(*bench.messages[0].ack);
+  bench.client->Release(*bench.messages[1].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(5));
+  EXPECT_EQ(bench.probe.redelivered.value(), 1);
+}
+
+TEST(MqttClientAck, ReleasesWithinTheCallAreWrittenAfterIt) {
+  ClientBench bench;
+  bench.on_message = [&] { bench.client->Release(*bench.messages.back().ack); };
+  bench.client->Start();
+  bench.Connect();
+  std::string all;
+  std::string acks;
+  for (std::size_t id = 1; id <= 5; ++id) {
+    all += bench.MessageBytes("x", id);
+    acks += EncodePuback(static_cast<PacketId>(id));
+  }
+  bench.link->Bring(all);
+  EXPECT_EQ(bench.Written(), acks);
+}
+
+TEST(MqttClientAck, WhatAPublisherMadeUpIsGivenAndAckedAndEndsNothing) {
+  ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
+  bench.client->Start();
+  bench.Connect();
+  std::string large;
+  for (int i = 0; i < 4; ++i) {
+    large += "\x26" + MqttField("k") + MqttField(std::string(60'000, 'v'));
+  }
+  bench.link->Bring(PublishBytes{.payload = "format", .id = 1, .properties = Raw("\1\2")}.Text() +
+                    PublishBytes{.payload = "large", .id = 2, .properties = large}.Text() +
+                    PublishBytes{.topic = "a/\xFF", .payload = "topic", .id = 3}.Text());
+  ASSERT_THAT(bench.messages, SizeIs(3));
+  EXPECT_EQ(bench.messages[0].payload, "format");
+  EXPECT_FALSE(bench.messages[1].read);
+  EXPECT_GT(bench.messages[1].bytes, 240'000U);
+  EXPECT_EQ(bench.messages[1].topic, "t");
+  EXPECT_TRUE(bench.messages[2].bad_topic);
+  EXPECT_EQ(bench.messages[2].topic, "a/\xFF");
+  for (const auto& each : bench.messages) bench.client->Release(*each.ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(1) + EncodePuback(2) + EncodePuback(3));
+  EXPECT_THAT(bench.ends, SizeIs(0));
+  EXPECT_EQ(bench.probe.unread.value(), 1);
+  EXPECT_EQ(bench.probe.bad_topics.value(), 1);
+}
+
+}  // namespace
+}  // namespace uplink::mqtt
