@@ -137,6 +137,7 @@ void Conversation::Handle(const mqtt::Publish& message) {
   }
   const Unacked::Delivery delivery = unacked_.Add(message.id, message.dup);
   if (delivery.again) probe.redelivered.Add();
+  if (!delivery.handle) probe.crossed.Add();
   probe.unacked.Set(static_cast<std::int64_t>(unacked_.size()));
   context_.listener.OnMessage({message, delivery.handle, delivery.again});
 }

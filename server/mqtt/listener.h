@@ -16,9 +16,10 @@ namespace uplink::mqtt {
 /// A PUBLISH, as it came. Its views hold during the call.
 struct Message {
   Publish publish;
-  /// To be released once it is settled; nothing at QoS 0.
+  /// To be released once it is settled; nothing at QoS 0, and if this connection acked it already.
   std::optional<AckHandle> ack;
-  /// This connection delivered it before, and `ack` is the handle of then: one release is enough.
+  /// This connection delivered it before, and `ack`, if there is one, is the handle of then: one
+  /// release is enough.
   bool again = false;
 };
 

@@ -14,12 +14,13 @@ struct ClientProbe {
   metrics::Cell connected;
   /// Connections, and attempts, that ended, by EndReason.
   std::array<metrics::Cell, kEndReasonNames.size()> ended;
-  /// PUBLISHes that were given to the core, by QoS; each of the next five is part of them.
+  /// PUBLISHes that were given to the core, by QoS; each of the next six is part of them.
   std::array<metrics::Cell, 2> messages;
   /// The broker said that it may have sent it before.
   metrics::Cell dups;
-  /// This connection had delivered it before, and it was not acked.
+  /// This connection had delivered it before; and those of them that it had acked too.
   metrics::Cell redelivered;
+  metrics::Cell crossed;
   metrics::Cell retained;
   /// The payload or the head was over its bound, and read past.
   metrics::Cell unread;

@@ -8,13 +8,16 @@ Unacked::Delivery Unacked::Add(PacketId id, bool dup) {
   UPLINK_CHECK(!full(), "a PUBLISH was read past the window");
   const auto known = number_of_.find(id);
   if (known != number_of_.end()) {
-    if (dup) return {{connection_, known->second}, true};
+    if (dup) return {AckHandle{connection_, known->second}, true};
     entries_[known->second - first_].replaced = true;
+  } else if (dup && acked_[id]) {
+    return {std::nullopt, true};
   }
+  acked_.reset(id);
   const std::uint64_t number = first_ + entries_.size();
   entries_.push_back({.id = id});
   number_of_.insert_or_assign(id, number);
-  return {{connection_, number}, false};
+  return {AckHandle{connection_, number}, false};
 }
 
 bool Unacked::Holds(const AckHandle& handle) const {
@@ -30,6 +33,7 @@ std::vector<PacketId> Unacked::Release(const AckHandle& handle) {
     const Entry& entry = entries_.front();
     if (!entry.replaced) {
       due.push_back(entry.id);
+      acked_.set(entry.id);
       number_of_.erase(entry.id);
     }
     entries_.pop_front();

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -30,6 +32,10 @@ struct AckHandle {
 ///   has the handle, and the place in order, of its first delivery, and both together get one
 ///   PUBACK. A second one could reach the broker after the id went to another message, and would
 ///   ack that one before it is stored.
+/// - with DUP, after we acked the id on this connection: the same message again, sent before our
+///   PUBACK came. It gets no second one, for the same reason, and needs none: the first arrives, or
+///   the connection ends. An id that this connection did not ack is another matter: a broker may
+///   deliver with DUP what an earlier connection had.
 /// - without DUP, while the id is unacked: a new message. The broker is done with the older one,
 ///   because a PUBACK of an earlier delivery crossed with a resending, so the older one gets none;
 ///   it keeps its place in order.
@@ -46,7 +52,8 @@ class Unacked final {
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
   struct Delivery {
-    AckHandle handle;
+    /// Nothing if there is nothing to release: this connection acked it.
+    std::optional<AckHandle> handle;
     /// This connection delivered it before.
     bool again = false;
   };
@@ -74,6 +81,9 @@ class Unacked final {
   std::uint64_t first_ = 0;
   /// The numbers of those that are not replaced, by id.
   std::unordered_map<PacketId, std::uint64_t> number_of_;
+  static constexpr std::size_t kIds = std::size_t{1} << 16U;
+  /// Ids that were acked, and did not come without DUP since.
+  std::bitset<kIds> acked_;
 };
 
 }  // namespace uplink::mqtt

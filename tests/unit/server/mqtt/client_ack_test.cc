@@ -70,6 +70,31 @@ TEST(MqttClientAck, ARedeliveryOnTheSameConnectionIsToldAndAckedOnce) {
   EXPECT_EQ(bench.probe.redelivered.value(), 1);
 }
 
+TEST(MqttClientAck, ARedeliveryThatCrossesOurAckIsToldAndNotAckedAgain) {
+  ClientBench bench;
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(bench.MessageBytes("x", 5));
+  bench.client->Release(*bench.messages[0].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(5));
+  bench.link->Bring(bench.MessageBytes("x", 5, true) + bench.MessageBytes("other", 5));
+  ASSERT_THAT(bench.messages, SizeIs(3));
+  EXPECT_TRUE(bench.messages[1].again);
+  EXPECT_FALSE(bench.messages[1].ack);
+  EXPECT_FALSE(bench.messages[2].again);
+  EXPECT_EQ(bench.probe.crossed.value(), 1);
+  EXPECT_EQ(bench.client->status().unacked, 1U);
+  bench.client->Release(*bench.messages[2].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(5));
+  bench.link->events()->OnDown({EndReason::kClosed, "closed"});
+  bench.Advance(1s);
+  bench.Connect(true);
+  bench.link->Bring(bench.MessageBytes("other", 5, true));
+  EXPECT_FALSE(bench.messages[3].again) << "our PUBACK was lost with its connection";
+  bench.client->Release(*bench.messages[3].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(5));
+}
+
 TEST(MqttClientAck, ReleasesWithinTheCallAreWrittenAfterIt) {
   ClientBench bench;
   bench.on_message = [&] { bench.client->Release(*bench.messages.back().ack); };
