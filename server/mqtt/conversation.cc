@@ -38,6 +38,7 @@ Conversation::~Conversation() {
   // Gauges of a connection end with it.
   context_.probe.unacked.Set(0);
   context_.probe.stopped_by_window.Set(0);
+  context_.probe.stopped_by_output.Set(0);
   if (accepted_at_) context_.probe.connected.Set(0);
 }
 
@@ -197,6 +198,7 @@ void Conversation::FollowReading() {
   const bool shut = window_is_shut();
   if (shut && context_.probe.stopped_by_window.value() == 0) context_.probe.window_stops.Add();
   context_.probe.stopped_by_window.Set(shut ? 1 : 0);
+  context_.probe.stopped_by_output.Set(outbox_.full() ? 1 : 0);
   if (reading() == was_reading_) return;
   was_reading_ = reading();
   if (!was_reading_) return keepalive_.StopReading();

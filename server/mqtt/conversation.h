@@ -52,7 +52,9 @@ class Conversation final {
   /// connection ends. Returns how many it took. It is to be called again when reading() is true
   /// again, even with no bytes.
   [[nodiscard]] std::size_t Take(std::string_view bytes);
-  [[nodiscard]] bool reading() const { return !stopped_by_core_ && !window_is_shut(); }
+  [[nodiscard]] bool reading() const {
+    return !stopped_by_core_ && !window_is_shut() && !outbox_.full();
+  }
 
   void StopReading();
   void ReadAgain();

@@ -26,8 +26,8 @@ inline constexpr std::size_t kAnswerBytesMax = std::size_t{128} * 1024;
 inline constexpr std::size_t kCorrelationBytesMax = 1024;
 /// Bytes that are read from a connection at once.
 inline constexpr std::size_t kReadBytes = std::size_t{64} * 1024;
-/// Bytes that wait to be written, past which no further PUBLISH joins them: over a second of a
-/// thousand pongs each second.
+/// Bytes that wait to be written, past which no further PUBLISH joins them and nothing is read:
+/// over a second of a thousand pongs each second.
 inline constexpr std::size_t kQueueBytesMax = std::size_t{256} * 1024;
 /// Bytes of an error's text in a status.
 inline constexpr std::size_t kErrorBytesMax = 256;

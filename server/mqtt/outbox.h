@@ -9,10 +9,11 @@
 namespace uplink::mqtt {
 
 /// Bytes that wait to be written, and how many are being written. What MQTT obliges us to say
-/// always joins them: PUBACKs are bounded by the window, the others by their number. A PUBLISH only
-/// while there is room.
+/// always joins them; a PUBLISH only while there is room.
 ///
-/// Limits:  `bytes_max` for what waits and is being written together, past which no PUBLISH joins.
+/// Limits:  `bytes_max` for what waits and is being written together. Past it no PUBLISH joins, and
+///          whoever has this reads no further (full()): each PUBACK frees a place of the window, so
+///          that alone bounds nothing. PUBACKs of a whole window may still join.
 /// Thread:  confined to its connection's.
 class Outbox final {
  public:
@@ -32,6 +33,7 @@ class Outbox final {
   }
   void Written() { writing_ = 0; }
 
+  [[nodiscard]] bool full() const { return bytes() >= bytes_max_; }
   [[nodiscard]] bool waiting() const { return !waiting_.empty(); }
   [[nodiscard]] bool writing() const { return writing_ > 0; }
   [[nodiscard]] std::size_t bytes() const { return waiting_.size() + writing_; }

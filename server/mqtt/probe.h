@@ -34,10 +34,11 @@ struct ClientProbe {
   metrics::Cell releases_late;
   /// PUBLISHes at QoS 1 that wait for their release.
   metrics::Cell unacked;
-  /// Times that reading stopped because the window was full, and 1 while it does, or while the core
-  /// asked for it.
+  /// Times that reading stopped because the window was full, and 1 while it does, while the broker
+  /// does not take what we write, or while the core asked for it.
   metrics::Cell window_stops;
   metrics::Cell stopped_by_window;
+  metrics::Cell stopped_by_output;
   metrics::Cell stopped_by_core;
   /// PUBLISHes of ours that were given to a connection, and those that were not: nobody was
   /// connected, no room, too large for the broker.

@@ -7,6 +7,7 @@
 
 #include "server/mqtt/client.h"
 #include "server/mqtt/encode.h"
+#include "server/mqtt/limits.h"
 #include "tests/unit/server/mqtt/client_bench.h"
 
 namespace uplink::mqtt {
@@ -108,6 +109,28 @@ TEST(MqttClientAck, ReleasesWithinTheCallAreWrittenAfterIt) {
   }
   bench.link->Bring(all);
   EXPECT_EQ(bench.Written(), acks);
+}
+
+TEST(MqttClientAck, ABrokerThatFloodsAndReadsNothingIsReadNoFurther) {
+  ClientBench bench;
+  bench.on_message = [&] { bench.client->Release(*bench.messages.back().ack); };
+  bench.client->Start();
+  bench.Connect();
+  constexpr int kBatch = 1000;
+  std::string batch;
+  for (std::size_t id = 1; id <= kBatch; ++id) batch += bench.MessageBytes("", id);
+  constexpr std::int64_t kPubackBytes = 4;
+  constexpr std::int64_t kAcksMax = std::int64_t{kQueueBytesMax} / kPubackBytes;
+  for (int i = 0; i <= kAcksMax / kBatch + 1 && bench.link->reading; ++i) bench.link->Bring(batch);
+  EXPECT_FALSE(bench.link->reading);
+  EXPECT_EQ(bench.probe.pubacks.value(), kAcksMax) << "each had to wait";
+  EXPECT_EQ(bench.probe.stopped_by_output.value(), 1);
+  bench.Flush();
+  EXPECT_TRUE(bench.link->reading) << "all was written";
+  EXPECT_GT(bench.probe.pubacks.value(), kAcksMax) << "what had come and was not taken";
+  EXPECT_EQ(bench.probe.stopped_by_output.value(), 0);
+  bench.Advance(kAnswerWait);
+  EXPECT_THAT(bench.ends, SizeIs(0));
 }
 
 TEST(MqttClientAck, WhatAPublisherMadeUpIsGivenAndAckedAndEndsNothing) {
