@@ -128,7 +128,7 @@ ClientStatus Client::status() const {
 
 void Client::Attempt() {
   phase_ = Phase::kOpening;
-  ++connection_;
+  connection_ = parts_.numbers.Next();
   Show(ClientState::kConnecting);
   auto secrets = ReadSecrets(settings_);
   if (!secrets.ok()) {

@@ -12,6 +12,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/mqtt/connection_numbers.h"
 #include "server/mqtt/conversation.h"
 #include "server/mqtt/link.h"
 #include "server/mqtt/listener.h"
@@ -40,6 +41,8 @@ class Client final : private LinkEvents, private ConversationEvents {
     /// Evenly drawn numbers, for the pauses.
     std::function<std::uint64_t()> random;
     MakeLink make_link;
+    /// The same for all clients of the process.
+    ConnectionNumbers& numbers;
   };
   /// Errors: those of CheckSettings.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Client>> Create(ClientSettings settings,
@@ -62,7 +65,7 @@ class Client final : private LinkEvents, private ConversationEvents {
                                         const std::vector<std::string>& gone = {});
 
   /// The message is settled: its PUBACK goes out once those before it have. A handle of an older
-  /// connection, or one that was released, does nothing.
+  /// connection, of another client, or one that was released, does nothing.
   void Release(const AckHandle& handle);
 
   /// Sends a message at QoS 0, not retained. False, and counted, if it was dropped: nobody is

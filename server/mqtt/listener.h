@@ -25,7 +25,7 @@ struct Message {
 
 /// A connection that a broker accepted.
 struct Connected {
-  /// Connections of this client are numbered from 1; those of AckHandle.
+  /// The number that its handles name (ConnectionNumbers).
   std::uint64_t connection = 0;
   bool session_present = false;
   /// There was a kept session, and the broker does not have it any more: what it held for us, and

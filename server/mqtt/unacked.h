@@ -12,10 +12,10 @@
 
 namespace uplink::mqtt {
 
-/// Which delivery of a PUBLISH at QoS 1 is to be acked, and on which connection. A value; means
-/// nothing to anybody but the client that gave it out.
+/// Which delivery of a PUBLISH at QoS 1 is to be acked, and on which connection of this process. A
+/// value; means nothing to anybody but the client that gave it out.
 struct AckHandle {
-  /// Connections of one client are numbered from 1; 0 is none.
+  /// By ConnectionNumbers; 0 is none.
   std::uint64_t connection = 0;
   /// Deliveries of one connection are numbered from 0.
   std::uint64_t number = 0;

@@ -45,7 +45,8 @@ WorldClient::WorldClient(MqttWorld& world, const mqtt::ClientSettings& settings)
                                               [this](mqtt::LinkEvents& events) {
                                                 link_ = world_.MakeLink(events);
                                                 return link_;
-                                              }});
+                                              },
+                                              world_.numbers()});
   UPLINK_CHECK(made.ok(), std::string(made.status().message()));
   client_ = *std::move(made);
 }

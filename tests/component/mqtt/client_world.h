@@ -39,10 +39,12 @@ class MqttWorld final {
   [[nodiscard]] bool Until(const std::function<bool()>& condition,
                            milliseconds patience = kPatience);
   [[nodiscard]] std::shared_ptr<mqtt::Link> MakeLink(mqtt::LinkEvents& events);
+  [[nodiscard]] mqtt::ConnectionNumbers& numbers() { return numbers_; }
 
  private:
   struct Loop;
   std::unique_ptr<Loop> loop_;
+  mqtt::ConnectionNumbers numbers_;
 };
 
 /// Settings of a client of a broker on loopback, without TLS, with short pauses.

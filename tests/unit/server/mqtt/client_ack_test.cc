@@ -55,6 +55,22 @@ TEST(MqttClientAck, AnAckGoesOnlyToTheConnectionThatDelivered) {
   EXPECT_EQ(bench.Written(), EncodePuback(5));
 }
 
+TEST(MqttClientAck, AHandleOfAClientThatIsGoneMeansNothingToTheNext) {
+  ClientBench bench;
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(bench.MessageBytes("x", 5));
+  bench.Renew();
+  bench.client->Start();
+  bench.Connect(true);
+  bench.link->Bring(bench.MessageBytes("y", 6));
+  bench.client->Release(*bench.messages[0].ack);
+  EXPECT_EQ(bench.Written(), "") << "y is not stored";
+  EXPECT_EQ(bench.probe.releases_late.value(), 1);
+  bench.client->Release(*bench.messages[1].ack);
+  EXPECT_EQ(bench.Written(), EncodePuback(6));
+}
+
 TEST(MqttClientAck, ARedeliveryOnTheSameConnectionIsToldAndAckedOnce) {
   ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
   bench.client->Start();

@@ -38,11 +38,18 @@ class ClientBench : public mqtt::ClientListener {
     settings.unacked_max = 2;
     if (change) change(settings);
     version_ = settings.version;
-    auto made = mqtt::Client::Create(settings, {*this, probe, clock, [] { return 0U; },
-                                                [this](mqtt::LinkEvents& events) {
-                                                  link = std::make_shared<FakeLink>(events);
-                                                  return link;
-                                                }});
+    settings_ = settings;
+    Renew();
+  }
+  /// Another client in place of the one that there is.
+  void Renew() {
+    client.reset();
+    auto made = mqtt::Client::Create(settings_, {*this, probe, clock, [] { return 0U; },
+                                                 [this](mqtt::LinkEvents& events) {
+                                                   link = std::make_shared<FakeLink>(events);
+                                                   return link;
+                                                 },
+                                                 numbers_});
     client = *std::move(made);
   }
 
@@ -131,6 +138,8 @@ class ClientBench : public mqtt::ClientListener {
   std::unique_ptr<mqtt::Client> client;
 
  private:
+  mqtt::ConnectionNumbers numbers_;
+  mqtt::ClientSettings settings_;
   mqtt::Version version_ = mqtt::Version::k5;
 };
 
