@@ -147,7 +147,6 @@ void Client::OnPhase(LinkPhase phase) {
 
 void Client::OnUp() {
   phase_ = Phase::kUp;
-  parts_.probe.id_taken.Set(0);
   conversation_ = std::make_unique<Conversation>(
       Conversation::Context{settings_, subscriptions_, *this, parts_.probe, parts_.clock},
       Conversation::Beginning{connection_, std::exchange(password_, {}), had_session_});
@@ -247,6 +246,7 @@ void Client::Arm() {
 }
 
 void Client::OnConnected(const Connected& connected) {
+  parts_.probe.id_taken.Set(0);
   const SystemTime now = parts_.clock.System();
   status_.Change([&](ClientStatus& status) {
     status.connected_since = now;

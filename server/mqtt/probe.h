@@ -51,7 +51,8 @@ struct ClientProbe {
   metrics::Cell filters_lower;
   /// A kept session that we had was gone.
   metrics::Cell sessions_lost;
-  /// Times that another client was taken to use our id, and 1 while we wait for that reason.
+  /// Times that another client was taken to use our id, and 1 from then until a broker
+  /// accepts us, or we stop.
   metrics::Cell ids_taken;
   metrics::Cell id_taken;
 

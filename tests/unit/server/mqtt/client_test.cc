@@ -296,6 +296,10 @@ TEST(MqttClient, AnIdThatAnotherTookIsWaitedOutForAMinute) {
   EXPECT_FALSE(bench.link->opened);
   bench.Advance(1s);
   EXPECT_TRUE(bench.link->opened);
+  bench.Up();
+  EXPECT_EQ(bench.probe.id_taken.value(), 1) << "whether it is free now is the broker's to say";
+  bench.link->Bring(bench.AcceptBytes(true));
+  EXPECT_EQ(bench.probe.id_taken.value(), 0);
 }
 
 TEST(MqttClient, WhatABrokerMustNotSendEndsTheConnectionByItsName) {
