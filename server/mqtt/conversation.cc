@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -116,13 +117,25 @@ void Conversation::Accept(const Connack& connack) {
   const bool lost = context_.settings.kept_session && had_session_ && !connack.session_present;
   context_.subscriptions.Begin(connack.session_present);
   context_.listener.OnConnected({connection_, connack.session_present, lost});
+  TellOfSession(connack, lost);
+  AskOn();
+}
+
+void Conversation::TellOfSession(const Connack& connack, bool lost) {
   if (lost) {
     context_.probe.sessions_lost.Add();
     context_.listener.OnTrouble(
         {Trouble::Kind::kSessionLost,
          "the broker lost the session: what it held for us does not come again"});
   }
-  AskOn();
+  const auto kept = connack.session_expiry_seconds;
+  const auto asked = context_.settings.session_expiry.count();
+  if (!context_.settings.kept_session || !kept || *kept >= asked) return;
+  context_.probe.sessions_short.Add();
+  context_.listener.OnTrouble({Trouble::Kind::kSessionShort,
+                               "the broker keeps the session for " + std::to_string(*kept) +
+                                   " s, and not for the " + std::to_string(asked) +
+                                   " s of mqtt.session_expiry: a longer absence loses messages"});
 }
 
 void Conversation::Handle(const mqtt::Publish& message) {

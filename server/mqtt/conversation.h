@@ -94,6 +94,8 @@ class Conversation final {
   void Handle(const Pingresp& answer);
   void Handle(const Disconnect& farewell);
   void Accept(const Connack& connack);
+  /// Tells what of the session is not as it was asked for.
+  void TellOfSession(const Connack& connack, bool lost);
   /// After an answer: asks on, or tells that all was answered.
   void AskOn();
   /// Reading stopped, or began again.

@@ -58,6 +58,7 @@ Decoded<Packet> DecodeConnack(Version version, std::string_view body) {
   return Connack{.session_present = present,
                  .code = static_cast<std::uint8_t>(*code),
                  .server_keepalive_seconds = properties.server_keepalive_seconds,
+                 .session_expiry_seconds = properties.session_expiry_seconds,
                  .packet_bytes_max = properties.packet_bytes_max,
                  .reason = properties.reason};
 }

@@ -39,6 +39,7 @@ struct Trouble {
     kFilterRefused,
     kLowerQos,
     kSessionLost,
+    kSessionShort,  // the broker keeps it for less time than it was asked to
     kIdTaken,
   };
   Kind kind = Kind::kFilterRefused;

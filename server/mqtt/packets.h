@@ -74,6 +74,8 @@ struct Connack {
   std::uint8_t code = 0;
   // By MQTT 5 alone.
   std::optional<std::uint16_t> server_keepalive_seconds;
+  /// Nothing: as long as was asked for.
+  std::optional<std::uint32_t> session_expiry_seconds;
   std::optional<std::uint32_t> packet_bytes_max;
   std::string_view reason;
 };

@@ -51,6 +51,8 @@ struct ClientProbe {
   metrics::Cell filters_lower;
   /// A kept session that we had was gone.
   metrics::Cell sessions_lost;
+  /// Connections whose session the broker keeps for less time than it was asked to.
+  metrics::Cell sessions_short;
   /// Times that another client was taken to use our id, and 1 from then until a broker
   /// accepts us, or we stop.
   metrics::Cell ids_taken;

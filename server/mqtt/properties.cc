@@ -152,8 +152,10 @@ bool IsValid(Kind kind, const Value& value) {
 }
 
 void Keep(std::uint8_t id, const Value& value, Properties& in) {
-  if (id == kServerKeepalive)
+  if (id == kServerKeepalive) {
     in.server_keepalive_seconds = static_cast<std::uint16_t>(value.number);
+  }
+  if (id == kSessionExpiry) in.session_expiry_seconds = value.number;
   if (id == kMaximumPacketSize) in.packet_bytes_max = value.number;
   if (id == kReasonString) in.reason = value.field;
   if (id == kCorrelationData) in.correlation = value.field;

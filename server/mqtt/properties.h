@@ -12,6 +12,7 @@ namespace uplink::mqtt {
 /// What we use of a packet's properties. Views are into the packet.
 struct Properties {
   std::optional<std::uint16_t> server_keepalive_seconds;
+  std::optional<std::uint32_t> session_expiry_seconds;
   std::optional<std::uint32_t> packet_bytes_max;
   std::string_view reason;
   /// Of any length that fits.

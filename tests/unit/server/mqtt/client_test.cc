@@ -280,6 +280,40 @@ TEST(MqttClient, ASessionThatIsExpectedFromBeforeOurStartMayBeLostToo) {
   EXPECT_TRUE(bench.connections[0].session_lost);
 }
 
+TEST(MqttClient, ASessionThatIsKeptForLessThanAskedIsTrouble) {
+  struct Case {
+    std::string properties;
+    std::size_t troubles = 0;
+  };
+  for (const Case& each : std::vector<Case>{
+           {Raw("\x11\0\0\x0E\x10"), 1},      // 3600
+           {Raw("\x11\0\0\0\0"), 1},          // none at all
+           {Raw("\x11\0\1\x51\x80"), 0},      // 86400, as asked
+           {Raw("\x11\xFF\xFF\xFF\xFF"), 0},  // for ever
+           {"", 0},
+       }) {
+    ClientBench bench;
+    bench.client->Start();
+    bench.Up();
+    bench.link->Bring(MqttPacket(0x20, Raw("\0\0") + MqttProperties(each.properties)));
+    ASSERT_THAT(bench.troubles, SizeIs(each.troubles));
+    EXPECT_EQ(bench.probe.sessions_short.value(), static_cast<std::int64_t>(each.troubles));
+    if (bench.troubles.empty()) continue;
+    EXPECT_EQ(bench.troubles[0].kind, Trouble::Kind::kSessionShort);
+    EXPECT_THAT(bench.troubles[0].text, HasSubstr("86400 s of mqtt.session_expiry"));
+    EXPECT_EQ(bench.client->status().last_error, bench.troubles[0].text);
+  }
+}
+
+TEST(MqttClient, ASessionThatWeDoNotWantMayBeShort) {
+  ClientBench bench([](ClientSettings& settings) { settings.kept_session = false; });
+  bench.client->Start();
+  bench.Up();
+  bench.link->Bring(MqttPacket(0x20, Raw("\0\0") + MqttProperties(Raw("\x11\0\0\0\0"))));
+  EXPECT_THAT(bench.connections, SizeIs(1));
+  EXPECT_THAT(bench.troubles, SizeIs(0));
+}
+
 TEST(MqttClient, AnIdThatAnotherTookIsWaitedOutForAMinute) {
   ClientBench bench;
   bench.client->Start();

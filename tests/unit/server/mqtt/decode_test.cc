@@ -32,6 +32,9 @@ std::string TextOf(const Packet& packet) {
            (connack->server_keepalive_seconds
                 ? " keepalive " + std::to_string(*connack->server_keepalive_seconds)
                 : "") +
+           (connack->session_expiry_seconds
+                ? " expiry " + std::to_string(*connack->session_expiry_seconds)
+                : "") +
            (connack->packet_bytes_max ? " max " + std::to_string(*connack->packet_bytes_max) : "") +
            (connack->reason.empty() ? "" : " '" + std::string(connack->reason) + "'");
   }
@@ -265,7 +268,7 @@ std::vector<Case> BadProperties() {
       Raw("\x11\0\0\0\1\x12\0\1c\x13\0\1\x15\0\1m\x16\0\1\0\x1A\0\1r\x1C\0\1s\x1F\0\1x\x21\0\1"
           "\x22\0\1\x24\1\x25\1\x26\0\1k\0\1v\x27\0\0\1\0\x28\1\x29\1\x2A\0");
   cases.push_back({k5, MqttPacket(0x20, Raw("\0\0") + MqttProperties(all)),
-                   "connack 0 keepalive 1 max 256 'x'\n"});
+                   "connack 0 keepalive 1 expiry 1 max 256 'x'\n"});
   return cases;
 }
 
