@@ -87,9 +87,11 @@ absl::Status Client::SetFilters(const std::vector<Filter>& filters,
   return absl::OkStatus();
 }
 
-void Client::Release(const AckHandle& handle) {
-  if (conversation_ == nullptr) return parts_.probe.releases_late.Add();
-  conversation_->Release(handle);
+void Client::Release(std::span<const AckHandle> handles) {
+  if (conversation_ == nullptr) {
+    return parts_.probe.releases_late.Add(static_cast<std::int64_t>(handles.size()));
+  }
+  for (const AckHandle& each : handles) conversation_->Release(each);
   Settle();
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,7 +67,9 @@ class Client final : private LinkEvents, private ConversationEvents {
 
   /// The message is settled: its PUBACK goes out once those before it have. A handle of an older
   /// connection, of another client, or one that was released, does nothing.
-  void Release(const AckHandle& handle);
+  void Release(const AckHandle& handle) { Release(std::span(&handle, 1)); }
+  /// All of them, whose PUBACKs are one write where they can be.
+  void Release(std::span<const AckHandle> handles);
 
   /// Sends a message at QoS 0, not retained. False, and counted, if it was dropped: nobody is
   /// connected, kQueueBytesMax wait already, or the broker takes no such size.

@@ -1,6 +1,7 @@
 // Which messages a client gives to its listener, and which PUBACKs follow.
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,6 +36,21 @@ TEST(MqttClientAck, AcksWhatIsReleasedAndNothingElse) {
   EXPECT_EQ(bench.Written(), EncodePuback(7) + EncodePuback(8));
   EXPECT_EQ(bench.client->status().unacked, 0U);
   EXPECT_EQ(bench.probe.pubacks.value(), 2);
+}
+
+TEST(MqttClientAck, WhatIsReleasedTogetherIsAckedByOneWrite) {
+  ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(bench.MessageBytes("1", 7) + bench.MessageBytes("2", 8) +
+                    bench.MessageBytes("3", 9));
+  std::vector<AckHandle> handles;
+  for (const auto& each : bench.messages) handles.push_back(*each.ack);
+  bench.client->Release(handles);
+  EXPECT_EQ(bench.link->written, EncodePuback(7) + EncodePuback(8) + EncodePuback(9));
+  bench.link->events()->OnDown({EndReason::kClosed, "closed"});
+  bench.client->Release(handles);
+  EXPECT_EQ(bench.probe.releases_late.value(), 3);
 }
 
 TEST(MqttClientAck, AnAckGoesOnlyToTheConnectionThatDelivered) {
