@@ -98,11 +98,13 @@ std::string MessageWithHead(std::size_t bytes) {
 TEST(MqttWire, AHeadAtItsBoundIsTakenAndOnePastItIsReadPast) {
   for (const std::size_t piece : {std::size_t{1000}, std::size_t{1'000'000}}) {
     Wire wire(Version::k5, 64);
-    const First good = FirstIn(wire, MessageWithHead(kHeadBytesMax), piece);
+    const std::string at_bound = MessageWithHead(kHeadBytesMax);
+    const First good = FirstIn(wire, at_bound, piece);
     ASSERT_TRUE(std::holds_alternative<Publish>(good.found));
     EXPECT_EQ(std::get<Publish>(good.found).payload, "p");
     EXPECT_FALSE(std::get<Publish>(good.found).head_unread);
-    const First large = FirstIn(wire, MessageWithHead(kHeadBytesMax + 1), piece);
+    const std::string past_bound = MessageWithHead(kHeadBytesMax + 1);
+    const First large = FirstIn(wire, past_bound, piece);
     ASSERT_TRUE(std::holds_alternative<Publish>(large.found));
     const auto& message = std::get<Publish>(large.found);
     EXPECT_EQ(message.topic, "t");
@@ -110,7 +112,8 @@ TEST(MqttWire, AHeadAtItsBoundIsTakenAndOnePastItIsReadPast) {
     EXPECT_FALSE(message.payload.has_value());
     EXPECT_EQ(message.payload_bytes, kHeadBytesMax + 2) << "all of it";
     EXPECT_LE(large.kept_max, kHeadBytesMax + 1) << "the rest of the first one, and no more";
-    const First next = FirstIn(wire, MessageWithHead(20), piece);
+    const std::string small = MessageWithHead(20);
+    const First next = FirstIn(wire, small, piece);
     ASSERT_TRUE(std::holds_alternative<Publish>(next.found));
     EXPECT_EQ(std::get<Publish>(next.found).payload, "p");
   }
