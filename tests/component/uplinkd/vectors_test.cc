@@ -78,6 +78,13 @@ class VectorsOverTheWire : public ::testing::Test {
     }
   }
 
+  static bool Shows(const std::string& ruri, const std::string& vector, std::int64_t from) {
+    const auto views = test::ViewsOf(ruri, vector);
+    return std::ranges::all_of(views, [&](const test::VectorView& view) {
+      return test::Difference(view, Get(view.target).body, {from, NowMs()}).empty();
+    });
+  }
+
   struct Server {
     UplinkdFolder folder;
     std::unique_ptr<ServerProcess> process;
@@ -178,7 +185,7 @@ TEST_F(VectorsOverTheWire, WholeNumbersAreExactTo2To53) {
 }
 
 /// After a kill what was checkpointed is there, and after a stop in order all is.
-TEST_F(VectorsOverTheWire, LiveStateIsSeenAtOnceAfterARestart) {
+TEST_F(VectorsOverTheWire, LiveStateIsBackAfterARestart) {
   for (const int signal : {SIGKILL, SIGTERM}) {
     const std::int64_t from = NowMs();
     const auto live = [](const std::string& name) {
@@ -209,15 +216,18 @@ TEST_F(VectorsOverTheWire, LiveStateIsSeenAtOnceAfterARestart) {
     server_->process->Signal(signal);
     ASSERT_TRUE(server_->process->WaitForExit());
     Start();
+    // Adopted by another thread, robots are restored within half a second.
     for (const std::string& name : test::VectorNames()) {
       if (!live(name)) continue;
-      ExpectViews(ruri(name), test::ReadVector(name, ".json"), from);
+      const std::string vector = test::ReadVector(name, ".json");
+      EXPECT_TRUE(Eventually([&] { return Shows(ruri(name), vector, from); })) << ruri(name);
     }
-    const RawAnswer robot = Get("/api/v1/robots/" + std::string("rcan%3A%2F%2Frestart") +
-                                std::to_string(signal) + "%2FmotionTelemetry");
-    EXPECT_THAT(robot.body, HasSubstr(R"("presence":"PRESENCE_UNKNOWN")"));
-    EXPECT_THAT(robot.body, Not(HasSubstr(R"("lastSignOfLifeMs":"0")")));
-    EXPECT_THAT(robot.body, HasSubstr(R"("lastSignOfLifeMs":"1)"));
+    EXPECT_TRUE(Eventually([&] {
+      const RawAnswer robot = Get("/api/v1/robots/" + std::string("rcan%3A%2F%2Frestart") +
+                                  std::to_string(signal) + "%2FmotionTelemetry");
+      return robot.body.find(R"("presence":"PRESENCE_UNKNOWN")") != std::string::npos &&
+             robot.body.find(R"("lastSignOfLifeMs":"1)") != std::string::npos;
+    }));
   }
 }
 
