@@ -73,7 +73,6 @@ SteadyTime::duration Rounds::NextLookIn() {
 
 absl::Status Rounds::Round() {
   woken_streams_ = 0;
-  Expire();
   absl::Status status = Look();
   WakeReceivers();
   Tell(status);
@@ -84,6 +83,8 @@ void Rounds::WakeReceivers() { woken_streams_ += context_.forwards.WakeReceivers
 
 absl::Status Rounds::Look() {
   if (!positions_) {
+    // Ends need no store.
+    Expire();
     if (absl::Status read = ReadAll(); !read.ok()) return read;
   }
   if (absl::Status step = Step(); !step.ok()) return step;
