@@ -207,4 +207,18 @@ Applied TwinState::Apply(Judgement&& judgement, const Arrival& arrival) {
   return std::visit(Taking{*this, parts_, said}, std::move(*body));
 }
 
+void TwinState::DropTables() {
+  std::size_t names = 0;
+  for (std::size_t group = 0; group < kJointGroups; ++group) {
+    names += parts_.joints.Of(static_cast<JointGroup>(group)).size();
+  }
+  keys_evicted_ += names + parts_.metrics.size() + parts_.edges.size() + parts_.reports.size();
+  parts_.joints = {};
+  parts_.metrics = {};
+  parts_.edges = {};
+  parts_.reports = {};
+  parts_.motors.reset();
+  parts_.driver_info.reset();
+}
+
 }  // namespace uplink::cyberwave

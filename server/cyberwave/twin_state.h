@@ -55,6 +55,10 @@ class TwinState final {
   /// As MetricFaults::Restore.
   void RestoreFaults(const std::vector<std::string>& fault_ids) { faults_.Restore(fault_ids); }
 
+  /// Lets go of what is held by keys, and of whole reports: joints, metrics, edges, reports. What
+  /// comes next is held again.
+  void DropTables();
+
   [[nodiscard]] const TwinParts& parts() const { return parts_; }
   [[nodiscard]] const MetricFaults& faults() const { return faults_; }
   /// Keys that had to go because their table was full.

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/cyberwave/judge.h"
+#include "schema/model/cyberwave/uuid.h"
+#include "server/cyberwave/held.h"
+#include "server/cyberwave/twin_state.h"
+
+namespace uplink::cyberwave {
+
+/// One robot of a twin as this process has heard it: its live state, shared by who hears it and who
+/// shows it.
+///
+/// Thread: thread-safe by one mutex, never held across a call out; one thread applies.
+class Twin final {
+ public:
+  Twin(std::string ruri, const model::cyberwave::Uuid& id) : ruri_(std::move(ruri)), state_(id) {}
+
+  [[nodiscard]] const std::string& ruri() const { return ruri_; }
+
+  /// As TwinState::Apply.
+  [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival);
+  /// As MetricFaults::Restore.
+  void RestoreFaults(const std::vector<std::string>& fault_ids);
+  /// As TwinState::DropTables.
+  void DropTables();
+
+  /// What its parts hold in memory, as of the last message.
+  [[nodiscard]] std::size_t bytes() const;
+  /// Calls `look` with the parts as they stand, under the lock: it must be short.
+  template <typename Look>
+  void LookAt(Look look) const {
+    const std::lock_guard lock(mutex_);
+    look(state_.parts());
+  }
+
+ private:
+  const std::string ruri_;
+  mutable std::mutex mutex_;
+  TwinState state_;
+  std::size_t bytes_ = 0;
+};
+
+using TwinPtr = std::shared_ptr<Twin>;
+
+}  // namespace uplink::cyberwave

@@ -1,0 +1,82 @@
+// The robots of twins that this process has heard, and the memory that they hold together.
+#include "server/cyberwave/twins.h"
+
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "server/cyberwave/twin_parts.h"
+#include "tests/unit/server/cyberwave/applying.h"
+
+namespace uplink::cyberwave {
+namespace {
+
+constexpr const char* kT = "11111111-2222-4333-8444-555555555555";
+
+Applied Publish(Twins& twins, Twin& twin, const std::string& tail, const std::string& payload) {
+  return twins.Apply(
+      twin, JudgeMessage(fmt::format("cyberwave/twin/{}/{}", kT, tail), payload, JudgeTerms()), {});
+}
+
+/// A report of about `bytes`.
+std::string Report(const std::string& name, std::size_t bytes) {
+  return fmt::format(R"({{"telemetry_type":"{}","data":{{"text":"{}"}}}})", name,
+                     std::string(bytes, 'x'));
+}
+
+TEST(Twins, AreFoundByTheirRuriUpToTheirNumber) {
+  Twins twins(2);
+  const model::cyberwave::Uuid id;
+  const TwinPtr first = twins.FindOrAdd("a", id);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(twins.FindOrAdd("a", id), first);
+  EXPECT_EQ(twins.Find("a"), first);
+  EXPECT_EQ(twins.Find("b"), nullptr);
+  ASSERT_NE(twins.FindOrAdd("b", id), nullptr);
+  EXPECT_EQ(twins.FindOrAdd("c", id), nullptr) << "one more than there may be";
+  EXPECT_EQ(twins.FindOrAdd("a", id), first) << "who is there stays";
+  twins.Remove("a");
+  EXPECT_NE(twins.FindOrAdd("c", id), nullptr);
+  EXPECT_EQ(twins.size(), 2U);
+}
+
+TEST(Twins, CountTheMemoryThatTheyHold) {
+  Twins twins(2);
+  Twin& twin = *twins.FindOrAdd("a", {});
+  (void)Publish(twins, twin, "telemetry", Report("one", 20'000));
+  EXPECT_GT(twins.bytes(), 20'000U);
+  EXPECT_EQ(twins.bytes(), twin.bytes());
+  twins.Remove("a");
+  EXPECT_EQ(twins.bytes(), 0U);
+}
+
+TEST(Twins, PastTheirMemoryWhoHoldsMuchLosesItsTablesAndNobodyElse) {
+  Twins twins(2, 100'000);
+  Twin& greedy = *twins.FindOrAdd("greedy", {});
+  Twin& modest = *twins.FindOrAdd("modest", {});
+  (void)Publish(twins, greedy, "telemetry", Report("one", 40'000));
+  (void)Publish(twins, modest, "position", R"({"position":{"x":1,"y":2,"z":3}})");
+  EXPECT_EQ(twins.tables_dropped(), 0U);
+  (void)Publish(twins, greedy, "telemetry", Report("two", 60'000));
+  EXPECT_EQ(twins.tables_dropped(), 1U);
+  EXPECT_LT(twins.bytes(), 50'000U);
+  EXPECT_EQ(twins.bytes(), greedy.bytes() + modest.bytes());
+  modest.LookAt([](const TwinParts& parts) { EXPECT_TRUE(parts.position.has_value()); });
+  greedy.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 0U); });
+  (void)Publish(twins, greedy, "telemetry", Report("three", 20'000));
+  greedy.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 1U); });
+}
+
+TEST(Twins, WhoHoldsLittleLosesNothingHoweverMuchTheOthersHold) {
+  Twins twins(2, 50'000);
+  Twin& greedy = *twins.FindOrAdd("greedy", {});
+  Twin& modest = *twins.FindOrAdd("modest", {});
+  (void)Publish(twins, greedy, "telemetry", Report("one", 45'000));
+  (void)Publish(twins, modest, "telemetry", Report("one", 10'000));
+  modest.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 1U); });
+  EXPECT_EQ(twins.tables_dropped(), 0U);
+}
+
+}  // namespace
+}  // namespace uplink::cyberwave
