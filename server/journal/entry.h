@@ -19,6 +19,8 @@ struct Origin {
   std::size_t bytes = 0;
   /// It was part of a commit without an answer, which may have been carried out.
   bool tried = false;
+  /// The robot's next entry comes of the same message: one commit has both.
+  bool continues = false;
 
   /// A fence overtook it: it must not be written.
   [[nodiscard]] bool IsVoid() const { return generation != client->generation(); }

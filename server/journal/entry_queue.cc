@@ -19,10 +19,19 @@ struct EntryQueue::Filling {
     return batch.entries() >= bounds.records_max || bytes >= bounds.bytes_max ||
            passed >= kPassedMax;
   }
-  void Add(Entry entry) {
-    bytes += entry.origin.bytes;
-    if (!oldest || entry.origin.arrived < *oldest) oldest = entry.origin.arrived;
-    batch.Add(std::move(entry));
+  /// The first message of `from`, of which the first entry was admitted: all of it counts as its
+  /// robot's share.
+  void AddMessage(std::deque<Entry>& from) {
+    bool continues = true;
+    for (bool first = true; continues; first = false) {
+      Entry& entry = from.front();
+      if (!first) (void)shares.Admit(entry.origin);
+      continues = entry.origin.continues;
+      bytes += entry.origin.bytes;
+      if (!oldest || entry.origin.arrived < *oldest) oldest = entry.origin.arrived;
+      batch.Add(std::move(entry));
+      from.pop_front();
+    }
   }
 };
 
@@ -48,8 +57,7 @@ void EntryQueue::TakeLagging(Filling& filling, std::size_t records_max, std::siz
     const auto* const robot = line.front().origin.client.get();
     while (!line.empty() && !full() && filling.held.MayCommit(line.front().origin) &&
            filling.shares.Admit(line.front().origin)) {
-      filling.Add(std::move(line.front()));
-      line.pop_front();
+      filling.AddMessage(line);
     }
     if (line.empty()) {
       lagging_.pop_front();
@@ -61,19 +69,27 @@ void EntryQueue::TakeLagging(Filling& filling, std::size_t records_max, std::siz
 }
 
 void EntryQueue::TakeNext(Filling& filling) {
-  Entry& next = queue_.front();
+  const Entry& next = queue_.front();
   if (Line* const line = LineOf(next)) {
-    line->push_back(std::move(next));
-    ++filling.passed;
+    filling.passed += MoveMessage(queue_, *line);
   } else if (filling.shares.Admit(next.origin)) {
-    filling.Add(std::move(next));
+    filling.AddMessage(queue_);
   } else {
     const auto* const robot = next.origin.client.get();
-    lagging_.emplace_back().push_back(std::move(next));
+    filling.passed += MoveMessage(queue_, lagging_.emplace_back());
     lines_.emplace(robot, std::prev(lagging_.end()));
-    ++filling.passed;
   }
-  queue_.pop_front();
+}
+
+std::size_t EntryQueue::MoveMessage(Line& from, Line& line) {
+  std::size_t moved = 0;
+  bool continues = true;
+  for (; continues; ++moved) {
+    continues = from.front().origin.continues;
+    line.push_back(std::move(from.front()));
+    from.pop_front();
+  }
+  return moved;
 }
 
 EntryQueue::Line* EntryQueue::LineOf(const Entry& entry) {

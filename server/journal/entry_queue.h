@@ -28,9 +28,10 @@ struct BatchBounds {
 /// Records and gaps that wait for the writer, each robot's in their order. A robot with more than
 /// its share of a batch lags: its entries wait in a line of their own, and others pass them. Half
 /// of a batch is the lines', one after the other, and half the others'; what one half leaves is the
-/// other's.
+/// other's. What comes of one message (Origin::continues) stays together.
 ///
-/// Limits: the journal's, kept by those who append; kPassedMax entries change lines per batch.
+/// Limits: the journal's, kept by those who append; kPassedMax entries change lines per batch, and
+///         the rest of a message.
 /// Thread: confined to its owner's lock.
 class EntryQueue final {
  public:
@@ -55,6 +56,8 @@ class EntryQueue final {
   /// Until the batch holds so much.
   void TakeLagging(Filling& filling, std::size_t records_max, std::size_t bytes_max);
   void TakeNext(Filling& filling);
+  /// Moves the first message of `from` to the end of `line`. Returns how many entries that were.
+  static std::size_t MoveMessage(Line& from, Line& line);
   [[nodiscard]] Line* LineOf(const Entry& entry);
 
   std::deque<Entry> queue_;

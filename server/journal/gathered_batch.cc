@@ -37,6 +37,8 @@ std::vector<Origin> DropVoidFrom(std::vector<Item>& items, std::vector<Origin>& 
 template <class Item>
 void MoveRest(std::vector<Item>& items, std::vector<Origin>& origins, std::size_t keep,
               std::vector<Entry>& rest) {
+  // What comes of one message stays together.
+  while (keep > 0 && keep < origins.size() && origins[keep - 1].continues) ++keep;
   if (origins.size() <= keep) return;
   for (std::size_t i = keep; i < origins.size(); ++i) {
     rest.push_back({.origin = std::move(origins[i]), .item = std::move(items[i])});

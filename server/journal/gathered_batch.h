@@ -56,7 +56,8 @@ class GatheredBatch final {
     std::vector<Entry> entries;
     std::vector<storage::PresenceItem> presence;
   };
-  /// Takes out what lies behind the first `keep` records, gaps and changes of presence.
+  /// Takes out what lies behind the first `keep` records, gaps and changes of presence, and behind
+  /// the rest of the message to which the last of them belongs.
   [[nodiscard]] Rest TakeRest(std::size_t keep);
   void ClearPresence() { batch_.presence.clear(); }
   void ClearEntries();

@@ -22,6 +22,25 @@ void Inbox::Append(robot::CommitClient& client, std::uint64_t generation,
         .item = std::move(record)});
 }
 
+void Inbox::AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+                          std::vector<storage::CommitRecord> records, SteadyTime arrived) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const std::size_t bytes = CostOf(records[i]);
+      records_.fetch_add(1);
+      bytes_.fetch_add(bytes);
+      queue_.Push({.origin = {.client = &client,
+                              .generation = generation,
+                              .arrived = arrived,
+                              .bytes = bytes,
+                              .continues = i + 1 < records.size()},
+                   .item = std::move(records[i])});
+    }
+  }
+  work_.notify_one();
+}
+
 void Inbox::AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap) {
   Push({.origin = {.client = &client,
                    .generation = generation,

@@ -45,6 +45,8 @@ class Inbox final {
   void Open(OpenEntry entry);
   void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
               SteadyTime arrived);
+  void AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+                     std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
   void Adopt(AdoptEntry entry);

@@ -38,6 +38,11 @@ void Journal::Append(robot::CommitClient& client, std::uint64_t generation,
   inbox_.Append(client, generation, std::move(record), arrived);
 }
 
+void Journal::AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+                            std::vector<storage::CommitRecord> records, SteadyTime arrived) {
+  inbox_.AppendMessage(client, generation, std::move(records), arrived);
+}
+
 void Journal::AppendGap(robot::CommitClient& client, std::uint64_t generation,
                         storage::GapItem gap) {
   inbox_.AppendGap(client, generation, std::move(gap));

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -55,6 +56,9 @@ class Journal final {
   /// its way here must not be written, since the cursor would pass those that the fence dropped.
   void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
               SteadyTime arrived);
+  /// As Append, of all that one message is, in order of the numbers: one commit has all of it.
+  void AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+                     std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
 
   /// A robot's presence changed: a record of the server's own, dropped if this process does not
