@@ -105,6 +105,7 @@ GatheredBatch::Rest GatheredBatch::TakeRest(std::size_t keep) {
 void GatheredBatch::ClearEntries() {
   batch_.records.clear();
   batch_.gaps.clear();
+  batch_.deliveries.clear();
   origins_.clear();
   gap_origins_.clear();
 }

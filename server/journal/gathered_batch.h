@@ -24,8 +24,13 @@ class GatheredBatch final {
   void Add(Entry entry);
   void SetPresence(std::vector<storage::PresenceItem> items) { batch_.presence = std::move(items); }
 
+  void SetDeliveries(std::vector<storage::Deliveries> deliveries) {
+    batch_.deliveries = std::move(deliveries);
+  }
+
   [[nodiscard]] bool empty() const {
-    return origins_.empty() && gap_origins_.empty() && batch_.presence.empty();
+    return origins_.empty() && gap_origins_.empty() && batch_.presence.empty() &&
+           batch_.deliveries.empty();
   }
   /// Records and gaps.
   [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
@@ -60,6 +65,7 @@ class GatheredBatch final {
   /// the rest of the message to which the last of them belongs.
   [[nodiscard]] Rest TakeRest(std::size_t keep);
   void ClearPresence() { batch_.presence.clear(); }
+  /// What is remembered of deliveries goes too.
   void ClearEntries();
 
  private:

@@ -1,6 +1,7 @@
 #include "server/journal/inbox.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "server/robot/limits.h"
@@ -55,6 +56,24 @@ void Inbox::Push(Entry entry) {
     records_.fetch_add(1);
     bytes_.fetch_add(entry.origin.bytes);
     queue_.Push(std::move(entry));
+  }
+  work_.notify_one();
+}
+
+void Inbox::Remember(storage::Deliveries deliveries) {
+  {
+    const std::lock_guard lock(mutex_);
+    // One lease at a time: what came under an older one is fenced.
+    std::erase_if(deliveries_, [&](const auto& each) { return each.hold != deliveries.hold; });
+    if (deliveries_.empty()) {
+      deliveries_.push_back(std::move(deliveries));
+    } else {
+      std::vector<storage::Delivery>& rows = deliveries_.front().rows;
+      rows.insert(rows.end(), deliveries.rows.begin(), deliveries.rows.end());
+      if (std::ssize(rows) > kDeliveriesWaitingMax) {
+        rows.erase(rows.begin(), rows.end() - kDeliveriesWaitingMax);
+      }
+    }
   }
   work_.notify_one();
 }

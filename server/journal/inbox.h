@@ -48,6 +48,7 @@ class Inbox final {
   void AppendMessage(robot::CommitClient& client, std::uint64_t generation,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
+  void Remember(storage::Deliveries deliveries);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
   void Adopt(AdoptEntry entry);
   void Lose(LossEntry entry);
@@ -83,6 +84,8 @@ class Inbox final {
   OpenQueue opens_;
   AdoptQueue adopts_;
   PresenceLog presence_;
+  /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.
+  std::vector<storage::Deliveries> deliveries_;
   std::vector<robot::StreamRef> waiting_for_room_;
   /// When the first record of the batch that was taken arrived.
   std::optional<SteadyTime> batch_oldest_;

@@ -60,6 +60,9 @@ class Journal final {
   void AppendMessage(robot::CommitClient& client, std::uint64_t generation,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
+  /// What the store is to remember of deliveries without records, with the next commit. What waits
+  /// of the same lease comes with it.
+  void Remember(storage::Deliveries deliveries);
 
   /// A robot's presence changed: a record of the server's own, dropped if this process does not
   /// hold the robot. It is in no count of this class but idle(), and holds no stream back: at most

@@ -44,6 +44,9 @@ struct JournalLimits {
   bool retains = false;
 };
 
+/// Rows of deliveries without records that wait for a commit; the oldest go.
+inline constexpr std::ptrdiff_t kDeliveriesWaitingMax = 1'024;
+
 /// How often what expired is swept from the store, and how soon again where more is left.
 inline constexpr std::chrono::seconds kSweepInterval{60};
 inline constexpr std::chrono::milliseconds kSweepAgain{100};

@@ -3,9 +3,19 @@
 #include <memory>
 #include <utility>
 
+#include "schema/cyberwave/ruri.h"
 #include "server/robot/mutation.h"
+#include "storage/origin.h"
 
 namespace uplink::robot {
+namespace {
+
+model::MessageSource SourceOf(std::string_view ruri) {
+  return cyberwave::IsTwinRuri(ruri) || storage::IsNoRobot(ruri) ? model::MessageSource::kCyberwave
+                                                                 : model::MessageSource::kUplink;
+}
+
+}  // namespace
 
 Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
              const PresenceChanged& changed)
@@ -13,6 +23,7 @@ Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock
             [this, &changed](Presence presence, SystemTime at) {
               if (changed) changed(this->id(), presence, at);
             }),
+      sessions(SourceOf(id->ruri)),
       clock_(clock),
       ruri_(id->ruri),
       id_(std::move(id)) {}

@@ -40,6 +40,8 @@ class Robot final : public CommitClient {
   /// The same, unless it is in another fleet than `from` by now.
   void MoveFleet(std::string_view from, std::string_view to);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
+  /// By which way its messages come: its RURI says so.
+  [[nodiscard]] model::MessageSource source() const { return sessions.source(); }
 
   // --- Leaving memory ---
 

@@ -243,7 +243,7 @@ StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Le
     }
     if (counts.rejected > 0) CountUnconfirmed();
   }
-  ledger.Publish(counts);
+  Publish(counts, ledger);
   return wake;
 }
 
@@ -263,7 +263,7 @@ StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
     takeover_.Supersede();
     wake = takeover_.current();
   }
-  ledger.Publish(SupersededCounts(waited));
+  Publish(SupersededCounts(waited), ledger);
   return wake;
 }
 
@@ -278,7 +278,7 @@ std::optional<FleetWords::Refused> RobotSessions::OnOtherFleet(std::uint64_t ope
     waited = Void();
     takeover_.Refuse(refused->stream);
   }
-  ledger.Publish(SupersededCounts(waited));
+  Publish(SupersededCounts(waited), ledger);
   return refused;
 }
 

@@ -12,6 +12,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/fleet_words.h"
@@ -66,7 +67,12 @@ struct SessionView {
 /// may call says so.
 class RobotSessions final {
  public:
-  RobotSessions() = default;
+  /// What of a robot of a broker waits and is settled, who reads the broker counts: by messages, of
+  /// which each may be several records.
+  explicit RobotSessions(model::MessageSource source = model::MessageSource::kUplink)
+      : source_(source) {}
+
+  [[nodiscard]] model::MessageSource source() const { return source_; }
 
   // --- Streams (any stream of the robot) ---
 
@@ -236,12 +242,17 @@ class RobotSessions final {
 
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
   [[nodiscard]] const SessionMemory* CurrentSession() const;
+  /// Counts messages of the relay.
+  void Publish(const metrics::UplinkCounts& counts, metrics::Ledger& ledger) const {
+    if (source_ == model::MessageSource::kUplink) ledger.Publish(counts);
+  }
   /// All that waits is void. Returns how much it was. Under the lock.
   std::size_t Void();
   /// Of the current session, after it was given Rejects; also whether some are to be read. Under
   /// the lock.
   void CountUnconfirmed();
 
+  const model::MessageSource source_;
   mutable std::mutex mutex_;
   SessionTable sessions_;
   Reconnects reconnects_;
