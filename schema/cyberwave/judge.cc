@@ -132,8 +132,11 @@ void JudgeObject(Judgement& judgement, PayloadReading& reading, const JudgeTerms
   const Reader unjudged(object, root, none);
   const auto source = SourceTypeOf(unjudged);
   judgement.message_class = ClassOf(judgement.topic, unjudged, source);
+  judgement.may_be_kept = judgement.may_be_kept && MayBeKept(judgement.message_class);
   const bool mark = judgement.topic.kind == TopicKind::kTelemetry && IsMark(unjudged);
-  Violations violations({.durable = judgement.message_class == MessageClass::kDurable});
+  Violations violations(
+      {.durable = judgement.message_class == MessageClass::kDurable,
+       .telling = judgement.may_be_kept ? schema::Telling::kQuoted : schema::Telling::kUnquoted});
   Reader in(object, root, violations);
   judgement.head = ReadHead(in, source, reading.enclosed_seconds);
   Body body = BodyOf(judgement.topic, in, object, terms);
@@ -204,6 +207,7 @@ Outside JudgeOutside(std::string_view topic, std::size_t bytes, const JudgeTerms
   TopicReading reading = ParseTopic(topic, terms.prefixes);
   judgement.topic = std::move(reading.topic);
   judgement.message_class = judgement.topic.message_class;
+  judgement.may_be_kept = MayBeKept(judgement.message_class);
   if (reading.rejection) {
     judgement.verdict = *std::move(reading.rejection);
   } else if (std::optional<Body> body = UnreadBody(judgement.topic, bytes)) {

@@ -37,6 +37,10 @@ struct Judgement {
   std::vector<model::DroppedField> dropped;
   /// Further ones, by reason.
   std::vector<model::UntoldFields> untold;
+  /// Whether the payload may stand in a row of quarantine. Decided by the topic, also if its id is
+  /// not good; false too for what is a command by its own words. Where it is false, the rejection
+  /// and the dropped fields quote nothing of the message, and KeptTopic hides what its topic holds.
+  bool may_be_kept = false;
   /// Times that were taken as unknown because they were absurd.
   std::uint32_t times_unknown = 0;
   /// Control characters in texts of the message, which has U+FFFD in their place.

@@ -91,4 +91,17 @@ TopicReading ParseTopic(std::string_view topic, std::span<const std::string> pre
   return reading;
 }
 
+std::string KeptTopic(std::string_view topic, const Topic& read) {
+  if (read.kind == TopicKind::kOther) return std::string(ToText(read.kind));
+  if (MayBeKept(read.message_class)) return std::string(topic);
+  const std::size_t root_bytes = read.prefix.size() + kRoot.size();
+  std::string_view rest = topic.substr(root_bytes);
+  const std::optional<std::string_view> scope = TakeLevel(rest);
+  const std::optional<std::string_view> id = scope ? TakeLevel(rest) : std::nullopt;
+  if (!id) return std::string(ToText(read.kind));
+  std::string kept(topic.substr(0, root_bytes));
+  kept.append(*scope).append("/").append(Uuid::FromText(*id) ? *id : "?");
+  return kept.append("/").append(rest);
+}
+
 }  // namespace uplink::cyberwave

@@ -48,4 +48,9 @@ struct TopicReading {
 [[nodiscard]] TopicReading ParseTopic(std::string_view topic,
                                       std::span<const std::string> prefixes);
 
+/// The topic as rows and logs may have it, of which `read` is the reading: as it was published; of
+/// what may not be kept (MayBeKept) with a `?` for an id that is no UUID, since nobody knows what
+/// stands there; `other` of a topic that is none of ours. Pure.
+[[nodiscard]] std::string KeptTopic(std::string_view topic, const Topic& read);
+
 }  // namespace uplink::cyberwave

@@ -22,6 +22,23 @@ enum class MessageClass : std::uint8_t {
   kOther,
 };
 
+/// Whether a message of that class may be kept as it came, and quoted: in a row, in a sentence, in
+/// a log. Commands may hold credentials, signalling holds SDP and ICE, and media are what cameras
+/// see. Pure.
+[[nodiscard]] constexpr bool MayBeKept(MessageClass message_class) {
+  switch (message_class) {
+    case MessageClass::kDurable:
+    case MessageClass::kLive:
+    case MessageClass::kPing:
+      return true;
+    case MessageClass::kObserved:
+    case MessageClass::kMedia:
+    case MessageClass::kOther:
+      return false;
+  }
+  return false;
+}
+
 /// The topics that we know.
 enum class TopicKind : std::uint8_t {
   kPosition,

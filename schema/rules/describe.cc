@@ -31,6 +31,12 @@ model::Rejection Violation::Describe() const {
   return {.reason = reason, .field = path->Text(), .detail = std::move(detail)};
 }
 
+model::Rejection Violation::DescribeUnquoted() const {
+  return {.reason = reason,
+          .field = path->Text(Path::Keys::kHidden),
+          .detail = "nothing of it is quoted, since such a message may hold secrets"};
+}
+
 Violation Malformed(std::string_view why) {
   return {.reason = RejectReason::kMalformed,
           .path = &kWhole,

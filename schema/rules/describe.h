@@ -25,6 +25,9 @@ struct Violation {
 
   /// In words; it allocates.
   [[nodiscard]] model::Rejection Describe() const;
+  /// In words that show nothing which the sender wrote, neither values nor keys: of messages that
+  /// may hold secrets.
+  [[nodiscard]] model::Rejection DescribeUnquoted() const;
 };
 
 // One function per violation. `path` is where it was found; without one, the message as a whole.

@@ -4,11 +4,17 @@
 
 namespace uplink::schema {
 
-std::string Path::Text() const {
-  std::string text = above_ == nullptr ? std::string() : above_->Text();
+std::string Path::Text(Keys keys) const {
+  std::string text = above_ == nullptr ? std::string() : above_->Text(keys);
   if (!name_.empty()) {
     if (!text.empty()) text += '.';
-    text += foreign_ ? PrintableUtf8(name_, kKeyBytesMax) : std::string(name_);
+    if (!foreign_) {
+      text += name_;
+    } else if (keys == Keys::kShown) {
+      text += PrintableUtf8(name_, kKeyBytesMax);
+    } else {
+      text += '*';
+    }
   }
   if (index_) {
     text += '[';

@@ -40,8 +40,11 @@ class Path {
   Path Key(std::string_view name) && = delete;
   Path Item(std::size_t index) && = delete;
 
+  /// Whether a text shows keys of the sender's own; where it does not, each is a `*`.
+  enum class Keys : bool { kShown, kHidden };
+
   /// As the surface spells it: `kv[3].key`, `[3].key`.
-  [[nodiscard]] std::string Text() const;
+  [[nodiscard]] std::string Text(Keys keys = Keys::kShown) const;
 
  private:
   const Path* above_ = nullptr;

@@ -34,6 +34,9 @@ class SpareTexts final {
   std::array<std::string, 2> texts_;
 };
 
+/// Whether what is told of violations may quote the message.
+enum class Telling : std::uint8_t { kQuoted, kUnquoted };
+
 /// What was found while one message was judged: the rejection if there is one, the fields dropped,
 /// the counts. Confined to one judgement.
 class Violations final {
@@ -46,6 +49,7 @@ class Violations final {
     /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
     std::size_t extras_items_max = SIZE_MAX;
     TextForm texts = TextForm::kAsSent;
+    Telling telling = Telling::kQuoted;
   };
   explicit Violations(const Terms& terms) : terms_(terms) {}
 
@@ -58,7 +62,7 @@ class Violations final {
   /// A violation that rejects whatever the kind: of structure, or of a live message's own key. The
   /// first one stays.
   void Reject(const Violation& violation) {
-    if (!rejection_) rejection_ = violation.Describe();
+    if (!rejection_) rejection_ = InWords(violation);
   }
 
   /// A violation of content: rejects a durable message, drops the field of a live one. The first
@@ -67,7 +71,7 @@ class Violations final {
     if (terms_.durable) return Reject(violation);
     if (rejection_) return;
     if (dropped_.size() < kToldFieldsMax) {
-      dropped_.push_back(violation.Describe());
+      dropped_.push_back(InWords(violation));
     } else {
       CountUntold(violation.reason);
     }
@@ -104,6 +108,10 @@ class Violations final {
   [[nodiscard]] std::vector<model::UntoldFields> TakeUntold() { return std::move(untold_); }
 
  private:
+  [[nodiscard]] model::Rejection InWords(const Violation& violation) const {
+    return terms_.telling == Telling::kQuoted ? violation.Describe() : violation.DescribeUnquoted();
+  }
+
   void CountUntold(model::RejectReason reason) {
     for (model::UntoldFields& untold : untold_) {
       if (untold.reason != reason) continue;

@@ -133,6 +133,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   UPLINK_CHECK(!judgement.sign_of_life || judgement.message_class == MessageClass::kLive ||
                    judgement.message_class == MessageClass::kDurable,
                "nothing else is a sign of life");
+  UPLINK_CHECK(!judgement.may_be_kept || uplink::cyberwave::MayBeKept(judgement.message_class),
+               "what may hold secrets is not kept");
   UPLINK_CHECK(judgement.message_class != MessageClass::kDurable || judgement.dropped.empty(),
                "a durable message is whole");
   if (judgement.rejection() != nullptr) {
