@@ -2,12 +2,11 @@
 
 #include <string_view>
 
-#include <openssl/bio.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/ssl.h>
 
 #include "server/front/tls_engine.h"
+#include "server/identity/pem.h"
 #include "server/transport/key_files.h"
 
 namespace uplink::front {
@@ -23,52 +22,13 @@ constexpr char kGroups[] = "X25519:P-256:P-384:P-521";
 /// Intermediate certificates between a robot and an authority.
 constexpr int kChainDepthMax = 8;
 
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-struct X509Free {
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
-struct KeyFree {
-  void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
-};
-using Bio = std::unique_ptr<BIO, BioFree>;
-using Certificate = std::unique_ptr<X509, X509Free>;
-
-Bio Reader(std::string_view text) {
-  return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-}
-
-/// The next certificate of a text; null at its end.
-Certificate NextOf(BIO* bio) {
-  char no_phrase[] = "";
-  return Certificate(PEM_read_bio_X509_AUX(bio, nullptr, nullptr, no_phrase));
-}
-
-bool UseChain(SSL_CTX* context, std::string_view text) {
-  const Bio bio = Reader(text);
-  const Certificate leaf = NextOf(bio.get());
-  if (leaf == nullptr || SSL_CTX_use_certificate(context, leaf.get()) != 1) return false;
-  while (const Certificate next = NextOf(bio.get())) {
-    if (SSL_CTX_add1_chain_cert(context, next.get()) != 1) return false;
-  }
-  return true;
-}
-
-bool UseKey(SSL_CTX* context, std::string_view text) {
-  char no_phrase[] = "";
-  const std::unique_ptr<EVP_PKEY, KeyFree> key(
-      PEM_read_bio_PrivateKey(Reader(text).get(), nullptr, nullptr, no_phrase));
-  return key != nullptr && SSL_CTX_use_PrivateKey(context, key.get()) == 1;
-}
-
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
-  const Bio bio = Reader(text);
+  const identity::Bio reader = identity::PemReader(text);
   X509_STORE* store = SSL_CTX_get_cert_store(context);
   // As the gRPC library does: the authority that signs robots may be one that another has signed.
   X509_STORE_set_flags(store, X509_V_FLAG_PARTIAL_CHAIN | X509_V_FLAG_TRUSTED_FIRST);
   int added = 0;
-  while (const Certificate next = NextOf(bio.get())) {
+  while (const identity::Certificate next = identity::NextCertificate(reader.get())) {
     if (X509_STORE_add_cert(store, next.get()) != 1) return false;
     // Tells clients with several certificates which one is asked for.
     if (SSL_CTX_add_client_CA(context, next.get()) != 1) return false;
@@ -120,7 +80,7 @@ absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(const transpo
     ERR_clear_error();
     return absl::InternalError("OpenSSL: none of the suites or groups");
   }
-  if (!UseChain(context, texts.certificate) || !UseKey(context, texts.key) ||
+  if (!identity::UseChain(context, texts.certificate) || !identity::UseKey(context, texts.key) ||
       !TrustAuthorities(context, texts.client_ca)) {
     ERR_clear_error();
     return absl::FailedPreconditionError("OpenSSL does not take certificate, key or authority");

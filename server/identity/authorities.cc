@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include <absl/strings/ascii.h>
 #include <fmt/core.h>
-#include <openssl/bio.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
-#include <openssl/x509.h>
+
+#include "server/identity/pem.h"
 
 namespace uplink::identity {
 namespace {
@@ -24,13 +22,6 @@ constexpr std::string_view kDashes = "-----";
 /// The labels of certificates.
 constexpr std::array<std::string_view, 3> kKinds = {"CERTIFICATE", "X509 CERTIFICATE",
                                                     "TRUSTED CERTIFICATE"};
-
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-struct X509Free {
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
 
 /// What is between the dashes of a line that begins or ends a block.
 std::optional<std::string_view> LabelOf(std::string_view line, std::string_view mark) {
@@ -88,10 +79,7 @@ bool IsBody(std::string_view line) {
 }
 
 bool CanBeRead(std::string_view block) {
-  const std::unique_ptr<BIO, BioFree> bio(
-      BIO_new_mem_buf(block.data(), static_cast<int>(block.size())));
-  const std::unique_ptr<X509, X509Free> certificate(
-      PEM_read_bio_X509_AUX(bio.get(), nullptr, nullptr, nullptr));
+  const Certificate certificate = NextCertificate(PemReader(block).get());
   ERR_clear_error();
   return certificate != nullptr;
 }

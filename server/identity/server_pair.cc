@@ -4,51 +4,32 @@
 #include <cstddef>
 #include <ctime>
 #include <fstream>
-#include <memory>
 
 #include <fmt/core.h>
-#include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
+#include "server/identity/pem.h"
+
 namespace uplink::identity {
 namespace {
-
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-struct X509Free {
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
-struct KeyFree {
-  void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
-};
-using Bio = std::unique_ptr<BIO, BioFree>;
-using Certificate = std::unique_ptr<X509, X509Free>;
-using Key = std::unique_ptr<EVP_PKEY, KeyFree>;
 
 /// Of a file at once.
 constexpr std::size_t kReadBytes = std::size_t{16} * 1024;
 
 absl::Status Unfit(const std::string& text) { return absl::FailedPreconditionError(text); }
 
-Bio Reader(const NamedPem& pem) {
-  return Bio(BIO_new_mem_buf(pem.text.data(), static_cast<int>(pem.text.size())));
-}
-
 absl::StatusOr<Certificate> ParseCertificate(const NamedPem& pem) {
-  Certificate certificate(PEM_read_bio_X509(Reader(pem).get(), nullptr, nullptr, nullptr));
+  Certificate certificate(PEM_read_bio_X509(PemReader(pem.text).get(), nullptr, nullptr, nullptr));
   ERR_clear_error();
   if (certificate == nullptr) return Unfit(fmt::format("{}: holds no PEM certificate", pem.name));
   return certificate;
 }
 
 absl::StatusOr<Key> ParseKey(const NamedPem& pem) {
-  // An empty pass phrase: without one the library would ask the terminal.
-  char no_phrase[] = "";
-  Key key(PEM_read_bio_PrivateKey(Reader(pem).get(), nullptr, nullptr, no_phrase));
+  Key key = ReadKey(pem.text);
   ERR_clear_error();
   if (key == nullptr) {
     return Unfit(fmt::format("{}: holds no PEM private key without a pass phrase", pem.name));

@@ -7,19 +7,17 @@
 #include <absl/status/statusor.h>
 #include <climits>
 #include <fmt/format.h>
-#include <openssl/bio.h>
 #include <openssl/conf.h>
 #include <openssl/crypto.h>
 #include <openssl/err.h>
+
+#include "server/identity/pem.h"
 
 namespace uplink::identity {
 namespace {
 
 struct ConfFree {
   void operator()(CONF* configuration) const { NCONF_free(configuration); }
-};
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
 };
 using Configuration = std::unique_ptr<CONF, ConfFree>;
 
@@ -35,8 +33,7 @@ constexpr char kTickets[] = "NumTickets";
 
 Configuration Parse(std::string_view text) {
   if (text.size() > INT_MAX) return nullptr;
-  const std::unique_ptr<BIO, BioFree> bio(
-      BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  const Bio bio = PemReader(text);
   Configuration configuration(NCONF_new(nullptr));
   long line = 0;  // NOLINT(google-runtime-int): the library's type
   if (bio == nullptr || configuration == nullptr ||

@@ -5,65 +5,25 @@
 #include <arpa/inet.h>
 #include <fmt/core.h>
 #include <netinet/in.h>
-#include <openssl/bio.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
+
+#include "server/identity/pem.h"
 
 namespace uplink::mqtt {
 namespace {
 
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-struct X509Free {
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
-struct KeyFree {
-  void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
-};
-using Bio = std::unique_ptr<BIO, BioFree>;
-using Certificate = std::unique_ptr<X509, X509Free>;
-
-Bio Reader(std::string_view text) {
-  return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-}
-
-/// The next certificate of a text; null at its end.
-Certificate NextOf(BIO* bio) {
-  char no_phrase[] = "";
-  return Certificate(PEM_read_bio_X509_AUX(bio, nullptr, nullptr, no_phrase));
-}
-
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
   if (text.empty()) return SSL_CTX_set_default_verify_paths(context) == 1;
-  const Bio bio = Reader(text);
+  const identity::Bio reader = identity::PemReader(text);
   X509_STORE* store = SSL_CTX_get_cert_store(context);
   int added = 0;
-  while (const Certificate next = NextOf(bio.get())) {
+  while (const identity::Certificate next = identity::NextCertificate(reader.get())) {
     if (X509_STORE_add_cert(store, next.get()) != 1) return false;
     ++added;
   }
   return added > 0;
-}
-
-bool UseChain(SSL_CTX* context, std::string_view text) {
-  const Bio bio = Reader(text);
-  const Certificate leaf = NextOf(bio.get());
-  if (leaf == nullptr || SSL_CTX_use_certificate(context, leaf.get()) != 1) return false;
-  while (const Certificate next = NextOf(bio.get())) {
-    if (SSL_CTX_add1_chain_cert(context, next.get()) != 1) return false;
-  }
-  return true;
-}
-
-bool UseKey(SSL_CTX* context, std::string_view text) {
-  char no_phrase[] = "";
-  const std::unique_ptr<EVP_PKEY, KeyFree> key(
-      PEM_read_bio_PrivateKey(Reader(text).get(), nullptr, nullptr, no_phrase));
-  return key != nullptr && SSL_CTX_use_PrivateKey(context, key.get()) == 1 &&
-         SSL_CTX_check_private_key(context) == 1;
 }
 
 absl::Status Refused(std::string_view key) {
@@ -100,8 +60,11 @@ absl::StatusOr<SslContext> MakeSslContext(const TlsTexts& tls) {
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
   if (!TrustAuthorities(context.get(), tls.ca)) return Refused("ca_file");
   if (!tls.certificate.empty()) {
-    if (!UseChain(context.get(), tls.certificate)) return Refused("certificate_file");
-    if (!UseKey(context.get(), tls.key)) return Refused("key_file");
+    if (!identity::UseChain(context.get(), tls.certificate)) return Refused("certificate_file");
+    if (!identity::UseKey(context.get(), tls.key) ||
+        SSL_CTX_check_private_key(context.get()) != 1) {
+      return Refused("key_file");
+    }
   }
   ERR_clear_error();
   return context;
