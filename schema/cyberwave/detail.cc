@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "schema/base/utf8.h"
+#include "schema/cyberwave/limits.h"
 #include "schema/cyberwave/reader.h"
 #include "schema/rules/describe.h"
 #include "schema/rules/path.h"
@@ -29,11 +30,13 @@ class Cleaner final {
   // The depth is that of the payload, which is bounded.
   // NOLINTNEXTLINE(misc-no-recursion): see above
   void Object(js::object& object, const Path& path) {
+    ++depth_;
     if (!KeysAreClean(object)) CleanKeys(object, path);
     for (auto& member : object) {
       const Path field = path.Key(FromBoost(member.key()));
       if (!Keep(member.value(), field)) member.value() = nullptr;
     }
+    --depth_;
   }
 
  private:
@@ -60,20 +63,38 @@ class Cleaner final {
   }
 
   // NOLINTNEXTLINE(misc-no-recursion): as Object
-  bool Keep(js::value& value, const Path& path) {
-    if (js::object* object = value.if_object()) {
-      Object(*object, path);
-    } else if (js::array* items = value.if_array()) {
-      for (std::size_t i = 0; i < items->size(); ++i) {
-        const Path item = path.Item(i);
-        if (!Keep((*items)[i], item)) (*items)[i] = nullptr;
-      }
-    } else if (js::string* text = value.if_string()) {
-      return KeepText(*text, path);
-    } else if (const double* number = value.if_double()) {
-      return schema::Finite(violations_, path, *number).has_value();
+  void Items(js::array& items, const Path& path) {
+    ++depth_;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const Path item = path.Item(i);
+      if (!Keep(items[i], item)) items[i] = nullptr;
+    }
+    --depth_;
+  }
+
+  // NOLINTNEXTLINE(misc-no-recursion): as Object
+  bool KeepNested(js::value& value, const Path& path) {
+    const bool shown = depth_ < kShownDepthMax;
+    if (!shown && !violations_.durable()) {
+      violations_.Content(schema::TooDeep(path, kShownDepthMax));
+      return false;
+    }
+    if (js::object* object = value.if_object()) Object(*object, path);
+    if (js::array* items = value.if_array()) Items(*items, path);
+    // What lies deeper yet is part of that text.
+    if (depth_ == kShownDepthMax) {
+      const std::string text = js::serialize(value);
+      value = js::string(ToBoost(text), value.storage());
     }
     return true;
+  }
+
+  // NOLINTNEXTLINE(misc-no-recursion): as Object
+  bool Keep(js::value& value, const Path& path) {
+    if (value.is_structured()) return KeepNested(value, path);
+    if (js::string* text = value.if_string()) return KeepText(*text, path);
+    const double* number = value.if_double();
+    return number == nullptr || schema::Finite(violations_, path, *number).has_value();
   }
 
   bool KeepText(js::string& text, const Path& path) {
@@ -90,6 +111,8 @@ class Cleaner final {
 
   Violations& violations_;
   std::size_t controls_ = 0;
+  /// Of the object or list that is gone through.
+  std::size_t depth_ = 0;
 };
 
 std::string Cleaned(js::object& object, const Path& path, Violations& violations) {

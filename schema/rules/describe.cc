@@ -48,6 +48,17 @@ Violation Malformed(std::string_view why) {
           .texts = {why}};
 }
 
+Violation TooDeep(const Path& path, std::size_t depth_max) {
+  return {.reason = RejectReason::kMalformed,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("nested deeper than the {} levels that are allowed",
+                                   self.counts[0]);
+              },
+          .counts = {depth_max}};
+}
+
 Violation UnknownVariant(const Path& path, unsigned member) {
   return {.reason = RejectReason::kUnknownVariant,
           .path = &path,

@@ -33,6 +33,8 @@ struct Violation {
 // One function per violation. `path` is where it was found; without one, the message as a whole.
 
 [[nodiscard]] Violation Malformed(std::string_view why);
+/// What is nested deeper than may be.
+[[nodiscard]] Violation TooDeep(const Path& path, std::size_t depth_max);
 [[nodiscard]] Violation UnknownVariant(const Path& path, unsigned member);
 [[nodiscard]] Violation PayloadTooLarge(std::size_t bytes, std::size_t bytes_max);
 [[nodiscard]] Violation TooManyItems(const Path& path, std::size_t count, std::size_t max,

@@ -53,6 +53,8 @@ class Violations final {
   };
   explicit Violations(const Terms& terms) : terms_(terms) {}
 
+  /// Whether a violation of content rejects.
+  [[nodiscard]] bool durable() const { return terms_.durable; }
   [[nodiscard]] std::size_t extras_items_max() const { return terms_.extras_items_max; }
   /// The limit of a text that may have `bytes_max` bytes as it is sent.
   [[nodiscard]] std::size_t TextBytesMax(std::size_t bytes_max) const {

@@ -212,5 +212,21 @@ TEST(CyberwaveDetail, PutsNullInPlaceOfWhatALiveMessageGoesWithout) {
   EXPECT_EQ(judgement.dropped.size(), 3U);
 }
 
+TEST(CyberwaveDetail, WhatIsTooDeepIsTextInADurableMessage) {
+  const auto nested = [](std::size_t depth) {
+    return R"({"event_type":"e","v":)" + std::string(depth, '[') + R"("a\n",null)" +
+           std::string(depth, ']') + "}";
+  };
+  const std::size_t shown = kShownDepthMax - 1;
+  EXPECT_EQ(BodyOf<Event>(JudgeOn("event", nested(shown))).detail, nested(shown));
+  EXPECT_EQ(BodyOf<Event>(JudgeOn("event", nested(shown + 2))).detail,
+            R"({"event_type":"e","v":)" + std::string(shown, '[') + R"("[[\"a\\n\",null]]")" +
+                std::string(shown, ']') + "}");
+  const Judgement wrong = JudgeOn("event", R"({"event_type":"e","v":)" + std::string(25, '[') +
+                                               "1e400" + std::string(25, ']') + "}");
+  ASSERT_NE(wrong.rejection(), nullptr);
+  EXPECT_EQ(wrong.rejection()->reason, RejectReason::kNotFinite) << "also within such a text";
+}
+
 }  // namespace
 }  // namespace uplink::cyberwave
