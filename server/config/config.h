@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "metrics/rcan/series.h"
@@ -26,6 +27,10 @@ enum class Transport : std::uint8_t { kNative, kGrpc };
 enum class TlsVersion : std::uint8_t { k12, k13 };
 /// Who may open a stream: every robot with a certificate, or only enrolled ones.
 enum class Registration : std::uint8_t { kOpen, kClosed };
+/// The version of MQTT that the broker is spoken to in.
+enum class MqttVersion : std::uint8_t { k5, k311 };
+/// What is done with Cyberwave's depth frames and point clouds: not asked for, or counted.
+enum class CyberwaveMedia : std::uint8_t { kOff, kCount };
 enum class LogFormat : std::uint8_t { kText, kJson };
 /// The least severe line that is written.
 enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
@@ -177,6 +182,50 @@ struct RcanConfig {
   bool counts_as_life = true;
 };
 
+/// What the connections but the first have behind mqtt.client_id.
+inline constexpr std::string_view kMqttLiveSuffix = "-live";
+inline constexpr std::string_view kMqttMediaSuffix = "-media";
+/// Bytes of `mqtt.client_id`: the longest of a client is 256, and that has a suffix.
+inline constexpr std::size_t kMqttClientIdBytesMax = 256 - kMqttMediaSuffix.size();
+/// Bytes of `mqtt.username`.
+inline constexpr std::size_t kMqttUsernameBytesMax = 1024;
+/// Bytes of the file with its password.
+inline constexpr std::size_t kMqttPasswordBytesMax = 4096;
+/// Topic prefixes of one server.
+inline constexpr std::size_t kTopicPrefixesMax = 8;
+
+struct MqttConfig {
+  /// `mqtts://host[:port]` or `mqtt://host[:port]` (broker_url.h); empty: there is no broker.
+  std::string url;
+  std::string username;
+  /// Empty: no password.
+  std::string password_file;
+  /// Empty: the system's authorities.
+  std::string ca_file;
+  /// PEM; both or none.
+  std::string client_certificate_file;
+  std::string client_key_file;
+  MqttVersion version = MqttVersion::k5;
+  std::string client_id = "uplinkd";
+  milliseconds session_expiry = std::chrono::hours(24);
+  milliseconds keepalive = std::chrono::seconds(60);
+  /// Messages at QoS 1 that wait for their PUBACK.
+  std::size_t unacked_max = 1024;
+};
+
+struct CyberwaveConfig {
+  /// 1 to kTopicPrefixesMax, each a good one (schema/cyberwave/prefix.h), no two the same.
+  std::vector<std::string> topic_prefixes{""};
+  CyberwaveMedia media = CyberwaveMedia::kOff;
+  /// As presence.timeout, of twins.
+  milliseconds presence_timeout = std::chrono::seconds(20);
+  std::vector<std::string> prismatic_joints;
+  /// Twins, as robots: at most limits.robots_max, and that where it is not set and would be more.
+  std::size_t robots_max = 10'000;
+  /// The fleet of every twin.
+  std::string fleet = "cyberwave";
+};
+
 struct HttpConfig {
   /// Names under which /api may be asked for, beside addresses and localhost; without a port.
   std::vector<std::string> hosts;
@@ -208,6 +257,8 @@ struct Config {
   PresenceConfig presence;
   ForwardConfig forward;
   RcanConfig rcan;
+  MqttConfig mqtt;
+  CyberwaveConfig cyberwave;
   HttpConfig http;
   LogConfig log;
   DrainConfig drain;

@@ -68,6 +68,12 @@ FileModes CheckFileModes(const Config& config) {
   if (IsPostgres(config.store)) {
     CheckSecret("store.password_file", config.store.password_file, modes);
   }
+  if (!config.mqtt.url.empty()) {
+    CheckTrusted("mqtt.ca_file", config.mqtt.ca_file, modes);
+    CheckTrusted("mqtt.client_certificate_file", config.mqtt.client_certificate_file, modes);
+    CheckSecret("mqtt.password_file", config.mqtt.password_file, modes);
+    CheckSecret("mqtt.client_key_file", config.mqtt.client_key_file, modes);
+  }
   return modes;
 }
 

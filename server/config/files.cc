@@ -77,6 +77,21 @@ void CheckAuthorities(const std::string& key, const std::string& path,
   if (!good.ok()) problems.push_back({path, key, std::string(good.message())});
 }
 
+/// Whether a TLS client can show the two.
+void CheckClientPair(const MqttConfig& mqtt, std::vector<Problem>& problems) {
+  const std::string& path = mqtt.client_certificate_file;
+  const bool certificate = CheckPem("mqtt.client_certificate_file", path, "CERTIFICATE", problems);
+  const bool key = CheckPem("mqtt.client_key_file", mqtt.client_key_file, "PRIVATE KEY", problems);
+  if (path.empty() || mqtt.client_key_file.empty() || !certificate || !key) return;
+  const auto certificate_pem = identity::ReadPem(path);
+  const auto key_pem = identity::ReadPem(mqtt.client_key_file);
+  if (!certificate_pem.ok() || !key_pem.ok()) return;
+  const absl::Status fit = identity::CheckClientPair(*certificate_pem, *key_pem);
+  if (!fit.ok()) {
+    problems.push_back({path, "mqtt.client_certificate_file", std::string(fit.message())});
+  }
+}
+
 /// Whether a TLS server can serve with the two.
 void CheckPair(const TlsConfig& tls, std::vector<Problem>& problems) {
   if (tls.certificate_file.empty() || tls.key_file.empty()) return;
@@ -116,6 +131,22 @@ void CheckPasswordFile(const StoreConfig& store, std::vector<Problem>& problems)
   }
 }
 
+void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
+  if (mqtt.url.empty()) return;
+  CheckAuthorities("mqtt.ca_file", mqtt.ca_file, problems);
+  CheckClientPair(mqtt, problems);
+  const std::string& path = mqtt.password_file;
+  if (path.empty()) return;
+  const FileText file = ReadFile(path);
+  std::string flaw = file.problem;
+  const bool line_end_alone = file.text.find_first_not_of("\r\n") == std::string::npos;
+  if (flaw.empty() && line_end_alone) flaw = fmt::format("{} is empty", path);
+  if (flaw.empty() && file.text.size() > kMqttPasswordBytesMax) {
+    flaw = fmt::format("{} has over {} bytes", path, kMqttPasswordBytesMax);
+  }
+  if (!flaw.empty()) problems.push_back({path, "mqtt.password_file", std::move(flaw)});
+}
+
 }  // namespace
 
 std::vector<Problem> ValidateFiles(const Config& config) {
@@ -129,6 +160,7 @@ std::vector<Problem> ValidateFiles(const Config& config) {
   if (certificate && key) CheckPair(tls, problems);
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);
+  CheckBrokerFiles(config.mqtt, problems);
   return problems;
 }
 

@@ -73,6 +73,10 @@ class Loader {
       config_.store.migrate = false;
     }
     if (config_.listen.transport == Transport::kGrpc) SetGrpcDefaults();
+    if (!where_.contains("cyberwave.robots_max")) {
+      config_.cyberwave.robots_max =
+          std::min(config_.cyberwave.robots_max, config_.limits.robots_max);
+    }
     for (Breach& breach : CheckRelations(config_)) {
       const std::string key = fmt::format("{}.{}", breach.section, breach.key);
       // A key that already has a problem keeps its default here; a second line would mislead.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "metrics/rcan/series.h"
 #include "schema/base/utf8.h"
+#include "server/config/broker_relations.h"
 #include "server/config/units.h"
 #include "storage/postgres/link/url.h"
 
@@ -27,6 +29,7 @@ class Breaches {
   void Add(std::string_view section, std::string_view key, std::string text) {
     list_.push_back({section, key, std::move(text)});
   }
+  void Add(Breach breach) { list_.push_back(std::move(breach)); }
   [[nodiscard]] std::vector<Breach> Take() { return std::move(list_); }
 
  private:
@@ -174,6 +177,7 @@ std::vector<Breach> CheckRelations(const Config& config) {
   CheckLimits(config.limits, breaches);
   CheckRcan(config.rcan, breaches);
   CheckHttp(config.http, breaches);
+  for (Breach& breach : CheckBroker(config)) breaches.Add(std::move(breach));
   return breaches.Take();
 }
 

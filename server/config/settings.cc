@@ -75,10 +75,12 @@ constexpr std::uint64_t kRobotSeriesMaxMin = 64;
 constexpr std::array<string_view, 2> kTransports = {"native", "grpc"};
 constexpr std::array<string_view, 2> kTlsVersions = {"1.2", "1.3"};
 constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
+constexpr std::array<string_view, 2> kMqttVersions = {"5", "3.1.1"};
+constexpr std::array<string_view, 2> kCyberwaveMedia = {"off", "count"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 14> kSections = {{
+constexpr std::array<Section, 16> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
@@ -92,6 +94,8 @@ constexpr std::array<Section, 14> kSections = {{
     {"presence", "When a robot counts as online or offline."},
     {"forward", "What robots report for others: shapes and objects."},
     {"rcan", "RCAN Robot State and the robots' Prometheus series."},
+    {"mqtt", "The broker of a fleet that speaks Cyberwave's MQTT topics."},
+    {"cyberwave", "What is read from that broker, and what is made of it."},
     {"http", "The listener of probes, metrics and JSON."},
     {"log", "Lines on standard error."},
     {"drain", "The way down after SIGTERM or SIGINT."},
@@ -541,6 +545,125 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kSwitch,
      .text = "Whether an RCAN Robot State is a sign of life.",
      UPLINK_BIND(rcan, RcanConfig, counts_as_life)},
+
+    {.section = "mqtt",
+     .key = "url",
+     .kind = Kind::kText,
+     .allowed = "mqtts:// or mqtt://, a host and perhaps a port, or \"\"",
+     .secret = true,
+     .text = "The broker: mqtts://host:8883 with TLS, mqtt://host:1883 without; the ports may be "
+             "left out. Without a user: mqtt.username is for that. Empty: there is no broker.",
+     UPLINK_BIND(mqtt, MqttConfig, url)},
+    {.section = "mqtt",
+     .key = "username",
+     .kind = Kind::kText,
+     .text = "The user that the broker knows uplinkd as; empty: none.",
+     UPLINK_BIND(mqtt, MqttConfig, username)},
+    {.section = "mqtt",
+     .key = "password_file",
+     .kind = Kind::kFile,
+     .text = "A file with that user's password, read at each connection; empty: no password.",
+     UPLINK_BIND(mqtt, MqttConfig, password_file)},
+    {.section = "mqtt",
+     .key = "ca_file",
+     .kind = Kind::kFile,
+     .text = "The authorities that may vouch for the broker, PEM, read at each connection; empty: "
+             "those of the system.",
+     UPLINK_BIND(mqtt, MqttConfig, ca_file)},
+    {.section = "mqtt",
+     .key = "client_certificate_file",
+     .kind = Kind::kFile,
+     .text = "The certificate that uplinkd shows the broker, PEM, read at each connection; empty: "
+             "none.",
+     UPLINK_BIND(mqtt, MqttConfig, client_certificate_file)},
+    {.section = "mqtt",
+     .key = "client_key_file",
+     .kind = Kind::kFile,
+     .text = "The private key of that certificate.",
+     UPLINK_BIND(mqtt, MqttConfig, client_key_file)},
+    {.section = "mqtt",
+     .key = "version",
+     .kind = Kind::kChoice,
+     .choices = kMqttVersions,
+     .text = "The version of MQTT. With 3.1.1 the broker alone says how long it keeps a session "
+             "and how many messages it sends before the first is acked.",
+     UPLINK_BIND(mqtt, MqttConfig, version)},
+    {.section = "mqtt",
+     .key = "client_id",
+     .kind = Kind::kText,
+     .allowed = "1 to 250 bytes without control characters",
+     .text = "The client id of the connection for what is stored; the broker keeps a session of "
+             "this name while uplinkd is away. The connection for live state has it with -live, "
+             "that for media with -media. Only servers on one store may have the same.",
+     UPLINK_BIND(mqtt, MqttConfig, client_id)},
+    {.section = "mqtt",
+     .key = "session_expiry",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = 365 * kDay,
+     .text = "How long the broker is asked to keep that session, and what comes for it, while "
+             "uplinkd is away. MQTT 5 alone.",
+     UPLINK_BIND(mqtt, MqttConfig, session_expiry)},
+    {.section = "mqtt",
+     .key = "keepalive",
+     .kind = Kind::kDuration,
+     .min = 5 * kSecond,
+     .max = 18 * kHour,
+     .text = "When nothing was sent for so long, the broker is asked whether it is there; after "
+             "one and a half times that it takes uplinkd for gone. Whole seconds count.",
+     UPLINK_BIND(mqtt, MqttConfig, keepalive)},
+    {.section = "mqtt",
+     .key = "unacked_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 32'767,
+     .text = "Messages at QoS 1 that may wait for their commit and PUBACK; past it none is read. "
+             "The broker is told by MQTT 5. Its own queue must be far larger.",
+     UPLINK_BIND(mqtt, MqttConfig, unacked_max)},
+
+    {.section = "cyberwave",
+     .key = "topic_prefixes",
+     .kind = Kind::kList,
+     .allowed = "a list of 1 to 8 strings, each without wildcards and of at most 186 bytes when "
+                "percent-encoded; [\"\"] for none",
+     .empty_items = true,
+     .text = "What stands directly before cyberwave/ in the topics that are read. Twins under "
+             "different prefixes are different robots.",
+     UPLINK_BIND(cyberwave, CyberwaveConfig, topic_prefixes)},
+    {.section = "cyberwave",
+     .key = "media",
+     .kind = Kind::kChoice,
+     .choices = kCyberwaveMedia,
+     .text = "\"count\": depth frames and point clouds are subscribed to and counted, on a "
+             "connection of their own; \"off\": they are not asked for.",
+     UPLINK_BIND(cyberwave, CyberwaveConfig, media)},
+    {.section = "cyberwave",
+     .key = "presence_timeout",
+     .kind = Kind::kDuration,
+     .min = 100,
+     .max = kHour,
+     .text = "A twin is offline when its last sign of life is older, and unknown while the broker "
+             "is not heard and that long after.",
+     UPLINK_BIND(cyberwave, CyberwaveConfig, presence_timeout)},
+    {.section = "cyberwave",
+     .key = "prismatic_joints",
+     .kind = Kind::kList,
+     .text = "Names of joints that slide: their positions are metres instead of radians.",
+     UPLINK_BIND(cyberwave, CyberwaveConfig, prismatic_joints)},
+    {.section = "cyberwave",
+     .key = "robots_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 1'000'000,
+     .text = "Twins that the server holds state of, as robots of limits.robots_max, which it is "
+             "at most; where it is not set, it is no more than that.",
+     UPLINK_BIND(cyberwave, CyberwaveConfig, robots_max)},
+    {.section = "cyberwave",
+     .key = "fleet",
+     .kind = Kind::kText,
+     .allowed = "1 to 256 bytes without control characters, and not \"*\"",
+     .text = "The fleet that twins are in.",
+     UPLINK_BIND(cyberwave, CyberwaveConfig, fleet)},
 
     {.section = "http",
      .key = "connections_max",

@@ -65,6 +65,8 @@ struct Setting {
   /// What it takes, for people, where this version takes less than `kind` and `choices` say.
   std::string_view allowed{};
   Effect effect = Effect::kRestart;
+  /// An item of a list may be empty.
+  bool empty_items = false;
   /// The value may hold a password: it is masked when printed and kept out of problems.
   bool secret = false;
   /// One or two sentences for an operator.

@@ -57,13 +57,16 @@ std::string Shown(std::string_view text) {
   return fmt::format("\"{}\"", PrintableUtf8(text, kShownBytesMax));
 }
 
-std::vector<std::string> SplitAtCommas(std::string_view text) {
+/// An empty text, and one behind the last comma, is an item only where items may be empty.
+std::vector<std::string> SplitAtCommas(const Setting& setting, std::string_view text) {
   std::vector<std::string> items;
-  while (!text.empty()) {
+  while (true) {
     const std::size_t comma = std::min(text.find(','), text.size());
     items.emplace_back(text.substr(0, comma));
-    text.remove_prefix(std::min(comma + 1, text.size()));
+    if (comma == text.size()) break;
+    text.remove_prefix(comma + 1);
   }
+  if (items.back().empty() && !setting.empty_items) items.pop_back();
   return items;
 }
 
@@ -81,7 +84,8 @@ Interpreted InterpretList(const Setting& setting, std::vector<std::string> items
     if (std::ranges::count(items, item) > 1) {
       return BadValue{fmt::format("{} stands in it twice", Shown(item))};
     }
-    if (item.empty() || item.size() > kListItemBytesMax || !IsCleanUtf8(item)) {
+    const bool empty = item.empty() && !setting.empty_items;
+    if (empty || item.size() > kListItemBytesMax || !IsCleanUtf8(item)) {
       return Bad(setting, Shown(item));
     }
   }
@@ -118,7 +122,7 @@ Interpreted InterpretText(const Setting& setting, std::string_view text) {
       return Bad(setting, shown);
     case Kind::kList:
     case Kind::kNetworks:
-      return InterpretList(setting, SplitAtCommas(text));
+      return InterpretList(setting, SplitAtCommas(setting, text));
   }
   CheckFailed(__FILE__, __LINE__, "kind", "a setting of unknown kind");
 }

@@ -1,6 +1,5 @@
 #include "server/identity/peer_identity.h"
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -14,17 +13,15 @@
 #include <openssl/x509v3.h>
 
 #include "schema/base/utf8.h"
+#include "server/identity/fleet_name.h"
 #include "server/identity/ruri.h"
 
 namespace uplink::identity {
 namespace {
 
-/// Bytes of the longest fleet name that a certificate may carry.
-constexpr std::size_t kFleetBytesMax = 256;
 /// Bytes of a certificate that a sentence repeats.
 constexpr std::size_t kShownBytesMax = 128;
 constexpr std::string_view kDefaultFleet = "default";
-constexpr std::string_view kAllFleets = "*";
 
 struct BioFree {
   void operator()(BIO* bio) const { BIO_free(bio); }
@@ -140,15 +137,7 @@ absl::StatusOr<Role> RoleOf(const std::optional<std::string>& unit) {
 
 absl::StatusOr<std::string> FleetOf(const std::optional<std::string>& organization) {
   if (!organization) return std::string(kDefaultFleet);
-  if (organization->empty()) return Wrong("its O is empty");
-  if (organization->size() > kFleetBytesMax) {
-    return Wrong(
-        fmt::format("its O has {} bytes, the limit is {}", organization->size(), kFleetBytesMax));
-  }
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
-  if (std::any_of(organization->begin(), organization->end(), is_control)) {
-    return Wrong(fmt::format("its O holds a control character: {}", Shown(*organization)));
-  }
+  if (const auto flaw = FlawOfFleet(*organization)) return Wrong(fmt::format("its O {}", *flaw));
   return *organization;
 }
 

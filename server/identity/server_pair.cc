@@ -37,6 +37,19 @@ absl::StatusOr<Key> ParseKey(const NamedPem& pem) {
   return key;
 }
 
+/// The certificate, if the key is its own.
+absl::StatusOr<Certificate> ParsePair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
+  auto certificate = ParseCertificate(certificate_pem);
+  if (!certificate.ok()) return certificate.status();
+  const auto key = ParseKey(key_pem);
+  if (!key.ok()) return key.status();
+  const bool match = X509_check_private_key(certificate->get(), key->get()) == 1;
+  ERR_clear_error();
+  if (!match)
+    return Unfit(fmt::format("{}: is not the key of {}", key_pem.name, certificate_pem.name));
+  return certificate;
+}
+
 }  // namespace
 
 absl::StatusOr<NamedPem> ReadPem(const std::string& path) {
@@ -56,20 +69,19 @@ absl::StatusOr<NamedPem> ReadPem(const std::string& path) {
 }
 
 absl::Status CheckServerPair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
-  const auto certificate = ParseCertificate(certificate_pem);
+  const auto certificate = ParsePair(certificate_pem, key_pem);
   if (!certificate.ok()) return certificate.status();
-  const auto key = ParseKey(key_pem);
-  if (!key.ok()) return key.status();
-  const bool match = X509_check_private_key(certificate->get(), key->get()) == 1;
   const bool serves = X509_check_purpose(certificate->get(), X509_PURPOSE_SSL_SERVER, 0) == 1;
   ERR_clear_error();
-  if (!match)
-    return Unfit(fmt::format("{}: is not the key of {}", key_pem.name, certificate_pem.name));
   if (!serves) {
     return Unfit(fmt::format("{}: is no certificate of a server (extended key usage serverAuth)",
                              certificate_pem.name));
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckClientPair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
+  return ParsePair(certificate_pem, key_pem).status();
 }
 
 absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& pem) {

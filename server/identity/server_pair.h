@@ -28,6 +28,12 @@ inline constexpr std::size_t kPemBytesMax = std::size_t{4} * 1024 * 1024;
 /// Thread: pure; any thread, as that below.
 [[nodiscard]] absl::Status CheckServerPair(const NamedPem& certificate, const NamedPem& key);
 
+/// Whether a TLS client can show the certificate: the key is its own. What it may be used for says
+/// whoever it is shown to.
+///
+/// Errors: as CheckServerPair.
+[[nodiscard]] absl::Status CheckClientPair(const NamedPem& certificate, const NamedPem& key);
+
 /// When the first certificate of the text expires.
 ///
 /// Errors: kFailedPrecondition with the name if there is none.

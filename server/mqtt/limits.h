@@ -44,7 +44,6 @@ inline constexpr std::size_t kClientIdBytesMax = 256;
 inline constexpr std::size_t kUsernameBytesMax = 1024;
 /// Bytes of a file with a password.
 inline constexpr std::size_t kPasswordBytesMax = 4096;
-inline constexpr std::size_t kHostBytesMax = 253;
 /// The largest window: a packet id has 16 bits, and 0 is none.
 inline constexpr std::size_t kUnackedMaxMax = 65'535;
 

@@ -1,35 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <string_view>
-
-#include <absl/status/statusor.h>
+#include "server/config/broker_url.h"
 
 namespace uplink::mqtt {
 
-/// Where a broker is. A value.
-struct Url {
-  bool tls = true;
-  /// A name or an address; one of IPv6 without its brackets.
-  std::string host;
-  std::uint16_t port = 0;
-
-  /// As it is written, for messages.
-  [[nodiscard]] std::string Text() const;
-
-  friend bool operator==(const Url&, const Url&) = default;
-};
-
-inline constexpr std::uint16_t kTlsPort = 8883;
-inline constexpr std::uint16_t kPlainPort = 1883;
-
-/// Takes apart `mqtts://host[:port]` or `mqtt://host[:port]`; a single slash may follow. The port
-/// is by default that of the scheme.
-///
-/// Errors: kInvalidArgument, beginning with `mqtt.url`: another scheme, no host, a host over
-///         kHostBytesMax or with characters that none has, a port that is none, a user (that
-///         belongs into mqtt.username), a path. The text never repeats what may be a password.
-[[nodiscard]] absl::StatusOr<Url> ParseUrl(std::string_view text);
+/// Where a broker is; the configuration judges it, and takes it apart.
+using Url = config::BrokerUrl;
 
 }  // namespace uplink::mqtt

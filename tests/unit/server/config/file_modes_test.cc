@@ -113,6 +113,28 @@ TEST_F(FileModesTest, CertificatesThatEverybodyMayWriteAreAProblem) {
                   Field(&Problem::key, "tls.operator_ca_file")));
 }
 
+TEST_F(FileModesTest, TheFilesForABrokerAreJudgedWhereThereIsOne) {
+  config_.mqtt.ca_file = Make("broker_ca.crt");
+  config_.mqtt.client_certificate_file = Make("c.crt");
+  config_.mqtt.password_file = Make("broker_password");
+  config_.mqtt.client_key_file = Make("c.key");
+  for (const char* name : {"broker_ca.crt", "c.crt", "broker_password", "c.key"}) {
+    Change(folder_.File(name), 0666);
+  }
+  EXPECT_THAT(Check().problems, IsEmpty()) << "there is no broker";
+  config_.mqtt.url = "mqtts://broker";
+  EXPECT_THAT(Check().problems, ElementsAre(Field(&Problem::key, "mqtt.ca_file"),
+                                            Field(&Problem::key, "mqtt.client_certificate_file"),
+                                            Field(&Problem::key, "mqtt.password_file"),
+                                            Field(&Problem::key, "mqtt.client_key_file")));
+  for (const char* name : {"broker_ca.crt", "c.crt", "broker_password", "c.key"}) {
+    Change(folder_.File(name), 0644);
+  }
+  EXPECT_THAT(Check().problems, IsEmpty());
+  EXPECT_THAT(Check().notes, ElementsAre(Field(&Problem::key, "mqtt.password_file"),
+                                         Field(&Problem::key, "mqtt.client_key_file")));
+}
+
 TEST_F(FileModesTest, AConfigurationThatEverybodyMayWriteIsAProblem) {
   const std::string path = Make("u.toml");
   std::ofstream(path) << testing::kMinimal;

@@ -135,6 +135,46 @@ TEST_F(ValidateFilesTest, RequiresTheFolderOfTheStore) {
   EXPECT_THAT(problems[0].text, HasSubstr("/gone does not exist"));
 }
 
+TEST_F(ValidateFilesTest, LooksAtTheFilesForABroker) {
+  testing::CertificateSpec spec;
+  spec.common_names = {"uplinkd"};
+  const testing::KeyPair pair = authority_.Issue(spec);
+  config_.mqtt.url = "mqtts://broker";
+  config_.mqtt.ca_file = config_.tls.client_ca_file;
+  config_.mqtt.client_certificate_file = Write("c.crt", pair.certificate);
+  config_.mqtt.client_key_file = Write("c.key", pair.key);
+  config_.mqtt.password_file = Write("password", std::string(4095, 'p') + "\n");
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty());
+
+  Write("c.key", authority_.Issue(spec).key);
+  std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_EQ(problems[0].key, "mqtt.client_certificate_file");
+  EXPECT_THAT(problems[0].text, HasSubstr("c.key: is not the key of"));
+
+  config_.mqtt.ca_file = folder_ + "/gone";
+  config_.mqtt.client_certificate_file = folder_ + "/gone";
+  config_.mqtt.client_key_file = folder_ + "/gone";
+  config_.mqtt.password_file = folder_ + "/gone";
+  problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(4));
+  EXPECT_EQ(problems[0].key, "mqtt.ca_file");
+  EXPECT_EQ(problems[1].key, "mqtt.client_certificate_file");
+  EXPECT_EQ(problems[2].key, "mqtt.client_key_file");
+  EXPECT_EQ(problems[3].key, "mqtt.password_file");
+
+  config_.mqtt.url.clear();
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty()) << "what is not used is not looked at";
+}
+
+TEST_F(ValidateFilesTest, ABrokersPasswordIsSomeBytes) {
+  config_.mqtt.url = "mqtts://broker";
+  for (const std::string& text : {std::string(), std::string("\r\n"), std::string(4097, 'p')}) {
+    config_.mqtt.password_file = Write("password", text);
+    EXPECT_THAT(ValidateFiles(config_), SizeIs(1)) << text.size();
+  }
+}
+
 TEST_F(ValidateFilesTest, RefusesAFolderAsTheStore) {
   config_.store.url = "sqlite://" + folder_;
   EXPECT_THAT(ValidateFiles(config_), SizeIs(1));

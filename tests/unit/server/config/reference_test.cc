@@ -60,8 +60,8 @@ TEST(ReferenceTest, AChoiceThatIsNotServedIsNotOffered) {
 TEST(ReferenceTest, TheExampleFileReadsBackToTheDefaultsWhenUncommented) {
   const std::regex setting("(^|\n)# ([a-z_.]+ = )");
   std::string text = std::regex_replace(ExampleToml(), setting, "$1$2");
-  const std::regex file("(certificate|key|client_ca)_file = \"\"");
-  text = std::regex_replace(text, file, "$1_file = \"x\"");
+  const std::regex file("\n(certificate|key|client_ca)_file = \"\"");
+  text = std::regex_replace(text, file, "\n$1_file = \"x\"");
   const LoadResult result = ParseConfig(text, "example", {});
   for (const Problem& problem : result.problems) {
     ADD_FAILURE() << ToText(problem);

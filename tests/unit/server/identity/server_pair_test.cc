@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/certificates.h"
 #include "tests/support/temp_folder.h"
 
 namespace uplink::identity {
@@ -50,6 +51,20 @@ TEST_F(ReadPemTest, AFileThatIsTooLargeIsNamedWithTheLimit) {
 TEST_F(ReadPemTest, AFileThatIsNotThereIsNamed) {
   const auto pem = ReadPem(folder_.File("none.pem"));
   EXPECT_THAT(pem.status().message(), AllOf(HasSubstr("none.pem"), HasSubstr("cannot be read")));
+}
+
+// A broker may take certificates without an extended key usage, or with whatever it likes.
+TEST(ClientPair, IsACertificateAndItsOwnKey) {
+  const testing::TestAuthority authority;
+  testing::CertificateSpec spec = testing::ServerSpec();
+  spec.key_usages.clear();
+  const testing::KeyPair pair = authority.Issue(spec);
+  EXPECT_TRUE(CheckClientPair({"c.crt", pair.certificate}, {"c.key", pair.key}).ok());
+  EXPECT_THAT(
+      CheckClientPair({"c.crt", pair.certificate}, {"c.key", authority.Issue(spec).key}).message(),
+      HasSubstr("c.key: is not the key of c.crt"));
+  EXPECT_THAT(CheckClientPair({"c.crt", "text"}, {"c.key", pair.key}).message(),
+              HasSubstr("c.crt: holds no PEM certificate"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "server/mqtt/url.h"
+#include "server/config/broker_url.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,9 +8,7 @@
 #include <fmt/core.h>
 #include <netinet/in.h>
 
-#include "server/mqtt/limits.h"
-
-namespace uplink::mqtt {
+namespace uplink::config {
 namespace {
 
 constexpr std::string_view kTlsScheme = "mqtts://";
@@ -39,8 +37,9 @@ std::optional<std::uint16_t> PortOf(std::string_view text) {
 
 absl::Status CheckHost(std::string_view host) {
   if (host.empty()) return Invalid("names no host");
-  if (host.size() > kHostBytesMax) {
-    return Invalid(fmt::format("has a host of {} bytes, at most {}", host.size(), kHostBytesMax));
+  if (host.size() > kBrokerHostBytesMax) {
+    return Invalid(
+        fmt::format("has a host of {} bytes, at most {}", host.size(), kBrokerHostBytesMax));
   }
   if (!std::ranges::all_of(host, IsNameCharacter)) {
     return Invalid("has a host with characters that no name has");
@@ -50,19 +49,19 @@ absl::Status CheckHost(std::string_view host) {
 
 }  // namespace
 
-std::string Url::Text() const {
+std::string BrokerUrl::Text() const {
   const bool ipv6 = host.find(':') != std::string::npos;
   return fmt::format("{}{}{}{}:{}", tls ? kTlsScheme : kPlainScheme, ipv6 ? "[" : "", host,
                      ipv6 ? "]" : "", port);
 }
 
-absl::StatusOr<Url> ParseUrl(std::string_view text) {
-  Url url{.tls = text.starts_with(kTlsScheme)};
+absl::StatusOr<BrokerUrl> ParseBrokerUrl(std::string_view text) {
+  BrokerUrl url{.tls = text.starts_with(kTlsScheme)};
   if (!url.tls && !text.starts_with(kPlainScheme)) {
     return Invalid("begins with neither mqtts:// nor mqtt://");
   }
   text.remove_prefix(url.tls ? kTlsScheme.size() : kPlainScheme.size());
-  url.port = url.tls ? kTlsPort : kPlainPort;
+  url.port = url.tls ? kMqttsPort : kMqttPort;
   if (text.ends_with('/')) text.remove_suffix(1);
   if (text.find('@') != std::string_view::npos) {
     return Invalid("holds a user: set mqtt.username and mqtt.password_file instead");
@@ -97,4 +96,4 @@ absl::StatusOr<Url> ParseUrl(std::string_view text) {
   return url;
 }
 
-}  // namespace uplink::mqtt
+}  // namespace uplink::config

@@ -1,0 +1,29 @@
+#include "server/identity/fleet_name.h"
+
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "schema/base/utf8.h"
+
+namespace uplink::identity {
+namespace {
+
+/// Bytes of a wrong name that a sentence repeats.
+constexpr std::size_t kShownBytesMax = 128;
+
+}  // namespace
+
+std::optional<std::string> FlawOfFleet(std::string_view fleet) {
+  if (fleet.empty()) return "is empty";
+  if (fleet.size() > kFleetBytesMax) {
+    return fmt::format("has {} bytes, the limit is {}", fleet.size(), kFleetBytesMax);
+  }
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
+  if (std::any_of(fleet.begin(), fleet.end(), is_control)) {
+    return fmt::format("holds a control character: {}", PrintableUtf8(fleet, kShownBytesMax));
+  }
+  return std::nullopt;
+}
+
+}  // namespace uplink::identity
