@@ -36,7 +36,23 @@ model::Record Records::Of(model::cyberwave::DriverLog log, const model::cyberwav
                          .level = LevelOf(log.level),
                          .message = std::move(log.message),
                          .detail_json = std::move(log.detail)};
+  return Of(std::move(message), payload_bytes);
+}
+
+model::Record Records::Of(model::EventTelemetry event, std::size_t payload_bytes) {
+  return {std::move(event), {}, {}, payload_bytes};
+}
+
+model::Record Records::Of(model::Message message, std::size_t payload_bytes) {
   return {std::move(message), {}, {}, payload_bytes};
+}
+
+model::Record Records::Of(model::MissionRunStatus run, std::size_t payload_bytes) {
+  return {std::move(run), {}, {}, payload_bytes};
+}
+
+model::Record Records::Of(model::Fault fault, std::size_t payload_bytes) {
+  return {std::move(fault), {}, {}, payload_bytes};
 }
 
 model::ScopeUpdate Records::Of(model::cyberwave::ScopeUpdate update,

@@ -6,7 +6,9 @@
 #include "schema/model/cyberwave/reports.h"
 #include "schema/model/cyberwave/runs.h"
 #include "schema/model/cyberwave/uuid.h"
+#include "schema/model/mission.h"
 #include "schema/model/record.h"
+#include "schema/model/reports.h"
 #include "schema/model/scope_update.h"
 
 namespace uplink::cyberwave {
@@ -22,6 +24,11 @@ class Records final {
   [[nodiscard]] static model::Record Of(model::cyberwave::DriverLog log,
                                         const model::cyberwave::Head& head,
                                         std::size_t payload_bytes);
+  // What a durable message that was found good became on the way here; `payload_bytes` as above.
+  [[nodiscard]] static model::Record Of(model::EventTelemetry event, std::size_t payload_bytes);
+  [[nodiscard]] static model::Record Of(model::Message message, std::size_t payload_bytes);
+  [[nodiscard]] static model::Record Of(model::MissionRunStatus run, std::size_t payload_bytes);
+  [[nodiscard]] static model::Record Of(model::Fault fault, std::size_t payload_bytes);
   /// Of the environment or workflow run that the topic names, which is no robot: so it is no record
   /// of one either.
   [[nodiscard]] static model::ScopeUpdate Of(model::cyberwave::ScopeUpdate update,

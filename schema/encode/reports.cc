@@ -30,6 +30,7 @@ struct KindEncoder {
   void operator()(const model::FaultClearedEvent& in) {
     out.initFaultCleared().setFaultCode(Text(in.fault_code));
   }
+  void operator()(const model::NamedEvent&) {}
 };
 
 }  // namespace
@@ -37,6 +38,9 @@ struct KindEncoder {
 void EncodeMember(const model::EventTelemetry& in, wire::UplinkMsg::Builder message) {
   auto out = message.initEventTelemetry();
   out.setUnixTimeMs(in.unix_time_ms);
+  // The wire has no member for a named event. One of no kind is judged to be nothing, while an
+  // empty kind would say that an e-stop was engaged.
+  if (std::holds_alternative<model::NamedEvent>(in.kind)) return;
   std::visit(KindEncoder{out.initKind()}, in.kind);
 }
 

@@ -37,7 +37,8 @@ UPLINK_VARIANTS(UPLINK_VARIANT)
 [[nodiscard]] boost::json::object Render(const model::Pose& pose);
 [[nodiscard]] boost::json::object Render(const model::Trajectory& trajectory);
 [[nodiscard]] boost::json::value Render(const model::Value& value);
-/// What the event's union member holds: Event.detail; empty for the e-stop kinds.
+/// What the event's union member holds: Event.detail; empty for the e-stop kinds, and for a named
+/// event whose detail is no object.
 [[nodiscard]] boost::json::object RenderDetail(const model::EventKind& kind);
 /// Key to value.
 [[nodiscard]] boost::json::object RenderByKey(const model::CurrentSettings& settings);

@@ -1,5 +1,8 @@
+#include <optional>
+#include <utility>
 #include <variant>
 
+#include "schema/json/exact.h"
 #include "schema/json/fields.h"
 #include "schema/json/render.h"
 
@@ -26,6 +29,11 @@ struct DetailRenderer {
   }
   object operator()(const model::FaultClearedEvent& event) const {
     return Fields().Set("faultCode", event.fault_code).Take();
+  }
+  object operator()(const model::NamedEvent& event) const {
+    std::optional<boost::json::value> detail = ParseExact(event.detail_json);
+    if (!detail || !detail->is_object()) return {};
+    return std::move(detail->get_object());
   }
 };
 

@@ -1,11 +1,14 @@
 #include "schema/json/text.h"
 
+#include <variant>
+
 #include "schema/json/geojson.h"
 #include "schema/json/render.h"
 
 namespace uplink::json {
 
 std::string DetailText(const model::EventKind& kind) {
+  if (const auto* named = std::get_if<model::NamedEvent>(&kind)) return named->detail_json;
   return boost::json::serialize(RenderDetail(kind));
 }
 

@@ -15,7 +15,8 @@
 /// render.h. No whitespace; UTF-8. Pure; any thread.
 namespace uplink::json {
 
-/// What the event's union member holds; `{}` for the e-stop kinds.
+/// What the event's union member holds; `{}` for the e-stop kinds, the detail of a named event as it
+/// stands.
 [[nodiscard]] std::string DetailText(const model::EventKind& kind);
 [[nodiscard]] std::string Text(const model::MissionRunStatus& body);
 [[nodiscard]] std::string Text(const model::UiCapabilities& body);

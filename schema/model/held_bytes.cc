@@ -83,6 +83,9 @@ struct Counter {
     return HeldByAll(event.fault_code, event.description);
   }
   static std::size_t Held(const FaultClearedEvent& event) { return Held(event.fault_code); }
+  static std::size_t Held(const NamedEvent& event) {
+    return HeldByAll(event.kind, event.detail_json);
+  }
   static std::size_t Held(const EventTelemetry& body) { return Held(body.kind); }
   static std::size_t Held(const Message& body) { return HeldByAll(body.message, body.detail_json); }
 

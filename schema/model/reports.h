@@ -71,12 +71,24 @@ struct FaultClearedEvent {
   friend bool operator==(const FaultClearedEvent&, const FaultClearedEvent&) = default;
 };
 
-/// A transition; the alternatives stand in the order of the wire's union.
+/// An event in its sender's own words, from a fleet that does not speak the Rover Nexus wire, which
+/// has no member for it.
+struct NamedEvent {
+  /// `cyberwave/connected`; never empty.
+  std::string kind;
+  /// The JSON text of an object, kept as it stands.
+  std::string detail_json;
+
+  friend bool operator==(const NamedEvent&, const NamedEvent&) = default;
+};
+
+/// A transition; the alternatives stand in the order of the wire's union, and behind them what the
+/// wire does not have.
 using EventKind =
     std::variant<EstopEngagedEvent, EstopReleasedEvent, ModeChangedEvent, MissionStartedEvent,
-                 MissionCompletedEvent, FaultRaisedEvent, FaultClearedEvent>;
+                 MissionCompletedEvent, FaultRaisedEvent, FaultClearedEvent, NamedEvent>;
 
-/// The union member's name: `modeChanged`.
+/// The union member's name: `modeChanged`; of a named event its kind, which lives as long as it.
 [[nodiscard]] std::string_view EventKindText(const EventKind& kind);
 
 /// A discrete transition. Durable. A value.

@@ -69,7 +69,7 @@ TEST_P(ReportContract, KeepsAnEventWithWhatItsKindHolds) {
        R"({"faultCode":"E1","description":"hot"})"},
       {model::FaultClearedEvent{"E1"}, "faultCleared", R"({"faultCode":"E1"})"},
   };
-  ASSERT_EQ(cases.size(), std::variant_size_v<model::EventKind>);
+  ASSERT_EQ(cases.size() + 1, std::variant_size_v<model::EventKind>) << "and the named one";
   Open();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const auto ms = static_cast<std::int64_t>(i);
@@ -86,6 +86,18 @@ TEST_P(ReportContract, KeepsAnEventWithWhatItsKindHolds) {
     EXPECT_EQ(row.sampled_at_ms, kNowMs - 7 * ms);
     EXPECT_EQ(row.received_at, Time(ms));
   }
+}
+
+TEST_P(ReportContract, KeepsANamedEventAsItStands) {
+  const model::NamedEvent named{"cyberwave/o'k ä", R"({"b":1.0E0,"a":["' ä"]})"};
+  Open();
+  Commit({With(1, cyberwave::Records::Of(model::EventTelemetry{kNowMs, named}, 70))});
+  store_->Reopen();
+  const auto rows = Events();
+  ASSERT_THAT(rows, SizeIs(1));
+  EXPECT_EQ(rows[0].kind, named.kind);
+  EXPECT_EQ(rows[0].detail_json, named.detail_json);
+  EXPECT_EQ(rows[0].sampled_at_ms, kNowMs);
 }
 
 TEST_P(ReportContract, KeepsEveryFieldOfAMessage) {

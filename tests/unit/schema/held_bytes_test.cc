@@ -38,6 +38,8 @@ TEST(HeldBytes, EveryTextOfAMessageCounts) {
   event.kind =
       FaultRaisedEvent{.fault_code = std::string(50, 'x'), .description = std::string(60, 'y')};
   EXPECT_EQ(HeldBytes(Body(event)), Text(50) + Text(60));
+  event.kind = NamedEvent{.kind = std::string(20, 'x'), .detail_json = std::string(30, 'y')};
+  EXPECT_EQ(HeldBytes(Body(event)), Text(20) + Text(30));
   const ScopeUpdate update{.id = std::string(36, 'i'),
                            .type = std::string(40, 't'),
                            .detail_json = std::string(90, 'd')};

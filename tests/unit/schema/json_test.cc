@@ -57,6 +57,16 @@ TEST(DetailTextTest, IsEmptyForVoidMembersAndNamesTheFieldsOfOthers) {
             R"({"from":"auto","to":"teleop"})");
 }
 
+TEST(DetailTextTest, OfANamedEventIsItsDetailAsItStands) {
+  const model::NamedEvent event{"cyberwave/bumped", R"({ "b":1.0E0, "a":null })"};
+  EXPECT_EQ(DetailText(event), event.detail_json);
+  EXPECT_EQ(model::EventKindText(event), "cyberwave/bumped");
+  const model::EventTelemetry whole{.unix_time_ms = 5, .kind = event};
+  EXPECT_EQ(boost::json::serialize(Render(whole)),
+            R"({"unixTimeMs":5,"kind":{"cyberwave/bumped":{"b":1E0,"a":null}}})");
+  EXPECT_TRUE(RenderDetail(model::NamedEvent{"k", "no object"}).empty());
+}
+
 TEST(TextTest, LeavesAbsentOptionalsOut) {
   model::AgentInfo info{.agent_version = "1.2"};
   EXPECT_EQ(Text(info), R"({"agentVersion":"1.2"})");

@@ -185,11 +185,17 @@ TEST(EventTest, TakesEveryKind) {
       model::MissionCompletedEvent{"m"},
       model::FaultRaisedEvent{"E1", "hot"},
       model::FaultClearedEvent{"E1"}};
-  ASSERT_EQ(kinds.size(), std::variant_size_v<model::EventKind>);
+  ASSERT_EQ(kinds.size() + 1, std::variant_size_v<model::EventKind>) << "and the named one";
   for (const model::EventKind& kind : kinds) {
     const model::EventTelemetry event{.unix_time_ms = kSampleMs, .kind = kind};
     EXPECT_TRUE(BodyOf<model::EventTelemetry>(JudgeBody(event)) == event);
   }
+}
+
+TEST(EventTest, OfTheWireIsNeverANamedOne) {
+  const model::EventTelemetry event{.unix_time_ms = kSampleMs,
+                                    .kind = model::NamedEvent{"cyberwave/connected", "{}"}};
+  ExpectRejected(JudgeBody(event), RejectReason::kMissingField, "kind");
 }
 
 TEST(EventTest, NeedsItsIds) {
