@@ -28,10 +28,13 @@ absl::StatusOr<bool> Decider::IsLeaseOver(const TopicHold* hold) {
   return *epoch != hold->epoch;
 }
 
-absl::StatusOr<bool> Decider::Takes(const Deliveries& deliveries) {
-  const absl::StatusOr<bool> over = IsLeaseOver(deliveries.hold.get());
-  if (!over.ok()) return over.status();
-  return deliveries.hold != nullptr && !*over;
+absl::StatusOr<DeliveryChanges> Decider::Remember(const Batch& batch,
+                                                  std::span<const Outcome> outcomes) {
+  return DeliveryChangesOf(batch, outcomes, [this](const TopicHold& hold) -> absl::StatusOr<bool> {
+    const absl::StatusOr<bool> over = IsLeaseOver(&hold);
+    if (!over.ok()) return over.status();
+    return !*over;
+  });
 }
 
 absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record) {

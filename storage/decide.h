@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "storage/present.h"
+#include "storage/remember.h"
 #include "storage/types.h"
 
 // What a store decides for the records of a batch (README.md: The contract), once for every store.
@@ -106,8 +108,9 @@ class Decider final {
   [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
   /// Of a good record that Look found new. What it lets pass counts from now on.
   [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
-  /// Whether deliveries are to be remembered: false if they are fenced.
-  [[nodiscard]] absl::StatusOr<bool> Takes(const Deliveries& deliveries);
+  /// What becomes of the batch's deliveries, once `outcomes` has those of its records.
+  [[nodiscard]] absl::StatusOr<DeliveryChanges> Remember(const Batch& batch,
+                                                         std::span<const Outcome> outcomes);
   /// Whether the gap is to be written: false if it is fenced.
   [[nodiscard]] absl::StatusOr<bool> Takes(const GapItem& gap);
   /// What becomes of a change of presence; kStored is to be written. `session` numbers it.

@@ -13,6 +13,9 @@ namespace uplink::storage {
 /// Bytes of a topic that are kept. A broker allows 65,535; those of the subscriptions have less
 /// than this, but for a prefix that somebody chose to be so long.
 inline constexpr std::size_t kTopicBytesMax = 1'024;
+/// Bytes of a prefix of topics. Those that the configuration lets pass are shorter, since they
+/// become part of a RURI (schema/cyberwave/prefix.h).
+inline constexpr std::size_t kTopicPrefixBytesMax = 255;
 
 /// Where a message came from that did not come by the relay. Immutable.
 struct Origin {
@@ -47,10 +50,9 @@ using OriginRef = std::shared_ptr<const Origin>;
 /// one, and is in no list of robots.
 inline constexpr std::string_view kNoRobotPrefix = "cyberwave:";
 
-/// Stands for the messages under a topic prefix that belong to no robot.
-[[nodiscard]] inline std::string NoRobotOf(std::string_view topic_prefix) {
-  return std::string(kNoRobotPrefix) + std::string(topic_prefix);
-}
+/// Stands for the messages under a topic prefix, of at most kTopicPrefixBytesMax bytes, that belong
+/// to no robot.
+[[nodiscard]] std::string NoRobotOf(std::string_view topic_prefix);
 [[nodiscard]] inline bool IsNoRobot(std::string_view ruri) {
   return ruri.starts_with(kNoRobotPrefix);
 }

@@ -24,13 +24,19 @@ absl::Status CheckRequest(const TakeRequest& request) {
     return Bad("prefixes has " + std::to_string(request.prefixes.size()) + " items, outside 1 to " +
                std::to_string(kLeasePrefixesMax));
   }
+  for (std::size_t i = 0; i < request.prefixes.size(); ++i) {
+    const std::size_t bytes = request.prefixes[i].size();
+    if (bytes <= kTopicPrefixBytesMax) continue;
+    return Bad("prefixes[" + std::to_string(i) + "] has " + std::to_string(bytes) +
+               " bytes, more than " + std::to_string(kTopicPrefixBytesMax));
+  }
   std::vector<std::string> sorted = request.prefixes;
   std::ranges::sort(sorted);
   const auto twice = std::ranges::adjacent_find(sorted);
   if (twice != sorted.end()) return Bad("prefixes names \"" + *twice + "\" twice");
-  if (request.deliveries_max < 1 || request.deliveries_max > kDeliveriesMax) {
-    return Bad("deliveries_max is " + std::to_string(request.deliveries_max) + ", outside 1 to " +
-               std::to_string(kDeliveriesMax));
+  if (request.unacked_max < 1 || request.unacked_max > kUnackedMaxMax) {
+    return Bad("unacked_max is " + std::to_string(request.unacked_max) + ", outside 1 to " +
+               std::to_string(kUnackedMaxMax));
   }
   return absl::OkStatus();
 }

@@ -13,6 +13,7 @@
 
 #include "schema/base/clock.h"
 #include "storage/deliveries.h"
+#include "storage/origin.h"
 #include "storage/types.h"
 
 namespace uplink::storage {
@@ -49,12 +50,13 @@ struct OverHolder {
 struct TakeRequest {
   /// 1 to kClientIdBytesMax bytes.
   std::string client_id;
-  /// 1 to kLeasePrefixesMax, each once.
+  /// 1 to kLeasePrefixesMax, each once, of at most kTopicPrefixBytesMax bytes.
   std::vector<std::string> prefixes;
   std::vector<OverHolder> over;
   SystemTime at;
-  /// Deliveries of the client id beyond so many are forgotten (Deliveries::kept_max).
-  std::uint32_t deliveries_max = kDeliveriesMax;
+  /// The window (mqtt.unacked_max): 1 to kUnackedMaxMax. DeliveriesKept says how many deliveries of
+  /// the client id are remembered.
+  std::uint32_t unacked_max = kUnackedMaxMax;
 };
 
 /// kInvalidArgument, naming field and limit, for a request that breaks a bound above.
@@ -80,9 +82,10 @@ class TopicLeases {
 
   /// Takes the lease of all the prefixes for the client id, or nothing of it: nothing if another
   /// process holds the client id, or one of the prefixes, and is not over. Of several processes
-  /// that try, one succeeds. Draws an epoch, above all that were given, unless this process holds
-  /// the client id already: it is told its epoch then, and its prefixes are these from now on. A
-  /// lease that had one of the prefixes ends with all of its prefixes, and its epoch with it.
+  /// that try, one succeeds. Draws an epoch, above all that were given, and numbers the client id's
+  /// deliveries anew (NumberedAnew), unless this process holds the client id already: it is told
+  /// its epoch then, and its prefixes are these from now on. A lease that had one of the prefixes
+  /// ends with all of its prefixes, and its epoch with it.
   ///
   /// Errors: kInvalidArgument for a request that CheckRequest refuses.
   [[nodiscard]] virtual absl::StatusOr<std::optional<Epoch>> Take(const TakeRequest& request) = 0;

@@ -210,6 +210,8 @@ struct CommitRecord {
   std::uint64_t payload_bytes = 0;
   /// Where it came from, for its row of quarantine.
   OriginRef origin{};
+  /// Set on the last record of a message that a broker delivered.
+  std::optional<MessageEnd> message_end{};
 };
 
 /// A range of numbers that an agent skipped. Has no number of its own; writing it twice is writing
@@ -259,7 +261,7 @@ struct Batch {
   std::vector<PresenceItem> presence;
   /// The numbering of `presence`: one session a process and shard, under kServerRuri.
   model::SessionId presence_session;
-  /// What is remembered with them: at most once of each client id.
+  /// What is remembered besides, under one lease each.
   std::vector<Deliveries> deliveries{};
 };
 
@@ -270,8 +272,8 @@ enum class OutcomeKind : std::uint8_t {
   kDuplicate,
   /// Not kept, now or (for a number at or below the cursor) earlier: its quarantine row says why.
   kRefused,
-  /// This process does not hold the robot since then: another one does, or its row is gone. Nothing
-  /// of the record was looked at.
+  /// This process does not hold the robot since then: another one does, or its row is gone. Or it
+  /// came under a lease on topics that is over. Nothing of the record was looked at.
   kFenced,
 };
 

@@ -44,8 +44,8 @@ inline constexpr std::size_t kClientIdBytesMax = 256;
 inline constexpr std::size_t kUsernameBytesMax = 1024;
 /// Bytes of a file with a password.
 inline constexpr std::size_t kPasswordBytesMax = 4096;
-/// The largest window: a packet id has 16 bits, and 0 is none.
-inline constexpr std::size_t kUnackedMaxMax = 65'535;
+/// The largest window: a store remembers twice as many deliveries, and there are 65,535 packet ids.
+inline constexpr std::size_t kUnackedMaxMax = 32'767;
 
 // How long we wait.
 

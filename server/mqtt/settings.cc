@@ -6,9 +6,12 @@
 
 #include "schema/base/utf8.h"
 #include "server/mqtt/limits.h"
+#include "storage/deliveries.h"
 
 namespace uplink::mqtt {
 namespace {
+
+static_assert(kUnackedMaxMax == storage::kUnackedMaxMax);
 
 constexpr std::size_t kShownBytesMax = 128;
 constexpr std::chrono::seconds kKeepaliveMin{5};

@@ -21,8 +21,6 @@ constexpr std::string_view kRead =
     " FROM uplinkd.topic_clients AS c"
     " LEFT JOIN uplinkd.topic_prefixes AS p ON p.client_id = c.client_id"
     " ORDER BY c.client_id, p.prefix";
-constexpr std::string_view kForgetBelow =
-    "SELECT forget_below FROM uplinkd.topic_clients WHERE client_id = $1::text";
 // From the last number down, so that rows which went are not looked at.
 constexpr std::string_view kDeliveries =
     "SELECT number, packet_id, digest FROM uplinkd.deliveries WHERE client_id = $1::text"
@@ -63,7 +61,7 @@ absl::StatusOr<std::optional<Epoch>> PostgresTopicLeases::Take(const TakeRequest
   take.parameters.Add(std::move(processes));
   take.parameters.Add(std::move(counters));
   take.parameters.Time(request.at);
-  take.parameters.Int8(std::int64_t{request.deliveries_max});
+  take.parameters.Int8(std::int64_t{DeliveriesKept(request.unacked_max)});
   take.parameters.Int8(static_cast<std::int64_t>(kTopicClientsMax));
   const auto taken = impl_->connection->Write(std::move(take), "take the lease of topics");
   if (!taken.ok()) return taken.status();
@@ -97,25 +95,19 @@ absl::StatusOr<std::vector<TopicLease>> PostgresTopicLeases::Read() {
 }
 
 absl::StatusOr<DeliveryMemory> PostgresTopicLeases::MemoryOf(std::string_view client_id) {
-  std::vector<StoreCall> calls;
-  for (const std::string_view sql : {kForgetBelow, kDeliveries}) {
-    StoreCall& call = calls.emplace_back(StoreCall{sql, {}});
-    call.parameters.Text(client_id);
-  }
-  calls.back().parameters.Int8(std::int64_t{kDeliveriesMax});
-  const auto answers = impl_->connection->Write(std::move(calls), "read what was delivered");
-  if (!answers.ok()) return answers.status();
-  const Result& below = (*answers)[0];
-  const Result& rows = (*answers)[1];
-  std::vector<Delivery> deliveries(static_cast<std::size_t>(rows.rows()));
-  for (int row = 0; row < rows.rows(); ++row) {
+  StoreCall read{kDeliveries, {}};
+  read.parameters.Text(client_id);
+  read.parameters.Int8(std::int64_t{kDeliveriesMax});
+  const auto rows = impl_->connection->Write(std::move(read), "read what was delivered");
+  if (!rows.ok()) return rows.status();
+  std::vector<Delivery> deliveries(static_cast<std::size_t>(rows->rows()));
+  for (int row = 0; row < rows->rows(); ++row) {
     Delivery& delivery = deliveries[static_cast<std::size_t>(row)];
-    delivery.number = static_cast<std::uint64_t>(rows.Int(row, 0));
-    delivery.packet_id = static_cast<std::uint16_t>(rows.Int(row, 1));
-    if (!rows.Null(row, 2)) delivery.digest = rows.Uuid(row, 2).bytes();
+    delivery.number = static_cast<std::uint64_t>(rows->Int(row, 0));
+    delivery.packet_id = static_cast<std::uint16_t>(rows->Int(row, 1));
+    if (!rows->Null(row, 2)) delivery.digest = rows->Uuid(row, 2).bytes();
   }
-  return storage::MemoryOf(deliveries,
-                           below.rows() == 0 ? 0 : static_cast<std::uint64_t>(below.Int(0, 0)));
+  return storage::MemoryOf(deliveries);
 }
 
 }  // namespace uplink::storage::postgres

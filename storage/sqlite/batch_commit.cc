@@ -29,11 +29,10 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
     absl::Status written = WriteGap(gap);
     if (!written.ok()) return written;
   }
-  for (const Deliveries& deliveries : batch.deliveries) {
-    absl::Status written = WriteDeliveries(deliveries);
-    if (!written.ok()) return written;
-  }
-  absl::Status finished = WritePresence(tables_, decider_, batch, next_entry_, outcomes);
+  const absl::StatusOr<DeliveryChanges> remembered = decider_.Remember(batch, outcomes);
+  if (!remembered.ok()) return remembered.status();
+  absl::Status finished = tables_.topics.Write(*remembered);
+  if (finished.ok()) finished = WritePresence(tables_, decider_, batch, next_entry_, outcomes);
   if (finished.ok()) finished = Finish();
   if (!finished.ok()) return finished;
   if (next_entry_ != *next) {
@@ -99,12 +98,6 @@ absl::Status BatchCommit::WriteRejection(const CommitRecord& record,
   if (!absl::IsInvalidArgument(status)) return status;
   return absl::InternalError("quarantine takes not even a bare row: " +
                              std::string(status.message()));
-}
-
-absl::Status BatchCommit::WriteDeliveries(const Deliveries& deliveries) {
-  const absl::StatusOr<bool> takes = decider_.Takes(deliveries);
-  if (!takes.ok()) return takes.status();
-  return *takes ? tables_.topics.Write(deliveries) : absl::OkStatus();
 }
 
 absl::Status BatchCommit::WriteGap(const GapItem& gap) {

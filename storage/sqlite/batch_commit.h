@@ -55,7 +55,6 @@ class BatchCommit final {
   /// The same behind a savepoint.
   absl::StatusOr<Refusal> WriteAlone(const CommitRecord& record);
   absl::Status WriteRejection(const CommitRecord& record, const model::Rejection& rejection);
-  absl::Status WriteDeliveries(const Deliveries& deliveries);
   absl::Status WriteGap(const GapItem& gap);
   /// Cursors, and the bounds that are kept by what goes.
   absl::Status Finish();

@@ -1,7 +1,9 @@
 #include "storage/sqlite/topic_leases.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <utility>
 
 #include "schema/base/check.h"
 #include "storage/sqlite/prepare.h"
@@ -9,8 +11,9 @@
 namespace uplink::storage::sqlite {
 namespace {
 
-Blob BlobOf(const ProcessId& process) {
-  return {std::string_view(reinterpret_cast<const char*>(process.data()), process.size())};
+/// Of a process, or of a message.
+Blob BlobOf(const std::array<std::uint8_t, 16>& bytes) {
+  return {std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())};
 }
 
 /// Sixteen bytes of a column; zeros for what no program of ours wrote.
@@ -44,8 +47,8 @@ absl::Status SqliteTopicLeases::Prepare() {
   prepare.Into(draw_epoch_, "UPDATE epochs SET last = last + 1 WHERE id = 0 RETURNING last");
   prepare.Into(end_, "UPDATE topic_clients SET released = 1, epoch = ?2 WHERE client_id = ?1");
   prepare.Into(take_,
-               "INSERT INTO topic_clients (client_id, process, epoch, released, taken_ms,"
-               " forget_below) VALUES (?, ?, ?, 0, ?, 0) ON CONFLICT (client_id) DO UPDATE SET"
+               "INSERT INTO topic_clients (client_id, process, epoch, released, taken_ms)"
+               " VALUES (?, ?, ?, 0, ?) ON CONFLICT (client_id) DO UPDATE SET"
                " process = excluded.process, epoch = excluded.epoch, released = 0,"
                " taken_ms = excluded.taken_ms");
   prepare.Into(drop_prefixes_, "DELETE FROM topic_prefixes WHERE client_id = ?");
@@ -53,9 +56,9 @@ absl::Status SqliteTopicLeases::Prepare() {
   prepare.Into(release_,
                "UPDATE topic_clients SET released = 1 WHERE client_id = ? AND process = ?"
                " RETURNING 1");
-  prepare.Into(trim_,
-               "DELETE FROM deliveries WHERE client_id = ?1 AND number <= (SELECT max(number)"
-               " FROM deliveries WHERE client_id = ?1) - ?2");
+  prepare.Into(insert_,
+               "INSERT INTO deliveries (client_id, number, packet_id, digest) VALUES (?, ?, ?, ?)");
+  prepare.Into(drop_through_, "DELETE FROM deliveries WHERE client_id = ? AND number <= ?");
   prepare.Into(drop_clients_,
                "DELETE FROM topic_clients WHERE client_id IN (SELECT client_id FROM topic_clients"
                " WHERE released ORDER BY taken_ms, client_id LIMIT max(0, (SELECT count(*)"
@@ -63,7 +66,6 @@ absl::Status SqliteTopicLeases::Prepare() {
   prepare.Into(
       drop_deliveries_,
       "DELETE FROM deliveries WHERE client_id NOT IN (SELECT client_id FROM topic_clients)");
-  prepare.Into(forget_below_, "SELECT forget_below FROM topic_clients WHERE client_id = ?");
   prepare.Into(deliveries_,
                "SELECT number, packet_id, digest FROM deliveries WHERE client_id = ?"
                " ORDER BY number");
@@ -137,9 +139,11 @@ absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::TakeInTransaction(
     epoch = *drawn;
     status = take_->Run(std::string_view(request.client_id), BlobOf(process_), *epoch,
                         UnixMs(request.at));
+    if (status.ok()) status = NumberDeliveries(request);
   }
   if (status.ok()) status = Hold(request);
-  if (status.ok()) status = Trim(request);
+  if (status.ok()) status = drop_clients_->Run(static_cast<std::int64_t>(kTopicClientsMax));
+  if (status.ok()) status = drop_deliveries_->Run();
   if (!status.ok()) return status;
   return epoch;
 }
@@ -161,11 +165,20 @@ absl::Status SqliteTopicLeases::Hold(const TakeRequest& request) {
   return status;
 }
 
-absl::Status SqliteTopicLeases::Trim(const TakeRequest& request) {
-  absl::Status status =
-      trim_->Run(std::string_view(request.client_id), std::int64_t{request.deliveries_max});
-  if (status.ok()) status = drop_clients_->Run(static_cast<std::int64_t>(kTopicClientsMax));
-  if (status.ok()) status = drop_deliveries_->Run();
+absl::Status SqliteTopicLeases::NumberDeliveries(const TakeRequest& request) {
+  const std::string_view client_id = request.client_id;
+  absl::StatusOr<DeliveryMemory> before = ReadMemory(client_id);
+  if (!before.ok()) return before.status();
+  const std::uint64_t last = before->last_number;
+  absl::Status status;
+  const DeliveryMemory anew = NumberedAnew(*std::move(before), DeliveriesKept(request.unacked_max));
+  for (const Delivery& delivery : anew.known) {
+    if (status.ok()) {
+      status = insert_->Run(client_id, delivery.number, std::int64_t{delivery.packet_id},
+                            BlobOf(*delivery.digest));
+    }
+  }
+  if (status.ok()) status = drop_through_->Run(client_id, last);
   return status;
 }
 
@@ -182,26 +195,21 @@ absl::Status SqliteTopicLeases::Release(std::string_view client_id) {
 }
 
 absl::StatusOr<DeliveryMemory> SqliteTopicLeases::MemoryOf(std::string_view client_id) {
-  return InTransaction<DeliveryMemory>([&]() -> absl::StatusOr<DeliveryMemory> {
-    std::uint64_t forget_below = 0;
-    {
-      Rows rows = forget_below_->Select(client_id);
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (*found) forget_below = static_cast<std::uint64_t>(rows.Int(0));
-    }
-    std::vector<Delivery> deliveries;
-    Rows rows = deliveries_->Select(client_id);
-    while (true) {
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (!*found) return storage::MemoryOf(deliveries, forget_below);
-      Delivery& delivery = deliveries.emplace_back();
-      delivery.number = static_cast<std::uint64_t>(rows.Int(0));
-      delivery.packet_id = static_cast<std::uint16_t>(rows.Int(1));
-      if (!rows.Null(2)) delivery.digest = BytesOf<DeliveryDigest>(rows.Bytes(2));
-    }
-  });
+  return InTransaction<DeliveryMemory>([&] { return ReadMemory(client_id); });
+}
+
+absl::StatusOr<DeliveryMemory> SqliteTopicLeases::ReadMemory(std::string_view client_id) {
+  std::vector<Delivery> deliveries;
+  Rows rows = deliveries_->Select(client_id);
+  while (true) {
+    const absl::StatusOr<bool> found = rows.Next();
+    if (!found.ok()) return found.status();
+    if (!*found) return storage::MemoryOf(deliveries);
+    Delivery& delivery = deliveries.emplace_back();
+    delivery.number = static_cast<std::uint64_t>(rows.Int(0));
+    delivery.packet_id = static_cast<std::uint16_t>(rows.Int(1));
+    if (!rows.Null(2)) delivery.digest = BytesOf<DeliveryDigest>(rows.Bytes(2));
+  }
 }
 
 }  // namespace uplink::storage::sqlite

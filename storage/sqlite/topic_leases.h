@@ -42,12 +42,13 @@ class SqliteTopicLeases final : public TopicLeases {
   absl::StatusOr<Epoch> DrawEpoch();
   absl::Status End(const TopicLease& lease);
   absl::Status Hold(const TakeRequest& request);
-  absl::Status Trim(const TakeRequest& request);
+  absl::Status NumberDeliveries(const TakeRequest& request);
+  absl::StatusOr<DeliveryMemory> ReadMemory(std::string_view client_id);
 
   Beside beside_;
   const ProcessId process_;
   std::unique_ptr<Statement> begin_, commit_, read_, draw_epoch_, end_, take_, drop_prefixes_,
-      add_prefix_, release_, trim_, drop_clients_, drop_deliveries_, forget_below_, deliveries_;
+      add_prefix_, release_, insert_, drop_through_, drop_clients_, drop_deliveries_, deliveries_;
 };
 
 }  // namespace uplink::storage::sqlite

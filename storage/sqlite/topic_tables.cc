@@ -21,10 +21,6 @@ absl::Status TopicTables::Prepare(Database& database) {
                "INSERT INTO deliveries (client_id, number, packet_id, digest) VALUES (?, ?, ?, ?)"
                " ON CONFLICT (client_id, number) DO NOTHING");
   prepare.Into(erase_, "DELETE FROM deliveries WHERE client_id = ? AND number = ?");
-  prepare.Into(forget_, "DELETE FROM deliveries WHERE client_id = ? AND number < ?");
-  prepare.Into(
-      set_forgotten_,
-      "UPDATE topic_clients SET forget_below = max(forget_below, ?2) WHERE client_id = ?1");
   return prepare.status();
 }
 
@@ -35,23 +31,17 @@ absl::StatusOr<Epoch> TopicTables::LeaseEpoch(std::string_view client_id) {
   return *found ? static_cast<Epoch>(rows.Int(0)) : Epoch{0};
 }
 
-absl::Status TopicTables::Write(const Deliveries& deliveries) {
-  const std::string_view client_id = deliveries.hold->client_id;
-  absl::Status status;
-  if (deliveries.forget_below > 0) {
-    status = set_forgotten_->Run(client_id, deliveries.forget_below);
-    if (status.ok()) status = forget_->Run(client_id, deliveries.forget_below);
+absl::Status TopicTables::Write(const DeliveryChanges& changes) {
+  for (const auto& [hold, delivery] : changes.added) {
+    absl::Status added = insert_->Run(std::string_view(hold->client_id), delivery.number,
+                                      std::int64_t{delivery.packet_id}, BlobOf(delivery.digest));
+    if (!added.ok()) return added;
   }
-  for (const Delivery& delivery : deliveries.committed) {
-    if (status.ok()) {
-      status = insert_->Run(client_id, delivery.number, std::int64_t{delivery.packet_id},
-                            BlobOf(delivery.digest));
-    }
-    if (!status.ok()) return status;
-    if (delivery.number <= deliveries.kept_max) continue;
-    status = erase_->Run(client_id, delivery.number - deliveries.kept_max);
+  for (const auto& [hold, number] : changes.gone) {
+    absl::Status erased = erase_->Run(std::string_view(hold->client_id), number);
+    if (!erased.ok()) return erased;
   }
-  return status;
+  return absl::OkStatus();
 }
 
 }  // namespace uplink::storage::sqlite

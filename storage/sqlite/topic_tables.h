@@ -6,7 +6,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "storage/deliveries.h"
+#include "storage/remember.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
 
@@ -22,10 +22,10 @@ class TopicTables final {
 
   /// 0 if the client id has no lease.
   [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id);
-  [[nodiscard]] absl::Status Write(const Deliveries& deliveries);
+  [[nodiscard]] absl::Status Write(const DeliveryChanges& changes);
 
  private:
-  std::unique_ptr<Statement> epoch_, insert_, erase_, forget_, set_forgotten_;
+  std::unique_ptr<Statement> epoch_, insert_, erase_;
 };
 
 }  // namespace uplink::storage::sqlite

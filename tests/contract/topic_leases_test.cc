@@ -136,7 +136,8 @@ TEST_P(TopicLeaseContract, NothingIsWrittenOfWhatCameUnderALeaseThatIsOver) {
   storage::Batch batch;
   batch.records = {Under(Hold(stale), Good(1)), Under(Hold(stale), Bad(2)), Good(3),
                    Under(Hold(stale, "never"), Good(4)), Under(Hold(taken), Good(5))};
-  batch.deliveries = {{Hold(stale), {{1, 7, storage::DeliveryDigest{1}}}}};
+  batch.records[0].message_end = {{1, 7, storage::DeliveryDigest{1}}};
+  batch.deliveries = {{Hold(stale), {{2, 8, storage::DeliveryDigest{2}}}}};
   std::vector<OutcomeKind> kinds;
   for (const storage::Outcome& outcome : Commit(batch)) kinds.push_back(outcome.kind);
   EXPECT_THAT(kinds, ElementsAre(OutcomeKind::kFenced, OutcomeKind::kFenced, OutcomeKind::kStored,
@@ -170,11 +171,16 @@ TEST_P(TopicLeaseContract, ABadRequestIsRefusedByFieldAndLimit) {
   EXPECT_THAT(text(Wants({"1", "2", "3", "4", "5", "6", "7", "8", "9"})),
               HasSubstr("9 items, outside 1 to 8"));
   EXPECT_THAT(text(Wants({"a", "b", "a"})), HasSubstr("\"a\" twice"));
+  const std::string longest(storage::kTopicPrefixBytesMax, 'p');
+  EXPECT_THAT(text(Wants({"a", longest + "p"})),
+              HasSubstr("prefixes[1] has 256 bytes, more than 255"));
   storage::TakeRequest request = Wants();
-  request.deliveries_max = 0;
-  EXPECT_THAT(text(request), HasSubstr("deliveries_max is 0"));
+  request.unacked_max = 0;
+  EXPECT_THAT(text(request), HasSubstr("unacked_max is 0, outside 1 to 32767"));
+  request.unacked_max = storage::kUnackedMaxMax + 1;
+  EXPECT_THAT(text(request), HasSubstr("unacked_max is 32768"));
   EXPECT_THAT(Read(), IsEmpty());
-  EXPECT_NE(Take(Wants({"1", "2", "3", "4", "5", "6", "7", "8"},
+  EXPECT_NE(Take(Wants({"1", "2", "3", "4", "5", "6", "7", longest},
                        std::string(storage::kClientIdBytesMax, 'x'))),
             std::nullopt);
 }

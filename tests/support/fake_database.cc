@@ -51,7 +51,7 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   for (const CommitRecord& record : batch.records) {
     outcomes.push_back(CommitOne(transaction, record));
   }
-  for (const storage::Deliveries& deliveries : batch.deliveries) topics_.Write(deliveries);
+  topics_.Write(batch, outcomes);
   for (const GapItem& gap : batch.gaps) WriteGap(gap);
   const auto is_fenced = [this](const storage::PresenceItem& item) {
     return IsFenced(item.robot, item.held_since);
@@ -321,7 +321,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
     made.epoch = made.held_since = record.held_since;
     made.owner = transaction.process;
   }
-  const bool lease_stands = record.origin == nullptr || topics_.Stands(record.origin->hold);
+  const bool lease_stands = topics_.Stands(storage::HoldOf(record.origin));
   if (!lease_stands || IsFenced(record.robot, record.held_since)) {
     return {OutcomeKind::kFenced, std::nullopt};
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "storage/remember.h"
+
 namespace uplink::testing {
 
 std::optional<storage::Epoch> FakeTopics::Take(const storage::TakeRequest& request,
@@ -29,12 +31,12 @@ std::optional<storage::Epoch> FakeTopics::Take(const storage::TakeRequest& reque
     lease.released = false;
     lease.epoch = draw();
     lease.taken_at = request.at;
-  }
-  if (!client.deliveries.empty()) {
-    const std::uint64_t last = client.deliveries.rbegin()->first;
-    std::erase_if(client.deliveries, [&](const auto& delivery) {
-      return delivery.first + request.deliveries_max <= last;
-    });
+    const std::uint32_t kept_max = storage::DeliveriesKept(request.unacked_max);
+    const storage::DeliveryMemory anew = NumberedAnew(MemoryOf(client), kept_max);
+    client.deliveries.clear();
+    for (const storage::Delivery& delivery : anew.known) {
+      client.deliveries.emplace(delivery.number, delivery);
+    }
   }
   DropOldClients();
   return lease.epoch;
@@ -68,30 +70,30 @@ std::vector<storage::TopicLease> FakeTopics::Read() const {
 
 storage::DeliveryMemory FakeTopics::MemoryOf(std::string_view client_id) const {
   const auto client = clients_.find(client_id);
-  if (client == clients_.end()) return {};
-  std::vector<storage::Delivery> rows;
-  rows.reserve(client->second.deliveries.size());
-  for (const auto& [number, delivery] : client->second.deliveries) rows.push_back(delivery);
-  return storage::MemoryOf(rows, client->second.forget_below);
+  return client == clients_.end() ? storage::DeliveryMemory() : MemoryOf(client->second);
 }
 
-bool FakeTopics::Stands(const storage::TopicHoldRef& hold) const {
+storage::DeliveryMemory FakeTopics::MemoryOf(const Client& client) {
+  std::vector<storage::Delivery> rows;
+  rows.reserve(client.deliveries.size());
+  for (const auto& [number, delivery] : client.deliveries) rows.push_back(delivery);
+  return storage::MemoryOf(rows);
+}
+
+bool FakeTopics::Stands(const storage::TopicHold* hold) const {
   if (hold == nullptr) return true;
   const auto client = clients_.find(hold->client_id);
   return client != clients_.end() && client->second.lease.epoch == hold->epoch;
 }
 
-void FakeTopics::Write(const storage::Deliveries& deliveries) {
-  if (deliveries.hold == nullptr || !Stands(deliveries.hold)) return;
-  Client& client = clients_.find(deliveries.hold->client_id)->second;
-  client.forget_below = std::max(client.forget_below, deliveries.forget_below);
-  std::erase_if(client.deliveries,
-                [&](const auto& delivery) { return delivery.first < deliveries.forget_below; });
-  for (const storage::Delivery& delivery : deliveries.committed) {
-    client.deliveries.emplace(delivery.number, delivery);
-    if (delivery.number > deliveries.kept_max) {
-      client.deliveries.erase(delivery.number - deliveries.kept_max);
-    }
+void FakeTopics::Write(const storage::Batch& batch, std::span<const storage::Outcome> outcomes) {
+  const auto stands = [this](const storage::TopicHold& hold) { return Stands(&hold); };
+  const auto changes = storage::DeliveryChangesOf(batch, outcomes, stands);
+  for (const auto& [hold, delivery] : changes->added) {
+    clients_.find(hold->client_id)->second.deliveries.emplace(delivery.number, delivery);
+  }
+  for (const auto& [hold, number] : changes->gone) {
+    clients_.find(hold->client_id)->second.deliveries.erase(number);
   }
 }
 

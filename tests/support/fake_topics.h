@@ -5,12 +5,14 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "storage/topic_leases.h"
+#include "storage/types.h"
 
 namespace uplink::testing {
 
@@ -29,16 +31,16 @@ class FakeTopics final {
   [[nodiscard]] storage::DeliveryMemory MemoryOf(std::string_view client_id) const;
 
   /// The lease is that of the client id still; so is none.
-  [[nodiscard]] bool Stands(const storage::TopicHoldRef& hold) const;
-  /// Remembers what a commit says, if its lease stands.
-  void Write(const storage::Deliveries& deliveries);
+  [[nodiscard]] bool Stands(const storage::TopicHold* hold) const;
+  /// Remembers what a commit says of its deliveries, given the outcomes of its records.
+  void Write(const storage::Batch& batch, std::span<const storage::Outcome> outcomes);
 
  private:
   struct Client {
     storage::TopicLease lease;
     std::map<std::uint64_t, storage::Delivery> deliveries;
-    std::uint64_t forget_below = 0;
   };
+  [[nodiscard]] static storage::DeliveryMemory MemoryOf(const Client& client);
   void DropOldClients();
 
   std::map<std::string, Client, std::less<>> clients_;

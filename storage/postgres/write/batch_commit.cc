@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -124,9 +125,9 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     premises.AddHold(gap.robot->ruri, gap.held_since);
     rows.AddGap(gap, place++);
   }
-  for (const Deliveries& deliveries : batch_.deliveries) {
-    if (deliveries.hold != nullptr) rows.AddDeliveries(deliveries);
-  }
+  // begin_batch and hold_topics see to it that all of it is stored.
+  Outcomes outcomes(batch_.records.size() + batch_.presence.size());
+  rows.Remember(*DeliveryChangesOf(batch_, outcomes, [](const TopicHold&) { return true; }));
   for (const PresenceItem& item : batch_.presence) {
     premises.AddHold(item.robot->ruri, item.held_since);
     rows.AddPresence(item, batch_.presence_session, place++);
@@ -137,7 +138,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   absl::Status committed = CommitCalls(std::move(calls));
   if (!committed.ok()) return committed;
-  return Outcomes(batch_.records.size() + batch_.presence.size());
+  return outcomes;
 }
 
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
@@ -146,7 +147,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   absl::StatusOr<KnownRows> known = ReadKnown(connection_, Whole(), rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
-  Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, rows);
+  Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, {}, rows);
   std::vector<StoreCall> calls = std::move(rows).TakeCalls();
   calls.push_back({kLogPosition, {}});
   absl::Status committed = CommitCalls(std::move(calls));
@@ -163,7 +164,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteInHalves() {
   if (written.ok()) {
     // Gaps and changes of presence: what the database refuses of them, no robot can mend.
     const std::size_t end = batch_.records.size();
-    auto rest = WriteSlice({&batch_, end, end, true}, std::nullopt);
+    auto rest = WriteSlice({&batch_, end, end, true}, std::nullopt, outcomes);
     written = Decisive(rest.status());
     if (rest.ok()) std::ranges::move(*rest, std::back_inserter(outcomes));
   }
@@ -216,11 +217,12 @@ absl::Status BatchCommit::Isolate(const Slice& slice, const absl::Status& cause,
 }
 
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteSlice(
-    const Slice& slice, const std::optional<DatabaseRefusal>& refusal) {
+    const Slice& slice, const std::optional<DatabaseRefusal>& refusal,
+    std::span<const Outcome> earlier) {
   absl::StatusOr<KnownRows> known = ReadKnown(connection_, slice, rules_);
   if (!known.ok()) return Decisive(known.status());
   BatchRows rows(rules_);
-  Outcomes outcomes = DecideSlice(slice, *known, rules_, refusal, rows);
+  Outcomes outcomes = DecideSlice(slice, *known, rules_, refusal, earlier, rows);
   std::vector<StoreCall> calls;
   calls.push_back({kSavepoint, {}});
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));

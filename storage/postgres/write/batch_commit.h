@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -47,9 +48,10 @@ class BatchCommit final {
   absl::StatusOr<Outcomes> WriteAfterLook();
   absl::StatusOr<Outcomes> WriteInHalves();
   /// Decides and writes a slice behind a savepoint; kInvalidArgument if the database refuses a row
-  /// of it, and nothing of the slice is written then.
+  /// of it, and nothing of the slice is written then. `earlier`: of DecideSlice.
   absl::StatusOr<Outcomes> WriteSlice(const Slice& slice,
-                                      const std::optional<DatabaseRefusal>& refusal);
+                                      const std::optional<DatabaseRefusal>& refusal,
+                                      std::span<const Outcome> earlier = {});
   absl::Status CommitCalls(std::vector<StoreCall> calls);
   absl::Status Halve(const Slice& slice, Outcomes& outcomes);
   absl::Status Isolate(const Slice& slice, const absl::Status& cause, Outcomes& outcomes);

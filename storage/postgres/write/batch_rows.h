@@ -15,6 +15,7 @@
 #include "storage/postgres/write/latest_rows.h"
 #include "storage/postgres/write/present_rows.h"
 #include "storage/present.h"
+#include "storage/remember.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {
@@ -35,7 +36,7 @@ class BatchRows final {
               QuarantineDetail detail, std::int32_t place);
   void AddGap(const GapItem& gap, std::int32_t place);
   /// What is remembered of messages that a broker delivered.
-  void AddDeliveries(const Deliveries& deliveries) { deliveries_.push_back(&deliveries); }
+  void Remember(DeliveryChanges changes) { deliveries_ = std::move(changes); }
   /// A change of presence, and its number in `session`.
   void AddPresence(const PresenceItem& item, const model::SessionId& session, std::int32_t place);
   /// An expired shape or object that makes room for another. The views must outlive this.
@@ -65,7 +66,7 @@ class BatchRows final {
   LatestRows latest_;
   PresenceRows presence_;
   GapRows gaps_;
-  std::vector<const Deliveries*> deliveries_;
+  DeliveryChanges deliveries_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
   /// Robots of which a bound is to be kept after the writes.
   std::set<std::string_view> robots_with_payloads_;

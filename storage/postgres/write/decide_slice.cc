@@ -1,5 +1,7 @@
 #include "storage/postgres/write/decide_slice.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -121,15 +123,15 @@ class SliceDecision final {
     return {};
   }
 
-  void DecideRest(const Batch& batch, std::vector<Outcome>& outcomes) {
+  /// `of_records` has the outcomes of all of the batch's records.
+  void DecideRest(const Batch& batch, std::span<const Outcome> of_records,
+                  std::vector<Outcome>& outcomes) {
     std::size_t place = batch.records.size();
     for (const GapItem& gap : batch.gaps) {
       if (Sure(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
       ++place;
     }
-    for (const Deliveries& deliveries : batch.deliveries) {
-      if (Sure(decider_.Takes(deliveries))) rows_.AddDeliveries(deliveries);
-    }
+    rows_.Remember(Sure(decider_.Remember(batch, of_records)));
     if (batch.presence.empty()) return;
     KnownSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];
     for (const PresenceItem& item : batch.presence) {
@@ -170,7 +172,8 @@ class SliceDecision final {
 }  // namespace
 
 std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known, const StoreRules& rules,
-                                 const std::optional<DatabaseRefusal>& refusal, BatchRows& rows) {
+                                 const std::optional<DatabaseRefusal>& refusal,
+                                 std::span<const Outcome> earlier, BatchRows& rows) {
   UPLINK_CHECK(!refusal || slice.last - slice.first == 1, "a refusal is of one record");
   SliceDecision decision(known, rules, refusal, rows);
   std::vector<Outcome> outcomes;
@@ -179,7 +182,11 @@ std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known, const Sto
     outcomes.push_back(
         decision.Decide(slice.batch->records[place], static_cast<std::int32_t>(place)));
   }
-  if (slice.with_rest) decision.DecideRest(*slice.batch, outcomes);
+  if (!slice.with_rest) return outcomes;
+  std::vector<Outcome> of_records(earlier.begin(), earlier.end());
+  std::ranges::copy(outcomes, std::back_inserter(of_records));
+  UPLINK_CHECK(of_records.size() == slice.batch->records.size(), "the rest is of the whole batch");
+  decision.DecideRest(*slice.batch, of_records, outcomes);
   return outcomes;
 }
 

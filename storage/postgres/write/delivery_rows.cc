@@ -14,32 +14,15 @@ constexpr std::string_view kInsert =
 constexpr std::string_view kErase =
     "DELETE FROM uplinkd.deliveries AS d USING unnest($1::text[], $2::bigint[])"
     " AS u (client_id, number) WHERE d.client_id = u.client_id AND d.number = u.number";
-constexpr std::string_view kSetForgotten =
-    "UPDATE uplinkd.topic_clients AS c SET forget_below = greatest(c.forget_below, u.below)"
-    " FROM unnest($1::text[], $2::bigint[]) AS u (client_id, below)"
-    " WHERE c.client_id = u.client_id";
-constexpr std::string_view kForget =
-    "DELETE FROM uplinkd.deliveries AS d USING unnest($1::text[], $2::bigint[])"
-    " AS u (client_id, below) WHERE d.client_id = u.client_id AND d.number < u.below";
 constexpr std::string_view kHoldTopics = "SELECT uplinkd.hold_topics($1::text[], $2::bigint[])";
 
 }  // namespace
 
-void AddDeliveryCalls(const std::vector<const Deliveries*>& all, std::vector<StoreCall>& calls) {
-  Array client{Type::kText}, number{Type::kInt8}, packet_id{Type::kInt4}, digest{Type::kUuid};
-  Array old_client{Type::kText}, old_number{Type::kInt8};
-  for (const Deliveries* deliveries : all) {
-    const std::string_view client_id = deliveries->hold->client_id;
-    if (deliveries->forget_below > 0) {
-      for (const std::string_view sql : {kSetForgotten, kForget}) {
-        Array forgetful{Type::kText}, below{Type::kInt8};
-        forgetful.Text(client_id);
-        below.Int8(deliveries->forget_below);
-        calls.push_back(StoreCallOf(sql, {&forgetful, &below}));
-      }
-    }
-    for (const Delivery& delivery : deliveries->committed) {
-      client.Text(client_id);
+void AddDeliveryCalls(const DeliveryChanges& changes, std::vector<StoreCall>& calls) {
+  if (!changes.added.empty()) {
+    Array client{Type::kText}, number{Type::kInt8}, packet_id{Type::kInt4}, digest{Type::kUuid};
+    for (const auto& [hold, delivery] : changes.added) {
+      client.Text(hold->client_id);
       number.Int8(delivery.number);
       packet_id.Int4(delivery.packet_id);
       if (delivery.digest) {
@@ -47,15 +30,16 @@ void AddDeliveryCalls(const std::vector<const Deliveries*>& all, std::vector<Sto
       } else {
         digest.Null();
       }
-      if (delivery.number <= deliveries->kept_max) continue;
-      old_client.Text(client_id);
-      old_number.Int8(delivery.number - deliveries->kept_max);
     }
-  }
-  if (client.size() > 0) {
     calls.push_back(StoreCallOf(kInsert, {&client, &number, &packet_id, &digest}));
   }
-  if (old_client.size() > 0) calls.push_back(StoreCallOf(kErase, {&old_client, &old_number}));
+  if (changes.gone.empty()) return;
+  Array client{Type::kText}, number{Type::kInt8};
+  for (const auto& [hold, gone] : changes.gone) {
+    client.Text(hold->client_id);
+    number.Int8(gone);
+  }
+  calls.push_back(StoreCallOf(kErase, {&client, &number}));
 }
 
 void AddHoldCall(const Batch& batch, std::vector<StoreCall>& calls) {

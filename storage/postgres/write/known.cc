@@ -78,12 +78,16 @@ class Reads final {
 /// Before robots are locked, as hold_topics goes before begin_batch.
 void ReadLeases(const Slice& slice, KnownRows& known, Reads& reads) {
   std::set<std::string_view> clients;
-  for (const CommitRecord& record : slice.records()) {
-    if (const TopicHold* const hold = HoldOf(record.origin)) clients.insert(hold->client_id);
-  }
+  const auto add = [&clients](const TopicHold* hold) {
+    if (hold != nullptr) clients.insert(hold->client_id);
+  };
+  for (const CommitRecord& record : slice.records()) add(HoldOf(record.origin));
   if (slice.with_rest) {
+    for (const CommitRecord& record : slice.batch->records) {
+      if (record.message_end) add(HoldOf(record.origin));
+    }
     for (const Deliveries& deliveries : slice.batch->deliveries) {
-      if (deliveries.hold != nullptr) clients.insert(deliveries.hold->client_id);
+      add(deliveries.hold.get());
     }
   }
   if (clients.empty()) return;

@@ -287,12 +287,16 @@ TEST_F(Decide, WhatCameUnderALeaseThatIsOverIsFencedAndNotLookedAt) {
   EXPECT_EQ(Kind(under("nobody", 5)), OutcomeKind::kFenced);
   EXPECT_THAT(known_.asked, IsEmpty());
   EXPECT_EQ(Kind(under("c", 5)), OutcomeKind::kStored);
-  EXPECT_FALSE(*decider_.Takes(Deliveries{under("c", 4).origin->hold}));
-  EXPECT_FALSE(*decider_.Takes(Deliveries{}));
-  EXPECT_TRUE(*decider_.Takes(Deliveries{under("c", 5).origin->hold}));
+  Batch batch;
+  batch.deliveries = {{under("c", 4).origin->hold, {{1, 7, std::nullopt}}},
+                      {under("c", 5).origin->hold, {{2, 7, std::nullopt}}}};
+  const auto remembered = decider_.Remember(batch, {});
+  ASSERT_TRUE(remembered.ok()) << remembered.status();
+  ASSERT_EQ(remembered->added.size(), 1U);
+  EXPECT_EQ(remembered->added[0].delivery.number, 2U);
   known_.failure = absl::UnavailableError("away");
   EXPECT_EQ(decider_.Look(under("c", 5)).status(), known_.failure);
-  EXPECT_EQ(decider_.Takes(Deliveries{under("c", 5).origin->hold}).status(), known_.failure);
+  EXPECT_EQ(decider_.Remember(batch, {}).status(), known_.failure);
 }
 
 class DecideBound : public Decide, public ::testing::WithParamInterface<Bounded> {

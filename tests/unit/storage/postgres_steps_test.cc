@@ -87,5 +87,19 @@ TEST_F(PostgresSteps, AServerOfALaterBuildMakesTheDaysOfScopeUpdatesToo) {
   EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('scope_updates', '2026-01-03')"), "1\n");
 }
 
+TEST_F(PostgresSteps, DeliveriesOfSessionsThatWereLostEarlierGo) {
+  MigrateUpTo("_lost_sessions");
+  PostgresShell shell = database_.Shell();
+  shell.Run(
+      "INSERT INTO uplinkd.topic_clients VALUES"
+      " ('c', '01000000-0000-0000-0000-000000000000', 1, false, now(), 3)");
+  shell.Run(
+      "INSERT INTO uplinkd.deliveries VALUES ('c', 2, 7, NULL), ('c', 3, 8, NULL),"
+      " ('gone', 9, 7, NULL)");
+  MigrateAll();
+  EXPECT_EQ(PostgresShell(database_.url()).Read("SELECT client_id, number FROM uplinkd.deliveries"),
+            "c|3\n");
+}
+
 }  // namespace
 }  // namespace uplink::storage::postgres

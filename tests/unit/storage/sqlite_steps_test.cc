@@ -61,5 +61,14 @@ TEST_F(SqliteSteps, QuarantineOfAnEarlierBuildCameByTheRelay) {
   EXPECT_EQ(Int("SELECT COUNT(*) FROM quarantine WHERE source = 0 AND topic = ''"), 1);
 }
 
+TEST_F(SqliteSteps, DeliveriesOfSessionsThatWereLostEarlierGo) {
+  MigrateUpTo("_lost_sessions");
+  Run("INSERT INTO topic_clients VALUES ('c', x'01', 1, 0, 1, 3)");
+  Run("INSERT INTO deliveries VALUES ('c', 2, 7, NULL), ('c', 3, 8, NULL)");
+  MigrateAll();
+  EXPECT_EQ(Int("SELECT SUM(number) FROM deliveries"), 3);
+  EXPECT_EQ(Int("SELECT epoch FROM topic_clients"), 1);
+}
+
 }  // namespace
 }  // namespace uplink::storage::sqlite

@@ -57,9 +57,9 @@ TEST(MqttSettings, SayWhatIsWrongByTheirKey) {
          s.kept_session = true;
        },
        "mqtt.session_expiry is 0 s, from 1 to 4294967294"},
-      {[](S& s) { s.unacked_max = 0; }, "mqtt.unacked_max is 0, from 1 to 65535"},
-      {[](S& s) { s.unacked_max = 65'535; }, ""},
-      {[](S& s) { s.unacked_max = 65'536; }, "mqtt.unacked_max is 65536"},
+      {[](S& s) { s.unacked_max = 0; }, "mqtt.unacked_max is 0, from 1 to 32767"},
+      {[](S& s) { s.unacked_max = 32'767; }, ""},
+      {[](S& s) { s.unacked_max = 32'768; }, "mqtt.unacked_max is 32768"},
       {[](S& s) { s.payload_bytes_max = kRemainingLengthMax + 1; }, "payload_bytes_max"},
   };
   for (const Case& each : cases) {
