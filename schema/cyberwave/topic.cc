@@ -88,6 +88,7 @@ TopicReading ParseTopic(std::string_view topic, std::span<const std::string> pre
   reading.topic.message_class = row->message_class;
   reading.topic.prefix = *prefix;
   reading.rejection = ReadId(reading.topic, *id, rest);
+  reading.topic.identified = !reading.rejection;
   return reading;
 }
 

@@ -21,6 +21,8 @@ struct Topic {
   MessageClass message_class = MessageClass::kOther;
   /// The configured one that it stands under; empty too for kOther.
   std::string prefix;
+  /// Whether id and name were good; otherwise it is nobody's.
+  bool identified = false;
   /// The twin, the environment or the workflow run; not of a ping, nor of kOther.
   model::cyberwave::Uuid id;
   /// Of an environment its type; of a ping the name to answer under, as it came.

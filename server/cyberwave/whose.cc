@@ -1,19 +1,23 @@
 #include "server/cyberwave/whose.h"
 
+#include "storage/origin.h"
+
 namespace uplink::cyberwave {
 
-RobotKind RobotOf(const Judgement& judgement) {
+std::optional<RobotKind> RobotOf(const Judgement& judgement) {
+  if (!judgement.topic.identified || !IsOfTwin(judgement.topic.kind)) return std::nullopt;
   return model::cyberwave::IsSimulated(judgement.head.source.type) ? RobotKind::kSimulated
                                                                    : RobotKind::kReal;
 }
 
 std::string RuriOf(const Judgement& judgement) {
-  return TwinRuri(judgement.topic.prefix, judgement.topic.id, RobotOf(judgement));
+  const std::optional<RobotKind> kind = RobotOf(judgement);
+  if (!kind) return storage::NoRobotOf(judgement.topic.prefix);
+  return TwinRuri(judgement.topic.prefix, judgement.topic.id, *kind);
 }
 
 std::optional<RobotKind> SignOfLifeOf(const Judgement& judgement) {
-  if (!judgement.sign_of_life) return std::nullopt;
-  return RobotOf(judgement);
+  return judgement.sign_of_life ? RobotOf(judgement) : std::nullopt;
 }
 
 }  // namespace uplink::cyberwave

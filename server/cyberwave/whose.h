@@ -8,10 +8,12 @@
 
 namespace uplink::cyberwave {
 
-/// Which of its twin's robots a message is of. Pure.
-[[nodiscard]] RobotKind RobotOf(const Judgement& judgement);
+/// Which of its twin's robots a message is of; nothing if it is of none: of an environment, a
+/// workflow run, a ping or another topic, or of a topic whose id is no UUID. Pure.
+[[nodiscard]] std::optional<RobotKind> RobotOf(const Judgement& judgement);
 
-/// The RURI of that robot; the topic must be one of a twin. Pure.
+/// In whose name the message's records and its row of quarantine stand: the RURI of that robot; of
+/// what is of none what stands in a robot's place under its prefix (storage::NoRobotOf). Pure.
 [[nodiscard]] std::string RuriOf(const Judgement& judgement);
 
 /// The robot that is there because of this message; nothing if it proves nothing: marks come from

@@ -19,7 +19,8 @@ class AppliedTwin {
  public:
   cyberwave::Applied Publish(std::string_view tail, std::string_view payload) {
     cyberwave::Judgement judgement = JudgeOn(tail, payload, terms);
-    cyberwave::TwinState& robot = Of(cyberwave::RobotOf(judgement));
+    const auto kind = cyberwave::RobotOf(judgement).value_or(cyberwave::RobotKind::kReal);
+    cyberwave::TwinState& robot = Of(kind);
     return robot.Apply(std::move(judgement), {.steady = clock.Steady(), .system = clock.System()});
   }
   cyberwave::Outcome Say(std::string_view tail, std::string_view payload) {

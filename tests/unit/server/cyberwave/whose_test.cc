@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -25,6 +26,25 @@ TEST(WhoseTest, ARobotHasTheRuriOfItsTwinAndKind) {
       RuriOf(JudgeMessage("site/a/cyberwave/joint/" + twin + "/update",
                           R"({"source_type":"sim_tele","_1":1})", {.prefixes = {"", "site/a/"}})),
       "rcan://local.rcan/cyberwave/sim.site%2Fa%2F/" + twin);
+}
+
+TEST(WhoseTest, WhatIsOfNoRobotStandsInItsPrefixesName) {
+  const JudgeTerms terms = {.prefixes = {"", "site/a/"}, .prismatic_joints = {}};
+  const auto judge = [&terms](const std::string& topic) {
+    return JudgeMessage(topic, "{}", terms);
+  };
+  const std::string id(test::kEnvironment);
+  for (const std::string& tail : std::vector<std::string>{
+           "environment/" + id + "/added", "workflow-run/" + id + "/status", "ping/me/request",
+           "twin/no-uuid/position", "twin/no-uuid/webrtc-offer",
+           "environment/" + id + "/" + std::string(300, 'x')}) {
+    for (const std::string prefix : {"", "site/a/"}) {
+      const Judgement judgement = judge(prefix + "cyberwave/" + tail);
+      EXPECT_EQ(RobotOf(judgement), std::nullopt) << tail;
+      EXPECT_EQ(SignOfLifeOf(judgement), std::nullopt) << tail;
+      EXPECT_EQ(RuriOf(judgement), "cyberwave:" + prefix) << tail;
+    }
+  }
 }
 
 TEST(WhoseTest, StateIsASignOfLifeOfItsRobot) {
