@@ -206,6 +206,7 @@ Outside JudgeOutside(std::string_view topic, std::size_t bytes, const JudgeTerms
   Judgement& judgement = outside.judgement;
   TopicReading reading = ParseTopic(topic, terms.prefixes);
   judgement.topic = std::move(reading.topic);
+  judgement.payload_bytes = bytes;
   judgement.message_class = judgement.topic.message_class;
   judgement.may_be_kept = MayBeKept(judgement.message_class);
   if (reading.rejection) {

@@ -27,6 +27,8 @@ struct JudgeTerms {
 /// What judging one message found. A value.
 struct Judgement {
   Topic topic;
+  /// Of the payload as it came.
+  std::size_t payload_bytes = 0;
   /// What the message is, by its topic and by what it says; by its topic alone if it is no JSON
   /// object.
   MessageClass message_class = MessageClass::kOther;

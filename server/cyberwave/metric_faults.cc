@@ -6,11 +6,14 @@
 
 #include "schema/base/utf8.h"
 #include "schema/limits.h"
+#include "server/cyberwave/held_bytes.h"
 
 namespace uplink::cyberwave {
 namespace {
 
 constexpr std::string_view kCategory = "metrics";
+/// Of a set, with its text.
+constexpr std::size_t kSetNodeBytes = 32 + sizeof(std::string) + kAllocationBytes;
 
 /// FNV-1a: the same wherever it is computed. Who could make two texts share it could as well send
 /// the same text twice.
@@ -68,6 +71,12 @@ void MetricFaults::Restore(const std::vector<std::string>& fault_ids) {
     if (active_.size() >= kMetricFaultsMax) return;
     active_.insert(id);
   }
+}
+
+std::size_t HeldBytes(const MetricFaults& faults) {
+  std::size_t held = 0;
+  for (const std::string& id : faults.active()) held += kSetNodeBytes + HeldBytes(id);
+  return held;
 }
 
 }  // namespace uplink::cyberwave

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <set>
@@ -38,5 +39,8 @@ class MetricFaults final {
  private:
   std::set<std::string, std::less<>> active_;
 };
+
+/// What it holds in memory besides itself, in bytes.
+[[nodiscard]] std::size_t HeldBytes(const MetricFaults& faults);
 
 }  // namespace uplink::cyberwave

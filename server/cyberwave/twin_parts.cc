@@ -26,9 +26,12 @@ constexpr std::size_t kReportBytes = 2 * TextBytes(kMessageBytesMax);
 constexpr std::size_t kSessionBytes =
     sizeof(SessionMarks::Sessions::value_type) + kNodeBytes +
     (kEndedStreamsMax + 1) * (TextBytes(schema::kIdBytesMax) + 2 * sizeof(std::string));
+/// Held beside the parts (twin_state.h).
+constexpr std::size_t kFaultsBytes =
+    kMetricFaultsMax * (sizeof(std::string) + kNodeBytes + TextBytes(schema::kIdBytesMax));
 constexpr std::size_t kHeadsBytes = 16 * TextBytes(schema::kNameBytesMax);
 static_assert(sizeof(TwinParts) + kJointsBytes + kTablesBytes + kReportBytes +
-                      kMarkedSessionsMax * kSessionBytes + kHeadsBytes <=
+                      kMarkedSessionsMax * kSessionBytes + kHeadsBytes + kFaultsBytes <=
                   kTwinBytesMax,
               "a full twin stays within its bound");
 

@@ -17,6 +17,7 @@ struct Said {
   const cw::Head& head;
   Stamp stamp;
   SessionNumber session = 0;
+  std::size_t payload_bytes = 0;
 
   [[nodiscard]] std::int64_t unix_time_ms() const {
     constexpr std::int64_t kUsPerMs = 1000;
@@ -65,6 +66,12 @@ Applied Only(Outcome outcome) {
   Applied applied;
   applied.outcome = outcome;
   return applied;
+}
+
+Applied Stored(DurableRecord&& record) {
+  Applied stored = Only(Outcome::kStored);
+  stored.records.push_back(std::move(record));
+  return stored;
 }
 
 std::size_t BytesOf(const std::vector<cw::Metric>& metrics) {
@@ -118,7 +125,7 @@ struct TwinState::Taking {
     Applied applied = Only(Outcome::kApplied);
     for (model::Fault& fault : state.faults_.Take(errors, said.unix_time_ms())) {
       applied.outcome = Outcome::kStored;
-      applied.records.emplace_back(std::move(fault));
+      applied.records.push_back(Records::Of(std::move(fault), said.payload_bytes));
     }
     std::map<std::string, std::vector<cw::Metric>> by_category;
     for (cw::Metric& metric : metrics.metrics) {
@@ -186,23 +193,36 @@ struct TwinState::Taking {
   }
 };
 
+std::size_t TwinState::RecordsAtMost(const Judgement& judgement) const {
+  const cw::Body* body = judgement.body();
+  if (body == nullptr) return 0;
+  if (const auto* metrics = std::get_if<cw::Metrics>(body)) {
+    return (metrics->errors ? metrics->errors->size() : 0) + faults_.active().size();
+  }
+  return judgement.message_class == MessageClass::kDurable ? 1 : 0;
+}
+
+std::size_t TwinState::held_bytes() const {
+  return sizeof(TwinState) - sizeof(TwinParts) + HeldBytes(parts_) + HeldBytes(faults_);
+}
+
 Applied TwinState::Apply(Judgement&& judgement, const Arrival& arrival) {
   auto* body = std::get_if<cw::Body>(&judgement.verdict);
-  if (body == nullptr || !IsOfTwin(judgement.topic.kind)) return {};
+  if (body == nullptr) return Only(Outcome::kRejected);
+  if (!IsOfTwin(judgement.topic.kind)) return {};
   const cw::Head& head = judgement.head;
   const Said said{.topic = judgement.topic.kind,
                   .head = head,
                   .stamp = {.timestamp_us = head.timestamp_us, .arrived = arrival},
-                  .session = SessionNumberOf(head.session_id)};
+                  .session = SessionNumberOf(head.session_id),
+                  .payload_bytes = judgement.payload_bytes};
   if (const auto* mark = std::get_if<cw::Mark>(body)) {
     parts_.sessions.Take(*mark, head.session_id, said.stamp);
   } else {
     parts_.sessions.Touch(head.session_id);
   }
-  if (std::optional<DurableRecord> record = TakeRecord(judgement)) {
-    Applied stored = Only(Outcome::kStored);
-    stored.records.push_back(*std::move(record));
-    return stored;
+  if (std::optional<DurableRecord> record = Records::Take(judgement)) {
+    return Stored(*std::move(record));
   }
   return std::visit(Taking{*this, parts_, said}, std::move(*body));
 }
@@ -219,6 +239,12 @@ void TwinState::DropTables() {
   parts_.reports = {};
   parts_.motors.reset();
   parts_.driver_info.reset();
+}
+
+Applied ApplyToNoRobot(Judgement&& judgement) {
+  if (judgement.rejection() != nullptr) return Only(Outcome::kRejected);
+  std::optional<DurableRecord> record = Records::Take(judgement);
+  return record ? Stored(*std::move(record)) : Only(Outcome::kIgnored);
 }
 
 }  // namespace uplink::cyberwave

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "schema/cyberwave/judge.h"
+#include "schema/cyberwave/records.h"
 #include "schema/model/rejection.h"
 #include "server/cyberwave/metric_faults.h"
-#include "server/cyberwave/records.h"
 #include "server/cyberwave/twin_parts.h"
 
 namespace uplink::cyberwave {
@@ -23,7 +23,9 @@ enum class Outcome : std::uint8_t {
   kObserved,
   /// It makes records, which are to be stored before it is acked.
   kStored,
-  /// Nothing of it is a twin's: a rejection, a ping, or a message of another scope or topic.
+  /// It is not good, and leaves nothing but its sign of life: Judgement::rejection() says why.
+  kRejected,
+  /// A ping, which is for its reader to answer, or a message of another topic.
   kIgnored,
 };
 
@@ -47,9 +49,13 @@ class TwinState final {
  public:
   explicit TwinState(const model::cyberwave::Uuid& twin) { parts_.twin = twin; }
 
+  /// How many records Apply makes of the message at most, kRecordsOfMessageMax or fewer: 0 of
+  /// nearly all that is live.
+  [[nodiscard]] std::size_t RecordsAtMost(const Judgement& judgement) const;
+
   /// Applies one judged message of this robot (whose.h says whose it is). What it makes is not made
-  /// again, so the caller must have room for kRecordsOfMessageMax records before, and have them
-  /// stored. A message without an own time counts by its arrival.
+  /// again, so the caller must have room for RecordsAtMost before, and have them stored. A message
+  /// without an own time counts by its arrival.
   [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival);
 
   /// As MetricFaults::Restore.
@@ -63,6 +69,8 @@ class TwinState final {
   [[nodiscard]] const MetricFaults& faults() const { return faults_; }
   /// Keys that had to go because their table was full.
   [[nodiscard]] std::uint64_t keys_evicted() const { return keys_evicted_; }
+  /// What it holds in memory, itself included: kTwinBytesMax or less. It goes through all parts.
+  [[nodiscard]] std::size_t held_bytes() const;
 
  private:
   /// Applies one body: an overload for each kind of it.
@@ -74,5 +82,9 @@ class TwinState final {
   MetricFaults faults_;
   std::uint64_t keys_evicted_ = 0;
 };
+
+/// What becomes of a message that is of no twin's robot (RobotOf): an environment or a workflow run
+/// makes one record. Pure.
+[[nodiscard]] Applied ApplyToNoRobot(Judgement&& judgement);
 
 }  // namespace uplink::cyberwave

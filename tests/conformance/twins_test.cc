@@ -34,6 +34,8 @@ std::string_view WordOf(Outcome outcome) {
       return "observed";
     case Outcome::kStored:
       return "stored";
+    case Outcome::kRejected:
+      return "rejected";
     case Outcome::kIgnored:
       return "ignored";
   }
@@ -42,15 +44,24 @@ std::string_view WordOf(Outcome outcome) {
 
 /// A record in short.
 struct InShort {
-  std::string operator()(const EventRecord& event) const { return "event " + event.kind; }
-  std::string operator()(const LogRecord& log) const { return "log " + log.message.message; }
+  std::string operator()(const model::Record& record) const {
+    return std::visit(*this, record.body());
+  }
+  std::string operator()(const model::EventTelemetry& event) const {
+    return fmt::format("event {}", model::EventKindText(event.kind));
+  }
+  std::string operator()(const model::Message& log) const { return "log " + log.message; }
   std::string operator()(const model::MissionRunStatus& run) const {
     return fmt::format("run {} {}", run.run_id, model::EnumText(run.status));
   }
   std::string operator()(const model::Fault& fault) const {
     return fmt::format("fault {} {}", fault.fault_id, fault.active ? "raised" : "cleared");
   }
-  std::string operator()(const ScopeRecord& scope) const { return "scope " + scope.update.type; }
+  std::string operator()(const model::ScopeUpdate& update) const { return "scope " + update.type; }
+  template <typename Other>
+  std::string operator()(const Other& /*body*/) const {
+    return "another kind";
+  }
 };
 
 /// Without the times of arrival, which are this test's own.

@@ -8,8 +8,8 @@
 
 #include <gmock/gmock.h>
 
+#include "schema/cyberwave/records.h"
 #include "schema/json/text.h"
-#include "server/cyberwave/commit_content.h"
 #include "storage/origin.h"
 #include "tests/contract/store_contract.h"
 #include "tests/unit/server/cyberwave/applying.h"
@@ -37,7 +37,7 @@ class CyberwaveRecordContract : public StoreContract {
   /// The same of what is no robot.
   void PublishOfScope(std::string_view tail, std::string_view payload) {
     cyberwave::Judgement judgement = test::JudgeOn(tail, payload);
-    std::optional<cyberwave::DurableRecord> made = cyberwave::TakeRecord(judgement);
+    std::optional<cyberwave::DurableRecord> made = cyberwave::Records::Take(judgement);
     ASSERT_TRUE(made) << tail;
     Store({*std::move(made)}, payload.size());
   }
@@ -56,10 +56,11 @@ class CyberwaveRecordContract : public StoreContract {
     store_->Reopen();
   }
   storage::CommitRecord RecordOf(cyberwave::DurableRecord&& made, std::size_t bytes) {
-    const bool of_nobody = std::holds_alternative<cyberwave::ScopeRecord>(made);
+    const bool of_nobody = std::holds_alternative<model::ScopeUpdate>(made);
     storage::CommitRecord record = Good(++seq_);
     if (of_nobody) record = Of(nobody_, std::move(record));
-    record.content = cyberwave::CommitContentOf(std::move(made), bytes);
+    std::visit([&record](auto&& content) { record.content = std::forward<decltype(content)>(content); },
+               std::move(made));
     if (const auto* good = std::get_if<model::Record>(&record.content)) {
       EXPECT_TRUE(good->durable());
       EXPECT_EQ(good->payload_bytes(), bytes);

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "schema/cyberwave/records.h"
 #include "schema/json/text.h"
 #include "tests/contract/store_contract.h"
 #include "tests/unit/schema/samples.h"
@@ -88,18 +87,6 @@ TEST_P(ReportContract, KeepsAnEventWithWhatItsKindHolds) {
   }
 }
 
-TEST_P(ReportContract, KeepsANamedEventAsItStands) {
-  const model::NamedEvent named{"cyberwave/o'k ä", R"({"b":1.0E0,"a":["' ä"]})"};
-  Open();
-  Commit({With(1, cyberwave::Records::Of(model::EventTelemetry{kNowMs, named}, 70))});
-  store_->Reopen();
-  const auto rows = Events();
-  ASSERT_THAT(rows, SizeIs(1));
-  EXPECT_EQ(rows[0].kind, named.kind);
-  EXPECT_EQ(rows[0].detail_json, named.detail_json);
-  EXPECT_EQ(rows[0].sampled_at_ms, kNowMs);
-}
-
 TEST_P(ReportContract, KeepsEveryFieldOfAMessage) {
   Open();
   const model::Message unknown{0, static_cast<model::MessageLevel>(77), "x"};
@@ -111,23 +98,6 @@ TEST_P(ReportContract, KeepsEveryFieldOfAMessage) {
   EXPECT_EQ(rows[1].message, test::SampleMessage());
   EXPECT_EQ(rows[1].robot, *robot_);
   EXPECT_EQ(rows[1].received_at, Time());
-}
-
-TEST_P(ReportContract, KeepsTheDetailOfAMessage) {
-  model::cyberwave::DriverLog log;
-  log.message = "gripper is warm";
-  log.level = model::cyberwave::LogLevel::kWarning;
-  log.detail = R"({"level":"WARNING","source":"arm \u00e4 ' ä"})";
-  model::cyberwave::Head head;
-  head.timestamp_us = kNowMs * 1'000 + 999;
-  const model::Message expected{kNowMs, model::MessageLevel::kWarn, log.message, log.detail};
-  Open();
-  Commit({With(1, cyberwave::Records::Of(log, head, 70))});
-  ASSERT_THAT(Messages(), SizeIs(1));
-  EXPECT_EQ(Messages()[0].message, expected);
-  store_->Reopen();
-  ASSERT_THAT(Messages(), SizeIs(1));
-  EXPECT_EQ(Messages()[0].message, expected);
 }
 
 TEST_P(ReportContract, KeepsEveryFieldOfAReportAndItsRun) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,9 +20,14 @@ class AppliedTwin {
  public:
   cyberwave::Applied Publish(std::string_view tail, std::string_view payload) {
     cyberwave::Judgement judgement = JudgeOn(tail, payload, terms);
-    const auto kind = cyberwave::RobotOf(judgement).value_or(cyberwave::RobotKind::kReal);
-    cyberwave::TwinState& robot = Of(kind);
-    return robot.Apply(std::move(judgement), {.steady = clock.Steady(), .system = clock.System()});
+    const std::optional<cyberwave::RobotKind> kind = cyberwave::RobotOf(judgement);
+    if (!kind) return cyberwave::ApplyToNoRobot(std::move(judgement));
+    cyberwave::TwinState& robot = Of(*kind);
+    const std::size_t records_max = robot.RecordsAtMost(judgement);
+    cyberwave::Applied applied =
+        robot.Apply(std::move(judgement), {.steady = clock.Steady(), .system = clock.System()});
+    EXPECT_LE(applied.records.size(), records_max);
+    return applied;
   }
   cyberwave::Outcome Say(std::string_view tail, std::string_view payload) {
     return Publish(tail, payload).outcome;
@@ -47,7 +53,8 @@ class AppliedTwin {
 namespace uplink::cyberwave {
 
 inline void PrintTo(Outcome outcome, std::ostream* out) {
-  constexpr const char* kWords[] = {"applied", "superseded", "observed", "stored", "ignored"};
+  constexpr const char* kWords[] = {"applied", "superseded", "observed",
+                                    "stored",  "rejected",   "ignored"};
   *out << kWords[static_cast<std::size_t>(outcome)];
 }
 

@@ -2,6 +2,7 @@
 #include "server/cyberwave/metric_faults.h"
 
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,6 +18,11 @@ std::vector<std::string> Errors(std::size_t from, std::size_t to) {
   std::vector<std::string> errors;
   for (std::size_t i = from; i < to; ++i) errors.push_back("e" + std::to_string(i));
   return errors;
+}
+
+/// The message's first record, which is a fault's.
+model::Fault FaultIn(const Applied& applied) {
+  return std::get<model::Fault>(std::get<model::Record>(applied.records.at(0)).body());
 }
 
 TEST(MetricFaultsTest, RaisesWhatIsNewAndClearsWhatIsNamedNoMore) {
@@ -45,7 +51,7 @@ TEST(MetricFaultsTest, MetricsWithoutErrorsClear) {
   const Applied cleared = twin.Publish("metrics", R"({"metrics":{"load":1}})");
   EXPECT_EQ(cleared.outcome, Outcome::kStored);
   ASSERT_EQ(cleared.records.size(), 1U);
-  EXPECT_FALSE(std::get<model::Fault>(cleared.records[0]).active);
+  EXPECT_FALSE(FaultIn(cleared).active);
   EXPECT_NE(twin.real().metrics.Find("load"), nullptr) << "what is live is applied too";
   twin.Say("metrics", R"({"metrics":{"errors":["hot"]}})");
   EXPECT_EQ(twin.Publish("metrics", R"({"metrics":{"errors":[]}})").records.size(), 1U);
@@ -56,7 +62,7 @@ TEST(MetricFaultsTest, WhatAnEarlierLifeLeftIsClearedByTheNextMetrics) {
   twin.Of(RobotKind::kReal).RestoreFaults({"old", "hot"});
   const Applied applied = twin.Publish("metrics", R"({"metrics":{"errors":["hot"]}})");
   ASSERT_EQ(applied.records.size(), 1U);
-  EXPECT_EQ(std::get<model::Fault>(applied.records[0]).fault_id, "old");
+  EXPECT_EQ(FaultIn(applied).fault_id, "old");
 }
 
 TEST(MetricFaultsTest, OneMessageMakesAtMostSoManyRecords) {

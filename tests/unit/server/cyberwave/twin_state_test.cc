@@ -38,7 +38,7 @@ TEST_P(TwinTopics, TheGoodOneIsTakenAndTheBadOneLeavesNothing) {
   EXPECT_EQ(applied.records.size(), each.outcome == Outcome::kStored ? 1U : 0U);
   AppliedTwin untouched;
   const Applied bad = untouched.Publish(each.tail, each.bad);
-  EXPECT_EQ(bad.outcome, Outcome::kIgnored);
+  EXPECT_EQ(bad.outcome, Outcome::kRejected);
   EXPECT_TRUE(bad.records.empty());
   EXPECT_EQ(HeldBytes(untouched.real()), HeldBytes(AppliedTwin().real()));
 }
@@ -88,12 +88,32 @@ INSTANTIATE_TEST_SUITE_P(
              "[]"}),
     [](const auto& each) { return each.param.name; });
 
-TEST(TwinStateTest, WhatBelongsToNoTwinIsIgnored) {
+TEST(TwinStateTest, WhatIsOfNoTwinLeavesItAlone) {
   AppliedTwin twin;
   EXPECT_EQ(twin.Say("ping", R"({"type":"ping"})"), Outcome::kIgnored);
-  EXPECT_EQ(twin.Say("environment/alert", R"({"type":"alert","data":{}})"), Outcome::kIgnored);
-  EXPECT_EQ(twin.Say("workflow-run", R"({"status":"done"})"), Outcome::kIgnored);
+  EXPECT_EQ(twin.Say("environment/alert", R"({"type":"alert","data":{}})"), Outcome::kStored);
+  EXPECT_EQ(twin.Say("workflow-run", R"({"status":"done"})"), Outcome::kStored);
+  EXPECT_EQ(twin.Say("workflow-run", "[]"), Outcome::kRejected);
   EXPECT_EQ(twin.Say("unheard-of", "{}"), Outcome::kIgnored);
+  EXPECT_EQ(HeldBytes(twin.real()), HeldBytes(AppliedTwin().real()));
+}
+
+TEST(TwinStateTest, RoomIsNeededForNoMoreThanAMessageMayMake) {
+  AppliedTwin twin;
+  const TwinState& state = twin.Of(RobotKind::kReal);
+  const auto at_most = [&state](std::string_view tail, std::string_view payload) {
+    return state.RecordsAtMost(test::JudgeOn(tail, payload));
+  };
+  EXPECT_EQ(at_most("joint/update", R"({"_1":1})"), 0U);
+  EXPECT_EQ(at_most("telemetry", R"({"type":"motor_status"})"), 0U);
+  EXPECT_EQ(at_most("command", R"({"command":"stop"})"), 0U);
+  EXPECT_EQ(at_most("event", "broken"), 0U);
+  EXPECT_EQ(at_most("event", R"({"event_type":"bumped"})"), 1U);
+  EXPECT_EQ(at_most("metrics", R"({"metrics":{"load":1}})"), 0U);
+  EXPECT_EQ(at_most("metrics", R"({"metrics":{"errors":["hot","low"]}})"), 2U);
+  twin.Say("metrics", R"({"metrics":{"errors":["hot","low"]}})");
+  EXPECT_EQ(at_most("metrics", R"({"metrics":{"load":1}})"), 2U) << "what was raised is cleared";
+  EXPECT_EQ(at_most("metrics", R"({"metrics":{"errors":["new"]}})"), 3U);
 }
 
 TEST(TwinStateTest, ALateValueOfASessionIsSuperseded) {
@@ -318,7 +338,9 @@ TEST(TwinStateTest, TheBridgesFrameIsAnEventOfItsContent) {
   const Applied applied =
       twin.Publish("event", frame + about + R"({"event_type":"bumped","data":{"at":"door"}})");
   ASSERT_EQ(applied.outcome, Outcome::kStored);
-  EXPECT_EQ(std::get<EventRecord>(applied.records.at(0)).kind, "cyberwave/bumped");
+  const auto& record = std::get<model::Record>(applied.records.at(0));
+  const auto& event = std::get<model::EventTelemetry>(record.body());
+  EXPECT_EQ(model::EventKindText(event.kind), "cyberwave/bumped");
 }
 
 }  // namespace
