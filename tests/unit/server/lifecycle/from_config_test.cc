@@ -1,10 +1,15 @@
 #include "server/lifecycle/from_config.h"
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "server/config/settings.h"
 
 namespace uplink::lifecycle {
 namespace {
@@ -52,6 +57,86 @@ TEST(FromConfig, JournalAndPresenceGetTheirs) {
   presence.startup_grace = milliseconds(5);
   EXPECT_EQ(PresenceLimitsOf(presence).timeout, milliseconds(4));
   EXPECT_EQ(PresenceLimitsOf(presence).startup_grace, milliseconds(5));
+  config::Config config;
+  config.presence = presence;
+  config.cyberwave.presence_timeout = milliseconds(6);
+  EXPECT_EQ(TwinPresenceLimitsOf(config).timeout, milliseconds(6));
+  EXPECT_EQ(TwinPresenceLimitsOf(config).startup_grace, milliseconds(5));
+}
+
+config::MqttConfig Broker() {
+  config::MqttConfig mqtt;
+  mqtt.url = "mqtts://broker.example.org";
+  mqtt.username = "user";
+  mqtt.password_file = "password";
+  mqtt.ca_file = "ca.crt";
+  mqtt.client_certificate_file = "c.crt";
+  mqtt.client_key_file = "c.key";
+  mqtt.version = config::MqttVersion::k311;
+  mqtt.client_id = "core";
+  mqtt.session_expiry = std::chrono::hours(2);
+  mqtt.keepalive = milliseconds(7'999);
+  mqtt.unacked_max = 8;
+  return mqtt;
+}
+
+TEST(FromConfig, EverySettingOfABrokerReachesItsClients) {
+  using enum cyberwave::Connection;
+  for (const cyberwave::Connection connection : {kDurable, kLive, kMedia}) {
+    const mqtt::ClientSettings client = ClientSettingsOf(Broker(), connection);
+    EXPECT_EQ(client.url, (mqtt::Url{true, "broker.example.org", 8883}));
+    EXPECT_EQ(client.username, "user");
+    EXPECT_EQ(client.password_file, "password");
+    EXPECT_EQ(client.ca_file, "ca.crt");
+    EXPECT_EQ(client.certificate_file, "c.crt");
+    EXPECT_EQ(client.key_file, "c.key");
+    EXPECT_EQ(client.version, mqtt::Version::k311);
+    EXPECT_EQ(client.session_expiry, std::chrono::hours(2));
+    EXPECT_EQ(client.keepalive, std::chrono::seconds(7));
+    EXPECT_EQ(client.unacked_max, 8U);
+    EXPECT_EQ(client.payload_bytes_max, 65'536U);
+    EXPECT_EQ(client.announced_packet_bytes_max, 0U) << "a broker drops what is larger unseen";
+    EXPECT_FALSE(client.expect_session);
+  }
+  EXPECT_EQ(ClientSettingsOf(Broker(), kDurable).client_id, "core");
+  EXPECT_EQ(ClientSettingsOf(Broker(), kLive).client_id, "core-live");
+  EXPECT_EQ(ClientSettingsOf(Broker(), kMedia).client_id, "core-media");
+  EXPECT_TRUE(ClientSettingsOf(Broker(), kDurable).kept_session);
+  EXPECT_FALSE(ClientSettingsOf(Broker(), kLive).kept_session);
+  EXPECT_FALSE(ClientSettingsOf(Broker(), kMedia).kept_session);
+}
+
+// As far as keys of the configuration go: what it takes ends no start.
+TEST(FromConfig, AClientCanWorkByEachBoundOfItsSettings) {
+  for (const config::Setting& setting : config::Settings()) {
+    if (setting.section != "mqtt") continue;
+    for (const std::uint64_t bound : {setting.min, setting.max}) {
+      config::Config config;
+      config.mqtt = Broker();
+      config.mqtt.client_id.assign(config::kMqttClientIdBytesMax, 'c');
+      config.mqtt.username.assign(config::kMqttUsernameBytesMax, 'u');
+      if (setting.kind == config::Kind::kCount) setting.set(config, bound);
+      if (setting.kind == config::Kind::kDuration) {
+        setting.set(config, milliseconds(static_cast<std::int64_t>(bound)));
+      }
+      for (const auto connection :
+           {cyberwave::Connection::kDurable, cyberwave::Connection::kMedia}) {
+        const absl::Status good = mqtt::CheckSettings(ClientSettingsOf(config.mqtt, connection));
+        EXPECT_TRUE(good.ok()) << config::FullKey(setting) << ": " << good;
+      }
+    }
+  }
+  EXPECT_EQ(ClientSettingsOf({.url = "mqtt://b"}, cyberwave::Connection::kLive).version,
+            mqtt::Version::k5);
+}
+
+TEST(FromConfig, MessagesOfTwinsAreJudgedByPrefixesAndJointsThatSlide) {
+  config::CyberwaveConfig cyberwave;
+  cyberwave.topic_prefixes = {"", "site/"};
+  cyberwave.prismatic_joints = {"lift", "gripper"};
+  const cyberwave::JudgeTerms terms = JudgeTermsOf(cyberwave);
+  EXPECT_EQ(terms.prefixes, (std::vector<std::string>{"", "site/"}));
+  EXPECT_EQ(terms.prismatic_joints, (cyberwave::Names{"gripper", "lift"}));
 }
 
 TEST(FromConfig, EveryRateReachesItsVariant) {
