@@ -10,9 +10,10 @@ namespace uplink::robot {
 
 using model::Presence;
 
-/// The configured limits of presence. Immutable.
+/// The configured limits of presence, of the relay's robots or of twins. Immutable.
 struct PresenceLimits {
-  /// A sign of life at most this old means online (presence.timeout).
+  /// A sign of life at most this old means online (presence.timeout,
+  /// cyberwave.presence_timeout).
   milliseconds timeout = config::PresenceConfig().timeout;
   /// After a start a robot that was not heard is unknown for so long (presence.startup_grace).
   milliseconds startup_grace = config::PresenceConfig().startup_grace;

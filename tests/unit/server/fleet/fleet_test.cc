@@ -1,8 +1,12 @@
 #include "server/fleet/fleet.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "storage/origin.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::fleet {
@@ -186,6 +190,78 @@ TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
   EXPECT_EQ(gone.state.presence(), robot::Presence::kOffline);
   sweep(kUpToDate, milliseconds(1));
   EXPECT_EQ(waiting.state.presence(), robot::Presence::kOffline);
+}
+
+constexpr const char* kTwin =
+    "rcan://local.rcan/cyberwave/twin/3f2504e0-4f89-11d3-9a0c-0305e82c3301";
+
+TEST_F(FleetTest, TheRuriSaysByWhichWayARobotIsHeard) {
+  Fleet fleet(clock_, 100, {});
+  using enum model::MessageSource;
+  EXPECT_EQ(Admit(fleet, kTwin).source(), kCyberwave);
+  EXPECT_EQ(Admit(fleet, "rcan://local.rcan/cyberwave/sim.site/T").source(), kCyberwave);
+  EXPECT_EQ(Admit(fleet, storage::NoRobotOf("site/")).source(), kCyberwave);
+  EXPECT_EQ(Admit(fleet, "rcan://local.rcan/cyberwave/arm/1").source(), kUplink);
+  EXPECT_EQ(Admit(fleet, "rcan://a").source(), kUplink);
+}
+
+TEST_F(FleetTest, ATwinIsJudgedByItsOwnTimeout) {
+  Fleet fleet(clock_, 100, {.timeout = seconds(10)}, {.timeout = seconds(20)});
+  robot::Robot& relay = Admit(fleet, "rcan://a");
+  robot::Robot& twin = Admit(fleet, kTwin);
+  EXPECT_EQ(fleet.presence_limits_of(relay).timeout, seconds(10));
+  EXPECT_EQ(fleet.presence_limits_of(twin).timeout, seconds(20));
+  for (robot::Robot* robot : {&relay, &twin}) {
+    robot->state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits_of(*robot));
+  }
+  const auto sweep_until = [this, &fleet, began = clock_.Steady()](milliseconds at) {
+    while (clock_.Steady() - began < at) {
+      clock_.Advance(std::min<milliseconds>(
+          seconds(1), at - std::chrono::duration_cast<milliseconds>(clock_.Steady() - began)));
+      fleet.Sweep(kIdle);
+    }
+  };
+  sweep_until(seconds(10));
+  EXPECT_EQ(relay.state.presence(), robot::Presence::kOnline);
+  sweep_until(milliseconds(10'001));
+  EXPECT_EQ(relay.state.presence(), robot::Presence::kOffline);
+  sweep_until(seconds(19));
+  EXPECT_EQ(twin.state.presence(), robot::Presence::kOnline);
+  sweep_until(seconds(20));
+  EXPECT_EQ(twin.state.presence(), robot::Presence::kOnline) << "at its timeout";
+  sweep_until(milliseconds(20'001));
+  EXPECT_EQ(twin.state.presence(), robot::Presence::kOffline);
+  twin.state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits_of(twin));
+  EXPECT_EQ(twin.state.presence(), robot::Presence::kOnline);
+}
+
+TEST_F(FleetTest, WhatTheRelayHearsSaysNothingOfTwinsNorTheOtherWayRound) {
+  using enum Fleet::Hearing;
+  struct Case {
+    Fleet::Hearing relay;
+    Fleet::Hearing twins;
+    robot::Presence of_relay;
+    robot::Presence of_twin;
+  };
+  constexpr auto kUnknown = robot::Presence::kUnknown;
+  constexpr auto kOffline = robot::Presence::kOffline;
+  for (const Case& each :
+       {Case{kUpToDate, kUpToDate, kOffline, kOffline},
+        Case{kUpToDate, kBehind, kOffline, kUnknown}, Case{kBehind, kUpToDate, kUnknown, kOffline},
+        Case{kHereAlone, kUpToDate, kUnknown, kOffline},
+        // A twin never has a stream, and so none shows that it is here.
+        Case{kUpToDate, kHereAlone, kOffline, kUnknown},
+        Case{kBehind, kBehind, kUnknown, kUnknown}}) {
+    Fleet fleet(clock_, 100, {.startup_grace = seconds(0)}, {.startup_grace = seconds(0)});
+    robot::Robot& relay = Admit(fleet, "rcan://a");
+    robot::Robot& twin = Admit(fleet, kTwin);
+    for (int passed = 0; passed < 60; ++passed) {
+      clock_.Advance(seconds(1));
+      fleet.Sweep(kIdle, each.relay, each.twins);
+    }
+    EXPECT_EQ(relay.state.presence(), each.of_relay);
+    EXPECT_EQ(twin.state.presence(), each.of_twin);
+  }
 }
 
 TEST_F(FleetTest, SweepForgetsIdleSessions) {

@@ -51,7 +51,10 @@ class PresenceWatchTest : public ::testing::Test {
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
-  fleet::Fleet fleet_{clock_, 10, {.timeout = seconds(10), .startup_grace = milliseconds(0)}};
+  fleet::Fleet fleet_{clock_,
+                      10,
+                      {.timeout = seconds(10), .startup_grace = milliseconds(0)},
+                      {.timeout = seconds(20), .startup_grace = milliseconds(0)}};
   Liveness liveness_{clock_, sessions_};
   metrics::Cell others_unseen_;
   PresenceWatch watch_{
@@ -176,6 +179,78 @@ TEST_F(PresenceWatchTest, WhoLeftMayStreamToAServerThatCannotTellAndIsNotOffline
   EXPECT_EQ(left->state.presence(), model::Presence::kUnknown) << "the other has time to tell";
   sweep(seconds(1));
   EXPECT_EQ(left->state.presence(), model::Presence::kOffline);
+}
+
+/// A twin and a relay's robot beside it, whose relay always answers.
+class TwinWatchTest : public PresenceWatchTest {
+ protected:
+  TwinWatchTest() { Hear(twin_); }
+
+  void Hear(robot::Robot& robot) {
+    robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits_of(robot));
+  }
+  static void Sweep(PresenceWatch& watch, testing::ManualClock& clock, seconds duration) {
+    for (seconds passed{0}; passed < duration; ++passed) {
+      watch.AskRelay([](const auto& done) { done(true); });
+      clock.Advance(seconds(1));
+      watch.Sweep();
+    }
+  }
+  void SweepTwins(seconds duration) { Sweep(twins_watch_, clock_, duration); }
+
+  fleet::Fleet::Hearing twins_hear_ = fleet::Fleet::Hearing::kUpToDate;
+  PresenceWatch twins_watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_,
+                              std::chrono::hours(1), others_unseen_,
+                              [this] { return twins_hear_; }}};
+  robot::Robot& twin_ = **fleet_.FindOrAdmit(
+      {"rcan://local.rcan/cyberwave/sim/3f2504e0-4f89-11d3-9a0c-0305e82c3301", "cyberwave"});
+  robot::Robot& beside_ = **fleet_.FindOrAdmit({"rcan://a", "north"});
+};
+
+TEST_F(TwinWatchTest, ATwinIsOfflineTwentySecondsAfterItWasHeardAndTheRelaysRobotAfterTen) {
+  Hear(beside_);
+  SweepTwins(seconds(10));
+  EXPECT_EQ(beside_.state.presence(), model::Presence::kOnline);
+  SweepTwins(seconds(1));
+  EXPECT_EQ(beside_.state.presence(), model::Presence::kOffline);
+  SweepTwins(seconds(8));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kOnline) << "19 s";
+  SweepTwins(seconds(2));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kOffline) << "21 s";
+}
+
+TEST_F(TwinWatchTest, WhileTheBrokerIsNotHeardATwinIsUnknownAndSoItsTimeoutAfter) {
+  using enum fleet::Fleet::Hearing;
+  Hear(beside_);
+  twins_hear_ = kBehind;
+  SweepTwins(seconds(20));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kOnline) << "it was heard";
+  EXPECT_EQ(beside_.state.presence(), model::Presence::kOffline) << "the relay was heard";
+  SweepTwins(seconds(600));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kUnknown);
+  twins_hear_ = kUpToDate;
+  SweepTwins(seconds(20));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kUnknown) << "it has time to be heard";
+  SweepTwins(seconds(1));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kOffline);
+  twins_hear_ = kBehind;
+  SweepTwins(seconds(60));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kOffline) << "its silence was proven before";
+}
+
+TEST_F(TwinWatchTest, WithoutABrokerNoTwinBecomesOffline) {
+  Hear(beside_);
+  Sweep(watch_, clock_, seconds(600));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kUnknown);
+  EXPECT_EQ(beside_.state.presence(), model::Presence::kOffline);
+}
+
+TEST_F(TwinWatchTest, OtherServersThatCannotTellConcernTheRelaysRobotsAlone) {
+  Hear(beside_);
+  others_unseen_.Set(1);
+  SweepTwins(seconds(21));
+  EXPECT_EQ(twin_.state.presence(), model::Presence::kOffline);
+  EXPECT_EQ(beside_.state.presence(), model::Presence::kUnknown);
 }
 
 TEST_F(PresenceWatchTest, ARelayThatAnswersMakesNoLine) {
