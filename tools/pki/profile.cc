@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/utf8.h"
+#include "schema/cyberwave/ruri.h"
 #include "schema/model/ids.h"
 
 namespace uplink::pki {
@@ -41,6 +42,11 @@ absl::Status CheckRuri(std::string_view ruri) {
         fmt::format("RURI \"{}\": it must begin with rcan://, have at most {} bytes and hold "
                     "printable ASCII without comma and space only",
                     PrintableUtf8(ruri, model::kRuriBytesMax), model::kRuriBytesMax));
+  }
+  if (cyberwave::IsTwinRuri(ruri)) {
+    return Bad(fmt::format("RURI \"{}\": it is a twin's, which the relay refuses: twins are heard "
+                           "through their broker alone",
+                           ruri));
   }
   return absl::OkStatus();
 }

@@ -35,7 +35,7 @@ struct Profile {
 /// Errors: kInvalidArgument names the value, for this and the functions below.
 [[nodiscard]] absl::StatusOr<Profile> ServerProfile(const std::vector<std::string>& hosts);
 
-/// `ruri` begins with `rcan://` and has at most 256 bytes; `name` is for people.
+/// `ruri` begins with `rcan://`, has at most 256 bytes and is no twin's; `name` is for people.
 [[nodiscard]] absl::StatusOr<Profile> RobotProfile(const std::string& ruri,
                                                    const std::string& fleet,
                                                    const std::string& name);

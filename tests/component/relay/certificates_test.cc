@@ -40,6 +40,13 @@ std::vector<WrongCertificate> WrongCertificates() {
       [](auto& spec) { spec.uris.push_back(RuriOf(2)); });
   add("LongUri", "has 257 bytes, the limit is 256",
       [](auto& spec) { spec.uris = {"rcan://" + std::string(250, 'x')}; });
+  add("TwinUri", "is a twin's, and twins are heard through their broker alone", [](auto& spec) {
+    spec.uris = {"rcan://local.rcan/cyberwave/twin/3f2504e0-4f89-11d3-9a0c-0305e82c3301"};
+  });
+  add("GatewayWithATwinsUri", "cyberwave/sim.site/T is a twin's", [](auto& spec) {
+    spec.units = {"gateway"};
+    spec.uris.push_back("rcan://local.rcan/cyberwave/sim.site/T");
+  });
   add("UncleanUri", "white space", [](auto& spec) { spec.uris = {"rcan://a b"}; });
   add("NoKeyUsage", "has no extended key usage clientAuth",
       [](auto& spec) { spec.key_usages.clear(); });

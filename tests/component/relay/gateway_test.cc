@@ -78,6 +78,21 @@ TEST(Gateway, RelaysForManyRobotsOnOneConnection) {
   EXPECT_TRUE(world.Settles());
 }
 
+TEST(Gateway, SpeaksForNoTwinOfItsFleet) {
+  RelayWorld world;
+  TestAgent agent(world.Channel(world.authority.Issue(GatewaySpec())));
+  v1::RelayRequest hello = HelloFrame(SessionOf(1));
+  hello.mutable_hello()->set_robot_ruri(
+      "rcan://local.rcan/cyberwave/twin/3f2504e0-4f89-11d3-9a0c-0305e82c3301");
+  agent.Send(hello);
+  const grpc::Status status = agent.End();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_THAT(status.error_message(),
+              ::testing::HasSubstr("is a twin's, and twins are heard through their broker alone"));
+  EXPECT_EQ(world.session_probe.refused_identity_total.value(), 1);
+  EXPECT_EQ(world.fleet.size(), 0U);
+}
+
 TEST(Gateway, SpeaksForThoseThatItsCertificateNames) {
   RelayWorld world;
   const auto channel = world.Channel(world.authority.Issue(GatewaySpec({RuriOf(1), RuriOf(2)})));

@@ -74,6 +74,13 @@ TEST(Profiles, RuriAtItsLimit) {
   EXPECT_FALSE(RobotProfile(longest + "x", "f", "n").ok());
 }
 
+TEST(Profiles, TwinsHaveNoCertificates) {
+  const std::string twin = "rcan://local.rcan/cyberwave/twin/T";
+  EXPECT_FALSE(RobotProfile(twin, "f", "n").ok());
+  EXPECT_FALSE(GatewayProfile({"rcan://a/1", twin}, "f", "g").ok());
+  EXPECT_TRUE(RobotProfile("rcan://local.rcan/cyberwave/arm/T", "f", "n").ok());
+}
+
 TEST(Profiles, RuriThatIsNone) {
   for (const char* const ruri : {"", "rcan://", "http://a/b", "rcan://a,URI:rcan://b", "rcan://a b",
                                  "rcan://\xC3\xA9", "RCAN://a"}) {

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/identity/ruri.h"
 #include "tests/support/certificates.h"
 
 namespace uplink::identity {
@@ -103,6 +104,32 @@ TEST(PeerIdentity, RuriPastItsLimit) {
 }
 
 TEST(PeerIdentity, RuriThatNamesNothing) { ExpectWrong(RobotSpec("rcan://"), "names nothing"); }
+
+constexpr const char* kTwin =
+    "rcan://local.rcan/cyberwave/twin/3f2504e0-4f89-11d3-9a0c-0305e82c3301";
+
+TEST(PeerIdentity, ATwinIsNamedByNoCertificate) {
+  for (const std::string& ruri : {std::string(kTwin), std::string(kTwin) + "?sig=x",
+                                 std::string("rcan://local.rcan/cyberwave/sim/T"),
+                                 std::string("rcan://local.rcan/cyberwave/twin.site%2F/T"),
+                                 std::string("rcan://local.rcan/cyberwave/sim.site/T")}) {
+    ExpectWrong(RobotSpec(ruri), "is a twin's, and twins are heard through their broker alone");
+    CertificateSpec gateway = OperatorSpec("gateway");
+    gateway.uris = {kRuri, ruri};
+    ExpectWrong(gateway, "is a twin's");
+  }
+  for (const char* ruri :
+       {"rcan://local.rcan/cyberwave/twins/T", "rcan://local.rcan/cyberwave/arm/1",
+        "rcan://other.rcan/cyberwave/twin/T", "rcan://local.rcan/acme/twin/T"}) {
+    EXPECT_TRUE(IdentityOf(RobotSpec(ruri)).ok()) << ruri;
+  }
+}
+
+TEST(Ruri, ATwinsShorthandIsWrittenOut) {
+  EXPECT_TRUE(IsTwins("cyberwave.twin.T"));
+  EXPECT_TRUE(IsTwins(kTwin));
+  EXPECT_FALSE(IsTwins("cyberwave.arm.T"));
+}
 
 TEST(PeerIdentity, RuriInAnotherCaseIsNone) {
   ExpectWrong(RobotSpec("RCAN://example.org/r1"), "has no URI name that begins rcan://");

@@ -65,6 +65,16 @@ TEST_F(GatewayTest, SpeaksForNobodyElse) {
   EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
 }
 
+TEST_F(GatewayTest, SpeaksForNoTwin) {
+  const std::string twin = "rcan://local.rcan/cyberwave/twin.site/T";
+  const std::string refused = "PERMISSION_DENIED: hello.robot_ruri " + twin +
+                              " is a twin's, and twins are heard through their broker alone";
+  EXPECT_EQ(ConnectVia(twin).end(), refused) << "by its fleet's name";
+  EXPECT_EQ(ConnectVia(twin, {twin}).end(), refused) << "by the robot's";
+  EXPECT_EQ(server().fleet().size(), 0U);
+  EXPECT_EQ(server().probe().refused_identity_total.value(), 2);
+}
+
 TEST_F(GatewayTest, WithoutNamesSpeaksForItsWholeFleet) {
   EXPECT_THAT(ConnectVia("rcan://a/1").Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_THAT(ConnectVia("rcan://a/2").Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
