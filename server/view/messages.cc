@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "schema/cyberwave/ruri.h"
+#include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
 #include "server/view/live_parts.h"
 #include "server/view/struct.h"
+#include "server/view/twin_json.h"
 
 namespace uplink::view {
 namespace {
@@ -35,6 +38,11 @@ void SetStoredParts(const StoredParts& stored, const PartSet& wanted, v1::Robot&
   }
 }
 
+model::MessageSource SourceOf(const std::string& ruri) {
+  using enum model::MessageSource;
+  return cyberwave::IsTwinRuri(ruri) ? kCyberwave : kUplink;
+}
+
 }  // namespace
 
 v1::Presence ToMessage(model::Presence presence) {
@@ -58,6 +66,7 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   v1::Robot message;
   message.set_ruri(robot.id.ruri);
   message.set_fleet(robot.id.fleet);
+  message.set_source(std::string(ToText(SourceOf(robot.id.ruri))));
   message.set_presence(ToMessage(robot.state.presence));
   message.set_presence_since_ms(UnixMs(robot.state.presence_since));
   if (robot.state.last_sign_of_life) {
@@ -82,6 +91,9 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   }
   SetLiveParts(robot.state.parts, parts, message);
   SetStoredParts(robot.stored, parts, message);
+  if (robot.twin && parts.Has(Part::kCyberwave)) {
+    *message.mutable_cyberwave() = TwinStruct(*robot.twin);
+  }
   return message;
 }
 

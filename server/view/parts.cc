@@ -13,13 +13,20 @@ constexpr std::array<std::string_view, kParts> kNames = {"agentInfo", "settings"
 #define UPLINK_PART(Part, column, view, Message, keys_max) view,
                                                          UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
-};
+                                                             "cyberwave"};
 
 }  // namespace
 
-bool PartSet::AnyStored() const { return (bits_ << storage::kLivePartKinds).any(); }
+bool PartSet::AnyOf(std::size_t first, std::size_t count) const {
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (bits_.test(i)) return true;
+  }
+  return false;
+}
 
-bool PartSet::AnyLive() const { return (bits_ >> storage::kLatestKinds).any(); }
+bool PartSet::AnyStored() const { return AnyOf(0, storage::kLatestKinds); }
+
+bool PartSet::AnyLive() const { return AnyOf(storage::kLatestKinds, storage::kLivePartKinds); }
 
 bool PartSet::AnyLarge() const {
   bool any = false;

@@ -11,7 +11,8 @@
 
 namespace uplink::view {
 
-/// The parts that a Robot can carry: those of which the store keeps the latest, then the live ones.
+/// The parts that a Robot can carry: those of which the store keeps the latest, then the live ones,
+/// then what a broker's twin said.
 enum class Part : std::uint8_t {
   kAgentInfo,
   kSettings,
@@ -19,8 +20,9 @@ enum class Part : std::uint8_t {
 #define UPLINK_PART(Part, column, view, Message, keys_max) k##Part,
   UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
+      kCyberwave,
 };
-inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePartKinds;
+inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePartKinds + 1;
 
 [[nodiscard]] constexpr Part ToPart(storage::LatestKind kind) { return static_cast<Part>(kind); }
 [[nodiscard]] constexpr Part ToPart(storage::LivePart part) {
@@ -28,7 +30,8 @@ inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePart
 }
 static_assert(ToPart(storage::LatestKind::kAgentInfo) == Part::kAgentInfo &&
               ToPart(storage::LatestKind::kUiCapabilities) == Part::kUiCapabilities &&
-              ToPart(storage::LivePart::kMotion) == Part::kMotion);
+              ToPart(storage::LivePart::kMotion) == Part::kMotion &&
+              static_cast<std::size_t>(Part::kCyberwave) + 1 == kParts);
 
 /// Which parts a reader wants. A value.
 class PartSet {
@@ -61,6 +64,9 @@ class PartSet {
   friend bool operator==(const PartSet&, const PartSet&) = default;
 
  private:
+  /// Whether one of the parts from `first` on, as many as `count`, is wanted.
+  [[nodiscard]] bool AnyOf(std::size_t first, std::size_t count) const;
+
   std::bitset<kParts> bits_;
 };
 

@@ -13,6 +13,7 @@
 #include "server/view/foreign_parts.h"
 #include "server/view/keyed_bytes.h"
 #include "server/view/page_token.h"
+#include "server/view/twin_copy.h"
 
 namespace uplink::view {
 namespace {
@@ -70,6 +71,7 @@ void EndPageAfter(std::size_t robots, RobotsPage& page) {
 }
 
 bool Matches(const robot::Robot& robot, const RobotsQuery& query) {
+  if (storage::IsNoRobot(robot.ruri())) return false;
   if (query.presence && robot.state.presence() != *query.presence) return false;
   return query.fleet.empty() || robot.id()->fleet == query.fleet;
 }
@@ -104,6 +106,9 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
     if (page.robots.size() < query.page_size && bytes < storage::kPageBytesMax) {
       page.robots.push_back(Look(*robot, Wanted(query.parts)));
       bytes += KeyedBytes(page.robots.back().state.parts);
+      if (query.parts.Has(Part::kCyberwave)) {
+        bytes += CopyTwin(sources_.twins, page.robots.back());
+      }
     } else if (page.next_token.empty()) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }
@@ -126,9 +131,10 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
 
 absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   const fleet::RobotPtr robot = sources_.fleet.Find(ruri);
-  if (robot == nullptr) return Unknown(ruri);
+  if (robot == nullptr || storage::IsNoRobot(ruri)) return Unknown(ruri);
   std::vector<RobotView> one;
   one.push_back(Look(*robot, robot::RobotState::Parts::kAll));
+  CopyTwin(sources_.twins, one.front());
   // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
   if (FillActiveFaults(one)) {
     static_cast<void>(FillStored(one, PartSet::All()));
@@ -193,6 +199,7 @@ StatusView Queries::Status() const {
   status.started_at = started_at_;
   status.now = sources_.clock.System();
   for (const fleet::RobotPtr& robot : sources_.fleet.Sorted()) {
+    if (storage::IsNoRobot(robot->ruri())) continue;
     switch (robot->state.presence()) {
       case robot::Presence::kUnknown:
         ++status.robots.unknown;

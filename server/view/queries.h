@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/robot/robot_sessions.h"
@@ -43,6 +45,9 @@ struct RobotView {
   StoredParts stored;
   /// Messages over their rate since the stream began, by variant.
   std::array<std::uint64_t, model::kVariants> rate_limited{};
+  /// What its messages at a broker said, as it stood then. Null if that is not wanted, if it is no
+  /// twin that this process has heard, or if another process holds it.
+  std::shared_ptr<const cyberwave::TwinParts> twin{};
 };
 
 /// Which robots, by RURI. Empty texts match everything.
@@ -57,7 +62,8 @@ struct RobotsQuery {
 };
 
 struct RobotsPage {
-  /// Fewer than the page's size where stored parts are wanted and are large.
+  /// Fewer than the page's size where large parts are wanted: a page ends with the robot whose
+  /// parts pass storage::kPageBytesMax.
   std::vector<RobotView> robots;
   /// Empty when this page is the last.
   std::string next_token;
@@ -86,7 +92,8 @@ struct StatusView {
   milliseconds journal_oldest{0};
 };
 
-/// Everything that readers of the fleet ask, once, for every transport.
+/// Everything that readers of the fleet ask, once, for every transport. What stands in a robot's
+/// place where none has it (storage/origin.h) is no robot, and never answered.
 ///
 /// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
 ///          is not in memory, kUnavailable instead while the store's robots are not there yet;
@@ -113,6 +120,8 @@ class Queries final {
     BriefLook::Post to_store_thread{};
     /// True while the store's robots are not in memory yet; empty: they are.
     std::function<bool()> robots_unread{};
+    /// What is heard from a broker; null: nothing is.
+    const cyberwave::Twins* twins = nullptr;
   };
   explicit Queries(Sources sources);
 

@@ -78,7 +78,7 @@ robot::LiveParts EveryPart() {
 
 TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
   ExpectSameJson(*ToJson(EmptyRobot(), PartSet::All()), R"({
-    "ruri": "rcan://a/b", "fleet": "north", "presence": "PRESENCE_UNKNOWN",
+    "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "PRESENCE_UNKNOWN",
     "presenceSinceMs": "1000", "lastSignOfLifeMs": "0", "connected": false,
     "connectedSinceMs": "0", "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
     "activeFaults": 0, "fieldsDropped": "0", "uplinksMissing": "0", "heldBy": "",
@@ -124,7 +124,7 @@ TEST(Json, ARobotWithEveryPart) {
   robot.active_faults = 2;
   robot.state.parts = EveryPart();
   ExpectSameJson(*ToJson(robot, PartSet::All()), R"({
-    "ruri": "rcan://a/b", "fleet": "north", "presence": "PRESENCE_ONLINE",
+    "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "PRESENCE_ONLINE",
     "presenceSinceMs": "1000", "lastSignOfLifeMs": "2000", "connected": true,
     "connectedSinceMs": "1500", "sessionId": "000102030405060708090a0b0c0d0e0f",
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
@@ -161,8 +161,9 @@ TEST(Json, OnlyTheWantedPartsAreShown) {
 
 TEST(Json, EveryPartOfTheContractHasItsName) {
   std::size_t known = 0;
-  for (const char* name : {"agentInfo", "settings", "uiCapabilities", "motion", "status", "extras",
-                           "health", "usage", "consumables", "directives", "rcanState"}) {
+  for (const char* name :
+       {"agentInfo", "settings", "uiCapabilities", "motion", "status", "extras", "health", "usage",
+        "consumables", "directives", "rcanState", "cyberwave"}) {
     const std::optional<Part> part = PartFromText(name);
     ASSERT_TRUE(part) << name;
     EXPECT_EQ(static_cast<std::size_t>(*part), known++);
