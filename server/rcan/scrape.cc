@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "metrics/gzip.h"
+#include "schema/cyberwave/ruri.h"
+#include "server/rcan/twin_series.h"
+#include "storage/origin.h"
 
 namespace uplink::rcan {
 
@@ -38,6 +41,7 @@ std::vector<RobotScrape::Known>& RobotScrape::Robots() {
   }
   std::vector<Known> robots;
   for (const fleet::RobotPtr& robot : sources_.fleet.Sorted()) {
+    if (storage::IsNoRobot(robot->ruri())) continue;
     const auto known = before.find(robot.get());
     robots.push_back(known != before.end() ? std::move(*known->second)
                                            : Known{.robot = robot, .names = {}});
@@ -72,6 +76,7 @@ void RobotScrape::AddOne(Known& known, const robot::Robot& robot, const SeriesSo
   bool shown = false;
   robot.state.LookAt(
       [&](const robot::StateView& view) { shown = AddRobot(robot.ruri(), view, sources, series); });
+  if (shown) AddTwinOf(robot.ruri(), series);
   known.room = shown ? std::max(known.room, page_.robot_samples()) : page_.robot_samples();
   if (!page_.EndRobot(known.room)) {
     ++left_out.robots;
@@ -83,6 +88,13 @@ void RobotScrape::AddOne(Known& known, const robot::Robot& robot, const SeriesSo
   left_out.series.over_max += missing.over_max;
   left_out.series.new_names += missing.new_names;
   Name(known, robot.ruri(), missing, sources.steady_now);
+}
+
+void RobotScrape::AddTwinOf(const std::string& ruri, NamedSeries& series) const {
+  if (sources_.twins == nullptr || !cyberwave::IsTwinRuri(ruri)) return;
+  const cyberwave::TwinPtr twin = sources_.twins->Find(ruri);
+  if (twin == nullptr) return;
+  twin->LookAt([&series](const cyberwave::TwinParts& parts) { AddTwin(parts, series); });
 }
 
 void RobotScrape::Count(const LeftOut& left_out) {

@@ -12,6 +12,7 @@
 #include "metrics/rcan/page.h"
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/log/rate_limited.h"
 #include "server/rcan/fault_counts.h"
@@ -50,6 +51,8 @@ class RobotScrape final {
     log::Logger& logger;
     /// Secret (NameHash::Draw); tests may leave it at zero.
     NameHash::Key name_key{};
+    /// What is heard from a broker; null: nothing is.
+    const cyberwave::Twins* twins = nullptr;
   };
   explicit RobotScrape(const Sources& sources);
 
@@ -81,6 +84,8 @@ class RobotScrape final {
   void Fill();
   void AddOne(Known& known, const robot::Robot& robot, const SeriesSources& sources,
               LeftOut& left_out);
+  /// Adds the values of the robot's twin, if it is one that was heard.
+  void AddTwinOf(const std::string& ruri, NamedSeries& series) const;
   void Count(const LeftOut& left_out);
   void Name(Known& known, const std::string& ruri, const SeriesLeftOut& series, SteadyTime now);
   [[nodiscard]] std::vector<Known>& Robots();

@@ -10,6 +10,7 @@
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
+#include "tests/unit/schema/cyberwave/judging.h"
 
 namespace uplink::rcan {
 namespace {
@@ -35,9 +36,16 @@ class ScrapeTest : public ::testing::Test {
     records.push_back(test::RecordOf(motion));
     robot.state.Apply(records, clock_.Steady());
   }
+  /// Publishes a message of the twin, whose robot is `twin_ruri_`.
+  void Publish(std::string_view tail, std::string_view payload) {
+    const auto id = *model::cyberwave::Uuid::FromText(test::kTwin);
+    static_cast<void>(twins_.Apply(*twins_.FindOrAdd(twin_ruri_, id), test::JudgeOn(tail, payload),
+                                   {.steady = clock_.Steady(), .system = clock_.System()}));
+  }
   RobotScrape& Scrape() {
     if (!scrape_)
-      scrape_.emplace(RobotScrape::Sources{clock_, fleet_, config_, faults_, probe_, logger_});
+      scrape_.emplace(
+          RobotScrape::Sources{clock_, fleet_, config_, faults_, probe_, logger_, {}, &twins_});
     return *scrape_;
   }
   std::string Text() { return *Scrape().Text(Format::kText, Coding::kPlain); }
@@ -54,7 +62,9 @@ class ScrapeTest : public ::testing::Test {
   fleet::Fleet fleet_{clock_, 100, {}};
   config::RcanConfig config_;
   FaultCounts faults_{clock_};
+  cyberwave::Twins twins_{10};
   RcanProbe probe_;
+  const std::string twin_ruri_ = "rcan://local.rcan/cyberwave/twin/" + std::string(test::kTwin);
   std::optional<RobotScrape> scrape_;
 };
 
@@ -142,6 +152,41 @@ TEST_F(ScrapeTest, CompressedIsTheSameTextSmaller) {
   EXPECT_LT(zipped->size(), plain.size() / 4);
   EXPECT_EQ(zipped->substr(0, 2), "\x1f\x8b");
   EXPECT_EQ(probe_.bytes.value(), static_cast<std::int64_t>(plain.size()));
+}
+
+TEST_F(ScrapeTest, ATwinHasTheSeriesOfWhatItSaid) {
+  Robot(twin_ruri_);
+  Publish("joint/update", R"({"positions":{"a":1.5}})");
+  Publish("battery/status", R"({"percentage":80})");
+  const std::string text = Text();
+  const std::string ruri = "ruri=\"" + twin_ruri_ + "\"} ";
+  EXPECT_THAT(text, HasSubstr("rcan_robot_online{" + ruri + "1\n"));
+  EXPECT_THAT(text, HasSubstr("rcan_robot_battery_pct{" + ruri + "80\n"));
+  EXPECT_THAT(text, HasSubstr("rcan_acb_position_rad{joint=\"a\"," + ruri + "1.5\n"));
+}
+
+TEST_F(ScrapeTest, TheValuesOfATwinGoAsThoseOfOtherRobots) {
+  robot::Robot& robot = Robot(twin_ruri_);
+  Publish("battery/status", R"({"percentage":80})");
+  EXPECT_THAT(Text(), HasSubstr("battery_pct"));
+  robot.state.Sweep(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  clock_.Advance(fleet_.presence_limits().timeout + config_.series_ttl + milliseconds(1));
+  robot.state.Sweep(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  EXPECT_THAT(NewText(), Not(HasSubstr("battery_pct")));
+  EXPECT_THAT(NewText(), HasSubstr("rcan_robot_online"));
+}
+
+TEST_F(ScrapeTest, WhoDoesNotHoldATwinHasNoSeriesOfIt) {
+  const fleet::RobotPtr robot = *fleet_.FindOrAdmit({twin_ruri_, "default"});
+  Publish("battery/status", R"({"percentage":80})");
+  robot->state.FollowHolder({.held_by = "b:2", .written_at = clock_.System()},
+                            {model::Presence::kOnline, clock_.System()});
+  EXPECT_THAT(Text(), Not(HasSubstr(twin_ruri_)));
+}
+
+TEST_F(ScrapeTest, WhatStandsForNoRobotHasNoSeries) {
+  Robot("cyberwave:");
+  EXPECT_THAT(Text(), Not(HasSubstr("cyberwave:")));
 }
 
 TEST_F(ScrapeTest, IsWantedForAWhileAfterAScrape) {
