@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "schema/cyberwave/ruri.h"
 #include "schema/model/message_source.h"
@@ -35,6 +36,33 @@ void SetStoredParts(const StoredParts& stored, const PartSet& wanted, v1::Robot&
   }
   if (wanted.Has(Part::kUiCapabilities) && stored.ui_capabilities) {
     *message.mutable_ui_capabilities() = ParseStruct(*stored.ui_capabilities);
+  }
+}
+
+std::int64_t UnixMsOf(const std::optional<SystemTime>& time) { return time ? UnixMs(*time) : 0; }
+
+void SetConnection(const BrokerConnection& connection, v1::MqttConnection& message) {
+  message.set_name(connection.name);
+  message.set_client_id(connection.client_id);
+  message.set_state(connection.state);
+  message.set_connected_since_ms(UnixMsOf(connection.connected_since));
+  message.set_session_present(connection.session_present);
+  message.set_unacked(Signed(connection.unacked));
+  message.set_filters_refused(Signed(connection.filters_refused));
+  message.set_filters_lower(Signed(connection.filters_lower));
+  message.set_last_error(connection.last_error);
+  message.set_last_error_at_ms(UnixMsOf(connection.last_error_at));
+}
+
+void SetBroker(const BrokerStatus& broker, v1::MqttStatus& message) {
+  message.set_url(broker.url);
+  message.set_holds_lease(broker.holds_lease);
+  message.set_held_by(broker.held_by);
+  for (const std::string& prefix : broker.prefixes) message.add_prefixes(prefix);
+  message.set_twins(Signed(broker.twins));
+  message.set_subscribed_since_ms(UnixMsOf(broker.subscribed_since));
+  for (const BrokerConnection& connection : broker.connections) {
+    SetConnection(connection, *message.add_connections());
   }
 }
 
@@ -132,6 +160,7 @@ v1::ServerStatus ToMessage(const StatusView& status, const std::vector<std::stri
   message.set_journal_bytes(Signed(status.journal_bytes));
   message.set_journal_oldest_ms(status.journal_oldest.count());
   for (const std::string& word : degraded) message.add_degraded(word);
+  if (status.broker) SetBroker(*status.broker, *message.mutable_mqtt());
   return message;
 }
 

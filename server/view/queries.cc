@@ -217,6 +217,7 @@ StatusView Queries::Status() const {
   status.journal_records = sources_.journals.records();
   status.journal_bytes = sources_.journals.bytes();
   status.journal_oldest = sources_.journals.oldest(sources_.clock.Steady());
+  if (sources_.broker) status.broker = sources_.broker();
   return status;
 }
 

@@ -23,6 +23,7 @@
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
 #include "server/view/brief_look.h"
+#include "server/view/broker_status.h"
 #include "server/view/parts.h"
 #include "storage/reader.h"
 
@@ -90,6 +91,8 @@ struct StatusView {
   std::size_t journal_records = 0;
   std::size_t journal_bytes = 0;
   milliseconds journal_oldest{0};
+  /// Nothing if no broker is read.
+  std::optional<BrokerStatus> broker{};
 };
 
 /// Everything that readers of the fleet ask, once, for every transport. What stands in a robot's
@@ -122,6 +125,8 @@ class Queries final {
     std::function<bool()> robots_unread{};
     /// What is heard from a broker; null: nothing is.
     const cyberwave::Twins* twins = nullptr;
+    /// Waits for nothing, and may be called on any thread; empty: no broker is read.
+    std::function<std::optional<BrokerStatus>()> broker{};
   };
   explicit Queries(Sources sources);
 

@@ -254,6 +254,42 @@ TEST(Json, StatusHoldsEveryColumnOfTheLaw) {
   EXPECT_EQ(json.fields().at("degraded").list_value().values(0).string_value(), "store");
 }
 
+TEST(Json, StatusShowsWhatIsDoneAtABroker) {
+  StatusView status;
+  EXPECT_EQ(Parse(*ToJson(status, {})).fields().count("mqtt"), 0U);
+  status.broker = BrokerStatus{.url = "mqtts://broker:8883",
+                               .holds_lease = true,
+                               .held_by = "a:1",
+                               .prefixes = {"", "local"},
+                               .twins = 3,
+                               .subscribed_since = FromUnixMs(7),
+                               .connections = {{.name = "durable",
+                                                .client_id = "uplinkd",
+                                                .state = "subscribed",
+                                                .connected_since = FromUnixMs(6),
+                                                .session_present = true,
+                                                .unacked = 5,
+                                                .filters_refused = 1,
+                                                .filters_lower = 2,
+                                                .last_error = "keepalive",
+                                                .last_error_at = FromUnixMs(4)},
+                                               {.name = "live"}}};
+  const google::protobuf::Struct json = Parse(*ToJson(status, {}));
+  google::protobuf::Struct mqtt = json.fields().at("mqtt").struct_value();
+  std::string text;
+  ASSERT_TRUE(google::protobuf::util::MessageToJsonString(mqtt, &text).ok());
+  ExpectSameJson(text, R"({
+    "url": "mqtts://broker:8883", "holdsLease": true, "heldBy": "a:1", "prefixes": ["", "local"],
+    "twins": "3", "subscribedSinceMs": "7",
+    "connections": [
+      {"name": "durable", "clientId": "uplinkd", "state": "subscribed", "connectedSinceMs": "6",
+       "sessionPresent": true, "unacked": "5", "filtersRefused": "1", "filtersLower": "2",
+       "lastError": "keepalive", "lastErrorAtMs": "4"},
+      {"name": "live", "clientId": "", "state": "", "connectedSinceMs": "0",
+       "sessionPresent": false, "unacked": "0", "filtersRefused": "0", "filtersLower": "0",
+       "lastError": "", "lastErrorAtMs": "0"}]})");
+}
+
 TEST(Json, ErrorsAreJsonWhateverBytesTheyRepeat) {
   ExpectSameJson(ErrorJson({"NOT_FOUND", "a \"b\" \\ c\n\xff", "f"}),
                  R"({"error": {"code": "NOT_FOUND", "message": "a \"b\" \\ c\\x0a\\xff",

@@ -1,5 +1,6 @@
 // Twins that are heard at a broker, among the robots.
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -131,6 +132,24 @@ TEST_F(TwinQueriesTest, WhoDoesNotHoldARobotShowsNothingOfItsTwin) {
                            {model::Presence::kOnline, FromUnixMs(6)});
   EXPECT_EQ(queries_.Robot(RuriOf(0))->twin, nullptr);
   EXPECT_EQ(Robots({.parts = Cyberwave()}).robots.at(0).twin, nullptr);
+}
+
+TEST_F(TwinQueriesTest, StatusAsksWhatIsDoneAtTheBrokerEachTime) {
+  EXPECT_FALSE(queries_.Status().broker);
+  std::optional<BrokerStatus> broker = BrokerStatus{.twins = 1};
+  const Queries queries({.clock = world_.clock,
+                         .fleet = fleet_,
+                         .reader = world_.reader,
+                         .journals = world_.shards,
+                         .ledgers = world_.ledgers,
+                         .streams = world_.sessions.streams,
+                         .version = "9.9.9",
+                         .broker = [&broker] { return broker; }});
+  EXPECT_EQ(queries.Status().broker->twins, 1U);
+  broker->twins = 2;
+  EXPECT_EQ(queries.Status().broker->twins, 2U);
+  broker.reset();
+  EXPECT_FALSE(queries.Status().broker);
 }
 
 TEST_F(TwinQueriesTest, WhatStandsForNoRobotIsNone) {
