@@ -159,7 +159,11 @@ bool IsFlatJoint(const js::key_value_pair& member) {
 template <typename IsJoint>
 std::vector<Joint> PositionsOf(Violations& violations, const Path& path, const js::object& map,
                                const Names& prismatic, IsJoint is_joint) {
-  const auto count = static_cast<std::size_t>(std::count_if(map.begin(), map.end(), is_joint));
+  std::size_t count = map.size();
+  // What all members together are not, those that are joints are not either.
+  if (count > kJointsMax) {
+    count = static_cast<std::size_t>(std::count_if(map.begin(), map.end(), is_joint));
+  }
   std::vector<Joint> joints;
   if (TooMany(violations, path, count)) return joints;
   joints.reserve(count);

@@ -18,7 +18,11 @@ static_assert(kRuriStem.size() + kReal.size() + 1 + kPrefixEncodedBytesMax + 1 +
 }  // namespace
 
 std::string TwinRuri(std::string_view prefix, const model::cyberwave::Uuid& twin, RobotKind kind) {
-  std::string ruri(kRuriStem);
+  std::string ruri;
+  // Made for each message: without a longer prefix it takes memory once.
+  ruri.reserve(kRuriStem.size() + kReal.size() + 1 + prefix.size() + 1 +
+               model::cyberwave::Uuid::kTextBytes);
+  ruri += kRuriStem;
   ruri += kind == RobotKind::kReal ? kReal : kSimulated;
   if (!prefix.empty()) ruri.append(".").append(PercentEncoded(prefix));
   return ruri.append("/").append(twin.ToText());

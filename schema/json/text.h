@@ -15,8 +15,7 @@
 /// render.h. No whitespace; UTF-8. Pure; any thread.
 namespace uplink::json {
 
-/// What the event's union member holds; `{}` for the e-stop kinds, the detail of a named event as it
-/// stands.
+/// What the event's union member holds: `{}` for the e-stop kinds, a named event's detail as it is.
 [[nodiscard]] std::string DetailText(const model::EventKind& kind);
 [[nodiscard]] std::string Text(const model::MissionRunStatus& body);
 [[nodiscard]] std::string Text(const model::UiCapabilities& body);

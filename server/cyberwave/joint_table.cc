@@ -1,5 +1,7 @@
 #include "server/cyberwave/joint_table.h"
 
+#include <iterator>
+
 #include "schema/limits.h"
 #include "schema/rules/describe.h"
 
@@ -67,23 +69,28 @@ std::optional<JointGroup> JointGroupOf(SourceType type) {
   return std::nullopt;
 }
 
-HeldJoint* JointTable::Find(const std::string& name, JointGroup group) {
-  ByName& held = groups_[static_cast<std::size_t>(group)];
-  const auto found = held.find(name);
-  if (found != held.end()) return &found->second;
-  if (held.size() >= kJointNamesMax) return nullptr;
-  return &held.emplace(name, HeldJoint()).first->second;
+HeldJoint* JointTable::Find(const std::string& name, ByName& held, ByName::iterator& next) {
+  auto found = next != held.end() && next->first == name ? next : held.find(name);
+  if (found == held.end()) {
+    if (held.size() >= kJointNamesMax) return nullptr;
+    found = held.emplace(name, HeldJoint()).first;
+  }
+  next = std::next(found);
+  return &found->second;
 }
 
 JointTable::Taken JointTable::Take(const std::vector<Joint>& joints, const SaidJoints& said) {
   Taken taken;
+  ByName& held = groups_[static_cast<std::size_t>(said.group)];
+  // Most messages name joints in the order of the table.
+  ByName::iterator next = held.begin();
   for (const Joint& joint : joints) {
     // A joint that was named and has no value is there all the same, and nothing is known of it.
     if (SaysNothing(joint)) {
       ++taken.applied;
       continue;
     }
-    HeldJoint* known = Find(joint.name, said.group);
+    HeldJoint* known = Find(joint.name, held, next);
     if (known == nullptr) {
       ++taken.without_room;
       if (taken.dropped.size() < schema::kToldFieldsMax) taken.dropped.push_back(NoRoomFor(joint));

@@ -70,8 +70,10 @@ class JointTable final {
   }
 
  private:
-  /// What is held of the joint; null if it is new and has no room.
-  [[nodiscard]] HeldJoint* Find(const std::string& name, JointGroup group);
+  /// What `held` has of the joint; null if it is new and has no room. `next` is looked at first,
+  /// and is the one behind it from then on.
+  [[nodiscard]] static HeldJoint* Find(const std::string& name, ByName& held,
+                                       ByName::iterator& next);
 
   std::array<ByName, kJointGroups> groups_;
 };

@@ -35,6 +35,9 @@ inline constexpr std::size_t kRecordsOfMessageMax = 2 * kMetricFaultsMax;
 /// What one twin may send, its simulated robot included.
 inline constexpr robot::BucketSize kMessagesOfTwin{.rate = 1'000, .burst = 5'000};
 inline constexpr robot::BucketSize kLogLinesOfTwin{.rate = 50, .burst = 2'000};
+/// Faults that its metrics may raise and clear: one message of half a kilobyte may change 128, and
+/// one twin would keep the store busy with nothing else. As many as log lines.
+inline constexpr robot::BucketSize kFaultChangesOfTwin{.rate = 50, .burst = 2'000};
 
 /// Pongs in any second, to one name and to all.
 inline constexpr std::size_t kPongsOfNameMax = 10;

@@ -2,10 +2,16 @@
 
 namespace uplink::cyberwave {
 
-Applied Twin::Apply(Judgement&& judgement, const Arrival& arrival) {
+std::size_t Twin::RecordsAtMost(const Judgement& judgement) const {
+  const std::lock_guard lock(mutex_);
+  return state_.RecordsAtMost(judgement);
+}
+
+Applied Twin::Apply(Judgement&& judgement, const Arrival& arrival, HeldChange& change) {
   const std::lock_guard lock(mutex_);
   Applied applied = state_.Apply(std::move(judgement), arrival);
-  bytes_ = HeldBytes(state_.parts());
+  change.before = bytes_;
+  change.after = bytes_ = HeldBytes(state_.parts());
   return applied;
 }
 
@@ -18,6 +24,11 @@ void Twin::DropTables() {
   const std::lock_guard lock(mutex_);
   state_.DropTables();
   bytes_ = HeldBytes(state_.parts());
+}
+
+std::vector<std::string> Twin::ActiveFaults() const {
+  const std::lock_guard lock(mutex_);
+  return {state_.faults().active().begin(), state_.faults().active().end()};
 }
 
 std::size_t Twin::bytes() const {

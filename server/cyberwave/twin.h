@@ -24,12 +24,22 @@ class Twin final {
 
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
 
-  /// As TwinState::Apply.
-  [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival);
+  /// What its parts hold in memory before and after a message, in bytes. A value.
+  struct HeldChange {
+    std::size_t before = 0;
+    std::size_t after = 0;
+  };
+  /// As TwinState::RecordsAtMost.
+  [[nodiscard]] std::size_t RecordsAtMost(const Judgement& judgement) const;
+  /// As TwinState::Apply; `change` gets what became of its memory.
+  [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival, HeldChange& change);
   /// As MetricFaults::Restore.
   void RestoreFaults(const std::vector<std::string>& fault_ids);
   /// As TwinState::DropTables.
   void DropTables();
+
+  /// The faults that its last metrics named.
+  [[nodiscard]] std::vector<std::string> ActiveFaults() const;
 
   /// What its parts hold in memory, as of the last message.
   [[nodiscard]] std::size_t bytes() const;

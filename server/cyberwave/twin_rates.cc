@@ -29,4 +29,12 @@ std::optional<model::Rejection> TwinRates::Limit(const Judgement& judgement, Jou
   return std::nullopt;
 }
 
+std::optional<model::Rejection> TwinRates::LimitFaults(std::size_t changes, SteadyTime now) {
+  if (fault_changes_.PassesAt(changes, kFaultChangesOfTwin, now) > now) {
+    return robot::RateLimited(kFaultChangesOfTwin);
+  }
+  fault_changes_.Take(changes, kFaultChangesOfTwin, now);
+  return std::nullopt;
+}
+
 }  // namespace uplink::cyberwave

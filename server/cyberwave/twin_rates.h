@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -26,9 +27,14 @@ class TwinRates final {
   [[nodiscard]] std::optional<model::Rejection> Limit(const Judgement& judgement, JournalFill fill,
                                                       SteadyTime now);
 
+  /// The same of metrics that change so many faults, kRecordsOfMessageMax at most. Whatever comes
+  /// later says what is active then.
+  [[nodiscard]] std::optional<model::Rejection> LimitFaults(std::size_t changes, SteadyTime now);
+
  private:
   robot::TokenBucket messages_;
   robot::TokenBucket log_lines_;
+  robot::TokenBucket fault_changes_;
 };
 
 }  // namespace uplink::cyberwave

@@ -18,6 +18,14 @@ TwinPtr Twins::FindOrAdd(const std::string& ruri, const model::cyberwave::Uuid& 
   return twins_.emplace(ruri, std::make_shared<Twin>(ruri, id)).first->second;
 }
 
+std::vector<TwinPtr> Twins::All() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<TwinPtr> all;
+  all.reserve(twins_.size());
+  for (const auto& [ruri, twin] : twins_) all.push_back(twin);
+  return all;
+}
+
 void Twins::Remove(std::string_view ruri) {
   const std::lock_guard lock(mutex_);
   const auto found = twins_.find(std::string(ruri));
@@ -33,15 +41,16 @@ void Twins::Clear() {
 }
 
 Applied Twins::Apply(Twin& twin, Judgement&& judgement, const Arrival& arrival) {
-  const std::size_t before = twin.bytes();
-  Applied applied = twin.Apply(std::move(judgement), arrival);
+  Twin::HeldChange held;
+  Applied applied = twin.Apply(std::move(judgement), arrival, held);
   // One thread changes what twins hold, so that the sum is exact.
-  const std::size_t others = bytes_.load() - before;
-  if (others + twin.bytes() > bytes_max_ && twin.bytes() > kTwinBytesKept) {
+  const std::size_t others = bytes_.load() - held.before;
+  if (others + held.after > bytes_max_ && held.after > kTwinBytesKept) {
     twin.DropTables();
     tables_dropped_.fetch_add(1);
+    held.after = twin.bytes();
   }
-  bytes_.store(others + twin.bytes());
+  if (held.after != held.before) bytes_.store(others + held.after);
   return applied;
 }
 

@@ -32,6 +32,7 @@ class Twins final {
   [[nodiscard]] TwinPtr Find(std::string_view ruri) const;
   /// The same, made if it is not there. Null at twins_max.
   [[nodiscard]] TwinPtr FindOrAdd(const std::string& ruri, const model::cyberwave::Uuid& id);
+  [[nodiscard]] std::vector<TwinPtr> All() const;
   void Remove(std::string_view ruri);
   void Clear();
 

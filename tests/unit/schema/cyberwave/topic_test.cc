@@ -2,6 +2,8 @@
 #include "schema/cyberwave/topic.h"
 
 #include <algorithm>
+#include <cctype>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -112,6 +114,22 @@ TEST(CyberwaveTopic, KeepsIdsInLowerCase) {
   ASSERT_FALSE(reading.rejection);
   EXPECT_EQ(reading.topic.id.ToText(), "aaaaaaaa-bbbb-4ccc-8ddd-eeeeeeeeeeef");
   EXPECT_EQ(reading.topic.id, Uuid::FromText("aaaaaaaa-bbbb-4ccc-8ddd-eeeeeeeeeeef"));
+}
+
+TEST(CyberwaveTopic, ReadsOfAllCharactersTheDigitsOfHex) {
+  constexpr std::string_view kDigits = "0123456789abcdefABCDEF";
+  for (unsigned each = 0; each < 256; ++each) {
+    const auto character = static_cast<char>(each);
+    for (const std::size_t at : {std::size_t{0}, std::size_t{35}}) {
+      std::string text = "11111111-1111-4111-8111-111111111111";
+      text[at] = character;
+      const bool digit = kDigits.find(character) != std::string_view::npos;
+      const std::optional<Uuid> read = Uuid::FromText(text);
+      ASSERT_EQ(read.has_value(), digit) << each;
+      text[at] = static_cast<char>(std::tolower(static_cast<int>(each)));
+      EXPECT_EQ(read ? read->ToText() : text, text);
+    }
+  }
 }
 
 TEST(CyberwaveTopic, ReadsNamesUpToTheirLimit) {

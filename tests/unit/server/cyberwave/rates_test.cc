@@ -98,6 +98,19 @@ TEST(PongLimitTest, OneNameTakesNothingFromAnother) {
   EXPECT_TRUE(limit.Take("a", clock.Steady()));
 }
 
+TEST(TwinFaultRateTest, ChangesOfFaultsHaveARateOfTheirOwn) {
+  testing::ManualClock clock;
+  TwinRates rates;
+  std::size_t changed = 0;
+  while (!rates.LimitFaults(kRecordsOfMessageMax, clock.Steady())) changed += kRecordsOfMessageMax;
+  EXPECT_LE(changed, kFaultChangesOfTwin.burst);
+  EXPECT_GT(changed + kRecordsOfMessageMax, kFaultChangesOfTwin.burst);
+  EXPECT_EQ(rates.LimitFaults(kRecordsOfMessageMax, clock.Steady())->reason,
+            model::RejectReason::kRateLimited);
+  clock.Advance(seconds(3));
+  EXPECT_FALSE(rates.LimitFaults(kRecordsOfMessageMax, clock.Steady()).has_value());
+}
+
 TEST(PongLimitTest, ToAllNamesThereAreSoManyAndTheTableStaysBounded) {
   testing::ManualClock clock;
   PongLimit limit;

@@ -39,7 +39,7 @@ TEST(WhoseTest, WhatIsOfNoRobotStandsInItsPrefixesName) {
            "twin/no-uuid/position", "twin/no-uuid/webrtc-offer",
            "environment/" + id + "/" + std::string(300, 'x')}) {
     for (const std::string prefix : {"", "site/a/"}) {
-      const Judgement judgement = judge(prefix + "cyberwave/" + tail);
+      const Judgement judgement = judge(std::string(prefix).append("cyberwave/").append(tail));
       EXPECT_EQ(RobotOf(judgement), std::nullopt) << tail;
       EXPECT_EQ(SignOfLifeOf(judgement), std::nullopt) << tail;
       EXPECT_EQ(RuriOf(judgement), "cyberwave:" + prefix) << tail;
