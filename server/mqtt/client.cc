@@ -69,6 +69,7 @@ void Client::Stop() {
   if (link_ != nullptr) parts_.probe.CountEnd(EndReason::kStopped);
   Part(accepted ? conversation_->TakeRest() + EncodeDisconnect(settings_.version, 0) : "");
   parts_.probe.id_taken.Set(0);
+  parts_.probe.stopped_by_core.Set(0);
   Show(ClientState::kStopped);
 }
 
@@ -129,6 +130,12 @@ ClientStatus Client::status() const {
 }
 
 void Client::Attempt() {
+  if (parts_.may_connect && !parts_.may_connect()) {
+    phase_ = Phase::kPausing;
+    due_ = parts_.clock.Steady() + kGatePause;
+    Show(ClientState::kWaiting);
+    return Arm();
+  }
   phase_ = Phase::kOpening;
   connection_ = parts_.numbers.Next();
   Show(ClientState::kConnecting);

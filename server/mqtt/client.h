@@ -44,6 +44,8 @@ class Client final : private LinkEvents, private ConversationEvents {
     MakeLink make_link;
     /// The same for all clients of the process.
     ConnectionNumbers& numbers;
+    /// Asked before each connection, and again each kGatePause until it may be made; empty: always.
+    std::function<bool()> may_connect{};
   };
   /// Errors: those of CheckSettings.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Client>> Create(ClientSettings settings,

@@ -60,6 +60,8 @@ inline constexpr std::chrono::seconds kPingWait{15};
 inline constexpr std::chrono::seconds kWriteWait{30};
 /// For a DISCONNECT to leave.
 inline constexpr std::chrono::seconds kFarewellWait{1};
+/// Until the core is asked again whether a connection may be made.
+inline constexpr std::chrono::milliseconds kGatePause{250};
 /// Until a filter that the broker refused is asked for again: its rules may have been mended.
 inline constexpr std::chrono::seconds kRefusedPause{60};
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -46,6 +47,16 @@ struct Trouble {
   /// For people.
   std::string text;
 };
+
+/// In the order of Trouble::Kind.
+inline constexpr auto kTroubleNames = std::to_array<std::string_view>(
+    {"filter_refused", "lower_qos", "session_lost", "session_short", "id_taken"});
+
+static_assert(static_cast<std::size_t>(Trouble::Kind::kIdTaken) + 1 == kTroubleNames.size());
+
+[[nodiscard]] constexpr std::string_view Name(Trouble::Kind kind) {
+  return kTroubleNames[static_cast<std::size_t>(kind)];
+}
 
 /// What one connection tells. Thread: the client's.
 class ConversationEvents {

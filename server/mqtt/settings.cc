@@ -14,7 +14,6 @@ namespace {
 static_assert(kUnackedMaxMax == storage::kUnackedMaxMax);
 
 constexpr std::size_t kShownBytesMax = 128;
-constexpr std::chrono::seconds kKeepaliveMin{5};
 constexpr std::chrono::seconds kKeepaliveMax{65'535};
 /// The largest number says that a session never ends, which nobody asks for by accident.
 constexpr std::chrono::seconds kSessionExpiryMax{0xFFFF'FFFE};

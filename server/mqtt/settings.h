@@ -28,6 +28,9 @@ struct Waits {
   Waits();
 };
 
+/// A smaller one could only be none, by which a broker never takes us for gone.
+inline constexpr std::chrono::seconds kKeepaliveMin{1};
+
 /// How one connection to a broker is made. A value.
 struct ClientSettings {
   Url url;
