@@ -8,6 +8,7 @@ find_package(CapnProto REQUIRED)
 find_package(SQLite3 REQUIRED)
 # CMake's own module asks for the server's headers, which a client does without.
 find_package(PkgConfig REQUIRED)
+pkg_check_modules(libmosquitto REQUIRED IMPORTED_TARGET libmosquitto) # of the synthetic fleet and a benchmark alone
 pkg_check_modules(libpq REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)
 pkg_check_modules(nghttp2 REQUIRED IMPORTED_TARGET libnghttp2)

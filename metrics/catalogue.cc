@@ -1,8 +1,11 @@
 #include "metrics/catalogue.h"
 
 #include <array>
+#include <cstddef>
+#include <utility>
 
 #include "metrics/catalogue_labels.h"
+#include "metrics/catalogue_mqtt.h"
 
 namespace uplink::metrics {
 namespace {
@@ -10,7 +13,7 @@ namespace {
 using enum MetricId;
 using enum MetricType;
 
-constexpr auto kSpecs = std::to_array<MetricSpec>({
+constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kUplinksReceived, "uplinkd_uplinks_received_total", kCounter, "messages",
      "Messages that were judged, each once."},
     {kUplinksSettled, "uplinkd_uplinks_settled_total", kCounter, "messages",
@@ -331,7 +334,16 @@ constexpr auto kSpecs = std::to_array<MetricSpec>({
     {kProcessMaxFds, "process_max_fds", kGauge, "descriptors",
      "File descriptors that the process may open."},
 });
-static_assert(kSpecs.size() == kMetrics, "each MetricId has one entry");
+
+/// One table of both, in order.
+template <std::size_t... kFirst, std::size_t... kThen>
+constexpr std::array<MetricSpec, kMetrics> Join(std::index_sequence<kFirst...> /*first*/,
+                                                std::index_sequence<kThen...> /*then*/) {
+  return {kServerSpecs[kFirst]..., kMqttSpecs[kThen]...};
+}
+static_assert(kServerSpecs.size() + kMqttSpecs.size() == kMetrics, "each MetricId has one entry");
+constexpr auto kSpecs = Join(std::make_index_sequence<kServerSpecs.size()>(),
+                             std::make_index_sequence<kMqttSpecs.size()>());
 
 constexpr bool InOrder() {
   for (std::size_t i = 0; i < kSpecs.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "metrics/cells.h"
 #include "metrics/ledger.h"
 #include "metrics/page.h"
+#include "server/broker_side.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
@@ -15,7 +16,6 @@
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
-#include "server/health/process.h"
 #include "server/http/site.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
@@ -51,7 +51,8 @@ class App::Impl {
         journal_limits_(lifecycle::JournalLimitsOf(options_.config.journal)),
         session_limits_(lifecycle::SessionLimitsOf(options_.config, options_.version)),
         fleet_(options_.clock, options_.config.limits.robots_max,
-               lifecycle::PresenceLimitsOf(options_.config.presence)),
+               lifecycle::PresenceLimitsOf(options_.config.presence),
+               lifecycle::TwinPresenceLimitsOf(options_.config)),
         stores_(std::move(stores)),
         writers_(stores_.writers, ContextOfWriters()),
         forgetting_({fleet_, options_.clock, options_.logger, options_.config.fleet.forget_after,
@@ -81,16 +82,19 @@ class App::Impl {
                      options_.logger),
         queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_,
                   session_probe_.streams, options_.version, ground_.OnReads(),
-                  [this] { return !seed_rounds_.done(); }}),
+                  [this] { return !seed_rounds_.done(); }, &broker_side_.twins(),
+                  [this] { return broker_side_.status(); }}),
         monitor_({options_.clock, fleet_, journals_, journal_probe_, session_probe_,
                   journal_limits_, certificate_expiry, stores_.facts,
                   [this] { return lease_probe_.failing.value() != 0; },
                   [this] { return !seed_rounds_.done(); }, stores_.clock.get(),
                   [this] { return space_rounds_.view().state != store::SpaceState::kEnough; },
-                  [this] { return forwarding_.incomplete(); }}),
+                  [this] { return forwarding_.incomplete(); },
+                  [this] { return broker_side_.facts(); }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
-                session_limits_.session_idle, lease_probe_.others_unseen}),
+                session_limits_.session_idle, lease_probe_.others_unseen,
+                [this] { return broker_side_.hearing(); }}),
         page_sources_(PageSourcesOf({options_.clock,
                                      options_.version,
                                      ledgers_,
@@ -110,9 +114,11 @@ class App::Impl {
                                      options_.config.rcan.series_max,
                                      monitor_,
                                      relay_probe_,
-                                     options_.handshakes_failed})),
+                                     options_.handshakes_failed,
+                                     broker_side_})),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
-                        options_.logger, rcan::NameHash::Draw(options_.random)}),
+                        options_.logger, rcan::NameHash::Draw(options_.random),
+                        &broker_side_.twins()}),
         site_({queries_, monitor_,
                [this](auto format) { return metrics::PageText(page_sources_, format); },
                robots_scrape_, options_.logger}),
@@ -170,6 +176,9 @@ class App::Impl {
                               [this](milliseconds wait) { return relay_->WaitForStreams(wait); }},
             .leave = [this] { return leases_.Leave() == store::LeaseRounds::Left::kToOthers; },
             .stop_adopting = [this] { leases_.StopAdopting(); },
+            .drain_broker = [this] { broker_side_.BeginDrain(); },
+            .leave_broker = [this] { broker_side_.EndDrain(); },
+            .broker_waits = [this] { return broker_side_.waiting(); },
             .stop = [this] { Stop(); },
             .timeout = options_.config.drain.timeout};
   }
@@ -201,6 +210,7 @@ class App::Impl {
   }
 
   void BeginWork() {
+    broker_side_.Start();
     forget_rounds_.Start();
     ground_.Open(site_);
     ground_.Repeat(WorkToDo());
@@ -242,6 +252,7 @@ class App::Impl {
       if (relay_ != nullptr) relay_->Shutdown(lifecycle::kStopWait / 2);
     };
     steps.stop_writers = [this] {
+      broker_side_.Stop();
       leases_.Stop();
       forwarding_.Stop();
       forget_rounds_.Stop();
@@ -282,6 +293,10 @@ class App::Impl {
   fleet::Forgetting forgetting_;
   store::SeedRounds seed_rounds_;
   store::LeaseRounds leases_;
+  BrokerSide broker_side_{
+      {options_.clock, options_.logger, options_.config, fleet_, journals_, journal_limits_,
+       *stores_.reader, leases_, options_.process, options_.random},
+      std::move(stores_.topic_leases)};
   store::ForgetRounds forget_rounds_;
   store::ClockRounds clock_rounds_;
   store::SpaceRounds space_rounds_;

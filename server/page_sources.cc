@@ -1,5 +1,6 @@
 #include "server/page_sources.h"
 
+#include "server/broker_side.h"
 #include "server/fleet/samples.h"
 #include "server/health/process.h"
 #include "server/health/samples.h"
@@ -14,6 +15,7 @@ namespace uplink {
 
 std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
   return {
+      [parts](auto& page) { parts.broker.AddSamples(page); },
       [parts](auto& page) { page.AddLedger(parts.ledgers.Sum()); },
       [parts](auto& page) { session::AddSamples(parts.sessions, page); },
       [parts](auto& page) { fleet::AddSamples(parts.fleet, page); },

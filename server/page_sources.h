@@ -23,6 +23,8 @@
 
 namespace uplink {
 
+class BrokerSide;
+
 /// Where the samples of /metrics come from. All of it outlives the page.
 struct PageParts {
   const Clock& clock;
@@ -45,6 +47,7 @@ struct PageParts {
   health::Monitor& monitor;
   const transport::RelayProbe& relay;
   const metrics::Cell& handshakes_failed;
+  const BrokerSide& broker;
 };
 
 /// Every metric of the catalogue. The ledgers are summed once, so that received = settled + in

@@ -48,12 +48,14 @@ std::string ToText(const ListenAddress& address) {
             : fmt::format("{}:{}", address.host, address.port);
 }
 
-bool IsLoopback(const ListenAddress& address) {
+bool IsLoopback(const ListenAddress& address) { return IsLoopbackHost(address.host); }
+
+bool IsLoopbackHost(const std::string& host) {
   in6_addr v6{};
-  if (::inet_pton(AF_INET6, address.host.c_str(), &v6) == 1) {
-    return IN6_IS_ADDR_LOOPBACK(&v6);
-  }
-  return address.host.rfind("127.", 0) == 0;
+  in_addr v4{};
+  if (::inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
+  if (::inet_pton(AF_INET, host.c_str(), &v4) == 1) return host.starts_with("127.");
+  return host == "localhost";
 }
 
 }  // namespace uplink::config

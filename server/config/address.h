@@ -25,5 +25,7 @@ struct ListenAddress {
 
 /// True if only this machine can reach the address (127.0.0.0/8 or ::1).
 [[nodiscard]] bool IsLoopback(const ListenAddress& address);
+/// The same of an address without port and brackets, or of the name `localhost`.
+[[nodiscard]] bool IsLoopbackHost(const std::string& host);
 
 }  // namespace uplink::config

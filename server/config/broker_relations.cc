@@ -8,6 +8,7 @@
 
 #include "schema/base/utf8.h"
 #include "schema/cyberwave/prefix.h"
+#include "server/config/address.h"
 #include "server/config/broker_url.h"
 #include "server/identity/fleet_name.h"
 
@@ -103,6 +104,17 @@ std::vector<Breach> CheckBroker(const Config& config) {
   }
   CheckFleet(config.cyberwave.fleet, breaches);
   return breaches;
+}
+
+std::optional<std::string> UnverifiedBrokerText(const MqttConfig& mqtt) {
+  if (mqtt.url.empty()) return std::nullopt;
+  const auto url = ParseBrokerUrl(mqtt.url);
+  if (!url.ok() || url->tls || IsLoopbackHost(url->host)) return std::nullopt;
+  return fmt::format(
+      "it is mqtt://, which has no TLS: {} need not prove that it is the broker, and whoever is on "
+      "the way reads {} and what twins say; write mqtts://",
+      PrintableUtf8(url->host, kBrokerHostBytesMax),
+      mqtt.password_file.empty() ? "all topics" : "the password");
 }
 
 }  // namespace uplink::config

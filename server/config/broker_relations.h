@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "server/config/config.h"
@@ -10,5 +12,8 @@ namespace uplink::config {
 /// The rules of CheckRelations that concern the broker and what is read from it, whether or not
 /// `mqtt.url` names one. Pure.
 [[nodiscard]] std::vector<Breach> CheckBroker(const Config& config);
+
+/// What is to be said of a broker that is reached over a network without TLS; nothing of any other.
+[[nodiscard]] std::optional<std::string> UnverifiedBrokerText(const MqttConfig& mqtt);
 
 }  // namespace uplink::config

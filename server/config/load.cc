@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "schema/base/utf8.h"
+#include "server/config/broker_relations.h"
 #include "server/config/file_modes.h"
 #include "server/config/relations.h"
 #include "server/config/service_variables.h"
@@ -92,6 +93,10 @@ class Loader {
     if (auto text = UnverifiedStoreText(config_.store)) {
       result.notes.push_back(
           {{Where("store.url"), "store.url", *std::move(text)}, "store_unverified"});
+    }
+    if (auto text = UnverifiedBrokerText(config_.mqtt)) {
+      result.notes.push_back(
+          {{Where("mqtt.url"), "mqtt.url", *std::move(text)}, "broker_unverified"});
     }
     if (!ignored_.empty()) {
       result.notes.push_back(

@@ -610,7 +610,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = 5 * kSecond,
      .max = 18 * kHour,
      .text = "When nothing was sent for so long, the broker is asked whether it is there; after "
-             "one and a half times that it takes uplinkd for gone. Whole seconds count.",
+             "one and a half times that it takes uplinkd for gone. Whole seconds count. At most a "
+             "quarter of cyberwave.presence_timeout is used.",
      UPLINK_BIND(mqtt, MqttConfig, keepalive)},
     {.section = "mqtt",
      .key = "unacked_max",

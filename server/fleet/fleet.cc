@@ -9,10 +9,12 @@
 
 namespace uplink::fleet {
 
-Fleet::Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence)
+Fleet::Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence,
+             const robot::PresenceLimits& twins)
     : clock_(clock),
       robots_max_(robots_max),
       presence_(presence),
+      twins_(twins),
       started_(clock.Steady()),
       brought_in_(GatewayRobotsMax(robots_max)) {}
 
@@ -183,7 +185,7 @@ void Fleet::BeginListening() {
   for (const RobotPtr& robot : All()) robot->state.BeginListening(now);
 }
 
-PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
+PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing twins_hearing) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
   PresenceCounts counts;
@@ -193,12 +195,15 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing) {
   const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
   stood_still_.store(stalled);
   for (const RobotPtr& robot : All()) {
-    const bool unheard =
-        hearing == Hearing::kBehind || (hearing == Hearing::kHereAlone && !robot->HasStream());
+    const bool unheard = IsTwin(*robot)
+                             ? twins_hearing != Hearing::kUpToDate
+                             : hearing == Hearing::kBehind ||
+                                   (hearing == Hearing::kHereAlone && !robot->HasStream());
     if (stalled || unheard) robot->state.NoteStall(steady);
     if (stalled) continue;
     robot->sessions.Sweep(steady, session_idle);
-    const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, presence_);
+    const std::optional<robot::Presence> presence =
+        robot->state.Sweep(steady, system, presence_limits_of(*robot));
     if (presence) {
       counts.Count(*presence);
     } else {

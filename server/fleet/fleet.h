@@ -15,6 +15,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/config/config.h"
 #include "server/fleet/brought_in.h"
 #include "server/fleet/claim.h"
 #include "server/robot/robot.h"
@@ -48,7 +49,10 @@ inline constexpr std::size_t kLeavingMax = 1'024;
 /// All robots by RURI, at most `robots_max`, beside those that are leaving memory. Thread-safe.
 class Fleet final {
  public:
-  Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence);
+  /// `twins`: the presence of robots that are heard through a broker, where it differs.
+  Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence,
+        const robot::PresenceLimits& twins = {
+            .timeout = config::CyberwaveConfig().presence_timeout});
 
   /// Before the first robot and the first thread.
   void OnPresence(robot::PresenceChanged changed) { changed_ = std::move(changed); }
@@ -104,7 +108,12 @@ class Fleet final {
   /// Takes those out of memory of whom the journal let go, and whom nobody keeps. Returns them.
   std::vector<RobotPtr> RemoveLeft();
 
+  /// Of the relay's robots.
   [[nodiscard]] const robot::PresenceLimits& presence_limits() const { return presence_; }
+  /// Those by which this robot is judged.
+  [[nodiscard]] const robot::PresenceLimits& presence_limits_of(const robot::Robot& robot) const {
+    return IsTwin(robot) ? twins_ : presence_;
+  }
   /// The relay listens from now on: `presence.startup_grace` begins, and the silence of robots that
   /// are known already. Before the first sweep.
   void BeginListening();
@@ -114,18 +123,22 @@ class Fleet final {
   static constexpr std::chrono::seconds kSweepLate{3};
 
   /// Whether what robots send comes to this process's knowledge. Of whom it would not, nobody
-  /// becomes offline: whose silence is too long is unknown, and so for presence.timeout after.
+  /// becomes offline: whose silence is too long is unknown, and so for the timeout of its presence
+  /// after.
   enum class Hearing : std::uint8_t {
     kUpToDate,
-    /// Robots that left may stream to another process, which cannot reach the store and tell.
+    /// Robots that left may stream to another process, which cannot reach the store and tell. Of
+    /// twins, which have no stream that could show who left, it says the same as kBehind.
     kHereAlone,
-    /// What robots sent has not been read.
+    /// What robots sent has not been read; of twins also that their broker is not heard.
     kBehind,
   };
 
   /// The periodic check: brings the presence of every robot that this process judges up to date,
-  /// forgets sessions that have been idle for `session_idle`, and counts.
-  PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate);
+  /// forgets sessions that have been idle for `session_idle`, and counts. `hearing` is that of the
+  /// relay, and `twins_hearing` that of the broker through which twins are heard.
+  PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate,
+                       Hearing twins_hearing = Hearing::kUpToDate);
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_.load(); }
   /// The counts of the last sweep that judged.
@@ -137,6 +150,9 @@ class Fleet final {
     mutable std::mutex mutex;
     std::unordered_map<std::string, RobotPtr> robots;
   };
+  [[nodiscard]] static bool IsTwin(const robot::Robot& robot) {
+    return robot.source() == model::MessageSource::kCyberwave;
+  }
   /// With the shard's lock held, and a place taken.
   [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id);
   /// As Admit; at robots_max another one leaves for it.
@@ -154,6 +170,7 @@ class Fleet final {
   const Clock& clock_;
   const std::size_t robots_max_;
   const robot::PresenceLimits presence_;
+  const robot::PresenceLimits twins_;
   /// When the relay began to listen; before that, when the fleet was made.
   std::atomic<SteadyTime> started_;
   robot::PresenceChanged changed_;

@@ -12,9 +12,13 @@ fleet::Fleet::Hearing PresenceWatch::Hears() const {
   return sources_.others_unseen.value() > 0 ? kHereAlone : kUpToDate;
 }
 
+fleet::Fleet::Hearing PresenceWatch::TwinsHear() const {
+  return sources_.twins_hear ? sources_.twins_hear() : fleet::Fleet::Hearing::kBehind;
+}
+
 void PresenceWatch::Sweep() {
   const SteadyTime began = sources_.clock.Steady();
-  sources_.fleet.Sweep(sources_.session_idle, Hears());
+  sources_.fleet.Sweep(sources_.session_idle, Hears(), TwinsHear());
   // The fleet says so, by the reading of the clock at which it would have judged: the process may
   // be stopped between any two readings.
   if (sources_.fleet.stood_still()) sources_.liveness.NoteStandstill();

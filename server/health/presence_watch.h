@@ -24,6 +24,8 @@ class PresenceWatch final {
     milliseconds session_idle;
     /// Not 0 while other processes on the store may hear robots and cannot tell.
     const metrics::Cell& others_unseen;
+    /// Whether twins are heard through their broker; empty: they are not.
+    std::function<fleet::Fleet::Hearing()> twins_hear{};
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
@@ -39,6 +41,7 @@ class PresenceWatch final {
 
  private:
   [[nodiscard]] fleet::Fleet::Hearing Hears() const;
+  [[nodiscard]] fleet::Fleet::Hearing TwinsHear() const;
   void LogBehind();
 
   const Sources sources_;

@@ -28,7 +28,15 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"journal_backlog", HasBacklog},
     {"relay_behind", [](const Facts& facts) { return facts.relay_behind; }},
     {"forward", [](const Facts& facts) { return facts.forward_incomplete; }},
+    {"mqtt_away", [](const Facts& facts) { return facts.broker.away; }},
+    {"mqtt_filters", [](const Facts& facts) { return facts.broker.filters; }},
+    {"mqtt_session_lost", [](const Facts& facts) { return facts.broker.session_lost; }},
+    {"mqtt_id_taken", [](const Facts& facts) { return facts.broker.id_taken; }},
+    {"mqtt_unread", [](const Facts& facts) { return facts.broker.unread; }},
     {"robots_max", [](const Facts& facts) { return facts.robots.reaches(kRobotsPercent); }},
+    {"twins_max", [](const Facts& facts) {
+       return facts.broker.twins.limit > 0 && facts.broker.twins.reaches(kRobotsPercent);
+     }},
     {"certificate_expiring", Expires},
     {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
     {"descriptors",

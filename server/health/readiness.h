@@ -31,6 +31,23 @@ struct Fill {
   [[nodiscard]] bool reaches(std::size_t percent) const { return used * 100 >= limit * percent; }
 };
 
+/// What of a broker is not as it should be; nothing where none is read, or another server reads it.
+/// A value.
+struct BrokerFacts {
+  /// We are to read it, and are not subscribed; or nobody can be asked who is.
+  bool away = false;
+  /// It refuses topics, or serves them at a lower QoS.
+  bool filters = false;
+  /// It lost our session a short while ago: what it held for us is gone.
+  bool session_lost = false;
+  /// Another client uses our id.
+  bool id_taken = false;
+  /// What it has at QoS 1 is not read.
+  bool unread = false;
+  /// Robots of twins, and how many there may be.
+  Fill twins;
+};
+
 /// All that readiness depends on. A value.
 struct ReadinessFacts {
   SystemTime now;
@@ -54,6 +71,7 @@ struct ReadinessFacts {
   bool relay_behind = false;
   /// Changes of shared shapes and objects cannot be read, or not all of them have room.
   bool forward_incomplete = false;
+  BrokerFacts broker;
   /// Of the shard of the journal that is fullest.
   Fill journal_bytes;
   Fill journal_records;

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include "schema/base/utf8.h"
+#include "schema/cyberwave/ruri.h"
 #include "schema/model/ids.h"
+#include "schema/rcan/ruri.h"
 
 namespace uplink::identity {
 namespace {
@@ -27,5 +29,7 @@ std::optional<std::string> FlawOfRuri(std::string_view ruri) {
   return fmt::format("holds white space, a control character or a byte beyond ASCII: {}",
                      PrintableUtf8(ruri, kShownBytesMax));
 }
+
+bool IsTwins(std::string_view ruri) { return cyberwave::IsTwinRuri(schema::NormalRuri(ruri)); }
 
 }  // namespace uplink::identity

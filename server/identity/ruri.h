@@ -15,4 +15,10 @@ inline constexpr std::string_view kRuriScheme = "rcan://";
 /// Thread: pure; any thread.
 [[nodiscard]] std::optional<std::string> FlawOfRuri(std::string_view ruri);
 
+/// Whether this RURI, also as a shorthand or with a signature, is one that only a twin has. Whose
+/// twins are says their broker: no certificate may name them, and no gateway speaks for them.
+///
+/// Thread: pure; any thread.
+[[nodiscard]] bool IsTwins(std::string_view ruri);
+
 }  // namespace uplink::identity

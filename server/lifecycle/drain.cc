@@ -25,9 +25,12 @@ void Drain::Run() {
                                     {"timeout_ms", context_.timeout.count()}});
   context_.monitor.BeginDrain();
   context_.stop_adopting();
+  context_.drain_broker();
   context_.journals.RequestCheckpoint();
   const Deadline last(context_.timeout + kStopWait, [this] { EndUnfinished(); });
   context_.transport.drain(context_.timeout);
+  // Ahead of the streams, which may take their time: another server reads on.
+  context_.leave_broker();
   if (!context_.transport.wait_for_streams(context_.timeout)) {
     context_.logger.Warn("streams_left", {{"streams", context_.transport.streams()}});
   }
@@ -35,7 +38,7 @@ void Drain::Run() {
   context_.journals.RequestCheckpoint();
   WaitForJournals(deadline);
   context_.stop();
-  const std::int64_t unsettled = context_.ledgers.Sum().uplinks.in_flight;
+  const std::int64_t unsettled = Unsettled();
   if (unsettled == 0) {
     context_.logger.Info("stopped");
   } else {
@@ -59,9 +62,13 @@ void Drain::WaitForJournals(SteadyTime deadline) {
     context_.signal.Pause(kIdleLook);
 }
 
+std::int64_t Drain::Unsettled() const {
+  return context_.ledgers.Sum().uplinks.in_flight +
+         static_cast<std::int64_t>(context_.broker_waits());
+}
+
 void Drain::EndUnfinished() {
-  context_.logger.Warn("stopped_unsettled",
-                       {{"uplinks", context_.ledgers.Sum().uplinks.in_flight}});
+  context_.logger.Warn("stopped_unsettled", {{"uplinks", Unsettled()}});
   std::_Exit(0);
 }
 

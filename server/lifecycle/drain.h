@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 
 #include "metrics/ledger.h"
@@ -47,6 +48,12 @@ class Drain final {
     std::function<bool()> leave;
     /// Takes no robot of another process over from now on.
     std::function<void()> stop_adopting;
+    /// Reads nothing more of the broker.
+    std::function<void()> drain_broker = [] {};
+    /// Takes leave of it once what waits is committed, after a short while at most.
+    std::function<void()> leave_broker = [] {};
+    /// Messages of it that wait for their commit.
+    std::function<std::size_t()> broker_waits = [] { return std::size_t{0}; };
     /// Stops everything, at the end.
     std::function<void()> stop;
     milliseconds timeout{0};
@@ -60,6 +67,8 @@ class Drain final {
   /// Nobody listens any more: the histories of presence say so.
   void EndPresence();
   void WaitForJournals(SteadyTime deadline);
+  /// Messages that are not settled, of robots' streams and of the broker.
+  [[nodiscard]] std::int64_t Unsettled() const;
   /// The rest did not end in time: the process does, with what it has.
   void EndUnfinished();
 

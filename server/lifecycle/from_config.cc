@@ -1,9 +1,54 @@
 #include "server/lifecycle/from_config.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
+
+#include "schema/base/check.h"
+#include "schema/cyberwave/limits.h"
+#include "server/config/broker_url.h"
+#include "server/mqtt/limits.h"
+#include "storage/deliveries.h"
+#include "storage/topic_leases.h"
 
 namespace uplink::lifecycle {
+namespace {
+
+// What the configuration takes, a client takes.
+static_assert(config::kMqttClientIdBytesMax + config::kMqttMediaSuffix.size() <=
+              mqtt::kClientIdBytesMax);
+static_assert(config::kMqttLiveSuffix.size() <= config::kMqttMediaSuffix.size());
+static_assert(config::kMqttUsernameBytesMax <= mqtt::kUsernameBytesMax);
+static_assert(config::kMqttPasswordBytesMax <= mqtt::kPasswordBytesMax);
+
+// And the store remembers it.
+static_assert(config::kMqttClientIdBytesMax <= storage::kClientIdBytesMax);
+static_assert(config::kTopicPrefixesMax <= storage::kLeasePrefixesMax);
+
+std::string_view SuffixOf(cyberwave::Connection connection) {
+  switch (connection) {
+    case cyberwave::Connection::kDurable:
+      return "";
+    case cyberwave::Connection::kLive:
+      return config::kMqttLiveSuffix;
+    case cyberwave::Connection::kMedia:
+      return config::kMqttMediaSuffix;
+  }
+  CheckFailed(__FILE__, __LINE__, "connection", "a connection of unknown kind");
+}
+
+mqtt::Version VersionOf(config::MqttVersion version) {
+  switch (version) {
+    case config::MqttVersion::k5:
+      return mqtt::Version::k5;
+    case config::MqttVersion::k311:
+      return mqtt::Version::k311;
+  }
+  CheckFailed(__FILE__, __LINE__, "version", "an unknown version of MQTT");
+}
+
+}  // namespace
 
 journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
   journal::JournalLimits limits;
@@ -16,6 +61,11 @@ journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
 
 robot::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence) {
   return {.timeout = presence.timeout, .startup_grace = presence.startup_grace};
+}
+
+robot::PresenceLimits TwinPresenceLimitsOf(const config::Config& config) {
+  return {.timeout = config.cyberwave.presence_timeout,
+          .startup_grace = config.presence.startup_grace};
 }
 
 schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits) {
@@ -78,6 +128,40 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.connection_age_max = config.limits.connection_age_max;
   options.memory_bytes_max = memory_max / 2;
   return options;
+}
+
+mqtt::ClientSettings ClientSettingsOf(const config::Config& config,
+                                      cyberwave::Connection connection) {
+  using std::chrono::duration_cast;
+  using std::chrono::seconds;
+  const config::MqttConfig& mqtt = config.mqtt;
+  const auto url = config::ParseBrokerUrl(mqtt.url);
+  UPLINK_CHECK(url.ok(), "the configuration was judged before");
+  mqtt::ClientSettings settings;
+  settings.url = *url;
+  settings.version = VersionOf(mqtt.version);
+  settings.client_id = mqtt.client_id;
+  settings.client_id += SuffixOf(connection);
+  settings.username = mqtt.username;
+  settings.password_file = mqtt.password_file;
+  settings.ca_file = mqtt.ca_file;
+  settings.certificate_file = mqtt.client_certificate_file;
+  settings.key_file = mqtt.client_key_file;
+  settings.kept_session = connection == cyberwave::Connection::kDurable;
+  settings.session_expiry = duration_cast<seconds>(mqtt.session_expiry);
+  const seconds quarter =
+      std::max(duration_cast<seconds>(config.cyberwave.presence_timeout / 4), mqtt::kKeepaliveMin);
+  settings.keepalive = std::min(duration_cast<seconds>(mqtt.keepalive), quarter);
+  settings.waits.ping = std::min(settings.waits.ping, milliseconds(quarter));
+  settings.unacked_max = mqtt.unacked_max;
+  settings.payload_bytes_max = cyberwave::kMessageBytesMax;
+  return settings;
+}
+
+cyberwave::JudgeTerms JudgeTermsOf(const config::CyberwaveConfig& cyberwave) {
+  return {
+      .prefixes = cyberwave.topic_prefixes,
+      .prismatic_joints = {cyberwave.prismatic_joints.begin(), cyberwave.prismatic_joints.end()}};
 }
 
 log::Level LogLevelOf(config::LogLevel level) {

@@ -52,18 +52,18 @@ std::vector<RobotScrape::Known>& RobotScrape::Robots() {
 
 void RobotScrape::Fill() {
   const std::shared_ptr<const FaultCounts::Map> faults = sources_.faults.counts();
-  const SeriesSources series{.now = sources_.clock.System(),
-                             .steady_now = sources_.clock.Steady(),
-                             .series_ttl = sources_.config.series_ttl,
-                             .presence_timeout = sources_.fleet.presence_limits().timeout,
-                             .extras = sources_.config.extras,
-                             .faults = faults.get()};
+  SeriesSources series{.now = sources_.clock.System(),
+                       .steady_now = sources_.clock.Steady(),
+                       .series_ttl = sources_.config.series_ttl,
+                       .extras = sources_.config.extras,
+                       .faults = faults.get()};
   page_.Clear();
   LeftOut left_out;
   for (Known& known : Robots()) {
     const fleet::RobotPtr robot = known.robot.lock();
     if (robot == nullptr) continue;
     if (!fleets_.empty() && !fleets_.contains(robot->id()->fleet)) continue;
+    series.presence_timeout = sources_.fleet.presence_limits_of(*robot).timeout;
     AddOne(known, *robot, series, left_out);
   }
   Count(left_out);

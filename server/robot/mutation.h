@@ -4,7 +4,8 @@
 
 namespace uplink::robot {
 
-/// Mutations that the simulation plants one at a time, to show that it would find them.
+/// Mutations that the simulation and the crash campaign plant one at a time, to show that it would
+/// find them.
 enum class Mutation : std::uint8_t {
   kNone,
   /// An Ack goes out before the commit.
@@ -19,10 +20,14 @@ enum class Mutation : std::uint8_t {
   kPagesNotAwaited,
   /// A process that learns that another one holds a robot goes on to judge it.
   kFenceKeepsState,
+  /// A broker's message is acked when it came, before the commit.
+  kMessageAckedOnArrival,
+  /// A message that a broker delivers again counts as new.
+  kRedeliveryForgotten,
 };
 
 #ifdef UPLINK_MUTATIONS
-/// The planted fault; only in the build of the simulation that is linked with a definition of it.
+/// The planted fault; only in a build that is linked with a definition of it.
 [[nodiscard]] bool Planted(Mutation mutation);
 #else
 [[nodiscard]] constexpr bool Planted(Mutation /*mutation*/) { return false; }

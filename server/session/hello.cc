@@ -1,6 +1,7 @@
 #include "server/session/hello.h"
 
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -91,6 +92,15 @@ absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& pee
                   identity::ToText(peer.role)));
 }
 
+/// A gateway may name any robot of its fleet but these. A certificate with such a RURI has no
+/// identity, so that it does not come as far.
+absl::Status CheckNoTwin(std::string_view ruri) {
+  if (!identity::IsTwins(ruri)) return absl::OkStatus();
+  return absl::PermissionDeniedError(
+      fmt::format("hello.robot_ruri {} is a twin's, and twins are heard through their broker alone",
+                  Shown(ruri)));
+}
+
 /// Of a Hello that is in order.
 fleet::Claim ClaimOf(const v1::Hello& hello, const identity::PeerIdentity& peer) {
   if (peer.role == identity::Role::kRobot) {
@@ -113,7 +123,9 @@ absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello, const identity::Pe
        {CheckSchema(hello), CheckTexts(hello), CheckNumbers(hello), CheckPeer(hello, peer)}) {
     if (!status.ok()) return status;
   }
-  return HelloTerms{.claim = ClaimOf(hello, peer),
+  fleet::Claim claim = ClaimOf(hello, peer);
+  if (absl::Status status = CheckNoTwin(claim.robot.ruri); !status.ok()) return status;
+  return HelloTerms{.claim = std::move(claim),
                     .session = *session,
                     .settled_seq = hello.settled_seq(),
                     .judged_seq = hello.judged_seq(),

@@ -22,7 +22,8 @@ struct HelloTerms {
 /// Checks the first frame of a stream against the protocol and the peer's certificate.
 ///
 /// Errors:  kInvalidArgument names the field and the rule; kPermissionDenied when the certificate
-///          may not speak for robot_ruri; kUnauthenticated when it is no robot's and no gateway's.
+///          may not speak for robot_ruri, and no certificate for a twin's; kUnauthenticated when it
+///          is no robot's and no gateway's.
 /// Thread:  pure; any thread.
 [[nodiscard]] absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello,
                                                     const identity::PeerIdentity& peer);

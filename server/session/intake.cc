@@ -55,7 +55,7 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
   }
   numbers_.Flush();
   if (std::exchange(sign_of_life_, false)) {
-    robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits());
+    robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits_of(robot_));
   }
   ApplyLive();
   Publish();

@@ -28,8 +28,27 @@ void LeaseRounds::Round() {
   if (leases_ == nullptr) return;
   const absl::Status looked = Look();
   if (!looked.ok()) judge_.NoteFailure(context_.clock.Steady());
+  if (looked.ok()) NoteVerdicts();
   NoteOutcome(looked);
   NoteLate();
+}
+
+std::optional<LeaseJudge::Verdict> LeaseRounds::VerdictOf(const storage::ProcessId& process) {
+  // A store that this process has alone: whoever had it before is over.
+  if (leases_ == nullptr) return LeaseJudge::Verdict{.over = Over::kGone};
+  const std::lock_guard lock(mutex_);
+  const auto asked = verdicts_.find(process);
+  if (asked != verdicts_.end()) return asked->second;
+  if (verdicts_.size() >= kVerdictsMax) verdicts_.clear();
+  verdicts_.emplace(process, std::nullopt);
+  asked_ = true;
+  pause_.notify_one();
+  return std::nullopt;
+}
+
+void LeaseRounds::NoteVerdicts() {
+  const std::lock_guard lock(mutex_);
+  for (auto& [process, verdict] : verdicts_) verdict = judge_.Of(process);
 }
 
 void LeaseRounds::NoteLate() {
@@ -224,7 +243,8 @@ void LeaseRounds::Run(const std::stop_token& stop) {
     Round();
     const SteadyTime::duration left = began + kLookEvery - context_.clock.Steady();
     std::unique_lock lock(mutex_);
-    pause_.wait_for(lock, stop, left, [] { return false; });
+    pause_.wait_for(lock, stop, left, [this] { return asked_; });
+    asked_ = false;
   }
 }
 

@@ -34,6 +34,9 @@ namespace uplink::store {
 /// us in so many looks has no row any more.
 inline constexpr int kUnlistedLooksMax = 4;
 
+/// Processes whose verdicts are kept for others to ask.
+inline constexpr std::size_t kVerdictsMax = 64;
+
 /// Keeps this process's lease, and follows what other processes hold: shows their robots as they
 /// wrote them, lets go of robots that went to them, and adopts the robots of those that are over.
 ///
@@ -80,6 +83,9 @@ class LeaseRounds final {
   /// the last one finds nobody. A failure is logged: the others wait for the lease to fall silent
   /// then. Thread: main.
   Left Leave();
+  /// Whether a process that holds something is over, as of the last look. Nothing before the first
+  /// look after it was asked for, which comes at once. Thread: any.
+  [[nodiscard]] std::optional<LeaseJudge::Verdict> VerdictOf(const storage::ProcessId& process);
   /// This process stops: it renews its lease until Stop, and adopts nobody any more.
   void StopAdopting() { adopts_.store(false); }
 
@@ -111,6 +117,7 @@ class LeaseRounds final {
   void TakeUnlisted(const Listed& listed);
   void LogEnded(const Listed& listed);
   void NoteOutcome(const absl::Status& status);
+  void NoteVerdicts();
   void NoteLate();
   void Run(const std::stop_token& stop);
 
@@ -130,6 +137,10 @@ class LeaseRounds final {
   std::atomic<bool> adopts_{true};
   std::atomic<bool> renews_now_{false};
   std::mutex mutex_;
+  /// Those that were asked for, at most kVerdictsMax; under the mutex.
+  std::map<storage::ProcessId, std::optional<LeaseJudge::Verdict>> verdicts_;
+  /// One of them for the first time, since the last round; under the mutex.
+  bool asked_ = false;
   std::condition_variable_any pause_;
   std::jthread thread_;
 };

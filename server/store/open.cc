@@ -11,11 +11,13 @@
 #include "storage/postgres/reader.h"
 #include "storage/postgres/shared_items.h"
 #include "storage/postgres/store.h"
+#include "storage/postgres/topic_leases.h"
 #include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/forget_store.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
+#include "storage/sqlite/topic_leases.h"
 
 namespace uplink::store {
 namespace {
@@ -51,6 +53,11 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   auto shared = storage::sqlite::SqliteSharedItems::Open(path);
   if (!shared.ok()) return shared.status();
   stores.shared = *std::move(shared);
+  if (!config.mqtt.url.empty()) {
+    auto topics = storage::sqlite::SqliteTopicLeases::Open(path, process);
+    if (!topics.ok()) return topics.status();
+    stores.topic_leases = *std::move(topics);
+  }
   stores.writers.push_back(*std::move(store));
   stores.space = [asked = reader->get()] { return asked->Space(); };
   stores.reader = *std::move(reader);
@@ -100,6 +107,11 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   auto shared = storage::postgres::PostgresSharedItems::Make(options, clock);
   if (!shared.ok()) return shared.status();
   stores.shared = *std::move(shared);
+  if (!config.mqtt.url.empty()) {
+    auto topics = storage::postgres::PostgresTopicLeases::Make(options, clock);
+    if (!topics.ok()) return topics.status();
+    stores.topic_leases = *std::move(topics);
+  }
   auto change_signal = storage::postgres::PostgresChangeSignal::Make(options, clock);
   if (!change_signal.ok()) return change_signal.status();
   stores.change_signal = *std::move(change_signal);

@@ -21,6 +21,7 @@
 #include "storage/reader.h"
 #include "storage/shared_items.h"
 #include "storage/store.h"
+#include "storage/topic_leases.h"
 
 namespace uplink::store {
 
@@ -34,6 +35,8 @@ struct Stores {
   std::unique_ptr<storage::Reader> reader;
   /// Null for a store that one process has at a time.
   std::unique_ptr<storage::Leases> leases;
+  /// Who reads which topics of a broker; null where no broker is read.
+  std::unique_ptr<storage::TopicLeases> topic_leases;
   /// What robots of a fleet share.
   std::unique_ptr<storage::SharedItems> shared;
   /// Null for a store that one process has at a time.

@@ -107,6 +107,11 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
     }
   }
   SetSession(robot.session, message);
+  if (cyberwave::IsTwinRuri(robot.id.ruri)) {
+    // A stream of ours, which says nothing of a link to it.
+    message.set_connected(false);
+    message.clear_connected_since_ms();
+  }
   message.set_clock_skew_ms(robot.state.clock_skew_ms.value_or(0));
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));

@@ -48,6 +48,7 @@ class CyberwaveRecordContract : public StoreContract {
  private:
   void Store(std::vector<cyberwave::DurableRecord> made, std::size_t payload_bytes) {
     std::vector<storage::CommitRecord> records;
+    records.reserve(made.size());
     for (cyberwave::DurableRecord& record : made) {
       records.push_back(RecordOf(std::move(record), payload_bytes));
     }
@@ -59,8 +60,9 @@ class CyberwaveRecordContract : public StoreContract {
     const bool of_nobody = std::holds_alternative<model::ScopeUpdate>(made);
     storage::CommitRecord record = Good(++seq_);
     if (of_nobody) record = Of(nobody_, std::move(record));
-    std::visit([&record](auto&& content) { record.content = std::forward<decltype(content)>(content); },
-               std::move(made));
+    std::visit(
+        [&record](auto&& content) { record.content = std::forward<decltype(content)>(content); },
+        std::move(made));
     if (const auto* good = std::get_if<model::Record>(&record.content)) {
       EXPECT_TRUE(good->durable());
       EXPECT_EQ(good->payload_bytes(), bytes);

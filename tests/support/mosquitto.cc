@@ -39,6 +39,13 @@ void WriteText(const std::string& path, const std::string& text) {
       path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
+void ReplaceAll(std::string& text, const std::string& word, const std::string& with) {
+  for (std::size_t at = text.find(word); at != std::string::npos;
+       at = text.find(word, at + with.size())) {
+    text.replace(at, word.size(), with);
+  }
+}
+
 }  // namespace
 
 Mosquitto::Mosquitto(const MosquittoOptions& options) : options_(options) {
@@ -65,10 +72,19 @@ Mosquitto::Mosquitto(const MosquittoOptions& options) : options_(options) {
 Mosquitto::~Mosquitto() = default;
 
 void Mosquitto::WriteConfiguration() {
+  if (!options_.configuration.empty()) {
+    std::string text = options_.configuration;
+    ReplaceAll(text, "FOLDER", folder_.path());
+    ReplaceAll(text, "PORT", std::to_string(port_));
+    return WriteText(folder_.File("mosquitto.conf"), text);
+  }
   std::string text =
-      "user root\nlog_dest stderr\nlog_type all\nlog_timestamp false\n"
-      "persistence true\npersistence_location " +
-      folder_.path() + "/\nlistener " + std::to_string(port_) + " 127.0.0.1\n";
+      std::string("user root\nlog_dest stderr\nlog_timestamp false\n") +
+      (options_.tells_packets
+           ? "log_type all\n"
+           : "log_type error\nlog_type warning\nlog_type notice\nlog_type information\n") +
+      "persistence true\npersistence_location " + folder_.path() + "/\nlistener " +
+      std::to_string(port_) + " 127.0.0.1\n";
   if (options_.users.empty()) {
     text += "allow_anonymous true\n";
   } else {

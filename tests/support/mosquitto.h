@@ -23,6 +23,12 @@ struct MosquittoOptions {
   std::string client_ca;
   /// Further lines of its configuration.
   std::string lines;
+  /// Whether its log tells of each packet: who asks for that reads on, or it stands still once its
+  /// pipe is full.
+  bool tells_packets = true;
+  /// All of its configuration, in place of one that follows from the above: `FOLDER` stands for
+  /// where `acl`, `passwords`, `cert.pem`, `key.pem` and its store are, `PORT` for its port.
+  std::string configuration;
 };
 
 /// A mosquitto of this test on a loopback port of its own, with its store in a folder of its own.

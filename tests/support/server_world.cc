@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "server/broker/samples.h"
 #include "server/fleet/samples.h"
 #include "server/health/samples.h"
 #include "server/http/samples.h"
@@ -20,6 +21,15 @@ ServerWorld::ServerWorld()
       forwarding({clock, logger, shared_items, vouched_clock, 1}),
       journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
               storage::ProcessId{1}),
+      broker({.clock = clock,
+              .logger = logger,
+              .fleet = fleet,
+              .journals = shards,
+              .twins = twins,
+              .clients = std::vector<mqtt::ClientSettings>(2),
+              .terms = {},
+              .journal_over_half = [] { return false; },
+              .random = [] { return 0U; }}),
       queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9",
                [this](auto job) {
                  if (to_store_thread) return to_store_thread(std::move(job));
@@ -51,6 +61,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { store::AddSamples(vouched_clock, page); },
       [this](auto& page) { store::AddSamples(lease_probe, page); },
       [this](auto& page) { forwarding.AddSamples(page); },
+      [this](auto& page) { broker::AddSamples(broker, page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },

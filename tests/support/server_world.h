@@ -5,6 +5,8 @@
 
 #include "metrics/ledger.h"
 #include "metrics/page.h"
+#include "server/broker/broker.h"
+#include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
@@ -84,6 +86,9 @@ class ServerWorld {
   fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
   journal::Journal journal;
   journal::Shards shards{{&journal}};
+  cyberwave::Twins twins{kRobotsMax};
+  /// It has no broker.
+  broker::Broker broker;
   /// Where lists look into the store briefly; empty: on the thread that asks.
   view::BriefLook::Post to_store_thread;
   bool robots_unread = false;

@@ -48,6 +48,7 @@ FOREIGN = (
         ("server/front/", "server/http/", "server/loop/", "server/mqtt/", "tools/", "tests/"),
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
+    Foreign("libmosquitto", re.compile(r"^mosquitto\.h$"), ("tools/uplink-fleet/broker/", "tests/")),
     Foreign("spdlog", re.compile(r"^spdlog/"), ("server/log/",)),
     Foreign("CLI11", re.compile(r"^CLI/"), ("server/main.cc", "tools/", "tests/")),
     Foreign("prometheus-cpp", re.compile(r"^prometheus/"), ("metrics/", "server/http/", "tests/")),
@@ -69,12 +70,13 @@ ROOMS = (
     ("health", "rcan", "forward"),
     ("transport",),  # what every listener for robots needs
     ("front", "relay", "mqtt", "http"),  # the adapters: they translate and enqueue
+    ("broker",),  # what a broker delivers, over mqtt, becomes what robots say
     ("store", "loop", "lifecycle"),  # what runs it all
 )
 # Tools do not see these.
 ADAPTERS = ("front", "relay", "mqtt", "http")
 # The rooms of uplink-fleet, in the same way: its README says what each holds.
-FLEET_ROOMS = (("scenario",), ("robot",), ("compare",), ("report",), ("run",))
+FLEET_ROOMS = (("scenario",), ("robot",), ("twin",), ("broker",), ("compare",), ("report",), ("run",))
 
 GENERATED = re.compile(r"\.(grpc\.pb|pb|capnp)\.h$")
 

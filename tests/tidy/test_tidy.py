@@ -59,6 +59,7 @@ class ForeignTest(RuleTest):
         ("<boost/asio.hpp>", "server/loop/a.cc", "server/app.cc"),
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/app.cc"),
+        ("<mosquitto.h>", "tools/uplink-fleet/broker/a.cc", "server/mqtt/a.cc"),
         ("<spdlog/spdlog.h>", "server/log/a.cc", "server/relay/a.cc"),
         ("<CLI/CLI.hpp>", "server/main.cc", "server/app.cc"),
         ("<prometheus/counter.h>", "metrics/registry.cc", "server/session/a.cc"),

@@ -10,6 +10,7 @@
 namespace uplink::config {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -52,6 +53,25 @@ TEST(BrokerRelationsTest, FilesOfTlsNeedTls) {
   EXPECT_EQ(OneProblem("[mqtt]\nurl = \"mqtts://b\"\nca_file = \"ca.crt\"\n"), "");
   EXPECT_THAT(OneProblem("[mqtt]\nurl = \"mqtt://b\"\nca_file = \"ca.crt\"\n"),
               HasSubstr("mqtt.url: it is mqtt://, which has no TLS"));
+}
+
+TEST(BrokerRelationsTest, NotesABrokerOverTheNetworkThatHasNoTls) {
+  const auto note = [](const std::string& url, const std::string& more = "") {
+    const LoadResult result = ParseWith("[mqtt]\nurl = \"" + url + "\"\n" + more);
+    EXPECT_TRUE(result.ok());
+    EXPECT_LE(result.notes.size(), 1U);
+    return result.notes.empty() ? std::string() : ToText(result.notes[0]);
+  };
+  EXPECT_THAT(note("mqtt://broker.example.org"),
+              AllOf(HasSubstr("u.toml:6: mqtt.url: it is mqtt://, which has no TLS"),
+                    HasSubstr("broker.example.org"), HasSubstr("reads all topics")));
+  EXPECT_THAT(note("mqtt://[2001:db8::1]", "username = \"u\"\npassword_file = \"p\"\n"),
+              AllOf(HasSubstr("2001:db8::1"), HasSubstr("reads the password")));
+  EXPECT_THAT(note("mqtt://127.example.org"), HasSubstr("127.example.org"));
+  for (const char* good : {"mqtts://broker.example.org", "mqtt://127.0.0.1", "mqtt://[::1]:1883",
+                           "mqtt://localhost", ""}) {
+    EXPECT_EQ(note(good), "") << good;
+  }
 }
 
 TEST(BrokerRelationsTest, ACertificateAndItsKeyAreSetTogether) {

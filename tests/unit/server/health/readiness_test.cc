@@ -95,11 +95,34 @@ TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("lease"));
 }
 
+TEST(Readiness, ReportsWhatIsWrongWithTheBroker) {
+  const auto words_of = [](const BrokerFacts& broker) {
+    ReadinessFacts facts = Good();
+    facts.broker = broker;
+    EXPECT_TRUE(ReadinessOf(facts).ready());
+    return ReadinessOf(facts).degraded;
+  };
+  EXPECT_THAT(words_of({}), IsEmpty());
+  EXPECT_THAT(words_of({.away = true}), ElementsAre("mqtt_away"));
+  EXPECT_THAT(words_of({.filters = true}), ElementsAre("mqtt_filters"));
+  EXPECT_THAT(words_of({.session_lost = true}), ElementsAre("mqtt_session_lost"));
+  EXPECT_THAT(words_of({.id_taken = true}), ElementsAre("mqtt_id_taken"));
+  EXPECT_THAT(words_of({.unread = true}), ElementsAre("mqtt_unread"));
+  EXPECT_THAT(words_of({.twins = {89, 100}}), IsEmpty());
+  EXPECT_THAT(words_of({.twins = {90, 100}}), ElementsAre("twins_max"));
+}
+
 TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
   bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
   bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
   bad.forward_incomplete = true;
+  bad.broker = {.away = true,
+                .filters = true,
+                .session_lost = true,
+                .id_taken = true,
+                .unread = true,
+                .twins = {90, 100}};
   bad.journal_oldest = kBacklogAge + milliseconds(1);
   bad.robots = {10, 10};
   bad.certificate_expiry = bad.now + milliseconds(1);

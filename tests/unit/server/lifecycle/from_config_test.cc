@@ -5,14 +5,18 @@
 #include <cstdint>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "server/config/settings.h"
 
 namespace uplink::lifecycle {
 namespace {
+
+using ::testing::Pair;
 
 TEST(FromConfig, EverySettingOfASessionReachesIt) {
   config::Config config;
@@ -64,8 +68,9 @@ TEST(FromConfig, JournalAndPresenceGetTheirs) {
   EXPECT_EQ(TwinPresenceLimitsOf(config).startup_grace, milliseconds(5));
 }
 
-config::MqttConfig Broker() {
-  config::MqttConfig mqtt;
+config::Config WithBroker() {
+  config::Config config;
+  config::MqttConfig& mqtt = config.mqtt;
   mqtt.url = "mqtts://broker.example.org";
   mqtt.username = "user";
   mqtt.password_file = "password";
@@ -77,13 +82,14 @@ config::MqttConfig Broker() {
   mqtt.session_expiry = std::chrono::hours(2);
   mqtt.keepalive = milliseconds(7'999);
   mqtt.unacked_max = 8;
-  return mqtt;
+  config.cyberwave.presence_timeout = std::chrono::minutes(2);
+  return config;
 }
 
 TEST(FromConfig, EverySettingOfABrokerReachesItsClients) {
   using enum cyberwave::Connection;
   for (const cyberwave::Connection connection : {kDurable, kLive, kMedia}) {
-    const mqtt::ClientSettings client = ClientSettingsOf(Broker(), connection);
+    const mqtt::ClientSettings client = ClientSettingsOf(WithBroker(), connection);
     EXPECT_EQ(client.url, (mqtt::Url{true, "broker.example.org", 8883}));
     EXPECT_EQ(client.username, "user");
     EXPECT_EQ(client.password_file, "password");
@@ -93,26 +99,40 @@ TEST(FromConfig, EverySettingOfABrokerReachesItsClients) {
     EXPECT_EQ(client.version, mqtt::Version::k311);
     EXPECT_EQ(client.session_expiry, std::chrono::hours(2));
     EXPECT_EQ(client.keepalive, std::chrono::seconds(7));
+    EXPECT_EQ(client.waits.ping, mqtt::Waits().ping);
     EXPECT_EQ(client.unacked_max, 8U);
     EXPECT_EQ(client.payload_bytes_max, 65'536U);
     EXPECT_EQ(client.announced_packet_bytes_max, 0U) << "a broker drops what is larger unseen";
     EXPECT_FALSE(client.expect_session);
   }
-  EXPECT_EQ(ClientSettingsOf(Broker(), kDurable).client_id, "core");
-  EXPECT_EQ(ClientSettingsOf(Broker(), kLive).client_id, "core-live");
-  EXPECT_EQ(ClientSettingsOf(Broker(), kMedia).client_id, "core-media");
-  EXPECT_TRUE(ClientSettingsOf(Broker(), kDurable).kept_session);
-  EXPECT_FALSE(ClientSettingsOf(Broker(), kLive).kept_session);
-  EXPECT_FALSE(ClientSettingsOf(Broker(), kMedia).kept_session);
+  EXPECT_EQ(ClientSettingsOf(WithBroker(), kDurable).client_id, "core");
+  EXPECT_EQ(ClientSettingsOf(WithBroker(), kLive).client_id, "core-live");
+  EXPECT_EQ(ClientSettingsOf(WithBroker(), kMedia).client_id, "core-media");
+  EXPECT_TRUE(ClientSettingsOf(WithBroker(), kDurable).kept_session);
+  EXPECT_FALSE(ClientSettingsOf(WithBroker(), kLive).kept_session);
+  EXPECT_FALSE(ClientSettingsOf(WithBroker(), kMedia).kept_session);
+}
+
+TEST(FromConfig, ABrokerThatSaysNothingIsFoundOutBeforeATwinWouldBe) {
+  config::Config config = WithBroker();
+  config.mqtt.keepalive = std::chrono::seconds(60);
+  const auto pings = [&config](milliseconds timeout) {
+    config.cyberwave.presence_timeout = timeout;
+    const mqtt::ClientSettings client = ClientSettingsOf(config, cyberwave::Connection::kLive);
+    return std::pair<milliseconds, milliseconds>(client.keepalive, client.waits.ping);
+  };
+  EXPECT_THAT(pings(milliseconds(100)), Pair(milliseconds(1'000), milliseconds(1'000)));
+  EXPECT_THAT(pings(milliseconds(7'999)), Pair(milliseconds(1'000), milliseconds(1'000)));
+  EXPECT_THAT(pings(std::chrono::seconds(20)), Pair(milliseconds(5'000), milliseconds(5'000)));
+  EXPECT_THAT(pings(std::chrono::hours(1)), Pair(std::chrono::minutes(1), mqtt::Waits().ping));
 }
 
 // As far as keys of the configuration go: what it takes ends no start.
 TEST(FromConfig, AClientCanWorkByEachBoundOfItsSettings) {
   for (const config::Setting& setting : config::Settings()) {
-    if (setting.section != "mqtt") continue;
+    if (setting.section != "mqtt" && setting.section != "cyberwave") continue;
     for (const std::uint64_t bound : {setting.min, setting.max}) {
-      config::Config config;
-      config.mqtt = Broker();
+      config::Config config = WithBroker();
       config.mqtt.client_id.assign(config::kMqttClientIdBytesMax, 'c');
       config.mqtt.username.assign(config::kMqttUsernameBytesMax, 'u');
       if (setting.kind == config::Kind::kCount) setting.set(config, bound);
@@ -121,13 +141,14 @@ TEST(FromConfig, AClientCanWorkByEachBoundOfItsSettings) {
       }
       for (const auto connection :
            {cyberwave::Connection::kDurable, cyberwave::Connection::kMedia}) {
-        const absl::Status good = mqtt::CheckSettings(ClientSettingsOf(config.mqtt, connection));
+        const absl::Status good = mqtt::CheckSettings(ClientSettingsOf(config, connection));
         EXPECT_TRUE(good.ok()) << config::FullKey(setting) << ": " << good;
       }
     }
   }
-  EXPECT_EQ(ClientSettingsOf({.url = "mqtt://b"}, cyberwave::Connection::kLive).version,
-            mqtt::Version::k5);
+  config::Config plain;
+  plain.mqtt.url = "mqtt://b";
+  EXPECT_EQ(ClientSettingsOf(plain, cyberwave::Connection::kLive).version, mqtt::Version::k5);
 }
 
 TEST(FromConfig, MessagesOfTwinsAreJudgedByPrefixesAndJointsThatSlide) {

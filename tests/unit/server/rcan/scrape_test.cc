@@ -169,9 +169,12 @@ TEST_F(ScrapeTest, TheValuesOfATwinGoAsThoseOfOtherRobots) {
   robot::Robot& robot = Robot(twin_ruri_);
   Publish("battery/status", R"({"percentage":80})");
   EXPECT_THAT(Text(), HasSubstr("battery_pct"));
-  robot.state.Sweep(clock_.Steady(), clock_.System(), fleet_.presence_limits());
-  clock_.Advance(fleet_.presence_limits().timeout + config_.series_ttl + milliseconds(1));
-  robot.state.Sweep(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  const robot::PresenceLimits& limits = fleet_.presence_limits_of(robot);
+  robot.state.Sweep(clock_.Steady(), clock_.System(), limits);
+  clock_.Advance(limits.timeout + config_.series_ttl - kTextShared - milliseconds(1));
+  robot.state.Sweep(clock_.Steady(), clock_.System(), limits);
+  EXPECT_THAT(NewText(), HasSubstr("battery_pct"));
+  clock_.Advance(milliseconds(1));
   EXPECT_THAT(NewText(), Not(HasSubstr("battery_pct")));
   EXPECT_THAT(NewText(), HasSubstr("rcan_robot_online"));
 }

@@ -416,6 +416,16 @@ TEST_F(LeaseRoundsTest, RunsOnAThreadOfItsOwnAndReleases) {
   EXPECT_THAT(lines_, IsEmpty());
 }
 
+TEST_F(LeaseRoundsTest, WhoIsAskedForIsJudgedByARoundThatComesAtOnce) {
+  rounds_->Start();
+  ASSERT_TRUE(testing::Eventually([&] { return !database_.ReadLeases().empty(); }));
+  ASSERT_EQ(rounds_->VerdictOf(kOther), std::nullopt);
+  // Well below the time between two rounds.
+  EXPECT_TRUE(
+      testing::Eventually([&] { return rounds_->VerdictOf(kOther).has_value(); }, kLookEvery / 2));
+  rounds_->Stop();
+}
+
 TEST_F(LeaseRoundsTest, AReleaseThatFailsIsALine) {
   leases_->SetAway(true);
   EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody);

@@ -26,7 +26,7 @@ std::string Nested(std::size_t depth, Levels levels) {
   std::string value = "1";
   for (std::size_t i = 0; i < depth; ++i) {
     const bool list = levels == Levels::kBoth && i % 2 == 1;
-    value = list ? "[" + value + "]" : R"({"a":)" + value + "}";
+    value.insert(0, list ? "[" : R"({"a":)").append(list ? "]" : "}");
   }
   return value;
 }

@@ -1,0 +1,297 @@
+#include "server/broker/broker.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "schema/base/check.h"
+#include "schema/cyberwave/filters.h"
+#include "server/broker/limits.h"
+
+namespace uplink::broker {
+Broker::Broker(Context context)
+    : context_(std::move(context)),
+      log_(context_.logger),
+      refused_log_(context_.logger),
+      limited_log_(context_.logger),
+      heard_(context_.clock, probe_),
+      wakes_([this] { context_.post([this] { OnWakes(); }); }),
+      subscribers_{Subscriber(Connection::kDurable, *this), Subscriber(Connection::kLive, *this),
+                   Subscriber(Connection::kMedia, *this)},
+      streams_({.clock = context_.clock,
+                .fleet = context_.fleet,
+                .journals = context_.journals,
+                .twins = context_.twins,
+                .inbox = wakes_,
+                .fleet_name = context_.fleet_name,
+                .random = context_.random}),
+      commits_(streams_, ledger_, probe_, context_.clock),
+      intake_({.clock = context_.clock,
+               .fleet = context_.fleet,
+               .twins = context_.twins,
+               .streams = streams_,
+               .commits = commits_,
+               .ledger = ledger_,
+               .probe = probe_,
+               .refused_log = refused_log_,
+               .limited_log = limited_log_,
+               .terms = context_.terms,
+               .payload_bytes_max = context_.payload_bytes_max,
+               .journal_over_half = context_.journal_over_half,
+               .publish =
+                   [this](const mqtt::Outgoing& message) {
+                     mqtt::Client* client = Of(Connection::kLive).client();
+                     return client != nullptr && client->Publish(message);
+                   }}),
+      strays_(context_.terms.prefixes) {
+  statuses_.resize(context_.clients.size());
+}
+
+Broker::~Broker() = default;
+
+void Broker::Begin(Grant grant) {
+  if (draining_) return;
+  if (began_) End();
+  began_ = true;
+  const bool session_expected = grant.memory.last_number > 0;
+  probe_.lease_held.Set(1);
+  probe_.lease_taken.Add();
+  commits_.Begin(std::move(grant.hold), grant.memory);
+  streams_.SetFaults(std::move(grant.faults));
+  // Whoever reads a twin's topics holds its robots.
+  streams_.OpenKnown(context_.terms.prefixes, TwinStreams::Which::kAll);
+  fleet_changes_ = context_.fleet.changes();
+  for (std::size_t i = 0; i < context_.clients.size(); ++i) {
+    Start(static_cast<Connection>(i), session_expected);
+  }
+}
+
+void Broker::Start(Connection connection, bool expect_session) {
+  Subscriber& subscriber = Of(connection);
+  mqtt::ClientSettings settings = context_.clients[static_cast<std::size_t>(connection)];
+  settings.expect_session = settings.kept_session && expect_session;
+  auto client = mqtt::Client::Create(
+      std::move(settings),
+      {.listener = subscriber,
+       .probe = subscriber.probe(),
+       .clock = context_.clock,
+       .random = context_.random,
+       .make_link = context_.make_link,
+       .numbers = numbers_,
+       .may_connect = [this] { return lease_ == nullptr || lease_->MayConnect(ask_since_); }});
+  UPLINK_CHECK(client.ok(), "the configuration's settings were checked");
+  const absl::Status wanted = (*client)->SetFilters(FiltersOf(connection));
+  UPLINK_CHECK(wanted.ok(), "the configuration's prefixes make good filters");
+  subscriber.SetClient(*std::move(client));
+  subscriber.client()->Start();
+}
+
+std::vector<mqtt::Filter> Broker::FiltersOf(Connection connection) const {
+  std::vector<mqtt::Filter> filters;
+  const mqtt::Qos qos =
+      connection == Connection::kDurable ? mqtt::Qos::kAtLeastOnce : mqtt::Qos::kAtMostOnce;
+  for (const std::string& prefix : context_.terms.prefixes) {
+    for (std::string& topic : cyberwave::Filters(prefix, connection)) {
+      filters.push_back({.topic = std::move(topic), .qos = qos});
+    }
+  }
+  return filters;
+}
+
+void Broker::TakeBack(std::string_view topic) {
+  if (!strays_.Add(topic)) return;
+  std::vector<std::string> gone;
+  for (const std::string& prefix : strays_.prefixes()) {
+    std::ranges::move(cyberwave::Filters(prefix, Connection::kDurable), std::back_inserter(gone));
+  }
+  context_.logger.Info("mqtt_prefix_gone", {{"prefix", strays_.prefixes().back()}});
+  // It makes good filters, as a prefix that may be configured.
+  static_cast<void>(
+      Of(Connection::kDurable).client()->SetFilters(FiltersOf(Connection::kDurable), gone));
+}
+
+void Broker::StopClient(Connection connection) {
+  Subscriber& subscriber = Of(connection);
+  if (subscriber.client() == nullptr) return;
+  subscriber.client()->Stop();
+  subscriber.NoteStopped();
+  subscriber.SetClient(nullptr);
+  if (connection == Connection::kDurable) DropHeld();
+  NoteHearing();
+}
+
+void Broker::DropHeld() {
+  if (!held_) return;
+  held_.reset();
+  intake_.DropHeld();
+}
+
+void Broker::End() {
+  if (!std::exchange(began_, false)) return;
+  probe_.lease_held.Set(0);
+  rereads_ = false;
+  for (std::size_t i = 0; i < context_.clients.size(); ++i) StopClient(static_cast<Connection>(i));
+  streams_.EndAll();
+  context_.twins.Clear();
+}
+
+void Broker::BeginDrain() {
+  draining_ = true;
+  for (Subscriber& subscriber : subscribers_) {
+    if (subscriber.client() != nullptr) subscriber.client()->StopReading();
+  }
+  // It was not acked, and comes again.
+  DropHeld();
+  AfterWork();
+}
+
+void Broker::OnConnected(Connection connection, const mqtt::Connected& connected) {
+  context_.logger.Info("mqtt_connected", {{"connection", Name(connection)},
+                                          {"broker", BrokerName()},
+                                          {"session_present", connected.session_present}});
+  if (connection != Connection::kDurable) return;
+  strays_.Clear();
+  if (connected.session_present) return;
+  // Also where none was expected: what the store knows of an older session comes from nobody.
+  context_.journals.all().front()->Remember(commits_.EndSession());
+}
+
+void Broker::OnSubscribed(Connection connection) {
+  context_.logger.Info("mqtt_subscribed", {{"connection", Name(connection)}});
+}
+
+void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
+  const cyberwave::Arrival arrived{context_.clock.Steady(), context_.clock.System()};
+  if (connection != Connection::kDurable) return OnLive(connection, message, arrived);
+  const Intake::Taken taken = intake_.Take(message, arrived);
+  if (intake_.was_stray()) TakeBack(message.publish.topic);
+  if (taken == Intake::Taken::kHeld) {
+    held_.emplace(message, arrived);
+    Of(connection).client()->StopReading();
+    intake_.WakeWhenRoom({.inbox = &wakes_, .stream = kRoom});
+  }
+  AfterWork();
+}
+
+void Broker::OnLive(Connection connection, const mqtt::Message& message,
+                    const cyberwave::Arrival& arrived) {
+  // Asked for at QoS 0. A broker that sends it otherwise gets its ack, and nothing waits for it.
+  mqtt::Message live = message;
+  live.publish.id = 0;
+  live.again = false;
+  if (const auto ack = std::exchange(live.ack, std::nullopt)) {
+    Of(connection).client()->Release(*ack);
+  }
+  static_cast<void>(intake_.Take(live, arrived));
+  AfterWork();
+}
+
+void Broker::OnTrouble(Connection connection, const mqtt::Trouble& trouble) {
+  if (trouble.kind == mqtt::Trouble::Kind::kSessionLost) {
+    const std::lock_guard lock(mutex_);
+    session_lost_at_ = context_.clock.System();
+  }
+  context_.logger.Warn("mqtt_trouble", {{"connection", Name(connection)},
+                                        {"broker", BrokerName()},
+                                        {"what", mqtt::Name(trouble.kind)},
+                                        {"why", trouble.text}});
+}
+
+void Broker::OnEnded(Connection connection, const mqtt::End& end) {
+  log_.Write(log::Level::kWarn, "mqtt_disconnected",
+             {{"connection", Name(connection)},
+              {"broker", BrokerName()},
+              {"reason", Name(end.reason)},
+              {"why", end.text}});
+  ask_since_ = context_.clock.Steady();
+  if (lease_ != nullptr) lease_->LookSoon();
+  NoteHearing();
+  if (connection != Connection::kDurable || !held_) return;
+  DropHeld();
+  Of(connection).client()->ReadAgain();
+}
+
+void Broker::OnWakes() {
+  for (const std::uint64_t stream : wakes_.Take()) {
+    if (stream != kRoom) commits_.OnWake(stream);
+  }
+  TryHeld();
+  AfterWork();
+}
+
+void Broker::TryHeld() {
+  if (!held_ || draining_) return;
+  if (intake_.TakeHeld(*held_) == Intake::Taken::kHeld) {
+    return intake_.WakeWhenRoom({.inbox = &wakes_, .stream = kRoom});
+  }
+  held_.reset();
+  if (mqtt::Client* client = Of(Connection::kDurable).client()) client->ReadAgain();
+}
+
+void Broker::AfterWork() {
+  if (mqtt::Client* client = Of(Connection::kDurable).client()) {
+    if (const auto due = commits_.TakeReleases(); !due.empty()) client->Release(due);
+  }
+  if (draining_ && waiting() == 0) {
+    const std::lock_guard lock(mutex_);
+    settled_.notify_all();
+  }
+  // What of the robot waited was not written, or nobody told: the broker is to deliver it again,
+  // once the store has said what it has.
+  if (!commits_.TakeFenced() || !began_ || draining_ || std::exchange(rereads_, true)) return;
+  context_.logger.Warn("mqtt_twins_taken_over", {});
+  context_.post([this] { StopClient(Connection::kDurable); });
+  if (lease_ != nullptr) lease_->RereadSoon();
+}
+
+void Broker::Remembered(const storage::DeliveryMemory& memory) {
+  if (!std::exchange(rereads_, false) || !began_ || draining_) return;
+  StopClient(Connection::kDurable);
+  commits_.Reread(memory);
+  Start(Connection::kDurable, true);
+}
+
+void Broker::Tick() {
+  const SteadyTime now = context_.clock.Steady();
+  TryHeld();
+  AfterWork();
+  NoteHearing();
+  probe_.streams.Set(static_cast<std::int64_t>(streams_.size()));
+  if (began_ && context_.fleet.changes() != fleet_changes_) {
+    fleet_changes_ = context_.fleet.changes();
+    // Those that the store had, and that were read late.
+    streams_.OpenKnown(context_.terms.prefixes, TwinStreams::Which::kNotHeld);
+  }
+  if (now - looked_at_twins_ < kLookAtTwinsEvery) return;
+  looked_at_twins_ = now;
+  streams_.CloseIdle();
+  streams_.ForgetLeft();
+}
+
+void Broker::NoteHearing() {
+  heard_.Look(began_ && Of(Connection::kDurable).subscribed() && Of(Connection::kLive).subscribed(),
+              client_probe(Connection::kDurable), unacked_max());
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < statuses_.size(); ++i) {
+    mqtt::Client* client = subscribers_[i].client();
+    statuses_[i] = client == nullptr ? mqtt::ClientStatus() : client->status();
+  }
+}
+
+void Broker::WaitSettled(SteadyTime deadline) {
+  std::unique_lock lock(mutex_);
+  settled_.wait_until(lock, deadline, [this] { return waiting() == 0; });
+}
+
+std::vector<ConnectionStatus> Broker::connections() const {
+  std::vector<ConnectionStatus> connections;
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < statuses_.size(); ++i) {
+    connections.push_back({.connection = static_cast<Connection>(i),
+                           .client_id = context_.clients[i].client_id,
+                           .client = statuses_[i]});
+  }
+  return connections;
+}
+
+}  // namespace uplink::broker

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/broker/commits.h"
+#include "server/broker/heard.h"
+#include "server/broker/held_message.h"
+#include "server/broker/intake.h"
+#include "server/broker/lease_view.h"
+#include "server/broker/message_counts.h"
+#include "server/broker/probe.h"
+#include "server/broker/stray_prefixes.h"
+#include "server/broker/stream_wakes.h"
+#include "server/broker/subscriber.h"
+#include "server/broker/twin_streams.h"
+#include "server/fleet/fleet.h"
+#include "server/log/logger.h"
+#include "server/mqtt/connection_numbers.h"
+#include "server/mqtt/settings.h"
+#include "server/mqtt/status.h"
+
+namespace uplink::broker {
+
+/// Where a connection stands, and who it is. A value.
+struct ConnectionStatus {
+  Connection connection = Connection::kDurable;
+  std::string client_id;
+  mqtt::ClientStatus client;
+};
+
+/// Reads a fleet's broker: three connections, of which one asks for what is durable, one for what
+/// is live, and one for media. It reads while this process has the lease of the topics, and holds
+/// their twins' robots meanwhile.
+///
+/// Thread:  constructed and destroyed by main, while its thread does not run. What says so from
+/// any;
+///          the rest on its thread, which is that of its links.
+class Broker final : private SubscriberEvents {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    log::Logger& logger;
+    fleet::Fleet& fleet;
+    const journal::Shards& journals;
+    cyberwave::Twins& twins;
+    /// In the order of cyberwave::Connection; without media if nobody counts them.
+    std::vector<mqtt::ClientSettings> clients;
+    cyberwave::JudgeTerms terms;
+    std::string fleet_name;
+    std::size_t payload_bytes_max = 0;
+    /// Whether the journals are more than half full.
+    std::function<bool()> journal_over_half;
+    mqtt::MakeLink make_link;
+    /// Runs a job on its thread. Any thread.
+    std::function<void(std::function<void()>)> post;
+    std::function<std::uint64_t()> random;
+  };
+  explicit Broker(Context context);
+  ~Broker() override;
+  Broker(const Broker&) = delete;
+  Broker& operator=(const Broker&) = delete;
+
+  /// Before the rest.
+  void SetLease(LeaseView& lease) { lease_ = &lease; }
+
+  /// This process has the lease from now on.
+  void Begin(Grant grant);
+  /// What the store remembers of deliveries, as LeaseView::RereadSoon asked.
+  void Remembered(const storage::DeliveryMemory& memory);
+  /// It has not any more.
+  void End();
+  /// Nothing more is read, so that what waits is settled.
+  void BeginDrain();
+  /// To be called each second.
+  void Tick();
+
+  // --- Any thread ---
+
+  /// Whether what twins say comes to our knowledge.
+  [[nodiscard]] fleet::Fleet::Hearing hearing() const { return heard_.hearing(); }
+  [[nodiscard]] bool lease_failing() const { return lease_ != nullptr && lease_->failing(); }
+  [[nodiscard]] bool holds_lease() const { return probe_.lease_held.value() != 0; }
+  /// Messages whose records wait for their commit.
+  [[nodiscard]] std::size_t waiting() const {
+    return static_cast<std::size_t>(std::max<std::int64_t>(ledger_.Read().in_flight, 0));
+  }
+  /// Waits until nothing waits for its commit, or until `deadline`.
+  void WaitSettled(SteadyTime deadline);
+  [[nodiscard]] const MessageLedger& ledger() const { return ledger_; }
+  [[nodiscard]] const BrokerProbe& probe() const { return probe_; }
+  [[nodiscard]] const cyberwave::Twins& twins() const { return context_.twins; }
+  [[nodiscard]] std::size_t unacked_max() const { return context_.clients.front().unacked_max; }
+  /// Of those that there are, in their order.
+  [[nodiscard]] std::vector<ConnectionStatus> connections() const;
+  [[nodiscard]] const mqtt::ClientProbe& client_probe(Connection connection) const {
+    return subscribers_[static_cast<std::size_t>(connection)].probe();
+  }
+  [[nodiscard]] std::optional<SystemTime> subscribed_since() const {
+    return heard_.subscribed_since();
+  }
+  /// When the broker was last found to have lost our session.
+  [[nodiscard]] std::optional<SystemTime> session_lost_at() const {
+    const std::lock_guard lock(mutex_);
+    return session_lost_at_;
+  }
+  [[nodiscard]] std::string held_by() const { return lease_ == nullptr ? "" : lease_->held_by(); }
+
+ private:
+  /// Names the room in the journal among the streams, which are numbered from 1.
+  static constexpr std::uint64_t kRoom = 0;
+
+  void OnConnected(Connection connection, const mqtt::Connected& connected) override;
+  void OnSubscribed(Connection connection) override;
+  void OnMessage(Connection connection, const mqtt::Message& message) override;
+  void OnTrouble(Connection connection, const mqtt::Trouble& trouble) override;
+  void OnEnded(Connection connection, const mqtt::End& end) override;
+
+  void OnWakes();
+  void Start(Connection connection, bool expect_session);
+  [[nodiscard]] std::vector<mqtt::Filter> FiltersOf(Connection connection) const;
+  /// Takes back what the kept session subscribed to under that topic's prefix.
+  void TakeBack(std::string_view topic);
+  void StopClient(Connection connection);
+  [[nodiscard]] Subscriber& Of(Connection connection) {
+    return subscribers_[static_cast<std::size_t>(connection)];
+  }
+  [[nodiscard]] bool Has(Connection connection) const {
+    return static_cast<std::size_t>(connection) < context_.clients.size();
+  }
+  /// For the log.
+  [[nodiscard]] std::string BrokerName() const { return context_.clients.front().url.Text(); }
+  void OnLive(Connection connection, const mqtt::Message& message,
+              const cyberwave::Arrival& arrived);
+  void DropHeld();
+  void TryHeld();
+  void AfterWork();
+  void NoteHearing();
+
+  const Context context_;
+  LeaseView* lease_ = nullptr;
+  MessageLedger ledger_;
+  BrokerProbe probe_;
+  log::RateLimited log_;
+  log::RateLimited refused_log_;
+  log::RateLimited limited_log_;
+  Heard heard_;
+  StreamWakes wakes_;
+  mqtt::ConnectionNumbers numbers_;
+  std::array<Subscriber, kConnectionNames.size()> subscribers_;
+  TwinStreams streams_;
+  Commits commits_;
+  Intake intake_;
+  StrayPrefixes strays_;
+  std::optional<HeldMessage> held_;
+  bool began_ = false;
+  bool draining_ = false;
+  /// The durable connection waits for what the store remembers.
+  bool rereads_ = false;
+  /// When a connection ended last: the lease is looked at before the next one.
+  SteadyTime ask_since_{};
+  SteadyTime looked_at_twins_{};
+  std::uint64_t fleet_changes_ = 0;
+
+  mutable std::mutex mutex_;
+  std::condition_variable settled_;
+  std::vector<mqtt::ClientStatus> statuses_;
+  std::optional<SystemTime> session_lost_at_;
+};
+
+}  // namespace uplink::broker

@@ -1,0 +1,130 @@
+#include "server/broker/commits.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/journal/entry.h"
+#include "server/robot/mutation.h"
+
+namespace uplink::broker {
+
+void Commits::Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory) {
+  hold_ = std::move(hold);
+  redeliveries_.Begin(memory);
+}
+
+storage::Deliveries Commits::EndSession() {
+  return {.hold = hold_, .rows = {redeliveries_.EndSession()}};
+}
+
+bool Commits::IsKnown(const Delivered& message) {
+  if (robot::Planted(robot::Mutation::kRedeliveryForgotten)) return false;
+  const Redeliveries::Found found = redeliveries_.Find(message.packet_id, *message.digest);
+  if (found.known == Redeliveries::Known::kNo) return false;
+  if (found.known == Redeliveries::Known::kCommitted) {
+    if (message.ack) due_.push_back(*message.ack);
+    return true;
+  }
+  TwinStream* stream = streams_.FindById(found.stream);
+  if (stream == nullptr) return false;
+  const auto waits = std::ranges::find(stream->waiting, found.number, &WaitingMessage::number);
+  if (waits == stream->waiting.end()) return false;
+  // The ack goes to the connection that delivered it last.
+  waits->ack = message.ack;
+  return true;
+}
+
+void Commits::SettleAtOnce(const Delivered& message) {
+  if (message.packet_id != 0) redeliveries_.End(message.packet_id);
+  if (message.ack) due_.push_back(*message.ack);
+}
+
+bool Commits::Append(TwinStream& stream, const Delivered& message,
+                     std::vector<storage::CommitRecord> records,
+                     std::optional<model::RejectReason> rejected) {
+  WaitingMessage waiting{.ack = message.ack,
+                         .packet_id = message.packet_id,
+                         .first = stream.last_seq + 1,
+                         .last = stream.last_seq + records.size(),
+                         .rejected = rejected,
+                         .arrived = message.arrived};
+  const storage::RobotRef id = stream.robot->id();
+  for (storage::CommitRecord& record : records) {
+    record.robot = id;
+    record.session = stream.session;
+    record.seq = ++stream.last_seq;
+    const std::size_t bytes = journal::CostOf(record);
+    if (stream.robot->sessions.AddWaiting(stream.session, record.seq, bytes) == 0) return false;
+  }
+  if (message.packet_id != 0) {
+    const storage::Delivery delivery{.number = redeliveries_.NextNumber(),
+                                     .packet_id = message.packet_id,
+                                     .digest = message.digest};
+    waiting.number = delivery.number;
+    redeliveries_.AddWaiting(delivery, stream.id);
+    records.back().message_end = storage::MessageEnd{
+        .delivery = delivery, .records = static_cast<std::uint32_t>(records.size())};
+  }
+  if (robot::Planted(robot::Mutation::kMessageAckedOnArrival) && waiting.ack) {
+    due_.push_back(*std::exchange(waiting.ack, std::nullopt));
+  }
+  stream.waiting.push_back(waiting);
+  probe_.records.Add(static_cast<std::int64_t>(records.size()));
+  stream.journal->AppendMessage(*stream.robot, stream.generation, std::move(records),
+                                message.arrived);
+  return true;
+}
+
+void Commits::OnWake(std::uint64_t id) {
+  TwinStream* stream = streams_.FindById(id);
+  if (stream == nullptr) return;
+  const robot::Standing standing = stream->robot->sessions.StandingOf(stream->self);
+  // First: what was settled before it was lost is told.
+  Settle(*stream, stream->robot->sessions.Take(stream->session));
+  if (standing == robot::Standing::kEnded) stream->ended = true;
+  if (standing != robot::Standing::kCurrent && !stream->ended) return Fence(*stream);
+  if (!stream->waiting.empty()) return;
+  if (stream->ended) {
+    streams_.Drop(*stream);
+  } else if (stream->ending) {
+    streams_.Close(*stream);
+  }
+}
+
+void Commits::Settle(TwinStream& stream, const robot::Progress& progress) {
+  const SteadyTime now = clock_.Steady();
+  auto refused = progress.rejects.begin();
+  while (!stream.waiting.empty() && stream.waiting.front().last <= progress.through) {
+    const WaitingMessage message = stream.waiting.front();
+    stream.waiting.pop_front();
+    std::optional<model::RejectReason> reason = message.rejected;
+    // What the store refused, in order of the commits.
+    for (; refused != progress.rejects.end() && refused->seq <= message.last; ++refused) {
+      if (refused->seq >= message.first && !reason) reason = refused->rejection.reason;
+    }
+    if (message.packet_id != 0) redeliveries_.Commit(message.packet_id, message.number);
+    if (message.ack) due_.push_back(*message.ack);
+    probe_.ack_seconds.ObserveSince(message.arrived, now);
+    Count(reason ? Became::kRejected : Became::kStored, reason);
+  }
+}
+
+void Commits::Count(Became became, std::optional<model::RejectReason> reason) {
+  MessageCounts counts{.in_flight = -1};
+  counts.Count(became);
+  if (reason) ++counts.rejects[static_cast<std::size_t>(*reason)];
+  ledger_.Publish(counts);
+}
+
+void Commits::Fence(TwinStream& stream) {
+  for (const WaitingMessage& message : stream.waiting) {
+    if (message.packet_id != 0) redeliveries_.Drop(message.packet_id, message.number);
+    Count(Became::kRefused, std::nullopt);
+  }
+  stream.waiting.clear();
+  probe_.fenced.Add();
+  fenced_ = true;
+  streams_.Lose(stream);
+}
+
+}  // namespace uplink::broker

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "schema/model/rejection.h"
+#include "server/broker/limits.h"
+#include "server/broker/message_counts.h"
+#include "server/broker/probe.h"
+#include "server/broker/redeliveries.h"
+#include "server/broker/twin_streams.h"
+#include "server/mqtt/packets.h"
+#include "server/mqtt/unacked.h"
+#include "storage/deliveries.h"
+#include "storage/types.h"
+
+namespace uplink::broker {
+
+/// What messages bring to the store: appended to the journal, all of a message at once, and waited
+/// for. Says which messages may be acked then, and knows those that come again.
+///
+/// Thread:  confined to its owner's.
+class Commits final {
+ public:
+  /// The references outlive it.
+  Commits(TwinStreams& streams, MessageLedger& ledger, BrokerProbe& probe, const Clock& clock)
+      : streams_(streams),
+        ledger_(ledger),
+        probe_(probe),
+        clock_(clock),
+        redeliveries_(storage::DeliveriesKept(kRememberedWindow)) {}
+
+  /// What comes from now on comes under this lease, and this is known of what came before.
+  void Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory);
+  /// Under the same lease: what the store knows by now.
+  void Reread(const storage::DeliveryMemory& memory) { redeliveries_.Begin(memory); }
+  /// The broker lost the session. Returns what is to be remembered of that.
+  [[nodiscard]] storage::Deliveries EndSession();
+  [[nodiscard]] const storage::TopicHoldRef& hold() const { return hold_; }
+
+  /// A message as the broker delivered it. A value.
+  struct Delivered {
+    /// 0 at QoS 0.
+    std::uint16_t packet_id = 0;
+    std::optional<storage::DeliveryDigest> digest;
+    std::optional<mqtt::AckHandle> ack;
+    SteadyTime arrived;
+  };
+  /// Whether it came before, and waits or is committed: then it is acked when that is.
+  [[nodiscard]] bool IsKnown(const Delivered& message);
+  /// It is settled without a record, and may be acked.
+  void SettleAtOnce(const Delivered& message);
+  /// Its records go to the journal: without robot, session, number, which are the stream's. False
+  /// if another process took the robot since: nothing of it is written.
+  [[nodiscard]] bool Append(TwinStream& stream, const Delivered& message,
+                            std::vector<storage::CommitRecord> records,
+                            std::optional<model::RejectReason> rejected);
+
+  /// Something of the stream was settled, or it was taken over.
+  void OnWake(std::uint64_t stream);
+
+  /// Messages that may be acked since the last call.
+  [[nodiscard]] std::vector<mqtt::AckHandle> TakeReleases() { return std::exchange(due_, {}); }
+  /// Whether a robot was taken over since the last call: what of it waited was not written, or it
+  /// was and nobody told, which the store alone knows. It comes again only by another connection.
+  [[nodiscard]] bool TakeFenced() { return std::exchange(fenced_, false); }
+
+ private:
+  void Settle(TwinStream& stream, const robot::Progress& progress);
+  void Count(Became became, std::optional<model::RejectReason> reason);
+  void Fence(TwinStream& stream);
+
+  TwinStreams& streams_;
+  MessageLedger& ledger_;
+  BrokerProbe& probe_;
+  const Clock& clock_;
+  Redeliveries redeliveries_;
+  storage::TopicHoldRef hold_;
+  std::vector<mqtt::AckHandle> due_;
+  bool fenced_ = false;
+};
+
+}  // namespace uplink::broker

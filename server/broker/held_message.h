@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "server/cyberwave/held.h"
+#include "server/mqtt/listener.h"
+
+namespace uplink::broker {
+
+/// A message that waits for room, with bytes of its own, and when it arrived.
+class HeldMessage final {
+ public:
+  HeldMessage(const mqtt::Message& message, const cyberwave::Arrival& arrived)
+      : arrived_(arrived),
+        message_(message),
+        topic_(message.publish.topic),
+        correlation_(message.publish.correlation),
+        payload_(message.publish.payload) {
+    message_.publish.topic = topic_;
+    message_.publish.correlation = correlation_;
+    if (payload_) message_.publish.payload = *payload_;
+  }
+  HeldMessage(const HeldMessage&) = delete;
+  HeldMessage& operator=(const HeldMessage&) = delete;
+
+  [[nodiscard]] const mqtt::Message& message() const { return message_; }
+  [[nodiscard]] const cyberwave::Arrival& arrived() const { return arrived_; }
+
+ private:
+  const cyberwave::Arrival arrived_;
+  mqtt::Message message_;
+  const std::string topic_;
+  const std::string correlation_;
+  const std::optional<std::string> payload_;
+};
+
+}  // namespace uplink::broker

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "schema/cyberwave/judge.h"
+#include "schema/cyberwave/records.h"
+#include "server/broker/commits.h"
+#include "server/broker/held_message.h"
+#include "server/broker/message_counts.h"
+#include "server/broker/pongs.h"
+#include "server/broker/probe.h"
+#include "server/broker/twin_streams.h"
+#include "server/log/rate_limited.h"
+#include "server/mqtt/listener.h"
+
+namespace uplink::broker {
+
+/// Takes the messages of a broker one by one: known already, or judged; live ones applied, durable
+/// and rejected ones to the journal.
+///
+/// Thread:  confined to its owner's.
+class Intake final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    fleet::Fleet& fleet;
+    cyberwave::Twins& twins;
+    TwinStreams& streams;
+    Commits& commits;
+    MessageLedger& ledger;
+    BrokerProbe& probe;
+    /// Of twins that are too many, and of those that send too much: neither silences the other.
+    log::RateLimited& refused_log;
+    log::RateLimited& limited_log;
+    cyberwave::JudgeTerms terms;
+    /// Bytes of a rejected payload that quarantine keeps (limits.payload_bytes_max).
+    std::size_t payload_bytes_max = 0;
+    /// Whether the journals are more than half full.
+    std::function<bool()> journal_over_half;
+    Pongs::Publish publish;
+  };
+  explicit Intake(Context context)
+      : context_(std::move(context)), pongs_(context_.publish, context_.probe) {}
+
+  enum class Taken : std::uint8_t {
+    kDone,
+    /// There is no room in the journal, and the message at QoS 1 is counted as in flight: TakeHeld
+    /// takes it, before any other at QoS 1, or DropHeld.
+    kHeld,
+  };
+  /// A message arrives.
+  [[nodiscard]] Taken Take(const mqtt::Message& message, const cyberwave::Arrival& arrived);
+  /// The message that is held, once more. Asks little while there is no room.
+  [[nodiscard]] Taken TakeHeld(const HeldMessage& held);
+  /// Whether the topic of the last message is none of ours.
+  [[nodiscard]] bool was_stray() const { return was_stray_; }
+  /// The message that was held does not come back to us.
+  void DropHeld();
+  /// Wakes `stream` once the journal has room that had none for the message that is held.
+  void WakeWhenRoom(robot::StreamRef stream) const;
+
+ private:
+  /// One message while it is taken.
+  struct Taking;
+
+  [[nodiscard]] Taken TakeOne(Taking& taking);
+  [[nodiscard]] bool WasBefore(Taking& taking);
+  [[nodiscard]] Taken Judge(Taking& taking);
+  /// Where the message is written to; nothing if nowhere, since it proves no robot.
+  [[nodiscard]] std::optional<TwinStreams::Opened> PlaceOf(const Taking& taking);
+  [[nodiscard]] Taken WriteNowhere(Taking& taking, const TwinStreams::Opened& place);
+  /// It may come again, or was never to be kept.
+  [[nodiscard]] Taken Wait(Taking& taking);
+  [[nodiscard]] Taken Write(Taking& taking, TwinStream& stream);
+  [[nodiscard]] bool HasRoom(TwinStream& stream);
+  /// At its first coming.
+  void NoteLife(const Taking& taking, TwinStream& stream) const;
+  void Reject(Taking& taking, TwinStream& stream, const model::Rejection& rejection);
+  void Apply(Taking& taking, TwinStream& stream);
+  void Append(Taking& taking, TwinStream& stream, std::vector<storage::CommitRecord> records,
+              std::optional<model::RejectReason> rejected);
+  void NoteOdd(Taking& taking) const;
+  /// It is settled now.
+  void Settle(Taking& taking, Became became);
+
+  const Context context_;
+  Pongs pongs_;
+  bool was_stray_ = false;
+  /// The journal that had no room for it.
+  journal::Journal* full_ = nullptr;
+};
+
+}  // namespace uplink::broker

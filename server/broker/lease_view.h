@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "schema/base/clock.h"
+#include "server/broker/twin_streams.h"
+#include "storage/deliveries.h"
+
+namespace uplink::broker {
+
+/// This process has the lease of its topics. A value.
+struct Grant {
+  storage::TopicHoldRef hold;
+  /// What its client id's last holder knew.
+  storage::DeliveryMemory memory;
+  /// The faults of metrics that are active in the store.
+  FaultsByRobot faults;
+};
+
+/// Who has the lease of our topics, as whoever looks at the store knows it. Thread: any.
+class LeaseView {
+ public:
+  virtual ~LeaseView() = default;
+  /// Whether a connection may be made now: the lease was ours at a look that began at or after
+  /// `since`, or the store cannot be asked and it was ours a moment ago.
+  [[nodiscard]] virtual bool MayConnect(SteadyTime since) const = 0;
+  /// A look is wanted soon: somebody ended a connection of ours, which another process may have
+  /// now.
+  virtual void LookSoon() = 0;
+  /// What the store remembers of deliveries is to be read again soon: whether what waited was
+  /// committed is not known here. It is told by Broker::Remembered.
+  virtual void RereadSoon() = 0;
+  /// The store could not be asked at the last look.
+  [[nodiscard]] virtual bool failing() const = 0;
+  /// Where the process that has the lease is; empty: it is ours, or nobody's.
+  [[nodiscard]] virtual std::string held_by() const = 0;
+};
+
+}  // namespace uplink::broker

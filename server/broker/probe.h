@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "metrics/cells.h"
+#include "schema/cyberwave/topic_kinds.h"
+#include "server/cyberwave/observed_counts.h"
+
+namespace uplink::broker {
+
+/// What the reading of a broker counts, beside its messages (MessageLedger) and its connections
+/// (mqtt::ClientProbe). Thread-safe.
+struct BrokerProbe {
+  /// Messages by what their topic is.
+  std::array<metrics::Cell, cyberwave::kTopicKinds> topics;
+  /// Records that messages brought.
+  metrics::Cell records;
+  /// From the arrival of a message with records to its PUBACK, or to its commit at QoS 0.
+  metrics::LatencyDistribution ack_seconds{metrics::kLatencyBoundsSeconds};
+  metrics::Cell pongs;
+  /// Pings that came too often, or could not be answered.
+  metrics::Cell pongs_withheld;
+  /// Times that a message waited for room in the journal, and 1 while one does.
+  metrics::Cell held_total;
+  metrics::Cell held;
+  /// Messages of robots beyond cyberwave.robots_max, or limits.robots_max.
+  metrics::Cell robots_over;
+  /// Streams that another process took over.
+  metrics::Cell fenced;
+  /// Streams of robots that are open.
+  metrics::Cell streams;
+  /// Times that were taken as unknown, and control characters that were replaced.
+  metrics::Cell times_unknown;
+  metrics::Cell control_characters;
+  /// 1 while this process has the lease of its topics; how often it took it.
+  metrics::Cell lease_held;
+  metrics::Cell lease_taken;
+  /// 1 while messages at QoS 1 are not read.
+  metrics::Cell unread;
+};
+
+}  // namespace uplink::broker

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+#include "storage/deliveries.h"
+
+namespace uplink::broker {
+
+/// Which messages at QoS 1 the broker may deliver again, by their packet ids: those that wait for
+/// their commit, and the last ones that were committed. The store has the latter too, written with
+/// their rows, so that the next process begins with them.
+///
+/// Limits:  an entry per packet id, of which there are 65,535.
+/// Thread:  confined to its owner's.
+class Redeliveries final {
+ public:
+  /// `kept_max` as storage::DeliveriesKept.
+  explicit Redeliveries(std::uint32_t kept_max) : kept_max_(kept_max) {}
+
+  /// Begins with what the store knows. What waits here is known better.
+  void Begin(const storage::DeliveryMemory& memory);
+
+  enum class Known : std::uint8_t { kNo, kWaits, kCommitted };
+  struct Found {
+    Known known = Known::kNo;
+    /// Of one that waits: the stream in which it does, and its number.
+    std::uint64_t stream = 0;
+    std::uint64_t number = 0;
+  };
+  /// What is known of a message that the broker says it may have sent before.
+  [[nodiscard]] Found Find(std::uint16_t packet_id, const storage::DeliveryDigest& digest) const;
+
+  /// The next number, for a new message.
+  [[nodiscard]] std::uint64_t NextNumber() { return ++last_number_; }
+  /// A new message waits under the id: what the id meant before has ended.
+  void AddWaiting(const storage::Delivery& delivery, std::uint64_t stream);
+  /// A new message under the id is settled at once, and not remembered.
+  void End(std::uint16_t packet_id) { known_.erase(packet_id); }
+  /// It was committed.
+  void Commit(std::uint16_t packet_id, std::uint64_t number);
+  /// It was not, and never will be: it is new when it comes again.
+  void Drop(std::uint16_t packet_id, std::uint64_t number);
+
+  /// The broker lost the session: nothing that is known comes again. Returns what is to be
+  /// remembered of that.
+  [[nodiscard]] storage::Delivery EndSession();
+
+ private:
+  struct Entry {
+    std::uint64_t number = 0;
+    std::optional<storage::DeliveryDigest> digest;
+    /// 0: it is committed.
+    std::uint64_t stream = 0;
+  };
+
+  const std::uint32_t kept_max_;
+  std::uint64_t last_number_ = 0;
+  std::unordered_map<std::uint16_t, Entry> known_;
+};
+
+}  // namespace uplink::broker

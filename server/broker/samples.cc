@@ -1,0 +1,93 @@
+#include "server/broker/samples.h"
+
+#include <cstddef>
+
+#include "schema/model/rejection.h"
+
+namespace uplink::broker {
+namespace {
+
+using enum metrics::MetricId;
+
+void AddMessages(const MessageCounts& counts, metrics::Exposition& page) {
+  page.Add(kMqttReceived, counts.received);
+  for (std::size_t i = 0; i < counts.became.size(); ++i) {
+    page.Add(kMqttSettled, counts.became[i], {kBecameNames[i]});
+  }
+  page.Add(kMqttInFlight, counts.in_flight);
+  for (const model::RejectReason each : model::kAllRejectReasons) {
+    const std::string_view reason = model::ToText(each);
+    const auto place = static_cast<std::size_t>(each);
+    page.Add(kMqttRejects, counts.rejects[place], {reason});
+    page.Add(kMqttFieldsDropped, counts.dropped[place], {reason});
+  }
+}
+
+void AddTwins(const Broker& broker, metrics::Exposition& page) {
+  const BrokerProbe& probe = broker.probe();
+  const cyberwave::Twins& twins = broker.twins();
+  for (std::size_t i = 0; i < probe.topics.size(); ++i) {
+    page.Add(kMqttTopics, probe.topics[i],
+             {cyberwave::ToText(static_cast<cyberwave::TopicKind>(i))});
+  }
+  page.Add(kMqttRecords, probe.records);
+  page.Add(kMqttTimesUnknown, probe.times_unknown);
+  page.Add(kMqttControlCharacters, probe.control_characters);
+  page.Add(kMqttAckSeconds, probe.ack_seconds);
+  page.Add(kMqttPongs, probe.pongs);
+  page.Add(kMqttPongsWithheld, probe.pongs_withheld);
+  page.Add(kMqttHeldTotal, probe.held_total);
+  page.Add(kMqttHeld, probe.held);
+  page.Add(kMqttUnread, probe.unread);
+  page.Add(kMqttTwins, twins.size());
+  page.Add(kMqttTwinsLimit, twins.twins_max());
+  page.Add(kMqttTwinsRefused, probe.robots_over);
+  page.Add(kMqttTwinsBytes, twins.bytes());
+  page.Add(kMqttTablesDropped, twins.tables_dropped());
+  page.Add(kMqttStreams, probe.streams);
+  page.Add(kMqttTwinsLost, probe.fenced);
+  page.Add(kMqttLeaseHeld, probe.lease_held);
+  page.Add(kMqttLeaseTaken, probe.lease_taken);
+  page.Add(kMqttLeaseFailing, broker.lease_failing() ? 1 : 0);
+}
+
+void AddConnection(std::string_view name, const mqtt::ClientProbe& probe,
+                   metrics::Exposition& page) {
+  page.Add(kMqttConnected, probe.connected, {name});
+  page.Add(kMqttConnections, probe.accepted, {name});
+  for (std::size_t i = 0; i < probe.ended.size(); ++i) {
+    page.Add(kMqttConnectionsEnded, probe.ended[i], {name, mqtt::kEndReasonNames[i]});
+  }
+  page.Add(kMqttPublishes, probe.messages[0], {name, "0"});
+  page.Add(kMqttPublishes, probe.messages[1], {name, "1"});
+  page.Add(kMqttDups, probe.dups, {name});
+  page.Add(kMqttRetained, probe.retained, {name});
+  page.Add(kMqttOversized, probe.unread, {name});
+  page.Add(kMqttBadTopics, probe.bad_topics, {name});
+  page.Add(kMqttPayloadBytes, probe.payload_bytes, {name});
+  page.Add(kMqttPubacks, probe.pubacks, {name});
+  page.Add(kMqttUnacked, probe.unacked, {name});
+  page.Add(kMqttReadingStopped, probe.stopped_by_window, {name, "window"});
+  page.Add(kMqttReadingStopped, probe.stopped_by_output, {name, "output"});
+  page.Add(kMqttReadingStopped, probe.stopped_by_core, {name, "journal"});
+  page.Add(kMqttFiltersRefused, probe.filters_refused, {name});
+  page.Add(kMqttFiltersLower, probe.filters_lower, {name});
+  page.Add(kMqttIdTaken, probe.id_taken, {name});
+}
+
+}  // namespace
+
+void AddSamples(const Broker& broker, metrics::Exposition& page) {
+  AddMessages(broker.ledger().Read(), page);
+  AddTwins(broker, page);
+  for (const ConnectionStatus& each : broker.connections()) {
+    AddConnection(Name(each.connection), broker.client_probe(each.connection), page);
+  }
+  const mqtt::ClientProbe& durable = broker.client_probe(Connection::kDurable);
+  page.Add(kMqttUnackedLimit, broker.unacked_max());
+  page.Add(kMqttSessionsLost, durable.sessions_lost);
+  page.Add(kMqttSessionsShort, durable.sessions_short);
+  page.Add(kMqttPublishesDropped, broker.client_probe(Connection::kLive).publishes_dropped);
+}
+
+}  // namespace uplink::broker

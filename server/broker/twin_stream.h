@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "server/broker/waiting_message.h"
+#include "server/cyberwave/twin.h"
+#include "server/cyberwave/twin_rates.h"
+#include "server/fleet/fleet.h"
+#include "server/journal/journal.h"
+#include "server/robot/wake.h"
+
+namespace uplink::broker {
+
+/// One robot of a twin, or what stands in the place of none (storage::NoRobotOf), as what comes
+/// from the broker is written to it: its messages are numbered by their arrival, in a session of
+/// its own. Confined to its owner's thread.
+struct TwinStream {
+  fleet::RobotPtr robot;
+  /// Null of a stand-in.
+  cyberwave::TwinPtr twin;
+  /// Shared by a twin's two robots.
+  std::shared_ptr<cyberwave::TwinRates> rates;
+  /// As robot::StreamRef names it; from 1.
+  std::uint64_t id = 0;
+  robot::StreamRef self;
+  model::SessionId session;
+  /// Goes with every record (journal::Journal::Append).
+  std::uint64_t generation = 0;
+  model::Seq last_seq = 0;
+  journal::Journal* journal = nullptr;
+  /// In order of their numbers.
+  std::deque<WaitingMessage> waiting;
+  SteadyTime used_at;
+  /// It takes no more messages, and goes once nothing of it waits; but it may go on before.
+  bool ending = false;
+  /// An operator ended it: it goes once nothing of it waits.
+  bool ended = false;
+
+  [[nodiscard]] const std::string& ruri() const { return robot->ruri(); }
+};
+
+}  // namespace uplink::broker

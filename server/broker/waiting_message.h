@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
+#include "schema/model/rejection.h"
+#include "server/mqtt/unacked.h"
+
+namespace uplink::broker {
+
+/// A message whose records wait for their commit. A value.
+struct WaitingMessage {
+  /// To be released then; nothing at QoS 0, or while no connection delivered it that is still
+  /// there.
+  std::optional<mqtt::AckHandle> ack;
+  /// 0 at QoS 0; then it has no number either.
+  std::uint16_t packet_id = 0;
+  std::uint64_t number = 0;
+  /// Those of its records, in its stream's session.
+  model::Seq first = 0;
+  model::Seq last = 0;
+  /// Why judgement rejected it.
+  std::optional<model::RejectReason> rejected;
+  SteadyTime arrived;
+};
+
+}  // namespace uplink::broker

@@ -1,0 +1,209 @@
+#include "server/store/topic_rounds.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <pthread.h>
+
+#include "server/broker/limits.h"
+#include "server/cyberwave/metric_faults.h"
+
+namespace uplink::store {
+namespace {
+
+/// Whether the lease keeps us from ours, if its holder is not over.
+bool IsInTheWay(const storage::TopicLease& lease, const storage::TakeRequest& request) {
+  if (lease.released) return false;
+  if (lease.client_id == request.client_id) return true;
+  return std::ranges::any_of(lease.prefixes, [&](const std::string& prefix) {
+    return std::ranges::find(request.prefixes, prefix) != request.prefixes.end();
+  });
+}
+
+}  // namespace
+
+TopicRounds::TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context)
+    : leases_(std::move(leases)), context_(std::move(context)) {}
+
+TopicRounds::~TopicRounds() { Stop(); }
+
+void TopicRounds::Start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+  ::pthread_setname_np(thread_.native_handle(), "topics");
+}
+
+void TopicRounds::Stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void TopicRounds::Leave() {
+  Stop();
+  if (!epoch_) return;
+  epoch_.reset();
+  if (const absl::Status released = leases_->Release(context_.client_id); !released.ok()) {
+    context_.logger.Warn("topics_not_released", {{"why", std::string(released.message())}});
+  }
+}
+
+void TopicRounds::Look() {
+  const SteadyTime began = context_.clock.Steady();
+  unjudged_ = false;
+  const absl::Status looked = TryLook(began);
+  if (!looked.ok()) failed_.store(began);
+  NoteOutcome(looked);
+}
+
+absl::Status TopicRounds::TryLook(SteadyTime began) {
+  const auto leases = leases_->Read();
+  if (!leases.ok()) return leases.status();
+  const auto ours = std::ranges::find_if(*leases, [&](const storage::TopicLease& lease) {
+    return lease.client_id == context_.client_id && lease.holder == context_.process &&
+           !lease.released;
+  });
+  if (epoch_ && ours != leases->end() && ours->epoch == *epoch_) {
+    confirmed_.store(began);
+    return RereadIfAsked();
+  }
+  if (epoch_) {
+    epoch_.reset();
+    context_.logger.Warn("topics_lost", {{"client_id", context_.client_id}});
+    context_.lost();
+  }
+  return Take(*leases, began);
+}
+
+absl::Status TopicRounds::RereadIfAsked() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!reread_) return absl::OkStatus();
+  }
+  auto memory = leases_->MemoryOf(context_.client_id);
+  if (!memory.ok()) return memory.status();
+  {
+    const std::lock_guard lock(mutex_);
+    reread_ = false;
+  }
+  context_.reread(*std::move(memory));
+  return absl::OkStatus();
+}
+
+storage::TakeRequest TopicRounds::RequestNow(const std::vector<storage::TopicLease>& leases) {
+  storage::TakeRequest request{.client_id = context_.client_id,
+                               .prefixes = context_.prefixes,
+                               .at = context_.clock.System(),
+                               .unacked_max = broker::kRememberedWindow};
+  std::string held_by;
+  for (const storage::TopicLease& lease : leases) {
+    if (lease.holder == context_.process || !IsInTheWay(lease, request)) continue;
+    const auto verdict = context_.judge(lease.holder);
+    if (!verdict) unjudged_ = true;
+    if (verdict && verdict->over != Over::kNo) {
+      request.over.push_back({.process = lease.holder, .lease_counter = verdict->counter});
+    } else {
+      held_by = verdict ? verdict->name : std::string("another server");
+    }
+  }
+  NoteHeldBy(std::move(held_by));
+  return request;
+}
+
+absl::Status TopicRounds::Take(const std::vector<storage::TopicLease>& leases, SteadyTime began) {
+  const storage::TakeRequest request = RequestNow(leases);
+  if (!held_by().empty()) return absl::OkStatus();
+  const auto epoch = leases_->Take(request);
+  if (!epoch.ok()) return epoch.status();
+  // Another was faster; the next look shows who.
+  if (!*epoch) return absl::OkStatus();
+  // Until both are here nothing is read, and so a failure only means that it is taken again.
+  auto memory = leases_->MemoryOf(context_.client_id);
+  if (!memory.ok()) return memory.status();
+  auto faults = ReadFaults();
+  if (!faults.ok()) return faults.status();
+  epoch_ = **epoch;
+  confirmed_.store(began);
+  context_.logger.Info("topics_taken",
+                       {{"client_id", context_.client_id}, {"deliveries", memory->known.size()}});
+  context_.taken({.hold = std::make_shared<const storage::TopicHold>(
+                      storage::TopicHold{.client_id = context_.client_id,
+                                         .epoch = *epoch_,
+                                         .unacked_max = broker::kRememberedWindow}),
+                  .memory = *std::move(memory),
+                  .faults = *std::move(faults)});
+  return absl::OkStatus();
+}
+
+absl::StatusOr<broker::FaultsByRobot> TopicRounds::ReadFaults() {
+  broker::FaultsByRobot faults;
+  storage::HistoryQuery query{.fleet = context_.fleet_name};
+  query.page_size = storage::kPageSizeMax;
+  while (true) {
+    const auto page = context_.reader.FaultsActive(query);
+    if (!page.ok()) return page.status();
+    for (const storage::FaultRow& row : page->rows) {
+      if (row.fault.source == cyberwave::kMetricFaultSource) {
+        faults[row.robot.ruri].push_back(row.fault.fault_id);
+      }
+    }
+    if (page->next_token.empty()) return faults;
+    query.page_token = page->next_token;
+  }
+}
+
+void TopicRounds::NoteHeldBy(std::string name) {
+  if (name != told_held_by_ && !name.empty()) {
+    context_.logger.Info("topics_elsewhere", {{"holder", name}});
+  }
+  told_held_by_ = name;
+  const std::lock_guard lock(mutex_);
+  held_by_ = std::move(name);
+}
+
+void TopicRounds::NoteOutcome(const absl::Status& status) {
+  if (failing_.exchange(!status.ok()) == !status.ok()) return;
+  if (status.ok()) {
+    context_.logger.Info("topics_work_again", {});
+  } else {
+    context_.logger.Warn("topics_fail", {{"why", std::string(status.message())}});
+  }
+}
+
+bool TopicRounds::MayConnect(SteadyTime since) const {
+  const SteadyTime confirmed = confirmed_.load();
+  if (confirmed == SteadyTime()) return false;
+  if (confirmed >= since) return true;
+  return failed_.load() >= since && context_.clock.Steady() - confirmed < kLeaseTrusted;
+}
+
+void TopicRounds::RereadSoon() {
+  {
+    const std::lock_guard lock(mutex_);
+    reread_ = look_soon_ = true;
+  }
+  pause_.notify_one();
+}
+
+void TopicRounds::LookSoon() {
+  {
+    const std::lock_guard lock(mutex_);
+    look_soon_ = true;
+  }
+  pause_.notify_one();
+}
+
+std::string TopicRounds::held_by() const {
+  const std::lock_guard lock(mutex_);
+  return held_by_;
+}
+
+void TopicRounds::Run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    Look();
+    std::unique_lock lock(mutex_);
+    const milliseconds pause = unjudged_ ? kUnjudgedLookEvery : milliseconds(kTopicLookEvery);
+    pause_.wait_for(lock, stop, pause, [this] { return look_soon_; });
+    look_soon_ = false;
+  }
+}
+
+}  // namespace uplink::store

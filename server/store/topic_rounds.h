@@ -1,0 +1,109 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/broker/lease_view.h"
+#include "server/log/logger.h"
+#include "server/store/lease_judge.h"
+#include "storage/reader.h"
+#include "storage/topic_leases.h"
+
+namespace uplink::store {
+
+/// How often it is looked who has the lease of our topics, where nobody asks for it sooner.
+inline constexpr std::chrono::seconds kTopicLookEvery{2};
+/// The same while it is not judged yet whether their holder is over.
+inline constexpr milliseconds kUnjudgedLookEvery{100};
+/// While the store cannot be asked, a lease that was ours counts as ours for so long: less than
+/// another process needs to find us silent (kSilentMax).
+inline constexpr std::chrono::seconds kLeaseTrusted{20};
+
+/// Takes the lease of our topics when nobody has it, looks whether it is ours still, and tells the
+/// broker's reader.
+///
+/// Errors:  of the store: the next look tries again, and tells nothing.
+/// Thread:  constructed, started and stopped by main; looks on a thread of its own. What LeaseView
+///          says, from any.
+class TopicRounds final : public broker::LeaseView {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    log::Logger& logger;
+    storage::Reader& reader;
+    /// This process.
+    storage::ProcessId process{};
+    std::string client_id;
+    std::vector<std::string> prefixes;
+    /// Of which fleet twins are.
+    std::string fleet_name;
+    /// Whether a process that has a lease is over, and where it is; empty: it was not judged yet.
+    std::function<std::optional<LeaseJudge::Verdict>(const storage::ProcessId& process)> judge;
+    /// Told on the thread of the looks.
+    std::function<void(broker::Grant grant)> taken;
+    std::function<void()> lost;
+    std::function<void(storage::DeliveryMemory memory)> reread;
+  };
+  TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context);
+  ~TopicRounds() override;
+  TopicRounds(const TopicRounds&) = delete;
+  TopicRounds& operator=(const TopicRounds&) = delete;
+
+  void Start();
+  /// Ends the looks. Idempotent.
+  void Stop();
+  /// Ends the looks and gives the lease up, so that another process has it at once.
+  void Leave();
+  /// One look, on the caller's thread: before Start, or instead of it.
+  void Look();
+
+  [[nodiscard]] bool MayConnect(SteadyTime since) const override;
+  void LookSoon() override;
+  void RereadSoon() override;
+  [[nodiscard]] bool failing() const override { return failing_.load(); }
+  [[nodiscard]] std::string held_by() const override;
+
+ private:
+  [[nodiscard]] absl::Status TryLook(SteadyTime began);
+  [[nodiscard]] storage::TakeRequest RequestNow(const std::vector<storage::TopicLease>& leases);
+  [[nodiscard]] absl::Status Take(const std::vector<storage::TopicLease>& leases, SteadyTime began);
+  [[nodiscard]] absl::StatusOr<broker::FaultsByRobot> ReadFaults();
+  [[nodiscard]] absl::Status RereadIfAsked();
+  void NoteHeldBy(std::string name);
+  void NoteOutcome(const absl::Status& status);
+  void Run(const std::stop_token& stop);
+
+  const std::unique_ptr<storage::TopicLeases> leases_;
+  const Context context_;
+  /// The epoch of the lease that is ours; nothing: it is not.
+  std::optional<storage::Epoch> epoch_;
+  std::string told_held_by_;
+  /// At the last look somebody held them who was not judged yet.
+  bool unjudged_ = false;
+  /// When the last look began that found the lease ours; the last that failed.
+  std::atomic<SteadyTime> confirmed_{SteadyTime()};
+  std::atomic<SteadyTime> failed_{SteadyTime()};
+  std::atomic<bool> failing_{false};
+  mutable std::mutex mutex_;
+  std::string held_by_;
+  bool look_soon_ = false;
+  bool reread_ = false;
+  std::condition_variable_any pause_;
+  std::jthread thread_;
+};
+
+}  // namespace uplink::store

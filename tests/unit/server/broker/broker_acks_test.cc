@@ -1,0 +1,182 @@
+// What the broker's reader acks, and what comes again.
+#include <memory>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/broker/broker.h"
+#include "server/broker/limits.h"
+#include "tests/unit/server/broker/broker_world.h"
+
+namespace uplink::broker {
+namespace {
+
+using testing::FakeLink;
+using ::testing::SizeIs;
+
+class BrokerAcksTest : public BrokerWorld {};
+
+TEST_F(BrokerAcksTest, AcksWhatIsCommittedAndNothingBefore) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  Flush(*durable());
+  EXPECT_EQ(durable()->written, "");
+  Run();
+  EXPECT_EQ(durable()->written, Puback(5));
+  EXPECT_EQ(Stored(), 1U);
+}
+
+TEST_F(BrokerAcksTest, AMessageAtQos1OnTheLiveConnectionIsAckedAndHoldsNothing) {
+  Connect();
+  store_.FailNextCommits(1'000, testing::FailAt::kBefore);
+  for (std::size_t id = 1; id <= 3; ++id) durable()->Bring(Event(static_cast<int>(id), id));
+  live()->Bring(Event(9, 9));
+  Flush(*live());
+  EXPECT_EQ(live()->written, Puback(9));
+  EXPECT_EQ(Count(Became::kRefused), 1U);
+  EXPECT_TRUE(live()->reading);
+}
+
+TEST_F(BrokerAcksTest, ARedeliveryAfterAReconnectIsStoredOnceAndAckedThere) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  durable()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  clock_.Advance(std::chrono::seconds(5));
+  again->events()->OnDue();
+  ASSERT_TRUE(again->opened);
+  Up(again, true);
+  again->Bring(Event(1, 5, true));
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5));
+  EXPECT_EQ(Stored(), 1U);
+  EXPECT_EQ(Count(Became::kDuplicate), 1U);
+}
+
+TEST_F(BrokerAcksTest, AcksInOrderOfArrivalWhicheverShardCommitsFirst) {
+  Connect();
+  const std::string other = TwinOfAnotherShard();
+  durable()->Bring(Event(1, 5) + EventOf(other, 2, 6) + Event(3, 7));
+  Write(JournalOf(other));
+  Posted();
+  EXPECT_EQ(Stored(), 1U);
+  EXPECT_EQ(durable()->written, "") << "5 came before it, and is not committed";
+  Run();
+  Flush(*durable());
+  EXPECT_EQ(durable()->written, Puback(5) + Puback(6) + Puback(7));
+  EXPECT_EQ(Stored(), 3U);
+}
+
+TEST_F(BrokerAcksTest, WhatAnotherShardCommittedFirstIsKnownWhenAllComesAgain) {
+  Connect();
+  const std::string other = TwinOfAnotherShard();
+  durable()->Bring(Event(1, 5) + EventOf(other, 2, 6));
+  Write(JournalOf(other));
+  Posted();
+  durable()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  clock_.Advance(std::chrono::seconds(5));
+  again->events()->OnDue();
+  Up(again, true);
+  again->Bring(Event(1, 5, true) + EventOf(other, 2, 6, true));
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5) + Puback(6));
+  EXPECT_EQ(Stored(), 2U);
+}
+
+TEST_F(BrokerAcksTest, ASessionThatTheBrokerLostEndsWhatWasKnown) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  Run();
+  durable()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  clock_.Advance(std::chrono::seconds(5));
+  again->events()->OnDue();
+  Up(again, false);
+  again->Bring(Event(1, 5, true));
+  Run();
+  EXPECT_EQ(Stored(), 2U) << "by a new session it is another message";
+}
+
+TEST_F(BrokerAcksTest, ARobotThatAnotherTookMakesTheConnectionAnew) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  Run();
+  durable()->Bring(Event(2, 6));
+  // Another process takes the lease; what waits is fenced.
+  testing::FakeTopicLeases other(database_, {2});
+  ASSERT_TRUE((*other.Take({.client_id = "core",
+                            .prefixes = {""},
+                            .over = {{.process = {1}, .lease_counter = 0}},
+                            .at = clock_.System(),
+                            .unacked_max = 8}))
+                  .has_value());
+  Run();
+  Run();
+  EXPECT_TRUE(durable()->closed);
+  EXPECT_EQ(durable()->written.find(Puback(6)), std::string::npos);
+  EXPECT_EQ(Count(Became::kRefused), 1U);
+  EXPECT_EQ(Stored(), 1U);
+  EXPECT_EQ(lease_.rereads, 1);
+  EXPECT_THAT(links_, SizeIs(2)) << "no connection before the store has said what it has";
+  broker_.Remembered(*leases_.MemoryOf("core"));
+  EXPECT_THAT(links_, SizeIs(3));
+}
+
+TEST_F(BrokerAcksTest, WhatWasCommittedAndNotToldIsKnownAfterTheRobotWasTakenOver) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  // It is committed; before that is told another process has the robot.
+  static_cast<void>(JournalOf(kTwin).turns().Advance());
+  static_cast<void>(JournalOf(kTwin).turns().Advance());
+  ASSERT_EQ(Stored(), 1U);
+  fleet_.All().at(0)->OnFenced(ledger_).Wake();
+  Posted();
+  EXPECT_EQ(Count(Became::kRefused), 1U);
+  Run();
+  broker_.Remembered(*leases_.MemoryOf("core"));
+  const std::shared_ptr<FakeLink> again = links_.back();
+  Up(again, true);
+  again->Bring(Event(1, 5, true));
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5));
+  EXPECT_EQ(Stored(), 1U);
+}
+
+TEST_F(BrokerAcksTest, AStreamThatAnOperatorEndedSettlesWhatWaitsAndGoes) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  fleet_.All().at(0)->sessions.EndStream().Wake();
+  Posted();
+  EXPECT_EQ(broker_.waiting(), 1U);
+  Run();
+  Flush(*durable());
+  EXPECT_EQ(durable()->written, Puback(5));
+  EXPECT_FALSE(durable()->closed) << "nothing is lost, and nothing is to come again";
+  EXPECT_EQ(Count(Became::kStored), 1U);
+  EXPECT_FALSE(fleet_.All().at(0)->HasStream());
+  EXPECT_EQ(twins_.size(), 0U);
+  durable()->Bring(Event(2, 6));
+  Run();
+  EXPECT_EQ(Stored(), 2U);
+}
+
+TEST_F(BrokerAcksTest, WithoutAnAckForASecondWeAreBehindThoughWeRead) {
+  Connect();
+  store_.FailNextCommits(1'000, testing::FailAt::kBefore);
+  durable()->Bring(Event(1, 1));
+  for (int second = 0; second < 5; ++second) {
+    broker_.Tick();
+    clock_.Advance(std::chrono::seconds(1));
+  }
+  EXPECT_TRUE(durable()->reading);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kBehind);
+  EXPECT_EQ(broker_.probe().unread.value(), 1);
+}
+
+}  // namespace
+}  // namespace uplink::broker
