@@ -58,6 +58,13 @@ class Demo(EndToEnd):
         self.assertEqual(self.left_running(), [])
         self.assertFalse((self.folder / "demo/postgres.state").exists())
 
+    def test_with_twins_behind_a_broker_it_adds_up_and_leaves_nothing_running(self):
+        done = self.demo("--cyberwave", "--for", "3s", "--robots", "5", "--seed", "7")
+        self.assertIn("verification: all agree", done.stdout)
+        self.assertNotIn("MISMATCH", done.stdout)
+        self.assertIn("received = the rest", done.stdout)
+        self.assertEqual(self.left_running(), [])
+
     def test_a_mismatch_is_passed_on(self):
         self.demo(code=3, programs=self.with_fleet("exit 3"))
         self.assertEqual(self.left_running(), [])

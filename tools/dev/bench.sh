@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward|cyberwave] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
-# `forward` takes `--receivers N`.
+# `forward` takes `--receivers N`. `cyberwave` runs on a private cluster too, with brokers of its own,
+# and takes `--only joints|events|ack|depth`.
 # `hostile` takes `--only ATTACK`, `--transport native|grpc` and `--server-bin FILE`.
 # `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
 # store lies in TMPDIR.
@@ -19,8 +20,9 @@ fi
 readonly bin="$PWD/build/release/bin" folder="$PWD/build/bench"
 commit="$(git -c safe.directory='*' rev-parse --short HEAD)"
 
-bench_store() {
-  build_preset release bin/uplink_bench_store bin/uplinkctl
+# with_database PROGRAM ...: PROGRAM ... --url URL of a migrated database of a private cluster, which
+# ends with it.
+with_database() {
   local cluster="$folder/postgres.state" at
   [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
   rm -rf "$folder"
@@ -32,8 +34,17 @@ bench_store() {
   psql -X -q -c 'CREATE DATABASE uplinkd OWNER uplinkd_owner' "postgresql://postgres@/postgres?host=$at"
   "$bin/uplinkctl" store migrate --url "postgresql://uplinkd_owner@/uplinkd?host=$at" \
     --grant-to uplinkd >"$folder/migrate.log"
-  "$bin/uplink_bench_store" --url "postgresql://uplinkd@/uplinkd?host=$at" --folder "$folder" \
-    --commit "$commit" "$@"
+  "$@" --url "postgresql://uplinkd@/uplinkd?host=$at"
+}
+
+bench_store() {
+  build_preset release bin/uplink_bench_store bin/uplinkctl
+  with_database "$bin/uplink_bench_store" --folder "$folder" --commit "$commit" "$@"
+}
+
+bench_cyberwave() {
+  build_preset release bin/uplink_bench_cyberwave bin/uplinkctl
+  with_database "$bin/uplink_bench_cyberwave" --commit "$commit" "$@"
 }
 
 # The second part adds its row to what the first one wrote.
@@ -102,6 +113,10 @@ case "$name" in
     need_packages
     bench_store "$@"
     ;;
+  cyberwave)
+    need_packages
+    bench_cyberwave "$@"
+    ;;
   relay | connect | memory)
     need_packages
     build_preset release bin/uplink_bench_relay bin/uplinkd
@@ -122,5 +137,5 @@ case "$name" in
     build_preset release bin/uplink_bench_scrape bin/uplinkd bin/uplinkctl bin/uplink-fleet
     bench_scrape "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile or forward)" ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile, forward or cyberwave)" ;;
 esac

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# demo.sh [--for 30s] [--robots 50] [--gateways 0] [--store sqlite|postgres] [--seed N]: a development
-# authority, an uplinkd with the embedded store or a private PostgreSQL cluster, a synthetic fleet that
-# breaks off and sends wrong things on purpose, by itself or through gateways, and the comparison of
-# what was sent, counted and stored.
+# demo.sh [--for 30s] [--robots 50] [--gateways 0] [--store sqlite|postgres] [--seed N] [--cyberwave]:
+# a development authority, an uplinkd with the embedded store or a private PostgreSQL cluster, a
+# synthetic fleet that breaks off and sends wrong things on purpose, by itself or through gateways, and
+# the comparison of what was sent, counted and stored. With --cyberwave a mosquitto and twins that
+# publish to it, in place of robots.
 # Everything lies in build/demo, made afresh; nothing is left running. Fails if anything does not add
 # up.
 set -euo pipefail
@@ -20,6 +21,7 @@ robots=50
 gateways=0
 store=sqlite
 seed=1
+cyberwave=
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --for | --robots | --gateways | --store | --seed)
@@ -33,6 +35,10 @@ while [[ $# -gt 0 ]]; do
       esac
       shift 2
       ;;
+    --cyberwave)
+      cyberwave=1
+      shift
+      ;;
     *) die_usage "demo: unknown argument: $1" ;;
   esac
 done
@@ -42,6 +48,7 @@ case "$store" in
 esac
 [[ "$robots" =~ ^[1-9][0-9]{0,4}$ ]] || die_usage "demo: --robots takes a number from 1 to 99999"
 [[ "$gateways" =~ ^[0-9]{1,4}$ ]] || die_usage "demo: --gateways takes a number from 0 to 9999"
+[[ -z "$cyberwave" || "$gateways" -eq 0 ]] || die_usage "demo: --gateways are not for --cyberwave"
 [[ "$seed" =~ ^[0-9]{1,18}$ ]] || die_usage "demo: --seed takes a number"
 [[ "$duration" =~ ^[1-9][0-9]*(ms|s|m|h)$ ]] || die_usage "demo: --for takes a duration such as 30s"
 for program in uplinkd uplinkctl uplink-fleet; do
@@ -56,9 +63,10 @@ stop_server() {
   kill -TERM "$pid" 2>/dev/null || true
   wait "$pid"
 }
-readonly cluster="$demo/postgres.state"
+readonly cluster="$demo/postgres.state" broker="$demo/broker"
 stop_all() {
   stop_server || true
+  tools/dev/mosquitto.sh stop "$broker"
   [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
 }
 trap stop_all EXIT
@@ -66,6 +74,7 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 
 [[ ! -f "$cluster" ]] || tools/dev/postgres.sh stop "$cluster"
+tools/dev/mosquitto.sh stop "$broker"
 rm -rf "$demo"
 mkdir -p "$demo"
 readonly pki="$demo/pki" log="$demo/uplinkd.log"
@@ -97,6 +106,28 @@ client_ca_file = "$pki/ca.crt"
 url = "$store_url"
 TOML
 
+fleet=(--pki "$pki" --gateways "$gateways" --scenario rough)
+if [[ -n "$cyberwave" ]]; then
+  "$bin/uplinkctl" pki server --dir "$pki" --name broker --host localhost --host 127.0.0.1 \
+    >>"$demo/pki.log"
+  tools/dev/mosquitto.sh start "$broker" "$pki"
+  mqtt="mqtts://localhost:$(sed -n 's/^port=//p' "$broker/state")"
+  cat >>"$demo/uplinkd.toml" <<TOML
+
+[mqtt]
+url = "$mqtt"
+client_id = "uplinkd-demo"
+username = "uplinkd"
+password_file = "$broker/uplinkd.password"
+ca_file = "$pki/ca.crt"
+
+[cyberwave]
+topic_prefixes = [""]
+TOML
+  fleet=(--cyberwave "$mqtt" --mqtt-username uplink-fleet --mqtt-ca "$pki/ca.crt"
+    --mqtt-password-file "$broker/uplink-fleet.password")
+fi
+
 # A session of its own: an interrupt on the terminal is for this script, which drains the server.
 setsid "$bin/uplinkd" --config "$demo/uplinkd.toml" >"$log" 2>&1 &
 server_pid=$!
@@ -119,15 +150,19 @@ relay="$(address_of relay)"
 http="$(address_of http)"
 
 printf 'uplinkd: robots at %s, log in %s\n' "$relay" "$log"
+[[ -z "$cyberwave" ]] || printf 'mosquitto: twins at %s, log in %s\n' "$mqtt" "$broker/mosquitto.log"
 printf 'while it runs: http://%s/api/v1/robots  /api/v1/status  /metrics  /metrics/robots\n' "$http"
 printf '               /api/v1/faults?active=true  /api/v1/missions?open=true  /api/v1/shapes  /api/v1/objects\n'
-printf '               /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it\n'
+if [[ -n "$cyberwave" ]]; then
+  printf '               /api/v1/scope-updates  /api/v1/quarantine?source=cyberwave  and below a robot\n'
+else
+  printf '               /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it\n'
+fi
 printf '               /events  /messages  /presence  /quarantine  /gaps\n\n'
 
 fleet_code=0
-"$bin/uplink-fleet" --target "$relay" --http "$http" --pki "$pki" --robots "$robots" \
-  --gateways "$gateways" \
-  --for "$duration" --seed "$seed" --scenario rough || fleet_code=$?
+"$bin/uplink-fleet" --target "$relay" --http "$http" --robots "$robots" --for "$duration" \
+  --seed "$seed" "${fleet[@]}" || fleet_code=$?
 
 server_code=0
 stop_server || server_code=$?

@@ -1,5 +1,8 @@
 #include "tools/uplink-fleet/flags.h"
 
+#include <fstream>
+#include <utility>
+
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
@@ -138,6 +141,61 @@ class ScenarioFlags {
   CLI::Option* breaks_;
 };
 
+constexpr double kTwinRateMin = 0.1;
+constexpr double kTwinRateMax = 200;
+/// A broker's topic is not longer than that with what follows a prefix.
+constexpr std::size_t kPrefixBytesMax = 100;
+
+/// The flags of twins behind a broker.
+class TwinFlags {
+ public:
+  explicit TwinFlags(CLI::App& app) {
+    app.add_option("--cyberwave", url_,
+                   "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST:PORT, in "
+                   "place of robots; of the other flags --http, --robots, --for, --settle-for, "
+                   "--seed and --report count");
+    app.add_option("--mqtt-username", twins_.broker.username, "The twins' user at the broker");
+    app.add_option("--mqtt-password-file", password_file_, "File with that user's password")
+        ->check(CLI::ExistingFile);
+    app.add_option("--mqtt-ca", twins_.broker.ca_file, "PEM of who vouches for the broker")
+        ->check(CLI::ExistingFile);
+    app.add_option("--cyberwave-prefix", twins_.prefix, "What stands before cyberwave/ in topics");
+    app.add_option("--twin-rate", twins_.rate_hz, "Messages per second and twin")
+        ->capture_default_str()
+        ->check(CLI::Range(kTwinRateMin, kTwinRateMax));
+  }
+
+  /// Nothing: the run has no twins.
+  [[nodiscard]] absl::StatusOr<std::optional<TwinSwarmOptions>> Read(std::size_t robots) {
+    if (url_.empty()) return std::nullopt;
+    absl::StatusOr<BrokerAddress> address = ParseBrokerUrl(url_);
+    if (!address.ok()) return address.status();
+    if (address->tls && twins_.broker.ca_file.empty()) {
+      return absl::InvalidArgumentError("mqtts:// needs --mqtt-ca");
+    }
+    if (twins_.prefix.size() > kPrefixBytesMax ||
+        twins_.prefix.find_first_of("+#") != std::string::npos) {
+      return absl::InvalidArgumentError(
+          fmt::format("--cyberwave-prefix: at most {} bytes without + and #", kPrefixBytesMax));
+    }
+    if (!password_file_.empty()) {
+      std::ifstream file(password_file_);
+      std::getline(file, twins_.broker.password);
+      if (twins_.broker.password.empty()) {
+        return absl::InvalidArgumentError("--mqtt-password-file: its first line is empty");
+      }
+    }
+    twins_.broker.address = *std::move(address);
+    twins_.twins = robots;
+    return twins_;
+  }
+
+ private:
+  std::string url_;
+  std::string password_file_;
+  TwinSwarmOptions twins_;
+};
+
 /// Says what is wrong.
 bool GatewaysFit(const SwarmOptions& swarm) {
   const std::size_t robots = swarm.scenario.robots;
@@ -174,6 +232,7 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
                  "Folder with ca.crt and ca.key, which sign the robots")
       ->capture_default_str();
   const ScenarioFlags scenario_flags(app);
+  TwinFlags twin_flags(app);
   app.add_option("--fleet", swarm.fleet, "Fleet of the robots")->capture_default_str();
   app.add_option("--ruri-prefix", swarm.ruri_prefix, "What comes before /robot-0001")
       ->capture_default_str()
@@ -211,6 +270,13 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
     return std::nullopt;
   }
   swarm.scenario = *scenario;
+  auto twins = twin_flags.Read(swarm.scenario.robots);
+  if (!twins.ok()) {
+    fmt::print(stderr, "uplink-fleet: --cyberwave: {}\n", std::string(twins.status().message()));
+    code = kExitWrongUse;
+    return std::nullopt;
+  }
+  flags.twins = *std::move(twins);
   if (!GatewaysFit(swarm)) {
     code = kExitWrongUse;
     return std::nullopt;

@@ -6,6 +6,7 @@
 #include "tools/uplink-fleet/flags.h"
 #include "tools/uplink-fleet/run/exit_code.h"
 #include "tools/uplink-fleet/run/run.h"
+#include "tools/uplink-fleet/run/twin_run.h"
 
 namespace {
 
@@ -26,6 +27,10 @@ int main(int argc, char** argv) {
   int code = uplink::synthetic::kExitDone;
   const auto options = uplink::synthetic::ReadFlags(argc, argv, code);
   if (!options) return code;
+  if (options->twins) {
+    uplink::synthetic::TwinRun run(*options);
+    return run.Main();
+  }
   uplink::synthetic::Run run(*options);
   return run.Main();
 }

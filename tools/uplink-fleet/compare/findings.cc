@@ -59,6 +59,32 @@ ThingText TextOf(Thing thing) {
       return {"forwarded items", false};
     case Thing::kForwardViolations:
       return {"forward violations", false};
+    case Thing::kTwinOnline:
+      return {"twins' robots online, by source", false};
+    case Thing::kTwinPresence:
+      return {"presence histories", true};
+    case Thing::kTwinLive:
+      return {"last live values", false};
+    case Thing::kTwinSecrets:
+      return {"answers without a secret", false};
+    case Thing::kTwinSessions:
+      return {"sessions", false};
+    case Thing::kTwinEvents:
+      return {"events", true};
+    case Thing::kTwinMessages:
+      return {"log lines", true};
+    case Thing::kTwinRuns:
+      return {"mission runs", true};
+    case Thing::kTwinRunUpdates:
+      return {"mission updates", true};
+    case Thing::kTwinFaults:
+      return {"errors raised and cleared", true};
+    case Thing::kTwinActiveFaults:
+      return {"active errors", true};
+    case Thing::kTwinScopes:
+      return {"environments and workflow runs", true};
+    case Thing::kTwinQuarantine:
+      return {"wrong on purpose, in quarantine", true};
   }
   return {"", false};
 }

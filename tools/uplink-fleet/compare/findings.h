@@ -38,8 +38,24 @@ enum class Thing : std::uint8_t {
   kGoodRejected,
   kForwardedItems,
   kForwardViolations,
+  // Of twins, behind a broker.
+  kTwinOnline,
+  kTwinPresence,
+  kTwinLive,
+  kTwinSecrets,
+  kTwinSessions,
+  kTwinEvents,
+  kTwinMessages,
+  kTwinRuns,
+  kTwinRunUpdates,
+  kTwinFaults,
+  kTwinActiveFaults,
+  kTwinScopes,
+  kTwinQuarantine,
 };
-inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kForwardViolations) + 1;
+inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kTwinQuarantine) + 1;
+/// The first one of twins; those before it are of robots on the relay.
+inline constexpr std::size_t kTwinThings = static_cast<std::size_t>(Thing::kTwinOnline);
 
 /// Differences that are kept in words.
 inline constexpr std::size_t kDifferencesMax = 200;

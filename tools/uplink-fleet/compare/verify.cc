@@ -87,14 +87,8 @@ void CheckConservation(const Evidence& evidence, std::vector<CheckRow>& rows) {
 }
 
 void CheckThings(const Evidence& evidence, std::vector<CheckRow>& rows) {
-  for (std::size_t i = 0; i < kThings; ++i) {
-    const auto thing = static_cast<Thing>(i);
-    const ThingText text = TextOf(thing);
-    const Findings::Tally& tally = evidence.findings.Of(thing);
-    CheckRow row{std::string(text.name), Text(tally.expected), "", "", tally.differences == 0, ""};
-    (text.of_store ? row.store : row.server) = Text(tally.found);
-    if (!row.ok) row.note = fmt::format("{} differ, see below", tally.differences);
-    rows.push_back(std::move(row));
+  for (std::size_t i = 0; i < kTwinThings; ++i) {
+    rows.push_back(LineOf(static_cast<Thing>(i), evidence.findings));
   }
 }
 
@@ -124,6 +118,15 @@ void CheckForwards(const Evidence& evidence, std::vector<CheckRow>& rows) {
 }
 
 }  // namespace
+
+CheckRow LineOf(Thing thing, const Findings& findings) {
+  const ThingText text = TextOf(thing);
+  const Findings::Tally& tally = findings.Of(thing);
+  CheckRow row{std::string(text.name), Text(tally.expected), "", "", tally.differences == 0, ""};
+  (text.of_store ? row.store : row.server) = Text(tally.found);
+  if (!row.ok) row.note = fmt::format("{} differ, see below", tally.differences);
+  return row;
+}
 
 void FleetTotals::Add(const RobotOutcome& robot) {
   ++robots;

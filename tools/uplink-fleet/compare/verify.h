@@ -24,6 +24,9 @@ struct CheckRow {
   std::string note;
 };
 
+/// The line of the table for one thing. Pure.
+[[nodiscard]] CheckRow LineOf(Thing thing, const Findings& findings);
+
 /// What the fleet itself summed. A value.
 struct FleetTotals {
   std::uint64_t robots = 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <utility>
 
 #include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>
@@ -121,9 +122,15 @@ void PutDifferences(Struct& root, const Findings& findings) {
 
 std::string JsonReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
                        const Findings& findings) {
+  Struct run;
+  PutRun(run, figures);
+  return JsonOf(std::move(run), rows, findings);
+}
+
+std::string JsonOf(Struct run, const std::vector<CheckRow>& rows, const Findings& findings) {
   Struct root;
   PutBool(root, "ok", AllOk(rows));
-  PutRun(*(*root.mutable_fields())["run"].mutable_struct_value(), figures);
+  *(*root.mutable_fields())["run"].mutable_struct_value() = std::move(run);
   PutChecks(root, rows);
   PutDifferences(root, findings);
   std::string json;

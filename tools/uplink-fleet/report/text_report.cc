@@ -89,7 +89,12 @@ std::string Differences(const Findings& findings) {
 
 std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
                        const Findings& findings) {
-  std::string text = FiguresText(figures);
+  return FiguresText(figures) + TableText(rows, findings, figures.first_error);
+}
+
+std::string TableText(const std::vector<CheckRow>& rows, const Findings& findings,
+                      const std::string& first_error) {
+  std::string text;
   std::size_t widest = 0;
   for (const CheckRow& row : rows) {
     widest = std::max(widest, row.what.size());
@@ -104,8 +109,8 @@ std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& r
   }
   text += Differences(findings);
   text += AllOk(rows) ? "\nverification: all agree\n" : "\nverification: MISMATCH\n";
-  if (!AllOk(rows) && !figures.first_error.empty()) {
-    text += fmt::format("first trouble: {}\n", figures.first_error);
+  if (!AllOk(rows) && !first_error.empty()) {
+    text += fmt::format("first trouble: {}\n", first_error);
   }
   return text;
 }

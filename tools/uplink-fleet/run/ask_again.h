@@ -11,9 +11,9 @@ namespace uplink::synthetic {
 inline constexpr milliseconds kAnswerDeadline{10'000};
 
 /// Asks again for some seconds while the server does not answer: it may be starting. Gives the last
-/// answer at the deadline, or when a signal comes.
-template <typename Ask>
-[[nodiscard]] auto AskAgain(const RunContext& run, const Ask& ask) -> decltype(ask()) {
+/// answer at the deadline, or when a signal comes. `run` is a RunContext or a TwinContext.
+template <typename Context, typename Ask>
+[[nodiscard]] auto AskAgain(const Context& run, const Ask& ask) -> decltype(ask()) {
   const SteadyTime start = run.clock.Steady();
   while (true) {
     auto answer = ask();

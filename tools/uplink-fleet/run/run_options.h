@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/broker/twin_swarm.h"
 #include "tools/uplink-fleet/robot/swarm.h"
 
 namespace uplink::synthetic {
@@ -11,6 +13,8 @@ namespace uplink::synthetic {
 /// What one run is told. A value.
 struct RunOptions {
   SwarmOptions swarm;
+  /// Twins behind a broker, in place of robots on the relay.
+  std::optional<TwinSwarmOptions> twins;
   std::uint64_t seed = 1;
   std::string http = "127.0.0.1:7480";
   milliseconds run_for{30'000};

@@ -158,4 +158,34 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
   return stored;
 }
 
+absl::StatusOr<std::string> ServerView::RobotText(const std::string& ruri) {
+  absl::StatusOr<std::string> text = http_.Get("/api/v1/robots/" + PercentEncoded(ruri));
+  if (absl::IsNotFound(text.status())) return std::string();
+  return text;
+}
+
+absl::StatusOr<std::vector<v1::ScopeUpdate>> ServerView::ScopeUpdates(const std::string& scope,
+                                                                      const std::string& id,
+                                                                      std::int64_t from_ms) {
+  std::vector<v1::ScopeUpdate> updates;
+  const absl::Status status = FetchPages<v1::ListScopeUpdatesResponse>(
+      http_, fmt::format("/api/v1/scope-updates?scope={}&id={}&fromMs={}", scope, id, from_ms),
+      [](auto& page) { return page.mutable_updates(); },
+      [&updates](v1::ScopeUpdate&& row) { updates.push_back(std::move(row)); });
+  if (!status.ok()) return status;
+  return updates;
+}
+
+absl::StatusOr<std::vector<v1::Quarantined>> ServerView::QuarantineOfNobody(std::int64_t from_ms) {
+  std::vector<v1::Quarantined> rows;
+  const absl::Status status = FetchPages<v1::ListQuarantineResponse>(
+      http_, fmt::format("/api/v1/quarantine?source=cyberwave&fromMs={}", from_ms),
+      [](auto& page) { return page.mutable_items(); },
+      [&rows](v1::Quarantined&& row) {
+        if (row.ruri().empty()) rows.push_back(std::move(row));
+      });
+  if (!status.ok()) return status;
+  return rows;
+}
+
 }  // namespace uplink::synthetic

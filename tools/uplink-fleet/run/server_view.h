@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -31,6 +32,15 @@ class ServerView final {
   [[nodiscard]] absl::StatusOr<SharedItems> Shared(const std::string& fleet);
   /// What the store holds of one robot; of histories what arrived at `from_ms` or later.
   [[nodiscard]] absl::StatusOr<StoredRobot> Stored(const std::string& ruri, std::int64_t from_ms);
+  /// One robot as the server writes it; empty: it has never heard of it.
+  [[nodiscard]] absl::StatusOr<std::string> RobotText(const std::string& ruri);
+  /// What changed in one environment or workflow run, from `from_ms` on.
+  [[nodiscard]] absl::StatusOr<std::vector<v1::ScopeUpdate>> ScopeUpdates(const std::string& scope,
+                                                                          const std::string& id,
+                                                                          std::int64_t from_ms);
+  /// Rejected messages from brokers that belong to no robot, from `from_ms` on.
+  [[nodiscard]] absl::StatusOr<std::vector<v1::Quarantined>> QuarantineOfNobody(
+      std::int64_t from_ms);
   /// The server's metrics page.
   [[nodiscard]] absl::StatusOr<std::string> Metrics() { return http_.Get("/metrics"); }
 

@@ -168,8 +168,8 @@ TEST(Verify, AReceiverThatDoesNotShowWhatItHolds) {
   EXPECT_THAT(Mismatches(evidence), ElementsAre("receivers that showed what they hold"));
 }
 
-TEST(Verify, EveryThingHasARowOfItsOwn) {
-  for (std::size_t i = 0; i < kThings; ++i) {
+TEST(Verify, EveryThingOfARobotHasARowOfItsOwn) {
+  for (std::size_t i = 0; i < kTwinThings; ++i) {
     Evidence evidence = Good();
     evidence.findings.Differ(static_cast<Thing>(i), "rcan://a", "this", "that");
     EXPECT_THAT(Mismatches(evidence), ElementsAre(std::string(TextOf(static_cast<Thing>(i)).name)));

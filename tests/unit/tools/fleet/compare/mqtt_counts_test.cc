@@ -1,0 +1,128 @@
+#include "tools/uplink-fleet/compare/mqtt_counts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tools/uplink-fleet/compare/verify_twins.h"
+#include "tools/uplink-fleet/report/twin_report.h"
+
+namespace uplink::synthetic {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr const char* kPage = R"(# HELP uplinkd_mqtt_messages_received_total Messages.
+# TYPE uplinkd_mqtt_messages_received_total counter
+uplinkd_mqtt_messages_received_total{connection="durable"} 7
+uplinkd_mqtt_messages_received_total{connection="live"} 5
+uplinkd_mqtt_messages_settled_total{outcome="stored"} 4
+uplinkd_mqtt_messages_settled_total{outcome="applied"} 3
+uplinkd_mqtt_messages_settled_total{outcome="rejected",connection="live"} 2
+uplinkd_mqtt_messages_settled_total{outcome="rejected",connection="durable"} 2
+uplinkd_mqtt_messages_in_flight 1
+uplinkd_mqtt_messages_in_flight_other 100
+)";
+
+TEST(MqttCounts, SumsTheLabelsOfAPage) {
+  const auto counts = MqttCountsOf(kPage);
+  ASSERT_TRUE(counts);
+  EXPECT_EQ(counts->received, 12U);
+  EXPECT_EQ(counts->in_flight, 1U);
+  EXPECT_EQ(counts->settled.at("rejected"), 4U);
+  EXPECT_EQ(counts->sum(), 12U);
+  EXPECT_TRUE(counts->holds());
+}
+
+TEST(MqttCounts, APageWithoutThemSaysNothing) {
+  EXPECT_FALSE(MqttCountsOf(""));
+  EXPECT_FALSE(MqttCountsOf("uplinkd_mqtt_messages_received_total 7\n"));
+}
+
+TwinEvidence Good() {
+  TwinEvidence evidence;
+  evidence.totals = {.twins = 2,
+                     .settled_twins = 2,
+                     .published = 30,
+                     .published_qos1 = 10,
+                     .acked = 10,
+                     .refused = 0,
+                     .pings = 3,
+                     .pongs = 2};
+  evidence.twins_read = 2;
+  evidence.before = MqttCounts{.received = 5, .in_flight = 0, .settled = {{"stored", 5}}};
+  evidence.after =
+      MqttCounts{.received = 20, .in_flight = 0, .settled = {{"stored", 12}, {"applied", 8}}};
+  evidence.watch.See(evidence.after);
+  return evidence;
+}
+
+std::vector<std::string> Mismatches(const TwinEvidence& evidence) {
+  std::vector<std::string> names;
+  for (const CheckRow& row : VerifyTwins(evidence)) {
+    if (!row.ok) names.push_back(row.what);
+  }
+  return names;
+}
+
+TEST(VerifyTwins, AGoodRunAgrees) {
+  EXPECT_THAT(Mismatches(Good()), IsEmpty());
+  const TwinEvidence good = Good();
+  TwinFigures figures;
+  figures.totals = good.totals;
+  const std::string text = TwinTextReport(figures, VerifyTwins(good), good.findings);
+  EXPECT_THAT(text, HasSubstr("verification: all agree"));
+  EXPECT_THAT(TwinJsonReport(figures, VerifyTwins(good), good.findings), HasSubstr("\"ok\":true"));
+}
+
+TEST(VerifyTwins, EveryThingOfATwinHasARowOfItsOwn) {
+  for (std::size_t i = kTwinThings; i < kThings; ++i) {
+    TwinEvidence evidence = Good();
+    evidence.findings.Differ(static_cast<Thing>(i), "rcan://a", "this", "that");
+    EXPECT_THAT(Mismatches(evidence), ElementsAre(std::string(TextOf(static_cast<Thing>(i)).name)));
+  }
+}
+
+TEST(VerifyTwins, ConservationMustHoldAtEachScrape) {
+  TwinEvidence evidence = Good();
+  evidence.watch.See(MqttCounts{.received = 2, .in_flight = 0, .settled = {{"stored", 1}}});
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("scrapes in which received = the rest"));
+  evidence = Good();
+  evidence.after->settled["stored"] = 11;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("received = the rest"));
+  evidence = Good();
+  evidence.after.reset();
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("received = the rest"));
+}
+
+TEST(VerifyTwins, LessWasReceivedThanAcked) {
+  TwinEvidence evidence = Good();
+  evidence.before->received = 11;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("received, at least what was acked"));
+  evidence.restarted = true;
+  EXPECT_THAT(Mismatches(evidence), IsEmpty()) << "the counters began anew";
+}
+
+TEST(VerifyTwins, WhatTheBrokerDidNotTake) {
+  TwinEvidence evidence = Good();
+  evidence.totals.settled_twins = 1;
+  evidence.totals.acked = 9;
+  evidence.totals.refused = 1;
+  evidence.totals.pongs = 0;
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("twins with all acked", "published at QoS 1, acked",
+                                                "refused by the broker", "pings answered"));
+}
+
+TEST(VerifyTwins, ADifferenceOfATwinIsAMismatch) {
+  TwinEvidence evidence = Good();
+  evidence.findings.Differ(Thing::kTwinEvents, "rcan://x", "once", "twice");
+  EXPECT_THAT(Mismatches(evidence), ElementsAre("events"));
+  const std::string text = TwinTextReport({}, VerifyTwins(evidence), evidence.findings);
+  EXPECT_THAT(text, HasSubstr("rcan://x | events | once | twice"));
+  EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
+}
+
+}  // namespace
+}  // namespace uplink::synthetic

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/uplink-fleet/compare/findings.h"
+#include "tools/uplink-fleet/compare/mqtt_counts.h"
+#include "tools/uplink-fleet/compare/verify.h"
+#include "tools/uplink-fleet/twin/account.h"
+
+namespace uplink::synthetic {
+
+/// What all twins together published. A value.
+struct TwinTotals {
+  std::uint64_t twins = 0;
+  std::uint64_t settled_twins = 0;
+  std::uint64_t published = 0;
+  std::uint64_t published_qos1 = 0;
+  std::uint64_t acked = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t pings = 0;
+  std::uint64_t pongs = 0;
+
+  void Add(const TwinAccount& account);
+};
+
+/// Each scrape of a run against the law of conservation. Confined to one thread.
+class ConservationWatch final {
+ public:
+  void See(const std::optional<MqttCounts>& counts);
+  [[nodiscard]] std::uint64_t scrapes() const { return scrapes_; }
+  [[nodiscard]] std::uint64_t good() const { return good_; }
+  /// The first one that did not hold.
+  [[nodiscard]] const std::string& first_wrong() const { return first_wrong_; }
+
+ private:
+  std::uint64_t scrapes_ = 0;
+  std::uint64_t good_ = 0;
+  std::string first_wrong_;
+};
+
+/// Everything that the table of a run with twins is made of. A value.
+struct TwinEvidence {
+  TwinTotals totals;
+  Findings findings;
+  std::uint64_t twins_read = 0;
+  ConservationWatch watch;
+  /// None: the page of metrics does not have them.
+  std::optional<MqttCounts> before;
+  std::optional<MqttCounts> after;
+  /// The server was started anew in between: its counters began anew, too.
+  bool restarted = false;
+};
+
+/// The table of such a run. Pure; any thread.
+[[nodiscard]] std::vector<CheckRow> VerifyTwins(const TwinEvidence& evidence);
+
+}  // namespace uplink::synthetic

@@ -1,0 +1,92 @@
+#include "tools/uplink-fleet/twin/account.h"
+
+#include <algorithm>
+
+#include "tools/uplink-fleet/twin/canonical.h"
+
+namespace uplink::synthetic {
+namespace {
+
+boost::json::string TextOf(std::string_view text) {
+  return boost::json::string(text.data(), text.size());
+}
+
+}  // namespace
+
+void SentPart::Remember(const std::string& text) {
+  const std::uint64_t value = FingerprintOf(text);
+  if (values_.size() < kTwinValuesMax) {
+    values_.push_back(value);
+    return;
+  }
+  values_[next_] = value;
+  next_ = (next_ + 1) % kTwinValuesMax;
+}
+
+void SentPart::Send(const std::string& text) {
+  last_ = text;
+  Remember(text);
+}
+
+void SentPart::SendLate(const std::string& text) { Remember(text); }
+
+bool SentPart::WasSent(const std::string& text) const {
+  return std::find(values_.begin(), values_.end(), FingerprintOf(text)) != values_.end();
+}
+
+void TwinAccount::Live(Side side, const std::string& path, const boost::json::value& value) {
+  live_.at(static_cast<std::size_t>(side))[path].Send(CanonicalText(value));
+}
+
+void TwinAccount::LateLive(Side side, const std::string& path, const boost::json::value& value) {
+  live_.at(static_cast<std::size_t>(side))[path].SendLate(CanonicalText(value));
+}
+
+void TwinAccount::SignOfLife(Side side, std::int64_t now_us) {
+  Silence& silence = silences_.at(static_cast<std::size_t>(side));
+  if (silence.last_us != 0) {
+    silence.longest_us = std::max(silence.longest_us, now_us - silence.last_us);
+  }
+  silence.last_us = now_us;
+}
+
+void TwinAccount::Acked(std::uint64_t number) {
+  if (waiting_.erase(number) > 0) ++acked_;
+}
+
+void TwinAccount::Refused(std::uint64_t number) {
+  if (waiting_.erase(number) > 0) refused_.insert(number);
+}
+
+Delivery TwinAccount::DeliveryOf(std::uint64_t number) const {
+  if (waiting_.contains(number) || refused_.contains(number)) return Delivery::kUnknown;
+  const auto wrong = wrongs_.find(number);
+  const bool sure = wrong == wrongs_.end() || wrong->second.sure;
+  if (unsure_.contains(number)) return sure ? Delivery::kOnceOrMore : Delivery::kUnknown;
+  return sure ? Delivery::kOnce : Delivery::kAtMostOnce;
+}
+
+std::string EventContent(std::string_view kind, const boost::json::object& detail,
+                         std::int64_t sampled_ms) {
+  return CanonicalText(
+      boost::json::object{{"kind", TextOf(kind)}, {"detail", detail}, {"sampledAtMs", sampled_ms}});
+}
+
+std::string MessageContent(std::string_view level, std::string_view message,
+                           const boost::json::object& detail, std::int64_t sampled_ms) {
+  return CanonicalText(boost::json::object{{"level", TextOf(level)},
+                                           {"message", TextOf(message)},
+                                           {"detail", detail},
+                                           {"sampledAtMs", sampled_ms}});
+}
+
+std::string ScopeContent(std::string_view scope, std::string_view id, std::string_view type,
+                         const boost::json::object& detail, std::int64_t sampled_ms) {
+  return CanonicalText(boost::json::object{{"scope", TextOf(scope)},
+                                           {"id", TextOf(id)},
+                                           {"type", TextOf(type)},
+                                           {"detail", detail},
+                                           {"sampledAtMs", sampled_ms}});
+}
+
+}  // namespace uplink::synthetic
