@@ -180,6 +180,13 @@ class Campaign:
         return (f"kills {self.done}, acked {self.acked}, stored {self.stored}, lost {self.lost},"
                 f" doubled {self.doubled}")  # fmt: skip
 
+    def recovery_lines(self):
+        """Of this campaign they are not measured."""
+        return []
+
+    def canary_found(self):
+        return self.lost > 0
+
     def run(self, kills, progress=None):
         """To the end, or to the first thing that is wrong."""
         self.start()

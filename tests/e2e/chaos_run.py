@@ -1,10 +1,14 @@
-"""Runs a crash campaign (chaos.py; with two servers chaos_pair.py).
+"""Runs a crash campaign (chaos.py; with two servers chaos_pair.py; with a broker broker_chaos.py and
+broker_chaos_pair.py).
 
     chaos_run.py [--kills N] [--store sqlite|postgres] [--seed S] [--canary acks_early|unsynced]
     chaos_run.py --store postgres --servers 2 [--kills N] [--seed S]
+    chaos_run.py --cyberwave [--kills N] [--store sqlite|postgres] [--servers 1|2] [--seed S]
+                 [--canary acks_on_arrival|forgets_deliveries]
 
 It prints `kills, acked, stored, lost, doubled`, for two servers also what is wrong in the histories of
-presence, and ends with 1 if anything is. With a canary it ends with 0 only if it reports loss.
+presence, and ends with 1 if anything is. With a broker also what is out of order, and how long each kind of kill
+took until messages were stored again. With a canary it ends with 0 only if it finds it.
 """
 
 import argparse
@@ -14,37 +18,57 @@ import sys
 import tempfile
 import time
 
-from chaos import CANARIES, Campaign
-from chaos_pair import PairCampaign
+import broker_chaos
+import broker_chaos_pair
+import chaos
+import chaos_pair
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cyberwave", action="store_true")
+    parser.add_argument("--kills", type=int, default=25)
+    parser.add_argument("--store", choices=("sqlite", "postgres"))
+    parser.add_argument("--servers", type=int, choices=(1, 2), default=1)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--canary", choices=sorted(chaos.CANARIES | broker_chaos.CANARIES))
+    arguments = parser.parse_args()
+    canaries = broker_chaos.CANARIES if arguments.cyberwave else chaos.CANARIES
+    if arguments.canary not in (None, *canaries):
+        parser.error(f"the canaries of this campaign are {', '.join(sorted(canaries))}")
+    if arguments.servers == 2 and (arguments.store != "postgres" or arguments.canary):
+        parser.error("two servers need --store postgres, and take no canary")
+    arguments.store = arguments.store or "sqlite"
+    return arguments
+
+
+def campaign_of(arguments, folder):
+    if arguments.servers == 2:
+        pair = broker_chaos_pair if arguments.cyberwave else chaos_pair
+        return pair.PairCampaign(folder, arguments.seed)
+    kind = broker_chaos.BrokerCampaign if arguments.cyberwave else chaos.Campaign
+    return kind(folder, arguments.store, arguments.seed, arguments.canary)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kills", type=int, default=25)
-    parser.add_argument("--store", choices=("sqlite", "postgres"), default="sqlite")
-    parser.add_argument("--servers", type=int, choices=(1, 2), default=1)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--canary", choices=sorted(CANARIES))
-    arguments = parser.parse_args()
-    if arguments.servers == 2 and (arguments.store != "postgres" or arguments.canary):
-        parser.error("two servers need --store postgres, and take no canary")
+    arguments = parse()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="uplink-chaos."))
     began = time.monotonic()
-    if arguments.servers == 2:
-        campaign = PairCampaign(folder, arguments.seed)
-    else:
-        campaign = Campaign(folder, arguments.store, arguments.seed, arguments.canary)
+    campaign = campaign_of(arguments, folder)
     try:
         clean = campaign.run(arguments.kills, sys.stderr)
+    except AssertionError:
+        print(f"kept: {folder}", file=sys.stderr)
+        raise
     finally:
         campaign.close()
     print(campaign.line())
     print(f"{arguments.store}, seed {arguments.seed}, {time.monotonic() - began:.0f} s", file=sys.stderr)
-    for line in campaign.wrong[:20]:
+    for line in (*campaign.wrong[:20], *campaign.recovery_lines()):
         print(line)
     if arguments.canary:
-        print("the canary was found" if campaign.lost else "the canary was NOT found")
-        clean = campaign.lost > 0
+        print("the canary was found" if campaign.canary_found() else "the canary was NOT found")
+        clean = campaign.canary_found()
     if clean:
         shutil.rmtree(folder)
     else:
