@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "schema/base/check.h"
+#include "tests/bench/free_port.h"
 #include "tests/support/eventually.h"
 
 namespace uplink::bench {
@@ -16,20 +17,6 @@ namespace {
 
 constexpr const char* kMosquitto = "/usr/sbin/mosquitto";
 constexpr const char* kNats = "/usr/sbin/nats-server";
-
-/// A port of the loopback that was free a moment ago.
-std::uint16_t FreePort() {
-  const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  UPLINK_CHECK(bind(descriptor, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
-                   getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) == 0,
-               "there is a free port");
-  close(descriptor);
-  return ntohs(address.sin_port);
-}
 
 bool Answers(std::uint16_t port) {
   const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
