@@ -46,6 +46,11 @@ class Secrets(MessageTest):
                         good.replace(": ", ": NaN, ", 1), f'"{self.SECRET}"', self.SECRET,
                         good.ljust(70_000), frame(good.encode())]  # fmt: skip
             found += [(topic(uuid, tail), payload) for uuid in self.ids() for payload in payloads]
+        # What is said of a field that is not as it must be could quote it.
+        fields = [{"command": {self.SECRET: self.SECRET}}, {"status": [self.SECRET]}, {"timestamp": self.SECRET},
+                  {"command": f"\0{self.SECRET}" * 1000}, {self.SECRET: {self.SECRET: 1}}]  # fmt: skip
+        for payload in map(json.dumps, fields):
+            found += [(topic(uuid, tail), payload) for uuid in self.ids() for tail in ("command", "webrtc-offer")]
         for tail in ("depth", "pointcloud"):
             found += [(topic(uuid, tail), f"{{{self.SECRET}") for uuid in self.ids()]
         return found
@@ -84,7 +89,8 @@ class Secrets(MessageTest):
         password = self.folder / "password"
         password.write_text(self.SECRET + "-mqtt\n", encoding="utf-8")
         server = self.serve(
-            media="count", UPLINKD_MQTT_USERNAME="uplinkd", UPLINKD_MQTT_PASSWORD_FILE=str(password)
+            media="count", UPLINKD_LOG_LEVEL="debug", UPLINKD_MQTT_USERNAME="uplinkd",
+            UPLINKD_MQTT_PASSWORD_FILE=str(password),
         )
         observer = self.client("observer", "#")
         client = self.client("publisher")
