@@ -149,6 +149,7 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
   context_.logger.Info("mqtt_connected", {{"connection", Name(connection)},
                                           {"broker", BrokerName()},
                                           {"session_present", connected.session_present}});
+  NoteStatuses();
   if (connection != Connection::kDurable) return;
   strays_.Clear();
   if (connected.session_present) return;
@@ -158,6 +159,7 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
 
 void Broker::OnSubscribed(Connection connection) {
   context_.logger.Info("mqtt_subscribed", {{"connection", Name(connection)}});
+  NoteStatuses();
 }
 
 void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
@@ -271,16 +273,15 @@ void Broker::Tick() {
 void Broker::NoteHearing() {
   heard_.Look(began_ && Of(Connection::kDurable).subscribed() && Of(Connection::kLive).subscribed(),
               client_probe(Connection::kDurable), unacked_max());
+  NoteStatuses();
+}
+
+void Broker::NoteStatuses() {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < statuses_.size(); ++i) {
     mqtt::Client* client = subscribers_[i].client();
     statuses_[i] = client == nullptr ? mqtt::ClientStatus() : client->status();
   }
-}
-
-void Broker::WaitSettled(SteadyTime deadline) {
-  std::unique_lock lock(mutex_);
-  settled_.wait_until(lock, deadline, [this] { return waiting() == 0; });
 }
 
 std::vector<ConnectionStatus> Broker::connections() const {

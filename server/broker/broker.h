@@ -96,7 +96,10 @@ class Broker final : private SubscriberEvents {
     return static_cast<std::size_t>(std::max<std::int64_t>(ledger_.Read().in_flight, 0));
   }
   /// Waits until nothing waits for its commit, or until `deadline`.
-  void WaitSettled(SteadyTime deadline);
+  void WaitSettled(SteadyTime deadline) {
+    std::unique_lock lock(mutex_);
+    settled_.wait_until(lock, deadline, [this] { return waiting() == 0; });
+  }
   [[nodiscard]] const MessageLedger& ledger() const { return ledger_; }
   [[nodiscard]] const BrokerProbe& probe() const { return probe_; }
   [[nodiscard]] const cyberwave::Twins& twins() const { return context_.twins; }
@@ -146,6 +149,8 @@ class Broker final : private SubscriberEvents {
   void TryHeld();
   void AfterWork();
   void NoteHearing();
+  /// For connections().
+  void NoteStatuses();
 
   const Context context_;
   LeaseView* lease_ = nullptr;

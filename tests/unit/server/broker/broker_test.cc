@@ -16,6 +16,7 @@ namespace {
 using testing::FakeLink;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::SizeIs;
 
 class BrokerTest : public BrokerWorld {};
 
@@ -35,6 +36,18 @@ TEST_F(BrokerTest, HearsWhileBothConnectionsAreSubscribed) {
   EXPECT_EQ(broker_.hearing(), kUpToDate);
   live()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
   EXPECT_EQ(broker_.hearing(), kBehind);
+}
+
+TEST_F(BrokerTest, ShowsAtOnceHowItsConnectionsStand) {
+  Begin();
+  Up(durable());
+  Up(live());
+  ASSERT_THAT(broker_.connections(), SizeIs(2));
+  for (const ConnectionStatus& connection : broker_.connections()) {
+    EXPECT_EQ(connection.client.state, mqtt::ClientState::kSubscribed) << connection.client_id;
+  }
+  live()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  EXPECT_NE(broker_.connections().at(1).client.state, mqtt::ClientState::kSubscribed);
 }
 
 TEST_F(BrokerTest, ConnectsAgainOnlyWhenTheLeaseIsOurs) {
