@@ -641,7 +641,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "cyberwave",
      .key = "presence_timeout",
      .kind = Kind::kDuration,
-     .min = 100,
+     .min = 5 * kSecond,
      .max = kHour,
      .text = "A twin is offline when its last sign of life is older, and unknown while the broker "
              "is not heard and that long after.",

@@ -176,7 +176,7 @@ class Clients(MessageTest):
         return changes if changes and changes[-1]["presence"] == OFFLINE else None
 
     def test_marks_of_a_viewer_wake_no_silent_twin(self):
-        server = self.serve(more='presence_timeout = "4s"\n[presence]\nstartup_grace = "1ms"\n')
+        server = self.serve(more='presence_timeout = "5s"\n[presence]\nstartup_grace = "1ms"\n')
         client = self.client("publisher")
         client.publish(topic(A, "position"), position(1))
         client.publish(topic(A, "command"), json.dumps({"command": "arm"}))

@@ -101,7 +101,7 @@ TEST_P(Reading, AKilledServerStoresEachMessageOnce) {
 }
 
 TEST_P(Reading, ABrokerThatRestartsLosesNothingAndTakesNobodyOffline) {
-  const auto server = Serve({"UPLINKD_CYBERWAVE_PRESENCE_TIMEOUT=1s"});
+  const auto server = Serve({"UPLINKD_CYBERWAVE_PRESENCE_TIMEOUT=5s"});
   {
     MqttPublisher publisher(broker_.port());
     publisher.PublishLive(TwinTopic(1, "position"), kPosition);

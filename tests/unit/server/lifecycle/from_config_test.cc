@@ -1,5 +1,6 @@
 #include "server/lifecycle/from_config.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/broker/limits.h"
 #include "server/config/settings.h"
 
 namespace uplink::lifecycle {
@@ -121,10 +123,25 @@ TEST(FromConfig, ABrokerThatSaysNothingIsFoundOutBeforeATwinWouldBe) {
     const mqtt::ClientSettings client = ClientSettingsOf(config, cyberwave::Connection::kLive);
     return std::pair<milliseconds, milliseconds>(client.keepalive, client.waits.ping);
   };
-  EXPECT_THAT(pings(milliseconds(100)), Pair(milliseconds(1'000), milliseconds(1'000)));
+  EXPECT_THAT(pings(std::chrono::seconds(5)), Pair(milliseconds(1'000), milliseconds(1'000)));
   EXPECT_THAT(pings(milliseconds(7'999)), Pair(milliseconds(1'000), milliseconds(1'000)));
   EXPECT_THAT(pings(std::chrono::seconds(20)), Pair(milliseconds(5'000), milliseconds(5'000)));
   EXPECT_THAT(pings(std::chrono::hours(1)), Pair(std::chrono::minutes(1), mqtt::Waits().ping));
+}
+
+TEST(FromConfig, NoTimeoutOfATwinIsTooShortToFindOutThatWeDoNotHear) {
+  const auto setting = std::ranges::find_if(config::Settings(), [](const config::Setting& each) {
+    return config::FullKey(each) == "cyberwave.presence_timeout";
+  });
+  ASSERT_NE(setting, config::Settings().end());
+  const milliseconds least(static_cast<std::int64_t>(setting->min));
+  config::Config config = WithBroker();
+  config.cyberwave.presence_timeout = least;
+  const mqtt::ClientSettings client = ClientSettingsOf(config, cyberwave::Connection::kDurable);
+  // A ping and its answer, and a sweep of each of the two who look once a second.
+  const milliseconds looks = std::chrono::seconds(2);
+  EXPECT_LE(client.keepalive + client.waits.ping + looks, least);
+  EXPECT_LE(broker::kTickLate + std::chrono::seconds(1), least);
 }
 
 // As far as keys of the configuration go: what it takes ends no start.
