@@ -81,7 +81,7 @@ struct ToBody {
     return model::EventTelemetry{
         .unix_time_ms = unix_time_ms,
         .kind = model::NamedEvent{.kind = std::string(kEventPrefix).append(type),
-                                    .detail_json = std::move(detail)}};
+                                  .detail_json = std::move(detail)}};
   }
 };
 

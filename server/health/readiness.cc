@@ -34,7 +34,8 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"mqtt_id_taken", [](const Facts& facts) { return facts.broker.id_taken; }},
     {"mqtt_unread", [](const Facts& facts) { return facts.broker.unread; }},
     {"robots_max", [](const Facts& facts) { return facts.robots.reaches(kRobotsPercent); }},
-    {"twins_max", [](const Facts& facts) {
+    {"twins_max",
+     [](const Facts& facts) {
        return facts.broker.twins.limit > 0 && facts.broker.twins.reaches(kRobotsPercent);
      }},
     {"certificate_expiring", Expires},

@@ -48,9 +48,7 @@ void Journal::AppendGap(robot::CommitClient& client, std::uint64_t generation,
   inbox_.AppendGap(client, generation, std::move(gap));
 }
 
-void Journal::Remember(storage::Deliveries deliveries) {
-  inbox_.Remember(std::move(deliveries));
-}
+void Journal::Remember(storage::Deliveries deliveries) { inbox_.Remember(std::move(deliveries)); }
 
 void Journal::NotePresence(const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) {

@@ -9,8 +9,8 @@ namespace uplink::journal {
 WriterInbox::TakenOpens WriterInbox::TakeOpens(std::vector<OpenEntry> taken, std::size_t most) {
   const std::lock_guard lock(inbox_.mutex_);
   return {.opens = inbox_.opens_.MoveTo(std::move(taken), most),
-          .records_wait = !inbox_.queue_.empty() || !inbox_.presence_.empty() ||
-                           !inbox_.deliveries_.empty()};
+          .records_wait =
+              !inbox_.queue_.empty() || !inbox_.presence_.empty() || !inbox_.deliveries_.empty()};
 }
 
 void WriterInbox::PutBackOpens(std::vector<OpenEntry> taken) {
@@ -91,7 +91,8 @@ void WriterInbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
   std::unique_lock lock(inbox_.mutex_);
   const auto work = [this] {
     return !inbox_.queue_.empty() || !inbox_.opens_.empty() || !inbox_.presence_.empty() ||
-           !inbox_.deliveries_.empty() || !inbox_.adopts_.empty() || inbox_.checkpoint_asked_.load();
+           !inbox_.deliveries_.empty() || !inbox_.adopts_.empty() ||
+           inbox_.checkpoint_asked_.load();
   };
   const SteadyTime::duration left = due - inbox_.clock_.Steady();
   inbox_.work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);

@@ -44,9 +44,10 @@ absl::Status CheckRuri(std::string_view ruri) {
                     PrintableUtf8(ruri, model::kRuriBytesMax), model::kRuriBytesMax));
   }
   if (cyberwave::IsTwinRuri(ruri)) {
-    return Bad(fmt::format("RURI \"{}\": it is a twin's, which the relay refuses: twins are heard "
-                           "through their broker alone",
-                           ruri));
+    return Bad(
+        fmt::format("RURI \"{}\": it is a twin's, which the relay refuses: twins are heard "
+                    "through their broker alone",
+                    ruri));
   }
   return absl::OkStatus();
 }

@@ -110,9 +110,9 @@ constexpr const char* kTwin =
 
 TEST(PeerIdentity, ATwinIsNamedByNoCertificate) {
   for (const std::string& ruri : {std::string(kTwin), std::string(kTwin) + "?sig=x",
-                                 std::string("rcan://local.rcan/cyberwave/sim/T"),
-                                 std::string("rcan://local.rcan/cyberwave/twin.site%2F/T"),
-                                 std::string("rcan://local.rcan/cyberwave/sim.site/T")}) {
+                                  std::string("rcan://local.rcan/cyberwave/sim/T"),
+                                  std::string("rcan://local.rcan/cyberwave/twin.site%2F/T"),
+                                  std::string("rcan://local.rcan/cyberwave/sim.site/T")}) {
     ExpectWrong(RobotSpec(ruri), "is a twin's, and twins are heard through their broker alone");
     CertificateSpec gateway = OperatorSpec("gateway");
     gateway.uris = {kRuri, ruri};
