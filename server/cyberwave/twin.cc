@@ -11,7 +11,7 @@ Applied Twin::Apply(Judgement&& judgement, const Arrival& arrival, HeldChange& c
   const std::lock_guard lock(mutex_);
   Applied applied = state_.Apply(std::move(judgement), arrival);
   change.before = bytes_;
-  change.after = bytes_ = HeldBytes(state_.parts());
+  change.after = bytes_ = state_.held_bytes();
   return applied;
 }
 
@@ -23,7 +23,7 @@ void Twin::RestoreFaults(const std::vector<std::string>& fault_ids) {
 void Twin::DropTables() {
   const std::lock_guard lock(mutex_);
   state_.DropTables();
-  bytes_ = HeldBytes(state_.parts());
+  bytes_ = state_.held_bytes();
 }
 
 std::vector<std::string> Twin::ActiveFaults() const {

@@ -24,7 +24,7 @@ class Twin final {
 
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
 
-  /// What its parts hold in memory before and after a message, in bytes. A value.
+  /// What it holds in memory before and after a message, in bytes. A value.
   struct HeldChange {
     std::size_t before = 0;
     std::size_t after = 0;
@@ -33,7 +33,7 @@ class Twin final {
   [[nodiscard]] std::size_t RecordsAtMost(const Judgement& judgement) const;
   /// As TwinState::Apply; `change` gets what became of its memory.
   [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival, HeldChange& change);
-  /// As MetricFaults::Restore.
+  /// As MetricFaults::Restore. They count as memory from the next message on.
   void RestoreFaults(const std::vector<std::string>& fault_ids);
   /// As TwinState::DropTables.
   void DropTables();
@@ -41,7 +41,7 @@ class Twin final {
   /// The faults that its last metrics named.
   [[nodiscard]] std::vector<std::string> ActiveFaults() const;
 
-  /// What its parts hold in memory, as of the last message.
+  /// What it holds in memory, as of the last message: nothing before the first one.
   [[nodiscard]] std::size_t bytes() const;
   /// Calls `look` with the parts as they stand, under the lock: it must be short.
   template <typename Look>

@@ -51,6 +51,20 @@ TEST(Twins, CountTheMemoryThatTheyHold) {
   EXPECT_EQ(twins.bytes(), 0U);
 }
 
+TEST(Twins, CountTheFaultsThatTheyHold) {
+  constexpr std::size_t kFaults = 64;
+  Twins twins(1);
+  Twin& twin = *twins.FindOrAdd("a", {});
+  (void)Publish(twins, twin, "metrics", R"({"metrics":{"errors":["a"]}})");
+  const std::size_t before = twins.bytes();
+  std::string errors;
+  for (std::size_t i = 0; i < kFaults; ++i) {
+    errors += fmt::format(R"({}"{:0>100}")", i == 0 ? "" : ",", i);
+  }
+  (void)Publish(twins, twin, "metrics", R"({"metrics":{"errors":[)" + errors + "]}}");
+  EXPECT_GT(twins.bytes(), before + 100 * kFaults);
+}
+
 TEST(Twins, PastTheirMemoryWhoHoldsMuchLosesItsTablesAndNobodyElse) {
   Twins twins(2, 100'000);
   Twin& greedy = *twins.FindOrAdd("greedy", {});
