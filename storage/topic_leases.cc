@@ -41,11 +41,15 @@ absl::Status CheckRequest(const TakeRequest& request) {
   return absl::OkStatus();
 }
 
+bool Overlaps(const TopicLease& lease, const TakeRequest& request) {
+  if (lease.released) return false;
+  return lease.client_id == request.client_id || SharesPrefix(lease, request);
+}
+
 bool IsInTheWay(
     const TopicLease& lease, const TakeRequest& request, const ProcessId& self,
     const std::function<bool(const ProcessId& process, std::uint64_t counter)>& renewed_since) {
-  if (lease.client_id != request.client_id && !SharesPrefix(lease, request)) return false;
-  if (lease.released || lease.holder == self) return false;
+  if (!Overlaps(lease, request) || lease.holder == self) return false;
   return std::ranges::none_of(request.over, [&](const OverHolder& over) {
     return over.process == lease.holder && !renewed_since(over.process, over.lease_counter);
   });

@@ -54,14 +54,17 @@ struct TakeRequest {
   std::vector<std::string> prefixes;
   std::vector<OverHolder> over;
   SystemTime at;
-  /// The window (mqtt.unacked_max): 1 to kUnackedMaxMax. DeliveriesKept says how many deliveries of
-  /// the client id are remembered.
+  /// The window for which deliveries of the client id are remembered (DeliveriesKept): 1 to
+  /// kUnackedMaxMax. It may be larger than the one that the broker was asked for.
   std::uint32_t unacked_max = kUnackedMaxMax;
 };
 
 /// kInvalidArgument, naming field and limit, for a request that breaks a bound above.
 [[nodiscard]] absl::Status CheckRequest(const TakeRequest& request);
 
+/// Whether the lease, unless it was released, stands for something that the request asks for: the
+/// client id or one of the prefixes.
+[[nodiscard]] bool Overlaps(const TopicLease& lease, const TakeRequest& request);
 /// Whether this lease keeps `self` from what the request asks for. `renewed_since` says whether the
 /// process's lease grew since it stood at that counter.
 [[nodiscard]] bool IsInTheWay(

@@ -9,19 +9,6 @@
 #include "server/cyberwave/metric_faults.h"
 
 namespace uplink::store {
-namespace {
-
-/// Whether the lease keeps us from ours, if its holder is not over.
-bool IsInTheWay(const storage::TopicLease& lease, const storage::TakeRequest& request) {
-  if (lease.released) return false;
-  if (lease.client_id == request.client_id) return true;
-  return std::ranges::any_of(lease.prefixes, [&](const std::string& prefix) {
-    return std::ranges::find(request.prefixes, prefix) != request.prefixes.end();
-  });
-}
-
-}  // namespace
-
 TopicRounds::TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context)
     : leases_(std::move(leases)), context_(std::move(context)) {}
 
@@ -95,7 +82,7 @@ storage::TakeRequest TopicRounds::RequestNow(const std::vector<storage::TopicLea
                                .unacked_max = broker::kRememberedWindow};
   std::string held_by;
   for (const storage::TopicLease& lease : leases) {
-    if (lease.holder == context_.process || !IsInTheWay(lease, request)) continue;
+    if (lease.holder == context_.process || !storage::Overlaps(lease, request)) continue;
     const auto verdict = context_.judge(lease.holder);
     if (!verdict) unjudged_ = true;
     if (verdict && verdict->over != Over::kNo) {
