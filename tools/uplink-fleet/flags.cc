@@ -1,6 +1,8 @@
 #include "tools/uplink-fleet/flags.h"
 
+#include <algorithm>
 #include <fstream>
+#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -151,7 +153,7 @@ class TwinFlags {
  public:
   explicit TwinFlags(CLI::App& app) {
     app.add_option("--cyberwave", url_,
-                   "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST:PORT, in "
+                   "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST[:PORT], in "
                    "place of robots; of the other flags --http, --robots, --for, --settle-for, "
                    "--seed and --report count");
     app.add_option("--mqtt-username", twins_.broker.username, "The twins' user at the broker");
@@ -168,9 +170,15 @@ class TwinFlags {
   /// Nothing: the run has no twins.
   [[nodiscard]] absl::StatusOr<std::optional<TwinSwarmOptions>> Read(std::size_t robots) {
     if (url_.empty()) return std::nullopt;
-    absl::StatusOr<BrokerAddress> address = ParseBrokerUrl(url_);
-    if (!address.ok()) return address.status();
-    if (address->tls && twins_.broker.ca_file.empty()) {
+    absl::StatusOr<config::BrokerUrl> url = config::ParseBrokerUrl(url_);
+    if (!url.ok()) {
+      // It begins with the name of the server's key.
+      const std::string sentence(url.status().message());
+      std::string_view why = sentence;
+      why.remove_prefix(std::min(why.find(' '), why.size()));
+      return absl::InvalidArgumentError(fmt::format("--cyberwave: the URL{}", why));
+    }
+    if (url->tls && twins_.broker.ca_file.empty()) {
       return absl::InvalidArgumentError("mqtts:// needs --mqtt-ca");
     }
     if (twins_.prefix.size() > kPrefixBytesMax ||
@@ -185,7 +193,7 @@ class TwinFlags {
         return absl::InvalidArgumentError("--mqtt-password-file: its first line is empty");
       }
     }
-    twins_.broker.address = *std::move(address);
+    twins_.broker.url = *std::move(url);
     twins_.twins = robots;
     return twins_;
   }

@@ -67,7 +67,7 @@ class DeployMosquitto : public ::testing::Test {
 
   [[nodiscard]] BrokerSettings As(const std::string& user, const std::string& password) {
     BrokerSettings settings;
-    settings.address = {"localhost", broker_.port(), true};
+    settings.url = {.tls = true, .host = "localhost", .port = broker_.port()};
     settings.username = user;
     settings.password = password;
     settings.ca_file = folder_.File("ca.pem");
@@ -140,7 +140,7 @@ TEST_F(DeployMosquitto, NobodyComesWithoutAPassword) {
   for (const BrokerSettings& settings : {As("", ""), As("uplinkd", "wrong"), As("nobody", "u")}) {
     BrokerClient client(settings);
     EXPECT_FALSE(client.connected());
-    EXPECT_THAT(client.status().message(), HasSubstr("lets us not in"));
+    EXPECT_THAT(client.status().message(), HasSubstr("does not let us in"));
   }
 }
 

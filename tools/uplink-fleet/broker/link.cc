@@ -34,12 +34,12 @@ struct BrokerLink::Impl {
   BrokerListener& listener;
   mosquitto* client = nullptr;
   bool opened = false;
-  /// Why the broker lets us not in; empty if it did not say so.
+  /// Why the broker does not let us in; empty if it did not say so.
   std::string refused;
 
   [[nodiscard]] absl::Status Failed(const char* doing, int error) const {
-    return absl::UnavailableError(fmt::format("broker {}:{}: {}: {}", settings.address.host,
-                                              settings.address.port, doing, TextOf(error)));
+    return absl::UnavailableError(fmt::format("broker {}:{}: {}: {}", settings.url.host,
+                                              settings.url.port, doing, TextOf(error)));
   }
   [[nodiscard]] absl::Status SetUp();
 
@@ -76,7 +76,7 @@ absl::Status BrokerLink::Impl::SetUp() {
   if (error == 0 && !settings.username.empty()) {
     error = mosquitto_username_pw_set(client, settings.username.c_str(), settings.password.c_str());
   }
-  if (error == 0 && settings.address.tls) {
+  if (error == 0 && settings.url.tls) {
     error = mosquitto_tls_set(client, settings.ca_file.c_str(), nullptr, nullptr, nullptr, nullptr);
     if (error == 0) error = mosquitto_tls_opts_set(client, kVerifyPeer, nullptr, nullptr);
   }
@@ -103,11 +103,11 @@ BrokerLink::BrokerLink(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 BrokerLink::~BrokerLink() = default;
 
 absl::Status BrokerLink::Connect() {
-  const BrokerAddress& address = impl_->settings.address;
+  const config::BrokerUrl& url = impl_->settings.url;
   impl_->refused.clear();
   const int error = impl_->opened ? mosquitto_reconnect(impl_->client)
-                                  : mosquitto_connect(impl_->client, address.host.c_str(),
-                                                      address.port, kBrokerKeepaliveSeconds);
+                                  : mosquitto_connect(impl_->client, url.host.c_str(), url.port,
+                                                      kBrokerKeepaliveSeconds);
   impl_->opened = true;
   return error == 0 ? absl::OkStatus() : impl_->Failed("connect", error);
 }
@@ -115,7 +115,7 @@ absl::Status BrokerLink::Connect() {
 absl::Status BrokerLink::Turn(milliseconds wait) {
   const int error = mosquitto_loop(impl_->client, static_cast<int>(wait.count()), 1);
   if (!impl_->refused.empty()) {
-    return absl::UnavailableError(fmt::format("the broker lets us not in: {}", impl_->refused));
+    return absl::UnavailableError(fmt::format("the broker does not let us in: {}", impl_->refused));
   }
   return error == 0 ? absl::OkStatus() : impl_->Failed("connection ended", error);
 }

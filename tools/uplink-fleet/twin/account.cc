@@ -5,13 +5,6 @@
 #include "tools/uplink-fleet/twin/canonical.h"
 
 namespace uplink::synthetic {
-namespace {
-
-boost::json::string TextOf(std::string_view text) {
-  return boost::json::string(text.data(), text.size());
-}
-
-}  // namespace
 
 void SentPart::Remember(const std::string& text) {
   const std::uint64_t value = FingerprintOf(text);
@@ -68,23 +61,23 @@ Delivery TwinAccount::DeliveryOf(std::uint64_t number) const {
 
 std::string EventContent(std::string_view kind, const boost::json::object& detail,
                          std::int64_t sampled_ms) {
-  return CanonicalText(
-      boost::json::object{{"kind", TextOf(kind)}, {"detail", detail}, {"sampledAtMs", sampled_ms}});
+  return CanonicalText(boost::json::object{
+      {"kind", JsonText(kind)}, {"detail", detail}, {"sampledAtMs", sampled_ms}});
 }
 
 std::string MessageContent(std::string_view level, std::string_view message,
                            const boost::json::object& detail, std::int64_t sampled_ms) {
-  return CanonicalText(boost::json::object{{"level", TextOf(level)},
-                                           {"message", TextOf(message)},
+  return CanonicalText(boost::json::object{{"level", JsonText(level)},
+                                           {"message", JsonText(message)},
                                            {"detail", detail},
                                            {"sampledAtMs", sampled_ms}});
 }
 
 std::string ScopeContent(std::string_view scope, std::string_view id, std::string_view type,
                          const boost::json::object& detail, std::int64_t sampled_ms) {
-  return CanonicalText(boost::json::object{{"scope", TextOf(scope)},
-                                           {"id", TextOf(id)},
-                                           {"type", TextOf(type)},
+  return CanonicalText(boost::json::object{{"scope", JsonText(scope)},
+                                           {"id", JsonText(id)},
+                                           {"type", JsonText(type)},
                                            {"detail", detail},
                                            {"sampledAtMs", sampled_ms}});
 }

@@ -12,6 +12,11 @@ namespace uplink::synthetic {
 /// is. Pure; any thread.
 [[nodiscard]] std::string CanonicalText(const boost::json::value& value);
 
+/// As a text of JSON. Pure; any thread.
+[[nodiscard]] inline boost::json::string JsonText(std::string_view text) {
+  return boost::json::string(text.data(), text.size());
+}
+
 /// Of such a text; for telling what was sent from what was not. Pure; any thread.
 [[nodiscard]] std::uint64_t FingerprintOf(std::string_view text);
 

@@ -5,12 +5,12 @@
 
 #include <fmt/core.h>
 
+#include "tools/uplink-fleet/twin/canonical.h"
+
 namespace uplink::synthetic {
 namespace {
 
 namespace js = boost::json;
-
-js::string TextOf(std::string_view text) { return boost::json::string(text.data(), text.size()); }
 
 const std::string* SessionOf(Speaker speaker, const TwinIds& ids) {
   switch (speaker) {
@@ -40,7 +40,7 @@ Draft Voice::BeginBare() {
 
 Draft Voice::Begin(Speaker speaker, std::string_view source) {
   Draft draft = BeginBare();
-  if (!source.empty()) draft.body["source_type"] = TextOf(source);
+  if (!source.empty()) draft.body["source_type"] = JsonText(source);
   draft.body["timestamp"] = SecondsOf(draft.time_us);
   if (const std::string* session = SessionOf(speaker, ids_)) draft.body["session_id"] = *session;
   return draft;
@@ -70,7 +70,7 @@ Publication Voice::ToJoints(const Draft& draft) const {
 }
 
 js::object AsShown(const Draft& draft, js::object fields, std::string_view source) {
-  fields["source_type"] = TextOf(source);
+  fields["source_type"] = JsonText(source);
   if (draft.body.contains("timestamp")) fields["timestamp"] = SecondsOf(draft.time_us);
   return fields;
 }
