@@ -15,7 +15,7 @@ namespace uplink::storage {
 
 /// Bytes of a client id. A broker must take 23, and most take this many.
 inline constexpr std::size_t kClientIdBytesMax = 256;
-/// The largest window (mqtt.unacked_max): twice as many deliveries are remembered, and there are
+/// The largest window: twice as many deliveries are remembered, and there are
 /// 65,535 packet ids (MQTT 5: 2.2.1).
 inline constexpr std::uint32_t kUnackedMaxMax = 32'767;
 /// Records of one message at most.
@@ -34,7 +34,8 @@ inline constexpr std::uint32_t kDeliveriesMax = DeliveriesKept(kUnackedMaxMax);
 struct TopicHold {
   std::string client_id;
   Epoch epoch = 0;
-  /// That of the request by which it was taken; all under one epoch have the same.
+  /// That of the request by which it was taken; all under one epoch have the same. Not what the
+  /// broker was asked for (mqtt.unacked_max), but what is remembered.
   std::uint32_t unacked_max = kUnackedMaxMax;
 };
 /// Shared by all that comes under it.
@@ -67,8 +68,8 @@ struct MessageEnd {
   std::uint32_t records = 1;
 };
 
-/// What one transaction remembers under one lease besides the messages whose records it has: of
-/// messages without records, and of sessions that a broker lost.
+/// What one transaction remembers under one lease besides the messages whose records it has, such
+/// as that the broker lost the session.
 struct Deliveries {
   TopicHoldRef hold;
   /// In no order: several writers commit one client id's at a time.

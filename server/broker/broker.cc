@@ -116,14 +116,14 @@ void Broker::StopClient(Connection connection) {
   subscriber.client()->Stop();
   subscriber.NoteStopped();
   subscriber.SetClient(nullptr);
-  if (connection == Connection::kDurable) DropHeld();
+  if (connection == Connection::kDurable) DropHeldBack();
   NoteHearing();
 }
 
-void Broker::DropHeld() {
+void Broker::DropHeldBack() {
   if (!held_) return;
   held_.reset();
-  intake_.DropHeld();
+  intake_.DropHeldBack();
 }
 
 void Broker::End() {
@@ -141,7 +141,7 @@ void Broker::BeginDrain() {
     if (subscriber.client() != nullptr) subscriber.client()->StopReading();
   }
   // It was not acked, and comes again.
-  DropHeld();
+  DropHeldBack();
   AfterWork();
 }
 
@@ -165,9 +165,9 @@ void Broker::OnSubscribed(Connection connection) {
 void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
   const cyberwave::Arrival arrived{context_.clock.Steady(), context_.clock.System()};
   if (connection != Connection::kDurable) return OnLive(connection, message, arrived);
-  const Intake::Taken taken = intake_.Take(message, arrived);
+  const Intake::Processed taken = intake_.Process(message, arrived);
   if (intake_.was_stray()) TakeBack(message.publish.topic);
-  if (taken == Intake::Taken::kHeld) {
+  if (taken == Intake::Processed::kHeldBack) {
     held_.emplace(message, arrived);
     Of(connection).client()->StopReading();
     intake_.WakeWhenRoom({.inbox = &wakes_, .stream = kRoom});
@@ -184,7 +184,7 @@ void Broker::OnLive(Connection connection, const mqtt::Message& message,
   if (const auto ack = std::exchange(live.ack, std::nullopt)) {
     Of(connection).client()->Release(*ack);
   }
-  static_cast<void>(intake_.Take(live, arrived));
+  static_cast<void>(intake_.Process(live, arrived));
   AfterWork();
 }
 
@@ -209,7 +209,7 @@ void Broker::OnEnded(Connection connection, const mqtt::End& end) {
   if (lease_ != nullptr) lease_->LookSoon();
   NoteHearing();
   if (connection != Connection::kDurable || !held_) return;
-  DropHeld();
+  DropHeldBack();
   Of(connection).client()->ReadAgain();
 }
 
@@ -217,13 +217,13 @@ void Broker::OnWakes() {
   for (const std::uint64_t stream : wakes_.Take()) {
     if (stream != kRoom) commits_.OnWake(stream);
   }
-  TryHeld();
+  TryHeldBack();
   AfterWork();
 }
 
-void Broker::TryHeld() {
+void Broker::TryHeldBack() {
   if (!held_ || draining_) return;
-  if (intake_.TakeHeld(*held_) == Intake::Taken::kHeld) {
+  if (intake_.ProcessHeldBack(*held_) == Intake::Processed::kHeldBack) {
     return intake_.WakeWhenRoom({.inbox = &wakes_, .stream = kRoom});
   }
   held_.reset();
@@ -241,7 +241,7 @@ void Broker::AfterWork() {
   // What of the robot waited was not written, or nobody told: the broker is to deliver it again,
   // once the store has said what it has.
   if (!commits_.TakeFenced() || !began_ || draining_ || std::exchange(rereads_, true)) return;
-  context_.logger.Warn("mqtt_twins_taken_over", {});
+  context_.logger.Warn("mqtt_twins_lost", {});
   context_.post([this] { StopClient(Connection::kDurable); });
   if (lease_ != nullptr) lease_->RereadSoon();
 }
@@ -255,7 +255,7 @@ void Broker::Remembered(const storage::DeliveryMemory& memory) {
 
 void Broker::Tick() {
   const SteadyTime now = context_.clock.Steady();
-  TryHeld();
+  TryHeldBack();
   AfterWork();
   NoteHearing();
   probe_.streams.Set(static_cast<std::int64_t>(streams_.size()));

@@ -14,7 +14,7 @@
 #include "schema/base/clock.h"
 #include "server/broker/commits.h"
 #include "server/broker/heard.h"
-#include "server/broker/held_message.h"
+#include "server/broker/held_back_message.h"
 #include "server/broker/intake.h"
 #include "server/broker/lease_view.h"
 #include "server/broker/message_counts.h"
@@ -43,8 +43,7 @@ struct ConnectionStatus {
 /// their twins' robots meanwhile.
 ///
 /// Thread:  constructed and destroyed by main, while its thread does not run. What says so from
-/// any;
-///          the rest on its thread, which is that of its links.
+///          any; the rest on its thread, which is that of its links.
 class Broker final : private SubscriberEvents {
  public:
   /// The references outlive it.
@@ -78,7 +77,7 @@ class Broker final : private SubscriberEvents {
   void Begin(Grant grant);
   /// What the store remembers of deliveries, as LeaseView::RereadSoon asked.
   void Remembered(const storage::DeliveryMemory& memory);
-  /// It has not any more.
+  /// This process has lost the lease.
   void End();
   /// Nothing more is read, so that what waits is settled.
   void BeginDrain();
@@ -145,8 +144,8 @@ class Broker final : private SubscriberEvents {
   [[nodiscard]] std::string BrokerName() const { return context_.clients.front().url.Text(); }
   void OnLive(Connection connection, const mqtt::Message& message,
               const cyberwave::Arrival& arrived);
-  void DropHeld();
-  void TryHeld();
+  void DropHeldBack();
+  void TryHeldBack();
   void AfterWork();
   void NoteHearing();
   /// For connections().
@@ -167,7 +166,7 @@ class Broker final : private SubscriberEvents {
   Commits commits_;
   Intake intake_;
   StrayPrefixes strays_;
-  std::optional<HeldMessage> held_;
+  std::optional<HeldBackMessage> held_;
   bool began_ = false;
   bool draining_ = false;
   /// The durable connection waits for what the store remembers.

@@ -55,18 +55,19 @@ class Commits final {
   /// It is settled without a record, and may be acked.
   void SettleAtOnce(const Delivered& message);
   /// Its records go to the journal: without robot, session, number, which are the stream's. False
-  /// if another process took the robot since: nothing of it is written.
+  /// if another process adopted the robot since: nothing of it is written.
   [[nodiscard]] bool Append(TwinStream& stream, const Delivered& message,
                             std::vector<storage::CommitRecord> records,
                             std::optional<model::RejectReason> rejected);
 
-  /// Something of the stream was settled, or it was taken over.
+  /// Something of the stream was settled, or another process adopted its robot.
   void OnWake(std::uint64_t stream);
 
   /// Messages that may be acked since the last call.
   [[nodiscard]] std::vector<mqtt::AckHandle> TakeReleases() { return std::exchange(due_, {}); }
-  /// Whether a robot was taken over since the last call: what of it waited was not written, or it
-  /// was and nobody told, which the store alone knows. It comes again only by another connection.
+  /// Whether another process adopted a robot since the last call: what of it waited was not
+  /// written, or was written without an answer, which the store alone knows. It comes again only by
+  /// another connection.
   [[nodiscard]] bool TakeFenced() { return std::exchange(fenced_, false); }
 
  private:

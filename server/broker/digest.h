@@ -5,7 +5,7 @@
 
 namespace uplink::broker {
 
-/// Of topic and payload: by that a message is known again. Of a payload that was read past, its
+/// Of topic and payload, by which a message is known again. Of a payload that was read past, its
 /// size. Pure.
 [[nodiscard]] storage::DeliveryDigest DigestOf(const mqtt::Publish& publish);
 

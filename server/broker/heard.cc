@@ -17,18 +17,23 @@ bool IsStopped(const mqtt::ClientProbe& durable) {
 
 void Heard::Look(bool subscribed, const mqtt::ClientProbe& durable, std::size_t unacked_max) {
   const SteadyTime now = clock_.Steady();
-  const bool unread = IsUnread(durable);
-  const bool behind = IsBehind(durable, unacked_max);
-  if (!behind || !subscribed) {
+  const Progress progress = NoteProgress(durable, unacked_max);
+  if (!progress.stopped || progress.read) {
+    unread_since_.reset();
+  } else if (!unread_since_) {
+    unread_since_ = now;
+  }
+  if (!progress.behind || !subscribed) {
     behind_since_.reset();
   } else if (!behind_since_) {
     behind_since_ = now;
   }
+  const bool unread = unread_since_ && now - *unread_since_ >= kUnreadAfter;
   const bool long_behind = behind_since_ && now - *behind_since_ >= kBehindShownAfter;
   probe_.unread.Set(subscribed && (unread || long_behind) ? 1 : 0);
   if (!subscribed) {
     heard_at_.store(SteadyTime());
-  } else if (!behind) {
+  } else if (!progress.behind) {
     heard_at_.store(now);
   }
   const std::lock_guard lock(mutex_);
@@ -39,27 +44,20 @@ void Heard::Look(bool subscribed, const mqtt::ClientProbe& durable, std::size_t 
   }
 }
 
-bool Heard::IsBehind(const mqtt::ClientProbe& durable, std::size_t unacked_max) {
-  const std::int64_t stops = durable.window_stops.value() + probe_.held_total.value();
-  const bool moved = std::exchange(stops_then_, stops) != stops;
-  const bool full = durable.unacked.value() >= static_cast<std::int64_t>(unacked_max);
-  return moved || full || stuck_ || IsStopped(durable);
-}
-
-bool Heard::IsUnread(const mqtt::ClientProbe& durable) {
+Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, std::size_t unacked_max) {
   const std::int64_t messages = durable.messages[0].value() + durable.messages[1].value();
-  // By 3.1.1 the window is the broker's own: it is full where nothing that came is acked any more.
   const std::int64_t pubacks = durable.pubacks.value();
-  stuck_ = std::exchange(pubacks_then_, pubacks) == pubacks && durable.unacked.value() > 0;
-  const bool stopped = IsStopped(durable) || stuck_;
-  const bool moved = std::exchange(messages_then_, messages) != messages;
-  const SteadyTime now = clock_.Steady();
-  if (!stopped || moved) {
-    unread_since_.reset();
-  } else if (!unread_since_) {
-    unread_since_ = now;
-  }
-  return unread_since_ && now - *unread_since_ >= kUnreadAfter;
+  const std::int64_t stops = durable.window_stops.value() + probe_.held_back_total.value();
+  const std::int64_t unacked = durable.unacked.value();
+  // With 3.1.1 the window is the broker's own: it is full where nothing that came is acked any
+  // more.
+  const bool stuck = std::exchange(pubacks_then_, pubacks) == pubacks && unacked > 0;
+  const bool stopped = IsStopped(durable) || stuck;
+  const bool stopped_since = std::exchange(stops_then_, stops) != stops;
+  const bool full = unacked >= static_cast<std::int64_t>(unacked_max);
+  return {.read = std::exchange(messages_then_, messages) != messages,
+          .stopped = stopped,
+          .behind = stopped || stopped_since || full};
 }
 
 fleet::Fleet::Hearing Heard::hearing() const {

@@ -30,21 +30,26 @@ class Heard final {
   [[nodiscard]] std::optional<SystemTime> subscribed_since() const;
 
  private:
-  /// Nothing was read for a while.
-  [[nodiscard]] bool IsUnread(const mqtt::ClientProbe& durable);
-  /// Reading stopped since the last look, or the window is full: what the broker has may lie there
-  /// for longer.
-  [[nodiscard]] bool IsBehind(const mqtt::ClientProbe& durable, std::size_t unacked_max);
+  /// What changed since the last look. A value.
+  struct Progress {
+    /// Messages came.
+    bool read = false;
+    /// Nothing may be read now, or messages wait for their acks and none was acked.
+    bool stopped = false;
+    /// Reading stopped at some time since, or the window is full: what the broker has may lie there
+    /// for longer.
+    bool behind = false;
+  };
+  [[nodiscard]] Progress NoteProgress(const mqtt::ClientProbe& durable, std::size_t unacked_max);
 
   const Clock& clock_;
   BrokerProbe& probe_;
-  /// Messages of the durable connection as of the last look, and since when none came.
+  /// Of the durable connection, as of the last look.
   std::int64_t messages_then_ = 0;
-  std::optional<SteadyTime> unread_since_;
   std::int64_t stops_then_ = 0;
   std::int64_t pubacks_then_ = 0;
-  /// Messages wait for their acks, and none was acked since the look before.
-  bool stuck_ = false;
+  /// Since when reading is stopped and nothing came, and since when each look found us behind.
+  std::optional<SteadyTime> unread_since_;
   std::optional<SteadyTime> behind_since_;
   /// The last look at which all was heard; the epoch while we are not subscribed.
   std::atomic<SteadyTime> heard_at_{SteadyTime()};

@@ -14,11 +14,11 @@ namespace uplink::broker {
 using cyberwave::MessageClass;
 using cyberwave::TopicKind;
 
-struct Intake::Taking {
+struct Intake::Processing {
   const mqtt::Message& message;
   cyberwave::Arrival arrived;
   /// It was held, and counted then.
-  bool held = false;
+  bool held_back = false;
   Commits::Delivered delivered{};
   cyberwave::Judgement judgement{};
   /// Stays when the judgement is taken.
@@ -53,37 +53,36 @@ void CountTopic(BrokerProbe& probe, TopicKind kind) {
 
 }  // namespace
 
-Intake::Taken Intake::Take(const mqtt::Message& message, const cyberwave::Arrival& arrived) {
-  Taking taking{.message = message, .arrived = arrived};
-  taking.counts.received = 1;
-  if (TakeOne(taking) == Taken::kDone) return Taken::kDone;
-  context_.probe.held.Set(1);
-  context_.probe.held_total.Add();
-  MessageCounts counts{.received = 1};
-  counts.in_flight = 1;
-  context_.ledger.Publish(counts);
-  return Taken::kHeld;
+Intake::Processed Intake::Process(const mqtt::Message& message, const cyberwave::Arrival& arrived) {
+  Processing processing{.message = message, .arrived = arrived};
+  processing.counts.received = 1;
+  if (ProcessOne(processing) == Processed::kDone) return Processed::kDone;
+  context_.probe.held_back.Set(1);
+  context_.probe.held_back_total.Add();
+  context_.ledger.Publish({.received = 1, .in_flight = 1});
+  return Processed::kHeldBack;
 }
 
-Intake::Taken Intake::TakeHeld(const HeldMessage& held) {
-  if (full_ != nullptr && !full_->HasRoom()) return Taken::kHeld;
-  Taking taking{.message = held.message(), .arrived = held.arrived(), .held = true};
-  taking.counts.in_flight = -1;
-  if (TakeOne(taking) == Taken::kHeld) return Taken::kHeld;
-  context_.probe.held.Set(0);
-  return Taken::kDone;
+Intake::Processed Intake::ProcessHeldBack(const HeldBackMessage& held) {
+  if (full_ != nullptr && !full_->HasRoom()) return Processed::kHeldBack;
+  Processing processing{.message = held.message(), .arrived = held.arrived(), .held_back = true};
+  processing.counts.in_flight = -1;
+  if (ProcessOne(processing) == Processed::kHeldBack) return Processed::kHeldBack;
+  context_.probe.held_back.Set(0);
+  return Processed::kDone;
 }
 
-Intake::Taken Intake::TakeOne(Taking& taking) {
-  taking.delivered = {.packet_id = taking.publish().id,
-                      .digest = {},
-                      .ack = taking.message.ack,
-                      .arrived = taking.arrived.steady};
-  return WasBefore(taking) ? Taken::kDone : Judge(taking);
+Intake::Processed Intake::ProcessOne(Processing& processing) {
+  was_stray_ = false;
+  processing.delivered = {.packet_id = processing.publish().id,
+                          .digest = {},
+                          .ack = processing.message.ack,
+                          .arrived = processing.arrived.steady};
+  return WasBefore(processing) ? Processed::kDone : Judge(processing);
 }
 
-void Intake::DropHeld() {
-  context_.probe.held.Set(0);
+void Intake::DropHeldBack() {
+  context_.probe.held_back.Set(0);
   MessageCounts counts;
   counts.in_flight = -1;
   counts.Count(Became::kRefused);
@@ -94,85 +93,87 @@ void Intake::WakeWhenRoom(robot::StreamRef stream) const {
   if (full_ != nullptr) full_->WhenRoom(stream);
 }
 
-bool Intake::WasBefore(Taking& taking) {
-  if (taking.message.again) {
+bool Intake::WasBefore(Processing& processing) {
+  if (processing.message.again) {
     // This connection delivered it before, and one release is enough.
-    taking.counts.Count(Became::kDuplicate);
-    context_.ledger.Publish(taking.counts);
+    processing.counts.Count(Became::kDuplicate);
+    context_.ledger.Publish(processing.counts);
     return true;
   }
-  if (taking.publish().retained) {
+  if (processing.publish().retained) {
     // It may be of any age.
-    Settle(taking, Became::kIgnored);
+    Settle(processing, Became::kIgnored);
     return true;
   }
-  if (taking.delivered.packet_id == 0) return false;
-  taking.delivered.digest = DigestOf(taking.publish());
-  if (!taking.publish().dup || !context_.commits.IsKnown(taking.delivered)) return false;
-  taking.counts.Count(Became::kDuplicate);
-  context_.ledger.Publish(taking.counts);
+  if (processing.delivered.packet_id == 0) return false;
+  processing.delivered.digest = DigestOf(processing.publish());
+  if (!processing.publish().dup || !context_.commits.IsKnown(processing.delivered)) return false;
+  processing.counts.Count(Became::kDuplicate);
+  context_.ledger.Publish(processing.counts);
   return true;
 }
 
-Intake::Taken Intake::Judge(Taking& taking) {
-  const mqtt::Publish& publish = taking.publish();
-  taking.judgement =
+Intake::Processed Intake::Judge(Processing& processing) {
+  const mqtt::Publish& publish = processing.publish();
+  processing.judgement =
       publish.payload
           ? cyberwave::JudgeMessage(publish.topic, *publish.payload, context_.terms)
           : cyberwave::JudgeUnread(publish.topic, publish.payload_bytes, context_.terms);
-  const cyberwave::Judgement& judgement = taking.judgement;
-  taking.topic = judgement.topic;
+  const cyberwave::Judgement& judgement = processing.judgement;
+  processing.topic = judgement.topic;
   was_stray_ = judgement.topic.kind == TopicKind::kOther;
   if (was_stray_) {
-    Settle(taking, Became::kIgnored);
-    return Taken::kDone;
+    Settle(processing, Became::kIgnored);
+    return Processed::kDone;
   }
   if (judgement.topic.kind == TopicKind::kPing && judgement.rejection() == nullptr) {
     CountTopic(context_.probe, TopicKind::kPing);
-    pongs_.Answer(taking.topic, publish.correlation, taking.arrived);
-    Settle(taking, Became::kObserved);
-    return Taken::kDone;
+    pongs_.Answer(processing.topic, publish.correlation, processing.arrived);
+    Settle(processing, Became::kObserved);
+    return Processed::kDone;
   }
-  const auto place = PlaceOf(taking);
+  const auto place = PlaceOf(processing);
   if (!place) {
-    Settle(taking, Became::kObserved);
-    return Taken::kDone;
+    Settle(processing, Became::kObserved);
+    return Processed::kDone;
   }
-  return place->stream != nullptr ? Write(taking, *place->stream) : WriteNowhere(taking, *place);
+  return place->stream != nullptr ? Write(processing, *place->stream)
+                                  : WriteNowhere(processing, *place);
 }
 
-Intake::Taken Intake::WriteNowhere(Taking& taking, const TwinStreams::Opened& place) {
+Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams::Opened& place) {
   full_ = nullptr;
-  if (!place.too_many) return Wait(taking);
-  if (!taking.held) {
+  if (!place.too_many) return Wait(processing);
+  if (!processing.held_back) {
     context_.probe.robots_over.Add();
     context_.refused_log.Write(
         log::Level::kWarn, "twin_refused",
-        {{"twin", taking.topic.id.ToText()}, {"why", "there are as many robots as may be"}});
+        {{"twin", processing.topic.id.ToText()}, {"why", "there are as many robots as may be"}});
   }
-  const bool durable = taking.judgement.message_class == MessageClass::kDurable;
-  const TwinStreams::Opened stand_in = context_.streams.FindOrOpenStandIn(taking.topic.prefix);
-  if (!durable || stand_in.stream == nullptr) {
-    Settle(taking, Became::kRefused);
-    return Taken::kDone;
+  const bool durable = processing.judgement.message_class == MessageClass::kDurable;
+  const TwinStreams::Opened stand_in =
+      durable ? context_.streams.FindOrOpenStandIn(processing.topic.prefix) : TwinStreams::Opened{};
+  if (stand_in.stream == nullptr) {
+    Settle(processing, Became::kRefused);
+    return Processed::kDone;
   }
-  if (!HasRoom(*stand_in.stream)) return Wait(taking);
+  if (!HasRoom(*stand_in.stream)) return Wait(processing);
   // It is acked, so it is kept: where an operator looks for what went wrong.
-  Reject(taking, *stand_in.stream,
+  Reject(processing, *stand_in.stream,
          {.reason = model::RejectReason::kTooManyItems,
           .field = "topic",
           .detail = "a twin more than cyberwave.robots_max or limits.robots_max"});
-  return Taken::kDone;
+  return Processed::kDone;
 }
 
-Intake::Taken Intake::Wait(Taking& taking) {
-  if (taking.delivered.packet_id != 0) return Taken::kHeld;
-  Settle(taking, Became::kRefused);
-  return Taken::kDone;
+Intake::Processed Intake::Wait(Processing& processing) {
+  if (processing.delivered.packet_id != 0) return Processed::kHeldBack;
+  Settle(processing, Became::kRefused);
+  return Processed::kDone;
 }
 
-std::optional<TwinStreams::Opened> Intake::PlaceOf(const Taking& taking) {
-  const cyberwave::Judgement& judgement = taking.judgement;
+std::optional<TwinStreams::Opened> Intake::PlaceOf(const Processing& processing) {
+  const cyberwave::Judgement& judgement = processing.judgement;
   const cyberwave::Topic& topic = judgement.topic;
   if (cyberwave::RobotOf(judgement).has_value()) {
     const std::string ruri = cyberwave::RuriOf(judgement);
@@ -200,87 +201,89 @@ bool Intake::HasRoom(TwinStream& stream) {
   return room;
 }
 
-void Intake::NoteLife(const Taking& taking, TwinStream& stream) const {
-  const auto sign = cyberwave::SignOfLifeOf(taking.judgement);
-  if (!sign || stream.twin == nullptr || sign != cyberwave::RobotOf(taking.judgement)) return;
-  stream.robot->state.SignOfLife(taking.arrived.steady, taking.arrived.system,
+void Intake::NoteLife(const Processing& processing, TwinStream& stream) const {
+  const auto sign = cyberwave::SignOfLifeOf(processing.judgement);
+  if (!sign || stream.twin == nullptr || sign != cyberwave::RobotOf(processing.judgement)) return;
+  stream.robot->state.SignOfLife(processing.arrived.steady, processing.arrived.system,
                                  context_.fleet.presence_limits_of(*stream.robot));
 }
 
-Intake::Taken Intake::Write(Taking& taking, TwinStream& stream) {
-  stream.used_at = taking.arrived.steady;
-  if (!taking.held) NoteLife(taking, stream);
-  const std::size_t records = RecordsAtMost(taking.judgement, stream);
-  if (records > 0 && !HasRoom(stream)) return Wait(taking);
-  CountTopic(context_.probe, taking.topic.kind);
+Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
+  stream.used_at = processing.arrived.steady;
+  if (!processing.held_back) NoteLife(processing, stream);
+  const std::size_t records = RecordsAtMost(processing.judgement, stream);
+  if (records > 0 && !HasRoom(stream)) return Wait(processing);
+  CountTopic(context_.probe, processing.topic.kind);
   const auto fill = context_.journal_over_half() ? cyberwave::JournalFill::kOverHalf
                                                  : cyberwave::JournalFill::kUpToHalf;
   if (const auto limited =
-          LimitOf(taking.judgement, stream, records, fill, context_.clock.Steady())) {
+          LimitOf(processing.judgement, stream, records, fill, context_.clock.Steady())) {
     context_.limited_log.Write(log::Level::kWarn, "twin_limited",
                                {{"robot", stream.ruri()}, {"why", limited->detail}});
-    ++taking.counts.rejects[static_cast<std::size_t>(limited->reason)];
-    Settle(taking, Became::kRejected);
-  } else if (const model::Rejection* rejection = taking.judgement.rejection()) {
-    Reject(taking, stream, *rejection);
+    ++processing.counts.rejects[static_cast<std::size_t>(limited->reason)];
+    Settle(processing, Became::kRejected);
+  } else if (const model::Rejection* rejection = processing.judgement.rejection()) {
+    Reject(processing, stream, *rejection);
   } else {
-    NoteOdd(taking);
-    Apply(taking, stream);
+    NoteOdd(processing);
+    Apply(processing, stream);
   }
-  return Taken::kDone;
+  return Processed::kDone;
 }
 
-void Intake::Reject(Taking& taking, TwinStream& stream, const model::Rejection& rejection) {
-  const mqtt::Publish& publish = taking.publish();
+void Intake::Reject(Processing& processing, TwinStream& stream, const model::Rejection& rejection) {
+  const mqtt::Publish& publish = processing.publish();
   std::string kept;
-  if (taking.judgement.may_be_kept && publish.payload && !stream.robot->flow.disk_limits() &&
-      stream.robot->sessions.KeepPayload(rejection.reason, taking.arrived.steady)) {
+  if (processing.judgement.may_be_kept && publish.payload && !stream.robot->flow.disk_limits() &&
+      stream.robot->sessions.KeepPayload(rejection.reason, processing.arrived.steady)) {
     kept = publish.payload->substr(0, context_.payload_bytes_max);
     stream.robot->flow.CountKept(kept.size());
   }
-  Append(taking, stream, RecordsOf(rejection, publish, taking.arrived.system, std::move(kept)),
+  Append(processing, stream,
+         RecordsOf(rejection, publish, processing.arrived.system, std::move(kept)),
          rejection.reason);
 }
 
-void Intake::Apply(Taking& taking, TwinStream& stream) {
+void Intake::Apply(Processing& processing, TwinStream& stream) {
   cyberwave::Applied applied =
       stream.twin == nullptr
-          ? cyberwave::ApplyToNoRobot(std::move(taking.judgement))
-          : context_.twins.Apply(*stream.twin, std::move(taking.judgement), taking.arrived);
+          ? cyberwave::ApplyToNoRobot(std::move(processing.judgement))
+          : context_.twins.Apply(*stream.twin, std::move(processing.judgement), processing.arrived);
   for (const model::DroppedField& field : applied.dropped) {
-    ++taking.counts.dropped[static_cast<std::size_t>(field.reason)];
+    ++processing.counts.dropped[static_cast<std::size_t>(field.reason)];
   }
   stream.robot->state.CountDropped(applied.without_room);
-  if (applied.records.empty()) return Settle(taking, BecameOf(applied.outcome));
-  Append(taking, stream,
-         RecordsOf(std::move(applied.records), taking.publish(), taking.arrived.system),
+  if (applied.records.empty()) return Settle(processing, BecameOf(applied.outcome));
+  Append(processing, stream,
+         RecordsOf(std::move(applied.records), processing.publish(), processing.arrived.system),
          std::nullopt);
 }
 
-void Intake::Append(Taking& taking, TwinStream& stream, std::vector<storage::CommitRecord> records,
+void Intake::Append(Processing& processing, TwinStream& stream,
+                    std::vector<storage::CommitRecord> records,
                     std::optional<model::RejectReason> rejected) {
   const storage::OriginRef origin = storage::OriginOf(
-      model::MessageSource::kCyberwave, cyberwave::KeptTopic(taking.publish().topic, taking.topic),
-      context_.commits.hold());
+      model::MessageSource::kCyberwave,
+      cyberwave::KeptTopic(processing.publish().topic, processing.topic), context_.commits.hold());
   for (storage::CommitRecord& record : records) record.origin = origin;
-  taking.counts.in_flight += 1;
+  processing.counts.in_flight += 1;
   // Before the writer can settle it, so that no scrape sees it settled and not received.
-  context_.ledger.Publish(taking.counts);
-  if (context_.commits.Append(stream, taking.delivered, std::move(records), rejected)) return;
-  // Another process took the robot since. A message at QoS 1 comes again.
+  context_.ledger.Publish(processing.counts);
+  if (context_.commits.Append(stream, processing.delivered, std::move(records), rejected)) return;
+  // Another process adopted the robot since. A message at QoS 1 comes again.
   MessageCounts counts;
   counts.in_flight = -1;
   counts.Count(Became::kRefused);
   context_.ledger.Publish(counts);
 }
 
-void Intake::NoteOdd(Taking& taking) const {
-  cyberwave::Judgement& judgement = taking.judgement;
+void Intake::NoteOdd(Processing& processing) const {
+  cyberwave::Judgement& judgement = processing.judgement;
   for (const model::DroppedField& field : judgement.dropped) {
-    ++taking.counts.dropped[static_cast<std::size_t>(field.reason)];
+    ++processing.counts.dropped[static_cast<std::size_t>(field.reason)];
   }
   for (const model::UntoldFields& fields : judgement.untold) {
-    taking.counts.dropped[static_cast<std::size_t>(fields.reason)] += fields.fields;
+    processing.counts.dropped[static_cast<std::size_t>(fields.reason)] += fields.fields;
   }
   if (judgement.times_unknown > 0) context_.probe.times_unknown.Add(judgement.times_unknown);
   if (judgement.control_characters > 0) {
@@ -288,10 +291,10 @@ void Intake::NoteOdd(Taking& taking) const {
   }
 }
 
-void Intake::Settle(Taking& taking, Became became) {
-  taking.counts.Count(became);
-  context_.ledger.Publish(taking.counts);
-  context_.commits.SettleAtOnce(taking.delivered);
+void Intake::Settle(Processing& processing, Became became) {
+  processing.counts.Count(became);
+  context_.ledger.Publish(processing.counts);
+  context_.commits.SettleAtOnce(processing.delivered);
 }
 
 }  // namespace uplink::broker

@@ -9,7 +9,7 @@
 #include "schema/cyberwave/judge.h"
 #include "schema/cyberwave/records.h"
 #include "server/broker/commits.h"
-#include "server/broker/held_message.h"
+#include "server/broker/held_back_message.h"
 #include "server/broker/message_counts.h"
 #include "server/broker/pongs.h"
 #include "server/broker/probe.h"
@@ -47,46 +47,47 @@ class Intake final {
   explicit Intake(Context context)
       : context_(std::move(context)), pongs_(context_.publish, context_.probe) {}
 
-  enum class Taken : std::uint8_t {
+  enum class Processed : std::uint8_t {
     kDone,
-    /// There is no room in the journal, and the message at QoS 1 is counted as in flight: TakeHeld
-    /// takes it, before any other at QoS 1, or DropHeld.
-    kHeld,
+    /// There is no room in the journal, and the message at QoS 1 is counted as in flight:
+    /// ProcessHeldBack takes it, before any other at QoS 1, or DropHeldBack.
+    kHeldBack,
   };
   /// A message arrives.
-  [[nodiscard]] Taken Take(const mqtt::Message& message, const cyberwave::Arrival& arrived);
+  [[nodiscard]] Processed Process(const mqtt::Message& message, const cyberwave::Arrival& arrived);
   /// The message that is held, once more. Asks little while there is no room.
-  [[nodiscard]] Taken TakeHeld(const HeldMessage& held);
+  [[nodiscard]] Processed ProcessHeldBack(const HeldBackMessage& held);
   /// Whether the topic of the last message is none of ours.
   [[nodiscard]] bool was_stray() const { return was_stray_; }
   /// The message that was held does not come back to us.
-  void DropHeld();
+  void DropHeldBack();
   /// Wakes `stream` once the journal has room that had none for the message that is held.
   void WakeWhenRoom(robot::StreamRef stream) const;
 
  private:
-  /// One message while it is taken.
-  struct Taking;
+  /// One message while it is processed.
+  struct Processing;
 
-  [[nodiscard]] Taken TakeOne(Taking& taking);
-  [[nodiscard]] bool WasBefore(Taking& taking);
-  [[nodiscard]] Taken Judge(Taking& taking);
+  [[nodiscard]] Processed ProcessOne(Processing& processing);
+  [[nodiscard]] bool WasBefore(Processing& processing);
+  [[nodiscard]] Processed Judge(Processing& processing);
   /// Where the message is written to; nothing if nowhere, since it proves no robot.
-  [[nodiscard]] std::optional<TwinStreams::Opened> PlaceOf(const Taking& taking);
-  [[nodiscard]] Taken WriteNowhere(Taking& taking, const TwinStreams::Opened& place);
-  /// It may come again, or was never to be kept.
-  [[nodiscard]] Taken Wait(Taking& taking);
-  [[nodiscard]] Taken Write(Taking& taking, TwinStream& stream);
+  [[nodiscard]] std::optional<TwinStreams::Opened> PlaceOf(const Processing& processing);
+  [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
+  /// At QoS 1 it waits for room; at QoS 0 it is refused.
+  [[nodiscard]] Processed Wait(Processing& processing);
+  [[nodiscard]] Processed Write(Processing& processing, TwinStream& stream);
   [[nodiscard]] bool HasRoom(TwinStream& stream);
-  /// At its first coming.
-  void NoteLife(const Taking& taking, TwinStream& stream) const;
-  void Reject(Taking& taking, TwinStream& stream, const model::Rejection& rejection);
-  void Apply(Taking& taking, TwinStream& stream);
-  void Append(Taking& taking, TwinStream& stream, std::vector<storage::CommitRecord> records,
+  /// Only when the message arrives first, not when it is processed again.
+  void NoteLife(const Processing& processing, TwinStream& stream) const;
+  void Reject(Processing& processing, TwinStream& stream, const model::Rejection& rejection);
+  void Apply(Processing& processing, TwinStream& stream);
+  void Append(Processing& processing, TwinStream& stream,
+              std::vector<storage::CommitRecord> records,
               std::optional<model::RejectReason> rejected);
-  void NoteOdd(Taking& taking) const;
+  void NoteOdd(Processing& processing) const;
   /// It is settled now.
-  void Settle(Taking& taking, Became became);
+  void Settle(Processing& processing, Became became);
 
   const Context context_;
   Pongs pongs_;

@@ -17,7 +17,7 @@ struct Grant {
   FaultsByRobot faults;
 };
 
-/// Who has the lease of our topics, as whoever looks at the store knows it. Thread: any.
+/// Who has the lease of our topics, as the thread that asks the store last found. Thread: any.
 class LeaseView {
  public:
   virtual ~LeaseView() = default;

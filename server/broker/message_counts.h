@@ -22,7 +22,8 @@ enum class Became : std::uint8_t {
   kDuplicate,
   /// For a reason; its row of quarantine is committed, if it has one.
   kRejected,
-  /// Not taken, through no fault of its own: no room, too many robots, or another server took over.
+  /// Not taken, through no fault of its own: no room, too many robots, or another server
+  /// adopted its robot.
   /// A durable one at QoS 1 is not acked, and comes again.
   kRefused,
   /// A command, signalling, media, or a ping: counted, and a ping answered.

@@ -22,11 +22,11 @@ struct BrokerProbe {
   /// Pings that came too often, or could not be answered.
   metrics::Cell pongs_withheld;
   /// Times that a message waited for room in the journal, and 1 while one does.
-  metrics::Cell held_total;
-  metrics::Cell held;
+  metrics::Cell held_back_total;
+  metrics::Cell held_back;
   /// Messages of robots beyond cyberwave.robots_max, or limits.robots_max.
   metrics::Cell robots_over;
-  /// Streams that another process took over.
+  /// Streams whose robot another process adopted.
   metrics::Cell fenced;
   /// Streams of robots that are open.
   metrics::Cell streams;
@@ -36,7 +36,7 @@ struct BrokerProbe {
   /// 1 while this process has the lease of its topics; how often it took it.
   metrics::Cell lease_held;
   metrics::Cell lease_taken;
-  /// 1 while messages at QoS 1 are not read.
+  /// 1 while we are behind with what is at QoS 1 (heard.h).
   metrics::Cell unread;
 };
 

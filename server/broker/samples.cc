@@ -36,8 +36,8 @@ void AddTwins(const Broker& broker, metrics::Exposition& page) {
   page.Add(kMqttAckSeconds, probe.ack_seconds);
   page.Add(kMqttPongs, probe.pongs);
   page.Add(kMqttPongsWithheld, probe.pongs_withheld);
-  page.Add(kMqttHeldTotal, probe.held_total);
-  page.Add(kMqttHeld, probe.held);
+  page.Add(kMqttHeldBackTotal, probe.held_back_total);
+  page.Add(kMqttHeldBack, probe.held_back);
   page.Add(kMqttUnread, probe.unread);
   page.Add(kMqttTwins, twins.size());
   page.Add(kMqttTwinsLimit, twins.twins_max());

@@ -32,8 +32,8 @@ namespace uplink::lifecycle {
                                                      std::size_t memory_max);
 /// How one of the connections to the broker is made, which `mqtt.url` names. Only that for what is
 /// durable has a session that the broker keeps; whether one is expected there is not known here.
-/// A broker that says nothing is found out before any twin could be taken for silent: a ping is due
-/// each quarter of the time that a twin has, at most, and its answer within as much.
+/// A broker that says nothing is noticed before any twin counts as silent: a ping is due each
+/// quarter of the time that a twin has, at most, and its answer within as much.
 [[nodiscard]] mqtt::ClientSettings ClientSettingsOf(const config::Config& config,
                                                     cyberwave::Connection connection);
 [[nodiscard]] cyberwave::JudgeTerms JudgeTermsOf(const config::CyberwaveConfig& cyberwave);

@@ -87,6 +87,21 @@ TEST_F(BrokerAcksTest, WhatAnotherShardCommittedFirstIsKnownWhenAllComesAgain) {
   EXPECT_EQ(Stored(), 2U);
 }
 
+TEST_F(BrokerAcksTest, WhatWaitsWhenTheBrokerLosesTheSessionIsCommittedAndNotAcked) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  durable()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  clock_.Advance(std::chrono::seconds(5));
+  again->events()->OnDue();
+  Up(again, false);
+  Run();
+  Flush(*again);
+  EXPECT_EQ(Stored(), 1U);
+  EXPECT_EQ(again->written, "") << "this connection never delivered it";
+  EXPECT_EQ(Count(Became::kStored), 1U);
+}
+
 TEST_F(BrokerAcksTest, ASessionThatTheBrokerLostEndsWhatWasKnown) {
   Connect();
   durable()->Bring(Event(1, 5));

@@ -110,8 +110,8 @@ class Bench {
     /// Of the delivery; 0: nothing to release.
     std::uint64_t handle = 0;
   };
-  Intake::Taken Publish(const std::string& topic, const std::string& payload,
-                        const Options& options) {
+  Intake::Processed Publish(const std::string& topic, const std::string& payload,
+                            const Options& options) {
     mqtt::Message message;
     message.publish.topic = topic;
     message.publish.payload = payload;
@@ -122,9 +122,9 @@ class Bench {
     message.publish.retained = options.retained;
     message.again = options.again;
     if (options.handle != 0) message.ack = mqtt::AckHandle{1, options.handle};
-    return intake.Take(message, {clock.Steady(), clock.System()});
+    return intake.Process(message, {clock.Steady(), clock.System()});
   }
-  Intake::Taken Publish(const std::string& topic, const std::string& payload) {
+  Intake::Processed Publish(const std::string& topic, const std::string& payload) {
     return Publish(topic, payload, Options());
   }
   static std::string Of(const std::string& tail, const char* twin = kTwin) {

@@ -71,7 +71,7 @@ TEST_F(BrokerTest, WithTheJournalFullNothingMoreIsReadUntilThereIsRoom) {
   Connect();
   for (std::size_t id = 1; id <= 3; ++id) durable()->Bring(Event(static_cast<int>(id), id));
   durable()->Bring(Event(4, 4) + Event(5, 5));
-  EXPECT_EQ(broker_.probe().held.value(), 1);
+  EXPECT_EQ(broker_.probe().held_back.value(), 1);
   EXPECT_FALSE(durable()->reading);
   EXPECT_EQ(broker_.ledger().Read().received, 4U) << "the fifth lies unread";
   live()->Bring(testing::PublishBytes{
@@ -91,7 +91,7 @@ TEST_F(BrokerTest, WhatIsLiveGoesPastAMessageThatIsHeld) {
   Connect();
   store_.FailNextCommits(1'000, testing::FailAt::kBefore);
   for (std::size_t id = 1; id <= 4; ++id) durable()->Bring(Event(static_cast<int>(id), id));
-  ASSERT_EQ(broker_.probe().held.value(), 1);
+  ASSERT_EQ(broker_.probe().held_back.value(), 1);
   const std::string live_message =
       testing::PublishBytes{.topic = std::string("cyberwave/twin/") + kTwin + "/position",
                             .payload = R"({"position":{"x":1,"y":2,"z":3}})",
@@ -101,8 +101,8 @@ TEST_F(BrokerTest, WhatIsLiveGoesPastAMessageThatIsHeld) {
     live()->Bring(live_message);
     broker_.Tick();
   }
-  EXPECT_EQ(broker_.probe().held.value(), 1);
-  EXPECT_EQ(broker_.probe().held_total.value(), 1);
+  EXPECT_EQ(broker_.probe().held_back.value(), 1);
+  EXPECT_EQ(broker_.probe().held_back_total.value(), 1);
   EXPECT_EQ(broker_.ledger().Read().received, 7U);
   EXPECT_EQ(broker_.ledger().Read().in_flight, 4);
   EXPECT_EQ(Count(Became::kApplied), 3U);

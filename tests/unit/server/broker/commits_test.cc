@@ -22,7 +22,7 @@ class CommitsTest : public ::testing::Test {
 
   static void Publish(Bench& bench, int number, const Bench::Options& options) {
     EXPECT_EQ(bench.Publish(Bench::Of("telemetry"), Bench::Event(number), options),
-              Intake::Taken::kDone);
+              Intake::Processed::kDone);
   }
   [[nodiscard]] std::size_t Stored() { return bench_.store.Events({})->rows.size(); }
 

@@ -14,7 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-using Taken = Intake::Taken;
+using Processed = Intake::Processed;
 
 constexpr const char* kPosition = R"({"source_type":"edge","position":{"x":1,"y":2,"z":3}})";
 
@@ -36,7 +36,7 @@ class IntakeTest : public ::testing::Test {
 
 TEST_F(IntakeTest, ADurableMessageIsAckedOnceItIsCommitted) {
   EXPECT_EQ(bench_.Publish(Bench::Of("telemetry"), Bench::Event(1), {.id = 5, .handle = 11}),
-            Taken::kDone);
+            Processed::kDone);
   EXPECT_EQ(bench_.ledger.Read().in_flight, 1);
   EXPECT_THAT(bench_.Acked(), IsEmpty());
   bench_.Run();
@@ -49,7 +49,7 @@ TEST_F(IntakeTest, ADurableMessageIsAckedOnceItIsCommitted) {
 
 TEST_F(IntakeTest, ALiveMessageIsAppliedAndAckedAtOnce) {
   EXPECT_EQ(bench_.Publish(Bench::Of("position"), kPosition, {.id = 5, .handle = 11}),
-            Taken::kDone);
+            Processed::kDone);
   EXPECT_THAT(bench_.Acked(), ElementsAre(11U));
   EXPECT_EQ(bench_.Count(Became::kApplied), 1U);
   bench_.twins.Find(RuriOf(kTwin))->LookAt([](const cyberwave::TwinParts& parts) {
@@ -180,13 +180,13 @@ TEST_F(IntakeTest, APingIsAnsweredUnderItsPrefixWithItsCorrelation) {
   ping.publish.topic = "site/a/cyberwave/ping/Arm 1/request";
   ping.publish.payload = R"({"type":"ping"})";
   ping.publish.correlation = "c";
-  (void)bench_.intake.Take(ping, {bench_.clock.Steady(), bench_.clock.System()});
+  (void)bench_.intake.Process(ping, {bench_.clock.Steady(), bench_.clock.System()});
   ASSERT_THAT(bench_.published, SizeIs(1));
   EXPECT_EQ(bench_.published[0].topic, "site/a/cyberwave/pong/Arm 1/response");
   EXPECT_EQ(bench_.published[0].correlation, "c");
   EXPECT_EQ(bench_.Count(Became::kObserved), 1U);
   for (int i = 0; i < 20; ++i)
-    (void)bench_.intake.Take(ping, {bench_.clock.Steady(), bench_.clock.System()});
+    (void)bench_.intake.Process(ping, {bench_.clock.Steady(), bench_.clock.System()});
   EXPECT_THAT(bench_.published, SizeIs(10)) << "in any second";
   EXPECT_EQ(bench_.probe.pongs_withheld.value(), 11);
 }
@@ -229,16 +229,16 @@ TEST_F(FullIntakeTest, AtQos1WaitsUnackedUntilThereIsRoom) {
   message.publish.qos = mqtt::Qos::kAtLeastOnce;
   message.ack = mqtt::AckHandle{1, 12};
   const cyberwave::Arrival arrived{bench_.clock.Steady(), bench_.clock.System()};
-  ASSERT_EQ(bench_.intake.Take(message, arrived), Taken::kHeld);
-  const HeldMessage held(message, arrived);
+  ASSERT_EQ(bench_.intake.Process(message, arrived), Processed::kHeldBack);
+  const HeldBackMessage held(message, arrived);
   EXPECT_EQ(bench_.ledger.Read().in_flight, 2);
   EXPECT_TRUE(bench_.ledger.Read().Balanced());
-  EXPECT_EQ(bench_.intake.TakeHeld(held), Taken::kHeld);
+  EXPECT_EQ(bench_.intake.ProcessHeldBack(held), Processed::kHeldBack);
   EXPECT_EQ(bench_.ledger.Read().received, 3U) << "each message once";
-  EXPECT_EQ(bench_.probe.held_total.value(), 1);
+  EXPECT_EQ(bench_.probe.held_back_total.value(), 1);
   bench_.Run();
   bench_.clock.Advance(std::chrono::seconds(5));
-  EXPECT_EQ(bench_.intake.TakeHeld(held), Taken::kDone);
+  EXPECT_EQ(bench_.intake.ProcessHeldBack(held), Processed::kDone);
   bench_.Run();
   EXPECT_THAT(bench_.Acked(), ElementsAre(11U, 12U));
   EXPECT_TRUE(bench_.ledger.Read().Balanced());
@@ -249,7 +249,8 @@ TEST_F(FullIntakeTest, AtQos1WaitsUnackedUntilThereIsRoom) {
 
 TEST_F(FullIntakeTest, WhoIsRefusedIsHeardAllTheSame) {
   bench_.clock.Advance(std::chrono::seconds(19));
-  EXPECT_EQ(bench_.Publish(Bench::Of("metrics"), R"({"metrics":{"errors":["a"]}})"), Taken::kDone);
+  EXPECT_EQ(bench_.Publish(Bench::Of("metrics"), R"({"metrics":{"errors":["a"]}})"),
+            Processed::kDone);
   EXPECT_EQ(bench_.Count(Became::kRefused), 1U);
   bench_.clock.Advance(std::chrono::seconds(19));
   static_cast<void>(bench_.fleet.Sweep(std::chrono::hours(1)));
@@ -258,25 +259,25 @@ TEST_F(FullIntakeTest, WhoIsRefusedIsHeardAllTheSame) {
 
 TEST_F(FullIntakeTest, MetricsThatChangeNoFaultAreLiveState) {
   EXPECT_EQ(bench_.Publish(Bench::Of("metrics"), R"({"metrics":{"load":{"cpu":1}}})"),
-            Taken::kDone);
+            Processed::kDone);
   EXPECT_EQ(bench_.Count(Became::kApplied), 2U);
 }
 
 TEST_F(FullIntakeTest, AtQos0IsRefusedAndCounted) {
-  EXPECT_EQ(bench_.Publish(Bench::Of("telemetry"), Bench::Event(2)), Taken::kDone);
+  EXPECT_EQ(bench_.Publish(Bench::Of("telemetry"), Bench::Event(2)), Processed::kDone);
   EXPECT_EQ(bench_.Count(Became::kRefused), 1U);
 }
 
 TEST_F(FullIntakeTest, LiveStateAndPongsGoOn) {
-  EXPECT_EQ(bench_.Publish(Bench::Of("position"), kPosition), Taken::kDone);
-  EXPECT_EQ(bench_.Publish("cyberwave/ping/a/request", R"({"type":"ping"})"), Taken::kDone);
+  EXPECT_EQ(bench_.Publish(Bench::Of("position"), kPosition), Processed::kDone);
+  EXPECT_EQ(bench_.Publish("cyberwave/ping/a/request", R"({"type":"ping"})"), Processed::kDone);
   EXPECT_EQ(bench_.Count(Became::kApplied), 2U);
   EXPECT_THAT(bench_.published, SizeIs(1));
 }
 
 TEST_F(FullIntakeTest, AHeldOneThatComesNoMoreIsRefused) {
   (void)bench_.Publish(Bench::Of("telemetry"), Bench::Event(2), {.id = 2, .handle = 12});
-  bench_.intake.DropHeld();
+  bench_.intake.DropHeldBack();
   EXPECT_EQ(bench_.Count(Became::kRefused), 1U);
   EXPECT_TRUE(bench_.ledger.Read().Balanced());
   EXPECT_EQ(bench_.ledger.Read().in_flight, 1);

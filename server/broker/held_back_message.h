@@ -9,9 +9,9 @@
 namespace uplink::broker {
 
 /// A message that waits for room, with bytes of its own, and when it arrived.
-class HeldMessage final {
+class HeldBackMessage final {
  public:
-  HeldMessage(const mqtt::Message& message, const cyberwave::Arrival& arrived)
+  HeldBackMessage(const mqtt::Message& message, const cyberwave::Arrival& arrived)
       : arrived_(arrived),
         message_(message),
         topic_(message.publish.topic),
@@ -21,8 +21,8 @@ class HeldMessage final {
     message_.publish.correlation = correlation_;
     if (payload_) message_.publish.payload = *payload_;
   }
-  HeldMessage(const HeldMessage&) = delete;
-  HeldMessage& operator=(const HeldMessage&) = delete;
+  HeldBackMessage(const HeldBackMessage&) = delete;
+  HeldBackMessage& operator=(const HeldBackMessage&) = delete;
 
   [[nodiscard]] const mqtt::Message& message() const { return message_; }
   [[nodiscard]] const cyberwave::Arrival& arrived() const { return arrived_; }
