@@ -45,7 +45,7 @@ TwinStream* TwinStreams::FindById(std::uint64_t id) {
 TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
   if (TwinStream* stream = Find(named.ruri)) {
     if (stream->ended) return {};
-    Revive(*stream);
+    if (!Revive(*stream)) return {.too_many = true};
     return {.stream = stream};
   }
   cyberwave::TwinPtr twin = context_.twins.FindOrAdd(named.ruri, named.twin);
@@ -63,7 +63,7 @@ TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
 TwinStreams::Opened TwinStreams::FindOrOpenStandIn(const std::string& prefix) {
   const std::string name = storage::NoRobotOf(prefix);
   if (TwinStream* stream = Find(name)) {
-    Revive(*stream);
+    stream->ending = false;
     return {.stream = stream};
   }
   auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(model::RobotId{
@@ -164,15 +164,18 @@ void TwinStreams::Lose(TwinStream& stream) {
   Close(stream);
 }
 
-void TwinStreams::Revive(TwinStream& stream) {
-  if (!std::exchange(stream.ending, false) || stream.twin == nullptr) return;
+bool TwinStreams::Revive(TwinStream& stream) {
+  if (!stream.ending) return true;
   model::cyberwave::Uuid id;
   stream.twin->LookAt([&id](const cyberwave::TwinParts& parts) { id = parts.twin; });
-  // What it was forgotten when it was to end.
+  // It was forgotten when it was to end.
   cyberwave::TwinPtr twin = context_.twins.FindOrAdd(stream.ruri(), id);
-  if (twin == nullptr || twin == stream.twin) return;
+  if (twin == nullptr) return false;
+  stream.ending = false;
+  if (twin == stream.twin) return true;
   RestoreFaults(*twin);
   stream.twin = std::move(twin);
+  return true;
 }
 
 void TwinStreams::CloseIdle() {

@@ -90,8 +90,8 @@ class TwinStreams final {
 
  private:
   [[nodiscard]] TwinStream* Open(fleet::RobotPtr robot, cyberwave::TwinPtr twin);
-  /// One that was to end goes on.
-  void Revive(TwinStream& stream);
+  /// One of a twin that was to end goes on; false where there are too many twins by now.
+  [[nodiscard]] bool Revive(TwinStream& stream);
   [[nodiscard]] model::SessionId DrawSession() const;
   [[nodiscard]] std::shared_ptr<cyberwave::TwinRates> RatesOf(const Named& named);
   void RestoreFaults(cyberwave::Twin& twin);
