@@ -7,14 +7,18 @@ import threading
 from mqtt_publishers import CONNECT, PUBACK, field, packet
 
 PUBLISH, SUBSCRIBE = 0x30, 0x82
-VERSION_5, CLEAN_START = b"\x05", b"\x02"
+VERSION_5, CLEAN_START, KEPT_START = b"\x05", b"\x02", b"\x00"
 NO_KEEPALIVE = b"\x00\x00"
 NO_PROPERTIES = b"\x00"
 CORRELATION_DATA, RESPONSE_TOPIC = b"\x09", b"\x08"
+# For an hour without a connection.
+SESSION_EXPIRY = b"\x11" + (3600).to_bytes(4, "big")
 QOS, RETAIN = 0x06, 0x01
 # Messages at QoS 1 that wait for their PUBACK.
 WINDOW = 1000
 ANSWER_SECONDS = 30
+# Reason codes of refusals begin here.
+REFUSED = 0x80
 
 Heard = collections.namedtuple("Heard", "topic payload retain properties")
 
@@ -28,24 +32,28 @@ def response_topic(topic):
     return RESPONSE_TOPIC + field(topic.encode())
 
 
-class Client:
-    """By MQTT 5. It publishes, and keeps what its filters match. Thread-safe."""
+def connect_packet(name, clean_start):
+    start, properties = (CLEAN_START, b"") if clean_start else (KEPT_START, SESSION_EXPIRY)
+    head = field(b"MQTT") + VERSION_5 + start + NO_KEEPALIVE + bytes([len(properties)]) + properties
+    return packet(CONNECT, head + field(name.encode()))
 
-    def __init__(self, port, name, *filters):
+
+class Client:
+    """By MQTT 5. It publishes, and keeps what its filters match; ConnectionError once the broker has ended
+    it. Without a clean start it goes on with a session that is kept, and acks nothing of it. Thread-safe.
+    """
+
+    def __init__(self, port, name, *filters, clean_start=True):
         self.heard = []
         self.next_id = 0
-        self.unacked = set()
+        # What is done when the broker acks, by packet id.
+        self.unacked = {}
         self.wrong = None
         self.changed = threading.Condition()
         self.socket = socket.create_connection(("127.0.0.1", port), ANSWER_SECONDS)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.stream = self.socket.makefile("rb")
-        self.socket.sendall(
-            packet(
-                CONNECT,
-                field(b"MQTT") + VERSION_5 + CLEAN_START + NO_KEEPALIVE + NO_PROPERTIES + field(name.encode()),
-            )
-        )
+        self.socket.sendall(connect_packet(name, clean_start))
         _, body = self.read_packet()
         assert body[1] == 0, f"the broker refuses {name}: {body!r}"
         if filters:
@@ -81,24 +89,35 @@ class Client:
                     if first & 0xF0 == PUBLISH:
                         self.heard.append(heard_of(first, body))
                     elif first & 0xF0 == PUBACK:
-                        self.unacked.discard(int.from_bytes(body[:2], "big"))
+                        self.take_ack(body)
                     else:
                         raise ConnectionError(f"no PUBLISH and no PUBACK: {first:#x} {body!r}")
                     self.changed.notify_all()
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, KeyError) as error:
             with self.changed:
                 self.wrong = error
                 self.changed.notify_all()
+
+    def take_ack(self, body):
+        if body[2:3] and body[2] >= REFUSED:
+            raise ConnectionError(f"the broker refuses what was published: {body!r}")
+        self.unacked.pop(int.from_bytes(body[:2], "big"))()
+
+    def is_connected(self):
+        """Whether the broker has it still."""
+        with self.changed:
+            return self.wrong is None
 
     def wait(self, condition, what):
         """For something that the broker says."""
         with self.changed:
             done = self.changed.wait_for(lambda: self.wrong or condition(), ANSWER_SECONDS)
             if self.wrong:
-                raise AssertionError(f"{self.wrong} while waiting: {what}")
+                raise ConnectionError(f"{self.wrong} while waiting: {what}")
             assert done, f"not within {ANSWER_SECONDS} s: {what}"
 
-    def publish(self, topic, payload, qos=0, retain=False, properties=b""):
+    def publish(self, topic, payload, qos=0, retain=False, properties=b"", acked=lambda: None):
+        """`acked` is called, on a thread of the client's, when the broker has acked it."""
         if isinstance(payload, str):
             payload = payload.encode()
         packet_id = b""
@@ -107,7 +126,7 @@ class Client:
             self.next_id = self.next_id % 0xFFFF + 1
             packet_id = self.next_id.to_bytes(2, "big")
             with self.changed:
-                self.unacked.add(self.next_id)
+                self.unacked[self.next_id] = acked
         head = field(topic.encode()) + packet_id + bytes([len(properties)]) + properties
         self.socket.sendall(packet(PUBLISH | qos << 1 | retain, head + payload))
 
@@ -126,10 +145,9 @@ class Client:
 
 
 def heard_of(first, body):
-    """A PUBLISH at QoS 0, as it came."""
-    assert not first & QOS
+    """A PUBLISH, as it came."""
     end = 2 + int.from_bytes(body[:2], "big")
-    # Properties of more than 127 bytes are not expected.
-    size = body[end]
-    start = end + 1 + size
-    return Heard(body[2:end].decode(), body[start:], bool(first & RETAIN), body[end + 1 : start])
+    # Behind the packet id, if it has one. Properties of more than 127 bytes are not expected.
+    size_at = end + 2 if first & QOS else end
+    start = size_at + 1 + body[size_at]
+    return Heard(body[2:end].decode(), body[start:], bool(first & RETAIN), body[size_at + 1 : start])
