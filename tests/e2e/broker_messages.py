@@ -91,11 +91,7 @@ class MessageTest(EndToEnd):
         server = self.server(settings)
         server.environment = environment
         server.start()
-        connections = 3 if media == "count" else 2
-        wait_until(
-            server.process, lambda: server.text().count("mqtt_subscribed") >= connections, SECONDS,
-            "the server subscribes",
-        )  # fmt: skip
+        self.wait(server, lambda: is_subscribed(server, media == "count"), "the server subscribes")
         return server
 
     def wait(self, server, condition, what, seconds=SECONDS):
@@ -148,6 +144,17 @@ class MessageTest(EndToEnd):
 
     def ruris(self, server):
         return {robot["ruri"] for robot in rows(server, "/api/v1/robots")}
+
+
+def connection(server, name):
+    """What the status says of this connection to the broker."""
+    connections = ((server.get("/api/v1/status") or {}).get("mqtt") or {}).get("connections", [])
+    return next((each for each in connections if each["name"] == name), {})
+
+
+def is_subscribed(server, media=False):
+    names = ["durable", "live"] + media * ["media"]
+    return all(connection(server, name).get("state") == "subscribed" for name in names)
 
 
 def numbers(server):
