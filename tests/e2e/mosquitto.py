@@ -31,13 +31,15 @@ def free_port():
 
 
 class Mosquitto:
-    def __init__(self, folder):
+    """`lines` are added to its configuration."""
+
+    def __init__(self, folder, lines=""):
         self.folder = folder / "mosquitto"
         self.folder.mkdir()
         self.port = free_port()
         self.configuration = self.folder / "mosquitto.conf"
         self.configuration.write_text(
-            CONFIGURATION.format(port=self.port, folder=self.folder), encoding="utf-8"
+            CONFIGURATION.format(port=self.port, folder=self.folder) + lines, encoding="utf-8"
         )
         self.process = None
 
@@ -63,6 +65,12 @@ class Mosquitto:
 
     def restart(self):
         self.stop()
+        self.start()
+
+    def restart_without_memory(self):
+        """Every session, and what waited in it, is gone."""
+        self.stop()
+        (self.folder / "mosquitto.db").unlink()
         self.start()
 
     def close(self):
