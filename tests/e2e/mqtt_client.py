@@ -7,7 +7,8 @@ import threading
 from mqtt_publishers import CONNECT, PUBACK, field, packet
 
 PUBLISH, SUBSCRIBE = 0x30, 0x82
-VERSION_5, CLEAN_START, KEPT_START = b"\x05", b"\x02", b"\x00"
+VERSION_5 = b"\x05"
+CLEAN_START, PASSWORD, USER_NAME = 0x02, 0x40, 0x80
 NO_KEEPALIVE = b"\x00\x00"
 NO_PROPERTIES = b"\x00"
 CORRELATION_DATA, RESPONSE_TOPIC = b"\x09", b"\x08"
@@ -21,6 +22,8 @@ ANSWER_SECONDS = 30
 REFUSED = 0x80
 
 Heard = collections.namedtuple("Heard", "topic payload retain properties")
+# How somebody comes to a broker that takes not everybody; `tls` is an ssl.SSLContext.
+Login = collections.namedtuple("Login", "tls username password")
 
 
 def correlation(data):
@@ -32,10 +35,14 @@ def response_topic(topic):
     return RESPONSE_TOPIC + field(topic.encode())
 
 
-def connect_packet(name, clean_start):
-    start, properties = (CLEAN_START, b"") if clean_start else (KEPT_START, SESSION_EXPIRY)
-    head = field(b"MQTT") + VERSION_5 + start + NO_KEEPALIVE + bytes([len(properties)]) + properties
-    return packet(CONNECT, head + field(name.encode()))
+def connect_packet(name, clean_start, login):
+    flags, properties = (CLEAN_START, b"") if clean_start else (0, SESSION_EXPIRY)
+    payload = field(name.encode())
+    if login:
+        flags |= USER_NAME | PASSWORD
+        payload += field(login.username.encode()) + field(login.password.encode())
+    head = field(b"MQTT") + VERSION_5 + bytes([flags]) + NO_KEEPALIVE + bytes([len(properties)]) + properties
+    return packet(CONNECT, head + payload)
 
 
 class Client:
@@ -43,7 +50,7 @@ class Client:
     it. Without a clean start it goes on with a session that is kept, and acks nothing of it. Thread-safe.
     """
 
-    def __init__(self, port, name, *filters, clean_start=True):
+    def __init__(self, port, name, *filters, clean_start=True, login=None):
         self.heard = []
         self.next_id = 0
         # What is done when the broker acks, by packet id.
@@ -52,8 +59,10 @@ class Client:
         self.changed = threading.Condition()
         self.socket = socket.create_connection(("127.0.0.1", port), ANSWER_SECONDS)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if login:
+            self.socket = login.tls.wrap_socket(self.socket, server_hostname="localhost")
         self.stream = self.socket.makefile("rb")
-        self.socket.sendall(connect_packet(name, clean_start))
+        self.socket.sendall(connect_packet(name, clean_start, login))
         _, body = self.read_packet()
         assert body[1] == 0, f"the broker refuses {name}: {body!r}"
         if filters:
