@@ -2,13 +2,18 @@
 broker that forgets or refuses. What the broker acked to publishers is stored once, and nobody is called
 offline who was not heard."""
 
+import contextlib
 import json
 import pathlib
+import re
+import subprocess
 import time
 import unittest
+import urllib.request
 
 import broker_stores
-from broker_reading import PRESENCE_TIMEOUT_SECONDS, Reading
+from broker_reading import DEADLINE_SECONDS, PRESENCE_TIMEOUT_SECONDS, Reading
+from broker_script import ruri_of
 from mqtt_client import Client
 from presence import ONLINE, UNKNOWN
 from tcp_proxy import Cut, TcpProxy
@@ -167,6 +172,60 @@ class StoreAway(Reading):
         self.way.drop()
         self.way.mend()
         self.end(talk)
+
+
+class StuckShard(Reading):
+    """Somebody holds what one of the connections that write needs, and the others go on."""
+
+    # The session of a robot that has one: its next commit writes there.
+    HOLD = "BEGIN; SELECT FROM uplinkd.sessions WHERE ruri = '{ruri}' FOR UPDATE; SELECT pg_sleep(3600)"
+    EACH = 10
+    # Longer than it takes where nobody is stuck.
+    OLD_SECONDS = 2
+
+    @contextlib.contextmanager
+    def held(self, twin):
+        """Until then whoever commits something of that twin waits."""
+        url = self.store.cluster.url("postgres")
+        holder = subprocess.Popen(
+            ["psql", "-X", "-q", "-c", self.HOLD.format(ruri=ruri_of(twin)), url],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        asleep = "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'PgSleep'"
+        try:
+            self.wait(lambda: self.store.cluster.sql(asleep) == "1", "somebody holds the row")
+            yield
+        finally:
+            self.store.cluster.sql("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE wait_event = 'PgSleep'")
+            holder.wait(DEADLINE_SECONDS)
+
+    def old_shards(self):
+        """How many shards have a record that waits for long."""
+        with urllib.request.urlopen(f"http://{self.running.http}/metrics", timeout=10) as page:
+            ages = re.findall(r"^uplinkd_journal_shard_oldest_seconds\{.*\} (.*)$", page.read().decode(), re.MULTILINE)
+        self.assertGreater(len(ages), 1)
+        return sum(float(age) > self.OLD_SECONDS for age in ages)
+
+    def test_every_ack_waits_for_it_and_it_is_shown(self):
+        self.store = self.keep(broker_stores.Postgres(self.folder))
+        self.serve()
+        twins = self.twins()
+        twins.tell(twins.next_keys([LIVE, *DURABLE], 1))
+        self.wait_until_all_is_stored()
+        acked = self.mqtt("pubacks_total", connection="durable")
+        with self.held(LIVE):
+            twins.tell(twins.next_keys([LIVE], 1))
+            others = twins.next_keys(DURABLE, self.EACH)
+            twins.tell(others)
+            self.wait(lambda: self.mqtt("unacked", connection="durable") == 1 + len(others), "all came")
+            self.wait(lambda: set(others) & set(self.rows()), "what other shards write is stored")
+            self.wait(lambda: self.old_shards() == 1, "the shard is shown")
+            twins.pose([QUIET], 5)
+            self.wait(lambda: self.x(QUIET) == 5, "live state goes on")
+            self.assertEqual(self.mqtt("pubacks_total", connection="durable"), acked, "one waits, and all behind it")
+        self.wait_until_all_is_stored()
+        self.wait(lambda: self.mqtt("unacked", connection="durable") == 0, "all are acked")
+        self.assert_stored_once()
 
 
 class Windows(Reading):
