@@ -188,6 +188,21 @@ class FleetUse(EndToEnd):
             with self.subTest(flags):
                 run(BIN / "uplink-fleet", *flags, code=2)
 
+    def test_wrong_use_of_a_broker_names_the_flag_and_no_key_of_the_server(self):
+        empty = self.folder / "empty"
+        empty.touch()
+        for flags, why in (
+            (["--cyberwave", "http://h"], "--cyberwave: the URL begins with neither mqtts:// nor mqtt://"),
+            (["--cyberwave", "mqtt://u:secret@h"], "--cyberwave: the URL holds a user"),
+            (["--cyberwave", "mqtts://h"], "--cyberwave: mqtts:// needs --mqtt-ca"),
+            (["--cyberwave", "mqtt://h", "--cyberwave-prefix", "a+"],
+             "--cyberwave-prefix: at most 100 bytes without + and #"),
+            (["--cyberwave", "mqtt://h", "--mqtt-password-file", empty],
+             "--mqtt-password-file: its first line is empty"),
+        ):  # fmt: skip
+            with self.subTest(flags):
+                self.assertEqual(run(BIN / "uplink-fleet", *flags, code=2).stderr, f"uplink-fleet: {why}\n")
+
     def test_a_server_that_cannot_be_reached_ends_with_1_and_is_named(self):
         done = run(BIN / "uplink-fleet", "--http", "127.0.0.1:1", code=1)
         self.assertIn("127.0.0.1:1", done.stderr)

@@ -1,7 +1,7 @@
 #include "tools/uplink-fleet/flags.h"
 
-#include <algorithm>
-#include <fstream>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -12,6 +12,7 @@
 #include "server/config/units.h"
 #include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/run/exit_code.h"
+#include "tools/uplink-fleet/twin_flags.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -143,128 +144,110 @@ class ScenarioFlags {
   CLI::Option* breaks_;
 };
 
-constexpr double kTwinRateMin = 0.1;
-constexpr double kTwinRateMax = 200;
-/// A broker's topic is not longer than that with what follows a prefix.
-constexpr std::size_t kPrefixBytesMax = 100;
-
-/// The flags of twins behind a broker.
-class TwinFlags {
+/// Where the run is, how long it goes on, and how it reports.
+class RunFlags {
  public:
-  explicit TwinFlags(CLI::App& app) {
-    app.add_option("--cyberwave", url_,
-                   "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST[:PORT], in "
-                   "place of robots; of the other flags --http, --robots, --for, --settle-for, "
-                   "--seed and --report count");
-    app.add_option("--mqtt-username", twins_.broker.username, "The twins' user at the broker");
-    app.add_option("--mqtt-password-file", password_file_, "File with that user's password")
-        ->check(CLI::ExistingFile);
-    app.add_option("--mqtt-ca", twins_.broker.ca_file, "PEM of who vouches for the broker")
-        ->check(CLI::ExistingFile);
-    app.add_option("--cyberwave-prefix", twins_.prefix, "What stands before cyberwave/ in topics");
-    app.add_option("--twin-rate", twins_.rate_hz, "Messages per second and twin")
-        ->capture_default_str()
-        ->check(CLI::Range(kTwinRateMin, kTwinRateMax));
+  explicit RunFlags(CLI::App& app) {
+    swarm_.ruri_prefix = "rcan://local.rcan/uplink/synthetic/1.0";
+    swarm_.pki_directory = "./pki";
+    swarm_.target = "localhost:7443";
+    AddPlace(app);
+    AddRun(app);
   }
 
-  /// Nothing: the run has no twins.
-  [[nodiscard]] absl::StatusOr<std::optional<TwinSwarmOptions>> Read(std::size_t robots) {
-    if (url_.empty()) return std::nullopt;
-    absl::StatusOr<config::BrokerUrl> url = config::ParseBrokerUrl(url_);
-    if (!url.ok()) {
-      // It begins with the name of the server's key.
-      const std::string sentence(url.status().message());
-      std::string_view why = sentence;
-      why.remove_prefix(std::min(why.find(' '), why.size()));
-      return absl::InvalidArgumentError(fmt::format("--cyberwave: the URL{}", why));
-    }
-    if (url->tls && twins_.broker.ca_file.empty()) {
-      return absl::InvalidArgumentError("mqtts:// needs --mqtt-ca");
-    }
-    if (twins_.prefix.size() > kPrefixBytesMax ||
-        twins_.prefix.find_first_of("+#") != std::string::npos) {
-      return absl::InvalidArgumentError(
-          fmt::format("--cyberwave-prefix: at most {} bytes without + and #", kPrefixBytesMax));
-    }
-    if (!password_file_.empty()) {
-      std::ifstream file(password_file_);
-      std::getline(file, twins_.broker.password);
-      if (twins_.broker.password.empty()) {
-        return absl::InvalidArgumentError("--mqtt-password-file: its first line is empty");
-      }
-    }
-    twins_.broker.url = *std::move(url);
-    twins_.twins = robots;
-    return twins_;
+  /// For robots of this scenario, or for these twins.
+  [[nodiscard]] RunOptions Read(const Scenario& scenario,
+                                std::optional<TwinSwarmOptions> twins) const {
+    RunOptions options = options_;
+    options.swarm = swarm_;
+    options.swarm.scenario = scenario;
+    options.twins = std::move(twins);
+    options.seed = std::stoull(seed_);
+    options.run_for = config::ParseDuration(run_for_).value_or(options.run_for);
+    options.settle_for = config::ParseDuration(settle_for_).value_or(options.settle_for);
+    options.swarm.late_after =
+        std::chrono::duration_cast<milliseconds>(options.run_for * kLateAfter);
+    options.json = report_ == "json";
+    return options;
   }
 
  private:
-  std::string url_;
-  std::string password_file_;
-  TwinSwarmOptions twins_;
+  void AddPlace(CLI::App& app) {
+    app.add_option("--target", swarm_.target, "The server's relay listener")
+        ->capture_default_str()
+        ->check(IsAddress());
+    app.add_option("--http", options_.http, "The server's HTTP listener, for the comparison")
+        ->capture_default_str()
+        ->check(IsAddress());
+    app.add_option("--pki", swarm_.pki_directory,
+                   "Folder with ca.crt and ca.key, which sign the robots")
+        ->capture_default_str();
+    app.add_option("--fleet", swarm_.fleet, "Fleet of the robots")->capture_default_str();
+    app.add_option("--ruri-prefix", swarm_.ruri_prefix, "What comes before /robot-0001")
+        ->capture_default_str()
+        ->check(IsRuriPrefix());
+  }
+
+  void AddRun(CLI::App& app) {
+    app.add_option("--for", run_for_, "How long to send; SIGINT or SIGTERM ends it sooner")
+        ->capture_default_str()
+        ->check(IsDuration());
+    app.add_option("--settle-for", settle_for_, "How long the server may take to settle all of it")
+        ->capture_default_str()
+        ->check(IsDuration());
+    app.add_option("--seed", seed_, "The same seed sends the same messages")
+        ->capture_default_str()
+        ->check(IsSeed());
+    app.add_option("--threads", swarm_.threads, "Threads that drive the robots")
+        ->capture_default_str()
+        ->check(CLI::Range(std::size_t{1}, kThreadsMax));
+    app.add_option(
+           "--gateways", swarm_.gateways,
+           "Gateways through which the robots speak, in equal parts of at most 256; 0: each "
+           "robot by itself")
+        ->capture_default_str();
+    app.add_option("--report", report_, "Form of the report")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"text", "json"}));
+  }
+
+  RunOptions options_;
+  SwarmOptions swarm_;
+  std::string run_for_ = "30s";
+  std::string settle_for_ = "60s";
+  std::string report_ = "text";
+  std::string seed_ = "1";
 };
 
-/// Says what is wrong.
-bool GatewaysFit(const SwarmOptions& swarm) {
+/// Says what is wrong; nothing may be.
+std::nullopt_t Refuse(std::string_view why, int& code) {
+  fmt::print(stderr, "uplink-fleet: {}\n", why);
+  code = kExitWrongUse;
+  return std::nullopt;
+}
+
+absl::Status GatewaysFit(const SwarmOptions& swarm) {
   const std::size_t robots = swarm.scenario.robots;
-  if (swarm.gateways == 0) return true;
-  if (swarm.gateways <= robots && robots <= swarm.gateways * kRobotsPerGateway) return true;
-  fmt::print(stderr, "uplink-fleet: --gateways: {} for {} robots; a gateway has 1 to {} of them\n",
-             swarm.gateways, robots, kRobotsPerGateway);
-  return false;
+  if (swarm.gateways == 0) return absl::OkStatus();
+  if (swarm.gateways <= robots && robots <= swarm.gateways * kRobotsPerGateway) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      fmt::format("--gateways: {} for {} robots; a gateway has 1 to {} of them", swarm.gateways,
+                  robots, kRobotsPerGateway));
 }
 
 }  // namespace
 
 std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
-  RunOptions flags;
-  SwarmOptions& swarm = flags.swarm;
-  swarm.ruri_prefix = "rcan://local.rcan/uplink/synthetic/1.0";
-  swarm.pki_directory = "./pki";
-  swarm.target = "localhost:7443";
-  std::string run_for = "30s";
-  std::string settle_for = "60s";
-  std::string report = "text";
   CLI::App app(
       "Synthetic robots: load, faults, and the comparison of what they sent with what the "
       "server counted and stored",
       "uplink-fleet");
   app.set_version_flag("--version", "uplink-fleet " UPLINK_VERSION);
-  app.add_option("--target", swarm.target, "The server's relay listener")
-      ->capture_default_str()
-      ->check(IsAddress());
-  app.add_option("--http", flags.http, "The server's HTTP listener, for the comparison")
-      ->capture_default_str()
-      ->check(IsAddress());
-  app.add_option("--pki", swarm.pki_directory,
-                 "Folder with ca.crt and ca.key, which sign the robots")
-      ->capture_default_str();
-  const ScenarioFlags scenario_flags(app);
+  RunFlags run_flags(app);
+  ScenarioFlags scenario_flags(app);
   TwinFlags twin_flags(app);
-  app.add_option("--fleet", swarm.fleet, "Fleet of the robots")->capture_default_str();
-  app.add_option("--ruri-prefix", swarm.ruri_prefix, "What comes before /robot-0001")
-      ->capture_default_str()
-      ->check(IsRuriPrefix());
-  app.add_option("--for", run_for, "How long to send; SIGINT or SIGTERM ends it sooner")
-      ->capture_default_str()
-      ->check(IsDuration());
-  app.add_option("--settle-for", settle_for, "How long the server may take to settle all of it")
-      ->capture_default_str()
-      ->check(IsDuration());
-  std::string seed = "1";
-  app.add_option("--seed", seed, "The same seed sends the same messages")
-      ->capture_default_str()
-      ->check(IsSeed());
-  app.add_option("--threads", swarm.threads, "Threads that drive the robots")
-      ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, kThreadsMax));
-  app.add_option("--gateways", swarm.gateways,
-                 "Gateways through which the robots speak, in equal parts of at most 256; 0: each "
-                 "robot by itself")
-      ->capture_default_str();
-  app.add_option("--report", report, "Form of the report")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"text", "json"}));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -273,28 +256,15 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   }
   const absl::StatusOr<Scenario> scenario = scenario_flags.Read();
   if (!scenario.ok()) {
-    fmt::print(stderr, "uplink-fleet: --scenario: {}\n", std::string(scenario.status().message()));
-    code = kExitWrongUse;
-    return std::nullopt;
+    return Refuse(fmt::format("--scenario: {}", std::string(scenario.status().message())), code);
   }
-  swarm.scenario = *scenario;
-  auto twins = twin_flags.Read(swarm.scenario.robots);
-  if (!twins.ok()) {
-    fmt::print(stderr, "uplink-fleet: --cyberwave: {}\n", std::string(twins.status().message()));
-    code = kExitWrongUse;
-    return std::nullopt;
+  auto twins = twin_flags.Read(scenario->robots);
+  if (!twins.ok()) return Refuse(std::string(twins.status().message()), code);
+  RunOptions options = run_flags.Read(*scenario, *std::move(twins));
+  if (absl::Status fits = GatewaysFit(options.swarm); !fits.ok()) {
+    return Refuse(std::string(fits.message()), code);
   }
-  flags.twins = *std::move(twins);
-  if (!GatewaysFit(swarm)) {
-    code = kExitWrongUse;
-    return std::nullopt;
-  }
-  flags.seed = std::stoull(seed);
-  flags.run_for = config::ParseDuration(run_for).value_or(flags.run_for);
-  flags.settle_for = config::ParseDuration(settle_for).value_or(flags.settle_for);
-  swarm.late_after = std::chrono::duration_cast<milliseconds>(flags.run_for * kLateAfter);
-  flags.json = report == "json";
-  return flags;
+  return options;
 }
 
 }  // namespace uplink::synthetic
