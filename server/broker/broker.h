@@ -17,6 +17,7 @@
 #include "server/broker/held_back_message.h"
 #include "server/broker/intake.h"
 #include "server/broker/lease_view.h"
+#include "server/broker/limited_log.h"
 #include "server/broker/message_counts.h"
 #include "server/broker/probe.h"
 #include "server/broker/stray_prefixes.h"
@@ -157,7 +158,7 @@ class Broker final : private SubscriberEvents {
   BrokerProbe probe_;
   log::RateLimited log_;
   log::RateLimited refused_log_;
-  log::RateLimited limited_log_;
+  LimitedLog limited_log_;
   Heard heard_;
   StreamWakes wakes_;
   mqtt::ConnectionNumbers numbers_;

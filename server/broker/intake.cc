@@ -218,8 +218,7 @@ Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
                                                  : cyberwave::JournalFill::kUpToHalf;
   if (const auto limited =
           LimitOf(processing.judgement, stream, records, fill, context_.clock.Steady())) {
-    context_.limited_log.Write(log::Level::kWarn, "twin_limited",
-                               {{"robot", stream.ruri()}, {"why", limited->detail}});
+    context_.limited_log.Tell(stream, limited->detail, context_.clock.Steady());
     ++processing.counts.rejects[static_cast<std::size_t>(limited->reason)];
     Settle(processing, Became::kRejected);
   } else if (const model::Rejection* rejection = processing.judgement.rejection()) {

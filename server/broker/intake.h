@@ -10,6 +10,7 @@
 #include "schema/cyberwave/records.h"
 #include "server/broker/commits.h"
 #include "server/broker/held_back_message.h"
+#include "server/broker/limited_log.h"
 #include "server/broker/message_counts.h"
 #include "server/broker/pongs.h"
 #include "server/broker/probe.h"
@@ -36,7 +37,7 @@ class Intake final {
     BrokerProbe& probe;
     /// Of twins that are too many, and of those that send too much: neither silences the other.
     log::RateLimited& refused_log;
-    log::RateLimited& limited_log;
+    LimitedLog& limited_log;
     cyberwave::JudgeTerms terms;
     /// Bytes of a rejected payload that quarantine keeps (limits.payload_bytes_max).
     std::size_t payload_bytes_max = 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "schema/base/clock.h"
@@ -36,6 +37,8 @@ struct TwinStream {
   /// In order of their numbers.
   std::deque<WaitingMessage> waiting;
   SteadyTime used_at;
+  /// When the log last named it for its rate (LimitedLog).
+  std::optional<SteadyTime> limited_told_at;
   /// It takes no more messages, and goes once nothing of it waits; but it may go on before.
   bool ending = false;
   /// An operator ended it: it goes once nothing of it waits.

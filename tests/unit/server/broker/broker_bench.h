@@ -78,7 +78,7 @@ class Bench {
                 .ledger = ledger,
                 .probe = probe,
                 .refused_log = log_,
-                .limited_log = log_,
+                .limited_log = limited_log_,
                 .terms = {.prefixes = {"", "site/a/"}},
                 .payload_bytes_max = 65'536,
                 .journal_over_half = [this] { return over_half; },
@@ -160,6 +160,9 @@ class Bench {
     return fleet.Find(ruri)->state.presence();
   }
 
+  /// What was logged, from the first line on.
+  [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
+
   testing::ManualClock clock;
 
  private:
@@ -171,6 +174,7 @@ class Bench {
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock, log::Format::kText,
                       log::Level::kInfo};
   log::RateLimited log_{logger_};
+  LimitedLog limited_log_{logger_};
   KeptWakes wakes_;
 
  public:

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string_view>
+
+#include "server/broker/twin_stream.h"
+#include "server/log/rate_limited.h"
+
+namespace uplink::broker {
+
+/// The lines that name twins whose messages are rejected for their rate.
+///
+/// Limits:  one line of a robot in log::RateLimited::kSpan, so that each of several is named; and as
+///          many of all together as that class lets through.
+/// Thread:  confined to the broker's.
+class LimitedLog final {
+ public:
+  /// `logger` outlives it.
+  explicit LimitedLog(const log::Logger& logger) : lines_(logger) {}
+
+  /// One more message of this stream was rejected.
+  void Tell(TwinStream& stream, std::string_view why, SteadyTime now);
+
+ private:
+  log::RateLimited lines_;
+};
+
+}  // namespace uplink::broker
