@@ -236,9 +236,9 @@ void Client::Ended(const End& end) {
   link_ = parts_.make_link(*this);
   NoteError(end.text);
   Show(pause.id_taken ? ClientState::kIdTaken : ClientState::kWaiting);
+  parts_.probe.id_taken.Set(pause.id_taken ? 1 : 0);
   if (pause.id_taken) {
     parts_.probe.ids_taken.Add();
-    parts_.probe.id_taken.Set(1);
     OnTrouble({Trouble::Kind::kIdTaken,
                "another client uses the id, or the broker ends us soon after it accepted us: " +
                    end.text});

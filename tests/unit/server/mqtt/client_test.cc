@@ -336,6 +336,19 @@ TEST(MqttClient, AnIdThatAnotherTookIsWaitedOutForAMinute) {
   EXPECT_EQ(bench.probe.id_taken.value(), 0);
 }
 
+TEST(MqttClient, AnIdIsNoLongerTakenOnceNobodyTakesTheConnection) {
+  ClientBench bench;
+  bench.client->Start();
+  bench.Connect();
+  bench.link->Bring(Raw("\xE0\2\x8E\0"));
+  ASSERT_EQ(bench.probe.id_taken.value(), 1);
+  bench.Advance(60s);
+  ASSERT_TRUE(bench.link->opened);
+  bench.link->events()->OnDown({EndReason::kConnect, "nobody takes the connection"});
+  EXPECT_EQ(bench.client->status().state, ClientState::kWaiting);
+  EXPECT_EQ(bench.probe.id_taken.value(), 0) << "as the state says, and so /readyz";
+}
+
 TEST(MqttClient, WhatABrokerMustNotSendEndsTheConnectionByItsName) {
   struct Case {
     std::string bytes;
