@@ -209,6 +209,7 @@ enum class MetricId : std::uint8_t {
   kMqttSessionsLost,
   kMqttSessionsShort,
   kMqttIdTaken,
+  kMqttCertificateExpiry,
   kMqttPublishesDropped,
 };
 inline constexpr std::size_t kMetrics =

@@ -105,6 +105,11 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
      "Connections whose session the broker keeps for less than mqtt.session_expiry."},
     {MetricId::kMqttIdTaken, "uplinkd_mqtt_id_taken", MetricType::kGauge, "0 or 1",
      "1 while another client uses our client id.", kByConnection},
+    {MetricId::kMqttCertificateExpiry, "uplinkd_mqtt_certificate_expiry_timestamp_seconds",
+     MetricType::kGauge, "seconds",
+     "Unix time at which mqtt.client_certificate_file expires, as of the last connection; 0 "
+     "without "
+     "one."},
     {MetricId::kMqttPublishesDropped, "uplinkd_mqtt_publishes_dropped_total", MetricType::kCounter,
      "messages", "Pongs that the connection did not take; they are among those withheld."},
 });

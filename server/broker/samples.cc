@@ -87,6 +87,7 @@ void AddSamples(const Broker& broker, metrics::Exposition& page) {
   page.Add(kMqttUnackedLimit, broker.unacked_max());
   page.Add(kMqttSessionsLost, durable.sessions_lost);
   page.Add(kMqttSessionsShort, durable.sessions_short);
+  page.Add(kMqttCertificateExpiry, durable.certificate_expiry_s);
   page.Add(kMqttPublishesDropped, broker.client_probe(Connection::kLive).publishes_dropped);
 }
 

@@ -185,17 +185,17 @@ LoadResult WithFiles(LoadResult result) {
 
 std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now) {
   std::vector<Problem> problems;
-  const std::string& path = config.tls.certificate_file;
-  if (path.empty()) return problems;
-  const auto certificate = identity::ReadPem(path);
-  if (!certificate.ok()) return problems;  // ValidateFiles says so
-  const auto expiry = identity::ExpiryOf(*certificate);
-  if (expiry.ok() && *expiry <= now) {
-    problems.push_back(
-        {path, "tls.certificate_file",
-         fmt::format("the certificate expired {} h ago",
-                     std::chrono::duration_cast<std::chrono::hours>(now - *expiry).count())});
-  }
+  const auto check = [&](const std::string& key, const std::string& path) {
+    if (path.empty()) return;
+    const auto certificate = identity::ReadPem(path);
+    if (!certificate.ok()) return;  // ValidateFiles says so
+    const auto expiry = identity::ExpiryOf(*certificate);
+    if (!expiry.ok() || *expiry > now) return;
+    const auto ago = std::chrono::duration_cast<std::chrono::hours>(now - *expiry);
+    problems.push_back({path, key, fmt::format("the certificate expired {} h ago", ago.count())});
+  };
+  check("tls.certificate_file", config.tls.certificate_file);
+  check("mqtt.client_certificate_file", config.mqtt.client_certificate_file);
   return problems;
 }
 

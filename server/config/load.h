@@ -80,7 +80,8 @@ inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 /// The result with what ValidateFiles and CheckFileModes (file_modes.h) find beside its own.
 [[nodiscard]] LoadResult WithFiles(LoadResult result);
 
-/// A certificate that has expired. A server starts with it all the same, and says so in /readyz.
+/// Certificates that have expired: the server's, with which it starts all the same and says so in
+/// /readyz, and the one that it shows to a broker.
 [[nodiscard]] std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now);
 
 /// The effective configuration as TOML that LoadConfig reads back; secrets are masked.

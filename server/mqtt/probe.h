@@ -53,8 +53,11 @@ struct ClientProbe {
   metrics::Cell sessions_lost;
   /// Connections whose session the broker keeps for less time than it was asked to.
   metrics::Cell sessions_short;
-  /// Times that another client was taken to use our id, and 1 from then until a broker
-  /// accepts us, or we stop.
+  /// Unix time at which the certificate expires that the last connection was made with; 0 without
+  /// one.
+  metrics::Cell certificate_expiry_s;
+  /// Times that another client was taken to use our id, and 1 from then until a broker accepts us,
+  /// a connection ends for another reason, or we stop.
   metrics::Cell ids_taken;
   metrics::Cell id_taken;
 

@@ -62,10 +62,15 @@ absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings) {
   }
   auto ca = ReadPemOf("ca_file", settings.ca_file);
   if (!ca.ok()) return ca.status();
-  auto certificate = ReadPemOf("certificate_file", settings.certificate_file);
+  auto certificate = ReadPemOf("client_certificate_file", settings.certificate_file);
   if (!certificate.ok()) return certificate.status();
-  auto key = ReadPemOf("key_file", settings.key_file);
+  auto key = ReadPemOf("client_key_file", settings.key_file);
   if (!key.ok()) return key.status();
+  if (!certificate->empty()) {
+    const auto expiry = identity::ExpiryOf({"mqtt.client_certificate_file", *certificate});
+    if (!expiry.ok()) return expiry.status();
+    secrets.certificate_expiry = *expiry;
+  }
   secrets.tls = {*std::move(ca), *std::move(certificate), *std::move(key)};
   return secrets;
 }

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "schema/base/clock.h"
 #include "server/mqtt/settings.h"
 
 namespace uplink::mqtt {
@@ -20,12 +21,14 @@ struct TlsTexts {
 struct Secrets {
   std::optional<std::string> password;
   TlsTexts tls;
+  /// Of the client's certificate; nothing without one.
+  std::optional<SystemTime> certificate_expiry;
 };
 
 /// Reads the files, for one connection: they may have changed since the last one.
 ///
 /// Errors:  kFailedPrecondition names the key of the configuration and the file: it cannot be read,
-///          is too large (kPasswordBytesMax, identity::kPemBytesMax), is empty, or everybody may
+///          holds no certificate where one is to be, is too large (kPasswordBytesMax, identity::kPemBytesMax), is empty, or everybody may
 ///          write it.
 /// Thread:  any; blocks on the files.
 [[nodiscard]] absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings);

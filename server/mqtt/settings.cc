@@ -45,7 +45,8 @@ absl::Status CheckNames(const ClientSettings& settings) {
     return Invalid("password_file", "needs mqtt.username");
   }
   if (settings.certificate_file.empty() != settings.key_file.empty()) {
-    return Invalid("certificate_file", "and mqtt.key_file are set together or not at all");
+    return Invalid("client_certificate_file",
+                   "and mqtt.client_key_file are set together or not at all");
   }
   const bool any_tls = !settings.ca_file.empty() || !settings.certificate_file.empty();
   if (any_tls && !settings.url.tls) {

@@ -60,10 +60,11 @@ absl::StatusOr<SslContext> MakeSslContext(const TlsTexts& tls) {
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
   if (!TrustAuthorities(context.get(), tls.ca)) return Refused("ca_file");
   if (!tls.certificate.empty()) {
-    if (!identity::UseChain(context.get(), tls.certificate)) return Refused("certificate_file");
+    if (!identity::UseChain(context.get(), tls.certificate))
+      return Refused("client_certificate_file");
     if (!identity::UseKey(context.get(), tls.key) ||
         SSL_CTX_check_private_key(context.get()) != 1) {
-      return Refused("key_file");
+      return Refused("client_key_file");
     }
   }
   ERR_clear_error();

@@ -408,7 +408,7 @@ TEST_P(MqttTls, FilesThatDoNotFitAreNamed) {
   settings.key_file = File("key", other.key);
   const End end = FirstEnd(settings);
   EXPECT_EQ(end.reason, EndReason::kSettings);
-  EXPECT_THAT(end.text, HasSubstr("mqtt.key_file"));
+  EXPECT_THAT(end.text, HasSubstr("mqtt.client_key_file"));
 }
 
 std::string NameOf(const ::testing::TestParamInfo<Version>& one) {

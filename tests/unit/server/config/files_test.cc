@@ -86,6 +86,18 @@ TEST_F(ValidateFilesTest, SaysWhenTheCertificateHasExpired) {
   EXPECT_THAT(ValidateFiles(config_), IsEmpty()) << "a server starts all the same";
 }
 
+TEST_F(ValidateFilesTest, SaysWhenTheCertificateForABrokerHasExpired) {
+  testing::CertificateSpec spec = testing::RobotSpec("rcan://a");
+  spec.not_after_s = 60;
+  config_.mqtt.client_certificate_file = Write("c.crt", authority_.Issue(spec).certificate);
+  const SystemTime now = SystemClock().System();
+  EXPECT_THAT(ExpiredFiles(config_, now), IsEmpty());
+  const std::vector<Problem> problems = ExpiredFiles(config_, now + std::chrono::minutes(2));
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_EQ(problems[0].key, "mqtt.client_certificate_file");
+  EXPECT_THAT(problems[0].text, HasSubstr("expired 0 h ago"));
+}
+
 TEST_F(ValidateFilesTest, FilesAreLookedAtBesideBadValues) {
   const std::string text = "[tls]\ncertificate_file = \"" + folder_ + "/gone\"\nkey_file = \"" +
                            config_.tls.key_file + "\"\nclient_ca_file = \"" +

@@ -12,6 +12,7 @@
 #include "server/mqtt/limits.h"
 #include "server/mqtt/outbox.h"
 #include "server/mqtt/secrets.h"
+#include "tests/support/certificates.h"
 #include "tests/support/temp_folder.h"
 
 namespace uplink::mqtt {
@@ -45,7 +46,8 @@ TEST(MqttSettings, SayWhatIsWrongByTheirKey) {
       {[](S& s) { s.client_id = "\xFF"; }, "mqtt.client_id holds what is not text"},
       {[](S& s) { s.username.assign(kUsernameBytesMax + 1, 'c'); }, "mqtt.username has 1025 bytes"},
       {[](S& s) { s.password_file = "p"; }, "mqtt.password_file needs mqtt.username"},
-      {[](S& s) { s.certificate_file = "p"; }, "mqtt.certificate_file and mqtt.key_file"},
+      {[](S& s) { s.certificate_file = "p"; },
+       "mqtt.client_certificate_file and mqtt.client_key_file"},
       {[](S& s) { s.ca_file = "p"; }, "mqtt.url is mqtt://, which has no TLS"},
       {[](S& s) { s.keepalive = std::chrono::seconds(1); }, ""},
       {[](S& s) { s.keepalive = std::chrono::seconds(0); }, "mqtt.keepalive is 0 s, from 1 to"},
@@ -121,6 +123,24 @@ TEST(MqttSecrets, SayWhichFileIsInvalid) {
   settings.password_file.clear();
   settings.ca_file = folder.File("ca");
   EXPECT_THAT(problem(), StartsWith("mqtt.ca_file: "));
+}
+
+TEST(MqttSecrets, ACertificateHasItsExpiry) {
+  const testing::TempFolder folder;
+  ClientSettings settings = Good();
+  EXPECT_EQ(ReadSecrets(settings)->certificate_expiry, std::nullopt);
+  settings.certificate_file = folder.File("client.crt");
+  testing::CertificateSpec spec = testing::RobotSpec("rcan://a");
+  spec.not_after_s = 7'200;
+  const SystemTime before = SystemClock().System();
+  WriteFile(settings.certificate_file, testing::TestAuthority().Issue(spec).certificate);
+  const auto secrets = ReadSecrets(settings);
+  ASSERT_TRUE(secrets.ok()) << secrets.status();
+  EXPECT_GT(*secrets->certificate_expiry, before + std::chrono::hours(1));
+  EXPECT_LT(*secrets->certificate_expiry, before + std::chrono::hours(3));
+  WriteFile(settings.certificate_file, "no certificate");
+  EXPECT_THAT(std::string(ReadSecrets(settings).status().message()),
+              HasSubstr("mqtt.client_certificate_file"));
 }
 
 TEST(MqttOutbox, AMessageJoinsWhileThereIsRoomAndAnAckAlways) {
