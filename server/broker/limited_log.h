@@ -9,7 +9,8 @@ namespace uplink::broker {
 
 /// The lines that name twins whose messages are rejected for their rate.
 ///
-/// Limits:  one line of a robot in log::RateLimited::kSpan, so that each of several is named; and as
+/// Limits:  one line of a robot in log::RateLimited::kSpan, so that each of several is named; and
+/// as
 ///          many of all together as that class lets through.
 /// Thread:  confined to the broker's.
 class LimitedLog final {
