@@ -45,7 +45,8 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
      "1 while a message at QoS 1 waits for room."},
     {MetricId::kMqttUnread, "uplinkd_mqtt_unread", MetricType::kGauge, "0 or 1",
      "1 while the server is behind with what is at QoS 1, and no twin becomes offline: nothing "
-     "read for 1 s, or the window full or reading stopped again and again for 10 s."},
+     "read for 1 s while reading is stopped or what waits gets no PUBACK, or one of the two or a "
+     "full window again and again for 10 s."},
     {MetricId::kMqttTwins, "uplinkd_mqtt_twins", MetricType::kGauge, "robots",
      "Robots of twins of which this server has live state."},
     {MetricId::kMqttTwinsLimit, "uplinkd_mqtt_twins_limit", MetricType::kGauge, "robots",
