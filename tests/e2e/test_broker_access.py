@@ -21,6 +21,8 @@ ca_file = "{ca}"
 """
 DEPLOYED = SOURCE / "deploy/mosquitto"
 PASSWORD = "uplinkd's own"
+# Who watches the broker, and what it is there for.
+MONITOR, DROPPED = "monitor", "$SYS/broker/publish/messages/dropped"
 
 
 class Deployed(Mosquitto):
@@ -54,8 +56,8 @@ class Access(MessageTest):
         self.pki = self.server().pki
         self.broker = self.keep(Deployed(self.make("deployed"), self.pki))
         self.broker.allow("uplinkd", PASSWORD)
-        for uuid in (A, B):
-            self.broker.allow(uuid, uuid)
+        for user in (A, B, MONITOR):
+            self.broker.allow(user, user)
         self.broker.start()
         self.tls = ssl.create_default_context(cafile=str(self.pki / "ca.crt"))
 
@@ -110,6 +112,21 @@ class Access(MessageTest):
         robot.publish(topic(A, "position"), position(2))
         self.assertEqual(self.outcomes(server, 1), {"applied": 1})
         self.assertEqual(self.ruris(server), {twin(A)})
+
+    def test_who_watches_the_broker_reads_its_numbers_alone(self):
+        monitor = self.robot_client(MONITOR, "cyberwave/#", DROPPED)
+        monitor.wait(lambda: monitor.heard, "how many messages were dropped")
+        # And nobody else reads them. What follows says that nothing else has come.
+        robot = self.robot_client(A, "cyberwave/#", DROPPED)
+        robot.publish(topic(A, "event"), event(1), qos=1)
+        robot.wait(lambda: robot.heard, "its own event")
+        self.assertEqual([heard.topic for heard in robot.heard], [topic(A, "event")])
+        for name in (f"twin/{MONITOR}/event", f"joint/{MONITOR}/update", f"ping/{MONITOR}/request"):
+            monitor.publish(f"cyberwave/{name}", "{}")
+        monitor.publish(topic(A, "event"), event(2), qos=1)
+        with self.assertRaisesRegex(ConnectionError, "refuses what was published"):
+            monitor.flush()
+        self.assertEqual({heard.topic for heard in monitor.heard}, {DROPPED})
 
     def refused(self, server, word):
         """The server says why it is not connected, and goes on trying."""
