@@ -10,7 +10,10 @@ import tempfile
 import unittest
 import urllib.request
 
+from broker_messages import A, SETTINGS, event, topic
 from harness import BIN, SOURCE, EndToEnd, Server, run, wait_until
+from mosquitto import Mosquitto
+from mqtt_client import Client
 from prometheus import Prometheus
 
 ROBOTS = 6
@@ -144,10 +147,28 @@ class Scrapes(EndToEnd):
             seen = max(seen, received)
         self.assertGreater(seen, 1000)
 
+    def read_a_broker(self):
+        """From here on the server is one that reads a broker; what publishes there."""
+        broker = Mosquitto(self.folder)
+        self.open_things.append(broker)
+        broker.start()
+        settings = SETTINGS.format(port=broker.port, prefixes='""', media="off")
+        self.running = Server(self.folder / "reading", settings)
+        self.open_things.append(self.running)
+        self.running.start()
+        client = Client(broker.port, "twin")
+        self.open_things.append(client)
+        return client
+
     def test_a_real_prometheus_answers_the_questions(self):
+        twin = self.read_a_broker()
         fleet = self.at_work()
         prometheus = Prometheus(self.folder, self.running)
         self.open_things.append(prometheus)
+        # A rate has to see that it grows.
+        prometheus.wait_for_value("uplinkd_mqtt_ack_seconds_count", 0)
+        prometheus.wait_for_value('uplinkd_mqtt_connected{connection="durable"}', 1)
+        twin.publish(topic(A, "event"), event(1), qos=1)
         prometheus.wait_for_value("sum(rcan_robot_online)", ROBOTS)
         ((_, battery),) = prometheus.wait_for("avg(rcan_robot_battery_pct)")
         self.assertTrue(0 < battery <= 100, battery)
