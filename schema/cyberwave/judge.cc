@@ -195,15 +195,11 @@ std::optional<Body> UnreadBody(const Topic& topic, std::size_t bytes) {
   return std::nullopt;
 }
 
-/// The judgement by topic and size; nothing but those is decided if `settled` is false.
-struct Outside {
-  Judgement judgement;
-  bool settled = true;
-};
+}  // namespace
 
-Outside JudgeOutside(std::string_view topic, std::size_t bytes, const JudgeTerms& terms) {
-  Outside outside;
-  Judgement& judgement = outside.judgement;
+TopicJudgement JudgeTopic(std::string_view topic, std::size_t bytes, const JudgeTerms& terms) {
+  TopicJudgement judged;
+  Judgement& judgement = judged.judgement;
   TopicReading reading = ParseTopic(topic, terms.prefixes);
   judgement.topic = std::move(reading.topic);
   judgement.payload_bytes = bytes;
@@ -216,30 +212,31 @@ Outside JudgeOutside(std::string_view topic, std::size_t bytes, const JudgeTerms
   } else if (bytes > kMessageBytesMax) {
     judgement.verdict = schema::PayloadTooLarge(bytes, kMessageBytesMax).Describe();
   } else {
-    outside.settled = false;
+    judged.decided = false;
   }
-  return outside;
+  return judged;
 }
 
-}  // namespace
+Judgement JudgePayload(TopicJudgement&& judged, std::string_view payload, const JudgeTerms& terms) {
+  if (judged.decided) return std::move(judged.judgement);
+  try {
+    JudgeText(judged.judgement, payload, terms);
+  } catch (const std::exception& error) {
+    judged.judgement.verdict = schema::Malformed(error.what()).Describe();
+  }
+  return std::move(judged.judgement);
+}
 
 Judgement JudgeMessage(std::string_view topic, std::string_view payload, const JudgeTerms& terms) {
-  Outside outside = JudgeOutside(topic, payload.size(), terms);
-  if (outside.settled) return std::move(outside.judgement);
-  try {
-    JudgeText(outside.judgement, payload, terms);
-  } catch (const std::exception& error) {
-    outside.judgement.verdict = schema::Malformed(error.what()).Describe();
-  }
-  return std::move(outside.judgement);
+  return JudgePayload(JudgeTopic(topic, payload.size(), terms), payload, terms);
 }
 
 Judgement JudgeUnread(std::string_view topic, std::size_t bytes, const JudgeTerms& terms) {
-  Outside outside = JudgeOutside(topic, bytes, terms);
-  if (!outside.settled) {
-    outside.judgement.verdict = schema::Malformed("nothing of it was kept").Describe();
+  TopicJudgement judged = JudgeTopic(topic, bytes, terms);
+  if (!judged.decided) {
+    judged.judgement.verdict = schema::Malformed("nothing of it was kept").Describe();
   }
-  return std::move(outside.judgement);
+  return std::move(judged.judgement);
 }
 
 }  // namespace uplink::cyberwave

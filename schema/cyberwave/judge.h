@@ -72,6 +72,17 @@ struct Judgement {
 [[nodiscard]] Judgement JudgeMessage(std::string_view topic, std::string_view payload,
                                      const JudgeTerms& terms);
 
+/// The first half of JudgeMessage: what topic and size alone decide. A value.
+struct TopicJudgement {
+  Judgement judgement;
+  /// Whether that is all; else JudgePayload is the second half.
+  bool decided = true;
+};
+[[nodiscard]] TopicJudgement JudgeTopic(std::string_view topic, std::size_t bytes,
+                                        const JudgeTerms& terms);
+[[nodiscard]] Judgement JudgePayload(TopicJudgement&& judged, std::string_view payload,
+                                     const JudgeTerms& terms);
+
 /// The same for a payload of `bytes` of which nothing was kept: media are counted, signalling too,
 /// and other messages are judged by their size alone, which is over the limit.
 [[nodiscard]] Judgement JudgeUnread(std::string_view topic, std::size_t bytes,
