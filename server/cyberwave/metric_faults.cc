@@ -66,6 +66,17 @@ std::vector<model::Fault> MetricFaults::Take(const std::vector<std::string>& err
   return changes;
 }
 
+std::size_t MetricFaults::CountChanges(const std::vector<std::string>& errors) const {
+  std::set<std::string, std::less<>> named;
+  std::size_t stay = 0;
+  for (const std::string& error : errors) {
+    if (named.size() >= kMetricFaultsMax) break;
+    const auto [id, first] = named.insert(FaultIdOf(error));
+    if (first && active_.contains(*id)) ++stay;
+  }
+  return (named.size() - stay) + (active_.size() - stay);
+}
+
 void MetricFaults::Restore(const std::vector<std::string>& fault_ids) {
   for (const std::string& id : fault_ids) {
     if (active_.size() >= kMetricFaultsMax) return;

@@ -30,6 +30,8 @@ class MetricFaults final {
   /// have all of it stored: it is not made again.
   [[nodiscard]] std::vector<model::Fault> Take(const std::vector<std::string>& errors,
                                                std::int64_t unix_time_ms);
+  /// How many faults Take would give.
+  [[nodiscard]] std::size_t CountChanges(const std::vector<std::string>& errors) const;
   /// The ids of the active faults of this source that an earlier life of the server left, before
   /// the first metrics; without it they would stay. Those past the limit are passed over.
   void Restore(const std::vector<std::string>& fault_ids);

@@ -197,7 +197,7 @@ std::size_t TwinState::RecordsAtMost(const Judgement& judgement) const {
   const cw::Body* body = judgement.body();
   if (body == nullptr) return 0;
   if (const auto* metrics = std::get_if<cw::Metrics>(body)) {
-    return (metrics->errors ? metrics->errors->size() : 0) + faults_.active().size();
+    return metrics->errors ? faults_.CountChanges(*metrics->errors) : faults_.active().size();
   }
   return judgement.message_class == MessageClass::kDurable ? 1 : 0;
 }
