@@ -44,9 +44,9 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
     {MetricId::kMqttHeldBack, "uplinkd_mqtt_held_back", MetricType::kGauge, "0 or 1",
      "1 while a message at QoS 1 waits for room."},
     {MetricId::kMqttUnread, "uplinkd_mqtt_unread", MetricType::kGauge, "0 or 1",
-     "1 while the server is behind with what is at QoS 1, and no twin becomes offline: nothing "
-     "read for 1 s while reading is stopped or what waits gets no PUBACK, or one of the two or a "
-     "full window again and again for 10 s."},
+     "1 while the server is behind with its broker, and no twin becomes offline: nothing read at "
+     "QoS 1 for 1 s while reading is stopped or what waits gets no PUBACK, or one of the two, a "
+     "full window or live state unread again and again for 10 s."},
     {MetricId::kMqttTwins, "uplinkd_mqtt_twins", MetricType::kGauge, "robots",
      "Robots of twins of which this server has live state."},
     {MetricId::kMqttTwinsLimit, "uplinkd_mqtt_twins_limit", MetricType::kGauge, "robots",

@@ -85,24 +85,24 @@ struct BrokerSide::Parts {
   }
 
   store::TopicRounds::Context TopicsContext(const Context& context) {
-    return {.clock = context.clock,
-            .logger = context.logger,
-            .reader = context.reader,
-            .process = context.process,
-            .client_id = context.config.mqtt.client_id,
-            .prefixes = context.config.cyberwave.topic_prefixes,
-            .fleet_name = context.config.cyberwave.fleet,
-            .judge = [&leases = context.leases](
-                         const storage::ProcessId& process) { return leases.VerdictOf(process); },
-            .taken =
-                [this](broker::Grant grant) {
-                  loop.Post([this, grant = std::move(grant)] { broker.Begin(grant); });
-                },
-            .lost = [this] { loop.Post([this] { broker.End(); }); },
-            .reread =
-                [this](storage::DeliveryMemory memory) {
-                  loop.Post([this, memory = std::move(memory)] { broker.Remembered(memory); });
-                }};
+    return {
+        .clock = context.clock,
+        .logger = context.logger,
+        .reader = context.reader,
+        .process = context.process,
+        .client_id = context.config.mqtt.client_id,
+        .prefixes = context.config.cyberwave.topic_prefixes,
+        .judge = [&leases = context.leases](
+                     const storage::ProcessId& process) { return leases.VerdictOf(process); },
+        .taken =
+            [this](broker::Grant grant) {
+              loop.Post([this, grant = std::move(grant)] { broker.Begin(grant); });
+            },
+        .lost = [this] { loop.Post([this] { broker.End(); }); },
+        .reread =
+            [this](broker::Remembered remembered) {
+              loop.Post([this, remembered = std::move(remembered)] { broker.GoOn(remembered); });
+            }};
   }
 
   loop::EventLoop loop;

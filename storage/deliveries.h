@@ -61,8 +61,9 @@ struct Delivery {
 
 /// Stands on the last record of a message that a broker delivered. A value.
 struct MessageEnd {
-  /// Remembered with the records, unless one of them is fenced.
-  Delivery delivery;
+  /// Remembered with the records, unless one of them is fenced: the message itself, if it may come
+  /// again, and what came before it of the same robot and left no record. Not empty.
+  std::vector<Delivery> deliveries;
   /// Of the message, this one included: they stand one after the other in one batch, are of one
   /// robot and came under one lease. 1 to kMessageRecordsMax.
   std::uint32_t records = 1;

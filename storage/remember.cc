@@ -36,11 +36,12 @@ absl::StatusOr<DeliveryChanges> DeliveryChangesOf(const Batch& batch,
     if (!stand.ok()) return stand.status();
     if (!*stand) continue;
     const auto of_message = OutcomesOf(*record.message_end, place, outcomes);
-    const Delivery& delivery = record.message_end->delivery;
-    if (std::ranges::find(of_message, OutcomeKind::kFenced, &Outcome::kind) == of_message.end()) {
-      changes.added.push_back({hold, delivery});
+    const bool fenced =
+        std::ranges::find(of_message, OutcomeKind::kFenced, &Outcome::kind) != of_message.end();
+    for (const Delivery& delivery : record.message_end->deliveries) {
+      if (!fenced) changes.added.push_back({hold, delivery});
+      Forget(*hold, delivery.number, changes);
     }
-    Forget(*hold, delivery.number, changes);
   }
   for (const Deliveries& deliveries : batch.deliveries) {
     UPLINK_CHECK(deliveries.hold != nullptr, "deliveries come under a lease");

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
-#include "schema/cyberwave/filters.h"
+#include "server/broker/filters.h"
 #include "server/broker/limits.h"
 
 namespace uplink::broker {
@@ -80,22 +80,10 @@ void Broker::Start(Connection connection, bool expect_session) {
        .numbers = numbers_,
        .may_connect = [this] { return lease_ == nullptr || lease_->MayConnect(ask_since_); }});
   UPLINK_CHECK(client.ok(), "the configuration's settings were checked");
-  const absl::Status wanted = (*client)->SetFilters(FiltersOf(connection));
+  const absl::Status wanted = (*client)->SetFilters(FiltersOf(connection, context_.terms.prefixes));
   UPLINK_CHECK(wanted.ok(), "the configuration's prefixes make good filters");
   subscriber.SetClient(*std::move(client));
   subscriber.client()->Start();
-}
-
-std::vector<mqtt::Filter> Broker::FiltersOf(Connection connection) const {
-  std::vector<mqtt::Filter> filters;
-  const mqtt::Qos qos =
-      connection == Connection::kDurable ? mqtt::Qos::kAtLeastOnce : mqtt::Qos::kAtMostOnce;
-  for (const std::string& prefix : context_.terms.prefixes) {
-    for (std::string& topic : cyberwave::Filters(prefix, connection)) {
-      filters.push_back({.topic = std::move(topic), .qos = qos});
-    }
-  }
-  return filters;
 }
 
 void Broker::TakeBack(std::string_view topic) {
@@ -107,7 +95,9 @@ void Broker::TakeBack(std::string_view topic) {
   context_.logger.Info("mqtt_prefix_gone", {{"prefix", strays_.prefixes().back()}});
   // It makes good filters, as a prefix that may be configured.
   static_cast<void>(
-      Of(Connection::kDurable).client()->SetFilters(FiltersOf(Connection::kDurable), gone));
+      Of(Connection::kDurable)
+          .client()
+          ->SetFilters(FiltersOf(Connection::kDurable, context_.terms.prefixes), gone));
 }
 
 void Broker::StopClient(Connection connection) {
@@ -165,6 +155,8 @@ void Broker::OnSubscribed(Connection connection) {
 void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
   const cyberwave::Arrival arrived{context_.clock.Steady(), context_.clock.System()};
   if (connection != Connection::kDurable) return OnLive(connection, message, arrived);
+  // What faults its robot has is not known until the store was asked.
+  if (rereads_) return intake_.Refuse();
   const Intake::Processed taken = intake_.Process(message, arrived);
   if (intake_.was_stray()) TakeBack(message.publish.topic);
   if (taken == Intake::Processed::kHeldBack) {
@@ -246,10 +238,11 @@ void Broker::AfterWork() {
   if (lease_ != nullptr) lease_->RereadSoon();
 }
 
-void Broker::Remembered(const storage::DeliveryMemory& memory) {
+void Broker::GoOn(Remembered remembered) {
   if (!std::exchange(rereads_, false) || !began_ || draining_) return;
   StopClient(Connection::kDurable);
-  commits_.Reread(memory);
+  commits_.Reread(remembered.memory);
+  streams_.SetFaults(std::move(remembered.faults));
   Start(Connection::kDurable, true);
 }
 
@@ -271,8 +264,12 @@ void Broker::Tick() {
 }
 
 void Broker::NoteHearing() {
-  heard_.Look(began_ && Of(Connection::kDurable).subscribed() && Of(Connection::kLive).subscribed(),
-              client_probe(Connection::kDurable), unacked_max());
+  mqtt::Client* live = Of(Connection::kLive).client();
+  heard_.Look({.subscribed = began_ && Of(Connection::kDurable).subscribed() &&
+                             Of(Connection::kLive).subscribed(),
+               .unacked_max = unacked_max(),
+               .live_unread = live == nullptr ? 0 : live->unread()},
+              client_probe(Connection::kDurable));
   NoteStatuses();
 }
 

@@ -76,8 +76,8 @@ class Broker final : private SubscriberEvents {
 
   /// This process has the lease from now on.
   void Begin(Grant grant);
-  /// What the store remembers of deliveries, as LeaseView::RereadSoon asked.
-  void Remembered(const storage::DeliveryMemory& memory);
+  /// With what the store has, as LeaseView::RereadSoon asked.
+  void GoOn(Remembered remembered);
   /// This process has lost the lease.
   void End();
   /// Nothing more is read, so that what waits is settled.
@@ -131,7 +131,6 @@ class Broker final : private SubscriberEvents {
 
   void OnWakes();
   void Start(Connection connection, bool expect_session);
-  [[nodiscard]] std::vector<mqtt::Filter> FiltersOf(Connection connection) const;
   /// Takes back what the kept session subscribed to under that topic's prefix.
   void TakeBack(std::string_view topic);
   void StopClient(Connection connection);

@@ -21,7 +21,7 @@ bool Commits::IsKnown(const Delivered& message) {
   if (robot::Planted(robot::Mutation::kRedeliveryForgotten)) return false;
   const Redeliveries::Found found = redeliveries_.Find(message.packet_id, *message.digest);
   if (found.known == Redeliveries::Known::kNo) return false;
-  if (found.known == Redeliveries::Known::kCommitted) {
+  if (found.known == Redeliveries::Known::kSettled) {
     if (message.ack) due_.push_back(*message.ack);
     return true;
   }
@@ -34,9 +34,26 @@ bool Commits::IsKnown(const Delivered& message) {
   return true;
 }
 
-void Commits::SettleAtOnce(const Delivered& message) {
-  if (message.packet_id != 0) redeliveries_.End(message.packet_id);
+void Commits::SettleAtOnce(const Delivered& message, TwinStream* stream) {
   if (message.ack) due_.push_back(*message.ack);
+  if (message.packet_id == 0) return;
+  if (!message.digest) return redeliveries_.End(message.packet_id);
+  redeliveries_.AddSettled(message.packet_id, *message.digest);
+  if (stream == nullptr) return;
+  stream->settled.push_back(
+      {.number = 0, .packet_id = message.packet_id, .digest = message.digest});
+  if (stream->settled.size() > kSettledKept) stream->settled.erase(stream->settled.begin());
+}
+
+std::vector<storage::Delivery> Commits::Number(TwinStream& stream, const Delivered& message) {
+  std::vector<storage::Delivery> numbered = redeliveries_.Number(std::exchange(stream.settled, {}));
+  if (message.packet_id == 0) return numbered;
+  const storage::Delivery own{.number = redeliveries_.NextNumber(),
+                              .packet_id = message.packet_id,
+                              .digest = message.digest};
+  redeliveries_.AddWaiting(own, stream.id);
+  numbered.push_back(own);
+  return numbered;
 }
 
 bool Commits::Append(TwinStream& stream, const Delivered& message,
@@ -56,14 +73,11 @@ bool Commits::Append(TwinStream& stream, const Delivered& message,
     const std::size_t bytes = journal::CostOf(record);
     if (stream.robot->sessions.AddWaiting(stream.session, record.seq, bytes) == 0) return false;
   }
-  if (message.packet_id != 0) {
-    const storage::Delivery delivery{.number = redeliveries_.NextNumber(),
-                                     .packet_id = message.packet_id,
-                                     .digest = message.digest};
-    waiting.number = delivery.number;
-    redeliveries_.AddWaiting(delivery, stream.id);
+  std::vector<storage::Delivery> numbered = Number(stream, message);
+  if (!numbered.empty()) {
+    if (message.packet_id != 0) waiting.number = numbered.back().number;
     records.back().message_end = storage::MessageEnd{
-        .delivery = delivery, .records = static_cast<std::uint32_t>(records.size())};
+        .deliveries = std::move(numbered), .records = static_cast<std::uint32_t>(records.size())};
   }
   if (robot::Planted(robot::Mutation::kMessageAckedOnArrival) && waiting.ack) {
     due_.push_back(*std::exchange(waiting.ack, std::nullopt));

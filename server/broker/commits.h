@@ -37,7 +37,7 @@ class Commits final {
   /// What comes from now on comes under this lease, and this is known of what came before.
   void Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory);
   /// Under the same lease: what the store knows by now.
-  void Reread(const storage::DeliveryMemory& memory) { redeliveries_.Begin(memory); }
+  void Reread(const storage::DeliveryMemory& memory) { redeliveries_.Reread(memory); }
   /// The broker lost the session. Returns what is to be remembered of that.
   [[nodiscard]] storage::Deliveries EndSession();
   [[nodiscard]] const storage::TopicHoldRef& hold() const { return hold_; }
@@ -50,10 +50,10 @@ class Commits final {
     std::optional<mqtt::AckHandle> ack;
     SteadyTime arrived;
   };
-  /// Whether it came before, and waits or is committed: then it is acked when that is.
+  /// Whether it came before, and waits or is settled: then it is acked when that is.
   [[nodiscard]] bool IsKnown(const Delivered& message);
-  /// It is settled without a record, and may be acked.
-  void SettleAtOnce(const Delivered& message);
+  /// It is settled without a record, and may be acked. `stream` is its twin's; null if it has none.
+  void SettleAtOnce(const Delivered& message, TwinStream* stream);
   /// Its records go to the journal: without robot, session, number, which are the stream's. False
   /// if another process adopted the robot since: nothing of it is written.
   [[nodiscard]] bool Append(TwinStream& stream, const Delivered& message,
@@ -71,6 +71,9 @@ class Commits final {
   [[nodiscard]] bool TakeFenced() { return std::exchange(fenced_, false); }
 
  private:
+  /// What the store is to remember with the message's records: of its twin what was settled
+  /// before it without a record, and at QoS 1 itself, the last.
+  [[nodiscard]] std::vector<storage::Delivery> Number(TwinStream& stream, const Delivered& message);
   void Settle(TwinStream& stream, const robot::Progress& progress);
   void Count(Became became, std::optional<model::RejectReason> reason);
   void Fence(TwinStream& stream);

@@ -15,9 +15,10 @@ bool IsStopped(const mqtt::ClientProbe& durable) {
 
 }  // namespace
 
-void Heard::Look(bool subscribed, const mqtt::ClientProbe& durable, std::size_t unacked_max) {
+void Heard::Look(const Standing& standing, const mqtt::ClientProbe& durable) {
   const SteadyTime now = clock_.Steady();
-  const Progress progress = NoteProgress(durable, unacked_max);
+  const bool subscribed = standing.subscribed;
+  const Progress progress = NoteProgress(durable, standing);
   if (!progress.stopped || progress.read) {
     unread_since_.reset();
   } else if (!unread_since_) {
@@ -44,7 +45,7 @@ void Heard::Look(bool subscribed, const mqtt::ClientProbe& durable, std::size_t 
   }
 }
 
-Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, std::size_t unacked_max) {
+Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, const Standing& standing) {
   const std::int64_t messages = durable.messages[0].value() + durable.messages[1].value();
   const std::int64_t pubacks = durable.pubacks.value();
   const std::int64_t stops = durable.window_stops.value() + probe_.held_back_total.value();
@@ -54,10 +55,11 @@ Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, std::size_
   const bool stuck = std::exchange(pubacks_then_, pubacks) == pubacks && unacked > 0;
   const bool stopped = IsStopped(durable) || stuck;
   const bool stopped_since = std::exchange(stops_then_, stops) != stops;
-  const bool full = unacked >= static_cast<std::int64_t>(unacked_max);
+  const bool full = unacked >= static_cast<std::int64_t>(standing.unacked_max);
+  const bool live_behind = standing.live_unread >= kLiveBehindBytes;
   return {.read = std::exchange(messages_then_, messages) != messages,
           .stopped = stopped,
-          .behind = stopped || stopped_since || full};
+          .behind = stopped || stopped_since || full || live_behind};
 }
 
 fleet::Fleet::Hearing Heard::hearing() const {

@@ -21,9 +21,17 @@ class Heard final {
   /// Both outlive it; `probe` shows whether we read.
   Heard(const Clock& clock, BrokerProbe& probe) : clock_(clock), probe_(probe) {}
 
+  /// Where the connections stand. A value.
+  struct Standing {
+    bool subscribed = false;
+    std::size_t unacked_max = 0;
+    /// Bytes of the live connection that wait in the system. Where many do, we are too slow, and
+    /// the broker drops what else is for us.
+    std::size_t live_unread = 0;
+  };
   /// To be called each second, and when a connection ends. `durable` counts for the connection
   /// whose messages may stay unread.
-  void Look(bool subscribed, const mqtt::ClientProbe& durable, std::size_t unacked_max);
+  void Look(const Standing& standing, const mqtt::ClientProbe& durable);
 
   [[nodiscard]] fleet::Fleet::Hearing hearing() const;
   /// Nothing while we are not subscribed.
@@ -40,7 +48,7 @@ class Heard final {
     /// for longer.
     bool behind = false;
   };
-  [[nodiscard]] Progress NoteProgress(const mqtt::ClientProbe& durable, std::size_t unacked_max);
+  [[nodiscard]] Progress NoteProgress(const mqtt::ClientProbe& durable, const Standing& standing);
 
   const Clock& clock_;
   BrokerProbe& probe_;

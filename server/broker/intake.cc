@@ -5,6 +5,7 @@
 #include "schema/cyberwave/topic.h"
 #include "server/broker/digest.h"
 #include "server/broker/message_cost.h"
+#include "server/broker/outcome.h"
 #include "server/broker/records_of.h"
 #include "server/cyberwave/whose.h"
 #include "storage/origin.h"
@@ -23,29 +24,14 @@ struct Intake::Processing {
   cyberwave::Judgement judgement{};
   /// Stays when the judgement is taken.
   cyberwave::Topic topic{};
+  /// Where it is written to; null while that is not known.
+  TwinStream* stream = nullptr;
   MessageCounts counts{};
 
   [[nodiscard]] const mqtt::Publish& publish() const { return message.publish; }
 };
 
 namespace {
-
-Became BecameOf(cyberwave::Outcome outcome) {
-  switch (outcome) {
-    case cyberwave::Outcome::kApplied:
-      return Became::kApplied;
-    case cyberwave::Outcome::kSuperseded:
-      return Became::kSuperseded;
-    case cyberwave::Outcome::kObserved:
-      return Became::kObserved;
-    case cyberwave::Outcome::kStored:
-      return Became::kStored;
-    case cyberwave::Outcome::kRejected:  // it does not come so far
-    case cyberwave::Outcome::kIgnored:
-      break;
-  }
-  return Became::kIgnored;
-}
 
 void CountTopic(BrokerProbe& probe, TopicKind kind) {
   probe.topics[static_cast<std::size_t>(kind)].Add();
@@ -89,6 +75,12 @@ void Intake::DropHeldBack() {
   context_.ledger.Publish(counts);
 }
 
+void Intake::Refuse() {
+  MessageCounts counts{.received = 1};
+  counts.Count(Became::kRefused);
+  context_.ledger.Publish(counts);
+}
+
 void Intake::WakeWhenRoom(robot::StreamRef stream) const {
   if (full_ != nullptr) full_->WhenRoom(stream);
 }
@@ -114,31 +106,45 @@ bool Intake::WasBefore(Processing& processing) {
 }
 
 Intake::Processed Intake::Judge(Processing& processing) {
-  const mqtt::Publish& publish = processing.publish();
-  processing.judgement =
-      publish.payload
-          ? cyberwave::JudgeMessage(publish.topic, *publish.payload, context_.terms)
-          : cyberwave::JudgeUnread(publish.topic, publish.payload_bytes, context_.terms);
-  const cyberwave::Judgement& judgement = processing.judgement;
-  processing.topic = judgement.topic;
-  was_stray_ = judgement.topic.kind == TopicKind::kOther;
+  PayloadJudge::Judged judged = payloads_.Judge(processing.publish(), processing.arrived.steady);
+  processing.judgement = std::move(judged.judgement);
+  processing.topic = processing.judgement.topic;
+  if (judged.over_budget) {
+    CountTopic(context_.probe, processing.topic.kind);
+    RejectUnkept(processing, model::RejectReason::kRateLimited);
+    return Processed::kDone;
+  }
+  was_stray_ = processing.topic.kind == TopicKind::kOther;
   if (was_stray_) {
     Settle(processing, Became::kIgnored);
     return Processed::kDone;
   }
-  if (judgement.topic.kind == TopicKind::kPing && judgement.rejection() == nullptr) {
-    CountTopic(context_.probe, TopicKind::kPing);
-    pongs_.Answer(processing.topic, publish.correlation, processing.arrived);
-    Settle(processing, Became::kObserved);
+  if (processing.topic.kind == TopicKind::kPing) {
+    AnswerPing(processing);
     return Processed::kDone;
   }
-  const auto place = PlaceOf(processing);
+  const auto place = context_.streams.PlaceOf(processing.judgement);
   if (!place) {
     Settle(processing, Became::kObserved);
     return Processed::kDone;
   }
   return place->stream != nullptr ? Write(processing, *place->stream)
                                   : WriteNowhere(processing, *place);
+}
+
+void Intake::AnswerPing(Processing& processing) {
+  CountTopic(context_.probe, TopicKind::kPing);
+  if (const model::Rejection* rejection = processing.judgement.rejection()) {
+    // Anybody may ping under any name: a row would be one of nobody's.
+    return RejectUnkept(processing, rejection->reason);
+  }
+  pongs_.Answer(processing.topic, processing.publish().correlation, processing.arrived);
+  Settle(processing, Became::kObserved);
+}
+
+void Intake::RejectUnkept(Processing& processing, model::RejectReason reason) {
+  ++processing.counts.rejects[static_cast<std::size_t>(reason)];
+  Settle(processing, Became::kRejected);
 }
 
 Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams::Opened& place) {
@@ -172,33 +178,19 @@ Intake::Processed Intake::Wait(Processing& processing) {
   return Processed::kDone;
 }
 
-std::optional<TwinStreams::Opened> Intake::PlaceOf(const Processing& processing) {
-  const cyberwave::Judgement& judgement = processing.judgement;
-  const cyberwave::Topic& topic = judgement.topic;
-  if (cyberwave::RobotOf(judgement).has_value()) {
-    const std::string ruri = cyberwave::RuriOf(judgement);
-    if (TwinStream* stream = context_.streams.Find(ruri);
-        stream != nullptr && !stream->ending && !stream->ended) {
-      return TwinStreams::Opened{.stream = stream};
-    }
-    const bool durable = judgement.message_class == MessageClass::kDurable;
-    const bool speaks = cyberwave::SignOfLifeOf(judgement) == cyberwave::RobotOf(judgement) ||
-                        (durable && judgement.rejection() == nullptr);
-    // Who only commands a twin, or looks at it, does not make it exist.
-    if (speaks || context_.fleet.Find(ruri) != nullptr) {
-      return context_.streams.FindOrOpen({.ruri = ruri, .prefix = topic.prefix, .twin = topic.id});
-    }
-    if (judgement.rejection() == nullptr) return std::nullopt;
-  }
-  return context_.streams.FindOrOpenStandIn(topic.prefix);
-}
-
 bool Intake::HasRoom(TwinStream& stream) {
   const bool room =
       stream.journal->HasRoom() &&
       stream.robot->flow.LookAtDisk(context_.clock.Steady()).by == robot::HeldBack::kNone;
   full_ = stream.journal->HasRoom() ? nullptr : stream.journal;
   return room;
+}
+
+bool Intake::HasShare(const Processing& processing, const TwinStream& stream) const {
+  // At QoS 1 it would hold all others back with it, and each ack holds its publisher back.
+  if (processing.delivered.packet_id != 0) return true;
+  return stream.journal->RoomFor(stream.robot->sessions.journal_use(),
+                                 processing.publish().payload_bytes) != journal::Room::kShareFull;
 }
 
 void Intake::NoteLife(const Processing& processing, TwinStream& stream) const {
@@ -209,22 +201,22 @@ void Intake::NoteLife(const Processing& processing, TwinStream& stream) const {
 }
 
 Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
+  processing.stream = &stream;
   stream.used_at = processing.arrived.steady;
   if (!processing.held_back) NoteLife(processing, stream);
   const std::size_t records = RecordsAtMost(processing.judgement, stream);
-  if (records > 0 && !HasRoom(stream)) return Wait(processing);
+  if (records > 0 && (!HasRoom(stream) || !HasShare(processing, stream))) return Wait(processing);
   CountTopic(context_.probe, processing.topic.kind);
   const auto fill = context_.journal_over_half() ? cyberwave::JournalFill::kOverHalf
                                                  : cyberwave::JournalFill::kUpToHalf;
   if (const auto limited =
           LimitOf(processing.judgement, stream, records, fill, context_.clock.Steady())) {
     context_.limited_log.Tell(stream, limited->detail, context_.clock.Steady());
-    ++processing.counts.rejects[static_cast<std::size_t>(limited->reason)];
-    Settle(processing, Became::kRejected);
+    RejectUnkept(processing, limited->reason);
   } else if (const model::Rejection* rejection = processing.judgement.rejection()) {
     Reject(processing, stream, *rejection);
   } else {
-    NoteOdd(processing);
+    CountOdd(processing.judgement, processing.counts, context_.probe);
     Apply(processing, stream);
   }
   return Processed::kDone;
@@ -276,24 +268,10 @@ void Intake::Append(Processing& processing, TwinStream& stream,
   context_.ledger.Publish(counts);
 }
 
-void Intake::NoteOdd(Processing& processing) const {
-  cyberwave::Judgement& judgement = processing.judgement;
-  for (const model::DroppedField& field : judgement.dropped) {
-    ++processing.counts.dropped[static_cast<std::size_t>(field.reason)];
-  }
-  for (const model::UntoldFields& fields : judgement.untold) {
-    processing.counts.dropped[static_cast<std::size_t>(fields.reason)] += fields.fields;
-  }
-  if (judgement.times_unknown > 0) context_.probe.times_unknown.Add(judgement.times_unknown);
-  if (judgement.control_characters > 0) {
-    context_.probe.control_characters.Add(judgement.control_characters);
-  }
-}
-
 void Intake::Settle(Processing& processing, Became became) {
   processing.counts.Count(became);
   context_.ledger.Publish(processing.counts);
-  context_.commits.SettleAtOnce(processing.delivered);
+  context_.commits.SettleAtOnce(processing.delivered, processing.stream);
 }
 
 }  // namespace uplink::broker

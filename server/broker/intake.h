@@ -12,6 +12,7 @@
 #include "server/broker/held_back_message.h"
 #include "server/broker/limited_log.h"
 #include "server/broker/message_counts.h"
+#include "server/broker/payload_judge.h"
 #include "server/broker/pongs.h"
 #include "server/broker/probe.h"
 #include "server/broker/twin_streams.h"
@@ -35,7 +36,7 @@ class Intake final {
     Commits& commits;
     MessageLedger& ledger;
     BrokerProbe& probe;
-    /// Of twins that are too many, and of those that send too much: neither silences the other.
+    /// Of twins that are too many, and of those that send too much: none silences another.
     log::RateLimited& refused_log;
     LimitedLog& limited_log;
     cyberwave::JudgeTerms terms;
@@ -46,7 +47,9 @@ class Intake final {
     Pongs::Publish publish;
   };
   explicit Intake(Context context)
-      : context_(std::move(context)), pongs_(context_.publish, context_.probe) {}
+      : context_(std::move(context)),
+        pongs_(context_.publish, context_.probe),
+        payloads_(context_.terms, context_.limited_log) {}
 
   enum class Processed : std::uint8_t {
     kDone,
@@ -62,6 +65,8 @@ class Intake final {
   [[nodiscard]] bool was_stray() const { return was_stray_; }
   /// The message that was held does not come back to us.
   void DropHeldBack();
+  /// A message arrives that is not wanted now; at QoS 1 it comes again.
+  void Refuse();
   /// Wakes `stream` once the journal has room that had none for the message that is held.
   void WakeWhenRoom(robot::StreamRef stream) const;
 
@@ -72,26 +77,29 @@ class Intake final {
   [[nodiscard]] Processed ProcessOne(Processing& processing);
   [[nodiscard]] bool WasBefore(Processing& processing);
   [[nodiscard]] Processed Judge(Processing& processing);
-  /// Where the message is written to; nothing if nowhere, since it proves no robot.
-  [[nodiscard]] std::optional<TwinStreams::Opened> PlaceOf(const Processing& processing);
   [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);
   [[nodiscard]] Processed Write(Processing& processing, TwinStream& stream);
   [[nodiscard]] bool HasRoom(TwinStream& stream);
+  /// Whether its robot has not yet as much of the journal as one may have (journal.robot_share).
+  [[nodiscard]] bool HasShare(const Processing& processing, const TwinStream& stream) const;
   /// Only when the message arrives first, not when it is processed again.
   void NoteLife(const Processing& processing, TwinStream& stream) const;
+  void AnswerPing(Processing& processing);
+  /// Without a row of quarantine.
+  void RejectUnkept(Processing& processing, model::RejectReason reason);
   void Reject(Processing& processing, TwinStream& stream, const model::Rejection& rejection);
   void Apply(Processing& processing, TwinStream& stream);
   void Append(Processing& processing, TwinStream& stream,
               std::vector<storage::CommitRecord> records,
               std::optional<model::RejectReason> rejected);
-  void NoteOdd(Processing& processing) const;
   /// It is settled now.
   void Settle(Processing& processing, Became became);
 
   const Context context_;
   Pongs pongs_;
+  PayloadJudge payloads_;
   bool was_stray_ = false;
   /// The journal that had no room for it.
   journal::Journal* full_ = nullptr;

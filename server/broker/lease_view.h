@@ -17,6 +17,12 @@ struct Grant {
   FaultsByRobot faults;
 };
 
+/// What the store has by now, under the lease that this process has. A value.
+struct Remembered {
+  storage::DeliveryMemory memory;
+  FaultsByRobot faults;
+};
+
 /// Who has the lease of our topics, as the thread that asks the store last found. Thread: any.
 class LeaseView {
  public:
@@ -27,8 +33,8 @@ class LeaseView {
   /// A look is wanted soon: somebody ended a connection of ours, which another process may have
   /// now.
   virtual void LookSoon() = 0;
-  /// What the store remembers of deliveries is to be read again soon: whether what waited was
-  /// committed is not known here. It is told by Broker::Remembered.
+  /// What the store remembers of deliveries and has of faults is to be read again soon: whether
+  /// what waited was committed is not known here. It is told by Broker::GoOn.
   virtual void RereadSoon() = 0;
   /// The store could not be asked at the last look.
   [[nodiscard]] virtual bool failing() const = 0;

@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "schema/cyberwave/topic.h"
 #include "server/broker/twin_stream.h"
 #include "server/log/rate_limited.h"
 
@@ -20,6 +21,8 @@ class LimitedLog final {
 
   /// One more message of this stream was rejected.
   void Tell(TwinStream& stream, std::string_view why, SteadyTime now);
+  /// Messages under this topic's id are not looked into, as ByteBudgets says.
+  void Tell(const cyberwave::Topic& topic);
 
  private:
   log::RateLimited lines_;

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "server/config/config.h"
+#include "server/robot/token_bucket.h"
 #include "storage/deliveries.h"
 
 namespace uplink::broker {
@@ -21,6 +23,21 @@ inline constexpr std::chrono::seconds kBehindShownAfter{10};
 inline constexpr std::chrono::seconds kTickLate{3};
 /// Twins whose faults are remembered while they are not in memory, for each that may be.
 inline constexpr std::size_t kFaultsKeptShare = 2;
+/// Payloads at QoS 0 that one id may have us look into: 65 of the largest in a second, which take a
+/// fortieth of a core. A camera's are not looked into.
+inline constexpr robot::BucketSize kBytesOfId{.rate = 4 * config::kMiB, .burst = 32 * config::kMiB};
+/// Smaller ones take no longer to read than to send.
+inline constexpr std::size_t kBudgetedBytesMin = 512;
+/// Ids that have a budget of their own: more than there may be twins by default.
+inline constexpr std::size_t kBudgetsMax = 32'768;
+/// How long a robot's stream is not opened anew that an operator ended, so that the robot can be
+/// forgotten although it speaks.
+inline constexpr std::chrono::seconds kRestAfterDrop{5};
+/// What lies unread in the kernel of the live connection at a look where we are too slow for it.
+inline constexpr std::size_t kLiveBehindBytes = std::size_t{128} * 1024;
+/// Messages at QoS 1 of a twin that were settled without a record, such as metrics without news of
+/// faults, and are to be remembered with its next record.
+inline constexpr std::size_t kSettledKept = 256;
 /// The window for which deliveries are remembered (storage::DeliveriesKept), whatever
 /// mqtt.unacked_max is: the largest. A broker may send far more than it was asked to. mosquitto
 /// before 2.0.13 does so once it has a queue, as many further messages with each PUBACK as the

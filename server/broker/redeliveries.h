@@ -3,26 +3,31 @@
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 #include "storage/deliveries.h"
 
 namespace uplink::broker {
 
 /// Which messages at QoS 1 the broker may deliver again, by their packet ids: those that wait for
-/// their commit, and the last ones that were committed. The store has the latter too, written with
-/// their rows, so that the next process begins with them.
+/// their commit, the last ones that were committed, and the last ones that were settled without a
+/// record. The store has the committed ones too, written with their rows, so that the next process
+/// begins with them. Of the others it gets those that stand before a committed one of their twin:
+/// if they came again as new ones, they would come after it.
 ///
 /// Limits:  an entry per packet id, of which there are 65,535.
 /// Thread:  confined to its owner's.
 class Redeliveries final {
  public:
   /// `kept_max` as storage::DeliveriesKept.
-  explicit Redeliveries(std::uint32_t kept_max) : kept_max_(kept_max) {}
+  explicit Redeliveries(std::uint32_t kept_max) : kept_max_(kept_max), last_ordinal_(kept_max) {}
 
-  /// Begins with what the store knows. What waits here is known better.
-  void Begin(const storage::DeliveryMemory& memory);
+  /// Begins with what the store knows, under a new lease. What waits here is known better.
+  void Begin(const storage::DeliveryMemory& memory) { Load(memory, false); }
+  /// The same under the lease that we have: what was settled without a record is known still.
+  void Reread(const storage::DeliveryMemory& memory) { Load(memory, true); }
 
-  enum class Known : std::uint8_t { kNo, kWaits, kCommitted };
+  enum class Known : std::uint8_t { kNo, kWaits, kSettled };
   struct Found {
     Known known = Known::kNo;
     /// Of one that waits: the stream in which it does, and its number.
@@ -36,8 +41,13 @@ class Redeliveries final {
   [[nodiscard]] std::uint64_t NextNumber() { return ++last_number_; }
   /// A new message waits under the id: what the id meant before has ended.
   void AddWaiting(const storage::Delivery& delivery, std::uint64_t stream);
+  /// A new message under the id is settled without a record.
+  void AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest);
+  /// Of messages that were settled so, as they were given to AddSettled: those that are known still
+  /// and not in the store, with numbers under which the store is to remember them.
+  [[nodiscard]] std::vector<storage::Delivery> Number(std::vector<storage::Delivery> settled);
   /// A new message under the id is settled at once, and not remembered.
-  void End(std::uint16_t packet_id) { known_.erase(packet_id); }
+  void End(std::uint16_t packet_id);
   /// It was committed.
   void Commit(std::uint16_t packet_id, std::uint64_t number);
   /// It was not, and never will be: it is new when it comes again.
@@ -49,14 +59,20 @@ class Redeliveries final {
 
  private:
   struct Entry {
+    /// 0: the store does not have it.
     std::uint64_t number = 0;
+    /// Counts all messages at QoS 1, those that got no number too: packet ids come round by it.
+    std::uint64_t ordinal = 0;
     std::optional<storage::DeliveryDigest> digest;
-    /// 0: it is committed.
+    /// 0: it is settled.
     std::uint64_t stream = 0;
   };
+  void Load(const storage::DeliveryMemory& memory, bool keep_settled);
 
   const std::uint32_t kept_max_;
   std::uint64_t last_number_ = 0;
+  /// Of what the store knows only the numbers are known, which are as far apart or less.
+  std::uint64_t last_ordinal_;
   std::unordered_map<std::uint16_t, Entry> known_;
 };
 

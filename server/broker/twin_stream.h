@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
@@ -36,6 +37,9 @@ struct TwinStream {
   journal::Journal* journal = nullptr;
   /// In order of their numbers.
   std::deque<WaitingMessage> waiting;
+  /// Messages at QoS 1 that were settled without a record since the last one with records, the last
+  /// kSettledKept, without numbers: they are remembered with the next records (Commits::Number).
+  std::vector<storage::Delivery> settled;
   SteadyTime used_at;
   /// When the log last named it for its rate (LimitedLog).
   std::optional<SteadyTime> limited_told_at;

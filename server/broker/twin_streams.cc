@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/broker/limits.h"
+#include "server/cyberwave/whose.h"
 #include "storage/origin.h"
 
 namespace uplink::broker {
@@ -48,6 +49,10 @@ TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
     if (!Revive(*stream)) return {.too_many = true};
     return {.stream = stream};
   }
+  if (const auto rests = rests_.find(named.ruri); rests != rests_.end()) {
+    if (context_.clock.Steady() < rests->second) return {};
+    rests_.erase(rests);
+  }
   cyberwave::TwinPtr twin = context_.twins.FindOrAdd(named.ruri, named.twin);
   if (twin == nullptr) return {.too_many = true};
   auto robot = context_.fleet.FindOrAdmit({.ruri = named.ruri, .fleet = context_.fleet_name});
@@ -58,6 +63,25 @@ TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
   TwinStream* stream = Open(*std::move(robot), std::move(twin));
   if (stream != nullptr) stream->rates = RatesOf(named);
   return {.stream = stream};
+}
+
+std::optional<TwinStreams::Opened> TwinStreams::PlaceOf(const cyberwave::Judgement& judgement) {
+  const cyberwave::Topic& topic = judgement.topic;
+  if (cyberwave::RobotOf(judgement).has_value()) {
+    const std::string ruri = cyberwave::RuriOf(judgement);
+    if (TwinStream* stream = Find(ruri); stream != nullptr && !stream->ending && !stream->ended) {
+      return Opened{.stream = stream};
+    }
+    const bool durable = judgement.message_class == cyberwave::MessageClass::kDurable;
+    const bool speaks = cyberwave::SignOfLifeOf(judgement) == cyberwave::RobotOf(judgement) ||
+                        (durable && judgement.rejection() == nullptr);
+    // Who only commands a twin, or looks at it, does not make it exist.
+    if (speaks || context_.fleet.Find(ruri) != nullptr) {
+      return FindOrOpen({.ruri = ruri, .prefix = topic.prefix, .twin = topic.id});
+    }
+    if (judgement.rejection() == nullptr) return std::nullopt;
+  }
+  return FindOrOpenStandIn(topic.prefix);
 }
 
 TwinStreams::Opened TwinStreams::FindOrOpenStandIn(const std::string& prefix) {
@@ -155,13 +179,22 @@ void TwinStreams::Close(TwinStream& stream) {
 }
 
 void TwinStreams::Drop(TwinStream& stream) {
-  if (stream.twin != nullptr) context_.twins.Remove(stream.ruri());
+  if (stream.twin != nullptr) {
+    context_.twins.Remove(stream.ruri());
+    rests_[stream.ruri()] = context_.clock.Steady() + kRestAfterDrop;
+  }
   Close(stream);
 }
 
 void TwinStreams::Lose(TwinStream& stream) {
-  if (stream.twin != nullptr) Forget(*stream.twin);
+  if (stream.twin != nullptr) context_.twins.Remove(stream.ruri());
   Close(stream);
+}
+
+void TwinStreams::SetFaults(FaultsByRobot faults) {
+  faults_ = std::move(faults);
+  std::erase_if(faults_,
+                [this](const auto& each) { return context_.twins.Find(each.first) != nullptr; });
 }
 
 bool TwinStreams::Revive(TwinStream& stream) {
@@ -188,6 +221,7 @@ void TwinStreams::CloseIdle() {
   }
   for (TwinStream* stream : idle) Close(*stream);
   std::erase_if(rates_, [](const auto& kept) { return kept.second.expired(); });
+  std::erase_if(rests_, [now](const auto& rest) { return rest.second <= now; });
 }
 
 void TwinStreams::ForgetLeft() {

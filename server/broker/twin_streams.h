@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "schema/cyberwave/judge.h"
 #include "schema/cyberwave/ruri.h"
 #include "schema/model/cyberwave/uuid.h"
 #include "server/broker/twin_stream.h"
@@ -57,12 +59,14 @@ class TwinStreams final {
   [[nodiscard]] TwinStream* FindById(std::uint64_t id);
   struct Opened {
     /// Null if there are too many robots, if all sessions of this one wait for the store, or if its
-    /// stream was ended and is not gone yet.
+    /// stream was ended and is not gone yet, or went just now.
     TwinStream* stream = nullptr;
     bool too_many = false;
   };
   /// The same, opened if it has none.
   [[nodiscard]] Opened FindOrOpen(const Named& named);
+  /// Where a message is written to; nothing if nowhere, since it proves no robot.
+  [[nodiscard]] std::optional<Opened> PlaceOf(const cyberwave::Judgement& judgement);
   /// What stands for no robot under that prefix.
   [[nodiscard]] Opened FindOrOpenStandIn(const std::string& prefix);
 
@@ -72,9 +76,11 @@ class TwinStreams final {
   void OpenKnown(const std::vector<std::string>& prefixes, Which which);
   /// The stream takes no more messages. It must have none that waits.
   void Close(TwinStream& stream);
-  /// An operator ended it, who wants the robot forgotten: so is what it said.
+  /// An operator ended it, who wants the robot forgotten: so is what it said. None is opened for
+  /// the robot within kRestAfterDrop, whatever it says.
   void Drop(TwinStream& stream);
-  /// Another process has the robot: what it said here counts no more.
+  /// Another process has the robot: what it said here counts no more, and what faults of it were
+  /// stored the store alone knows.
   void Lose(TwinStream& stream);
   /// Streams that said nothing for kStreamIdleMax are closed, and twins forgotten whose robots left
   /// memory.
@@ -83,8 +89,8 @@ class TwinStreams final {
   /// All end: at once, or when nothing of them waits.
   void EndAll();
 
-  /// What the store has, for robots that are heard for the first time.
-  void SetFaults(FaultsByRobot faults) { faults_ = std::move(faults); }
+  /// What the store has, for robots that are not in memory: of those it is known better here.
+  void SetFaults(FaultsByRobot faults);
 
   [[nodiscard]] std::size_t size() const { return by_id_.size(); }
 
@@ -106,6 +112,8 @@ class TwinStreams final {
   std::unordered_map<std::string, std::weak_ptr<cyberwave::TwinRates>> rates_;
   /// Those of robots that were not heard yet.
   FaultsByRobot faults_;
+  /// When streams may be opened again that an operator ended.
+  std::unordered_map<std::string, SteadyTime> rests_;
   /// Stands for none, and changes no presence.
   const robot::PresenceChanged untold_;
 };

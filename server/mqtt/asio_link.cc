@@ -33,6 +33,11 @@ class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink
   void Open(const Url& url, const TlsTexts& tls) override;
   void Read() override;
   [[nodiscard]] std::string_view input() const override { return {input_.data(), input_bytes_}; }
+  [[nodiscard]] std::size_t unread() const override {
+    Error error;
+    const std::size_t bytes = socket_.is_open() ? socket_.available(error) : 0;
+    return error ? 0 : bytes;
+  }
   void Write(std::string bytes) override;
   void WakeAt(SteadyTime time) override;
   void Close(std::string last) override;

@@ -82,6 +82,8 @@ class Client final : private LinkEvents, private ConversationEvents {
   void ReadAgain();
 
   /// A snapshot. Thread: any.
+  /// Bytes that came from the broker and were not read yet (Link::unread). Its own thread.
+  [[nodiscard]] std::size_t unread() const { return link_ == nullptr ? 0 : link_->unread(); }
   [[nodiscard]] ClientStatus status() const;
 
  private:

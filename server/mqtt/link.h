@@ -45,6 +45,9 @@ class Link {
   virtual void Read() = 0;
   /// What the last Read brought, until the next one begins.
   [[nodiscard]] virtual std::string_view input() const = 0;
+  /// Bytes that came and were not read yet, as far as the system tells; 0 where there is no
+  /// connection.
+  [[nodiscard]] virtual std::size_t unread() const = 0;
   /// One at a time; then OnWritten. If it cannot be written, OnDown comes from the read that is
   /// under way, since what the broker said before may still be there, and else at once.
   virtual void Write(std::string bytes) = 0;

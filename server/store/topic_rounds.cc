@@ -67,11 +67,13 @@ absl::Status TopicRounds::RereadIfAsked() {
   }
   auto memory = leases_->MemoryOf(context_.client_id);
   if (!memory.ok()) return memory.status();
+  auto faults = ReadFaults();
+  if (!faults.ok()) return faults.status();
   {
     const std::lock_guard lock(mutex_);
     reread_ = false;
   }
-  context_.reread(*std::move(memory));
+  context_.reread({*std::move(memory), *std::move(faults)});
   return absl::OkStatus();
 }
 
@@ -122,7 +124,8 @@ absl::Status TopicRounds::Take(const std::vector<storage::TopicLease>& leases, S
 
 absl::StatusOr<broker::FaultsByRobot> TopicRounds::ReadFaults() {
   broker::FaultsByRobot faults;
-  storage::HistoryQuery query{.fleet = context_.fleet_name};
+  // Of whatever fleet: that of twins may have been another one.
+  storage::HistoryQuery query;
   query.page_size = storage::kPageSizeMax;
   while (true) {
     const auto page = context_.reader.FaultsActive(query);

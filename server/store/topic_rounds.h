@@ -49,14 +49,12 @@ class TopicRounds final : public broker::LeaseView {
     storage::ProcessId process{};
     std::string client_id;
     std::vector<std::string> prefixes;
-    /// Of which fleet twins are.
-    std::string fleet_name;
     /// Whether a process that has a lease is over, and where it is; empty: it was not judged yet.
     std::function<std::optional<LeaseJudge::Verdict>(const storage::ProcessId& process)> judge;
     /// Told on the thread of the looks.
     std::function<void(broker::Grant grant)> taken;
     std::function<void()> lost;
-    std::function<void(storage::DeliveryMemory memory)> reread;
+    std::function<void(broker::Remembered remembered)> reread;
   };
   TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context);
   ~TopicRounds() override;

@@ -137,7 +137,7 @@ TEST_P(TopicLeaseContract, NothingIsWrittenOfWhatCameUnderALeaseThatIsOver) {
   batch.records = {Under(Hold(stale), Good(1)), Under(Hold(stale), Bad(2)), Good(3),
                    Under(Hold(stale, "never"), Good(4)), Under(Hold(taken), Good(5))};
   batch.records[0].message_end =
-      storage::MessageEnd{.delivery = {1, 7, storage::DeliveryDigest{1}}};
+      storage::MessageEnd{.deliveries = {{1, 7, storage::DeliveryDigest{1}}}};
   batch.deliveries = {{Hold(stale), {{2, 8, storage::DeliveryDigest{2}}}}};
   std::vector<OutcomeKind> kinds;
   for (const storage::Outcome& outcome : Commit(batch)) kinds.push_back(outcome.kind);

@@ -39,7 +39,7 @@ class RedeliveryContract : public TopicContract {
   storage::CommitRecord Ends(const Delivery& delivery, storage::CommitRecord record,
                              std::uint32_t records = 1) const {
     record = Under(hold_, std::move(record));
-    record.message_end = {delivery, records};
+    record.message_end = {{delivery}, records};
     return record;
   }
   static storage::Batch BatchOf(std::vector<storage::CommitRecord> records) {
@@ -74,6 +74,21 @@ TEST_P(RedeliveryContract, IsKeptWithTheRowsOfItsMessage) {
   EXPECT_THAT(Memory("other").known, IsEmpty());
   store_->Reopen();
   EXPECT_THAT(Memory().known, ElementsAre(Of(1, 7, 1), Of(2, 65'535, 2)));
+}
+
+TEST_P(RedeliveryContract, IsKeptOfWhatCameBeforeItToo) {
+  const auto batch = [this] {
+    storage::CommitRecord record = Ends(Of(3, 9, 3), Good(1));
+    record.message_end->deliveries = {Of(1, 7, 1), Of(2, 8, 2), Of(3, 9, 3)};
+    return BatchOf({std::move(record)});
+  };
+  store_->FailNextWrite(kProcess);
+  EXPECT_FALSE(store_->Process(kProcess).Commit(batch()).ok());
+  EXPECT_THAT(Memory().known, IsEmpty());
+  EXPECT_THAT(Commit(batch()),
+              Each(::testing::Field(&storage::Outcome::kind, OutcomeKind::kStored)));
+  EXPECT_THAT(Memory().known, ElementsAre(Of(1, 7, 1), Of(2, 8, 2), Of(3, 9, 3)));
+  EXPECT_EQ(Memory().last_number, 3U);
 }
 
 TEST_P(RedeliveryContract, IsKeptWithoutRecordsToo) {

@@ -54,6 +54,9 @@ class Many(MessageTest):
 
 class Flood(MessageTest):
     LIVE, DURABLE, OTHERS = 60_000, 20_000, 30
+    LARGE = 3_000
+    # What of one id is looked into at once, at QoS 0.
+    AT_ONCE_BYTES = 32 * 1024 * 1024
     SHOWN_SECONDS = 30
 
     def flood(self, client, count, where, payload, qos):
@@ -107,6 +110,25 @@ class Flood(MessageTest):
         self.assert_same(numbers_of(self.history(server, twin(A), "events")), range(self.DURABLE))
         self.assert_same(numbers_of(self.history(server, twin(B), "events")), range(1, self.OTHERS + 1))
         self.assertEqual(rows(server, "/api/v1/quarantine"), [])
+
+    def test_large_messages_of_one_id_are_not_all_looked_into(self):
+        """Of a twin that nobody heard: its commands make no robot, and no robot's rate holds them back."""
+        server = self.serve()
+        large = json.dumps({"command": "x", "data": [{}] * 15_000})
+        flood = self.flood(self.client("flood"), self.LARGE, topic(A, "command"), lambda _: large, 0)
+        other = self.client("other")
+        for number in range(1, self.OTHERS + 1):
+            other.publish(topic(B, "position"), position(number))
+            self.wait(server, lambda: twin(B) in self.ruris(server) and self.x(server, twin(B)) == number,
+                      f"state {number} is shown", self.SHOWN_SECONDS)  # fmt: skip
+        flood.join(ANSWER_SECONDS)
+        settled = self.outcomes(server, self.LARGE + self.OTHERS)
+        self.assertEqual(labelled(numbers(server), "rejects_total"), {"rate_limited": settled["rejected"]})
+        self.assertEqual(settled["applied"], self.OTHERS)
+        self.assertGreaterEqual(settled["observed"], self.AT_ONCE_BYTES // len(large))
+        self.assertGreater(settled["rejected"], 0)
+        self.assertEqual(self.ruris(server), {twin(B)})
+        self.assertIn(f"twin_limited id={A}", server.text())
 
     def test_what_is_stored_is_limited_only_while_the_journal_is_over_half_full(self):
         records_max = 4000

@@ -61,7 +61,7 @@ TEST(DeliveryChanges, AMessageThatDoesNotStandInOneBatchIsABugOfOurs) {
   const auto changes = [&] {
     return DeliveryChangesOf(batch, stored, [](const TopicHold&) { return true; });
   };
-  record.message_end = {Of(1, 7), 1};
+  record.message_end = {{Of(1, 7)}, 1};
   EXPECT_EQ(changes()->added.size(), 1U);
   record.message_end->records = 2;
   EXPECT_DEATH(static_cast<void>(changes()), "stand in one batch");

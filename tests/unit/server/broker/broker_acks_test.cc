@@ -137,7 +137,7 @@ TEST_F(BrokerAcksTest, ARobotThatAnotherTookMakesTheConnectionAnew) {
   EXPECT_EQ(Stored(), 1U);
   EXPECT_EQ(lease_.rereads, 1);
   EXPECT_THAT(links_, SizeIs(2)) << "no connection before the store has said what it has";
-  broker_.Remembered(*leases_.MemoryOf("core"));
+  broker_.GoOn({*leases_.MemoryOf("core"), {}});
   EXPECT_THAT(links_, SizeIs(3));
 }
 
@@ -152,7 +152,7 @@ TEST_F(BrokerAcksTest, WhatWasCommittedAndNotToldIsKnownAfterTheRobotWasTakenOve
   Posted();
   EXPECT_EQ(Count(Became::kRefused), 1U);
   Run();
-  broker_.Remembered(*leases_.MemoryOf("core"));
+  broker_.GoOn({*leases_.MemoryOf("core"), {}});
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Event(1, 5, true));
@@ -175,9 +175,28 @@ TEST_F(BrokerAcksTest, AStreamThatAnOperatorEndedSettlesWhatWaitsAndGoes) {
   EXPECT_EQ(Count(Became::kStored), 1U);
   EXPECT_FALSE(fleet_.All().at(0)->HasStream());
   EXPECT_EQ(twins_.size(), 0U);
+  // It speaks on, and is not there again until it could be forgotten.
   durable()->Bring(Event(2, 6));
   Run();
+  EXPECT_FALSE(fleet_.All().at(0)->HasStream());
+  EXPECT_EQ(Stored(), 1U);
+  clock_.Advance(kRestAfterDrop);
+  broker_.Tick();
+  Run();
   EXPECT_EQ(Stored(), 2U);
+}
+
+TEST_F(BrokerAcksTest, WhileTheStoreIsAskedNothingIsTakenThatComesAgain) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  fleet_.All().at(0)->OnFenced(ledger_).Wake();
+  // Not yet closed: what was read before is still there.
+  durable()->Bring(Event(2, 6) + Event(3, 0));
+  Posted();
+  Run();
+  EXPECT_EQ(Stored(), 0U);
+  EXPECT_EQ(Count(Became::kRefused), 3U);
+  EXPECT_TRUE(broker_.ledger().Read().Balanced());
 }
 
 TEST_F(BrokerAcksTest, WithoutAnAckForASecondWeAreBehindThoughWeRead) {

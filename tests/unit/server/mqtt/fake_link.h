@@ -22,6 +22,7 @@ class FakeLink final : public mqtt::Link {
     input_.clear();
   }
   [[nodiscard]] std::string_view input() const override { return input_; }
+  [[nodiscard]] std::size_t unread() const override { return unread_bytes; }
   void Write(std::string bytes) override {
     writing = true;
     written += bytes;
@@ -45,6 +46,7 @@ class FakeLink final : public mqtt::Link {
     events_->OnWritten();
   }
 
+  std::size_t unread_bytes = 0;
   bool opened = false;
   bool reading = false;
   bool writing = false;

@@ -42,7 +42,6 @@ class TopicRoundsTest : public ::testing::Test {
             .process = kSelf,
             .client_id = "us",
             .prefixes = {""},
-            .fleet_name = "f",
             .judge =
                 [this](const storage::ProcessId& process) {
                   EXPECT_EQ(process, kOther);
@@ -51,7 +50,7 @@ class TopicRoundsTest : public ::testing::Test {
                 },
             .taken = [this](const broker::Grant& /*grant*/) { taken_ = true; },
             .lost = [this] { ++lost_; },
-            .reread = [this](const storage::DeliveryMemory& /*memory*/) { ++reread_; }});
+            .reread = [this](const broker::Remembered& /*remembered*/) { ++reread_; }});
   }
 
   using Verdict = std::optional<LeaseJudge::Verdict>;

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "schema/base/clock.h"
+#include "schema/cyberwave/judge.h"
+#include "server/broker/byte_budgets.h"
+#include "server/broker/limited_log.h"
+#include "server/mqtt/packets.h"
+
+namespace uplink::broker {
+
+/// Judges what a broker delivers, and looks into no more of one id than ByteBudgets allow.
+///
+/// Thread:  confined to its owner's.
+class PayloadJudge final {
+ public:
+  /// Both outlive it.
+  PayloadJudge(const cyberwave::JudgeTerms& terms, LimitedLog& limited_log)
+      : terms_(terms), limited_log_(limited_log) {}
+
+  struct Judged {
+    cyberwave::Judgement judgement;
+    /// Its id sends too much at QoS 0: judged is its topic alone.
+    bool over_budget = false;
+  };
+  [[nodiscard]] Judged Judge(const mqtt::Publish& publish, SteadyTime arrived);
+
+ private:
+  const cyberwave::JudgeTerms& terms_;
+  LimitedLog& limited_log_;
+  ByteBudgets budgets_;
+};
+
+}  // namespace uplink::broker
