@@ -24,6 +24,8 @@ class Kind(enum.Enum):
     # Errors: two faults that are raised, and the two before cleared. Both that are raised are keys.
     METRICS = "metrics"
     METRICS_TOO = "metrics too"
+    # The errors of the metrics before it once more: no row. Taken after later metrics, it would raise again.
+    STEADY = "steady"
     # Without its type, so that it is a row of quarantine.
     WRONG = "wrong"
     # Of an environment, which is no robot.
@@ -33,8 +35,8 @@ class Kind(enum.Enum):
 # What is published as a message of its own.
 KINDS = [kind for kind in Kind if kind is not Kind.METRICS_TOO]
 # The order in which a twin says them.
-TURNS = [Kind.TELEMETRY, Kind.EVENT, Kind.DRIVERLOG, Kind.TELEMETRY, Kind.METRICS, Kind.TELEMETRY,
-         Kind.DRIVERLOG, Kind.EVENT, Kind.TELEMETRY, Kind.SCOPE, Kind.METRICS, Kind.TELEMETRY,
+TURNS = [Kind.TELEMETRY, Kind.EVENT, Kind.DRIVERLOG, Kind.METRICS, Kind.TELEMETRY, Kind.STEADY,
+         Kind.DRIVERLOG, Kind.EVENT, Kind.TELEMETRY, Kind.SCOPE, Kind.METRICS, Kind.STEADY, Kind.TELEMETRY,
          Kind.EVENT, Kind.WRONG]  # fmt: skip
 
 
@@ -57,7 +59,15 @@ def numbers_of(twin):
 def keys_of(key):
     """The rows that this message must leave."""
     twin, kind, number = key
+    if kind is Kind.STEADY:
+        return []
     return [key, (twin, Kind.METRICS_TOO, number)] if kind is Kind.METRICS else [key]
+
+
+def keys_again(key):
+    """The rows that this message may leave when its publisher says it again, behind what it said since."""
+    twin, kind, number = key
+    return keys_of((twin, Kind.METRICS, number) if kind is Kind.STEADY else key)
 
 
 def message_of(twin, kind, number):
@@ -71,8 +81,9 @@ def message_of(twin, kind, number):
             return below + "event", json.dumps(said)
         case Kind.DRIVERLOG:
             return below + "driverlog", json.dumps({"message": f"line {number}", "level": "info"})
-        case Kind.METRICS:
-            metrics = {"errors": [f"first {number}", f"second {number}"], "load": {"cpu": 0.5}}
+        case Kind.METRICS | Kind.STEADY:
+            cpu = 0.5 if kind is Kind.METRICS else 0.25
+            metrics = {"errors": [f"first {number}", f"second {number}"], "load": {"cpu": cpu}}
             return below + "metrics", json.dumps({"source_type": "edge", "metrics": metrics})
         case Kind.WRONG:
             return below + "telemetry", json.dumps({"n": number}).ljust(WRONG_BYTES + number)

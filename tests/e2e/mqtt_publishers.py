@@ -11,7 +11,7 @@ import itertools
 import random
 import threading
 
-from broker_script import PROBE, Kind, keys_of, message_of, numbers_of
+from broker_script import PROBE, Kind, keys_again, keys_of, message_of, numbers_of
 
 WINDOW = 100
 # Messages that a publisher sends at once, on average.
@@ -96,8 +96,9 @@ class Publisher:
     def send_one(self, writer):
         if len(self.unacked) >= WINDOW or writer.is_closing():
             return
+        rows_of = keys_of
         if self.again:
-            key = self.again.popleft()
+            key, rows_of = self.again.popleft(), keys_again
         elif self.crowd.paused and self.keys is not self.crowd.probes:
             return
         else:
@@ -106,7 +107,7 @@ class Publisher:
                 return
         packet_id = next(self.packet_ids)
         self.unacked[packet_id] = key
-        for each in keys_of(key):
+        for each in rows_of(key):
             self.crowd.book.publish(each)
         writer.write(publish_packet(packet_id, *message_of(*key)))
 
