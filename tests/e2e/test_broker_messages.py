@@ -6,8 +6,8 @@ import struct
 import unittest
 
 from broker_messages import (
-    A, B, LIVE, NOON, OFFLINE, ONLINE, SIMULATION, VIEWER, MessageTest, event, frame, joints, mark, numbers,
-    labelled, numbers_of, position, rows, topic, twin,
+    A, B, LIVE, NOON, OFFLINE, ONLINE, SECONDS, SIMULATION, VIEWER, MessageTest, event, frame, is_subscribed,
+    joints, labelled, mark, numbers, numbers_of, position, rows, topic, twin,
 )  # fmt: skip
 
 
@@ -199,6 +199,28 @@ class Clients(MessageTest):
         # Its own word does.
         client.publish(topic(A, "position"), position(3))
         self.wait(server, lambda: self.presence(server, twin(A)) == ONLINE, "the twin that speaks is online")
+
+
+class Faults(MessageTest):
+    def active(self, server):
+        return [row["faultId"] for row in rows(server, "/api/v1/faults?active=true")]
+
+    def test_those_of_another_fleet_are_cleared_too(self):
+        """The twins' fleet has another name after a restart; their robots are the same."""
+        server = self.serve(more='fleet = "before"\n')
+        client = self.client("errors")
+        client.publish(topic(A, "metrics"), json.dumps({"metrics": {"errors": ["hot"]}}), qos=1)
+        client.flush()
+        self.outcomes(server, 1)
+        self.assertEqual(self.active(server), ["hot"])
+        self.assertEqual(server.terminate(SECONDS), 0)
+        server.settings = server.settings.replace('"before"', '"after"')
+        server.start()
+        self.wait(server, lambda: is_subscribed(server), "the server subscribes")
+        client.publish(topic(A, "metrics"), json.dumps({"metrics": {"errors": ["slow"]}}), qos=1)
+        client.flush()
+        self.outcomes(server, 1)
+        self.assertEqual(self.active(server), ["slow"])
 
 
 class RetainedOrMalformed(MessageTest):
