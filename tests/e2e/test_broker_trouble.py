@@ -36,7 +36,8 @@ class NoRoom(Reading):
     EACH = 100
 
     def begin(self, journal):
-        self.store_settings = f"[journal]\n{journal}"
+        # One twin alone may fill it at QoS 0, which its share keeps it from otherwise.
+        self.store_settings = f"[journal]\nrobot_share = 1\n{journal}"
         self.serve()
         twins = self.twins()
         self.wait_for_presence(ALL, ONLINE, lambda: twins.pose(ALL, 1))
