@@ -28,7 +28,7 @@ using Error = boost::system::error_code;
 class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink> {
  public:
   AsioLink(asio::io_context& io, LinkEvents& events)
-      : events_(&events), resolver_(io), socket_(io), timer_(io) {}
+      : events_(&events), resolver_(io), socket_(io), timer_(io), read_timer_(io) {}
 
   void Open(const Url& url, const TlsTexts& tls) override;
   void Read() override;
@@ -49,7 +49,12 @@ class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink
   void Connect(const tcp::resolver::results_type& found);
   void Handshake();
   void Up();
+  /// From so many bytes on that wait the system tells of them.
+  void WakeFrom(std::size_t bytes);
+  void StartReading();
   void ReadEnded(const Error& error, std::size_t bytes);
+  /// Whether bytes came that were not given to anybody.
+  [[nodiscard]] bool HasMore();
   void StartWriting();
   void WriteEnded(const Error& error);
   void CloseNow();
@@ -59,11 +64,15 @@ class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink
   tcp::resolver resolver_;
   tcp::socket socket_;
   asio::steady_timer timer_;
+  asio::steady_timer read_timer_;
   std::optional<asio::ssl::context> context_;
   std::optional<asio::ssl::stream<tcp::socket&>> tls_;
   bool up_ = false;
   bool reading_ = false;
   bool writing_ = false;
+  /// When the last read ended, and whether it followed closely on the one before.
+  asio::steady_timer::time_point read_at_{};
+  bool busy_ = false;
   std::vector<char> input_;
   std::size_t input_bytes_ = 0;
   std::string output_;
@@ -136,6 +145,23 @@ void AsioLink::Up() {
 void AsioLink::Read() {
   reading_ = true;
   input_bytes_ = 0;
+  if (!busy_ || HasMore()) return StartReading();
+  // A broker sends each message by itself, and the system would wake us for each of them.
+  WakeFrom(kReadBytes);
+  read_timer_.expires_after(kReadPause);
+  read_timer_.async_wait([self = shared_from_this()](const Error& error) {
+    if (error || self->events_ == nullptr) return;
+    self->WakeFrom(1);
+    self->StartReading();
+  });
+}
+
+void AsioLink::WakeFrom(std::size_t bytes) {
+  Error ignored;
+  socket_.set_option(asio::socket_base::receive_low_watermark(static_cast<int>(bytes)), ignored);
+}
+
+void AsioLink::StartReading() {
   auto done = [self = shared_from_this()](const Error& error, std::size_t bytes) {
     self->ReadEnded(error, bytes);
   };
@@ -143,9 +169,19 @@ void AsioLink::Read() {
   socket_.async_read_some(asio::buffer(input_), std::move(done));
 }
 
+bool AsioLink::HasMore() {
+  if (unread() > 0) return true;
+  if (!tls_) return false;
+  SSL* const ssl = tls_->native_handle();
+  return SSL_pending(ssl) > 0 || BIO_ctrl_pending(SSL_get_rbio(ssl)) > 0;
+}
+
 void AsioLink::ReadEnded(const Error& error, std::size_t bytes) {
   reading_ = false;
   if (events_ == nullptr) return;
+  const auto now = asio::steady_timer::clock_type::now();
+  busy_ = now - read_at_ < 2 * kReadPause;
+  read_at_ = now;
   if (!error) {
     input_bytes_ = bytes;
     return events_->OnRead();
@@ -205,6 +241,7 @@ void AsioLink::Close(std::string last) {
 
 void AsioLink::CloseNow() {
   timer_.cancel();
+  read_timer_.cancel();
   resolver_.cancel();
   Error ignored;
   socket_.shutdown(tcp::socket::shutdown_both, ignored);
