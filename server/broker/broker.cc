@@ -149,7 +149,7 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
 
 void Broker::OnSubscribed(Connection connection) {
   context_.logger.Info("mqtt_subscribed", {{"connection", Name(connection)}});
-  NoteStatuses();
+  NoteHearing();
 }
 
 void Broker::OnMessage(Connection connection, const mqtt::Message& message) {

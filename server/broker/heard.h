@@ -29,8 +29,8 @@ class Heard final {
     /// the broker drops what else is for us.
     std::size_t live_unread = 0;
   };
-  /// To be called each second, and when a connection ends. `durable` counts for the connection
-  /// whose messages may stay unread.
+  /// To be called each second, and when a connection is subscribed or ends. `durable` counts for
+  /// the connection whose messages may stay unread.
   void Look(const Standing& standing, const mqtt::ClientProbe& durable);
 
   [[nodiscard]] fleet::Fleet::Hearing hearing() const;

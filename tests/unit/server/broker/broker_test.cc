@@ -42,6 +42,8 @@ TEST_F(BrokerTest, ShowsAtOnceHowItsConnectionsStand) {
   Begin();
   Up(durable());
   Up(live());
+  EXPECT_EQ(broker_.subscribed_since(), clock_.System());
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
   ASSERT_THAT(broker_.connections(), SizeIs(2));
   for (const ConnectionStatus& connection : broker_.connections()) {
     EXPECT_EQ(connection.client.state, mqtt::ClientState::kSubscribed) << connection.client_id;
