@@ -138,7 +138,7 @@ TEST(FromConfig, NoTimeoutOfATwinIsTooShortToFindOutThatWeDoNotHear) {
   config::Config config = WithBroker();
   config.cyberwave.presence_timeout = least;
   const mqtt::ClientSettings client = ClientSettingsOf(config, cyberwave::Connection::kDurable);
-  // A ping and its answer, and a sweep of each of the two who look once a second.
+  // A ping and its answer, and a sweep of each of the two who look every second.
   const milliseconds looks = std::chrono::seconds(2);
   EXPECT_LE(client.keepalive + client.waits.ping + looks, least);
   EXPECT_LE(broker::kTickLate + std::chrono::seconds(1), least);
