@@ -2,7 +2,6 @@
 // own walk over the same bytes.
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <span>
 #include <string>
@@ -123,8 +122,7 @@ int Run(int argc, char** argv) {
   rows.push_back(bench.CutOff());
   fmt::print("decode: one payload judged, on one core; {} rounds\n{}", arguments.rounds,
              TableOf(rows));
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
-  return 0;
+  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
 }
 
 }  // namespace

@@ -63,4 +63,13 @@ std::string JsonOf(const std::vector<Row>& rows, const std::string& commit) {
   return boost::json::serialize(page) + "\n";
 }
 
+bool KeepJson(const std::string& path, const std::vector<Row>& rows, const std::string& commit) {
+  if (path.empty()) return true;
+  std::ofstream file(path);
+  file << JsonOf(rows, commit) << std::flush;
+  if (file) return true;
+  fmt::print(stderr, "--json {}: the figures cannot be written there\n", path);
+  return false;
+}
+
 }  // namespace uplink::bench

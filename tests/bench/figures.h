@@ -46,5 +46,8 @@ struct Row {
 [[nodiscard]] std::string TableOf(const std::vector<Row>& rows);
 /// `{"machine":{...},"commit":"...","rows":[...]}`.
 [[nodiscard]] std::string JsonOf(const std::vector<Row>& rows, const std::string& commit);
+/// The same as a file; none if `path` is empty. False if it cannot be written, which it says.
+[[nodiscard]] bool KeepJson(const std::string& path, const std::vector<Row>& rows,
+                            const std::string& commit);
 
 }  // namespace uplink::bench

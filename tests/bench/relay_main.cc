@@ -2,7 +2,6 @@
 // that do less, in one run. Servers have one core, the load has the other.
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <string>
@@ -365,8 +364,7 @@ int Run(int argc, char** argv) {
       "{}: the server on {}, robots over mutual TLS, {} rounds of {} s; no rate is limited\n{}",
       arguments.what, apart ? "a core of its own" : "the only core", arguments.rounds,
       arguments.seconds, TableOf(rows));
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
-  return 0;
+  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
 }
 
 }  // namespace

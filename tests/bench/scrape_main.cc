@@ -1,7 +1,6 @@
 // What a scrape of a large fleet costs: written robot by robot, beside a library's registry with a
 // gauge for each series.
 #include <ctime>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <sstream>
@@ -196,8 +195,7 @@ int Run(int argc, char** argv) {
   const std::vector<Row> rows = bench.Run(arguments.rounds);
   fmt::print("scrape: {} series of ours, {} of the library's, on one core; {} rounds\n{}",
              bench.series(), arguments.series, arguments.rounds, TableOf(rows));
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
-  return 0;
+  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
 }
 
 }  // namespace

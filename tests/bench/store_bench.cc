@@ -2,7 +2,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <latch>
 #include <mutex>
@@ -210,8 +209,7 @@ int Run(int argc, char** argv) {
       "store: calls of the store alone. relay: robots, TLS, the server, COMMIT, Ack, on the "
       "same {} cores; no rate is limited\n{}",
       std::thread::hardware_concurrency(), TableOf(rows));
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
-  return 0;
+  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
 }
 
 }  // namespace

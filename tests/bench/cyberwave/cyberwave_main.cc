@@ -1,6 +1,5 @@
 // What it costs to read a fleet's MQTT broker, beside readers that do nothing with it, in one run.
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -66,8 +65,7 @@ int Run(int argc, char** argv) {
       "s\n{}",
       apart ? "a core of its own" : "the only core", apart ? "another" : "it", arguments.rounds,
       arguments.seconds, TableOf(rows));
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
-  return 0;
+  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // it may, before and while it does. The server has one core, all robots the other.
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -46,12 +45,10 @@ int Run(int argc, char** argv) {
       " {}; {} rounds, two windows of {} s each, without the bad robot and with it\n{}",
       flags.robots, flags.store, apart ? "a core of its own" : "the only core", flags.rounds,
       flags.seconds, FairTable(results, flags.share_mib));
-  if (!flags.json.empty()) {
-    std::ofstream(flags.json) << JsonOf(FairRows(results, flags.share_mib), flags.commit);
-  }
+  const bool kept = KeepJson(flags.json, FairRows(results, flags.share_mib), flags.commit);
   const bool measured =
       std::ranges::any_of(results, [](const FairResult& result) { return result.failure.empty(); });
-  return measured && !stopped ? 0 : 1;
+  return measured && kept && !stopped ? 0 : 1;
 }
 
 }  // namespace

@@ -141,5 +141,11 @@ TEST(FairReportTest, RowsCompareWithAndWithout) {
   EXPECT_THAT(JsonOf(rows, "abc"), HasSubstr(R"("scenario":"texts_unknown")"));
 }
 
+TEST(FairReportTest, FiguresThatCannotBeKeptAreAFailure) {
+  EXPECT_TRUE(KeepJson("", {}, "abc"));
+  EXPECT_FALSE(KeepJson("/dev/full", {}, "abc"));
+  EXPECT_FALSE(KeepJson("/dev/null/figures.json", {}, "abc"));
+}
+
 }  // namespace
 }  // namespace uplink::bench

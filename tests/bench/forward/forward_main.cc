@@ -2,7 +2,6 @@
 // run. Servers have one core, the load has the other.
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -225,8 +224,7 @@ int Run(int argc, char** argv) {
       "of {} s\n{}",
       apart ? "a core of its own" : "the only core", arguments.receivers, kUpdatesPerSecond,
       arguments.rounds, arguments.seconds, TableOf(rows));
-  if (!arguments.json.empty()) std::ofstream(arguments.json) << JsonOf(rows, arguments.commit);
-  return 0;
+  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // a store of its own, beside an honest robot. The server has one core, everybody else the other.
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -47,12 +46,10 @@ int Run(int argc, char** argv) {
       " without each attack and at least as long with it\n{}",
       apart ? "a core of its own" : "the only core", flags.rounds, flags.seconds,
       HostileTables(results));
-  if (!flags.json.empty()) {
-    std::ofstream(flags.json) << JsonOf(HostileRows(results), flags.commit);
-  }
+  const bool kept = KeepJson(flags.json, HostileRows(results), flags.commit);
   const bool measured = std::ranges::any_of(
       results, [](const HostileResult& result) { return result.failure.empty(); });
-  return measured && !stopped ? 0 : 1;
+  return measured && kept && !stopped ? 0 : 1;
 }
 
 }  // namespace
