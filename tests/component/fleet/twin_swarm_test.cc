@@ -86,13 +86,14 @@ TEST_F(TwinsOnBroker, WhatTheyPublishComesThroughAndTheyKnowIt) {
   shared_.stage.store(TwinStage::kSettle);
   ASSERT_TRUE(reader.Until([&] { return shared_.settled_groups.load() == 3; }))
       << shared_.settled_groups.load() << " groups, " << shared_.acked.load() << " of "
-      << shared_.published_qos1.load() << " acked; " << reader.status() << shared_.FirstError();
+      << shared_.published_qos1.load() << " acked; " << reader.status()
+      << shared_.first_error.Read();
   shared_.stage.store(TwinStage::kLast);
   ASSERT_TRUE(reader.Until([&] { return shared_.quiet_groups.load() == 3; }));
   shared_.stage.store(TwinStage::kClose);
   swarm.Finish();
   EXPECT_EQ(shared_.acked.load(), shared_.published_qos1.load());
-  EXPECT_EQ(shared_.breaks.load(), 0U) << shared_.FirstError();
+  EXPECT_EQ(shared_.breaks.load(), 0U) << shared_.first_error.Read();
 
   // Each publication was counted by both sides, pongs and the reader's own first one apart.
   std::uint64_t pongs = 0;
@@ -157,8 +158,8 @@ TEST_F(TwinsOnBroker, WhatTheBrokerRefusesIsKnown) {
   twins.broker.password = "f";
   TwinSwarm swarm(twins, clock_, shared_);
   swarm.Start();
-  ASSERT_TRUE(testing::Eventually([&] { return !shared_.FirstError().empty(); }));
-  EXPECT_THAT(shared_.FirstError(), HasSubstr("refused a publication: Not authorized"));
+  ASSERT_TRUE(testing::Eventually([&] { return !shared_.first_error.Read().empty(); }));
+  EXPECT_THAT(shared_.first_error.Read(), HasSubstr("refused a publication: Not authorized"));
   shared_.stage.store(TwinStage::kSettle);
   ASSERT_TRUE(testing::Eventually([&] { return shared_.settled_groups.load() == 1; }));
   shared_.stage.store(TwinStage::kClose);
@@ -175,8 +176,8 @@ TEST_F(TwinsOnBroker, ABrokerThatLetsNobodyInIsToldOf) {
   StartBroker(options);
   TwinSwarm swarm(Twins(1), clock_, shared_);
   swarm.Start();
-  ASSERT_TRUE(testing::Eventually([&] { return !shared_.FirstError().empty(); }));
-  EXPECT_THAT(shared_.FirstError(), HasSubstr("does not let us in"));
+  ASSERT_TRUE(testing::Eventually([&] { return !shared_.first_error.Read().empty(); }));
+  EXPECT_THAT(shared_.first_error.Read(), HasSubstr("does not let us in"));
   EXPECT_EQ(shared_.connections.load(), 0U);
 }
 

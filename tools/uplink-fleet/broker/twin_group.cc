@@ -49,7 +49,7 @@ std::int64_t TwinGroup::NowUs() const {
 
 void TwinGroup::Run() {
   auto link = BrokerLink::Create(options_.broker, *this);
-  if (!link.ok()) return shared_.KeepFirstError(std::string(link.status().message()));
+  if (!link.ok()) return shared_.first_error.Keep(std::string(link.status().message()));
   link_ = *std::move(link);
   // Where nothing is read, nothing wakes: the wait is the link's own.
   while (!shared_.abandon.load()) {
@@ -86,7 +86,7 @@ bool TwinGroup::Connected(SteadyTime now) {
 }
 
 void TwinGroup::Ended(const absl::Status& status) {
-  shared_.KeepFirstError(std::string(status.message()));
+  shared_.first_error.Keep(std::string(status.message()));
   if (connected_) shared_.breaks.fetch_add(1);
   connected_ = false;
   opened_ = false;
@@ -100,7 +100,7 @@ void TwinGroup::OnConnected() {
   shared_.connections.fetch_add(1);
   const std::string pong = fmt::format("{}cyberwave/pong/{}/response", options_.prefix, ping_name_);
   if (absl::Status status = link_->Subscribe(pong); !status.ok()) {
-    shared_.KeepFirstError(std::string(status.message()));
+    shared_.first_error.Keep(std::string(status.message()));
   }
 }
 
@@ -113,7 +113,7 @@ void TwinGroup::OnAcked(int id, std::string_view refused) {
     shared_.acked.fetch_add(1);
   } else {
     account.Refused(found->second.number);
-    shared_.KeepFirstError(fmt::format("the broker refused a publication: {}", refused));
+    shared_.first_error.Keep(fmt::format("the broker refused a publication: {}", refused));
   }
   unacked_.erase(found);
 }
@@ -172,7 +172,7 @@ bool TwinGroup::PublishOf(std::size_t twin) {
   const absl::StatusOr<int> id = link_->Publish(publication);
   if (!id.ok()) {
     // At QoS 1 nothing is known of it then: it waits for ever, and the run says so.
-    shared_.KeepFirstError(std::string(id.status().message()));
+    shared_.first_error.Keep(std::string(id.status().message()));
     return false;
   }
   shared_.published.fetch_add(1);

@@ -3,8 +3,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
-#include <string>
+
+#include "tools/uplink-fleet/robot/first_text.h"
 
 namespace uplink::synthetic {
 
@@ -29,18 +29,7 @@ struct TwinsShared {
   std::atomic<std::uint64_t> pings{0};
   std::atomic<std::uint64_t> pongs{0};
 
-  void KeepFirstError(const std::string& error) {
-    const std::scoped_lock lock(mutex_);
-    if (first_error_.empty()) first_error_ = error;
-  }
-  [[nodiscard]] std::string FirstError() const {
-    const std::scoped_lock lock(mutex_);
-    return first_error_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::string first_error_;
+  FirstText first_error;
 };
 
 }  // namespace uplink::synthetic

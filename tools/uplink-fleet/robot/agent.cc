@@ -43,7 +43,7 @@ void Agent::Adopt(const Phase& phase) {
 void Agent::Offer(Outgoing message, SteadyTime due) {
   message.due = due;
   // LifeAt leaves room; were there none, the account would call it never acked.
-  if (!model_.Offer(std::move(message))) shared_.KeepFirstError("too many messages wait");
+  if (!model_.Offer(std::move(message))) shared_.first_error.Keep("too many messages wait");
 }
 
 void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime now) {
@@ -196,7 +196,7 @@ void Agent::NoteGaveWay(SteadyTime now) {
 
 void Agent::OnEndedOk() {
   if (!model_.all_settled()) {
-    shared_.KeepFirstBrokenRule("a stream ended OK while messages of it were unsettled");
+    shared_.CountBrokenRule("a stream ended OK while messages of it were unsettled");
   }
   ended_ok_ = true;
 }

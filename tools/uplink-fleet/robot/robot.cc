@@ -71,7 +71,7 @@ void Robot::OnTick() {
   if (state_ == State::kIdle && now >= next_open_) {
     Connect();
   } else if (state_ != State::kIdle && !agent_.welcomed() && now - opened_ > kWelcomeDeadline) {
-    shared_.KeepFirstError(fmt::format("{}: no Welcome within 10 s", options_.ruri));
+    shared_.first_error.Keep(fmt::format("{}: no Welcome within 10 s", options_.ruri));
     DropConnection();
     backoff_.Failed();
     StreamIsOver();
@@ -239,8 +239,7 @@ void Robot::OnMessage(std::string_view message) {
     status = agent_.OnFrame(frame, clock_.Steady());
   }
   if (!status.ok()) {
-    shared_.KeepFirstBrokenRule(
-        fmt::format("{}: {}", options_.ruri, std::string(status.message())));
+    shared_.CountBrokenRule(fmt::format("{}: {}", options_.ruri, std::string(status.message())));
     connection_->CancelStream();
     return;
   }
@@ -263,10 +262,9 @@ void Robot::Note(const link::StreamEnd& end) {
   if (end.code == link::kCodeOk && half_closed_) {
     agent_.OnEndedOk();
   } else if (IsFault(end.code)) {
-    shared_.KeepFirstBrokenRule(
-        fmt::format("{}: code {}: {}", options_.ruri, end.code, end.message));
+    shared_.CountBrokenRule(fmt::format("{}: code {}: {}", options_.ruri, end.code, end.message));
   } else if (!broken_by_us_ && end.code != link::kCodeOk) {
-    shared_.KeepFirstError(fmt::format("{}: code {}: {}", options_.ruri, end.code, end.message));
+    shared_.first_error.Keep(fmt::format("{}: code {}: {}", options_.ruri, end.code, end.message));
   }
 }
 

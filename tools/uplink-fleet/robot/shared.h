@@ -5,10 +5,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <string>
 
 #include "schema/model/rejection.h"
+#include "tools/uplink-fleet/robot/first_text.h"
 #include "tools/uplink-fleet/robot/forward_board.h"
 
 namespace uplink::synthetic {
@@ -65,6 +65,8 @@ struct Shared {
   /// Once for each round of kLast.
   std::atomic<std::size_t> last_robots{0};
   std::atomic<std::size_t> closed_robots{0};
+  FirstText first_error;
+  FirstText first_broken_rule;
   /// In kLast: what receivers hold.
   ForwardBoard forwards;
 
@@ -83,29 +85,10 @@ struct Shared {
     return sum;
   }
 
-  /// Keeps the first text of its kind, for the report.
-  void KeepFirstError(const std::string& text) {
-    const std::lock_guard lock(mutex_);
-    if (first_error_.empty()) first_error_ = text;
-  }
-  void KeepFirstBrokenRule(const std::string& text) {
+  void CountBrokenRule(const std::string& text) {
     rules_broken.fetch_add(1, std::memory_order_relaxed);
-    const std::lock_guard lock(mutex_);
-    if (first_broken_rule_.empty()) first_broken_rule_ = text;
+    first_broken_rule.Keep(text);
   }
-  [[nodiscard]] std::string FirstError() {
-    const std::lock_guard lock(mutex_);
-    return first_error_;
-  }
-  [[nodiscard]] std::string FirstBrokenRule() {
-    const std::lock_guard lock(mutex_);
-    return first_broken_rule_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::string first_error_;
-  std::string first_broken_rule_;
 };
 
 }  // namespace uplink::synthetic

@@ -18,7 +18,7 @@ template <typename Context, typename Ask>
   while (true) {
     auto answer = ask();
     if (answer.ok() || run.clock.Steady() - start > kAnswerDeadline) return answer;
-    run.shared.KeepFirstError(std::string(answer.status().message()));
+    run.shared.first_error.Keep(std::string(answer.status().message()));
     if (run.signals.Wait(kLook)) return answer;
   }
 }

@@ -62,7 +62,8 @@ int Run::Main() {
   figures_.latencies = (*swarm)->TakeLatencies();
   if (!reached) {
     progress_.Clear();
-    return CannotRun(absl::UnavailableError("no robot was welcomed: " + shared_.FirstError()));
+    return CannotRun(
+        absl::UnavailableError("no robot was welcomed: " + shared_.first_error.Read()));
   }
   const absl::Status gathered = Gather(context_, outcome_, evidence_);
   progress_.Clear();
@@ -85,7 +86,7 @@ bool Run::Live(Swarm& swarm) {
 
 int Run::Conclude() {
   evidence_.rules_broken = shared_.rules_broken.load();
-  evidence_.first_broken_rule = shared_.FirstBrokenRule();
+  evidence_.first_broken_rule = shared_.first_broken_rule.Read();
   figures_.seed = options_.seed;
   figures_.run = outcome_.id;
   figures_.restarted = Restarted(evidence_);

@@ -34,7 +34,7 @@ void SumUp(const std::vector<RobotOutcome>& robots, Shared& shared, RunFigures& 
   figures.connects = shared.connects.load();
   figures.skipped_ticks = shared.skipped_ticks.load();
   figures.drains = shared.drains.load();
-  figures.first_error = shared.FirstError();
+  figures.first_error = shared.first_error.Read();
   for (std::size_t code = 0; code < kStatusCodes; ++code) {
     const std::uint64_t count = shared.ends[code].load();
     if (count > 0) figures.ends[kStatusNames[code]] = count;

@@ -118,7 +118,7 @@ void TwinRun::Look() {
     counts = MqttCountsOf(*page);
     evidence_.watch.See(counts);
   } else {
-    shared_.KeepFirstError(std::string(page.status().message()));
+    shared_.first_error.Keep(std::string(page.status().message()));
   }
   line_.Show(fmt::format(
       "{} published, {} of {} acked, {} pongs; server: {} received, {} in flight",
@@ -135,8 +135,8 @@ absl::Status TwinRun::Send(const TwinSwarm& swarm) {
     if (shared_.connections.load() == 0 && late) break;
   }
   if (shared_.connections.load() > 0) return absl::OkStatus();
-  return absl::UnavailableError(
-      fmt::format("none of {} connections was let in: {}", swarm.groups(), shared_.FirstError()));
+  return absl::UnavailableError(fmt::format("none of {} connections was let in: {}", swarm.groups(),
+                                            shared_.first_error.Read()));
 }
 
 bool TwinRun::WaitFor(const std::atomic<std::size_t>& counted, std::size_t groups) {
@@ -257,7 +257,7 @@ int TwinRun::Conclude(const TwinSwarm& swarm) {
   figures_.skipped = shared_.skipped.load();
   figures_.restarted = evidence_.restarted;
   figures_.pong = swarm.Pong();
-  figures_.first_error = shared_.FirstError();
+  figures_.first_error = shared_.first_error.Read();
   const std::vector<CheckRow> rows = VerifyTwins(evidence_);
   const std::string text = options_.json ? TwinJsonReport(figures_, rows, evidence_.findings)
                                          : TwinTextReport(figures_, rows, evidence_.findings);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/tools/fleet/compare/mismatches.h"
 #include "tools/uplink-fleet/compare/verify_twins.h"
 #include "tools/uplink-fleet/report/twin_report.h"
 
@@ -60,11 +61,7 @@ TwinEvidence Good() {
 }
 
 std::vector<std::string> Mismatches(const TwinEvidence& evidence) {
-  std::vector<std::string> names;
-  for (const CheckRow& row : VerifyTwins(evidence)) {
-    if (!row.ok) names.push_back(row.what);
-  }
-  return names;
+  return MismatchesOf(VerifyTwins(evidence));
 }
 
 TEST(VerifyTwins, AGoodRunAgrees) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/tools/fleet/compare/mismatches.h"
 #include "tools/uplink-fleet/report/json_report.h"
 #include "tools/uplink-fleet/report/text_report.h"
 
@@ -47,11 +48,7 @@ Evidence Good() {
 }
 
 std::vector<std::string> Mismatches(const Evidence& evidence) {
-  std::vector<std::string> names;
-  for (const CheckRow& row : Verify(evidence)) {
-    if (!row.ok) names.push_back(row.what);
-  }
-  return names;
+  return MismatchesOf(Verify(evidence));
 }
 
 TEST(Verify, AGoodRunAgrees) { EXPECT_THAT(Mismatches(Good()), IsEmpty()); }

@@ -159,7 +159,7 @@ TEST_F(AgentTest, EndingOkWithUnsettledMessagesBreaksARule) {
   Take(agent);
   agent.OnEndedOk();
   EXPECT_EQ(shared_.rules_broken.load(), 1U);
-  EXPECT_THAT(shared_.FirstBrokenRule(), HasSubstr("unsettled"));
+  EXPECT_THAT(shared_.first_broken_rule.Read(), HasSubstr("unsettled"));
 }
 
 TEST_F(AgentTest, TheAccountKnowsWhatWasAckedAndWhatWasTold) {

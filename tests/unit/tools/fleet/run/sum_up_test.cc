@@ -22,7 +22,7 @@ TEST(SumUp, AddsTheRobotsToWhatTheyCountedTogether) {
   Shared shared;
   shared.acked_durable.store(6);
   shared.welcomes.store(2);
-  shared.KeepFirstError("the first");
+  shared.first_error.Keep("the first");
   RunFigures figures;
   SumUp(robots, shared, figures);
   EXPECT_EQ(figures.robots, 2U);
