@@ -5,21 +5,17 @@ import signal
 
 from broker_chaos import BrokerCampaign
 from broker_watch import scrape
+from servers_in_turn import ServersInTurn
 
 # Longer than its lease lasts (30 s), on a busy machine.
 STALL_SECONDS = 120
 
 
-class PairCampaign(BrokerCampaign):
+class PairCampaign(ServersInTurn, BrokerCampaign):
     def __init__(self, folder, seed):
         super().__init__(folder, "postgres", seed)
-        other = folder / "other"
-        other.mkdir()
-        (other / "pki").symlink_to(folder / "pki")
-        self.servers.append(self.new_server(other))
+        self.add_server(folder, self.new_server)
         self.kinds |= {"leave": 2, "stall": 0.25}
-        self.down = None
-        self.turn = 0
 
     def kill(self, kind):
         match kind:
@@ -30,21 +26,6 @@ class PairCampaign(BrokerCampaign):
             case _:
                 return super().kill(kind)
         return True
-
-    def kill_server(self):
-        """Each in turn. It comes back at once, or only before the next one goes."""
-        self.raise_server()
-        victim = self.servers[self.turn]
-        self.turn = 1 - self.turn
-        victim.kill()
-        self.down = victim
-        if self.random.random() < 0.5:
-            self.raise_server()
-
-    def raise_server(self):
-        if self.down is not None:
-            self.start_server(self.down)
-            self.down = None
 
     def holder(self):
         """The one that reads the broker; nothing while none does."""

@@ -8,6 +8,7 @@ of presence may say `offline`, and no row may repeat the one before.
 
 from chaos import Campaign
 from harness import Server
+from servers_in_turn import ServersInTurn
 from tcp_proxy import TcpProxy
 
 # A robot that waits for an Ack says nothing while a killed cluster recovers. A server that judged
@@ -26,38 +27,19 @@ SELECT ruri, count(*) FILTER (WHERE presence = 2), count(*) FILTER (WHERE presen
 FROM changes GROUP BY ruri HAVING count(*) FILTER (WHERE presence IN (2, before)) > 0 ORDER BY ruri"""
 
 
-class PairCampaign(Campaign):
+class PairCampaign(ServersInTurn, Campaign):
     def __init__(self, folder, seed):
         super().__init__(folder, "postgres", seed)
-        other = folder / "other"
-        other.mkdir()
-        (other / "pki").symlink_to(folder / "pki")
-        self.servers.append(Server(other, store_url=self.store.url))
+        self.add_server(folder, lambda other: Server(other, store_url=self.store.url))
         for server in self.servers:
             server.settings = SETTINGS
         self.road = None
-        self.turn = 0
-        self.down = None
         self.offline = self.repeated = 0
 
     def port(self):
         if self.road is None:
             self.road = TcpProxy(*(server.relay for server in self.servers), any_other=True, in_turn=True)
         return self.road.port
-
-    def kill_server(self):
-        self.raise_server()
-        victim = self.servers[self.turn]
-        self.turn = 1 - self.turn
-        victim.kill()
-        self.down = victim
-        if self.random.random() < 0.5:
-            self.raise_server()
-
-    def raise_server(self):
-        if self.down is not None:
-            self.start_server(self.down)
-            self.down = None
 
     def compare(self):
         super().compare()
