@@ -2,6 +2,7 @@
 the list of who may write what."""
 
 import json
+import socket
 import ssl
 import unittest
 
@@ -9,7 +10,8 @@ from broker_messages import A, B, ONLINE, MessageTest, event, is_subscribed, lab
 from broker_messages import connection, topic, twin
 from harness import SOURCE, run, uplinkctl
 from mosquitto import Mosquitto
-from mqtt_client import Client, Login
+from mqtt_client import ANSWER_SECONDS, CLEAN_START, NO_KEEPALIVE, PASSWORD, USER_NAME, Client, Login
+from mqtt_publishers import CONNECT, PUBACK, PUBLISH_QOS1, field, packet
 
 MQTT = """[mqtt]
 url = "mqtts://localhost:{port}"
@@ -20,7 +22,8 @@ ca_file = "{ca}"
 [cyberwave]
 """
 DEPLOYED = SOURCE / "deploy/mosquitto"
-PASSWORD = "uplinkd's own"
+UPLINKDS_OWN = "uplinkd's own"
+DISCONNECT = 0xE0
 # Who watches the broker, and what it is there for.
 MONITOR, DROPPED = "monitor", "$SYS/broker/publish/messages/dropped"
 
@@ -55,7 +58,7 @@ class Access(MessageTest):
         # A server that is never started: its PKI is the broker's too.
         self.pki = self.server().pki
         self.broker = self.keep(Deployed(self.make("deployed"), self.pki))
-        self.broker.allow("uplinkd", PASSWORD)
+        self.broker.allow("uplinkd", UPLINKDS_OWN)
         for user in (A, B, MONITOR):
             self.broker.allow(user, user)
         self.broker.start()
@@ -74,7 +77,7 @@ class Access(MessageTest):
         """As a robot comes: its name is its twin's."""
         return self.keep(Client(self.broker.port, f"robot-{uuid}", *filters, login=Login(self.tls, uuid, uuid)))
 
-    def begin(self, more="", ca=None, password=PASSWORD):
+    def begin(self, more="", ca=None, password=UPLINKDS_OWN):
         (self.folder / "uplinkd.password").write_text(password + "\n", encoding="utf-8")
         settings = MQTT.format(port=self.broker.port, folder=self.folder, ca=ca or self.pki / "ca.crt", more=more)
         return self.server(settings).start()
@@ -128,6 +131,29 @@ class Access(MessageTest):
             monitor.flush()
         self.assertEqual({heard.topic for heard in monitor.heard}, {DROPPED})
 
+    def answer_to(self, version, size):
+        """The first byte of what the broker says to an event of so many bytes at QoS 1; empty if it ends the
+        connection instead."""
+        properties = b"\x00" if version == b"\x05" else b""
+        head = field(b"MQTT") + version + bytes([CLEAN_START | USER_NAME | PASSWORD]) + NO_KEEPALIVE + properties
+        login = field(b"large") + field(A.encode()) * 2
+        body = field(topic(A, "event").encode()) + b"\x00\x01" + properties + b"x" * size
+        with socket.create_connection(("127.0.0.1", self.broker.port), ANSWER_SECONDS) as plain:
+            with self.tls.wrap_socket(plain, server_hostname="localhost") as broker:
+                broker.sendall(packet(CONNECT, head + login))
+                broker.recv(1000)
+                try:
+                    broker.sendall(packet(PUBLISH_QOS1, body))
+                    return broker.recv(1)
+                except OSError:
+                    return b""
+
+    def test_what_is_too_large_is_not_acked(self):
+        for version in (b"\x05", b"\x04"):
+            with self.subTest(version):
+                self.assertEqual(self.answer_to(version, 1024 * 1024), bytes([PUBACK]))
+                self.assertIn(self.answer_to(version, 3 * 1024 * 1024), (bytes([DISCONNECT]), b""))
+
     def refused(self, server, word):
         """The server says why it is not connected, and goes on trying."""
 
@@ -139,13 +165,13 @@ class Access(MessageTest):
         self.assertNotEqual(found["state"], "subscribed")
         self.assertIn("mqtt_away", server.get("/readyz")["degraded"])
         self.wait(server, lambda: labelled(numbers(server), "connections_ended_total"), "the end is counted")
-        self.assertNotIn(PASSWORD, server.text())
+        self.assertNotIn(UPLINKDS_OWN, server.text())
 
     def test_a_wrong_password_is_named(self):
-        server = self.begin(password="not " + PASSWORD)
+        server = self.begin(password="not " + UPLINKDS_OWN)
         self.refused(server, "not authorized")
         # The file is read again at each connection.
-        (self.folder / "uplinkd.password").write_text(PASSWORD, encoding="utf-8")
+        (self.folder / "uplinkd.password").write_text(UPLINKDS_OWN, encoding="utf-8")
         self.wait(server, lambda: is_subscribed(server), "the server subscribes")
 
     def test_a_broker_of_another_authority_gets_no_password(self):
