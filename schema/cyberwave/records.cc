@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "schema/base/one_of.h"
+
 namespace uplink::cyberwave {
 namespace {
 
@@ -71,8 +73,12 @@ struct ToBody {
     status.status_message = TextOf(std::move(run));
     return status;
   }
-  template <typename Other>
-  std::optional<model::Body> operator()(Other&& /*live, counted, or of no robot*/) const {
+  /// Live, counted, or of no robot.
+  template <OneOf<cw::Ignored, cw::Position, cw::Rotation, cw::Scale, cw::Joints, cw::Metrics,
+                  cw::EdgeHealth, cw::Gps, cw::BatteryStatus, cw::Report, cw::ScopeUpdate,
+                  cw::CommandHead, cw::Commanded, cw::Signalling, cw::Media, cw::Ping>
+                Other>
+  std::optional<model::Body> operator()(Other&& /*body*/) const {
     return std::nullopt;
   }
 

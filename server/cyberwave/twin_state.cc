@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "schema/base/one_of.h"
 #include "server/cyberwave/held_bytes.h"
 
 namespace uplink::cyberwave {
@@ -179,8 +180,10 @@ struct TwinState::Taking {
     return Only(Outcome::kObserved);
   }
 
-  /// The rest is durable, and becomes a record, or is nothing of a twin's.
-  template <typename Other>
+  /// They are durable, and became a record, or are nothing of a twin's.
+  template <OneOf<cw::Ignored, cw::Mark, cw::Event, cw::DriverLog, cw::RunStatus, cw::ScopeUpdate,
+                  cw::Ping>
+                Other>
   Applied operator()(Other&& /*body*/) {
     return Only(Outcome::kIgnored);
   }
