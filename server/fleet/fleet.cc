@@ -216,6 +216,13 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing 
   return counts;
 }
 
+void Fleet::NoteTwinsUnheard() {
+  const SteadyTime now = clock_.Steady();
+  for (const RobotPtr& robot : All()) {
+    if (IsTwin(*robot)) robot->state.NoteStall(now);
+  }
+}
+
 PresenceCounts Fleet::presence_counts() const {
   const std::lock_guard lock(counts_mutex_);
   return counts_;

@@ -139,6 +139,9 @@ class Fleet final {
   /// relay, and `twins_hearing` that of the broker through which twins are heard.
   PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate,
                        Hearing twins_hearing = Hearing::kUpToDate);
+  /// The broker through which twins are heard was not heard until now, for so short a time maybe
+  /// that no sweep was told: the silence of none of them until now counts.
+  void NoteTwinsUnheard();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_.load(); }
   /// The counts of the last sweep that judged.

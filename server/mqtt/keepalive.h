@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "schema/base/clock.h"
@@ -20,10 +21,10 @@ class Keepalive final {
   Keepalive(milliseconds interval, milliseconds wait, SteadyTime now)
       : interval_(interval), wait_(wait), sent_(now), heard_(now) {}
 
-  /// What the broker wants instead (Server Keep Alive). 0, which is none, leaves ours: we may ping
-  /// when we like.
+  /// What the broker wants instead (Server Keep Alive). 0, which is none, and a longer one leave
+  /// ours: we may ping when we like, and are to find out in time that nobody is there.
   void SetInterval(milliseconds interval) {
-    if (interval.count() > 0) interval_ = interval;
+    if (interval.count() > 0) interval_ = std::min(interval_, interval);
   }
   [[nodiscard]] milliseconds interval() const { return interval_; }
 

@@ -61,12 +61,15 @@ TEST(MqttKeepalive, NothingIsLateWhileWeDoNotReadAndTheWaitBeginsAnewAfterIt) {
   EXPECT_EQ(keepalive.At(kStart + 185s), Due::kLate);
 }
 
-TEST(MqttKeepalive, TheBrokersIntervalIsObeyedAndNoneLeavesOurs) {
+TEST(MqttKeepalive, TheBrokersIntervalIsObeyedUnlessItIsNoneOrLonger) {
   Keepalive keepalive(60s, 15s, kStart);
   keepalive.SetInterval(0s);
   EXPECT_EQ(keepalive.interval(), 60s);
   keepalive.SetInterval(10s);
   EXPECT_EQ(keepalive.At(kStart + 10s), Due::kPing);
+  keepalive.SetInterval(600s);
+  EXPECT_EQ(keepalive.At(kStart + 10s), Due::kPing)
+      << "a broker that is silent is found out in time";
 }
 
 }  // namespace
