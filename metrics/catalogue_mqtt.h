@@ -108,9 +108,7 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
      "1 while another client uses our client id.", kByConnection},
     {MetricId::kMqttCertificateExpiry, "uplinkd_mqtt_certificate_expiry_timestamp_seconds",
      MetricType::kGauge, "seconds",
-     "Unix time at which mqtt.client_certificate_file expires, as of the last connection; 0 "
-     "without "
-     "one."},
+     "Unix time at which mqtt.client_certificate_file expires, as it is on disk; 0 without one."},
     {MetricId::kMqttPublishesDropped, "uplinkd_mqtt_publishes_dropped_total", MetricType::kCounter,
      "messages", "Pongs that the connection did not take; they are among those withheld."},
 });

@@ -173,7 +173,7 @@ health::BrokerFacts BrokerSide::facts() const {
   const broker::Broker& broker = parts_->broker;
   health::BrokerFacts facts{.away = broker.holds_lease() ? !broker.subscribed_since().has_value()
                                                          : parts_->topics.held_by().empty(),
-                            .unread = broker.probe().unread.value() != 0,
+                            .unread = broker.probe().behind.value() != 0,
                             .twins = {twins_.size(), twins_.twins_max()}};
   const auto lost_at = broker.session_lost_at();
   facts.session_lost = lost_at && context_.clock.System() - *lost_at < kSessionLostShown;

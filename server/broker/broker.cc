@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "server/broker/client_certificate.h"
 #include "server/broker/filters.h"
 #include "server/broker/limits.h"
 
@@ -15,6 +16,7 @@ Broker::Broker(Context context)
       refused_log_(context_.logger),
       limited_log_(context_.logger),
       heard_(context_.clock, probe_),
+      statuses_(context_.clients),
       wakes_([this] { context_.post([this] { OnWakes(); }); }),
       subscribers_{Subscriber(Connection::kDurable, *this), Subscriber(Connection::kLive, *this),
                    Subscriber(Connection::kMedia, *this)},
@@ -44,7 +46,7 @@ Broker::Broker(Context context)
                      return client != nullptr && client->Publish(message);
                    }}),
       strays_(context_.terms.prefixes) {
-  statuses_.resize(context_.clients.size());
+  NoteCertificate(context_.clients.front(), probe_);
 }
 
 Broker::~Broker() = default;
@@ -118,6 +120,7 @@ void Broker::DropHeldBack() {
 
 void Broker::End() {
   if (!std::exchange(began_, false)) return;
+  RememberOver();
   probe_.lease_held.Set(0);
   rereads_ = false;
   for (std::size_t i = 0; i < context_.clients.size(); ++i) StopClient(static_cast<Connection>(i));
@@ -133,6 +136,7 @@ void Broker::BeginDrain() {
   // It was not acked, and comes again.
   DropHeldBack();
   AfterWork();
+  RememberOver();
 }
 
 void Broker::OnConnected(Connection connection, const mqtt::Connected& connected) {
@@ -150,6 +154,8 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
 void Broker::OnSubscribed(Connection connection) {
   context_.logger.Info("mqtt_subscribed", {{"connection", Name(connection)}});
   NoteHearing();
+  // Of what twins said until now we heard nothing, however short that was.
+  if (connection != Connection::kMedia) context_.fleet.NoteTwinsUnheard();
 }
 
 void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
@@ -238,6 +244,11 @@ void Broker::AfterWork() {
   if (lease_ != nullptr) lease_->RereadSoon();
 }
 
+void Broker::RememberOver() {
+  storage::Deliveries over = commits_.TakeOver();
+  if (!over.rows.empty()) context_.journals.all().front()->Remember(std::move(over));
+}
+
 void Broker::GoOn(Remembered remembered) {
   if (!std::exchange(rereads_, false) || !began_ || draining_) return;
   StopClient(Connection::kDurable);
@@ -250,7 +261,10 @@ void Broker::Tick() {
   const SteadyTime now = context_.clock.Steady();
   TryHeldBack();
   AfterWork();
+  RememberOver();
   NoteHearing();
+  // It starts clean: what the broker has for it, it throws away.
+  if (heard_.live_is_old()) Of(Connection::kLive).client()->ConnectAnew(BehindEnd());
   probe_.streams.Set(static_cast<std::int64_t>(streams_.size()));
   if (began_ && context_.fleet.changes() != fleet_changes_) {
     fleet_changes_ = context_.fleet.changes();
@@ -259,6 +273,7 @@ void Broker::Tick() {
   }
   if (now - looked_at_twins_ < kLookAtTwinsEvery) return;
   looked_at_twins_ = now;
+  NoteCertificate(context_.clients.front(), probe_);
   streams_.CloseIdle();
   streams_.ForgetLeft();
 }
@@ -274,22 +289,9 @@ void Broker::NoteHearing() {
 }
 
 void Broker::NoteStatuses() {
-  const std::lock_guard lock(mutex_);
-  for (std::size_t i = 0; i < statuses_.size(); ++i) {
-    mqtt::Client* client = subscribers_[i].client();
-    statuses_[i] = client == nullptr ? mqtt::ClientStatus() : client->status();
+  for (std::size_t i = 0; i < context_.clients.size(); ++i) {
+    statuses_.Note(static_cast<Connection>(i), subscribers_[i].client());
   }
-}
-
-std::vector<ConnectionStatus> Broker::connections() const {
-  std::vector<ConnectionStatus> connections;
-  const std::lock_guard lock(mutex_);
-  for (std::size_t i = 0; i < statuses_.size(); ++i) {
-    connections.push_back({.connection = static_cast<Connection>(i),
-                           .client_id = context_.clients[i].client_id,
-                           .client = statuses_[i]});
-  }
-  return connections;
 }
 
 }  // namespace uplink::broker

@@ -13,6 +13,7 @@
 
 #include "schema/base/clock.h"
 #include "server/broker/commits.h"
+#include "server/broker/connection_statuses.h"
 #include "server/broker/heard.h"
 #include "server/broker/held_back_message.h"
 #include "server/broker/intake.h"
@@ -28,16 +29,8 @@
 #include "server/log/logger.h"
 #include "server/mqtt/connection_numbers.h"
 #include "server/mqtt/settings.h"
-#include "server/mqtt/status.h"
 
 namespace uplink::broker {
-
-/// Where a connection stands, and who it is. A value.
-struct ConnectionStatus {
-  Connection connection = Connection::kDurable;
-  std::string client_id;
-  mqtt::ClientStatus client;
-};
 
 /// Reads a fleet's broker: three connections, of which one asks for what is durable, one for what
 /// is live, and one for media. It reads while this process has the lease of the topics, and holds
@@ -105,7 +98,7 @@ class Broker final : private SubscriberEvents {
   [[nodiscard]] const cyberwave::Twins& twins() const { return context_.twins; }
   [[nodiscard]] std::size_t unacked_max() const { return context_.clients.front().unacked_max; }
   /// Of those that there are, in their order.
-  [[nodiscard]] std::vector<ConnectionStatus> connections() const;
+  [[nodiscard]] std::vector<ConnectionStatus> connections() const { return statuses_.Read(); }
   [[nodiscard]] const mqtt::ClientProbe& client_probe(Connection connection) const {
     return subscribers_[static_cast<std::size_t>(connection)].probe();
   }
@@ -147,6 +140,8 @@ class Broker final : private SubscriberEvents {
   void DropHeldBack();
   void TryHeldBack();
   void AfterWork();
+  /// Tells the store which deliveries that it remembers are over.
+  void RememberOver();
   void NoteHearing();
   /// For connections().
   void NoteStatuses();
@@ -159,6 +154,7 @@ class Broker final : private SubscriberEvents {
   log::RateLimited refused_log_;
   LimitedLog limited_log_;
   Heard heard_;
+  ConnectionStatuses statuses_;
   StreamWakes wakes_;
   mqtt::ConnectionNumbers numbers_;
   std::array<Subscriber, kConnectionNames.size()> subscribers_;
@@ -178,7 +174,6 @@ class Broker final : private SubscriberEvents {
 
   mutable std::mutex mutex_;
   std::condition_variable settled_;
-  std::vector<mqtt::ClientStatus> statuses_;
   std::optional<SystemTime> session_lost_at_;
 };
 

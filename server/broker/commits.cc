@@ -38,15 +38,24 @@ void Commits::SettleAtOnce(const Delivered& message, TwinStream* stream) {
   if (message.ack) due_.push_back(*message.ack);
   if (message.packet_id == 0) return;
   if (!message.digest) return redeliveries_.End(message.packet_id);
-  redeliveries_.AddSettled(message.packet_id, *message.digest);
+  redeliveries_.AddSettled(message.packet_id, *message.digest, stream == nullptr ? 0 : stream->id);
   if (stream == nullptr) return;
-  stream->settled.push_back(
-      {.number = 0, .packet_id = message.packet_id, .digest = message.digest});
-  if (stream->settled.size() > kSettledKept) stream->settled.erase(stream->settled.begin());
+  std::vector<std::uint16_t>& settled = stream->settled;
+  if (settled.size() == settled.capacity() && !settled.empty()) {
+    redeliveries_.KeepSettled(stream->id, settled);
+    // So that it is seldom done, at more than half too.
+    settled.reserve(2 * settled.size() + 1);
+  }
+  settled.push_back(message.packet_id);
+}
+
+storage::Deliveries Commits::TakeOver() {
+  return {.hold = hold_, .rows = redeliveries_.TakeOver()};
 }
 
 std::vector<storage::Delivery> Commits::Number(TwinStream& stream, const Delivered& message) {
-  std::vector<storage::Delivery> numbered = redeliveries_.Number(std::exchange(stream.settled, {}));
+  std::vector<storage::Delivery> numbered =
+      redeliveries_.Number(stream.id, std::exchange(stream.settled, {}));
   if (message.packet_id == 0) return numbered;
   const storage::Delivery own{.number = redeliveries_.NextNumber(),
                               .packet_id = message.packet_id,
@@ -136,7 +145,7 @@ void Commits::Fence(TwinStream& stream) {
     Count(Became::kRefused, std::nullopt);
   }
   stream.waiting.clear();
-  probe_.fenced.Add();
+  probe_.twins_lost.Add();
   fenced_ = true;
   streams_.Lose(stream);
 }

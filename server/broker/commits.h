@@ -40,6 +40,8 @@ class Commits final {
   void Reread(const storage::DeliveryMemory& memory) { redeliveries_.Reread(memory); }
   /// The broker lost the session. Returns what is to be remembered of that.
   [[nodiscard]] storage::Deliveries EndSession();
+  /// What the store is to remember as over since the last call; often nothing.
+  [[nodiscard]] storage::Deliveries TakeOver();
   [[nodiscard]] const storage::TopicHoldRef& hold() const { return hold_; }
 
   /// A message as the broker delivered it. A value.

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "server/broker/limits.h"
 
 namespace uplink::broker {
@@ -29,9 +31,16 @@ void Heard::Look(const Standing& standing, const mqtt::ClientProbe& durable) {
   } else if (!behind_since_) {
     behind_since_ = now;
   }
+  if (standing.live_unread < kLiveBehindBytes || !subscribed) {
+    live_behind_since_.reset();
+  } else if (!live_behind_since_) {
+    live_behind_since_ = now;
+  }
   const bool unread = unread_since_ && now - *unread_since_ >= kUnreadAfter;
   const bool long_behind = behind_since_ && now - *behind_since_ >= kBehindShownAfter;
-  probe_.unread.Set(subscribed && (unread || long_behind) ? 1 : 0);
+  if (live_is_old()) live_old_at_ = now;
+  const bool live_was_old = live_old_at_ && now - *live_old_at_ < kLiveBehindShown;
+  probe_.behind.Set((subscribed && (unread || long_behind)) || live_was_old ? 1 : 0);
   if (!subscribed) {
     heard_at_.store(SteadyTime());
   } else if (!progress.behind) {
@@ -62,6 +71,10 @@ Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, const Stan
           .behind = stopped || stopped_since || full || live_behind};
 }
 
+bool Heard::live_is_old() const {
+  return live_behind_since_ && clock_.Steady() - *live_behind_since_ >= kLiveBehindMax;
+}
+
 fleet::Fleet::Hearing Heard::hearing() const {
   const SteadyTime heard_at = heard_at_.load();
   const bool hears = heard_at != SteadyTime() && clock_.Steady() - heard_at < kTickLate;
@@ -71,6 +84,12 @@ fleet::Fleet::Hearing Heard::hearing() const {
 std::optional<SystemTime> Heard::subscribed_since() const {
   const std::lock_guard lock(mutex_);
   return subscribed_since_;
+}
+
+mqtt::End BehindEnd() {
+  return {mqtt::EndReason::kBehind,
+          fmt::format("behind: more than {} KiB lay unread at each look of {} s",
+                      kLiveBehindBytes / 1024, kLiveBehindMax.count())};
 }
 
 }  // namespace uplink::broker

@@ -9,13 +9,14 @@
 #include "schema/base/clock.h"
 #include "server/broker/probe.h"
 #include "server/fleet/fleet.h"
+#include "server/mqtt/end_reason.h"
 #include "server/mqtt/probe.h"
 
 namespace uplink::broker {
 
 /// Whether what twins say comes to our knowledge: we are subscribed, and read.
 ///
-/// Thread:  Look by the broker's; the rest by any.
+/// Thread:  Look by the broker's; the rest by any, where nothing else is said.
 class Heard final {
  public:
   /// Both outlive it; `probe` shows whether we read.
@@ -33,6 +34,9 @@ class Heard final {
   /// the connection whose messages may stay unread.
   void Look(const Standing& standing, const mqtt::ClientProbe& durable);
 
+  /// Each look of kLiveBehindMax found us behind with the live connection: what it brings is too
+  /// old to tell who lives. Thread: the broker's.
+  [[nodiscard]] bool live_is_old() const;
   [[nodiscard]] fleet::Fleet::Hearing hearing() const;
   /// Nothing while we are not subscribed.
   [[nodiscard]] std::optional<SystemTime> subscribed_since() const;
@@ -59,10 +63,16 @@ class Heard final {
   /// Since when reading is stopped and nothing came, and since when each look found us behind.
   std::optional<SteadyTime> unread_since_;
   std::optional<SteadyTime> behind_since_;
+  std::optional<SteadyTime> live_behind_since_;
+  /// The last look at which live_is_old.
+  std::optional<SteadyTime> live_old_at_;
   /// The last look at which all was heard; the epoch while we are not subscribed.
   std::atomic<SteadyTime> heard_at_{SteadyTime()};
   mutable std::mutex mutex_;
   std::optional<SystemTime> subscribed_since_;
 };
+
+/// Of the live connection, once Heard::live_is_old.
+[[nodiscard]] mqtt::End BehindEnd();
 
 }  // namespace uplink::broker

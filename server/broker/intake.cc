@@ -128,8 +128,20 @@ Intake::Processed Intake::Judge(Processing& processing) {
     Settle(processing, Became::kObserved);
     return Processed::kDone;
   }
-  return place->stream != nullptr ? Write(processing, *place->stream)
-                                  : WriteNowhere(processing, *place);
+  if (place->stream == nullptr) return WriteNowhere(processing, *place);
+  if (IsOneTooManyOfAStranger(processing, *place->stream)) {
+    CountTopic(context_.probe, processing.topic.kind);
+    RejectUnkept(processing, model::RejectReason::kRateLimited);
+    return Processed::kDone;
+  }
+  return Write(processing, *place->stream);
+}
+
+bool Intake::IsOneTooManyOfAStranger(const Processing& processing, const TwinStream& stream) {
+  if (stream.twin != nullptr || processing.held_back) return false;
+  if (processing.judgement.rejection() == nullptr) return false;
+  return !context_.limited_log.Passes(strangers_, processing.topic, 1, processing.arrived.steady,
+                                      "rejected messages of no robot");
 }
 
 void Intake::AnswerPing(Processing& processing) {
@@ -151,7 +163,7 @@ Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams
   full_ = nullptr;
   if (!place.too_many) return Wait(processing);
   if (!processing.held_back) {
-    context_.probe.robots_over.Add();
+    context_.probe.twins_refused.Add();
     context_.refused_log.Write(
         log::Level::kWarn, "twin_refused",
         {{"twin", processing.topic.id.ToText()}, {"why", "there are as many robots as may be"}});
@@ -205,7 +217,12 @@ Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
   stream.used_at = processing.arrived.steady;
   if (!processing.held_back) NoteLife(processing, stream);
   const std::size_t records = RecordsAtMost(processing.judgement, stream);
-  if (records > 0 && (!HasRoom(stream) || !HasShare(processing, stream))) return Wait(processing);
+  if (records > 0 && !HasRoom(stream)) return Wait(processing);
+  if (records > 0 && !HasShare(processing, stream)) {
+    context_.limited_log.Tell(stream, "its share of the journal is full (journal.robot_share)",
+                              context_.clock.Steady());
+    return Wait(processing);
+  }
   CountTopic(context_.probe, processing.topic.kind);
   const auto fill = context_.journal_over_half() ? cyberwave::JournalFill::kOverHalf
                                                  : cyberwave::JournalFill::kUpToHalf;

@@ -10,7 +10,9 @@
 #include "schema/cyberwave/records.h"
 #include "server/broker/commits.h"
 #include "server/broker/held_back_message.h"
+#include "server/broker/id_budgets.h"
 #include "server/broker/limited_log.h"
+#include "server/broker/limits.h"
 #include "server/broker/message_counts.h"
 #include "server/broker/payload_judge.h"
 #include "server/broker/pongs.h"
@@ -77,6 +79,9 @@ class Intake final {
   [[nodiscard]] Processed ProcessOne(Processing& processing);
   [[nodiscard]] bool WasBefore(Processing& processing);
   [[nodiscard]] Processed Judge(Processing& processing);
+  /// It is rejected, is of no robot, and its id has sent too many such.
+  [[nodiscard]] bool IsOneTooManyOfAStranger(const Processing& processing,
+                                             const TwinStream& stream);
   [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);
@@ -100,6 +105,7 @@ class Intake final {
   const Context context_;
   Pongs pongs_;
   PayloadJudge payloads_;
+  IdBudgets strangers_{kRejectsOfStranger};
   bool was_stray_ = false;
   /// The journal that had no room for it.
   journal::Journal* full_ = nullptr;

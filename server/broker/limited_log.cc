@@ -4,8 +4,6 @@
 
 #include <fmt/core.h>
 
-#include "server/broker/limits.h"
-
 namespace uplink::broker {
 
 void LimitedLog::Tell(TwinStream& stream, std::string_view why, SteadyTime now) {
@@ -15,13 +13,17 @@ void LimitedLog::Tell(TwinStream& stream, std::string_view why, SteadyTime now) 
   }
 }
 
-void LimitedLog::Tell(const cyberwave::Topic& topic) {
-  const std::string name =
-      topic.kind == cyberwave::TopicKind::kPing ? topic.name : topic.id.ToText();
-  lines_.Write(log::Level::kWarn, "twin_limited",
-               {{"id", name},
-                {"why", fmt::format("more than {} bytes per second at QoS 0, after {} at once",
-                                    kBytesOfId.rate, kBytesOfId.burst)}});
+bool LimitedLog::Passes(IdBudgets& budgets, const cyberwave::Topic& topic, std::size_t amount,
+                        SteadyTime now, std::string_view of) {
+  const IdBudgets::Answer answer = budgets.Take(topic, amount, now);
+  if (answer == IdBudgets::Answer::kOverAndTell) {
+    const bool is_ping = topic.kind == cyberwave::TopicKind::kPing;
+    lines_.Write(log::Level::kWarn, "twin_limited",
+                 {{"id", is_ping ? topic.name : topic.id.ToText()},
+                  {"why", fmt::format("more than {} {} per second, after {} at once",
+                                      budgets.size().rate, of, budgets.size().burst)}});
+  }
+  return answer == IdBudgets::Answer::kPasses;
 }
 
 }  // namespace uplink::broker

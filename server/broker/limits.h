@@ -13,7 +13,8 @@ namespace uplink::broker {
 /// A twin that said nothing for so long, and of which nothing waits, has its stream ended: it may
 /// leave memory then, and begins a new session when it speaks.
 inline constexpr std::chrono::hours kStreamIdleMax{1};
-/// How often twins are looked at that are silent, or came into the fleet by another way.
+/// How often twins are looked at that are silent, or came into the fleet by another way, and the
+/// client's certificate.
 inline constexpr std::chrono::seconds kLookAtTwinsEvery{60};
 /// How long no message at QoS 1 may be read before it shows that we are behind.
 inline constexpr std::chrono::seconds kUnreadAfter{1};
@@ -28,6 +29,11 @@ inline constexpr std::size_t kFaultsKeptShare = 2;
 inline constexpr robot::BucketSize kBytesOfId{.rate = 4 * config::kMiB, .burst = 32 * config::kMiB};
 /// Smaller ones take no longer to read than to send.
 inline constexpr std::size_t kBudgetedBytesMin = 512;
+/// Messages of one id that are rejected and belong to no robot, such as those of a twin that was
+/// never heard. They stand for all ids in one place of the journal, and in one quarantine: with 50
+/// per second of each, thousands of ids do not fill what that place may have while the store takes
+/// them.
+inline constexpr robot::BucketSize kRejectsOfStranger{.rate = 50, .burst = 2'000};
 /// Ids that have a budget of their own: more than there may be twins by default.
 inline constexpr std::size_t kBudgetsMax = 32'768;
 /// How long a robot's stream is not opened anew that an operator ended, so that the robot can be
@@ -35,9 +41,12 @@ inline constexpr std::size_t kBudgetsMax = 32'768;
 inline constexpr std::chrono::seconds kRestAfterDrop{5};
 /// What lies unread in the kernel of the live connection at a look where we are too slow for it.
 inline constexpr std::size_t kLiveBehindBytes = std::size_t{128} * 1024;
-/// Messages at QoS 1 of a twin that were settled without a record, such as metrics without news of
-/// faults, and are to be remembered with its next record.
-inline constexpr std::size_t kSettledKept = 256;
+/// How long each look may find so much there before the connection is made anew. Far more waits in
+/// the broker then, as much as its queue takes, and each message of it says of a twin that may be
+/// long gone that it lives.
+inline constexpr std::chrono::seconds kLiveBehindMax{10};
+/// How long that is shown, so that it is in sight where it happens again and again.
+inline constexpr std::chrono::seconds kLiveBehindShown{60};
 /// The window for which deliveries are remembered (storage::DeliveriesKept), whatever
 /// mqtt.unacked_max is: the largest. A broker may send far more than it was asked to. mosquitto
 /// before 2.0.13 does so once it has a queue, as many further messages with each PUBACK as the

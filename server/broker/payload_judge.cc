@@ -9,12 +9,11 @@ PayloadJudge::Judged PayloadJudge::Judge(const mqtt::Publish& publish, SteadyTim
     return {.judgement = cyberwave::JudgeUnread(publish.topic, publish.payload_bytes, terms_)};
   }
   auto judged = cyberwave::JudgeTopic(publish.topic, publish.payload_bytes, terms_);
-  if (!judged.decided && publish.id == 0) {
-    using enum ByteBudgets::Answer;
-    const cyberwave::Topic& topic = judged.judgement.topic;
-    const ByteBudgets::Answer answer = budgets_.Take(topic, publish.payload_bytes, arrived);
-    if (answer == kOverAndTell) limited_log_.Tell(topic);
-    if (answer != kPasses) return {.judgement = std::move(judged.judgement), .over_budget = true};
+  if (!judged.decided && publish.id == 0 && publish.payload_bytes >= kBudgetedBytesMin) {
+    if (!limited_log_.Passes(bytes_, judged.judgement.topic, publish.payload_bytes, arrived,
+                             "bytes at QoS 0")) {
+      return {.judgement = std::move(judged.judgement), .over_budget = true};
+    }
   }
   return {.judgement = cyberwave::JudgePayload(std::move(judged), *publish.payload, terms_)};
 }

@@ -2,13 +2,16 @@
 
 #include "schema/base/clock.h"
 #include "schema/cyberwave/judge.h"
-#include "server/broker/byte_budgets.h"
+#include "server/broker/id_budgets.h"
 #include "server/broker/limited_log.h"
+#include "server/broker/limits.h"
 #include "server/mqtt/packets.h"
 
 namespace uplink::broker {
 
-/// Judges what a broker delivers, and looks into no more of one id than ByteBudgets allow.
+/// Judges what a broker delivers, and looks into no more bytes of one id at QoS 0 than kBytesOfId.
+/// To read a large payload takes longer than its publisher needs to send it, and meanwhile the
+/// broker drops what others say. At QoS 1 our acks hold publishers back.
 ///
 /// Thread:  confined to its owner's.
 class PayloadJudge final {
@@ -27,7 +30,7 @@ class PayloadJudge final {
  private:
   const cyberwave::JudgeTerms& terms_;
   LimitedLog& limited_log_;
-  ByteBudgets budgets_;
+  IdBudgets bytes_{kBytesOfId};
 };
 
 }  // namespace uplink::broker

@@ -25,9 +25,9 @@ struct BrokerProbe {
   metrics::Cell held_back_total;
   metrics::Cell held_back;
   /// Messages of robots beyond cyberwave.robots_max, or limits.robots_max.
-  metrics::Cell robots_over;
+  metrics::Cell twins_refused;
   /// Streams whose robot another process adopted.
-  metrics::Cell fenced;
+  metrics::Cell twins_lost;
   /// Streams of robots that are open.
   metrics::Cell streams;
   /// Times that were taken as unknown, and control characters that were replaced.
@@ -36,8 +36,10 @@ struct BrokerProbe {
   /// 1 while this process has the lease of its topics; how often it took it.
   metrics::Cell lease_held;
   metrics::Cell lease_taken;
-  /// 1 while we are behind with what is at QoS 1 (heard.h).
-  metrics::Cell unread;
+  /// Unix time at which the certificate expires that the broker sees (NoteCertificate).
+  metrics::Cell certificate_expiry_s;
+  /// 1 while we are behind with what the broker has for us (heard.h).
+  metrics::Cell behind;
 };
 
 }  // namespace uplink::broker

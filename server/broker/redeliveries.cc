@@ -33,7 +33,7 @@ Redeliveries::Found Redeliveries::Find(std::uint16_t packet_id,
   if (entry.stream != 0) {
     return {.known = Known::kWaits, .stream = entry.stream, .number = entry.number};
   }
-  if (entry.ordinal + kept_max_ <= last_ordinal_) return {};
+  if (IsOld(entry)) return {};
   return {.known = Known::kSettled, .number = entry.number};
 }
 
@@ -44,27 +44,55 @@ void Redeliveries::AddWaiting(const storage::Delivery& delivery, std::uint64_t s
                                 .stream = stream};
 }
 
-void Redeliveries::AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest) {
-  known_[packet_id] = {.number = 0, .ordinal = ++last_ordinal_, .digest = digest, .stream = 0};
+void Redeliveries::Replace(std::uint16_t packet_id, const Entry& entry) {
+  Entry& kept = known_[packet_id];
+  if (kept.number != 0) over_.push_back(packet_id);
+  kept = entry;
+  kept.ordinal = ++last_ordinal_;
 }
 
-std::vector<storage::Delivery> Redeliveries::Number(std::vector<storage::Delivery> settled) {
-  std::erase_if(settled, [this](storage::Delivery& delivery) {
-    const auto found = known_.find(delivery.packet_id);
-    // Another message has the id by now, or the session was lost.
-    if (found == known_.end() || found->second.digest != delivery.digest ||
-        found->second.number != 0) {
-      return true;
-    }
-    found->second.number = delivery.number = NextNumber();
-    return false;
+void Redeliveries::AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest,
+                              std::uint64_t stream) {
+  Replace(packet_id, {.digest = digest, .settled_of = stream});
+}
+
+void Redeliveries::End(std::uint16_t packet_id) { Replace(packet_id, {}); }
+
+void Redeliveries::KeepSettled(std::uint64_t stream, std::vector<std::uint16_t>& packet_ids) const {
+  std::erase_if(packet_ids, [&](std::uint16_t packet_id) {
+    const auto found = known_.find(packet_id);
+    return found == known_.end() || found->second.number != 0 ||
+           found->second.settled_of != stream || IsOld(found->second);
   });
-  return settled;
+  std::ranges::sort(packet_ids, {}, [this](std::uint16_t packet_id) {
+    return known_.find(packet_id)->second.ordinal;
+  });
+  packet_ids.erase(std::unique(packet_ids.begin(), packet_ids.end()), packet_ids.end());
 }
 
-void Redeliveries::End(std::uint16_t packet_id) {
-  ++last_ordinal_;
-  known_.erase(packet_id);
+std::vector<storage::Delivery> Redeliveries::Number(std::uint64_t stream,
+                                                    std::vector<std::uint16_t> packet_ids) {
+  KeepSettled(stream, packet_ids);
+  std::vector<storage::Delivery> numbered;
+  numbered.reserve(packet_ids.size() + 1);
+  for (const std::uint16_t packet_id : packet_ids) {
+    Entry& entry = known_.find(packet_id)->second;
+    entry.number = NextNumber();
+    entry.settled_of = 0;
+    numbered.push_back({.number = entry.number, .packet_id = packet_id, .digest = entry.digest});
+  }
+  return numbered;
+}
+
+std::vector<storage::Delivery> Redeliveries::TakeOver() {
+  std::vector<storage::Delivery> ends;
+  for (const std::uint16_t packet_id : std::exchange(over_, {})) {
+    const auto found = known_.find(packet_id);
+    // What has the id by now was remembered itself.
+    if (found != known_.end() && found->second.number != 0) continue;
+    ends.push_back({.number = NextNumber(), .packet_id = packet_id, .digest = {}});
+  }
+  return ends;
 }
 
 void Redeliveries::Commit(std::uint16_t packet_id, std::uint64_t number) {
@@ -79,6 +107,7 @@ void Redeliveries::Drop(std::uint16_t packet_id, std::uint64_t number) {
 
 storage::Delivery Redeliveries::EndSession() {
   known_.clear();
+  over_.clear();
   return {.number = NextNumber(), .packet_id = 0, .digest = {}};
 }
 

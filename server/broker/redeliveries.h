@@ -13,7 +13,9 @@ namespace uplink::broker {
 /// their commit, the last ones that were committed, and the last ones that were settled without a
 /// record. The store has the committed ones too, written with their rows, so that the next process
 /// begins with them. Of the others it gets those that stand before a committed one of their twin:
-/// if they came again as new ones, they would come after it.
+/// if they came again as new ones, they would come after it. And it gets which of its own are over,
+/// since a message without a record has their packet id by now: a later one under that id, of the
+/// same content, would be taken for them else.
 ///
 /// Limits:  an entry per packet id, of which there are 65,535.
 /// Thread:  confined to its owner's.
@@ -23,7 +25,10 @@ class Redeliveries final {
   explicit Redeliveries(std::uint32_t kept_max) : kept_max_(kept_max), last_ordinal_(kept_max) {}
 
   /// Begins with what the store knows, under a new lease. What waits here is known better.
-  void Begin(const storage::DeliveryMemory& memory) { Load(memory, false); }
+  void Begin(const storage::DeliveryMemory& memory) {
+    over_.clear();
+    Load(memory, false);
+  }
   /// The same under the lease that we have: what was settled without a record is known still.
   void Reread(const storage::DeliveryMemory& memory) { Load(memory, true); }
 
@@ -41,13 +46,20 @@ class Redeliveries final {
   [[nodiscard]] std::uint64_t NextNumber() { return ++last_number_; }
   /// A new message waits under the id: what the id meant before has ended.
   void AddWaiting(const storage::Delivery& delivery, std::uint64_t stream);
-  /// A new message under the id is settled without a record.
-  void AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest);
-  /// Of messages that were settled so, as they were given to AddSettled: those that are known still
-  /// and not in the store, with numbers under which the store is to remember them.
-  [[nodiscard]] std::vector<storage::Delivery> Number(std::vector<storage::Delivery> settled);
+  /// A new message under the id is settled without a record; `stream` is its twin's, 0 if it has
+  /// none.
+  void AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest,
+                  std::uint64_t stream);
+  /// Leaves of packet ids those under which a message of the stream was settled so that may come
+  /// again and is not in the store; each once, the oldest first.
+  void KeepSettled(std::uint64_t stream, std::vector<std::uint16_t>& packet_ids) const;
+  /// Gives these messages numbers, under which the store is to remember them.
+  [[nodiscard]] std::vector<storage::Delivery> Number(std::uint64_t stream,
+                                                      std::vector<std::uint16_t> packet_ids);
   /// A new message under the id is settled at once, and not remembered.
   void End(std::uint16_t packet_id);
+  /// What the store knows, or will, and is over since the last call: to be remembered.
+  [[nodiscard]] std::vector<storage::Delivery> TakeOver();
   /// It was committed.
   void Commit(std::uint16_t packet_id, std::uint64_t number);
   /// It was not, and never will be: it is new when it comes again.
@@ -63,10 +75,19 @@ class Redeliveries final {
     std::uint64_t number = 0;
     /// Counts all messages at QoS 1, those that got no number too: packet ids come round by it.
     std::uint64_t ordinal = 0;
+    /// Nothing: it is not known when it comes again.
     std::optional<storage::DeliveryDigest> digest;
     /// 0: it is settled.
     std::uint64_t stream = 0;
+    /// Whose it is that was settled without a record.
+    std::uint64_t settled_of = 0;
   };
+  /// A message without a record has the packet id from now on.
+  void Replace(std::uint16_t packet_id, const Entry& entry);
+  /// The broker does not deliver it again: the ids went round since.
+  [[nodiscard]] bool IsOld(const Entry& entry) const {
+    return entry.ordinal + kept_max_ <= last_ordinal_;
+  }
   void Load(const storage::DeliveryMemory& memory, bool keep_settled);
 
   const std::uint32_t kept_max_;
@@ -74,6 +95,8 @@ class Redeliveries final {
   /// Of what the store knows only the numbers are known, which are as far apart or less.
   std::uint64_t last_ordinal_;
   std::unordered_map<std::uint16_t, Entry> known_;
+  /// Packet ids under which the store knows what is over; each once until it gets a number.
+  std::vector<std::uint16_t> over_;
 };
 
 }  // namespace uplink::broker

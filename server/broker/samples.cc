@@ -38,14 +38,14 @@ void AddTwins(const Broker& broker, metrics::Exposition& page) {
   page.Add(kMqttPongsWithheld, probe.pongs_withheld);
   page.Add(kMqttHeldBackTotal, probe.held_back_total);
   page.Add(kMqttHeldBack, probe.held_back);
-  page.Add(kMqttUnread, probe.unread);
+  page.Add(kMqttUnread, probe.behind);
   page.Add(kMqttTwins, twins.size());
   page.Add(kMqttTwinsLimit, twins.twins_max());
-  page.Add(kMqttTwinsRefused, probe.robots_over);
+  page.Add(kMqttTwinsRefused, probe.twins_refused);
   page.Add(kMqttTwinsBytes, twins.bytes());
   page.Add(kMqttTablesDropped, twins.tables_dropped());
   page.Add(kMqttStreams, probe.streams);
-  page.Add(kMqttTwinsLost, probe.fenced);
+  page.Add(kMqttTwinsLost, probe.twins_lost);
   page.Add(kMqttLeaseHeld, probe.lease_held);
   page.Add(kMqttLeaseTaken, probe.lease_taken);
   page.Add(kMqttLeaseFailing, broker.lease_failing() ? 1 : 0);
@@ -62,7 +62,7 @@ void AddConnection(std::string_view name, const mqtt::ClientProbe& probe,
   page.Add(kMqttPublishes, probe.messages[1], {name, "1"});
   page.Add(kMqttDups, probe.dups, {name});
   page.Add(kMqttRetained, probe.retained, {name});
-  page.Add(kMqttOversized, probe.unread, {name});
+  page.Add(kMqttOversized, probe.oversized, {name});
   page.Add(kMqttBadTopics, probe.bad_topics, {name});
   page.Add(kMqttPayloadBytes, probe.payload_bytes, {name});
   page.Add(kMqttPubacks, probe.pubacks, {name});
@@ -87,7 +87,7 @@ void AddSamples(const Broker& broker, metrics::Exposition& page) {
   page.Add(kMqttUnackedLimit, broker.unacked_max());
   page.Add(kMqttSessionsLost, durable.sessions_lost);
   page.Add(kMqttSessionsShort, durable.sessions_short);
-  page.Add(kMqttCertificateExpiry, durable.certificate_expiry_s);
+  page.Add(kMqttCertificateExpiry, broker.probe().certificate_expiry_s);
   page.Add(kMqttPublishesDropped, broker.client_probe(Connection::kLive).publishes_dropped);
 }
 

@@ -37,9 +37,11 @@ struct TwinStream {
   journal::Journal* journal = nullptr;
   /// In order of their numbers.
   std::deque<WaitingMessage> waiting;
-  /// Messages at QoS 1 that were settled without a record since the last one with records, the last
-  /// kSettledKept, without numbers: they are remembered with the next records (Commits::Number).
-  std::vector<storage::Delivery> settled;
+  /// Packet ids of messages that were settled without a record since the last one with records,
+  /// and of some that are known no more: those are remembered with the next records
+  /// (Commits::Number). An id is of one twin at a time, so all twins together have little more than
+  /// there are ids.
+  std::vector<std::uint16_t> settled;
   SteadyTime used_at;
   /// When the log last named it for its rate (LimitedLog).
   std::optional<SteadyTime> limited_told_at;

@@ -187,12 +187,18 @@ void TwinStreams::Drop(TwinStream& stream) {
 }
 
 void TwinStreams::Lose(TwinStream& stream) {
-  if (stream.twin != nullptr) context_.twins.Remove(stream.ruri());
+  if (stream.twin != nullptr) {
+    context_.twins.Remove(stream.ruri());
+    lost_.insert(stream.ruri());
+  }
   Close(stream);
 }
 
 void TwinStreams::SetFaults(FaultsByRobot faults) {
   faults_ = std::move(faults);
+  for (const std::string& ruri : std::exchange(lost_, {})) {
+    if (const cyberwave::TwinPtr twin = context_.twins.Find(ruri)) RestoreFaults(*twin);
+  }
   std::erase_if(faults_,
                 [this](const auto& each) { return context_.twins.Find(each.first) != nullptr; });
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -89,7 +90,9 @@ class TwinStreams final {
   /// All end: at once, or when nothing of them waits.
   void EndAll();
 
-  /// What the store has, for robots that are not in memory: of those it is known better here.
+  /// What the store has, for robots that are not in memory, and for those that were lost since the
+  /// last call: of the others it is known better here. Nothing of metrics has come since they were
+  /// lost.
   void SetFaults(FaultsByRobot faults);
 
   [[nodiscard]] std::size_t size() const { return by_id_.size(); }
@@ -112,6 +115,8 @@ class TwinStreams final {
   std::unordered_map<std::string, std::weak_ptr<cyberwave::TwinRates>> rates_;
   /// Those of robots that were not heard yet.
   FaultsByRobot faults_;
+  /// Robots that were lost since SetFaults: who spoke since is in memory again, without faults.
+  std::unordered_set<std::string> lost_;
   /// When streams may be opened again that an operator ended.
   std::unordered_map<std::string, SteadyTime> rests_;
   /// Stands for none, and changes no presence.

@@ -44,8 +44,9 @@ struct JournalLimits {
   bool retains = false;
 };
 
-/// Rows of deliveries without records that wait for a commit; the oldest go.
-inline constexpr std::ptrdiff_t kDeliveriesWaitingMax = 1'024;
+/// Rows of deliveries without records that wait for a commit; the oldest go. There are fewer packet
+/// ids, and each stands there about once.
+inline constexpr std::ptrdiff_t kDeliveriesWaitingMax = 131'072;
 
 /// How often what expired is swept from the store, and how soon again where more is left.
 inline constexpr std::chrono::seconds kSweepInterval{60};

@@ -143,8 +143,6 @@ void Client::Attempt() {
   if (!secrets.ok()) {
     return Ended({EndReason::kSettings, std::string(secrets.status().message())});
   }
-  parts_.probe.certificate_expiry_s.Set(
-      secrets->certificate_expiry ? UnixMs(*secrets->certificate_expiry) / 1'000 : 0);
   password_ = std::move(secrets->password);
   link_->Open(settings_.url, secrets->tls);
   OnPhase(LinkPhase::kResolving);

@@ -81,9 +81,15 @@ class Client final : private LinkEvents, private ConversationEvents {
   void StopReading();
   void ReadAgain();
 
-  /// A snapshot. Thread: any.
+  /// Ends the connection that is up, and makes another as after any end. Not within a call of the
+  /// listener.
+  void ConnectAnew(const End& end) {
+    if (phase_ == Phase::kUp && !settling_) Ended(end);
+  }
+
   /// Bytes that came from the broker and were not read yet (Link::unread). Its own thread.
   [[nodiscard]] std::size_t unread() const { return link_ == nullptr ? 0 : link_->unread(); }
+  /// A snapshot. Thread: any.
   [[nodiscard]] ClientStatus status() const;
 
  private:

@@ -144,7 +144,7 @@ void Conversation::Handle(const mqtt::Publish& message) {
   probe.payload_bytes.Add(static_cast<std::int64_t>(message.payload_bytes));
   if (message.dup) probe.dups.Add();
   if (message.retained) probe.retained.Add();
-  if (!message.payload) probe.unread.Add();
+  if (!message.payload) probe.oversized.Add();
   if (message.bad_topic) probe.bad_topics.Add();
   if (message.qos == Qos::kAtMostOnce) {
     return context_.listener.OnMessage({.publish = message});

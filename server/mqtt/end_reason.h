@@ -31,16 +31,18 @@ enum class EndReason : std::uint8_t {
   kQos2,              // a PUBLISH at QoS 2, for which we never ask
   kUnexpectedPacket,  // a packet that no broker sends to a subscriber
   kUnexpectedAnswer,  // an answer to nothing that we asked
+  kBehind,            // we ended it: what comes is too old by the time that we read it
 };
 
 /// In the order of EndReason.
-inline constexpr std::array<std::string_view, 20> kEndReasonNames = {
+inline constexpr std::array<std::string_view, 21> kEndReasonNames = {
     "stopped",       "settings",     "resolve",           "connect",
     "tls",           "timeout",      "refused",           "closed",
     "broken",        "disconnected", "id_taken",          "ping_late",
     "write_stalled", "malformed",    "too_large",         "unknown_property",
-    "topic_alias",   "qos2",         "unexpected_packet", "unexpected_answer"};
-static_assert(static_cast<std::size_t>(EndReason::kUnexpectedAnswer) + 1 == kEndReasonNames.size());
+    "topic_alias",   "qos2",         "unexpected_packet", "unexpected_answer",
+    "behind"};
+static_assert(static_cast<std::size_t>(EndReason::kBehind) + 1 == kEndReasonNames.size());
 
 [[nodiscard]] constexpr std::string_view Name(EndReason reason) {
   return kEndReasonNames[static_cast<std::size_t>(reason)];

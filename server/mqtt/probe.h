@@ -23,7 +23,7 @@ struct ClientProbe {
   metrics::Cell crossed;
   metrics::Cell retained;
   /// The payload or the head was over its bound, and read past.
-  metrics::Cell unread;
+  metrics::Cell oversized;
   /// The topic was none.
   metrics::Cell bad_topics;
   /// Of payloads, those read past included; of what a too large head belongs to, all.
@@ -53,9 +53,6 @@ struct ClientProbe {
   metrics::Cell sessions_lost;
   /// Connections whose session the broker keeps for less time than it was asked to.
   metrics::Cell sessions_short;
-  /// Unix time at which the certificate expires that the last connection was made with; 0 without
-  /// one.
-  metrics::Cell certificate_expiry_s;
   /// Times that another client was taken to use our id, and 1 from then until a broker accepts us,
   /// a connection ends for another reason, or we stop.
   metrics::Cell ids_taken;

@@ -108,6 +108,7 @@ std::uint8_t FarewellCode(EndReason reason) {
     case EndReason::kBroken:
     case EndReason::kDisconnected:
     case EndReason::kIdTaken:
+    case EndReason::kBehind:
       return 0;
   }
   return 0;

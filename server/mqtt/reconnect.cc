@@ -8,7 +8,7 @@ Reconnect::Pause Reconnect::After(EndReason reason, std::optional<milliseconds> 
                                   std::uint64_t random) {
   const bool soon = lived.has_value() && *lived < limits_.soon;
   const bool wordless = reason == EndReason::kClosed || reason == EndReason::kBroken;
-  if (lived.has_value() && !soon) backoff_.Reset();
+  if (lived.has_value() && (!soon || reason == EndReason::kBehind)) backoff_.Reset();
   soon_ends_ = soon && wordless ? soon_ends_ + 1 : 0;
   if (reason == EndReason::kIdTaken || soon_ends_ >= limits_.soon_ends_max) {
     // Until a connection lives, each further end is the same again.

@@ -12,7 +12,8 @@ namespace uplink::mqtt {
 /// When we come back to a broker. A value; tests shorten it.
 struct ReconnectLimits {
   storage::BackoffLimits backoff{.first = milliseconds(500), .longest = std::chrono::seconds(30)};
-  /// A connection that lived so long was a good one: the next pause is a first one again.
+  /// A connection that lived so long, or that we ended for being behind, was a good one: the next
+  /// pause is a first one again.
   milliseconds soon = std::chrono::seconds(30);
   /// Connections in a row that the broker ended sooner than that, without a word, after which
   /// another client is taken to use our id.

@@ -14,6 +14,8 @@
 namespace uplink::mqtt {
 namespace {
 
+constexpr std::string_view kCertificateKey = "client_certificate_file";
+
 absl::Status Invalid(std::string_view key, std::string_view text) {
   return absl::FailedPreconditionError(fmt::format("mqtt.{}: {}", key, text));
 }
@@ -26,6 +28,13 @@ absl::StatusOr<std::string> ReadPemOf(std::string_view key, const std::string& p
     return Invalid(key, std::string(good.message()));
   }
   return std::move(pem->text);
+}
+
+absl::StatusOr<std::optional<SystemTime>> ExpiryOf(const std::string& certificate) {
+  if (certificate.empty()) return std::nullopt;
+  const auto expiry = identity::ExpiryOf({"mqtt.client_certificate_file", certificate});
+  if (!expiry.ok()) return expiry.status();
+  return *expiry;
 }
 
 absl::StatusOr<std::string> ReadPassword(const std::string& path) {
@@ -62,17 +71,19 @@ absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings) {
   }
   auto ca = ReadPemOf("ca_file", settings.ca_file);
   if (!ca.ok()) return ca.status();
-  auto certificate = ReadPemOf("client_certificate_file", settings.certificate_file);
+  auto certificate = ReadPemOf(kCertificateKey, settings.certificate_file);
   if (!certificate.ok()) return certificate.status();
   auto key = ReadPemOf("client_key_file", settings.key_file);
   if (!key.ok()) return key.status();
-  if (!certificate->empty()) {
-    const auto expiry = identity::ExpiryOf({"mqtt.client_certificate_file", *certificate});
-    if (!expiry.ok()) return expiry.status();
-    secrets.certificate_expiry = *expiry;
-  }
+  if (const auto expiry = ExpiryOf(*certificate); !expiry.ok()) return expiry.status();
   secrets.tls = {*std::move(ca), *std::move(certificate), *std::move(key)};
   return secrets;
+}
+
+absl::StatusOr<std::optional<SystemTime>> CertificateExpiry(const ClientSettings& settings) {
+  const auto certificate = ReadPemOf(kCertificateKey, settings.certificate_file);
+  if (!certificate.ok()) return certificate.status();
+  return ExpiryOf(*certificate);
 }
 
 }  // namespace uplink::mqtt

@@ -21,8 +21,6 @@ struct TlsTexts {
 struct Secrets {
   std::optional<std::string> password;
   TlsTexts tls;
-  /// Of the client's certificate; nothing without one.
-  std::optional<SystemTime> certificate_expiry;
 };
 
 /// Reads the files, for one connection: they may have changed since the last one.
@@ -32,5 +30,11 @@ struct Secrets {
 ///          identity::kPemBytesMax), is empty, or everybody may write it.
 /// Thread:  any; blocks on the files.
 [[nodiscard]] absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings);
+
+/// When the client's certificate expires, as its file says now; nothing without one.
+///
+/// Errors and thread: as ReadSecrets.
+[[nodiscard]] absl::StatusOr<std::optional<SystemTime>> CertificateExpiry(
+    const ClientSettings& settings);
 
 }  // namespace uplink::mqtt

@@ -209,7 +209,7 @@ TEST_F(BrokerAcksTest, WithoutAnAckForASecondWeAreBehindThoughWeRead) {
   }
   EXPECT_TRUE(durable()->reading);
   EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kBehind);
-  EXPECT_EQ(broker_.probe().unread.value(), 1);
+  EXPECT_EQ(broker_.probe().behind.value(), 1);
 }
 
 }  // namespace

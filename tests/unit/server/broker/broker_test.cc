@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/broker/limits.h"
+#include "server/config/config.h"
 #include "tests/unit/server/broker/broker_world.h"
 
 namespace uplink::broker {
@@ -125,7 +126,7 @@ TEST_F(BrokerTest, AConnectionThatWasHeldIsReadAgainUnderTheNextLease) {
     broker_.Tick();
     clock_.Advance(std::chrono::seconds(1));
   }
-  EXPECT_EQ(broker_.probe().unread.value(), 0);
+  EXPECT_EQ(broker_.probe().behind.value(), 0);
   EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
 }
 
@@ -151,8 +152,96 @@ TEST_F(BrokerTest, WhileNothingIsReadWeAreBehind) {
     broker_.Tick();
     clock_.Advance(std::chrono::seconds(1));
   }
-  EXPECT_EQ(broker_.probe().unread.value(), 1);
+  EXPECT_EQ(broker_.probe().behind.value(), 1);
   EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kBehind);
+}
+
+TEST_F(BrokerTest, TellsTheStoreWhatIsOverEachSecondAndWhenItEnds) {
+  const auto known = [this] { return leases_.MemoryOf("core")->known.size(); };
+  const auto without_news = [this](std::size_t id) {
+    durable()->Bring(
+        testing::PublishBytes{.topic = std::string("cyberwave/twin/") + kTwin + "/metrics",
+                              .payload = R"({"metrics":{"load":{"cpu":1}}})",
+                              .id = id,
+                              .mqtt5 = false}
+            .Text());
+  };
+  Connect();
+  for (std::size_t id = 1; id <= 3; ++id) {
+    durable()->Bring(Event(static_cast<int>(id), id));
+    Run();
+  }
+  EXPECT_EQ(known(), 3U);
+  without_news(1);
+  Run();
+  EXPECT_EQ(known(), 3U);
+  broker_.Tick();
+  Run();
+  EXPECT_EQ(known(), 2U);
+  without_news(2);
+  broker_.BeginDrain();
+  Run();
+  EXPECT_EQ(known(), 1U);
+}
+
+TEST_F(BrokerTest, AConnectionThatIsBackBeforeASweepMakesNobodyOffline) {
+  Connect();
+  live()->Bring(
+      testing::PublishBytes{.topic = std::string("cyberwave/twin/") + kTwin + "/position",
+                            .payload = R"({"source_type":"edge","position":{"x":1,"y":2,"z":3}})",
+                            .mqtt5 = false}
+          .Text());
+  const auto presence = [this] {
+    return fleet_.Find("rcan://local.rcan/cyberwave/twin/" + std::string(kTwin))->state.presence();
+  };
+  const milliseconds timeout = config::CyberwaveConfig().presence_timeout;
+  const auto pass = [this](milliseconds time) {
+    for (milliseconds passed{0}; passed < time; passed += std::chrono::seconds(1)) {
+      clock_.Advance(std::chrono::seconds(1));
+      broker_.Tick();
+      static_cast<void>(
+          fleet_.Sweep(std::chrono::hours(1), fleet::Fleet::Hearing::kUpToDate, broker_.hearing()));
+    }
+  };
+  pass(timeout - std::chrono::seconds(2));
+  EXPECT_EQ(presence(), robot::Presence::kOnline);
+  live()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  clock_.Advance(milliseconds(500));
+  links_.back()->events()->OnDue();
+  Up(links_.back());
+  pass(std::chrono::seconds(4));
+  EXPECT_EQ(presence(), robot::Presence::kUnknown) << "it may have spoken meanwhile";
+  pass(timeout);
+  EXPECT_EQ(presence(), robot::Presence::kOffline);
+}
+
+TEST_F(BrokerTest, ALiveConnectionThatIsLongBehindIsMadeAnew) {
+  Connect();
+  live()->unread_bytes = kLiveBehindBytes;
+  const auto pass = [this](std::chrono::seconds seconds) {
+    for (std::chrono::seconds passed{0}; passed < seconds; passed += std::chrono::seconds(1)) {
+      clock_.Advance(std::chrono::seconds(1));
+      broker_.Tick();
+    }
+  };
+  pass(kLiveBehindMax);
+  EXPECT_FALSE(live()->closed);
+  pass(std::chrono::seconds(1));
+  EXPECT_TRUE(live()->closed);
+  EXPECT_FALSE(durable()->closed) << "what is at QoS 1 goes on";
+  EXPECT_EQ(broker_.client_probe(Connection::kLive)
+                .ended[static_cast<std::size_t>(mqtt::EndReason::kBehind)]
+                .value(),
+            1);
+  EXPECT_THAT(broker_.connections()[1].client.last_error,
+              ::testing::HasSubstr("128 KiB lay unread at each look of 10 s"));
+  EXPECT_NE(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+
+  clock_.Advance(std::chrono::seconds(1));
+  links_.back()->events()->OnDue();
+  Up(links_.back());
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
 }
 
 TEST_F(BrokerTest, WithoutTheLeaseItTakesLeaveAndForgets) {

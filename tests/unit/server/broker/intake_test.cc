@@ -296,7 +296,7 @@ TEST(IntakePastItsRobots, DurableMessagesOfOneMoreLieInQuarantineAndLiveOnesAreR
   ASSERT_THAT(bench.store.Quarantine({})->rows, SizeIs(1));
   EXPECT_EQ(bench.store.Quarantine({})->rows[0].rejection.reason,
             model::RejectReason::kTooManyItems);
-  EXPECT_EQ(bench.probe.robots_over.value(), 2);
+  EXPECT_EQ(bench.probe.twins_refused.value(), 2);
   EXPECT_TRUE(bench.ledger.Read().Balanced());
 }
 

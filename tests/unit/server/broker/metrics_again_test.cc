@@ -77,6 +77,53 @@ TEST_F(MetricsAgainTest, AreDuplicatesForTheNextProcessIfWhatFollowedWasCommitte
   EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
 }
 
+TEST_F(MetricsAgainTest, HoweverManyWereWithoutARecordTheNextProcessKnowsThem) {
+  constexpr std::uint16_t kAll = 2'000;
+  for (std::uint16_t id = 1; id <= kAll; ++id) Say(bench_, id, "[]");
+  Say(bench_, kAll + 1, R"(["hot"])");
+  bench_.Run();
+  Bench next(database_, 2);
+  TakeOver(next);
+  for (std::uint16_t id = 1; id <= kAll; ++id) Say(next, id, "[]", true);
+  Say(next, kAll + 1, R"(["hot"])", true);
+  next.Run();
+  EXPECT_EQ(next.Count(Became::kDuplicate), kAll + 1U);
+  EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
+}
+
+TEST_F(MetricsAgainTest, EndWhatTheNextProcessKnowsOfTheirIds) {
+  const std::string beat = R"({"type":"beat"})";
+  EXPECT_EQ(bench_.Publish(Bench::Of("telemetry", kOtherTwin), beat, {.id = 7, .handle = 7}),
+            Intake::Processed::kDone);
+  bench_.Run();
+  // They never leave a record, and have the ids by now.
+  Say(bench_, 7, "[]");
+  bench_.Remember(bench_.commits.TakeOver());
+  bench_.Write();
+  Bench next(database_, 2);
+  TakeOver(next);
+  EXPECT_EQ(
+      next.Publish(Bench::Of("telemetry", kOtherTwin), beat, {.id = 7, .dup = true, .handle = 8}),
+      Intake::Processed::kDone);
+  next.Run();
+  EXPECT_EQ(next.Count(Became::kStored), 1U) << "it is another one";
+  EXPECT_EQ(next.store.Events({})->rows.size(), 2U);
+}
+
+TEST_F(MetricsAgainTest, WhatWasFencedIsRightThoughTheTwinSpokeMeanwhile) {
+  Say(bench_, 1, R"(["first"])");
+  bench_.Run();
+  bench_.fleet.Find(RuriOf(kTwin))->OnFenced(bench_.uplinks).Wake();
+  bench_.Look();
+  ASSERT_TRUE(bench_.commits.TakeFenced());
+  // By the live connection, before the store has said what it has.
+  (void)bench_.Publish(Bench::Of("position"), R"({"position":{"x":1,"y":2,"z":3}})");
+  bench_.streams.SetFaults({{RuriOf(kTwin), {"first"}}});
+  Say(bench_, 2, "[]");
+  bench_.Run();
+  EXPECT_THAT(Faults(), ::testing::UnorderedElementsAre(Pair("first", true), Pair("first", false)));
+}
+
 TEST_F(MetricsAgainTest, AreNewForTheNextProcessIfNothingThatFollowedWasCommitted) {
   Say(bench_, 1, R"(["old"])");
   bench_.Run();

@@ -3,11 +3,14 @@
 
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace uplink::broker {
 namespace {
 
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using enum Redeliveries::Known;
 
 storage::DeliveryDigest Digest(std::uint8_t of) { return {of}; }
@@ -33,7 +36,7 @@ TEST(Redeliveries, ForgetWhatIsOlderThanTheyKeep) {
     known.Commit(id, number);
   }
   EXPECT_EQ(known.Find(1, Digest(1)).known, kSettled);
-  known.AddSettled(3, Digest(1));
+  known.AddSettled(3, Digest(1), 0);
   EXPECT_EQ(known.Find(1, Digest(1)).known, kNo) << "one without a record has used an id too";
   EXPECT_EQ(known.Find(2, Digest(1)).known, kSettled);
 }
@@ -89,30 +92,78 @@ TEST(Redeliveries, IdsThatNobodyRemembersGoRoundToo) {
 
 TEST(Redeliveries, WhatWasSettledWithoutARecordGetsANumberOnce) {
   Redeliveries known(9);
-  known.AddSettled(7, Digest(1));
-  known.AddSettled(8, Digest(2));
+  known.AddSettled(8, Digest(2), 3);
+  known.AddSettled(7, Digest(1), 3);
+  known.AddSettled(9, Digest(4), 4);
   EXPECT_EQ(known.Find(7, Digest(1)).known, kSettled);
-  // Another message has this id by now.
-  known.AddSettled(8, Digest(3));
-  const std::vector<storage::Delivery> settled{{.number = 0, .packet_id = 7, .digest = Digest(1)},
-                                               {.number = 0, .packet_id = 8, .digest = Digest(2)}};
-  const std::vector<storage::Delivery> numbered = known.Number(settled);
-  ASSERT_EQ(numbered.size(), 1U);
-  EXPECT_EQ(numbered[0], (storage::Delivery{.number = 1, .packet_id = 7, .digest = Digest(1)}));
-  EXPECT_TRUE(known.Number(settled).empty());
+  // Another message of the same twin has this id by now, and one of another twin that one.
+  known.AddSettled(8, Digest(3), 3);
+  known.AddSettled(10, Digest(5), 3);
+  known.AddSettled(10, Digest(5), 4);
+  EXPECT_THAT(known.Number(3, {8, 7, 9, 8, 10}),
+              ElementsAre(storage::Delivery{.number = 1, .packet_id = 7, .digest = Digest(1)},
+                          storage::Delivery{.number = 2, .packet_id = 8, .digest = Digest(3)}));
+  EXPECT_THAT(known.Number(3, {8, 7}), IsEmpty());
+}
+
+TEST(Redeliveries, OfWhatWasSettledWithoutARecordTheOldIsNotRemembered) {
+  Redeliveries known(2);
+  for (std::uint16_t id = 1; id <= 3; ++id) known.AddSettled(id, Digest(1), 3);
+  std::vector<std::uint16_t> ids{1, 2, 3};
+  known.KeepSettled(3, ids);
+  EXPECT_THAT(ids, ElementsAre(2, 3));
 }
 
 TEST(Redeliveries, WhatWasSettledWithoutARecordIsKnownUnderTheSameLeaseAlone) {
   Redeliveries known(9);
-  known.AddSettled(7, Digest(1));
-  known.AddSettled(8, Digest(2));
+  known.AddSettled(7, Digest(1), 3);
+  known.AddSettled(8, Digest(2), 3);
   // It has a number, and the store never got it.
-  static_cast<void>(known.Number({{.number = 0, .packet_id = 8, .digest = Digest(2)}}));
+  static_cast<void>(known.Number(3, {8}));
   known.Reread({.last_number = 5, .known = {}});
   EXPECT_EQ(known.Find(7, Digest(1)).known, kSettled);
   EXPECT_EQ(known.Find(8, Digest(2)).known, kNo);
   known.Begin({.last_number = 5, .known = {}});
   EXPECT_EQ(known.Find(7, Digest(1)).known, kNo);
+}
+
+TEST(Redeliveries, SayWhatIsOverThatTheStoreKnows) {
+  Redeliveries known(9);
+  const auto commit = [&known](std::uint16_t id) {
+    const std::uint64_t number = known.NextNumber();
+    known.AddWaiting({.number = number, .packet_id = id, .digest = Digest(1)}, 3);
+    known.Commit(id, number);
+  };
+  for (std::uint16_t id = 1; id <= 4; ++id) commit(id);
+  EXPECT_THAT(known.TakeOver(), IsEmpty());
+  known.AddSettled(1, Digest(2), 3);
+  known.AddSettled(1, Digest(3), 3);
+  known.End(2);
+  // These are remembered themselves.
+  known.AddSettled(3, Digest(2), 3);
+  static_cast<void>(known.Number(3, {3}));
+  known.End(4);
+  commit(4);
+  EXPECT_THAT(known.TakeOver(),
+              ElementsAre(storage::Delivery{.number = 7, .packet_id = 1, .digest = {}},
+                          storage::Delivery{.number = 8, .packet_id = 2, .digest = {}}));
+  EXPECT_THAT(known.TakeOver(), IsEmpty());
+  // The store does not know it yet, and says what it knew.
+  known.Reread({.last_number = 6,
+                .known = {{.number = 1, .packet_id = 1, .digest = Digest(1)},
+                          {.number = 2, .packet_id = 2, .digest = Digest(1)}}});
+  EXPECT_EQ(known.Find(1, Digest(1)).known, kNo);
+  EXPECT_EQ(known.Find(1, Digest(3)).known, kSettled);
+  EXPECT_EQ(known.Find(2, Digest(1)).known, kNo);
+}
+
+TEST(Redeliveries, WhatWaitsWhenItsIdIsTakenIsOverToo) {
+  Redeliveries known(9);
+  known.AddWaiting({.number = known.NextNumber(), .packet_id = 7, .digest = Digest(1)}, 3);
+  known.End(7);
+  EXPECT_THAT(known.TakeOver(),
+              ElementsAre(storage::Delivery{.number = 2, .packet_id = 7, .digest = {}}))
+      << "it counts more than what is committed later";
 }
 
 TEST(Redeliveries, ALostSessionEndsAll) {

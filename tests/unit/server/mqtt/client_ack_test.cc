@@ -186,7 +186,7 @@ TEST(MqttClientAck, WhatAPublisherMadeUpIsGivenAndAckedAndEndsNothing) {
   for (const auto& each : bench.messages) bench.client->Release(*each.ack);
   EXPECT_EQ(bench.Written(), EncodePuback(1) + EncodePuback(2) + EncodePuback(3));
   EXPECT_THAT(bench.ends, SizeIs(0));
-  EXPECT_EQ(bench.probe.unread.value(), 1);
+  EXPECT_EQ(bench.probe.oversized.value(), 1);
   EXPECT_EQ(bench.probe.bad_topics.value(), 1);
 }
 

@@ -34,6 +34,15 @@ TEST(MqttReconnect, AConnectionThatLivedBeginsWithAFirstPauseAgain) {
   EXPECT_LE(reconnect.After(EndReason::kClosed, 30s, 0).wait, 500ms);
 }
 
+TEST(MqttReconnect, AConnectionThatWeEndedForBeingBehindIsMadeAgainSoon) {
+  Reconnect reconnect(kLimits);
+  for (int i = 0; i < 6; ++i) {
+    const auto pause = reconnect.After(EndReason::kBehind, 10s, 0);
+    EXPECT_LE(pause.wait, 500ms);
+    EXPECT_FALSE(pause.id_taken);
+  }
+}
+
 TEST(MqttReconnect, TheBrokerSaysThatAnotherClientHasOurId) {
   Reconnect reconnect(kLimits);
   const auto pause = reconnect.After(EndReason::kIdTaken, 1h, 0);

@@ -128,18 +128,21 @@ TEST(MqttSecrets, SayWhichFileIsInvalid) {
 TEST(MqttSecrets, ACertificateHasItsExpiry) {
   const testing::TempFolder folder;
   ClientSettings settings = Good();
-  EXPECT_EQ(ReadSecrets(settings)->certificate_expiry, std::nullopt);
+  EXPECT_EQ(*CertificateExpiry(settings), std::nullopt);
   settings.certificate_file = folder.File("client.crt");
   testing::CertificateSpec spec = testing::RobotSpec("rcan://a");
   spec.not_after_s = 7'200;
   const SystemTime before = SystemClock().System();
   WriteFile(settings.certificate_file, testing::TestAuthority().Issue(spec).certificate);
-  const auto secrets = ReadSecrets(settings);
-  ASSERT_TRUE(secrets.ok()) << secrets.status();
-  EXPECT_GT(*secrets->certificate_expiry, before + std::chrono::hours(1));
-  EXPECT_LT(*secrets->certificate_expiry, before + std::chrono::hours(3));
+  EXPECT_TRUE(ReadSecrets(settings).ok());
+  const auto expiry = CertificateExpiry(settings);
+  ASSERT_TRUE(expiry.ok() && *expiry) << expiry.status();
+  EXPECT_GT(**expiry, before + std::chrono::hours(1));
+  EXPECT_LT(**expiry, before + std::chrono::hours(3));
   WriteFile(settings.certificate_file, "no certificate");
   EXPECT_THAT(std::string(ReadSecrets(settings).status().message()),
+              HasSubstr("mqtt.client_certificate_file"));
+  EXPECT_THAT(std::string(CertificateExpiry(settings).status().message()),
               HasSubstr("mqtt.client_certificate_file"));
 }
 

@@ -10,22 +10,25 @@
 
 namespace uplink::broker {
 
-/// How many bytes at QoS 0 each id in topics may have us look into. To read a large payload takes
-/// longer than its publisher needs to send it, and meanwhile the broker drops what others say. At
-/// QoS 1 our acks hold publishers back.
+/// How much of something each id in topics may have, under each prefix and of each kind (twin,
+/// environment, run, ping): a budget of its own that fills up again.
 ///
 /// Limits:  kBudgetsMax ids; those beyond share one budget, and so do all that is no id.
 /// Thread:  confined to its owner's.
-class ByteBudgets final {
+class IdBudgets final {
  public:
+  explicit IdBudgets(const robot::BucketSize& size) : size_(size) {}
+
   enum class Answer : std::uint8_t {
     kPasses,
     kOver,
     /// The same, and the log is to say so: the first one since log::RateLimited::kSpan.
     kOverAndTell,
   };
-  /// A payload of so many bytes, whose topic was read as this one. Small ones always pass.
-  [[nodiscard]] Answer Take(const cyberwave::Topic& topic, std::size_t bytes, SteadyTime now);
+  /// So much for a message whose topic was read as this one.
+  [[nodiscard]] Answer Take(const cyberwave::Topic& topic, std::size_t amount, SteadyTime now);
+
+  [[nodiscard]] const robot::BucketSize& size() const { return size_; }
 
  private:
   struct Budget {
@@ -34,7 +37,8 @@ class ByteBudgets final {
   };
   [[nodiscard]] Budget& Of(const cyberwave::Topic& topic, SteadyTime now);
 
-  /// By a hash of the id: two ids that share it share a budget.
+  const robot::BucketSize size_;
+  /// By a hash: two ids that share it share a budget.
   std::unordered_map<std::size_t, Budget> budgets_;
   Budget shared_;
   SteadyTime swept_at_{};
