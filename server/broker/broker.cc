@@ -280,11 +280,13 @@ void Broker::Tick() {
 
 void Broker::NoteHearing() {
   mqtt::Client* live = Of(Connection::kLive).client();
-  heard_.Look({.subscribed = began_ && Of(Connection::kDurable).subscribed() &&
-                             Of(Connection::kLive).subscribed(),
-               .unacked_max = unacked_max(),
-               .live_unread = live == nullptr ? 0 : live->unread()},
-              client_probe(Connection::kDurable));
+  heard_.Look(
+      {.subscribed =
+           began_ && Of(Connection::kDurable).subscribed() && Of(Connection::kLive).subscribed(),
+       .unacked_max = unacked_max(),
+       .live_unread = live == nullptr ? 0 : live->unread(),
+       .live_ping_waited = live == nullptr ? SteadyTime::duration::zero() : live->ping_waited()},
+      client_probe(Connection::kDurable));
   NoteStatuses();
 }
 

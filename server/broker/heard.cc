@@ -9,6 +9,10 @@
 namespace uplink::broker {
 namespace {
 
+bool IsLiveBehind(const Heard::Standing& standing) {
+  return standing.live_unread >= kLiveBehindBytes || standing.live_ping_waited >= kLivePingWaitMax;
+}
+
 bool IsStopped(const mqtt::ClientProbe& durable) {
   return durable.stopped_by_window.value() + durable.stopped_by_output.value() +
              durable.stopped_by_core.value() >
@@ -31,7 +35,7 @@ void Heard::Look(const Standing& standing, const mqtt::ClientProbe& durable) {
   } else if (!behind_since_) {
     behind_since_ = now;
   }
-  if (standing.live_unread < kLiveBehindBytes || !subscribed) {
+  if (!IsLiveBehind(standing) || !subscribed) {
     live_behind_since_.reset();
   } else if (!live_behind_since_) {
     live_behind_since_ = now;
@@ -65,10 +69,9 @@ Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, const Stan
   const bool stopped = IsStopped(durable) || stuck;
   const bool stopped_since = std::exchange(stops_then_, stops) != stops;
   const bool full = unacked >= static_cast<std::int64_t>(standing.unacked_max);
-  const bool live_behind = standing.live_unread >= kLiveBehindBytes;
   return {.read = std::exchange(messages_then_, messages) != messages,
           .stopped = stopped,
-          .behind = stopped || stopped_since || full || live_behind};
+          .behind = stopped || stopped_since || full || IsLiveBehind(standing)};
 }
 
 bool Heard::live_is_old() const {
@@ -88,8 +91,9 @@ std::optional<SystemTime> Heard::subscribed_since() const {
 
 mqtt::End BehindEnd() {
   return {mqtt::EndReason::kBehind,
-          fmt::format("behind: more than {} KiB lay unread at each look of {} s",
-                      kLiveBehindBytes / 1024, kLiveBehindMax.count())};
+          fmt::format("behind: at each look of {} s more than {} KiB lay unread, or a ping had no "
+                      "answer for {} s",
+                      kLiveBehindMax.count(), kLiveBehindBytes / 1024, kLivePingWaitMax.count())};
 }
 
 }  // namespace uplink::broker

@@ -29,6 +29,8 @@ class Heard final {
     /// Bytes of the live connection that wait in the system. Where many do, we are too slow, and
     /// the broker drops what else is for us.
     std::size_t live_unread = 0;
+    /// How long a ping of the live connection has no answer, which stands behind what waits.
+    SteadyTime::duration live_ping_waited{0};
   };
   /// To be called each second, and when a connection is subscribed or ends. `durable` counts for
   /// the connection whose messages may stay unread.

@@ -41,9 +41,12 @@ inline constexpr std::size_t kBudgetsMax = 32'768;
 inline constexpr std::chrono::seconds kRestAfterDrop{5};
 /// What lies unread in the kernel of the live connection at a look where we are too slow for it.
 inline constexpr std::size_t kLiveBehindBytes = std::size_t{128} * 1024;
-/// How long each look may find so much there before the connection is made anew. Far more waits in
-/// the broker then, as much as its queue takes, and each message of it says of a twin that may be
-/// long gone that it lives.
+/// A ping of that connection without an answer for so long is behind what waits in the broker: then
+/// the broker is too slow, or we are.
+inline constexpr std::chrono::seconds kLivePingWaitMax{2};
+/// How long each look may find the one or the other before the connection is made anew. As much as
+/// its queue takes waits in the broker then, and each message of it says of a twin that may be long
+/// gone that it lives.
 inline constexpr std::chrono::seconds kLiveBehindMax{10};
 /// How long that is shown, so that it is in sight where it happens again and again.
 inline constexpr std::chrono::seconds kLiveBehindShown{60};

@@ -89,6 +89,11 @@ class Client final : private LinkEvents, private ConversationEvents {
 
   /// Bytes that came from the broker and were not read yet (Link::unread). Its own thread.
   [[nodiscard]] std::size_t unread() const { return link_ == nullptr ? 0 : link_->unread(); }
+  /// How long the oldest ping has no answer, though other bytes may come: so far behind is what
+  /// comes. Its own thread.
+  [[nodiscard]] SteadyTime::duration ping_waited() const {
+    return conversation_ == nullptr ? SteadyTime::duration::zero() : conversation_->ping_waited();
+  }
   /// A snapshot. Thread: any.
   [[nodiscard]] ClientStatus status() const;
 

@@ -69,6 +69,10 @@ class Conversation final {
   /// Does what is due.
   void Tick();
   [[nodiscard]] SteadyTime Next() const;
+  /// How long the oldest ping has no answer.
+  [[nodiscard]] SteadyTime::duration ping_waited() const {
+    return keepalive_.Waited(context_.clock.Steady());
+  }
 
   /// All that is to be written now; one write at a time. Empty: nothing, or one is under way.
   [[nodiscard]] std::string TakeOutput();

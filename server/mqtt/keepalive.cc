@@ -8,11 +8,11 @@ void Keepalive::ReadAgain(SteadyTime now) {
   if (reading_) return;
   reading_ = true;
   heard_ = now;
+  waited_since_ = now;
 }
 
 SteadyTime Keepalive::PingAt() const {
-  const SteadyTime quiet_since = reading_ && !waiting_ ? std::min(sent_, heard_) : sent_;
-  return quiet_since + interval_;
+  return (reading_ && !waiting_ ? asked_ : sent_) + interval_;
 }
 
 SteadyTime Keepalive::LateAt() const {

@@ -9,17 +9,18 @@ namespace uplink::mqtt {
 
 /// When a PINGREQ is due, and when its PINGRESP is late. Pure.
 ///
-/// A PINGREQ is due once nothing was sent for the interval, since the broker counts on that; and
-/// once nothing came for it, since else a connection that only writes would never find out that
-/// nobody is there. The PINGRESP is late when since its request, and for `wait`, nothing came at
-/// all: bytes that come are a sign of life, and the PINGRESP may stand behind many of them. While
-/// we do not read, nothing is late; the wait begins anew when we read again.
+/// A PINGREQ is due each interval, whatever else is sent or comes: the broker counts on something,
+/// a connection that only writes would never find out that nobody is there, and the PINGRESP tells
+/// how far behind the connection is, since it stands behind what waits in the broker. It is late
+/// when since its request, and for `wait`, nothing came at all: bytes that come are a sign of life,
+/// and the PINGRESP may stand behind many of them. While we do not read, nothing is late; the wait
+/// begins anew when we read again.
 ///
 /// Thread: confined to its connection's.
 class Keepalive final {
  public:
   Keepalive(milliseconds interval, milliseconds wait, SteadyTime now)
-      : interval_(interval), wait_(wait), sent_(now), heard_(now) {}
+      : interval_(interval), wait_(wait), sent_(now), heard_(now), asked_(now) {}
 
   /// What the broker wants instead (Server Keep Alive). 0, which is none, and a longer one leave
   /// ours: we may ping when we like, and are to find out in time that nobody is there.
@@ -33,12 +34,18 @@ class Keepalive final {
   void Heard(SteadyTime now) { heard_ = now; }
   void Pinged(SteadyTime now) {
     sent_ = now;
+    asked_ = now;
     if (!waiting_) waited_since_ = now;
     waiting_ = true;
   }
   void Ponged() { waiting_ = false; }
   void StopReading() { reading_ = false; }
   void ReadAgain(SteadyTime now);
+
+  /// How long the oldest PINGREQ has no answer; nothing while we do not read.
+  [[nodiscard]] SteadyTime::duration Waited(SteadyTime now) const {
+    return waiting_ && reading_ ? now - waited_since_ : SteadyTime::duration::zero();
+  }
 
   enum class Due : std::uint8_t { kNothing, kPing, kLate };
   [[nodiscard]] Due At(SteadyTime now) const;
@@ -53,6 +60,7 @@ class Keepalive final {
   const milliseconds wait_;
   SteadyTime sent_;
   SteadyTime heard_;
+  SteadyTime asked_;
   SteadyTime waited_since_{};
   bool waiting_ = false;
   bool reading_ = true;

@@ -74,6 +74,26 @@ TEST(Flood, AtQos0TakesNoMoreOfTheJournalThanOnesShare) {
   EXPECT_TRUE(bench.ledger.Read().Balanced());
 }
 
+TEST(Flood, ThatTheBrokerIsTooSlowForIsFoundOutByItsPings) {
+  testing::ManualClock clock;
+  BrokerProbe probe;
+  const mqtt::ClientProbe durable;
+  Heard heard(clock, probe);
+  Heard::Standing standing{.subscribed = true, .unacked_max = 10};
+  for (int second = 0; second < kLiveBehindMax.count() + kLivePingWaitMax.count(); ++second) {
+    EXPECT_FALSE(heard.live_is_old()) << second;
+    standing.live_ping_waited = std::chrono::seconds(second);
+    heard.Look(standing, durable);
+    clock.Advance(std::chrono::seconds(1));
+  }
+  EXPECT_TRUE(heard.live_is_old());
+  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kBehind);
+  standing.live_ping_waited = milliseconds(1'999);
+  heard.Look(standing, durable);
+  EXPECT_FALSE(heard.live_is_old());
+  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kUpToDate);
+}
+
 TEST(Flood, ThatWeAreTooSlowForTakesNobodyOffline) {
   testing::ManualClock clock;
   BrokerProbe probe;

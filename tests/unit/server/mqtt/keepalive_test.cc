@@ -12,15 +12,32 @@ using Due = Keepalive::Due;
 
 constexpr SteadyTime kStart{1h};
 
-TEST(MqttKeepalive, PingsOnceNothingWasSentForTheInterval) {
+TEST(MqttKeepalive, PingsEachIntervalWhateverIsSentAndComes) {
   Keepalive keepalive(60s, 15s, kStart);
   keepalive.Heard(kStart + 50s);
   EXPECT_EQ(keepalive.Next(), kStart + 60s);
   EXPECT_EQ(keepalive.At(kStart + 59s), Due::kNothing);
   EXPECT_EQ(keepalive.At(kStart + 60s), Due::kPing);
   keepalive.Sent(kStart + 30s);
-  EXPECT_EQ(keepalive.At(kStart + 60s), Due::kNothing);
-  EXPECT_EQ(keepalive.Next(), kStart + 90s);
+  EXPECT_EQ(keepalive.At(kStart + 60s), Due::kPing);
+  keepalive.Pinged(kStart + 60s);
+  keepalive.Ponged();
+  EXPECT_EQ(keepalive.Next(), kStart + 120s);
+}
+
+TEST(MqttKeepalive, TellsHowLongAPingWaitsThoughOtherBytesCome) {
+  Keepalive keepalive(60s, 15s, kStart);
+  EXPECT_EQ(keepalive.Waited(kStart + 60s), 0s);
+  keepalive.Pinged(kStart + 60s);
+  keepalive.Heard(kStart + 69s);
+  keepalive.Pinged(kStart + 120s);
+  EXPECT_EQ(keepalive.Waited(kStart + 121s), 61s);
+  keepalive.StopReading();
+  EXPECT_EQ(keepalive.Waited(kStart + 122s), 0s);
+  keepalive.ReadAgain(kStart + 130s);
+  EXPECT_EQ(keepalive.Waited(kStart + 131s), 1s);
+  keepalive.Ponged();
+  EXPECT_EQ(keepalive.Waited(kStart + 131s), 0s);
 }
 
 TEST(MqttKeepalive, PingsOnceNothingCameThoughWeSend) {
