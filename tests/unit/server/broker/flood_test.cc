@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/broker/heard.h"
 #include "server/broker/limits.h"
 #include "tests/unit/server/broker/broker_bench.h"
 
@@ -72,64 +71,6 @@ TEST(Flood, AtQos0TakesNoMoreOfTheJournalThanOnesShare) {
   EXPECT_EQ(bench.ledger.Read().in_flight, 1) << "there is room again";
   bench.Run();
   EXPECT_TRUE(bench.ledger.Read().Balanced());
-}
-
-TEST(Flood, ThatTheBrokerIsTooSlowForIsFoundOutByItsPings) {
-  testing::ManualClock clock;
-  BrokerProbe probe;
-  const mqtt::ClientProbe durable;
-  Heard heard(clock, probe);
-  Heard::Standing standing{.subscribed = true, .unacked_max = 10};
-  for (int second = 0; second < kLiveBehindMax.count() + kLivePingWaitMax.count(); ++second) {
-    EXPECT_FALSE(heard.live_is_old()) << second;
-    standing.live_ping_waited = std::chrono::seconds(second);
-    heard.Look(standing, durable);
-    clock.Advance(std::chrono::seconds(1));
-  }
-  EXPECT_TRUE(heard.live_is_old());
-  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kBehind);
-  standing.live_ping_waited = milliseconds(1'999);
-  heard.Look(standing, durable);
-  EXPECT_FALSE(heard.live_is_old());
-  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kUpToDate);
-}
-
-TEST(Flood, ThatWeAreTooSlowForTakesNobodyOffline) {
-  testing::ManualClock clock;
-  BrokerProbe probe;
-  const mqtt::ClientProbe durable;
-  Heard heard(clock, probe);
-  Heard::Standing standing{.subscribed = true, .unacked_max = 10};
-  const auto pass = [&](int seconds) {
-    for (int i = 0; i < seconds; ++i) {
-      clock.Advance(std::chrono::seconds(1));
-      heard.Look(standing, durable);
-    }
-  };
-  standing.live_unread = kLiveBehindBytes - 1;
-  pass(20);
-  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kUpToDate);
-  standing.live_unread = kLiveBehindBytes;
-  pass(2);
-  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kUpToDate) << "it may be one burst";
-  pass(1);
-  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kBehind);
-  EXPECT_EQ(probe.behind.value(), 0);
-  EXPECT_FALSE(heard.live_is_old());
-  pass(8);
-  EXPECT_EQ(probe.behind.value(), 1) << "and it is shown";
-  EXPECT_TRUE(heard.live_is_old());
-  standing.live_unread = 0;
-  pass(1);
-  EXPECT_FALSE(heard.live_is_old());
-  EXPECT_EQ(heard.hearing(), fleet::Fleet::Hearing::kUpToDate);
-  standing.subscribed = false;
-  pass(1);
-  standing.subscribed = true;
-  pass(static_cast<int>(kLiveBehindShown.count()) - 3);
-  EXPECT_EQ(probe.behind.value(), 1) << "though it is made anew";
-  pass(1);
-  EXPECT_EQ(probe.behind.value(), 0);
 }
 
 }  // namespace
