@@ -120,6 +120,14 @@ void Database::RollbackIfOpen() {
   static_cast<void>(sqlite3_exec(handle_.get(), "ROLLBACK", nullptr, nullptr, nullptr));
 }
 
+std::string Database::FileName() const { return sqlite3_db_filename(handle_.get(), "main"); }
+
+bool Database::HasMoved() const {
+  int moved = 0;
+  const int code = sqlite3_file_control(handle_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  return code != SQLITE_OK || moved != 0;
+}
+
 void Database::LimitSteps(std::int64_t steps_max) {
   steps_left_ = steps_max;
   const bool limited = steps_max > 0;

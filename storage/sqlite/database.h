@@ -54,6 +54,10 @@ class Database final {
   /// The status of result code `code`; `sql` is what failed.
   [[nodiscard]] absl::Status Error(int code, std::string_view sql) const;
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// The same without links: what SQLite opened, and beside which the WAL lies.
+  [[nodiscard]] std::string FileName() const;
+  /// Whether that name leads to another inode than the open file's, or to none.
+  [[nodiscard]] bool HasMoved() const;
 
  private:
   struct Close {

@@ -9,6 +9,7 @@
 #include "storage/sqlite/batch_commit.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/named_files.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/tables.h"
 
@@ -19,6 +20,7 @@ struct SqliteStore::Impl {
   StoreOptions options;
   std::unique_ptr<FileLock> lock;
   std::unique_ptr<Database> database;
+  std::unique_ptr<NamedFiles> files;
   std::unique_ptr<Statement> begin;
   std::unique_ptr<Statement> commit;
   Tables tables;
@@ -52,6 +54,9 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   }
   if (status.ok()) status = impl->tables.Prepare(database);
   if (!status.ok()) return status;
+  auto files = NamedFiles::Note(database);
+  if (!files.ok()) return files.status();
+  impl->files = *std::move(files);
 
   // IMMEDIATE: a transaction that may wait for another writer does so before it has read anything.
   auto begin = database.Prepare("BEGIN IMMEDIATE");
@@ -65,7 +70,10 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
 
 template <typename Result, typename Work>
 absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
-  absl::Status status = impl_->begin->Run();
+  // Before, so that nothing is written where no start would find it, nor over a WAL that another
+  // program began anew; and after, since that alone says of this commit that a start finds it.
+  absl::Status status = impl_->files->Check();
+  if (status.ok()) status = impl_->begin->Run();
   if (!status.ok()) return status;
   absl::StatusOr<Result> result = work();
   status = result.status();
@@ -77,6 +85,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
     return status;
   }
   if (options.after_commit) status = options.after_commit();
+  if (status.ok()) status = impl_->files->Check();
   if (!status.ok()) return status;
   return result;
 }

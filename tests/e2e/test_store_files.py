@@ -1,0 +1,91 @@
+"""The files of an SQLite store are removed, replaced or moved under the server, which is then killed."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+from chaos import Campaign
+from harness import EndToEnd, wait_until
+
+ROUND_SECONDS = 60
+MESSAGES = 200
+
+
+class StoreFiles(EndToEnd):
+    def setUp(self):
+        super().setUp()
+        self.campaign = Campaign(self.folder, "sqlite", 1)
+        self.open_things.append(self.campaign)
+        self.campaign.start()
+        self.campaign.wait_for_more(MESSAGES)
+        self.server, self.path = self.campaign.server, self.campaign.store.path
+
+    def names(self):
+        return [pathlib.Path(f"{self.path}{end}") for end in ("", "-wal", "-shm")]
+
+    def wait_until_it_fails(self, name):
+        """Acks end with the next commit; those that come meanwhile are of commits before."""
+        self.server.wait_for_status(lambda status: "store" in status["degraded"], ROUND_SECONDS, "no name")
+        acked = self.campaign.robots.count()
+        self.server.wait_for_status(
+            lambda status: int(status["journalOldestMs"]) > 2000, ROUND_SECONDS, "durable messages wait"
+        )
+        self.assertEqual(self.campaign.robots.count(), acked)
+        self.assertRegex(self.server.text(), f"store_fails .*{name}.* no longer leads to")
+
+    def open_files(self):
+        """Of the files of the store, what the server has open; by their names."""
+        descriptors = pathlib.Path(f"/proc/{self.server.process.pid}/fd")
+        found = {}
+        for descriptor in descriptors.iterdir():
+            name = os.readlink(descriptor).removesuffix(" (deleted)")
+            found.setdefault(name, descriptor)
+        return {name: found[str(name)] for name in self.names()}
+
+    def kill_and_compare(self):
+        self.campaign.kill_server()
+        self.campaign.wait_for_more(MESSAGES)
+        self.campaign.compare()
+        self.assertTrue(self.campaign.clean(), "\n".join([self.campaign.line(), *self.campaign.wrong]))
+
+    def test_removed_files_come_back_out_of_the_running_server(self):
+        for name in self.names():
+            name.unlink()
+        self.wait_until_it_fails(self.path)
+        # As docs/operate/README.md has it.
+        saved = self.folder / "saved"
+        saved.mkdir()
+        for name, descriptor in self.open_files().items():
+            if not str(name).endswith("-shm"):
+                shutil.copyfile(descriptor, saved / name.name)
+        self.server.kill()
+        for file in saved.iterdir():
+            shutil.move(file, self.path.parent)
+        self.campaign.start_server(self.server)
+        self.kill_and_compare()
+
+    def test_a_removed_wal_comes_back_by_an_orderly_stop(self):
+        self.names()[1].unlink()
+        self.wait_until_it_fails(f"{self.path}-wal")
+        self.server.terminate(ROUND_SECONDS)
+        self.campaign.start_server(self.server)
+        self.kill_and_compare()
+
+    def test_a_file_that_is_put_in_its_place_gets_nothing_that_is_acked(self):
+        copy = self.folder / "copy.db"
+        subprocess.run(["sqlite3", str(self.path), f"VACUUM INTO '{copy}'"], check=True)
+        aside = self.folder / "aside.db"
+        os.link(self.path, aside)
+        copy.rename(self.path)
+        self.wait_until_it_fails(self.path)
+        aside.rename(self.path)
+        wait_until(
+            self.server.process, lambda: "store_works_again" in self.server.text(), ROUND_SECONDS, "its name is back"
+        )
+        self.kill_and_compare()
+
+
+if __name__ == "__main__":
+    unittest.main()
