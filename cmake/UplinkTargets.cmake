@@ -111,16 +111,3 @@ function(uplink_test name)
     PROPERTIES LABELS ${ARG_RING} TIMEOUT ${ARG_TIMEOUT} ${needs}
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
 endfunction()
-
-# uplink_test_again(name RING unit|component|e2e PREFIX prefix ENVIRONMENT VARIABLE=value)
-# Runs a binary of uplink_test once more, with another environment, as tests named prefix.name.
-function(uplink_test_again name)
-  cmake_parse_arguments(ARG "" "RING;PREFIX;ENVIRONMENT" "" ${ARGN})
-  gtest_discover_tests(
-    ${name}
-    TEST_PREFIX "${ARG_PREFIX}.${name}."
-    TEST_LIST ${name}_${ARG_PREFIX}_tests
-    DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${ARG_RING} TIMEOUT 120 ENVIRONMENT "${ARG_ENVIRONMENT}"
-    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
-endfunction()

@@ -11,11 +11,13 @@
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
 #include "server/forward/forwarding.h"
+#include "server/front/server.h"
 #include "server/groundwork.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
 #include "server/health/presence_watch.h"
+#include "server/health/process.h"
 #include "server/http/site.h"
 #include "server/lifecycle/drain.h"
 #include "server/lifecycle/from_config.h"
@@ -23,7 +25,6 @@
 #include "server/lifecycle/reload.h"
 #include "server/lifecycle/start.h"
 #include "server/lifecycle/supervisor.h"
-#include "server/listen_by.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
@@ -114,7 +115,6 @@ class App::Impl {
                                      options_.config.rcan.series_max,
                                      monitor_,
                                      relay_probe_,
-                                     options_.handshakes_failed,
                                      broker_side_})),
         robots_scrape_({options_.clock, fleet_, options_.config.rcan, fault_counts_, rcan_probe_,
                         options_.logger, rcan::NameHash::Draw(options_.random),
@@ -194,11 +194,11 @@ class App::Impl {
   }
 
   absl::Status ListenForRobots() {
-    auto relay =
-        ListenBy(options_.config,
-                 {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_,
-                  session_limits_, lifecycle::JudgeLimitsOf(options_.config.limits), allowances_,
-                  rejects_, *stores_.clock, &forwarding_.source(), &options_.logger, &refusals_});
+    auto relay = front::FrontServer::Start(
+        lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
+        {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
+         lifecycle::JudgeLimitsOf(options_.config.limits), allowances_, rejects_, *stores_.clock,
+         &forwarding_.source(), &options_.logger, &refusals_});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();

@@ -14,9 +14,6 @@
 namespace uplink::log {
 class Logger;
 }
-namespace uplink::metrics {
-class Cell;
-}
 namespace uplink::store {
 class MarkedClock;
 }
@@ -46,8 +43,6 @@ class App final {
     /// Evenly drawn numbers, for the backoff's jitter; called by one thread at a time.
     std::function<std::uint64_t()> random;
     std::string version;
-    /// TLS handshakes of the relay that failed, as gRPC told.
-    const metrics::Cell& handshakes_failed;
   };
 
   /// Answers probes, opens the store, reads the fleet, then serves robots and the rest of HTTP, and

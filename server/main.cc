@@ -13,12 +13,9 @@
 #include "server/app.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
-#include "server/identity/session_tickets.h"
 #include "server/lifecycle/from_config.h"
 #include "server/log/logger.h"
 #include "server/process_setup.h"
-#include "server/relay/environment.h"
-#include "server/relay/grpc_log.h"
 #include "server/store/kernel_clock.h"
 #include "server/store/marked_clock.h"
 
@@ -82,28 +79,19 @@ storage::ProcessId DrawProcessId() {
 }
 
 int Serve(const Flags& flags) {
-  // Before the first thread, and before gRPC is used.
-  if (const absl::Status fit = relay::CheckEnvironment(::getenv); !fit.ok()) {
-    fmt::print(stderr, "uplinkd: {}\n", std::string(fit.message()));
-    return kExitWrongUse;
-  }
-  const absl::Status tickets = identity::SendNoSessionTickets();
   const config::LoadResult loaded = Load(flags.config_file);
   PrintProblems(loaded.problems);
   if (!loaded.ok()) return kExitWrongUse;
   const config::Config& config = *loaded.config;
-  const std::size_t descriptors = SetUpProcess(config);
+  const std::size_t descriptors = SetUpProcess();
 
   const SystemClock machine_clock;
   store::MarkedClock clock(machine_clock);
   log::Logger logger(log::StandardError(), machine_clock, lifecycle::LogFormatOf(config.log.format),
                      lifecycle::LogLevelOf(config.log.level));
-  const relay::GrpcLog grpc_log(logger);
   logger.Info("starting", {{"version", UPLINK_VERSION},
                            {"descriptors_max", descriptors},
                            {"memory_bytes_max", health::MemoryMax()}});
-  if (!tickets.ok())
-    logger.Warn("tls_tickets_are_sent", {{"error", std::string(tickets.message())}});
   for (const config::Note& note : loaded.notes) {
     logger.Warn(note.event, {{"note", config::ToText(note)}});
   }
@@ -115,8 +103,7 @@ int Serve(const Flags& flags) {
                          .kernel_clock_synchronised = store::KernelClockSynchronised,
                          .process = DrawProcessId(),
                          .random = [&random] { return random(); },
-                         .version = UPLINK_VERSION,
-                         .handshakes_failed = grpc_log.handshakes_failed()});
+                         .version = UPLINK_VERSION});
   if (!app.ok()) {
     logger.Error("start_failed", {{"error", std::string(app.status().message())}});
     return kExitFailed;

@@ -35,9 +35,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [start = health::ProcessStart{parts.version, parts.clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [parts](auto& page) {
-        transport::AddSamples(parts.relay, parts.sessions, parts.handshakes_failed, page);
-      },
+      [parts](auto& page) { transport::AddSamples(parts.relay, parts.sessions, page); },
   };
 }
 

@@ -46,7 +46,6 @@ struct PageParts {
   std::size_t rcan_series_max = 0;
   health::Monitor& monitor;
   const transport::RelayProbe& relay;
-  const metrics::Cell& handshakes_failed;
   const BrokerSide& broker;
 };
 

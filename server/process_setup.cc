@@ -2,18 +2,15 @@
 
 #include <csignal>
 
-#include <absl/synchronization/mutex.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include "server/health/process.h"
-#include "server/relay/environment.h"
-#include "server/relay/grpc_log.h"
 
 namespace uplink {
 
-std::size_t SetUpProcess(const config::Config& config) {
-  relay::ApplyTlsMinimum(config.tls.min_version);
-  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  relay::SilenceProtobuf();
+std::size_t SetUpProcess() {
+  // Protobuf prints a line for each text of a frame that is not UTF-8: any peer could fill the log.
+  google::protobuf::SetLogHandler(nullptr);
   // A peer or a log reader that went away is an error of a write, not the end of the process.
   std::signal(SIGPIPE, SIG_IGN);
   // A limit on the size of files is an error of the write, as a full disk is.

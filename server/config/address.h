@@ -20,7 +20,7 @@ struct ListenAddress {
 /// Reads `127.0.0.1:7480` or `[::]:7443`; nothing if the text is neither.
 [[nodiscard]] std::optional<ListenAddress> ParseListenAddress(std::string_view text);
 
-/// The text that ParseListenAddress reads back; gRPC reads it too.
+/// The text that ParseListenAddress reads back.
 [[nodiscard]] std::string ToText(const ListenAddress& address);
 
 /// True if only this machine can reach the address (127.0.0.0/8 or ::1).

@@ -21,8 +21,6 @@ using std::chrono::milliseconds;
 inline constexpr std::size_t kKiB = 1024;
 inline constexpr std::size_t kMiB = 1024 * kKiB;
 
-/// What carries the relay's frames: a transport of our own, or the gRPC library.
-enum class Transport : std::uint8_t { kNative, kGrpc };
 /// Lowest TLS version that the relay listener accepts.
 enum class TlsVersion : std::uint8_t { k12, k13 };
 /// Who may open a stream: every robot with a certificate, or only enrolled ones.
@@ -41,10 +39,9 @@ enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
-  Transport transport = Transport::kNative;
   /// Threads of the relay; 0: one per core.
   std::size_t relay_threads = 0;
-  /// Load balancers whose connections begin with a PROXY header; of the native transport alone.
+  /// Load balancers whose connections begin with a PROXY header.
   std::vector<Network> proxy_protocol_from;
   ListenAddress fleet{"127.0.0.1", 7444};
   ListenAddress http{"127.0.0.1", 7480};
@@ -57,7 +54,6 @@ struct TlsConfig {
   std::string client_ca_file;
   /// Empty: client_ca_file.
   std::string operator_ca_file;
-  /// Where it is not set: 1.2 on the gRPC library's transport.
   TlsVersion min_version = TlsVersion::k13;
 };
 
@@ -113,8 +109,7 @@ struct LimitsConfig {
   /// Streams of one connection of a gateway: one per robot.
   std::size_t gateway_streams_max = 256;
   milliseconds session_idle = std::chrono::hours(1);
-  /// Zero: connections are never ended for their age, and so it is on the gRPC library's transport
-  /// where it is not set.
+  /// Zero: connections are never ended for their age.
   milliseconds connection_age_max = std::chrono::hours(24);
   /// What one robot may have stored per second, and at once after a pause; zero rates: as much as
   /// it sends.

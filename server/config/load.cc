@@ -13,6 +13,7 @@
 #include "server/config/broker_relations.h"
 #include "server/config/file_modes.h"
 #include "server/config/relations.h"
+#include "server/config/removed.h"
 #include "server/config/service_variables.h"
 #include "server/config/settings.h"
 #include "server/config/store_tls.h"
@@ -52,19 +53,14 @@ class Loader {
         continue;
       }
       if (setting == nullptr) {
+        const Removed* const removed = FindRemovedByEnvironment(name);
         problems_.push_back({std::string(kEnvironment), Shown(name),
-                             "no setting has this variable (UPLINKD_<SECTION>_<KEY>)"});
+                             removed == nullptr
+                                 ? "no setting has this variable (UPLINKD_<SECTION>_<KEY>)"
+                                 : fmt::format("{}: unset this variable", removed->text)});
         continue;
       }
       Take(*setting, InterpretText(*setting, text), std::string(kEnvironment), problems_);
-    }
-  }
-
-  /// The gRPC library's transport goes on as it did before there was another.
-  void SetGrpcDefaults() {
-    if (!where_.contains("tls.min_version")) config_.tls.min_version = TlsVersion::k12;
-    if (!where_.contains("limits.connection_age_max")) {
-      config_.limits.connection_age_max = milliseconds(0);
     }
   }
 
@@ -73,7 +69,6 @@ class Loader {
     if (IsPostgres(config_.store) && !where_.contains("store.migrate")) {
       config_.store.migrate = false;
     }
-    if (config_.listen.transport == Transport::kGrpc) SetGrpcDefaults();
     if (!where_.contains("cyberwave.robots_max")) {
       config_.cyberwave.robots_max =
           std::min(config_.cyberwave.robots_max, config_.limits.robots_max);
@@ -166,8 +161,12 @@ class Loader {
     }
     const Setting* const setting = FindSetting(section, key);
     if (setting == nullptr) {
+      const Removed* const removed = FindRemoved(section, key);
       located_.push_back(
-          {line, {At(line), fmt::format("{}.{}", section, Shown(key)), "unknown key"}});
+          {line,
+           {At(line), fmt::format("{}.{}", section, Shown(key)),
+            removed == nullptr ? "unknown key"
+                               : fmt::format("{}: delete this line", removed->text)}});
       return;
     }
     std::vector<Problem> found;

@@ -49,11 +49,6 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
     breaches.Add("listen", "http",
                  fmt::format("port {} is also the port of listen.relay", listen.http.port));
   }
-  if (!listen.proxy_protocol_from.empty() && listen.transport != Transport::kNative) {
-    breaches.Add("listen", "proxy_protocol_from",
-                 "only listen.transport = \"native\" reads PROXY headers, and it is \"grpc\": set "
-                 "that to \"native\", or let this list be empty");
-  }
 }
 
 void CheckTls(const TlsConfig& tls, Breaches& breaches) {

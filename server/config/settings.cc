@@ -72,7 +72,6 @@ constexpr std::uint64_t kDay = 24 * kHour;
 /// their places always.
 constexpr std::uint64_t kRobotSeriesMaxMin = 64;
 
-constexpr std::array<string_view, 2> kTransports = {"native", "grpc"};
 constexpr std::array<string_view, 2> kTlsVersions = {"1.2", "1.3"};
 constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
 constexpr std::array<string_view, 2> kMqttVersions = {"5", "3.1.1"};
@@ -108,13 +107,6 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "Robots: gRPC UplinkRelay, mutual TLS. [::] serves IPv4 and IPv6.",
      UPLINK_BIND(listen, ListenConfig, relay)},
     {.section = "listen",
-     .key = "transport",
-     .kind = Kind::kChoice,
-     .choices = kTransports,
-     .text = "What carries the relay's frames: \"native\", a transport of our own, or \"grpc\", "
-             "the gRPC library, for the same clients, which takes more CPU and memory.",
-     UPLINK_BIND(listen, ListenConfig, transport)},
-    {.section = "listen",
      .key = "relay_threads",
      .kind = Kind::kCount,
      .min = 1,
@@ -127,7 +119,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kNetworks,
      .text = "Load balancers before the relay whose connections begin with a PROXY protocol header "
              "of version 2: from them it is required, and the address that it names counts as the "
-             "robot's; from others it is never read. With the native transport alone.",
+             "robot's; from others it is never read.",
      UPLINK_BIND(listen, ListenConfig, proxy_protocol_from)},
     {.section = "listen",
      .key = "fleet",
@@ -166,8 +158,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "min_version",
      .kind = Kind::kChoice,
      .choices = kTlsVersions,
-     .text = "The lowest TLS version that the relay accepts. With the grpc transport it is 1.2 "
-             "unless it is set.",
+     .text = "The lowest TLS version that the relay accepts.",
      UPLINK_BIND(tls, TlsConfig, min_version)},
 
     {.section = "identity",
@@ -391,7 +382,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 30 * kDay,
      .zero = "never",
      .text = "The age at which a connection is ended, with up to 10 s of grace, so that agents "
-             "spread over servers again. With the grpc transport it is never unless it is set.",
+             "spread over servers again.",
      UPLINK_BIND(limits, LimitsConfig, connection_age_max)},
     {.section = "limits",
      .key = "durable_records_rate",

@@ -10,7 +10,7 @@
 
 namespace uplink::front {
 
-/// The listener for robots on a transport of our own: gRPC over HTTP/2 over mutual TLS.
+/// The listener for robots: gRPC over HTTP/2 over mutual TLS.
 class FrontServer final : public transport::Listener {
  public:
   /// Listens and serves.

@@ -25,7 +25,7 @@ constexpr int kChainDepthMax = 8;
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
   const identity::Bio reader = identity::PemReader(text);
   X509_STORE* store = SSL_CTX_get_cert_store(context);
-  // As the gRPC library does: the authority that signs robots may be one that another has signed.
+  // The authority that signs robots may be one that another has signed.
   X509_STORE_set_flags(store, X509_V_FLAG_PARTIAL_CHAIN | X509_V_FLAG_TRUSTED_FIRST);
   int added = 0;
   while (const identity::Certificate next = identity::NextCertificate(reader.get())) {

@@ -8,8 +8,8 @@
 
 namespace uplink::transport {
 
-/// OK if the system lets us bind `address`, asked before gRPC, which says only that it failed.
-/// On a machine without IPv6 `::` stands for all of IPv4, as for gRPC.
+/// OK if the system lets us bind `address`, asked so that the
+/// error names address and reason. On a machine without IPv6 `::` stands for all of IPv4.
 /// kUnavailable names the address and the system's reason.
 [[nodiscard]] absl::Status CheckListenable(const config::ListenAddress& address);
 

@@ -18,7 +18,7 @@ struct FilesLook {
   identity::ServedPems served;
 };
 
-/// The listener for robots, whatever carries their frames: UplinkRelay over mutual TLS.
+/// The listener for robots: UplinkRelay over mutual TLS.
 ///
 /// Life:   made listening; Drain; WaitForStreams, while the journal's writer still settles;
 ///         Shutdown; then the writer may stop. StreamRefs of its streams stay valid until it is

@@ -56,11 +56,11 @@ struct RelayOptions {
   KeyMaterial key_material;
   /// Threads, each with its own streams; 0: one per core.
   std::size_t queues = config::ListenConfig().relay_threads;
-  /// tls.min_version; of the native transport alone: gRPC has it from its environment.
+  /// tls.min_version.
   config::TlsVersion tls_minimum = config::TlsConfig().min_version;
-  /// listen.proxy_protocol_from; of the native transport alone.
+  /// listen.proxy_protocol_from.
   std::vector<config::Network> proxy_protocol_from;
-  /// Descriptors that the rest of the server needs; of the native transport alone.
+  /// Descriptors that the rest of the server needs.
   std::size_t descriptors_reserved = DescriptorsReserved(config::HttpConfig().connections_max);
   /// Streams held at once.
   std::size_t streams_max = kStreamsPerRobot * config::LimitsConfig().robots_max;
@@ -68,9 +68,7 @@ struct RelayOptions {
   std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
   /// limits.connection_age_max; zero: never.
   milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
-  /// Memory that the transport may use; 0: no bound. With gRPC's, past it connections are reset, a
-  /// backstop against frames that are assembled before their size is known (measured); of the
-  /// native transport's, a quarter is for frames that are not whole.
+  /// Memory that the transport may use; 0: no bound. A quarter is for frames that are not whole.
   std::size_t memory_bytes_max = 0;
 };
 

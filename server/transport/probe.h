@@ -21,12 +21,11 @@ struct RelayProbe {
   metrics::Cell gateway_streams;
   metrics::Cell refused_draining_total;
   metrics::Cell refused_identity_total;
-  /// What was asked for is not the relay's call; of the native transport alone.
+  /// What was asked for is not the relay's call.
   metrics::Cell refused_request_total;
-  /// Handshakes that failed, where the transport is our own; gRPC tells of them in its log alone.
+  /// TLS handshakes that failed.
   metrics::Cell handshakes_failed_total;
-  /// Connections that were ended before they had a stream or for what they did, by TurnedAway; of
-  /// the native transport, as the next five.
+  /// Connections that were ended before they had a stream or for what they did, by TurnedAway.
   std::array<metrics::Cell, kTurnedAwayTexts.size()> turned_away_total;
   /// Connections that have shown a trusted certificate, and how many may.
   metrics::Cell connections;
@@ -36,19 +35,17 @@ struct RelayProbe {
   metrics::Cell handshakes_waiting;
   /// Connections of load balancers whose PROXY header is not whole.
   metrics::Cell proxy_headers_waiting;
-  /// Memory of frames that have begun and are not whole, and calls that ended since it was used up;
-  /// of the native transport.
+  /// Memory of frames that have begun and are not whole, and calls that ended since it was used up.
   metrics::Cell unfinished_bytes;
   metrics::Cell unfinished_ends_total;
-  /// Times that nobody was accepted for a moment, since the system had no descriptor or no memory;
-  /// of the native transport.
+  /// Times that nobody was accepted for a moment, since the system had no descriptor or no memory.
   metrics::Cell accept_pauses_total;
   /// Calls that were cancelled because the peer did not take their end.
   metrics::Cell finish_timeouts_total;
   /// Wakes that a queue's thread answered; one may stand for many.
   metrics::Cell wakes_total;
   /// Not a count: the local port from which the server last asked its own listener for a handshake,
-  /// by which the native transport knows it; 0 before the first time.
+  /// by which the door knows it; 0 before the first time.
   std::atomic<std::uint16_t> own_port{0};
 };
 

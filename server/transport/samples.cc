@@ -3,7 +3,7 @@
 namespace uplink::transport {
 
 void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
-                const metrics::Cell& handshakes_failed, metrics::Exposition& page) {
+                metrics::Exposition& page) {
   using enum metrics::MetricId;
   page.Add(kStreamsRefused, probe.refused_full_total.value() + sessions.refused_full_total.value(),
            {"full"});
@@ -18,7 +18,7 @@ void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
            probe.refused_gateway_total.value() + sessions.refused_gateway_total.value(),
            {"gateway"});
   page.Add(kGatewayStreams, probe.gateway_streams);
-  page.Add(kHandshakesFailed, handshakes_failed.value() + probe.handshakes_failed_total.value());
+  page.Add(kHandshakesFailed, probe.handshakes_failed_total);
   for (std::size_t cause = 0; cause < kTurnedAwayTexts.size(); ++cause) {
     page.Add(kConnectionsTurnedAway, probe.turned_away_total[cause], {kTurnedAwayTexts[cause]});
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "metrics/cells.h"
 #include "metrics/exposition.h"
 #include "server/session/probe.h"
 #include "server/transport/probe.h"
@@ -8,8 +7,8 @@
 namespace uplink::transport {
 
 /// What the relay counts, for a page of metrics. Some streams are refused by it, others by their
-/// session; gRPC tells of the handshakes that failed. Any thread.
+/// session. Any thread.
 void AddSamples(const RelayProbe& probe, const session::SessionProbe& sessions,
-                const metrics::Cell& handshakes_failed, metrics::Exposition& page);
+                metrics::Exposition& page);
 
 }  // namespace uplink::transport

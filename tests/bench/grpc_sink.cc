@@ -1,5 +1,5 @@
-// The least that a gRPC server can do: a completion queue, the relay's own channel arguments and
-// raw frames that are counted and thrown away. A comparator.
+// The least that a server by the gRPC library can do: a completion queue, and raw frames that are
+// counted and thrown away. A comparator.
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -9,9 +9,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include "schema/base/check.h"
-#include "server/identity/session_tickets.h"
-#include "server/relay/channel_arguments.h"
-#include "server/relay/credentials.h"
+#include "tests/bench/grpc_sink_options.h"
 #include "tests/bench/sink_protocol.h"
 #include "uplink/v1/relay.grpc.pb.h"
 #include "uplink/v1/relay.pb.h"
@@ -112,13 +110,10 @@ class Call final {
 
 [[noreturn]] void Run(const std::string& folder, const std::string& port,
                       std::uint64_t frame_messages) {
-  const auto credentials = relay::MutualTls(
-      transport::PemFiles{folder + "/server.crt", folder + "/server.key", folder + "/ca.crt"});
-  UPLINK_CHECK(credentials.ok(), credentials.status().ToString());
   Service service;
   grpc::ServerBuilder builder;
-  relay::SetChannelArguments({}, {}, builder);
-  builder.AddListeningPort("127.0.0.1:" + port, *credentials);
+  SetChannelArguments(builder);
+  builder.AddListeningPort("127.0.0.1:" + port, MutualTls(folder));
   builder.RegisterService(&service);
   const auto queue = builder.AddCompletionQueue();
   const auto server = builder.BuildAndStart();
@@ -140,9 +135,8 @@ class Call final {
 /// frame counts as so many messages.
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
-  // As the server does: Debian's abseil is built with its deadlock detector.
+  // Debian's abseil is built with its deadlock detector.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  const absl::Status tickets = uplink::identity::SendNoSessionTickets();
-  UPLINK_CHECK(tickets.ok(), tickets.ToString());
+  uplink::bench::SendNoSessionTickets();
   uplink::bench::Run(argv[1], argv[2], std::stoull(argv[3]));
 }

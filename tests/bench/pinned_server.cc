@@ -46,13 +46,10 @@ absl::StatusOr<std::unique_ptr<PinnedServer>> PinnedServer::Start(const World& w
                    {"/usr/bin/prlimit", fmt::format("--nofile={0}:{0}", options.descriptors_max)});
   }
   command.insert(command.end(), {options.program, "--config", world.folder.Path("uplinkd.toml")});
-  std::vector<std::string> environment = {
+  const std::vector<std::string> environment = {
       "UPLINKD_STORE_URL=" + options.store_url, "UPLINKD_STORE_MIGRATE=true",
       // Half of the default: a window must be long enough to show a robot as away.
       "UPLINKD_PRESENCE_TIMEOUT=5s", "UPLINKD_DRAIN_TIMEOUT=5s"};
-  if (!options.transport.empty()) {
-    environment.push_back("UPLINKD_LISTEN_TRANSPORT=" + options.transport);
-  }
   PinTo(kServerCore);
   std::unique_ptr<testing::ServerProcess> process;
   {

@@ -23,8 +23,6 @@ class PinnedServer final {
   struct Options {
     std::string program;
     std::string store_url;
-    /// `grpc` or `native`; empty: the program's default.
-    std::string transport;
     /// Descriptors that it may have open; 0: as many as this process.
     int descriptors_max = 0;
   };

@@ -58,10 +58,10 @@ constexpr std::size_t kStormRobots = 5000;
 constexpr std::size_t kStormAtOnce = 256;
 
 using Kinds = std::vector<ServerKind>;
-const Kinds kAll = {ServerKind::kUplinkdGrpc, ServerKind::kGrpcSink, ServerKind::kTlsSink,
-                    ServerKind::kMosquitto, ServerKind::kNats};
-const Kinds kSinks = {ServerKind::kUplinkdGrpc, ServerKind::kGrpcSink, ServerKind::kTlsSink};
-const Kinds kOnGrpc = {ServerKind::kUplinkdGrpc, ServerKind::kGrpcSink};
+const Kinds kAll = {ServerKind::kGrpcSink, ServerKind::kTlsSink, ServerKind::kMosquitto,
+                    ServerKind::kNats};
+const Kinds kSinks = {ServerKind::kGrpcSink, ServerKind::kTlsSink};
+const Kinds kBareGrpc = {ServerKind::kGrpcSink};
 
 class RelayBench final {
  public:
@@ -70,11 +70,11 @@ class RelayBench final {
   std::vector<Row> Run() {
     if (arguments_.what == "relay") {
       Cost("paced_1", kAll, 1, kPacedRobots, Paced(kPacedRobots * kPacedHz, 1));
-      Cost("paced_500_robots", kOnGrpc, 1, kFewerRobots, Paced(kFewerRobots * kPacedHz, 1));
+      Cost("paced_500_robots", kBareGrpc, 1, kFewerRobots, Paced(kFewerRobots * kPacedHz, 1));
       Cost("paced_10", kSinks, 10, kPacedRobots, Paced(kPacedRobots, 10));
       Cost("flood_1", kAll, 1, kFloodRobots, Flooding(1));
       Cost("flood_64", kSinks, 64, kFloodRobots, Flooding(64));
-      Cost("connected_5000_1hz", kOnGrpc, 1, kIdleRobots, Paced(kIdleRobots, 1));
+      Cost("connected_5000_1hz", kBareGrpc, 1, kIdleRobots, Paced(kIdleRobots, 1));
       Growth();
       Gateways();
     } else if (arguments_.what == "memory") {
@@ -262,8 +262,8 @@ class RelayBench final {
     world_.MakeRobots(kMemoryRobots);
     std::map<ServerKind, Rounds> idle;
     std::map<ServerKind, Rounds> used;
-    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kUplinkdGrpc, ServerKind::kGrpcSink,
-                         ServerKind::kTlsSink, ServerKind::kMosquitto,   ServerKind::kNats};
+    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
+                         ServerKind::kMosquitto, ServerKind::kNats};
     for (int round = 0; round < arguments_.rounds; ++round) {
       for (const ServerKind kind : kinds) {
         if (!IsInstalled(kind)) continue;
@@ -296,8 +296,8 @@ class RelayBench final {
     if (!Wanted("accepts")) return;
     world_.MakeRobots(kAcceptRobots);
     std::map<ServerKind, Rounds> rates;
-    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kUplinkdGrpc, ServerKind::kGrpcSink,
-                         ServerKind::kTlsSink, ServerKind::kMosquitto,   ServerKind::kNats};
+    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
+                         ServerKind::kMosquitto, ServerKind::kNats};
     for (int round = 0; round < arguments_.rounds; ++round) {
       for (const ServerKind kind : kinds) {
         if (!IsInstalled(kind)) continue;

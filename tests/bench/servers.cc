@@ -44,8 +44,6 @@ std::string NameOf(ServerKind kind) {
   switch (kind) {
     case ServerKind::kUplinkd:
       return "uplinkd";
-    case ServerKind::kUplinkdGrpc:
-      return "uplinkd on gRPC";
     case ServerKind::kGrpcSink:
       return "bare gRPC sink";
     case ServerKind::kTlsSink:
@@ -87,14 +85,11 @@ void Server::Start() {
   PinTo(kServerCore);
   switch (kind_) {
     case ServerKind::kUplinkd:
-    case ServerKind::kUplinkdGrpc:
       // Every server has a store of its own, and keeps it when it is started again. Robots that
       // rest while another server is measured are not offline.
       process_ = folder.Start({}, {fmt::format("UPLINKD_LISTEN_RELAY=127.0.0.1:{}", port_),
                                    fmt::format("UPLINKD_STORE_URL=sqlite://{}",
                                                folder.Path(fmt::format("uplinkd-{}.db", port_))),
-                                   std::string("UPLINKD_LISTEN_TRANSPORT=") +
-                                       (kind_ == ServerKind::kUplinkd ? "native" : "grpc"),
                                    "UPLINKD_PRESENCE_TIMEOUT=1h", "UPLINKD_RATES_OBJECT=0"});
       break;
     case ServerKind::kGrpcSink:
@@ -119,7 +114,7 @@ void Server::Start() {
       break;
   }
   PinTo(kLoadCore);
-  if (kind_ == ServerKind::kUplinkd || kind_ == ServerKind::kUplinkdGrpc) {
+  if (kind_ == ServerKind::kUplinkd) {
     UPLINK_CHECK(testing::WaitForPorts(*process_).has_value(), process_->text());
   } else {
     if (testing::Eventually([this] { return Answers(port_); })) return;
@@ -133,7 +128,6 @@ Load::Where Server::where() const {
   Load::Where where;
   switch (kind_) {
     case ServerKind::kUplinkd:
-    case ServerKind::kUplinkdGrpc:
     case ServerKind::kGrpcSink:
       where.protocol = Protocol::kRelay;
       break;

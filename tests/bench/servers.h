@@ -12,11 +12,9 @@
 
 namespace uplink::bench {
 
-/// What is measured, on its own transport, and what it is measured beside: the same on the gRPC
-/// library, bare servers, brokers.
+/// What is measured, and what it is measured beside: bare servers, brokers.
 enum class ServerKind : std::uint8_t {
   kUplinkd,
-  kUplinkdGrpc,
   kGrpcSink,
   kTlsSink,
   kMosquitto,

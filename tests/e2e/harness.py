@@ -19,8 +19,6 @@ import urllib.request
 
 BIN = pathlib.Path(os.environ["UPLINK_BIN_DIR"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-# What carries the relay's frames in this run.
-TRANSPORT = os.environ.get("UPLINK_TRANSPORT", "native")
 POSTGRES = SOURCE / "tools/dev/postgres.sh"
 START_SECONDS = 30
 LOOK_SECONDS = 0.02
@@ -87,7 +85,6 @@ class Server:
 [listen]
 relay = "{self.relay}"
 http = "{self.http}"
-transport = "{TRANSPORT}"
 [tls]
 certificate_file = "{self.pki}/server.crt"
 key_file = "{self.pki}/server.key"

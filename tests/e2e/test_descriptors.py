@@ -1,4 +1,4 @@
-"""All descriptors of a server used by connections that show no certificate. Native transport."""
+"""All descriptors of a server used by connections that show no certificate."""
 
 import json
 import os

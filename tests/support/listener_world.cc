@@ -1,7 +1,5 @@
 #include "tests/support/listener_world.h"
 
-#include <cstdlib>
-#include <string_view>
 #include <utility>
 
 #include "schema/base/check.h"
@@ -72,13 +70,6 @@ absl::StatusOr<std::unique_ptr<transport::Listener>> ListenerWorld::StartAnother
                  .queues = queues,
                  .streams_max = kAnotherStreamsMax},
                 Context());
-}
-
-config::Transport TestedTransport() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody sets a variable in a test's process.
-  const char* name = std::getenv("UPLINK_TEST_TRANSPORT");
-  return name != nullptr && std::string_view(name) == "grpc" ? config::Transport::kGrpc
-                                                             : config::Transport::kNative;
 }
 
 transport::PemTexts ListenerWorld::ServerTexts() const {

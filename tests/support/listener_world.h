@@ -23,12 +23,8 @@
 
 namespace uplink::testing {
 
-/// The transport that this run of the tests is about: UPLINK_TEST_TRANSPORT, `native` if it is
-/// not set.
-[[nodiscard]] config::Transport TestedTransport();
-
 /// A listener for robots on loopback with real sessions, journal and writer thread, on the fake
-/// store. Which transport it is, the caller says: this holds none.
+/// store. The caller passes what starts the listener, so that this links no wire.
 class ListenerWorld {
  public:
   struct Options {
@@ -39,9 +35,6 @@ class ListenerWorld {
     std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
     std::size_t queues = 2;
     milliseconds connection_age_max{0};
-    /// Of RelayWorld.
-    config::Transport transport = TestedTransport();
-    /// What follows is of the native transport alone.
     config::TlsVersion tls_minimum = config::TlsConfig().min_version;
     std::size_t memory_bytes_max = 0;
     std::vector<config::Network> proxy_protocol_from;
@@ -49,7 +42,7 @@ class ListenerWorld {
     const log::Logger* logger = nullptr;
     log::RateLimited* refusals = nullptr;
   };
-  /// Starts a listener: front::FrontServer::Start, or its like.
+  /// front::FrontServer::Start.
   using StartListener = std::function<absl::StatusOr<std::unique_ptr<transport::Listener>>(
       const transport::RelayOptions&, const transport::RelayContext&)>;
 

@@ -1,24 +1,10 @@
 #include "tests/support/relay_world.h"
 
 #include "server/front/server.h"
-#include "server/relay/server.h"
 
 namespace uplink::testing {
-namespace {
 
-ListenerWorld::StartListener StartOf(config::Transport transport) {
-  switch (transport) {
-    case config::Transport::kNative:
-      return front::FrontServer::Start;
-    case config::Transport::kGrpc:
-      return relay::RelayServer::Start;
-  }
-  return nullptr;
-}
-
-}  // namespace
-
-RelayWorld::RelayWorld(const Options& given) : ListenerWorld(given, StartOf(given.transport)) {}
+RelayWorld::RelayWorld(const Options& given) : ListenerWorld(given, front::FrontServer::Start) {}
 
 ChannelSpec RelayWorld::SpecFor(const std::string& ruri) const {
   return {.port = port(),

@@ -10,7 +10,7 @@
 
 namespace uplink::testing {
 
-/// A whole relay on loopback, on the transport that its options name, and agents of gRPC for it.
+/// A whole relay on loopback, and agents for it by the gRPC library.
 class RelayWorld final : public ListenerWorld {
  public:
   RelayWorld() : RelayWorld(Options{}) {}

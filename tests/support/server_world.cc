@@ -68,7 +68,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [start = health::ProcessStart{"9.9.9", clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [this](auto& page) { transport::AddSamples(relay_probe, sessions, handshakes_failed, page); },
+      [this](auto& page) { transport::AddSamples(relay_probe, sessions, page); },
   };
 }
 

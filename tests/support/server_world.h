@@ -77,7 +77,6 @@ class ServerWorld {
   store::SpaceView space_view{.space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9}};
   store::LeaseProbe lease_probe;
   FakeSharedItems shared_items{database};
-  metrics::Cell handshakes_failed;
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
   /// A text of few robots is to be more than a socket takes.
   config::RcanConfig rcan_config{.robot_series_max = 2'000};

@@ -27,11 +27,11 @@ class Foreign:
 
 
 FOREIGN = (
-    Foreign("gRPC", re.compile(r"^grpc(pp)?/|\.grpc\.pb\.h$"), ("server/relay/", "tools/", "tests/")),
+    Foreign("gRPC", re.compile(r"^grpc(pp)?/|\.grpc\.pb\.h$"), ("tools/", "tests/")),
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("server/session/", "server/view/", "server/forward/", "server/front/", "server/relay/", "server/http/", "tools/", "tests/"),
+        ("server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/process_setup.cc", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
@@ -68,13 +68,13 @@ ROOMS = (
     ("session", "view"),  # one stream's protocol; the queries
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),
-    ("transport",),  # what every listener for robots needs
-    ("front", "relay", "mqtt", "http"),  # the adapters: they translate and enqueue
+    ("transport",),  # what the listener for robots needs beside its wire
+    ("front", "mqtt", "http"),  # the adapters: they translate and enqueue
     ("broker",),  # what a broker delivers, over mqtt, becomes what robots say
     ("store", "loop", "lifecycle"),  # what runs it all
 )
 # Tools do not see these.
-ADAPTERS = ("front", "relay", "mqtt", "http")
+ADAPTERS = ("front", "mqtt", "http")
 # The rooms of uplink-fleet, in the same way: its README says what each holds.
 FLEET_ROOMS = (("scenario",), ("robot",), ("twin",), ("broker",), ("compare",), ("report",), ("run",))
 

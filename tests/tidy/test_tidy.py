@@ -44,9 +44,9 @@ class DirectionTest(RuleTest):
 
 class ForeignTest(RuleTest):
     CASES = (
-        ("<grpcpp/grpcpp.h>", "server/relay/a.cc", "server/session/a.cc"),
+        ("<grpcpp/grpcpp.h>", "tests/a.cc", "server/front/a.cc"),
         ("<grpc/grpc.h>", "tools/a.cc", "server/http/a.cc"),
-        ('"uplink/v1/relay.grpc.pb.h"', "server/relay/a.h", "server/view/a.h"),
+        ('"uplink/v1/relay.grpc.pb.h"', "tools/a.h", "server/view/a.h"),
         ('"uplink/v1/relay.pb.h"', "server/session/a.h", "server/fleet/a.h"),
         ("<google/protobuf/message.h>", "server/view/a.cc", "storage/a.cc"),
         ("<nghttp2/nghttp2.h>", "tools/link/a.cc", "server/session/a.cc"),
@@ -55,12 +55,12 @@ class ForeignTest(RuleTest):
         ("<capnp/message.h>", "schema/decode.cc", "server/session/a.cc"),
         ("<kj/exception.h>", "schema/decode.cc", "tools/a.cc"),
         ('"schema/uplink.capnp.h"', "schema/decode.cc", "server/view/a.cc"),
-        ("<boost/beast/core.hpp>", "server/http/a.cc", "server/relay/a.cc"),
+        ("<boost/beast/core.hpp>", "server/http/a.cc", "server/session/a.cc"),
         ("<boost/asio.hpp>", "server/loop/a.cc", "server/app.cc"),
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/app.cc"),
         ("<mosquitto.h>", "tools/uplink-fleet/broker/a.cc", "server/mqtt/a.cc"),
-        ("<spdlog/spdlog.h>", "server/log/a.cc", "server/relay/a.cc"),
+        ("<spdlog/spdlog.h>", "server/log/a.cc", "server/front/a.cc"),
         ("<CLI/CLI.hpp>", "server/main.cc", "server/app.cc"),
         ("<prometheus/counter.h>", "metrics/registry.cc", "server/session/a.cc"),
     )
@@ -83,7 +83,7 @@ class ForeignTest(RuleTest):
 
 
 class RoomsTest(RuleTest):
-    ORDER = (("log",), ("robot",), ("session", "view"), ("relay", "http"), ("store",))
+    ORDER = (("log",), ("robot",), ("session", "view"), ("front", "http"), ("store",))
     ROOMS = [room for here in ORDER for room in here]
     ALL = {f"server/{room}/x.h": "" for room in ROOMS}
 
@@ -249,7 +249,7 @@ class BannedTest(RuleTest):
         ('std::getenv("HOME");', "server/config/environment.cc", "server/app.cc"),
         ("std::cout << 1;", "server/main.cc", "server/app.cc"),
         ("std::cerr << 1;", "tools/a.cc", "storage/a.cc"),
-        ('printf("x");', "tools/a.cc", "server/relay/a.cc"),
+        ('printf("x");', "tools/a.cc", "server/front/a.cc"),
         ("throw 1;", None, "server/a.cc"),
         ("thread.detach();", None, "tools/a.cc"),
         ("int a = rand();", None, "tools/a.cc"),

@@ -4,7 +4,7 @@
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
 # `forward` takes `--receivers N`. `cyberwave` runs on a private cluster too, with brokers of its own,
 # and takes `--only joints|events|ack|depth`.
-# `hostile` takes `--only ATTACK`, `--transport native|grpc` and `--server-bin FILE`.
+# `hostile` takes `--only ATTACK` and `--server-bin FILE`.
 # `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
 # store lies in TMPDIR.
 set -euo pipefail

@@ -52,7 +52,6 @@ FanOutProtocol ProtocolOf(ServerKind kind) {
     case ServerKind::kNats:
       return FanOutProtocol::kNats;
     case ServerKind::kUplinkd:
-    case ServerKind::kUplinkdGrpc:
     case ServerKind::kGrpcSink:
     case ServerKind::kTlsSink:
       break;
@@ -158,7 +157,7 @@ class ForwardBench final {
     const auto receivers = static_cast<std::size_t>(arguments_.receivers);
     world_.MakeRobots(receivers + 1);
     link::Loop loop;
-    for (const ServerKind kind : {ServerKind::kUplinkd, ServerKind::kUplinkdGrpc, ServerKind::kNats,
+    for (const ServerKind kind : {ServerKind::kUplinkd, ServerKind::kNats,
                                   ServerKind::kMosquittoQos0, ServerKind::kMosquitto}) {
       if (!IsInstalled(kind)) continue;
       fmt::print(stderr, "forward: {} receivers of {}\n", receivers, NameOf(kind));
@@ -183,21 +182,19 @@ class ForwardBench final {
     }
   }
 
-  /// uplinkd beside every other, and on the gRPC library beside the brokers.
+  /// uplinkd beside every other.
   [[nodiscard]] std::vector<Row> RowsOf() const {
     std::vector<Row> rows;
-    AddRows(rows, "forward", "us CPU/item", &Figures::cost_us, 0);
-    AddRows(rows, "forward_on_grpc", "us CPU/item", &Figures::cost_us, 1);
-    AddRows(rows, "forward_delivered", "share", &Figures::delivered, 0);
-    AddRows(rows, "forward_p50", "ms", &Figures::p50_ms, 0);
-    AddRows(rows, "forward_p99", "ms", &Figures::p99_ms, 0);
+    AddRows(rows, "forward", "us CPU/item", &Figures::cost_us);
+    AddRows(rows, "forward_delivered", "share", &Figures::delivered);
+    AddRows(rows, "forward_p50", "ms", &Figures::p50_ms);
+    AddRows(rows, "forward_p99", "ms", &Figures::p99_ms);
     return rows;
   }
-  /// The side at `place` beside each of those behind it.
   void AddRows(std::vector<Row>& rows, const std::string& scenario, const std::string& unit,
-               Rounds Figures::*figure, std::size_t place) const {
-    for (std::size_t i = place + 1; i < sides_.size(); ++i) {
-      rows.push_back({scenario, unit, sides_[i]->name(), sides_[place]->figures().*figure,
+               Rounds Figures::*figure) const {
+    for (std::size_t i = 1; i < sides_.size(); ++i) {
+      rows.push_back({scenario, unit, sides_[i]->name(), sides_.front()->figures().*figure,
                       sides_[i]->figures().*figure});
     }
   }

@@ -22,18 +22,12 @@ std::string Names() {
 
 }  // namespace
 
-std::vector<std::string> HostileFlags::transports() const {
-  if (transport != "both") return {transport};
-  return {"native", "grpc"};
-}
-
 std::optional<int> ParseHostileFlags(int argc, const char* const* argv, HostileFlags& flags) {
   std::vector<std::string> only;
   testing::Flags parser("A server under attack, beside an honest robot", "uplink_bench_hostile");
   parser.Add({"--json", "Where the figures go as JSON"}, flags.json);
   parser.Add({"--commit", "What is measured"}, flags.commit);
   parser.Add({"--only", "Attacks; all if none is named: " + Names()}, only);
-  parser.AddChoice({"--transport"}, flags.transport, {"native", "grpc", "both"});
   parser.Add({"--server-bin", "The uplinkd that is attacked; this build's if none is named"},
              flags.server_bin);
   parser.Add({"--seconds", "Without the attack and with it; some attacks need more"}, flags.seconds,

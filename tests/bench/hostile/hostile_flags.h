@@ -14,13 +14,9 @@ struct HostileFlags {
   std::string commit = "unknown";
   /// All if empty.
   std::vector<const Attack*> attacks;
-  /// `native`, `grpc` or both.
-  std::string transport = "both";
   std::string server_bin;
   int seconds = 5;
   int rounds = 1;
-
-  [[nodiscard]] std::vector<std::string> transports() const;
 };
 
 /// Reads them into `flags`, whose values are the defaults. The exit code where the program is to

@@ -1,4 +1,4 @@
-// What hostile clients do to a server, on each transport: attacks one by one, each on a server and
+// What hostile clients do to a server: attacks one by one, each on a server and
 // a store of its own, beside an honest robot. The server has one core, everybody else the other.
 #include <algorithm>
 #include <cstdio>
@@ -33,19 +33,17 @@ int Run(int argc, char** argv) {
                        .say = Say};
   std::vector<HostileResult> results;
   for (int round = 0; round < flags.rounds; ++round) {
-    for (const std::string& transport : flags.transports()) {
-      for (const Attack* attack : flags.attacks) {
-        if (run.stopped()) break;
-        results.push_back(RunAttack(run, transport, *attack));
-        fmt::print(stderr, "{}", HostileTables({results.back()}));
-      }
+    for (const Attack* attack : flags.attacks) {
+      if (run.stopped()) break;
+      results.push_back(RunAttack(run, *attack));
+      fmt::print(stderr, "{}", HostileTable({results.back()}));
     }
   }
   fmt::print(
       "hostile: one robot with 20 durable messages per second, the server on {}; {} rounds, {} s"
       " without each attack and at least as long with it\n{}",
       apart ? "a core of its own" : "the only core", flags.rounds, flags.seconds,
-      HostileTables(results));
+      HostileTable(results));
   const bool kept = KeepJson(flags.json, HostileRows(results), flags.commit);
   const bool measured = std::ranges::any_of(
       results, [](const HostileResult& result) { return result.failure.empty(); });

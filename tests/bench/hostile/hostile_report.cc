@@ -36,14 +36,13 @@ void Merge(HostileResult& into, const HostileResult& round) {
   if (round.metric.empty()) into.metric.clear();
 }
 
-/// One for each transport and attack, in the order in which they came.
+/// One for each attack, in the order in which they came.
 std::vector<HostileResult> LinesOf(const std::vector<HostileResult>& results) {
   std::vector<HostileResult> lines;
   for (const HostileResult& result : results) {
     if (!result.failure.empty()) continue;
-    const auto found = std::ranges::find_if(lines, [&](const HostileResult& line) {
-      return line.transport == result.transport && line.attack == result.attack;
-    });
+    const auto found = std::ranges::find_if(
+        lines, [&](const HostileResult& line) { return line.attack == result.attack; });
     if (found == lines.end()) {
       lines.push_back(result);
     } else {
@@ -85,17 +84,14 @@ std::string TextOf(const HostileResult& line) {
       TextOf(line.new_robot_after), P99Without(line), P99With(line), RatioOf(line), MissedBy(line));
 }
 
-std::string TableFor(const std::string& transport, const std::vector<HostileResult>& lines) {
-  std::string text =
-      fmt::format("{:<16} {:>6} {:^17} {:>7} {:^29} {:^13} {:^22}\n", transport, "serves",
-                  "victim's", "memory", "named in", "new robot ms", "ack p99 ms");
+std::string TableOf(const std::vector<HostileResult>& lines) {
+  std::string text = fmt::format("{:<16} {:>6} {:^17} {:>7} {:^29} {:^13} {:^22}\n", "", "serves",
+                                 "victim's", "memory", "named in", "new robot ms", "ack p99 ms");
   text += fmt::format(
       "{:<16} {:>6} {:>5} {:>4} {:>6} {:>7} {:>4} {:<24} {:>6} {:>6} {:>7} {:>7} {:>6} {}\n",
       "attack", "after", "lost", "cut", "unackd", "MiB", "log", "metric", "during", "after", "wo",
       "with", "ratio", "missed");
-  for (const HostileResult& line : lines) {
-    if (line.transport == transport) text += TextOf(line);
-  }
+  for (const HostileResult& line : lines) text += TextOf(line);
   return text;
 }
 
@@ -108,7 +104,7 @@ Row RowOf(std::string name, std::string unit, double value) {
 double NumberOf(const Wait& wait) { return wait ? static_cast<double>(wait->count()) : -1; }
 
 void AddRows(const HostileResult& line, std::vector<Row>& rows) {
-  const std::string name = line.transport + "_" + line.attack;
+  const std::string name = line.attack;
   const auto add = [&](const char* figure, const char* unit, double value) {
     rows.push_back(RowOf(name + figure, unit, value));
   };
@@ -131,17 +127,12 @@ void AddRows(const HostileResult& line, std::vector<Row>& rows) {
 
 }  // namespace
 
-std::string HostileTables(const std::vector<HostileResult>& results) {
+std::string HostileTable(const std::vector<HostileResult>& results) {
   const std::vector<HostileResult> lines = LinesOf(results);
-  std::string text;
-  for (const char* transport : {"native", "grpc"}) {
-    const bool has = std::ranges::any_of(
-        lines, [&](const HostileResult& line) { return line.transport == transport; });
-    if (has) text += TableFor(transport, lines);
-  }
+  std::string text = lines.empty() ? "" : TableOf(lines);
   for (const HostileResult& result : results) {
     if (result.failure.empty()) continue;
-    text += fmt::format("{} {}: no figures: {}\n", result.transport, result.attack, result.failure);
+    text += fmt::format("{}: no figures: {}\n", result.attack, result.failure);
   }
   return text + fmt::format(
                     "goals: serves afterwards without a restart; nothing lost; at most {} MiB more;"

@@ -15,9 +15,8 @@ inline constexpr double kVictimRatioMax = 3;
 /// What a server's memory may grow by, whatever is done to it.
 inline constexpr double kGrowthMaxMiB = 64;
 
-/// One attack on one transport, in one round. A value.
+/// One attack in one round. A value.
 struct HostileResult {
-  std::string transport;
   std::string attack;
   /// Why there are no figures; empty if there are.
   std::string failure = {};
@@ -45,10 +44,10 @@ struct HostileResult {
   std::string metric = {};
 };
 
-/// A table for each transport, with the goals and which of them are missed. Of several rounds the
-/// waits are put together, and the worst of the rest is shown.
-[[nodiscard]] std::string HostileTables(const std::vector<HostileResult>& results);
-/// The same for `--json`: rows named TRANSPORT_ATTACK_FIGURE. What has no value is -1.
+/// A table with the goals and which of them are missed. Of several rounds the waits are put
+/// together, and the worst of the rest is shown.
+[[nodiscard]] std::string HostileTable(const std::vector<HostileResult>& results);
+/// The same for `--json`: rows named ATTACK_FIGURE. What has no value is -1.
 [[nodiscard]] std::vector<Row> HostileRows(const std::vector<HostileResult>& results);
 
 }  // namespace uplink::bench

@@ -206,13 +206,12 @@ class Measurement final {
 
 }  // namespace
 
-HostileResult RunAttack(const HostileRun& run, const std::string& transport, const Attack& attack) {
-  run.say(fmt::format("{}, {}: {}", transport, attack.name, attack.about));
-  HostileResult result{.transport = transport, .attack = std::string(attack.name)};
+HostileResult RunAttack(const HostileRun& run, const Attack& attack) {
+  run.say(fmt::format("{}: {}", attack.name, attack.about));
+  HostileResult result{.attack = std::string(attack.name)};
   const FreshFile store(run.world.folder.Path("hostile.db"));
   auto server = PinnedServer::Start(run.world, {.program = run.server_bin,
                                                 .store_url = "sqlite://" + store.path(),
-                                                .transport = transport,
                                                 .descriptors_max = attack.descriptors_max});
   if (!server.ok()) {
     result.failure = std::string(server.status().message());

@@ -26,7 +26,6 @@ struct HostileRun {
 ///
 /// Errors: a server that misbehaves is in the result, or said.
 /// Thread: the main thread's.
-[[nodiscard]] HostileResult RunAttack(const HostileRun& run, const std::string& transport,
-                                      const Attack& attack);
+[[nodiscard]] HostileResult RunAttack(const HostileRun& run, const Attack& attack);
 
 }  // namespace uplink::bench

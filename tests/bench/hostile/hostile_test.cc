@@ -26,7 +26,7 @@ std::optional<int> Parse(HostileFlags& flags, Arguments... arguments) {
 
 /// Figures that meet every goal.
 HostileResult Met() {
-  HostileResult result{.transport = "native", .attack = "resets"};
+  HostileResult result{.attack = "resets"};
   result.new_robot_after = milliseconds(5);
   result.new_robot_during = milliseconds(9);
   result.ack_ms_without = {1, 1, 1};
@@ -40,7 +40,7 @@ HostileResult Met() {
 
 /// What the table says is missed: one word, at the end of the line.
 std::string MissedIn(const HostileResult& result) {
-  const std::string table = HostileTables({result});
+  const std::string table = HostileTable({result});
   const std::size_t line = table.find("\nresets ") + 1;
   const std::string text = table.substr(line, table.find('\n', line) - line);
   return text.substr(text.rfind(' ') + 1);
@@ -49,7 +49,7 @@ std::string MissedIn(const HostileResult& result) {
 /// A figure of the attack in JSON.
 double Value(const std::vector<HostileResult>& results, const std::string& figure) {
   for (const Row& row : HostileRows(results)) {
-    if (row.scenario == "native_resets_" + figure) return row.value.median();
+    if (row.scenario == "resets_" + figure) return row.value.median();
   }
   ADD_FAILURE() << "no row " << figure;
   return 0;
@@ -66,26 +66,21 @@ TEST(AttackTest, EveryOneHasANameByWhichItIsFound) {
   EXPECT_EQ(AttackOf("politeness"), nullptr);
 }
 
-TEST(HostileFlagsTest, WithoutAnyAllAttacksRunOnBothTransports) {
+TEST(HostileFlagsTest, WithoutAnyAllAttacksRun) {
   HostileFlags flags;
   EXPECT_EQ(Parse(flags), std::nullopt);
   EXPECT_THAT(flags.attacks, SizeIs(Attacks().size()));
-  EXPECT_THAT(flags.transports(), ElementsAre("native", "grpc"));
 }
 
 TEST(HostileFlagsTest, NamesChooseAmongThem) {
   HostileFlags flags;
-  EXPECT_EQ(Parse(flags, "--only", "pings", "--only", "resets", "--transport", "grpc"),
-            std::nullopt);
+  EXPECT_EQ(Parse(flags, "--only", "pings", "--only", "resets"), std::nullopt);
   EXPECT_THAT(flags.attacks, ElementsAre(AttackOf("pings"), AttackOf("resets")));
-  EXPECT_THAT(flags.transports(), ElementsAre("grpc"));
 }
 
 TEST(HostileFlagsTest, WhatDoesNotExistIsWrongUse) {
   HostileFlags flags;
   EXPECT_EQ(Parse(flags, "--only", "politeness"), 2);
-  HostileFlags others;
-  EXPECT_NE(Parse(others, "--transport", "pigeon"), std::nullopt);
 }
 
 TEST(HostileReportTest, WhatMeetsEveryGoalMissesNone) { EXPECT_EQ(MissedIn(Met()), "-"); }
@@ -123,8 +118,8 @@ TEST(HostileReportTest, OfSeveralRoundsTheWorstIsShownAndWaitsArePutTogether) {
 }
 
 TEST(HostileReportTest, AttacksWithoutFiguresAreSaid) {
-  HostileResult failed{.transport = "grpc", .attack = "pings", .failure = "no server"};
-  EXPECT_THAT(HostileTables({failed}), HasSubstr("grpc pings: no figures: no server"));
+  HostileResult failed{.attack = "pings", .failure = "no server"};
+  EXPECT_THAT(HostileTable({failed}), HasSubstr("pings: no figures: no server"));
   EXPECT_THAT(HostileRows({failed}), SizeIs(0));
 }
 

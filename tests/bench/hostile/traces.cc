@@ -11,7 +11,7 @@
 namespace uplink::bench {
 namespace {
 
-/// Both transports' and the sessions'. That a handshake failed is counted too, and says less.
+/// The transport's and the sessions'. That a handshake failed is counted too, and says less.
 constexpr std::array<std::string_view, 6> kTraces = {"uplinkd_connections_turned_away_total",
                                                      "uplinkd_streams_refused_total",
                                                      "uplinkd_protocol_errors_total",

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kNoStreamYet = 0x7FFFFFFF;
 
 TEST(Age, AConnectionIsToldItsStreamSettlesAndThenItIsOver) {
-  RelayWorld world(Native({.session = {}, .journal = {}, .connection_age_max = milliseconds(300)}));
+  RelayWorld world({.session = {}, .journal = {}, .connection_age_max = milliseconds(300)});
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + FaultsMessage(1, 3)));

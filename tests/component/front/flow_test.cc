@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 constexpr std::size_t kWindowBytes = 65'535;
 
 TEST(Flow, AnAnnouncementOverTheLimitIsRefusedBeforeAByteOfIt) {
-  RelayWorld world(Native({.session = {.frame_bytes_max = 100'000}}));
+  RelayWorld world({.session = {.frame_bytes_max = 100'000}});
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + Prefix(100'001)));
@@ -30,7 +30,7 @@ TEST(Flow, AnAnnouncementOverTheLimitIsRefusedBeforeAByteOfIt) {
 /// What a stream may cost before anybody knows what it is for.
 TEST(Flow, BeforeAHelloNothingLargerIsWaitedFor) {
   constexpr std::uint32_t kHelloMax = 16 * 1024;
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1) + http2::Data(1, Prefix(kHelloMax)));
@@ -43,7 +43,7 @@ TEST(Flow, BeforeAHelloNothingLargerIsWaitedFor) {
 }
 
 TEST(Flow, AnAnnouncementAtTheLimitIsWaitedFor) {
-  RelayWorld world(Native({.session = {.frame_bytes_max = 100'000}}));
+  RelayWorld world({.session = {.frame_bytes_max = 100'000}});
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + Prefix(100'000)));
@@ -52,7 +52,7 @@ TEST(Flow, AnAnnouncementAtTheLimitIsWaitedFor) {
 }
 
 TEST(Flow, AFrameLargerThanTheWindowComesThrough) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1));
@@ -67,7 +67,7 @@ TEST(Flow, AFrameLargerThanTheWindowComesThrough) {
 /// nghttp2 tells of a window once half of it was given back, so that a message about as large as
 /// the window may find less than the whole of it.
 TEST(Flow, MessagesAboutAsLargeAsTheWindowComeThroughWhateverCameBefore) {
-  RelayWorld world(Native());
+  RelayWorld world;
   int robot = 10;
   for (const std::size_t before : {0U, 16'000U, 30'000U, 32'600U}) {
     for (const std::size_t bytes : {32'700U, 40'000U, 65'000U, 65'600U}) {
@@ -90,8 +90,8 @@ std::string LiveMessage(model::Seq seq) {
 
 TEST(Flow, AStreamThatIsHeldBackStopsAtItsWindowWhileOtherRobotsFlowOn) {
   constexpr std::size_t kInFlightMax = 16;
-  RelayWorld world(Native(
-      {.session = {.in_flight_uplinks_max = kInFlightMax, .ack_interval = milliseconds(20)}}));
+  RelayWorld world(
+      {.session = {.in_flight_uplinks_max = kInFlightMax, .ack_interval = milliseconds(20)}});
   RawHttp2 greedy(ClientOf(world, RobotKeys(world, 1)));
   RawHttp2 other(ClientOf(world, RobotKeys(world, 2)));
   for (RawHttp2* one : {&greedy, &other}) {
@@ -121,7 +121,7 @@ TEST(Flow, AStreamThatIsHeldBackStopsAtItsWindowWhileOtherRobotsFlowOn) {
 }
 
 TEST(Flow, AStreamThatSendsPastItsWindowIsReset) {
-  RelayWorld world(Native({.session = {.in_flight_uplinks_max = 16}}));
+  RelayWorld world({.session = {.in_flight_uplinks_max = 16}});
   RawHttp2 client(ClientOf(world, RobotKeys(world, 1)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1));
@@ -142,7 +142,7 @@ TEST(Flow, AStreamThatSendsPastItsWindowIsReset) {
 /// Together they have more unread than the connection's window: it is given back as bytes arrive.
 TEST(Flow, AHundredStreamsThatStandStillHoldNoneOfTheirConnectionUp) {
   constexpr std::uint32_t kStill = 99;
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2 gateway(ClientOf(world, GatewayKeys(world)));
   ASSERT_TRUE(gateway.Begin());
   // As much as may come before a Hello, and below half a window: nothing of it is given back before
@@ -164,10 +164,10 @@ TEST(Flow, AHundredStreamsThatStandStillHoldNoneOfTheirConnectionUp) {
 
 /// Little memory, so that unfinished frames have what one of the largest takes, and many threads.
 RelayWorld::Options WithRoomForOneFrame() {
-  return Native({.session = {.frame_bytes_max = 200'000},
-                 .journal = {},
-                 .queues = 8,
-                 .memory_bytes_max = std::size_t{1024} * 1024});
+  return {.session = {.frame_bytes_max = 200'000},
+          .journal = {},
+          .queues = 8,
+          .memory_bytes_max = std::size_t{1024} * 1024};
 }
 
 /// A stream with a frame that is not whole. Two of them may have room, three never.

@@ -25,11 +25,6 @@ void SetDescriptors(std::uint64_t count) {
 
 }  // namespace
 
-RelayWorld::Options Native(RelayWorld::Options options) {
-  options.transport = config::Transport::kNative;
-  return options;
-}
-
 bool ServesNewRobot(const RelayWorld& world, int number, std::chrono::milliseconds patience) {
   TestAgent agent(world.Channel(RuriOf(number)), {.patience = patience});
   if (!agent.Connect(SessionOf(1))) return false;

@@ -8,9 +8,6 @@
 
 namespace uplink::testing {
 
-/// The options, for the transport of our own.
-[[nodiscard]] RelayWorld::Options Native(RelayWorld::Options options = {});
-
 /// A robot of this number connects and has one message stored, within `patience`.
 [[nodiscard]] bool ServesNewRobot(const RelayWorld& world, int number,
                                   std::chrono::milliseconds patience = kPatience);

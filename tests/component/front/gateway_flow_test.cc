@@ -92,7 +92,7 @@ class GatewayFlow : public ::testing::Test {
   }
 
   static constexpr std::size_t kHelloBytes = 256;
-  RelayWorld world_{Native({.session = {.ack_interval = milliseconds(20)}})};
+  RelayWorld world_{{.session = {.ack_interval = milliseconds(20)}}};
   RawHttp2 gateway_{ClientOf(world_, GatewayKeys(world_))};
   const Said said_;
   std::map<std::uint32_t, std::size_t> sent_;

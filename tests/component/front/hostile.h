@@ -19,7 +19,7 @@ class Hostile : public ::testing::Test {
   static constexpr int kVictim = 1;
   static constexpr int kAttacker = 666;
 
-  explicit Hostile(const RelayWorld::Options& options = {}) : world_(Native(options)) {}
+  explicit Hostile(const RelayWorld::Options& options = {}) : world_(options) {}
 
   void SetUp() override {
     ASSERT_TRUE(victim_.GoesOn());

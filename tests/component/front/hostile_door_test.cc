@@ -35,7 +35,7 @@ class HostileDoor : public ::testing::Test {
 
   static std::unique_ptr<RelayWorld> MakeWorld() {
     const DescriptorLimit limit(kDescriptors);
-    return std::make_unique<RelayWorld>(Native());
+    return std::make_unique<RelayWorld>();
   }
   /// Connections that say this and no more.
   TcpCrowd Gather(std::size_t count, const std::vector<std::string>& sources,

@@ -44,7 +44,7 @@ class LoadBalancer : public ::testing::Test {
     RelayWorld::Options options;
     options.proxy_protocol_from = {*config::Network::Parse(kLoadBalancer)};
     options.logger = &logger_;
-    world_ = std::make_unique<RelayWorld>(Native(options));
+    world_ = std::make_unique<RelayWorld>(options);
   }
   /// What a robot looks like behind the load balancer that says this of it.
   [[nodiscard]] RawHttp2::Options Behind(const std::string& header, const KeyPair& keys) const {

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 class Messages : public ::testing::Test {
  protected:
-  RelayWorld world_{Native()};
+  RelayWorld world_;
   RawHttp2 client_{ClientOf(world_, RobotKeys(world_, 1))};
 };
 

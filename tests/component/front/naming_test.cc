@@ -28,7 +28,7 @@ class Naming : public ::testing::Test {
   void Make() {
     RelayWorld::Options options;
     options.logger = &logger_;
-    world_ = std::make_unique<RelayWorld>(Native(options));
+    world_ = std::make_unique<RelayWorld>(options);
   }
 
   /// A call with these headers changed has ended.

@@ -40,7 +40,7 @@ class OwnProbe : public ::testing::Test {
   }
   static std::unique_ptr<RelayWorld> MakeWorld() {
     const DescriptorLimit limit(kDescriptors);
-    return std::make_unique<RelayWorld>(Native());
+    return std::make_unique<RelayWorld>();
   }
 
   std::unique_ptr<RelayWorld> world_ = MakeWorld();

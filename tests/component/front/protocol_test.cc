@@ -22,7 +22,7 @@ class Protocol : public ::testing::Test {
     return client_.At(1);
   }
 
-  RelayWorld world_{Native()};
+  RelayWorld world_;
   RawHttp2 client_{ClientOf(world_, RobotKeys(world_, 1))};
 };
 

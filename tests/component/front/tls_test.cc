@@ -25,7 +25,7 @@ void ExpectAlert(RawHttp2& client, int description) {
 }
 
 TEST(Tls, HttpTwoIsAgreedOn) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.protocols = {"http/1.1", "h2"};
   RawHttp2 client(options);
@@ -35,7 +35,7 @@ TEST(Tls, HttpTwoIsAgreedOn) {
 }
 
 TEST(Tls, WithoutAProtocolNothingIsServed) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.protocols.clear();
   RawHttp2 client(options);
@@ -47,7 +47,7 @@ TEST(Tls, WithoutAProtocolNothingIsServed) {
 }
 
 TEST(Tls, WithHttpOneAloneNothingIsServed) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.protocols = {"http/1.1"};
   RawHttp2 client(options);
@@ -56,7 +56,7 @@ TEST(Tls, WithHttpOneAloneNothingIsServed) {
 }
 
 RelayWorld::Options NativeWith12() {
-  return Native({.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k12});
+  return {.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k12};
 }
 
 TEST(Tls, Tls12IsServed) {
@@ -91,7 +91,7 @@ TEST(Tls, Tls12HasTheSuitesThatHttpTwoAllowsAlone) {
 }
 
 TEST(Tls, Tls12IsRefusedWhere13IsTheMinimum) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   {
     RawHttp2 client(options);
@@ -117,7 +117,7 @@ TEST(Tls, Tls11IsRefusedWhere12IsTheMinimum) {
 }
 
 TEST(Tls, AForeignCertificateIsToldSoByAnAlert) {
-  RelayWorld world(Native());
+  RelayWorld world;
   const TestAuthority foreign("another authority");
   RawHttp2 client(ClientOf(world, foreign.Issue(RobotSpec(RuriOf(1)))));
   ExpectAlert(client, SSL_AD_UNKNOWN_CA);
@@ -136,14 +136,14 @@ TEST(Tls, AForeignCertificateIsToldSoByAnAlertInTls12) {
 }
 
 TEST(Tls, NoCertificateIsToldSoByAnAlert) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2 client(ClientOf(world, {}));
   ExpectAlert(client, SSL_AD_CERTIFICATE_REQUIRED);
   EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNoCertificate), 1);
 }
 
 TEST(Tls, PlainBytesAreNoTls) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawTcp client(world.server().port());
   static_cast<void>(client.SendSome("GET / HTTP/1.1\r\nHost: x\r\n\r\n"));
   EXPECT_TRUE(client.WaitForEnd(kPatience));
@@ -151,7 +151,7 @@ TEST(Tls, PlainBytesAreNoTls) {
 }
 
 TEST(Tls, AFirstMessageThatIsTooLargeIsNotWaitedFor) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawTcp client(world.server().port());
   // A ClientHello of 16 KiB and a byte is announced; none of it comes.
   static_cast<void>(client.SendSome(std::string("\x16\x03\x01\x40\x00\x01\x00\x40\x01", 9)));
@@ -160,7 +160,7 @@ TEST(Tls, AFirstMessageThatIsTooLargeIsNotWaitedFor) {
 }
 
 TEST(Tls, AFirstMessageUpToItsLimitIsWaitedFor) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawTcp client(world.server().port());
   static_cast<void>(client.SendSome(std::string("\x16\x03\x01\x40\x00\x01\x00\x40\x00", 9)));
   // A later handshake is over, and this one is still under way.
@@ -171,7 +171,7 @@ TEST(Tls, AFirstMessageUpToItsLimitIsWaitedFor) {
 }
 
 TEST(Tls, AChainThatIsTooLargeEndsTheHandshake) {
-  RelayWorld world(Native());
+  RelayWorld world;
   CertificateSpec spec = RobotSpec(RuriOf(1));
   for (int i = 0; i < 1000; ++i) spec.dns_names.push_back(std::string(40, 'x') + ".example");
   RawHttp2 client(ClientOf(world, world.authority.Issue(spec)));
@@ -197,7 +197,7 @@ KeyPair BehindIntermediates(const ListenerWorld& world, int count) {
 constexpr int kIntermediatesMax = 8;
 
 TEST(Tls, AChainOfAsManyIntermediatesAsThereMayBeIsTaken) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2 client(ClientOf(world, BehindIntermediates(world, kIntermediatesMax)));
   ASSERT_TRUE(client.Begin());
   client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + FaultsMessage(1, 1)));
@@ -205,7 +205,7 @@ TEST(Tls, AChainOfAsManyIntermediatesAsThereMayBeIsTaken) {
 }
 
 TEST(Tls, AChainOfOneIntermediateMoreIsRefused) {
-  RelayWorld world(Native());
+  RelayWorld world;
   RawHttp2 client(ClientOf(world, BehindIntermediates(world, kIntermediatesMax + 1)));
   ExpectAlert(client, SSL_AD_UNKNOWN_CA);
   EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kUntrusted), 1);
@@ -215,7 +215,7 @@ TEST(Tls, AChainOfOneIntermediateMoreIsRefused) {
 /// Whatever it asks for, who shows this is told this sentence and no more; then the connection
 /// ends.
 void ExpectToldAlone(const CertificateSpec& spec, const std::string& sentence) {
-  RelayWorld world(Native());
+  RelayWorld world;
   const KeyPair keys = world.authority.Issue(spec);
   const std::vector<http2::Fields> requests = {
       {}, {{":path", "/other.S/M"}}, {{":method", "GET"}}, {{"grpc-encoding", "gzip"}}};

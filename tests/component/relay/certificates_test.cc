@@ -111,13 +111,10 @@ void ExpectNoHandshake(RelayWorld& world, const std::shared_ptr<grpc::Channel>& 
   EXPECT_EQ(world.relay_probe.refused_identity_total.value(), 0);
 }
 
-/// The chain is one of our authority's, and may not be used: gRPC fails the handshake, which the
-/// agent sees as a server that is not there; our own transport says why.
+/// The chain is one of our authority's, and may not be used: the agent is told why.
 void ExpectNotServed(const CertificateSpec& spec, const char* sentence) {
   RelayWorld world;
-  const auto channel = world.Channel(world.authority.Issue(spec));
-  if (TestedTransport() == config::Transport::kGrpc) return ExpectNoHandshake(world, channel);
-  const grpc::Status status = EndOf(channel);
+  const grpc::Status status = EndOf(world.Channel(world.authority.Issue(spec)));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAUTHENTICATED);
   EXPECT_EQ(status.error_message(), std::string("client certificate: ") + sentence);
   EXPECT_EQ(world.session_probe.streams_total.value(), 0);

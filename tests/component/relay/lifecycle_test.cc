@@ -124,12 +124,7 @@ TEST(Lifecycle, DrainRefusesNewStreams) {
   second.Send(HelloFrame(SessionOf(2)));
   const grpc::Status status = second.End();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
-  if (TestedTransport() == config::Transport::kGrpc) {
-    EXPECT_EQ(status.error_message(), "the server drains");
-    EXPECT_EQ(world.relay_probe.refused_draining_total.value(), 1);
-  } else {
-    EXPECT_THAT(status.error_message(), HasSubstr("refused")) << "the listener is closed first";
-  }
+  EXPECT_THAT(status.error_message(), HasSubstr("refused")) << "the listener is closed first";
   EXPECT_EQ(first.End().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
@@ -196,7 +191,7 @@ TEST(Lifecycle, AConnectionIsEndedForItsAge) {
   const auto channel = world.Channel(RuriOf(1));
   TestAgent agent(channel);
   ASSERT_TRUE(agent.Connect(SessionOf(1)));
-  // gRPC tells the agent to go elsewhere, and cuts what is left after its grace.
+  // The server tells the agent to go elsewhere, and cuts what is left after its grace.
   EXPECT_EQ(agent.End().error_code(), grpc::StatusCode::UNAVAILABLE);
   TestAgent again(channel);
   EXPECT_TRUE(again.Connect(SessionOf(1)));

@@ -139,11 +139,26 @@ TEST(CommandLine, ABadConfigurationStopsTheStartWithTwo) {
   EXPECT_THAT(ended.text, HasSubstr("limits.robots_max"));
 }
 
-TEST(CommandLine, APollingEngineThatCostsTooMuchStopsTheStart) {
-  const UplinkdFolder folder;
-  const Ended ended = RunToEnd(folder, {}, {"GRPC_POLL_STRATEGY=poll"});
-  EXPECT_EQ(ended.code, 2);
-  EXPECT_THAT(ended.text, HasSubstr("GRPC_POLL_STRATEGY"));
+TEST(CommandLine, ATransportInTheFileOrTheEnvironmentIsTwoAndSaysWhatToDo) {
+  const std::string text = "removed; robots are served by the native transport alone: ";
+  const std::vector<std::string> check = {"--check-config"};
+  const std::vector<std::string> serve = {};
+  for (const std::string value : {"grpc", "native"}) {
+    const UplinkdFolder folder;
+    for (const auto& flags : {check, serve}) {
+      const Ended ended = RunToEnd(folder, flags, {"UPLINKD_LISTEN_TRANSPORT=" + value});
+      EXPECT_EQ(ended.code, 2);
+      EXPECT_EQ(ended.text, "uplinkd: environment: UPLINKD_LISTEN_TRANSPORT: " + text +
+                                "unset this variable\n");
+    }
+    folder.Write("uplinkd.toml", "[listen]\ntransport = \"" + value + "\"\n");
+    for (const auto& flags : {check, serve}) {
+      const Ended ended = RunToEnd(folder, flags);
+      EXPECT_EQ(ended.code, 2);
+      EXPECT_THAT(ended.text,
+                  HasSubstr("uplinkd.toml:2: listen.transport: " + text + "delete this line\n"));
+    }
+  }
 }
 
 }  // namespace

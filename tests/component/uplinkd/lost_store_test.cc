@@ -23,11 +23,10 @@ using ::testing::HasSubstr;
 
 constexpr const char* kRuri = "rcan://test/1";
 
-/// By the transport.
-class LostStoreTest : public ::testing::TestWithParam<const char*> {
+class LostStoreTest : public ::testing::Test {
  protected:
   void Start() {
-    process_ = folder_.Start({}, {std::string("UPLINKD_LISTEN_TRANSPORT=") + GetParam()});
+    process_ = folder_.Start();
     const auto ports = WaitForPorts(*process_);
     ASSERT_TRUE(ports) << process_->text();
     ports_ = *ports;
@@ -68,7 +67,7 @@ std::vector<int> NextRequest(TestAgent& agent) {
   return {};
 }
 
-TEST_P(LostStoreTest, AsksARobotThatGoesOnWithItsSession) {
+TEST_F(LostStoreTest, AsksARobotThatGoesOnWithItsSession) {
   const std::string settings = schema::Encode(test::SampleSettings());
   Start();
   {
@@ -96,8 +95,6 @@ TEST_P(LostStoreTest, AsksARobotThatGoesOnWithItsSession) {
   EXPECT_THAT(metrics, HasSubstr("uplinkd_resend_unanswered{kind=\"currentSettings\"} 0"));
   EXPECT_THAT(metrics, HasSubstr("uplinkd_resend_unanswered{kind=\"agentInfo\"} 1"));
 }
-
-INSTANTIATE_TEST_SUITE_P(Transports, LostStoreTest, ::testing::Values("native", "grpc"));
 
 }  // namespace
 }  // namespace uplink::testing

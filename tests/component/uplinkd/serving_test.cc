@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <memory>
 #include <span>
@@ -29,6 +30,7 @@ namespace uplink::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class ServingTest : public ::testing::Test {
  protected:
@@ -162,16 +164,26 @@ TEST_F(ServingTest, TheBackgroundHandshakeSucceedsBehindALoadBalancerOfThisMachi
               HasSubstr("uplinkd_connections_turned_away_total{cause=\"proxy_header\"} 0\n"));
 }
 
-TEST_F(ServingTest, EveryLineOfTheLogIsOursEvenWhenGrpcComplains) {
-  process_ = folder_.Start({}, {"UPLINKD_LOG_FORMAT=json", "UPLINKD_LISTEN_TRANSPORT=grpc"});
+TEST_F(ServingTest, TheProgramHoldsNoGrpcLibrary) {
+  Serve();
+  std::ifstream maps("/proc/" + std::to_string(process_->pid()) + "/maps");
+  std::ostringstream libraries;
+  libraries << maps.rdbuf();
+  EXPECT_THAT(libraries.str(), HasSubstr("/libnghttp2.so")) << "its own libraries are listed";
+  EXPECT_THAT(libraries.str(), Not(HasSubstr("/libgrpc")));
+  EXPECT_THAT(libraries.str(), Not(HasSubstr("/libgpr.so")));
+}
+
+TEST_F(ServingTest, EveryLineOfTheLogIsOneObjectOfJson) {
+  process_ = folder_.Start({}, {"UPLINKD_LOG_FORMAT=json"});
   const std::string key = R"("relay":"127.0.0.1:)";
   ASSERT_TRUE(process_->WaitFor(key) &&
               process_->WaitFor("\n", seconds(10), process_->text().find(key)))
       << process_->text();
   const std::string port = process_->text().substr(process_->text().find(key) + key.size());
-  // Not TLS: gRPC has something to say of it.
+  // Not TLS: the server has something to say of it.
   static_cast<void>(HttpGet(static_cast<std::uint16_t>(std::stoul(port)), "/"));
-  ASSERT_TRUE(process_->WaitFor(R"("event":"grpc","text":")")) << process_->text();
+  ASSERT_TRUE(process_->WaitFor(R"("why":"no_tls")")) << process_->text();
   process_->Signal(SIGTERM);
   EXPECT_EQ(process_->WaitForExit(), 0);
   std::istringstream lines(process_->text());

@@ -265,21 +265,25 @@ TEST(ParseConfigTest, RefusesListsThatAreNone) {
               ElementsAre(IsProblem("u.toml:6", "rcan.fleets", "257 strings")));
 }
 
-TEST(ParseConfigTest, TheGrpcTransportTakesTls12AndEndsNoConnectionForItsAge) {
-  const LoadResult native = ParseWith("");
-  EXPECT_EQ(native.config->listen.transport, Transport::kNative);
-  EXPECT_EQ(native.config->tls.min_version, TlsVersion::k13);
-  EXPECT_EQ(native.config->limits.connection_age_max, std::chrono::hours(24));
-
-  constexpr std::string_view kGrpc = "[listen]\ntransport = \"grpc\"\n";
-  const LoadResult grpc = ParseWith(std::string(kGrpc));
-  EXPECT_EQ(grpc.config->tls.min_version, TlsVersion::k12);
-  EXPECT_EQ(grpc.config->limits.connection_age_max, milliseconds(0));
-
-  const LoadResult set = ParseWith("min_version = \"1.3\"\n" + std::string(kGrpc) +
-                                   "[limits]\nconnection_age_max = \"1h\"\n");
-  EXPECT_EQ(set.config->tls.min_version, TlsVersion::k13);
-  EXPECT_EQ(set.config->limits.connection_age_max, std::chrono::hours(1));
+TEST(ParseConfigTest, ARemovedKeySaysWhatToDo) {
+  for (const char* const value : {"\"grpc\"", "\"native\"", "1"}) {
+    const LoadResult file = ParseWith(std::string("[listen]\ntransport = ") + value + "\n");
+    EXPECT_FALSE(file.ok());
+    EXPECT_THAT(file.problems,
+                ElementsAre(IsProblem("u.toml:6", "listen.transport",
+                                      "removed; robots are served by the native transport alone: "
+                                      "delete this line")))
+        << value;
+  }
+  for (const char* const value : {"grpc", "native", ""}) {
+    const LoadResult variable = ParseWith("", {{"UPLINKD_LISTEN_TRANSPORT", value}});
+    EXPECT_FALSE(variable.ok());
+    EXPECT_THAT(variable.problems,
+                ElementsAre(IsProblem("environment", "UPLINKD_LISTEN_TRANSPORT",
+                                      "removed; robots are served by the native transport alone: "
+                                      "unset this variable")))
+        << value;
+  }
 }
 
 TEST(PrintConfigTest, ReadsBackToTheSameConfiguration) {

@@ -115,11 +115,9 @@ TEST(Network, SaysWhichBitsAreTooMany) {
 // --- The setting ---
 
 TEST(Networks, AreReadFromTheFileAndFromTheEnvironment) {
-  constexpr std::string_view kNative = "[listen]\ntransport = \"native\"\n";
-  const LoadResult file =
-      ParseWith(std::string(kNative) + "proxy_protocol_from = [\"10.0.0.0/8\", \"::1\"]\n");
+  const LoadResult file = ParseWith("[listen]\nproxy_protocol_from = [\"10.0.0.0/8\", \"::1\"]\n");
   const LoadResult environment =
-      ParseWith(kNative, {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", "10.0.0.0/8,::1"}});
+      ParseWith("", {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", "10.0.0.0/8,::1"}});
   for (const LoadResult* each : {&file, &environment}) {
     ASSERT_TRUE(each->ok()) << ToText(each->problems.at(0));
     EXPECT_THAT(each->config->listen.proxy_protocol_from,
@@ -127,22 +125,20 @@ TEST(Networks, AreReadFromTheFileAndFromTheEnvironment) {
     EXPECT_THAT(PrintConfig(*each->config),
                 HasSubstr("proxy_protocol_from = [\"10.0.0.0/8\", \"::1\"]\n"));
   }
-  const LoadResult none =
-      ParseWith(std::string(kNative) + "proxy_protocol_from = [\"10.0.0.0/8\"]\n",
-                {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", ""}});
+  const LoadResult none = ParseWith("[listen]\nproxy_protocol_from = [\"10.0.0.0/8\"]\n",
+                                    {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", ""}});
   ASSERT_TRUE(none.ok());
   EXPECT_THAT(none.config->listen.proxy_protocol_from, IsEmpty());
 }
 
 TEST(Networks, AnErrorNamesTheSettingAndTheEntry) {
   const auto error = [](const std::string& value) {
-    const LoadResult result =
-        ParseWith("[listen]\ntransport = \"native\"\nproxy_protocol_from = " + value + "\n");
+    const LoadResult result = ParseWith("[listen]\nproxy_protocol_from = " + value + "\n");
     EXPECT_THAT(result.problems, SizeIs(1)) << value;
     return result.problems.empty() ? std::string() : ToText(result.problems[0]);
   };
   EXPECT_THAT(error("[\"::1\", \"10.0.0.1/8\"]"),
-              HasSubstr("u.toml:7: listen.proxy_protocol_from: \"10.0.0.1/8\" has bits set"));
+              HasSubstr("u.toml:6: listen.proxy_protocol_from: \"10.0.0.1/8\" has bits set"));
   EXPECT_THAT(error("[\"balancer.example.org\"]"),
               HasSubstr("listen.proxy_protocol_from: \"balancer.example.org\" is no network"));
   EXPECT_THAT(error("[\"::1\", \"::1\"]"), HasSubstr("\"::1\" stands in it twice"));
@@ -158,8 +154,7 @@ TEST(Networks, AreBoundedInNumber) {
       list += (i > 0 ? "," : "") + std::string("10.0.") + std::to_string(i / 256) + "." +
               std::to_string(i % 256);
     }
-    return ParseWith("[listen]\ntransport = \"native\"\n",
-                     {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", list}});
+    return ParseWith("", {{"UPLINKD_LISTEN_PROXY_PROTOCOL_FROM", list}});
   };
   EXPECT_TRUE(many(256).ok());
   EXPECT_THAT(many(257).problems, SizeIs(1));

@@ -54,15 +54,6 @@ TEST(RelationsTest, TwoListenersDoNotShareAPort) {
   EXPECT_EQ(OneProblem("[listen]\nhttp = \"127.0.0.1:0\"\nrelay = \"[::]:0\"\n"), "");
 }
 
-TEST(RelationsTest, OnlyTheNativeTransportReadsProxyHeaders) {
-  const std::string list = "proxy_protocol_from = [\"10.0.0.0/8\"]\n";
-  EXPECT_EQ(OneProblem("[listen]\ntransport = \"native\"\n" + list), "");
-  EXPECT_EQ(OneProblem("[listen]\ntransport = \"grpc\"\nproxy_protocol_from = []\n"), "");
-  EXPECT_THAT(OneProblem("[listen]\ntransport = \"grpc\"\n" + list),
-              HasSubstr("u.toml:7: listen.proxy_protocol_from: only listen.transport = \"native\" "
-                        "reads PROXY headers, and it is \"grpc\""));
-}
-
 TEST(RelationsTest, ClosedRegistrationIsNotServed) {
   EXPECT_EQ(OneProblem("[identity]\nregistration = \"open\"\n"), "");
   EXPECT_THAT(OneProblem("[identity]\nregistration = \"closed\"\n"),
