@@ -50,7 +50,7 @@ class Known {
   [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) = 0;
   /// Of a record whose robot was asked for, and is known. The answer is valid until the next call.
   [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
-  /// Why the record's number lies in quarantine; nothing if it does not.
+  /// Why the record's number was rejected (in quarantine, or kept); nothing if it was not.
   [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) = 0;
 
@@ -93,7 +93,7 @@ struct Ruling {
 ///    Nobody holds a robot that the store does not know: what comes of it is fenced. So is what
 ///    came under a lease that another took.
 /// 2. Otherwise it is new, and the session's cursor is its number now. A QuarantineItem goes to
-///    quarantine and is stored.
+///    quarantine, a LimitedRange to the kept Rejects, and is stored.
 /// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
 ///    quarantine in its stead and it is refused.
 ///

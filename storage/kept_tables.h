@@ -15,7 +15,7 @@ struct HistoryTable {
 /// Tables of both stores, by `ruri`, of what a robot is and has now. They go with it at once.
 inline constexpr auto kRobotTables = std::to_array<std::string_view>(
     {"robots", "sessions", "faults_active", "mission_runs", "shapes", "objects", "latest",
-     "presence_latest", "gaps", "live", "quarantine_dropped"});
+     "presence_latest", "gaps", "live", "quarantine_dropped", "kept_rejects"});
 
 /// Those of what a robot reported: rows with a `ruri` and an `entry`.
 inline constexpr auto kHistoryTables =

@@ -108,7 +108,7 @@ struct StoredPresence {
   friend bool operator==(const StoredPresence&, const StoredPresence&) = default;
 };
 
-/// A number whose payload lies in quarantine, and why.
+/// A number that lies in quarantine, or is kept for its robot alone, and why.
 struct StoredReject {
   model::Seq seq = 0;
   model::Rejection rejection;
@@ -190,9 +190,18 @@ struct QuarantineItem {
   model::Rejection rejection;
 };
 
+/// Consecutive numbers of a session whose messages were over their rates. It stands in the last of
+/// them. No payload is kept: one row says of all of them what their robot is told.
+struct LimitedRange {
+  /// At most the number in which it stands.
+  model::Seq first = 0;
+  model::Rejection rejection;
+};
+
 /// What a durable message says: a validated record of a robot, the rejected payload in its place,
-/// or an update of what is no robot (its robot is a stand-in, origin.h).
-using CommitContent = std::variant<model::Record, QuarantineItem, model::ScopeUpdate>;
+/// an update of what is no robot (its robot is a stand-in, origin.h), or of several messages that
+/// they were limited.
+using CommitContent = std::variant<model::Record, QuarantineItem, model::ScopeUpdate, LimitedRange>;
 
 /// One durable message.
 struct CommitRecord {
@@ -266,11 +275,12 @@ struct Batch {
 };
 
 enum class OutcomeKind : std::uint8_t {
-  /// Written now (for a QuarantineItem: to quarantine).
+  /// Written now (for a QuarantineItem: to quarantine; for a LimitedRange: to the kept Rejects).
   kStored,
-  /// At or below the cursor, or a second copy within the batch, and not in quarantine.
+  /// At or below the cursor, or a second copy within the batch, and never rejected.
   kDuplicate,
-  /// Not kept, now or (for a number at or below the cursor) earlier: its quarantine row says why.
+  /// Not kept, now or (for a number at or below the cursor) earlier: its row of quarantine, or of
+  /// the kept Rejects, says why.
   kRefused,
   /// This process does not hold the robot since then: another one does, or its row is gone. Or it
   /// came under a lease on topics that is over. Nothing of the record was looked at.

@@ -47,8 +47,14 @@ constexpr std::string_view kQuarantineDropped =
 constexpr std::string_view kRejects =
     "SELECT q.seq, q.reason, q.field, q.detail FROM (SELECT l.first_entry FROM uplinkd.sessions AS "
     "l WHERE l.ruri = $1::text AND l.session = $2::uuid ORDER BY l.part DESC LIMIT 1) AS s"
-    " JOIN uplinkd.quarantine AS q ON q.ruri = $1::text AND q.session = $2::uuid"
-    " AND q.seq > $3::bigint AND q.seq <= $4::bigint AND q.entry >= s.first_entry"
+    " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
+    " WHERE p.ruri = $1::text AND p.session = $2::uuid AND p.seq > $3::bigint"
+    " AND p.seq <= $4::bigint AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $5::bigint)"
+    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM uplinkd.kept_rejects AS k"
+    " CROSS JOIN LATERAL generate_series(greatest(k.first, $3::bigint + 1),"
+    " least(k.last, $4::bigint)) AS n (seq)"
+    " WHERE k.ruri = $1::text AND k.session = $2::uuid AND k.last > $3::bigint"
+    " AND k.entry >= s.first_entry ORDER BY k.last, n.seq LIMIT $5::bigint)) AS q"
     " ORDER BY q.seq LIMIT $5::bigint";
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"

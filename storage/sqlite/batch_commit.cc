@@ -52,6 +52,11 @@ absl::StatusOr<Outcome> BatchCommit::WriteOne(const CommitRecord& record) {
     if (!written.ok()) return written;
     return Outcome{};
   }
+  if (const auto* range = std::get_if<LimitedRange>(&record.content)) {
+    absl::Status kept = tables_.set_aside.Keep(record, *range, next_entry_++);
+    if (!kept.ok()) return kept;
+    return Outcome{};
+  }
   absl::StatusOr<Refusal> refusal =
       isolation_ == Isolation::kTogether ? WriteRecord(record) : WriteAlone(record);
   if (!refusal.ok()) return refusal.status();

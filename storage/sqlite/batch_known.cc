@@ -41,12 +41,8 @@ absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Quarantined(
   range.ruri = record.robot->ruri;
   range.session = record.session;
   range.first_entry = session->first_entry;
-  range.above = record.seq - 1;
   range.through = record.seq;
-  absl::StatusOr<std::vector<StoredReject>> rejects = tables_.set_aside.Rejects(range, 1);
-  if (!rejects.ok()) return rejects.status();
-  if (rejects->empty()) return std::optional<model::Rejection>();
-  return std::optional(std::move(rejects->front().rejection));
+  return tables_.set_aside.RejectionOf(range);
 }
 
 absl::StatusOr<Epoch> BatchKnown::LeaseEpoch(std::string_view client_id) {

@@ -127,10 +127,7 @@ absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const st
 
 absl::StatusOr<std::vector<StoredReject>> SqliteReader::Rejects(const RejectsQuery& query) {
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<StoredReject>> {
-    auto statement = database.Prepare(
-        "SELECT q.seq, q.reason, q.field, q.detail FROM sessions AS s JOIN quarantine AS q"
-        " ON q.ruri = s.ruri AND q.session = s.session AND q.entry >= s.first_entry"
-        " WHERE s.ruri = ? AND s.session = ? AND q.seq > ? AND q.seq <= ? ORDER BY q.seq LIMIT ?");
+    auto statement = database.Prepare(kRejectsSql);
     if (!statement.ok()) return statement.status();
     return ReadRejects((*statement)
                            ->Select(std::string_view(query.ruri), Blob{query.session.AsBytes()},

@@ -31,6 +31,16 @@ absl::Status RetentionTables::Prepare(Database& database) {
       prepare.Into(statements.emplace_back(), EraseSql(ListTable<kList>::kTable));
     }
   });
+  // The rows of quarantine that go next, as far as a Hello may still ask for them.
+  prepare.Into(keep_rejects_,
+               "INSERT OR IGNORE INTO kept_rejects"
+               " (ruri, session, last, first, entry, reason, field, detail)"
+               " SELECT q.ruri, q.session, q.seq, q.seq, q.entry, q.reason, q.field, q.detail"
+               " FROM (SELECT * FROM quarantine WHERE received_ms < ?1"
+               " ORDER BY received_ms, entry LIMIT ?2) AS q"
+               " JOIN sessions AS s ON s.ruri = q.ruri AND s.session = q.session"
+               " AND q.entry >= s.first_entry"
+               " WHERE q.source = 0 AND q.seq > s.settled_seq");
   return prepare.status();
 }
 
@@ -39,6 +49,8 @@ absl::StatusOr<std::size_t> RetentionTables::EraseHistory(SystemTime until) {
 }
 
 absl::StatusOr<std::size_t> RetentionTables::EraseSetAside(SystemTime until) {
+  absl::Status kept = keep_rejects_->Run(UnixMs(until), static_cast<std::int64_t>(kRetainRowsMax));
+  if (!kept.ok()) return kept;
   return Erase(set_aside_, until);
 }
 

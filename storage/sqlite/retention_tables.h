@@ -23,7 +23,7 @@ class RetentionTables final {
 
   /// Histories, and mission runs that are closed. Returns how many rows went.
   [[nodiscard]] absl::StatusOr<std::size_t> EraseHistory(SystemTime until);
-  /// Quarantine and gaps.
+  /// Quarantine and gaps. Keeps the Rejects that a Hello may still ask for.
   [[nodiscard]] absl::StatusOr<std::size_t> EraseSetAside(SystemTime until);
 
  private:
@@ -32,6 +32,7 @@ class RetentionTables final {
 
   Statements history_;
   Statements set_aside_;
+  std::unique_ptr<Statement> keep_rejects_;
 };
 
 }  // namespace uplink::storage::sqlite

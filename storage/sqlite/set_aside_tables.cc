@@ -21,12 +21,29 @@ absl::StatusOr<std::int64_t> CountOver(Statement& count, std::string_view ruri,
 
 absl::Status SetAsideTables::Prepare(Database& database) {
   Preparer prepare(database);
-  prepare.Into(rejects_,
-               "SELECT seq, reason, field, detail FROM quarantine WHERE ruri = ? AND session = ?"
-               " AND seq > ? AND seq <= ? AND entry >= ? ORDER BY seq LIMIT ?");
+  prepare.Into(rejects_, kRejectsSql);
   prepare.Into(count_rejects_,
-               "SELECT COUNT(*) FROM (SELECT 1 FROM quarantine WHERE ruri = ? AND session = ?"
-               " AND seq > ? AND seq <= ? AND entry >= ? LIMIT ?)");
+               "SELECT min(?6, (SELECT COUNT(*) FROM (SELECT 1 FROM quarantine WHERE ruri = ?1"
+               " AND session = ?2 AND seq > ?3 AND seq <= ?4 AND entry >= ?5 LIMIT ?6))"
+               " + (SELECT coalesce(sum(min(last, ?4) - max(first, ?3 + 1) + 1), 0)"
+               " FROM kept_rejects WHERE ruri = ?1 AND session = ?2 AND last > ?3 AND first <= ?4"
+               " AND entry >= ?5))");
+  // Ranges do not overlap: the first that ends at the number or above is the one that may hold it.
+  prepare.Into(rejection_,
+               "SELECT reason, field, detail FROM quarantine WHERE ruri = ?1 AND session = ?2"
+               " AND seq = ?3 AND entry >= ?4"
+               " UNION ALL SELECT reason, field, detail FROM (SELECT first, reason, field, detail"
+               " FROM kept_rejects WHERE ruri = ?1 AND session = ?2 AND last >= ?3 AND entry >= ?4"
+               " ORDER BY last LIMIT 1) WHERE first <= ?3 LIMIT 1");
+  // A row that is there is one of an evicted session that had the same id.
+  prepare.Into(keep_,
+               "INSERT OR REPLACE INTO kept_rejects"
+               " (ruri, session, last, first, entry, reason, field, detail)"
+               " VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  prepare.Into(forget_kept_,
+               "DELETE FROM kept_rejects WHERE ruri = ?1 AND NOT EXISTS (SELECT 1 FROM sessions"
+               " AS s WHERE s.ruri = ?1 AND s.session = kept_rejects.session"
+               " AND kept_rejects.entry >= s.first_entry AND kept_rejects.last > s.settled_seq)");
   prepare.Into(count_payloads_,
                "SELECT COUNT(*) FROM quarantine WHERE ruri = ? AND payload IS NOT NULL");
   prepare.Into(thin_,
@@ -54,8 +71,7 @@ absl::StatusOr<std::vector<StoredReject>> ReadRejects(Rows rows) {
 absl::StatusOr<std::vector<StoredReject>> SetAsideTables::Rejects(const RejectRange& range,
                                                                   std::size_t rejects_max) {
   return ReadRejects(rejects_->Select(range.ruri, Blob{range.session.AsBytes()}, range.above,
-                                      range.through, range.first_entry,
-                                      static_cast<std::int64_t>(rejects_max)));
+                                      range.through, static_cast<std::int64_t>(rejects_max)));
 }
 
 absl::StatusOr<std::size_t> SetAsideTables::CountRejects(const RejectRange& range,
@@ -67,6 +83,27 @@ absl::StatusOr<std::size_t> SetAsideTables::CountRejects(const RejectRange& rang
   if (!found.ok()) return found.status();
   return static_cast<std::size_t>(rows.Int(0));
 }
+
+absl::StatusOr<std::optional<model::Rejection>> SetAsideTables::RejectionOf(
+    const RejectRange& number) {
+  Rows rows = rejection_->Select(number.ruri, Blob{number.session.AsBytes()}, number.through,
+                                 number.first_entry);
+  const absl::StatusOr<bool> found = rows.Next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<model::Rejection>();
+  return std::optional(model::Rejection{ReasonOf(rows.Int(0)), std::string(rows.Bytes(1)),
+                                        std::string(rows.Bytes(2))});
+}
+
+absl::Status SetAsideTables::Keep(const CommitRecord& record, const LimitedRange& range,
+                                  EntryNumber entry) {
+  return keep_->Run(
+      std::string_view(record.robot->ruri), Blob{record.session.AsBytes()}, record.seq, range.first,
+      entry, static_cast<std::int64_t>(range.rejection.reason),
+      std::string_view(range.rejection.field), std::string_view(range.rejection.detail));
+}
+
+absl::Status SetAsideTables::ForgetKept(std::string_view ruri) { return forget_kept_->Run(ruri); }
 
 absl::Status SetAsideTables::ThinPayloads(std::string_view ruri) {
   const absl::StatusOr<std::int64_t> over =

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -16,10 +17,26 @@
 
 namespace uplink::storage::sqlite {
 
-/// Rejects from rows of seq, reason, field and detail of the quarantine. Errors: the database's.
+/// Rejects from rows of seq, reason, field and detail. Errors: the database's.
 absl::StatusOr<std::vector<StoredReject>> ReadRejects(Rows rows);
 
-/// Which numbers of a session to read quarantine for.
+/// Rejects of a session that has a row: those in quarantine and the kept ones. Parameters: RURI,
+/// session, the number above which and the one up to which, how many at most.
+inline constexpr std::string_view kRejectsSql =
+    "WITH RECURSIVE s (first_entry) AS (SELECT first_entry FROM sessions WHERE ruri = ?1"
+    " AND session = ?2),"
+    " n (seq, last, reason, field, detail) AS ("
+    "SELECT max(first, ?3 + 1), min(last, ?4), reason, field, detail FROM kept_rejects"
+    " WHERE ruri = ?1 AND session = ?2 AND last > ?3 AND first <= ?4"
+    " AND entry >= (SELECT first_entry FROM s)"
+    " UNION ALL SELECT seq + 1, last, reason, field, detail FROM n WHERE seq < last"
+    " ORDER BY 1 LIMIT ?5)"
+    " SELECT * FROM (SELECT seq, reason, field, detail FROM quarantine WHERE ruri = ?1"
+    " AND session = ?2 AND seq > ?3 AND seq <= ?4 AND entry >= (SELECT first_entry FROM s)"
+    " ORDER BY seq LIMIT ?5)"
+    " UNION ALL SELECT seq, reason, field, detail FROM n ORDER BY 1 LIMIT ?5";
+
+/// Which numbers of a session to read Rejects for.
 struct RejectRange {
   std::string_view ruri;
   model::SessionId session;
@@ -30,19 +47,29 @@ struct RejectRange {
   model::Seq through = 0;
 };
 
-/// Quarantine and gaps, what did not become a record: which numbers lie there, and their bounds.
+/// Quarantine, kept Rejects and gaps, what did not become a record: which numbers lie there, and
+/// their bounds.
 ///
 /// Errors: those of errors.h. Thread: confined to the thread of its database.
 class SetAsideTables final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
-  /// The first `rejects_max` of the range, ascending.
+  /// The first `rejects_max` of the range, ascending, of a session that has a row.
   [[nodiscard]] absl::StatusOr<std::vector<StoredReject>> Rejects(const RejectRange& range,
                                                                   std::size_t rejects_max);
   /// How many the range has; more than `rejects_max` are not counted.
   [[nodiscard]] absl::StatusOr<std::size_t> CountRejects(const RejectRange& range,
                                                          std::size_t rejects_max);
+  /// Why the range's last number was rejected; nothing if it was not.
+  [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> RejectionOf(
+      const RejectRange& number);
+  /// Writes a range of limited numbers, which ends with the record's.
+  [[nodiscard]] absl::Status Keep(const CommitRecord& record, const LimitedRange& range,
+                                  EntryNumber entry);
+  /// Deletes the robot's kept Rejects for which no Hello may ask any more: they were confirmed, or
+  /// their session is not kept.
+  [[nodiscard]] absl::Status ForgetKept(std::string_view ruri);
   /// Drops the oldest payloads of the robot over kQuarantinePayloadsPerRobotMax.
   [[nodiscard]] absl::Status ThinPayloads(std::string_view ruri);
   /// Deletes the oldest gaps of the robot over kGapsPerRobotMax.
@@ -50,7 +77,7 @@ class SetAsideTables final {
 
  private:
   std::unique_ptr<Statement> rejects_, count_rejects_, count_payloads_, thin_, count_gaps_,
-      trim_gaps_;
+      trim_gaps_, rejection_, keep_, forget_kept_;
 };
 
 }  // namespace uplink::storage::sqlite

@@ -145,6 +145,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   if (!total.ok()) return total.status();
   result.rejects_total = *total;
   absl::Status evicted = EvictSessions(request);
+  if (evicted.ok()) evicted = impl_->tables.set_aside.ForgetKept(request.robot->ruri);
   if (!evicted.ok()) return evicted;
   const auto presence = deciding.Presence(request.robot->ruri);
   if (!presence.ok()) return presence.status();

@@ -76,7 +76,7 @@ class RemovalContract : public StoreContract {
     Commit({Good(1, Fault("f")), Good(2), Good(3, Report()), Bad(4), Good(5),
             Good(6, model::EventTelemetry{}), Good(7, model::ShapeOp{shape}),
             Good(8, model::ObjectOp{object}), Good(9, model::AgentInfo{"a", "a", "a", 1}),
-            Update(robot_, 10, {.id = "e", .detail_json = "{}"})});
+            Update(robot_, 10, {.id = "e", .detail_json = "{}"}), Limited(11, 12)});
     storage::Batch batch;
     batch.presence_session = model::SessionId({0xEE});
     batch.presence = {{robot_, model::Presence::kOnline, Time(), ++presence_, held_since_}};

@@ -114,6 +114,9 @@ TEST_P(RetentionContract, AnOpenRunStaysAndAClosedOneGoesByItsLastReport) {
 TEST_P(RetentionContract, ANumberWhoseQuarantineWentIsADuplicate) {
   Open();
   Commit({Bad(1), Good(2)});
+  storage::OpenRequest confirming = Request();
+  confirming.settled_seq = 1;
+  Open(confirming);
   Retain(15 * kDayMs);
   EXPECT_THAT(Quarantine(), IsEmpty());
   EXPECT_THAT(Commit({Bad(1)}), ElementsAre(storage::OutcomeKind::kDuplicate));

@@ -65,6 +65,15 @@ model::Rejection StoreContract::BadReason() {
   return {model::RejectReason::kOutOfRange, "battery.socPct", "socPct is 140, at most 105"};
 }
 
+storage::CommitRecord StoreContract::Limited(model::Seq first, model::Seq last) const {
+  return {robot_, session_, last, held_since_, Time(), storage::LimitedRange{first, RateReason()},
+          "",     0};
+}
+
+model::Rejection StoreContract::RateReason() {
+  return {model::RejectReason::kRateLimited, "", "more than 50 per second, after 2000 at once"};
+}
+
 storage::CommitRecord StoreContract::At(std::int64_t after_ms, storage::CommitRecord record) {
   record.received_at = Time(after_ms);
   return record;

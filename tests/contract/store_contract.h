@@ -46,6 +46,9 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
 
   storage::CommitRecord Bad(model::Seq seq, const std::string& payload = "bad bytes") const;
   static model::Rejection BadReason();
+  /// Numbers of messages that were over their rate.
+  storage::CommitRecord Limited(model::Seq first, model::Seq last) const;
+  static model::Rejection RateReason();
 
   /// Of `robot`, or of what stands in its place.
   storage::CommitRecord Update(storage::RobotRef robot, model::Seq seq,

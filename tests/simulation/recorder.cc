@@ -122,13 +122,18 @@ void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome&
   CheckHold(record.robot->ruri, record.held_since, outcome.kind);
   DurableSession& durable = sessions_[{record.robot->ruri, record.session}];
   const bool quarantined = std::holds_alternative<storage::QuarantineItem>(record.content);
+  const auto* limited = std::get_if<storage::LimitedRange>(&record.content);
   switch (outcome.kind) {
     case storage::OutcomeKind::kStored:
       if (durable.Holds(record.seq)) {
         violation_(fmt::format("number {} of session {} was stored twice", record.seq,
                                record.session.ToHex()));
       }
-      if (quarantined) {
+      if (limited != nullptr) {
+        for (model::Seq seq = limited->first; seq <= record.seq; ++seq) {
+          durable.quarantined.emplace(seq, limited->rejection.reason);
+        }
+      } else if (quarantined) {
         durable.quarantined.emplace(
             record.seq, std::get<storage::QuarantineItem>(record.content).rejection.reason);
       } else {

@@ -64,6 +64,8 @@ std::optional<std::string> SqliteBackend::Compare(const Recorder& recorder) {
   for (const auto& [key, durable] : recorder.sessions()) {
     faults[key.first] += durable.faults;
     for (const auto& [seq, reason] : durable.quarantined) {
+      // A limited number has no row of quarantine.
+      if (reason == model::RejectReason::kRateLimited) continue;
       quarantined[key.first].emplace(key.second, seq);
     }
   }

@@ -39,6 +39,9 @@ std::string TextOf(const storage::CommitRecord& record) {
   if (const auto* item = std::get_if<storage::QuarantineItem>(&record.content)) {
     return text + " quarantine " + TextOf(item->rejection);
   }
+  if (const auto* range = std::get_if<storage::LimitedRange>(&record.content)) {
+    return text + fmt::format(" limited from {} ", range->first) + TextOf(range->rejection);
+  }
   if (std::holds_alternative<model::ScopeUpdate>(record.content)) return text + " scope update";
   const auto& good = std::get<model::Record>(record.content);
   return text + fmt::format(" variant {}", static_cast<int>(good.variant()));

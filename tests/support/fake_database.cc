@@ -161,9 +161,9 @@ void FakeDatabase::EraseQuarantineRows(const std::set<std::uint64_t>& gone) {
     if (!gone.contains(row.entry)) continue;
     auto& sessions = robots_[row.row.robot.ruri].sessions;
     const auto session = sessions.find(row.row.session);
-    if (session != sessions.end() && row.entry >= session->second.first_entry) {
-      session->second.rejects.erase(row.row.seq);
-    }
+    if (session == sessions.end() || row.entry < session->second.first_entry) continue;
+    session->second.rejects.LoseRow(row.row.seq, row.row.source == model::MessageSource::kUplink &&
+                                                     row.row.seq > session->second.settled);
   }
   std::erase_if(quarantine_, [&gone](const auto& row) { return gone.contains(row.entry); });
   for (auto& [ruri, robot] : robots_) robot.payload_rows.clear();
@@ -248,6 +248,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   Session& session = SessionOf(robot, request.session);
   session.last_used = std::max(session.last_used, request.at);
   session.settled = std::max(session.settled, std::min(request.settled_seq, session.cursor));
+  session.rejects.Confirm(session.settled);
 
   result.was_known = was_known;
   result.epoch = robot.epoch;
@@ -255,14 +256,11 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   result.presence = presence_.Last(request.robot->ruri);
   result.latest_kinds = kinds_.LatestKinds(request.robot->ruri);
   result.cursor = session.cursor;
-  const auto end = session.rejects.upper_bound(session.cursor);
-  auto it = session.rejects.upper_bound(std::min(request.settled_seq, session.cursor));
-  for (; it != end; ++it) {
-    result.rejects_total = std::min(result.rejects_total + 1, storage::kQuarantineRowsPerRobotMax);
-    if (result.rejects.size() < request.rejects_max) {
-      result.rejects.push_back({it->first, it->second});
-    }
-  }
+  result.rejects =
+      session.rejects.Between(request.settled_seq, session.cursor,
+                              std::max(request.rejects_max, storage::kQuarantineRowsPerRobotMax));
+  result.rejects_total = std::min(result.rejects.size(), storage::kQuarantineRowsPerRobotMax);
+  result.rejects.resize(std::min(result.rejects.size(), request.rejects_max));
   EvictSessions(robot, request);
   return result;
 }
@@ -329,8 +327,7 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
   Session& session = SessionOf(robot, record.session);
   if (record.seq <= session.cursor) {
     if (transaction.rules.allow_cursor_lowering) session.cursor = record.seq;
-    const auto reject = session.rejects.find(record.seq);
-    if (reject != session.rejects.end()) return {OutcomeKind::kRefused, reject->second};
+    if (auto why = session.rejects.Of(record.seq)) return {OutcomeKind::kRefused, std::move(why)};
     return {OutcomeKind::kDuplicate, std::nullopt};
   }
 
@@ -341,6 +338,12 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
   bool quarantined = true;
   if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
     WriteQuarantine(robot, session, record, item->rejection);
+  } else if (const auto* range = std::get_if<storage::LimitedRange>(&record.content)) {
+    session.rejects.AddRange(*range, record.seq);
+    for (Seq seq = range->first; seq <= record.seq; ++seq) {
+      robot.logs[record.session].quarantined[seq] = range->rejection;
+      if (seq < record.seq) ++robot.logs[record.session].times_written[seq];
+    }
   } else if (std::optional<Rejection> refusal = Refusal(transaction, robot, record)) {
     WriteQuarantine(robot, session, record, *refusal);
     outcome = {OutcomeKind::kRefused, std::move(refusal)};
@@ -404,7 +407,7 @@ void FakeDatabase::WriteFault(Robot& robot, const Fault& fault, const CommitReco
 
 void FakeDatabase::WriteQuarantine(Robot& robot, Session& session, const CommitRecord& record,
                                    const Rejection& rejection) {
-  session.rejects[record.seq] = rejection;
+  session.rejects.Add(record.seq, rejection);
   robot.logs[record.session].quarantined[record.seq] = rejection;
   quarantine_.push_back({record.received_at,
                          ++entries_,

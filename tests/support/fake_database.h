@@ -21,6 +21,7 @@
 #include "tests/support/fake_lease_table.h"
 #include "tests/support/fake_presence.h"
 #include "tests/support/fake_present.h"
+#include "tests/support/fake_rejects.h"
 #include "tests/support/fake_topics.h"
 
 namespace uplink::testing {
@@ -192,7 +193,7 @@ class FakeDatabase final {
   struct Session {
     model::Seq cursor = 0;
     SystemTime last_used;
-    std::map<model::Seq, model::Rejection> rejects;
+    FakeRejects rejects;
     /// Quarantine rows of the session have this entry or a higher one.
     std::uint64_t first_entry = 0;
     /// The highest Hello.settled_seq.

@@ -155,18 +155,12 @@ absl::StatusOr<std::vector<storage::DroppedRow>> FakeReader::QuarantineDropped(
 absl::StatusOr<std::vector<storage::StoredReject>> FakeReader::Rejects(
     const storage::RejectsQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  std::vector<storage::StoredReject> rows;
+  using Rows = std::vector<storage::StoredReject>;
   const auto robot = database_.robots_.find(query.ruri);
-  if (robot == database_.robots_.end()) return rows;
+  if (robot == database_.robots_.end()) return Rows();
   const auto session = robot->second.sessions.find(query.session);
-  if (session == robot->second.sessions.end() || query.above >= query.through) return rows;
-  const auto& rejects = session->second.rejects;
-  const auto end = rejects.upper_bound(query.through);
-  for (auto it = rejects.upper_bound(query.above); it != end && rows.size() < query.rows_max;
-       ++it) {
-    rows.push_back({it->first, it->second});
-  }
-  return rows;
+  if (session == robot->second.sessions.end()) return Rows();
+  return session->second.rejects.Between(query.above, query.through, query.rows_max);
 }
 
 absl::StatusOr<Page<storage::EventRow>> FakeReader::Events(const HistoryQuery& query) {

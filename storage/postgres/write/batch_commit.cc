@@ -113,8 +113,12 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
     const std::string_view ruri = record.robot->ruri;
     premises.AddHold(ruri, record.held_since);
-    premises.first_numbers.try_emplace({ruri, record.session}, record.seq);
-    if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
+    const auto* range = std::get_if<LimitedRange>(&record.content);
+    premises.first_numbers.try_emplace({ruri, record.session},
+                                       range != nullptr ? range->first : record.seq);
+    if (range != nullptr) {
+      rows.Limit(record, *range, place++);
+    } else if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
       rows.Reject(record, item->rejection, QuarantineDetail::kAll, place++);
     } else {
       if (const auto change = PresentChangeOf(record, rules_)) premises.AddBounded(*change);

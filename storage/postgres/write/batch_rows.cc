@@ -118,6 +118,11 @@ void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejec
   Raise(record.robot->ruri, record.session, record.seq, record.received_at);
 }
 
+void BatchRows::Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place) {
+  limited_.Add(record, range, place);
+  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+}
+
 void BatchRows::Drop(const PresentKey& key) {
   UPLINK_CHECK(BoundOf(key.kind).expires, "a kind that expires");
   switch (key.kind) {
@@ -171,6 +176,7 @@ std::vector<StoreCall> BatchRows::TakeCalls() && {
   latest_.MoveInto(calls);
   presence_.MoveInto(calls);
   gaps_.MoveInto(calls);
+  limited_.MoveInto(calls);
   AddDeliveryCalls(deliveries_, calls);
   MoveCursors(calls);
   if (!robots_with_payloads_.empty()) {

@@ -13,6 +13,7 @@
 #include "storage/postgres/write/added_rows.h"
 #include "storage/postgres/write/delivery_rows.h"
 #include "storage/postgres/write/latest_rows.h"
+#include "storage/postgres/write/limited_rows.h"
 #include "storage/postgres/write/present_rows.h"
 #include "storage/present.h"
 #include "storage/remember.h"
@@ -34,6 +35,8 @@ class BatchRows final {
   /// Its row of quarantine in its stead, and its number.
   void Reject(const CommitRecord& record, const model::Rejection& rejection,
               QuarantineDetail detail, std::int32_t place);
+  /// The row of a range of limited numbers, and their last number.
+  void Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place);
   void AddGap(const GapItem& gap, std::int32_t place);
   /// What is remembered of messages that a broker delivered.
   void Remember(DeliveryChanges changes) { deliveries_ = std::move(changes); }
@@ -66,6 +69,7 @@ class BatchRows final {
   LatestRows latest_;
   PresenceRows presence_;
   GapRows gaps_;
+  LimitedRows limited_;
   DeliveryChanges deliveries_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
   /// Robots of which a bound is to be kept after the writes.

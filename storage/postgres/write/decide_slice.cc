@@ -108,6 +108,10 @@ class SliceDecision final {
       Reject(record, item->rejection, place);
       return {};
     }
+    if (const auto* range = std::get_if<LimitedRange>(&record.content)) {
+      Limit(record, *range, place);
+      return {};
+    }
     Ruling ruling;
     if (refusal_) {
       ruling.refusal = refusal_->rejection;
@@ -149,6 +153,12 @@ class SliceDecision final {
     const QuarantineDetail detail = refusal_ ? refusal_->detail : QuarantineDetail::kAll;
     rows_.Reject(record, rejection, detail, place);
     known_.quarantined[{record.robot->ruri, record.session, record.seq}] = rejection;
+  }
+  void Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place) {
+    rows_.Limit(record, range, place);
+    for (model::Seq seq = range.first; seq <= record.seq; ++seq) {
+      known_.quarantined[{record.robot->ruri, record.session, seq}] = range.rejection;
+    }
   }
   void Follow(const PresentChange& change) {
     KnownRows::Entries& entries = known_.entries(change.key.kind);

@@ -47,8 +47,15 @@ constexpr std::string_view kReadQuarantined =
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::int[]) AS u (ruri, session, seq, place)"
     " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
-    " JOIN uplinkd.quarantine AS q ON q.ruri = u.ruri AND q.session = u.session AND q.seq = u.seq"
-    " AND q.entry >= s.first_entry WHERE u.seq <= s.cursor_seq";
+    " CROSS JOIN LATERAL (SELECT q.reason, q.field, q.detail FROM uplinkd.quarantine AS q"
+    " WHERE q.ruri = u.ruri AND q.session = u.session AND q.seq = u.seq"
+    " AND q.entry >= s.first_entry"
+    // Ranges do not overlap: the first that ends at the number or above is the one that may hold
+    // it.
+    " UNION ALL SELECT k.reason, k.field, k.detail FROM (SELECT l.first, l.reason, l.field,"
+    " l.detail FROM uplinkd.kept_rejects AS l WHERE l.ruri = u.ruri AND l.session = u.session"
+    " AND l.last >= u.seq AND l.entry >= s.first_entry ORDER BY l.last LIMIT 1) AS k"
+    " WHERE k.first <= u.seq) AS q WHERE u.seq <= s.cursor_seq";
 std::string Text(const Result& result, int row, int column) {
   return std::string(result.Bytes(row, column));
 }

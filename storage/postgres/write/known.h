@@ -53,7 +53,7 @@ struct KnownRows {
   std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
   /// The epochs of the client ids under whose leases the slice came, as far as they have one.
   std::map<std::string, Epoch, std::less<>> leases;
-  /// Why a number lies in quarantine: of those that the slice names.
+  /// Why a number was rejected: of those that the slice names.
   std::map<Number, model::Rejection> quarantined;
   /// By PresentKind: the entries that the slice names, as far as they are there; of robots that are
   /// near their bound also all that expire at all.

@@ -64,19 +64,28 @@ constexpr std::string_view kReadRejects =
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, settled)"
     " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
-    " CROSS JOIN LATERAL (SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
+    " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
-    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint) AS q"
+    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint)"
+    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM uplinkd.kept_rejects AS k"
+    " CROSS JOIN LATERAL generate_series(greatest(k.first, u.settled + 1), k.last) AS n (seq)"
+    " WHERE k.ruri = u.ruri AND k.session = u.session AND k.last > u.settled"
+    " AND k.last <= s.cursor_seq AND k.entry >= s.first_entry"
+    " ORDER BY k.last, n.seq LIMIT $4::bigint)) AS q"
     " ORDER BY u.ruri, q.seq";
-// The same rows, which the primary key tells without the table.
+// The same, of quarantine by its primary key without the table.
 constexpr std::string_view kCountRejects =
-    "SELECT u.ruri, q.total"
+    "SELECT u.ruri, least($4::bigint, q.total + k.total)"
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, settled)"
     " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
     " CROSS JOIN LATERAL (SELECT count(*) AS total FROM (SELECT FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
-    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry LIMIT $4::bigint) AS rows) AS q";
+    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry LIMIT $4::bigint) AS rows) AS q"
+    " CROSS JOIN LATERAL (SELECT coalesce(sum(p.last - greatest(p.first, u.settled + 1) + 1), 0)"
+    "::bigint AS total FROM uplinkd.kept_rejects AS p"
+    " WHERE p.ruri = u.ruri AND p.session = u.session AND p.last > u.settled"
+    " AND p.last <= s.cursor_seq AND p.entry >= s.first_entry) AS k";
 // Of each robot, the least recently used sessions over the bound that nobody holds. From one
 // session to the next by its key, so that dead versions of their rows are passed over.
 constexpr std::string_view kEvictSessions =
@@ -98,6 +107,12 @@ constexpr std::string_view kEvictSessions =
     " WHERE held.ruri = a.ruri AND held.session = a.session)) AS old"
     " WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
     " AND old.place <= old.kept - $4::bigint";
+// What no Hello may ask for any more: it was confirmed, or its session is not kept.
+constexpr std::string_view kForgetKept =
+    "DELETE FROM uplinkd.kept_rejects AS k WHERE k.ruri = ANY ($1::text[])"
+    " AND NOT EXISTS (SELECT FROM (SELECT l.first_entry, l.settled_seq FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = k.ruri AND l.session = k.session ORDER BY l.part DESC LIMIT 1) AS s"
+    " WHERE k.entry >= s.first_entry AND k.last > s.settled_seq)";
 
 // The primary key tells it without the table.
 constexpr std::string_view kReadLatestKinds =
@@ -229,6 +244,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.push_back(RejectsCall(kReadRejects, columns, rejects_max));
   calls.push_back(RejectsCall(kCountRejects, columns, kQuarantineRowsPerRobotMax));
   calls.push_back(EvictCall(wave, requests, process));
+  calls.push_back(RobotsCall(kForgetKept, columns.Ruris()));
   calls.push_back(ReadPresenceCall(ruris));
   calls.push_back(RobotsCall(kReadLatestKinds, columns.Ruris()));
   calls.push_back(RobotsCall(kReadFleets, columns.Matched()));

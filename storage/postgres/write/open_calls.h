@@ -27,11 +27,11 @@ enum OpenAnswer : std::size_t {
   kRejectsAnswer = 4,
   /// RURI and how many.
   kRejectCountsAnswer = 5,
-  kPresenceAnswer = 7,
+  kPresenceAnswer = 8,
   /// RURI and LatestKind.
-  kLatestKindsAnswer = 8,
+  kLatestKindsAnswer = 9,
   /// RURI and fleet, of those whose word moves nothing.
-  kFleetsAnswer = 9,
+  kFleetsAnswer = 10,
 };
 
 /// Opens the wave's streams, within a transaction.

@@ -1,5 +1,6 @@
 #include "storage/postgres/write/retain.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -43,15 +44,34 @@ constexpr SqlText EraseSql(const Table& table, std::string_view partition) {
   return sql;
 }
 
+/// The same of quarantine's default partition. As drop_partitions, it keeps the Rejects that a
+/// Hello may still ask for.
+constexpr std::string_view kEraseQuarantine =
+    "WITH went AS (DELETE FROM uplinkd.quarantine_default WHERE ctid = ANY (ARRAY("
+    "SELECT ctid FROM uplinkd.quarantine_default WHERE received_at < $1::timestamptz"
+    " ORDER BY received_at, entry LIMIT $2::bigint))"
+    " RETURNING ruri, session, seq, entry, source, reason, field, detail),"
+    " kept AS (INSERT INTO uplinkd.kept_rejects"
+    " (ruri, session, last, first, entry, reason, field, detail)"
+    " SELECT q.ruri, q.session, q.seq, q.seq, q.entry, q.reason, q.field, q.detail FROM went AS q"
+    " CROSS JOIN LATERAL (SELECT l.first_entry, l.settled_seq FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = q.ruri AND l.session = q.session ORDER BY l.part DESC LIMIT 1) AS s"
+    " WHERE q.source = 0 AND q.entry >= s.first_entry AND q.seq > s.settled_seq"
+    " ON CONFLICT DO NOTHING)"
+    " SELECT count(*) FROM went";
+
+/// What says how much a statement did: the rows that it wrote, or its answer.
+enum class Counts : std::uint8_t { kRows, kAnswer };
+
 /// One transaction of one statement.
-absl::StatusOr<std::size_t> RunAlone(Connection& connection, StoreCall call, bool counts_rows) {
+absl::StatusOr<std::size_t> RunAlone(Connection& connection, StoreCall call, Counts counts) {
   std::vector<StoreCall> calls;
   calls.push_back({kBegin, {}});
   calls.push_back(std::move(call));
   const auto results = RunAndCommitFor(connection, std::move(calls), kDoing, nullptr);
   if (!results.ok()) return Decisive(results.status());
   const Result& result = (*results)[1];
-  return counts_rows ? result.written() : static_cast<std::size_t>(result.Int(0, 0));
+  return counts == Counts::kRows ? result.written() : static_cast<std::size_t>(result.Int(0, 0));
 }
 
 class Eraser final {
@@ -69,7 +89,11 @@ class Eraser final {
       if (!dropped.ok()) return dropped;
     }
     // Of a partitioned table: what came outside the partitions of days.
-    return Erase(kSql.view());
+    if constexpr (kList == PageKind::kQuarantine) {
+      return Erase(kEraseQuarantine, Counts::kAnswer);
+    } else {
+      return Erase(kSql.view(), Counts::kRows);
+    }
   }
   [[nodiscard]] std::size_t erased() const { return erased_; }
 
@@ -80,18 +104,18 @@ class Eraser final {
       StoreCall call{kDropPartitions, {}};
       call.parameters.Text(history);
       call.parameters.Time(until_);
-      const auto some = RunAlone(connection_, std::move(call), false);
+      const auto some = RunAlone(connection_, std::move(call), Counts::kAnswer);
       if (!some.ok()) return some.status();
       dropped = *some;
       erased_ += dropped;
     }
     return absl::OkStatus();
   }
-  absl::Status Erase(std::string_view sql) {
+  absl::Status Erase(std::string_view sql, Counts counts) {
     StoreCall call{sql, {}};
     call.parameters.Time(until_);
     call.parameters.Int8(static_cast<std::int64_t>(kRetainRowsMax));
-    return Count(RunAlone(connection_, std::move(call), true));
+    return Count(RunAlone(connection_, std::move(call), counts));
   }
   absl::Status Count(const absl::StatusOr<std::size_t>& rows) {
     if (rows.ok()) erased_ += *rows;
@@ -125,7 +149,7 @@ absl::Status MakePartitions(Connection& connection, SystemTime now) {
     StoreCall call{kMakePartitions, {}};
     call.parameters.Time(now + std::chrono::days(day));
     call.parameters.Int4(1);
-    const auto made = RunAlone(connection, std::move(call), false);
+    const auto made = RunAlone(connection, std::move(call), Counts::kAnswer);
     if (!made.ok()) return made.status();
   }
   return absl::OkStatus();
