@@ -21,6 +21,9 @@ std::size_t CostOf(const storage::CommitRecord& record) {
   if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
     return robot::kRecordOverheadBytes + payload_bytes + model::HeldBytes(*update);
   }
+  if (std::holds_alternative<storage::LimitedRange>(record.content)) {
+    return robot::kRecordOverheadBytes;
+  }
   return CostOf(payload_bytes, std::get<storage::QuarantineItem>(record.content).rejection);
 }
 

@@ -18,14 +18,22 @@ storage::Outcome OutcomeOf(const Origin& origin, storage::Outcome told) {
   return told;
 }
 
+std::optional<model::RejectReason> RejectedFor(const storage::CommitRecord& record) {
+  if (const auto* item = std::get_if<storage::QuarantineItem>(&record.content)) {
+    return item->rejection.reason;
+  }
+  const auto* range = std::get_if<storage::LimitedRange>(&record.content);
+  return range != nullptr ? std::optional(range->rejection.reason) : std::nullopt;
+}
+
 robot::Settled SettledOf(const storage::CommitRecord& record, const Origin& origin,
                          storage::Outcome outcome) {
-  const auto* quarantined = std::get_if<storage::QuarantineItem>(&record.content);
+  const auto* range = std::get_if<storage::LimitedRange>(&record.content);
   return {.session = record.session,
           .seq = record.seq,
+          .first = range != nullptr ? std::optional(range->first) : std::nullopt,
           .outcome = std::move(outcome),
-          .rejected_for =
-              quarantined != nullptr ? std::optional(quarantined->rejection.reason) : std::nullopt,
+          .rejected_for = RejectedFor(record),
           .arrived = origin.arrived,
           .bytes = origin.bytes};
 }

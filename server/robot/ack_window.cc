@@ -29,10 +29,11 @@ bool AckWindow::Waits(model::Seq seq) const {
   return found != waiting_.end() && found->seq == seq;
 }
 
-bool AckWindow::Settle(model::Seq seq) {
-  const auto found = std::ranges::lower_bound(waiting_, seq, {}, &Waiting::seq);
-  if (found == waiting_.end() || found->seq != seq) return false;
-  waiting_.erase(found);
+bool AckWindow::Settle(model::Seq first, model::Seq last) {
+  const auto begin = std::ranges::lower_bound(waiting_, first, {}, &Waiting::seq);
+  const auto end = std::ranges::upper_bound(begin, waiting_.end(), last, {}, &Waiting::seq);
+  if (begin == end) return false;
+  waiting_.erase(begin, end);
   Advance();
   return true;
 }

@@ -29,8 +29,8 @@ class AckWindow final {
   void AddSettled(model::Seq seq);
   /// A new number, above all seen, that waits for its commit.
   void AddWaiting(model::Seq seq);
-  /// The commit of `seq` is done. False if it did not wait.
-  bool Settle(model::Seq seq);
+  /// The commit of the numbers from `first` to `last` is done. False if none of them waited.
+  bool Settle(model::Seq first, model::Seq last);
 
  private:
   struct Waiting {

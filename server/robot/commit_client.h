@@ -17,10 +17,13 @@
 
 namespace uplink::robot {
 
-/// One durable message of which the store has decided what becomes.
+/// One durable message, or one range of limited numbers, of which the store has decided what
+/// becomes.
 struct Settled {
   model::SessionId session;
   model::Seq seq = 0;
+  /// Of a range: its first number; `seq` is its last one.
+  std::optional<model::Seq> first{};
   storage::Outcome outcome;
   /// The reason with which judgement rejected it; nothing for a good record.
   std::optional<model::RejectReason> rejected_for;

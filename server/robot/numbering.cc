@@ -24,9 +24,9 @@ std::size_t Numbering::AddWaiting(model::Seq seq) {
   return window_.waiting() - before;
 }
 
-std::size_t Numbering::Settle(model::Seq seq) {
+std::size_t Numbering::Settle(model::Seq first, model::Seq last) {
   const std::size_t before = window_.waiting();
-  if (!window_.Settle(seq)) return 0;
+  if (!window_.Settle(first, last)) return 0;
   return before - window_.waiting();
 }
 

@@ -41,8 +41,9 @@ class Numbering final {
   void AddSettled(model::Seq seq) { window_.AddSettled(seq); }
   /// A new number that waits for its commit. Returns by how much waiting() grew.
   [[nodiscard]] std::size_t AddWaiting(model::Seq seq);
-  /// The commit of `seq` is done. Returns by how much waiting() shrank: 0 if it did not wait.
-  [[nodiscard]] std::size_t Settle(model::Seq seq);
+  /// The commit of the numbers from `first` to `last` is done. Returns by how much waiting()
+  /// shrank: 0 if none of them waited.
+  [[nodiscard]] std::size_t Settle(model::Seq first, model::Seq last);
   /// A stream goes on with the session: the agent has seen all up to `settled_seq` settled and all
   /// up to `judged_seq` judged, the store up to `stored_seq`. Returns Welcome.committed_seq.
   [[nodiscard]] model::Seq Resume(model::Seq settled_seq, model::Seq judged_seq,

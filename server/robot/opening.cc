@@ -9,7 +9,7 @@ std::vector<RejectedSeq> RejectedOf(std::vector<storage::StoredReject> stored) {
   std::vector<RejectedSeq> rejects;
   rejects.reserve(stored.size());
   for (storage::StoredReject& reject : stored) {
-    rejects.push_back({.seq = reject.seq, .rejection = std::move(reject.rejection)});
+    rejects.push_back(FromStore(reject.seq, std::move(reject.rejection)));
   }
   return rejects;
 }
@@ -20,7 +20,7 @@ StoredSession StoredOf(std::optional<storage::OpenResult> answer) {
   stored.through = answer->cursor;
   stored.more = std::max(answer->rejects_total, answer->rejects.size()) - answer->rejects.size();
   stored.rejects = RejectedOf(std::move(answer->rejects));
-  if (stored.more > 0) stored.unread = {stored.rejects.back().seq, stored.through};
+  stored.unread = {stored.more > 0 ? stored.rejects.back().seq : stored.through, stored.through};
   return stored;
 }
 

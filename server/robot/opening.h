@@ -16,7 +16,7 @@ namespace uplink::robot {
 struct StoredSession {
   /// The cursor; 0 without an answer.
   model::Seq through = 0;
-  /// Quarantined numbers up to it, ascending: the first ones.
+  /// Rejected numbers up to it, ascending: the first ones.
   std::vector<RejectedSeq> rejects;
   /// How many more there are up to it, and where.
   std::size_t more = 0;

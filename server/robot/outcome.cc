@@ -7,31 +7,34 @@
 namespace uplink::robot {
 namespace {
 
-void CountRejected(model::RejectReason reason, metrics::UplinkCounts& counts) {
-  ++counts.rejected;
-  ++counts.rejects[static_cast<std::size_t>(reason)];
+void CountRejected(model::RejectReason reason, std::size_t messages,
+                   metrics::UplinkCounts& counts) {
+  counts.rejected += messages;
+  counts.rejects[static_cast<std::size_t>(reason)] += messages;
 }
 
 }  // namespace
 
-void ApplyOutcome(const Settled& settled, RejectMemory& rejects, metrics::UplinkCounts& counts) {
+void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& rejects,
+                  metrics::UplinkCounts& counts) {
   switch (settled.outcome.kind) {
     case storage::OutcomeKind::kStored:
       if (settled.rejected_for) {
-        CountRejected(*settled.rejected_for, counts);
+        CountRejected(*settled.rejected_for, messages, counts);
       } else {
-        ++counts.stored;
+        counts.stored += messages;
       }
       return;
     case storage::OutcomeKind::kDuplicate:
-      ++counts.duplicate;
+      counts.duplicate += messages;
       return;
     case storage::OutcomeKind::kRefused:
       UPLINK_CHECK(settled.outcome.rejection.has_value(), "a refused record has its reason");
-      CountRejected(settled.rejected_for.value_or(settled.outcome.rejection->reason), counts);
+      CountRejected(settled.rejected_for.value_or(settled.outcome.rejection->reason), messages,
+                    counts);
       // A rejection made at judgement was told and is remembered already.
       if (!settled.rejected_for) {
-        rejects.AddUntold({.seq = settled.seq, .rejection = *settled.outcome.rejection});
+        rejects.AddUntold(FromStore(settled.seq, *settled.outcome.rejection));
       }
       return;
     case storage::OutcomeKind::kFenced:

@@ -8,12 +8,14 @@
 
 namespace uplink::robot {
 
-/// What the store decided for one message becomes a count and, where the store refused a message
-/// that judgement had passed, a Reject that the stream is to be told. The one place where a Reject
-/// comes from the store. `settled` is never fenced (CommitClient::OnFenced tells of that).
+/// What the store decided for one message, or for a range of so many `messages`, becomes a count
+/// and, where the store refused a message that judgement had passed, a Reject that the stream is to
+/// be told. The one place where a Reject comes from the store. `settled` is never fenced
+/// (CommitClient::OnFenced tells of that).
 ///
 /// Thread: confined to the owner's lock of `rejects`.
-void ApplyOutcome(const Settled& settled, RejectMemory& rejects, metrics::UplinkCounts& counts);
+void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& rejects,
+                  metrics::UplinkCounts& counts);
 
 /// So many messages that waited are void.
 [[nodiscard]] metrics::UplinkCounts SupersededCounts(std::size_t messages);

@@ -32,7 +32,7 @@ Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello)
   if (answered) memory.rejects.SetComplete();
   if (!answered && memory.rejects.AwaitLate(hello.settled_seq, hello.judged_seq))
     opening.WantLate();
-  if (stored.more > 0) memory.rejects.BeginPages(stored.unread, stored.more);
+  if (answered) memory.rejects.BeginPages(stored.unread, stored.more);
   Resume resume{
       .committed = memory.numbers.Resume(hello.settled_seq, hello.judged_seq, stored.through),
       .rejects = std::move(rejects)};

@@ -8,9 +8,6 @@
 namespace uplink::robot {
 
 void RejectMemory::Remember(RejectedSeq rejected) {
-  if (rejected.rejection.reason == model::RejectReason::kRateLimited) {
-    return RememberLimited(std::move(rejected));
-  }
   // It was counted when it came first, and would leave at once again.
   if (rejected.seq <= left_through_) return;
   const auto at = std::ranges::lower_bound(remembered_, rejected.seq, {}, &RejectedSeq::seq);
@@ -22,7 +19,7 @@ void RejectMemory::Remember(RejectedSeq rejected) {
   remembered_.pop_front();
 }
 
-void RejectMemory::RememberLimited(RejectedSeq limited) {
+void RejectMemory::RememberLive(RejectedSeq limited) {
   limited_.push_back(std::move(limited));
   if (limited_.size() > kRejectsRememberedMax) limited_.pop_front();
 }
@@ -36,6 +33,7 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
                                                  std::vector<RejectedSeq> stored) {
   told_through_.reset();
   pages_through_ = 0;
+  settled_ = settled_seq;
   std::map<model::Seq, RejectedSeq> known;
   const auto add = [&](const RejectedSeq& rejected) {
     if (rejected.seq > settled_seq) known.try_emplace(rejected.seq, rejected);
@@ -78,10 +76,13 @@ void RejectMemory::AddUnlessRemembered(std::vector<RejectedSeq> stored) {
 }
 
 void RejectMemory::BeginPages(UnreadRejects unread, std::size_t more) {
-  told_through_ = unread.after;
-  pages_through_ = unread.through;
+  const model::Seq after = std::max(unread.after, settled_);
+  if (more == 0 && left_through_ <= after) return;
+  told_through_ = after;
+  counted_through_ = unread.through;
   // Memory does not keep what pages hold: the next Welcome needs the store as well.
-  left_through_ = std::max(left_through_, unread.through);
+  if (more > 0) left_through_ = std::max(left_through_, unread.through);
+  pages_through_ = std::max(left_through_, unread.through);
   // Those that memory has are in quarantine too, and were counted.
   const auto in_both = std::ranges::count_if(remembered_, [&](const RejectedSeq& rejected) {
     return rejected.seq > unread.after && rejected.seq <= unread.through;
@@ -89,19 +90,24 @@ void RejectMemory::BeginPages(UnreadRejects unread, std::size_t more) {
   unconfirmed_ += more - std::min(more, static_cast<std::size_t>(in_both));
 }
 
-std::optional<UnreadRejects> RejectMemory::unread() const {
-  if (!told_through_ || pages_through_ == 0) return std::nullopt;
+std::optional<UnreadRejects> RejectMemory::unread(model::Seq committed) const {
+  if (!has_unread()) return std::nullopt;
+  if (pages_through_ > counted_through_ && pages_through_ > committed) return std::nullopt;
   return UnreadRejects{.after = *told_through_, .through = pages_through_};
 }
 
 std::optional<model::Seq> RejectMemory::judged_through(model::Seq known_judged) const {
-  if (!unread() || pages_through_ <= known_judged) return std::nullopt;
+  if (!has_unread() || pages_through_ <= known_judged) return std::nullopt;
   return std::max(*told_through_, known_judged);
 }
 
 void RejectMemory::AddPage(std::vector<RejectedSeq> page, model::Seq through) {
-  if (!unread()) return;
+  if (!has_unread()) return;
+  const std::size_t before = untold_.size();
   AddUnlessRemembered(std::move(page));
+  unconfirmed_ += static_cast<std::size_t>(std::count_if(
+      untold_.begin() + static_cast<std::ptrdiff_t>(before), untold_.end(),
+      [this](const RejectedSeq& rejected) { return rejected.seq > counted_through_; }));
   told_through_ = through;
   if (through < pages_through_) return;
   told_through_.reset();

@@ -11,25 +11,27 @@
 
 namespace uplink::robot {
 
-/// Quarantined numbers in (after, through] that are to be read. A value.
+/// Rejected numbers in (after, through] that are to be read. A value.
 struct UnreadRejects {
   model::Seq after = 0;
   model::Seq through = 0;
 };
 
 /// The Rejects of one session: those that the next Welcome repeats, and the store's that the stream
-/// was not told yet. It decides none. The store's quarantine holds more, which a stream is told by
-/// pages, or late, where a Welcome goes out before the store has answered: until it is told the
-/// last, no Ack may cover the first that it may lack. Confined to its owner's lock.
+/// was not told yet. It decides none. The store holds more, which a stream is told by pages, or
+/// late, where a Welcome goes out before the store has answered: until it is told the last, no Ack
+/// may cover the first that it may lack. Confined to its owner's lock.
 ///
 /// Bounds: kRejectsRememberedMax are remembered, and as many that were limited; the lowest numbers
 ///         go first. Untold are at most as many as messages of the robot wait for commits
 ///         (in_flight_uplinks_max), and a page.
 class RejectMemory final {
  public:
-  /// For the next Welcome. A number that is remembered already stays as it is. One that was limited
-  /// (kRateLimited) is in no quarantine, and need not be confirmed.
+  /// For the next Welcome. A number that is remembered already stays as it is.
   void Remember(RejectedSeq rejected);
+  /// The same of a live message that was limited: the store never has it, and it need not be
+  /// confirmed.
+  void RememberLive(RejectedSeq limited);
   /// The store refused it: the stream is to be told, and the next Welcome too.
   void AddUntold(RejectedSeq rejected);
   /// How many Rejects the agent has not said to have processed: those that the last TellAgain
@@ -50,11 +52,14 @@ class RejectMemory final {
   /// The store's answer came after the Welcome: what memory does not have is untold. Does nothing
   /// unless it is awaited.
   void AddLate(std::vector<RejectedSeq> stored);
-  /// The numbers of the store's answer were told, or are untold, up to `after`; up to `through`
-  /// `more` are to be read.
+  /// The numbers of the store's answer were told, or are untold, up to `unread.after`; up to
+  /// `unread.through`, the answer's cursor, `more` are to be read. Those above the cursor that
+  /// memory let go of are to be read too, once they are committed.
   void BeginPages(UnreadRejects unread, std::size_t more);
-  /// What is to be read next; nothing if nothing is.
-  [[nodiscard]] std::optional<UnreadRejects> unread() const;
+  /// What is to be read next, where all up to `committed` is committed; nothing if nothing is.
+  [[nodiscard]] std::optional<UnreadRejects> unread(model::Seq committed) const;
+  /// Something is to be read, now or later.
+  [[nodiscard]] bool has_unread() const { return told_through_ && pages_through_ > 0; }
   /// It was read up to `through`: what memory does not have is untold.
   void AddPage(std::vector<RejectedSeq> page, model::Seq through);
   /// The number above which the stream may not have been told a Reject; nothing while it was told
@@ -66,12 +71,11 @@ class RejectMemory final {
   [[nodiscard]] std::optional<model::Seq> judged_through(model::Seq known_judged) const;
 
  private:
-  void RememberLimited(RejectedSeq limited);
   void AddUnlessRemembered(std::vector<RejectedSeq> stored);
 
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
-  /// Ascending.
+  /// Live ones that were limited, ascending.
   std::deque<RejectedSeq> limited_;
   /// The highest number that had to leave, or that is kept by the store alone; 0: none.
   model::Seq left_through_ = 0;
@@ -80,6 +84,10 @@ class RejectMemory final {
   bool complete_ = false;
   /// The last number that pages hold; 0: there are none.
   model::Seq pages_through_ = 0;
+  /// Up to here the store's answer counted them.
+  model::Seq counted_through_ = 0;
+  /// Of the last TellAgain.
+  model::Seq settled_ = 0;
   std::vector<RejectedSeq> untold_;
   std::size_t unconfirmed_ = 0;
 };

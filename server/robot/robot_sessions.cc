@@ -69,7 +69,7 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
 
 void RobotSessions::CountUnconfirmed() {
   const SessionMemory* memory = CurrentSession();
-  has_unread_.store(memory != nullptr && memory->rejects.unread().has_value());
+  has_unread_.store(memory != nullptr && memory->rejects.has_unread());
   unconfirmed_.store(memory == nullptr ? 0 : memory->rejects.unconfirmed());
 }
 
@@ -114,7 +114,7 @@ std::optional<UnreadRejects> RobotSessions::UnreadOf(const model::SessionId& ses
   if (!has_unread_.load()) return std::nullopt;
   const std::lock_guard lock(mutex_);
   const SessionMemory* memory = sessions_.Find(session);
-  return memory == nullptr ? std::nullopt : memory->rejects.unread();
+  return memory == nullptr ? std::nullopt : memory->rejects.unread(memory->numbers.through());
 }
 
 void RobotSessions::AddPage(const model::SessionId& session,
@@ -217,7 +217,7 @@ StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResu
     StoredSession stored = StoredOf(opening_.Take(open_id));
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
       memory->rejects.AddLate(std::move(stored.rejects));
-      if (stored.more > 0) memory->rejects.BeginPages(stored.unread, stored.more);
+      memory->rejects.BeginPages(stored.unread, stored.more);
       CountUnconfirmed();
     }
   }
@@ -233,12 +233,12 @@ StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Le
     for (const Settled& one : settled) {
       SessionMemory* memory = sessions_.Find(one.session);
       if (memory == nullptr) continue;
-      const std::size_t shrank = memory->numbers.Settle(one.seq);
+      const std::size_t shrank = memory->numbers.Settle(one.first.value_or(one.seq), one.seq);
       if (shrank == 0) continue;
       in_flight_.fetch_sub(shrank);
       record_bytes_.fetch_sub(one.bytes);
       counts.in_flight -= static_cast<std::int64_t>(shrank);
-      if (!Planted(Mutation::kSettleLost)) ApplyOutcome(one, memory->rejects, counts);
+      if (!Planted(Mutation::kSettleLost)) ApplyOutcome(one, shrank, memory->rejects, counts);
       if (wake && current_session_ == one.session) memory->released.push_back(one.arrived);
     }
     if (counts.rejected > 0) CountUnconfirmed();

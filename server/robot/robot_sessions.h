@@ -147,6 +147,12 @@ class RobotSessions final {
                                         std::size_t bytes = 0);
   /// A rejection made at judgement, remembered for the next Welcome.
   void Remember(const model::SessionId& session, RejectedSeq rejected);
+  /// The same of a live message that was over its rate.
+  void RememberLive(const model::SessionId& session, RejectedSeq limited) {
+    const std::lock_guard lock(mutex_);
+    SessionMemory* memory = sessions_.Find(session);
+    if (memory != nullptr) memory->rejects.RememberLive(std::move(limited));
+  }
   /// The gap before the number just seen goes to the journal.
   void AddGap(const model::SessionId& session, const Seen& seen) {
     gaps_in_flight_.fetch_add(1);
@@ -198,8 +204,8 @@ class RobotSessions final {
   /// Rejects of the stream's session that its agent has not said to have processed, as far as this
   /// process knows: the store tells of earlier ones if it answers before Welcome.
   [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_.load(); }
-  /// Rejects of the session that its stream is to be told, and that are to be read from quarantine
-  /// first; nothing if none are.
+  /// Rejects of the session that its stream is to be told, and that are to be read first; nothing
+  /// if none are.
   [[nodiscard]] std::optional<UnreadRejects> UnreadOf(const model::SessionId& session) const;
   /// They were read up to `through`; Take has them now.
   void AddPage(const model::SessionId& session, std::vector<storage::StoredReject> page,

@@ -14,8 +14,13 @@ Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::
       id_(robot.id()),
       journal_(context.journals.Of(id_->ruri)),
       session_(session),
-      generation_(generation),
       numbers_(robot.sessions, session),
+      appending_({.context = context,
+                  .robot = robot,
+                  .numbers = numbers_,
+                  .counts = counts_,
+                  .session = session,
+                  .generation = generation}),
       allowance_(context.allowances.Get()) {}
 
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
@@ -23,6 +28,7 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
   batch_.Begin(uplinks);
   arrived_ = arrived;
   received_at_ = received_at;
+  appending_.Begin(arrived, received_at);
 }
 
 HeldBackSources Intake::Sources() const {
@@ -53,12 +59,13 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
     front_cost_.reset();
     batch_.PopFront();
   }
+  appending_.Flush();
   numbers_.Flush();
   if (std::exchange(sign_of_life_, false)) {
     robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits_of(robot_));
   }
   ApplyLive();
-  Publish();
+  appending_.Publish();
   if (!pending() || processed.is_void) Drop();
   return processed;
 }
@@ -75,14 +82,21 @@ bool Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
   }
   Judged judged = JudgeUplink(context_, id_->ruri, uplink, received_at_);
   if (const std::optional<RecordCost> cost = CostOf(uplink, seen, judged)) {
-    if (!HoldOfRecord(Sources(), *cost).none()) {
+    const Hold hold = HoldOfRecord(Sources(), *cost);
+    // A number that goes on with a range of limited ones takes nothing if it is limited too. If it
+    // is not, the next pass waits for what it took.
+    const bool free = hold.by == HeldBack::kFlow && appending_.Continues(uplink.seq);
+    if (!hold.none() && !free) {
       front_cost_ = cost;
       numbers_.PutBack();
       return false;
     }
   }
   ++processed.messages;
-  if (seen.missing_first > 0) AppendGap(seen);
+  if (seen.missing_first > 0) {
+    if (IsNew(seen.missing_last)) TakeFlow(0);
+    appending_.AddGap(seen);
+  }
   Accept(uplink, judged, processed);
   return true;
 }
@@ -93,18 +107,6 @@ void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
   if (robot::Planted(robot::Mutation::kDuplicateNotAcked)) return;
   ++processed.messages;
   if (!seen.waits) processed.ack_owed = true;
-}
-
-void Intake::AppendGap(const robot::Seen& seen) {
-  counts_.missing += seen.missing;
-  robot_.sessions.AddGap(session_, seen);
-  if (IsNew(seen.missing_last)) TakeFlow(0);
-  journal_.AppendGap(robot_, generation_,
-                     {.robot = id_,
-                      .session = session_,
-                      .first = seen.missing_first,
-                      .last = seen.missing_last,
-                      .seen_at = received_at_});
 }
 
 std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::Seen& seen,
@@ -167,7 +169,10 @@ void Intake::AcceptState(const UplinkView& uplink, Judged& judged, Processed& pr
 
 void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool expired,
                           Processed& processed) {
-  if (Limit(uplink, record, processed)) return context_.judge.Reuse(std::move(record));
+  // An upsert that had expired is superseded, whatever its rate.
+  if (!expired && Limit(uplink, record, processed)) {
+    return context_.judge.Reuse(std::move(record));
+  }
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
     const auto kind = static_cast<std::size_t>(record.variant());
@@ -183,7 +188,7 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
   if (IsNew(uplink.seq)) TakeFlow(uplink.payload.size());
   robot_.state.KeepReport(record.body(), received_at_);
   const std::optional<storage::LatestKind> latest = storage::LatestKindOf(record.variant());
-  Append(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
+  appending_.Add(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
   // After it waits, so that an answer of the store that comes now takes it into account.
   if (latest) robot_.sessions.AddLatest(session_, uplink.seq, *latest);
 }
@@ -202,11 +207,16 @@ bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Proces
                              .retry_after_ms = again->count()};
   context_.ledger.CountRejected(variant, model::RejectReason::kRateLimited);
   processed.frames.push_back(RejectFrame(limited.seq, limited.rejection, limited.retry_after_ms));
-  robot_.sessions.Remember(session_, std::move(limited));
-  numbers_.AddSettled(uplink.seq);
-  ++counts_.received;
-  ++counts_.rejected;
-  ++counts_.rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)];
+  if (record.durable()) {
+    if (!appending_.Continues(limited.seq)) TakeFlow(0);
+    appending_.AddLimited(std::move(limited));
+  } else {
+    ++counts_.received;
+    robot_.sessions.RememberLive(session_, std::move(limited));
+    numbers_.AddSettled(uplink.seq);
+    ++counts_.rejected;
+    ++counts_.rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)];
+  }
   return true;
 }
 
@@ -256,40 +266,14 @@ void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection,
     kept = uplink.payload.substr(0, context_.limits.payload_bytes_max);
     robot_.flow.CountKept(kept.size());
   }
-  Append(uplink.seq, storage::QuarantineItem{.rejection = rejection}, std::move(kept),
-         uplink.payload.size());
-}
-
-void Intake::Append(model::Seq seq, storage::CommitContent content, std::string payload,
-                    std::size_t payload_bytes) {
-  ++counts_.received;
-  storage::CommitRecord record{.robot = id_,
-                               .session = session_,
-                               .seq = seq,
-                               .received_at = received_at_,
-                               .content = std::move(content),
-                               .payload = std::move(payload),
-                               .payload_bytes = payload_bytes};
-  const std::int64_t grew = numbers_.AddWaiting(seq, journal::CostOf(record));
-  if (grew == 0) {
-    ++counts_.superseded;  // another process took the robot since the number was seen
-    return;
-  }
-  counts_.in_flight += grew;
-  // Published before the writer can settle it, so that no scrape sees it settled and not received.
-  Publish();
-  journal_.Append(robot_, generation_, std::move(record), arrived_);
+  appending_.Add(uplink.seq, storage::QuarantineItem{.rejection = rejection}, std::move(kept),
+                 uplink.payload.size());
 }
 
 void Intake::ApplyLive() {
   const std::size_t applied = context_.scratch.live.Apply(robot_.state, arrived_, context_.judge);
   counts_.received += applied;
   counts_.applied += applied;
-}
-
-void Intake::Publish() {
-  context_.ledger.Publish(counts_);
-  counts_ = {};
 }
 
 }  // namespace uplink::session

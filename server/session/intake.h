@@ -12,6 +12,7 @@
 #include "metrics/ledger.h"
 #include "schema/judge.h"
 #include "server/robot/robot.h"
+#include "server/session/appending.h"
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
 #include "server/session/held_back.h"
@@ -88,12 +89,12 @@ class Intake final {
   }
   [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
   void CountDuplicate(const robot::Seen& seen, Processed& processed);
-  void AppendGap(const robot::Seen& seen);
   void Accept(const UplinkView& uplink, Judged& judged, Processed& processed);
   void AcceptRecord(const UplinkView& uplink, model::Record& record, bool expired,
                     Processed& processed);
   void AcceptState(const UplinkView& uplink, Judged& judged, Processed& processed);
-  /// True if the message is over its variant's rate: it is rejected, and its number settled.
+  /// True if the message is over its variant's rate: it is rejected. The number of a live one is
+  /// settled, that of a durable one waits for the commit of its range.
   [[nodiscard]] bool Limit(const UplinkView& uplink, const model::Record& record,
                            Processed& processed);
   void AddLive(model::Record record);
@@ -102,21 +103,19 @@ class Intake final {
   void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Processed& processed);
   void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);
-  void Append(model::Seq seq, storage::CommitContent content, std::string payload,
-              std::size_t payload_bytes);
   void CountSuperseded();
   void ApplyLive();
-  void Publish();
 
   const SessionContext& context_;
   robot::Robot& robot_;
   const storage::RobotRef id_;
   journal::Journal& journal_;
   const model::SessionId session_;
-  const std::uint64_t generation_;
 
   PendingBatch batch_;
   NumberRun numbers_;
+  metrics::UplinkCounts counts_;
+  Appending appending_;
   /// What every robot may send, and of which version of it that is.
   std::shared_ptr<const Allowance> allowance_;
   std::uint64_t allowance_version_ = 0;
@@ -129,7 +128,6 @@ class Intake final {
   std::size_t costly_ = 0;
   /// Once the stream has sent a Robot State.
   std::unique_ptr<RcanOrder> rcan_order_;
-  metrics::UplinkCounts counts_;
 };
 
 }  // namespace uplink::session

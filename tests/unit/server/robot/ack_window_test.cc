@@ -27,7 +27,7 @@ TEST(AckWindowTest, AWaitingNumberHoldsThroughAtTheHighestSeenBelowIt) {
   window.AddSettled(10);
   EXPECT_EQ(window.seen(), 10U);
   EXPECT_EQ(window.through(), 3U) << "4 to 8 were never seen";
-  EXPECT_TRUE(window.Settle(9));
+  EXPECT_TRUE(window.Settle(9, 9));
   EXPECT_EQ(window.through(), 10U);
 }
 
@@ -36,25 +36,38 @@ TEST(AckWindowTest, SettlingOutOfOrderMovesThroughOnlyFromBelow) {
   window.AddWaiting(1);
   window.AddWaiting(2);
   window.AddWaiting(4);
-  EXPECT_TRUE(window.Settle(2));
+  EXPECT_TRUE(window.Settle(2, 2));
   EXPECT_EQ(window.through(), 0U);
-  EXPECT_TRUE(window.Settle(1));
+  EXPECT_TRUE(window.Settle(1, 1));
   EXPECT_EQ(window.through(), 2U);
-  EXPECT_TRUE(window.Settle(4));
+  EXPECT_TRUE(window.Settle(4, 4));
   EXPECT_EQ(window.through(), 4U);
   EXPECT_EQ(window.waiting(), 0U);
+}
+
+TEST(AckWindowTest, ARangeIsSettledAsAWholeAndNothingBesideIt) {
+  AckWindow window;
+  for (const model::Seq seq : {1U, 2U, 3U, 4U, 5U}) window.AddWaiting(seq);
+  EXPECT_TRUE(window.Settle(2, 4));
+  EXPECT_EQ(window.waiting(), 2U);
+  EXPECT_EQ(window.through(), 0U);
+  EXPECT_FALSE(window.Settle(2, 4));
+  EXPECT_TRUE(window.Settle(1, 1));
+  EXPECT_EQ(window.through(), 4U);
+  EXPECT_TRUE(window.Settle(5, 5));
+  EXPECT_EQ(window.through(), 5U);
 }
 
 TEST(AckWindowTest, SettlingWhatDoesNotWaitChangesNothing) {
   AckWindow window;
   window.AddSettled(1);
   window.AddWaiting(3);
-  EXPECT_FALSE(window.Settle(1));
-  EXPECT_FALSE(window.Settle(2));
-  EXPECT_FALSE(window.Settle(4));
+  EXPECT_FALSE(window.Settle(1, 1));
+  EXPECT_FALSE(window.Settle(2, 2));
+  EXPECT_FALSE(window.Settle(4, 4));
   EXPECT_EQ(window.waiting(), 1U);
-  EXPECT_TRUE(window.Settle(3));
-  EXPECT_FALSE(window.Settle(3));
+  EXPECT_TRUE(window.Settle(3, 3));
+  EXPECT_FALSE(window.Settle(3, 3));
 }
 
 TEST(AckWindowTest, KnowsWhatWaits) {
@@ -85,7 +98,7 @@ TEST(AckWindowTest, RaiseLeavesWhatWaitsWaiting) {
   EXPECT_EQ(window.through(), 1U);
   EXPECT_TRUE(window.Waits(2));
   window.AddWaiting(10);
-  EXPECT_TRUE(window.Settle(2));
+  EXPECT_TRUE(window.Settle(2, 2));
   EXPECT_EQ(window.through(), 9U);
 }
 
@@ -93,7 +106,7 @@ TEST(AckWindowTest, HoldsTheHighestNumber) {
   AckWindow window;
   window.AddWaiting(model::kSeqMax);
   EXPECT_EQ(window.through(), 0U);
-  EXPECT_TRUE(window.Settle(model::kSeqMax));
+  EXPECT_TRUE(window.Settle(model::kSeqMax, model::kSeqMax));
   EXPECT_EQ(window.through(), model::kSeqMax);
 }
 

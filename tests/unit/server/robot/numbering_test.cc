@@ -19,7 +19,7 @@ TEST(NumberingTest, ADuplicateSaysWhetherItsFirstCopyWaits) {
   Numbering numbers;
   EXPECT_EQ(numbers.AddWaiting(1), 1U);
   EXPECT_TRUE(numbers.See(1).waits);
-  EXPECT_EQ(numbers.Settle(1), 1U);
+  EXPECT_EQ(numbers.Settle(1, 1), 1U);
   EXPECT_FALSE(numbers.See(1).waits);
 }
 
@@ -62,7 +62,7 @@ TEST(NumberingTest, NothingUpToWhatTheAgentSaysWasJudgedIsMissing) {
 TEST(NumberingTest, SettlingANumberThatDoesNotWaitChangesNothing) {
   Numbering numbers;
   EXPECT_EQ(numbers.AddWaiting(3), 1U);
-  EXPECT_EQ(numbers.Settle(2), 0U);
+  EXPECT_EQ(numbers.Settle(2, 2), 0U);
   EXPECT_EQ(numbers.waiting(), 1U);
   EXPECT_EQ(numbers.through(), 0U);
 }

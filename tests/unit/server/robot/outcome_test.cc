@@ -17,8 +17,8 @@ class OutcomeTest : public ::testing::Test {
  protected:
   void Apply(storage::Outcome outcome,
              std::optional<model::RejectReason> rejected_for = std::nullopt) {
-    ApplyOutcome({.seq = 4, .outcome = std::move(outcome), .rejected_for = rejected_for}, rejects_,
-                 counts_);
+    ApplyOutcome({.seq = 4, .outcome = std::move(outcome), .rejected_for = rejected_for}, 1,
+                 rejects_, counts_);
   }
   std::uint64_t CountOf(model::RejectReason reason) const {
     return counts_.rejects[static_cast<std::size_t>(reason)];
@@ -32,6 +32,21 @@ TEST_F(OutcomeTest, AStoredRecordCountsAsStored) {
   Apply({storage::OutcomeKind::kStored});
   EXPECT_EQ(counts_.stored, 1U);
   EXPECT_THAT(rejects_.TakeUntold(), IsEmpty());
+}
+
+TEST_F(OutcomeTest, ARangeOfLimitedNumbersCountsEachOfThem) {
+  ApplyOutcome({.seq = 9, .first = 4, .rejected_for = model::RejectReason::kRateLimited}, 6,
+               rejects_, counts_);
+  EXPECT_EQ(counts_.rejected, 6U);
+  EXPECT_EQ(CountOf(model::RejectReason::kRateLimited), 6U);
+  EXPECT_THAT(rejects_.TakeUntold(), IsEmpty()) << "each was told when it was limited";
+}
+
+TEST_F(OutcomeTest, ALimitedNumberThatTheStoreKnowsIsToldWithATime) {
+  Apply({storage::OutcomeKind::kRefused, model::Rejection{model::RejectReason::kRateLimited}});
+  const auto untold = rejects_.TakeUntold();
+  ASSERT_THAT(untold, SizeIs(1));
+  EXPECT_EQ(untold[0].retry_after_ms, kStoredRetryAfterMs);
 }
 
 TEST_F(OutcomeTest, ADuplicateCountsAsOne) {

@@ -139,11 +139,11 @@ TEST(RejectMemoryTest, PagesAreToldOnceAndMergedWithWhatItHas) {
   memory.AddPage({Rejected(4), Rejected(6)}, 6);
   EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(4)) << "6 was told";
   EXPECT_EQ(memory.told_through(), 6U);
-  EXPECT_EQ(memory.unread()->after, 6U);
+  EXPECT_EQ(memory.unread(9)->after, 6U);
   memory.AddPage({Rejected(7), Rejected(8)}, 9);
   EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(7, 8));
   EXPECT_FALSE(memory.told_through().has_value());
-  EXPECT_FALSE(memory.unread().has_value());
+  EXPECT_FALSE(memory.has_unread());
 }
 
 TEST(RejectMemoryTest, WhatItIsToldOnlyByPagesIsAwaitedTheNextTime) {
@@ -157,9 +157,38 @@ TEST(RejectMemoryTest, WhatItIsToldOnlyByPagesIsAwaitedTheNextTime) {
   EXPECT_FALSE(memory.AwaitLate(9, 9));
 }
 
-TEST(RejectMemoryTest, RateLimitedNumbersAreInNoPage) {
+TEST(RejectMemoryTest, WhatItLetGoOfIsReadOnceItIsCommitted) {
   RejectMemory memory;
-  memory.Remember({.seq = 5, .rejection = {.reason = model::RejectReason::kRateLimited}});
+  for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 10; ++seq) memory.Remember(Rejected(seq));
+  // The store's cursor is 4: it let go of 1 to 10, of which 5 to 10 wait for their commit.
+  static_cast<void>(memory.TellAgain(2, {Rejected(3), Rejected(4)}));
+  memory.BeginPages({.after = 4, .through = 4}, 0);
+  EXPECT_EQ(memory.told_through(), 4U);
+  EXPECT_TRUE(memory.has_unread());
+  EXPECT_FALSE(memory.unread(9).has_value());
+  ASSERT_TRUE(memory.unread(10).has_value());
+  EXPECT_EQ(memory.unread(10)->after, 4U);
+  EXPECT_EQ(memory.unread(10)->through, 10U);
+  const std::size_t before = memory.unconfirmed();
+  std::vector<RejectedSeq> page;
+  for (model::Seq seq = 5; seq <= 10; ++seq) page.push_back(Rejected(seq));
+  memory.AddPage(std::move(page), 10);
+  EXPECT_EQ(memory.unconfirmed(), before + 6) << "no answer counted them";
+  EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(5, 6, 7, 8, 9, 10));
+  EXPECT_FALSE(memory.told_through().has_value());
+}
+
+TEST(RejectMemoryTest, WhatItLetGoOfAndAHelloConfirmedIsNotRead) {
+  RejectMemory memory;
+  for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 10; ++seq) memory.Remember(Rejected(seq));
+  static_cast<void>(memory.TellAgain(10, {}));
+  memory.BeginPages({.after = 4, .through = 4}, 0);
+  EXPECT_FALSE(memory.told_through().has_value());
+}
+
+TEST(RejectMemoryTest, LiveNumbersThatWereLimitedAreInNoPage) {
+  RejectMemory memory;
+  memory.RememberLive({.seq = 5, .rejection = {.reason = model::RejectReason::kRateLimited}});
   static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
   memory.BeginPages({.after = 2, .through = 9}, 1);
   EXPECT_EQ(memory.unconfirmed(), 2U) << "it need not be confirmed, nor does it stand for one";

@@ -1,4 +1,7 @@
 // What a stream hears of messages over their variant's rate.
+#include <algorithm>
+#include <set>
+
 #include "schema/encode.h"
 #include "tests/unit/server/session/session_test.h"
 
@@ -37,20 +40,39 @@ class RateTest : public SessionTest {
     static_cast<void>(stream.Said());
     return stream;
   }
+  /// Numbers that were told as limited, each once or more.
+  static std::size_t RejectedOf(const BenchStream& stream) {
+    std::set<std::int64_t> numbers;
+    for (const v1::RelayResponse& frame : stream.frames()) {
+      if (!frame.has_reject()) continue;
+      EXPECT_EQ(frame.reject().reason(), v1::REJECT_REASON_RATE_LIMITED);
+      numbers.insert(static_cast<std::int64_t>(frame.reject().seq()));
+    }
+    return numbers.size();
+  }
+  static model::Seq AckedOf(const BenchStream& stream) {
+    model::Seq through = 0;
+    for (const v1::RelayResponse& frame : stream.frames()) {
+      if (frame.has_ack()) through = std::max<model::Seq>(through, frame.ack().through_seq());
+    }
+    return through;
+  }
   std::uint64_t Limited() {
     return server().counts().rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)];
   }
 };
 
-TEST_F(RateTest, WhatIsOverTheRateIsRejectedAndSettledAtOnce) {
+TEST_F(RateTest, WhatIsOverTheRateIsRejectedAtOnceAndAckedOnceItsRangeIsStored) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}, {4, Upsert("d")}}));
   EXPECT_THAT(stream.Said(), ElementsAre("reject 3 rate_limited ", "reject 4 rate_limited "));
   EXPECT_EQ(stream.frames().back().reject().retry_after_ms(), 200);
-  EXPECT_EQ(Limited(), 2U);
-  EXPECT_EQ(server().counts().in_flight, 2);
+  EXPECT_EQ(Limited(), 0U) << "they are in flight until the store has them";
+  EXPECT_EQ(server().counts().in_flight, 4);
+  ExpectBalanced();
   server().Commit();
   EXPECT_THAT(stream.Said(), ElementsAre("ack 4 judged 4"));
+  EXPECT_EQ(Limited(), 2U);
   EXPECT_THAT(Stored(1), ElementsAre(1, 2));
   EXPECT_EQ(server().counts().rejected, 2U);
   server().Pass(milliseconds(100));
@@ -62,10 +84,13 @@ TEST_F(RateTest, WhatIsOverTheRateIsRejectedAndSettledAtOnce) {
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 5, 7));
 }
 
-TEST_F(RateTest, ALiveKindIsLimitedToo) {
+TEST_F(RateTest, ALiveKindIsLimitedTooAndSettledAtOnce) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Health()}, {2, Health()}, {3, Motion()}}));
   EXPECT_THAT(stream.Said(), ElementsAre("reject 2 rate_limited "));
+  EXPECT_EQ(Limited(), 1U);
+  server().Pass(limits_.session.ack_interval);
+  EXPECT_THAT(stream.Said(), ElementsAre("ack 3 judged 3"));
   EXPECT_EQ(server().counts().applied, 2U);
   EXPECT_EQ(server().robot().rates.limited(model::Variant::kSystemHealth), 1U);
 }
@@ -97,13 +122,149 @@ TEST_F(RateTest, NothingIsLimitedBeforeTheStoresCursorIsKnownNorUpToIt) {
   EXPECT_THAT(stream.Said(), ElementsAre("reject 8 rate_limited "));
 }
 
-TEST_F(RateTest, TheNextWelcomeRepeatsItWithItsTimeAndItNeedNotBeConfirmed) {
+TEST_F(RateTest, ALimitedLiveMessageNeedNotBeConfirmed) {
   limits_.session.unconfirmed_rejects_max = 3;
   BenchStream& stream = Welcomed();
-  for (model::Seq seq = 1; seq <= 10; ++seq) stream.Send(BatchFrame({{seq, Upsert("a")}}));
-  EXPECT_EQ(stream.end(), "") << "limited ones are no Rejects that the store has to keep";
-  EXPECT_EQ(Limited(), 8U);
+  for (model::Seq seq = 1; seq <= 10; ++seq) stream.Send(BatchFrame({{seq, Health()}}));
+  EXPECT_EQ(stream.end(), "") << "the store has none of it";
+  EXPECT_EQ(Limited(), 9U);
+}
+
+TEST_F(RateTest, ALimitedDurableOneCountsAmongTheUnconfirmedRejects) {
+  limits_.session.unconfirmed_rejects_max = 3;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 4, Upsert("a"))));
+  EXPECT_EQ(stream.end(), "");
+  EXPECT_TRUE(stream.reading());
+  stream.Send(BatchFrame(Messages(5, 9, Upsert("a"))));
+  EXPECT_FALSE(stream.reading());
   server().Commit();
+  EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+  EXPECT_THAT(stream.end(), ::testing::StartsWith("UNAVAILABLE: 3 Rejects of this session"));
+  Start();
+  BenchStream& next = server().Connect(SessionOf(1));
+  EXPECT_THAT(next.end(), ::testing::StartsWith("UNAVAILABLE: 3 Rejects of this session"));
+  BenchStream& confirming = server().Connect(SessionOf(1), 4, 5);
+  EXPECT_THAT(confirming.Said(),
+              ElementsAre("welcome 5", "reject 5 rate_limited ", "ack 5 judged 5"));
+  EXPECT_TRUE(confirming.reading());
+}
+
+TEST_F(RateTest, AfterAKillEachOneIsToldAgainAheadOfTheAck) {
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 102, Upsert("a"))));
+  stream.Send(BatchFrame({{103, Fault()}}));
+  server().Commit();
+  EXPECT_THAT(Stored(1), ElementsAre(1, 2, 103));
+  Start();
+  BenchStream& next = server().Connect(SessionOf(1));
+  const std::vector<std::string> said = next.Said();
+  ASSERT_EQ(said.size(), 102U);
+  EXPECT_EQ(said.front(), "welcome 103");
+  for (model::Seq seq = 3; seq <= 102; ++seq) {
+    EXPECT_EQ(said[seq - 2], "reject " + std::to_string(seq) + " rate_limited ");
+    EXPECT_EQ(next.frames()[seq - 2].reject().retry_after_ms(), robot::kStoredRetryAfterMs);
+  }
+  EXPECT_EQ(said.back(), "ack 103 judged 103");
+}
+
+TEST_F(RateTest, AKillBeforeTheCommitLeavesThemToTheAgent) {
+  BenchStream& stream = Welcomed();
+  server().StoreAway();
+  stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}}));
+  server().Commit();
+  server().Pass(limits_.session.ack_interval);
+  EXPECT_THAT(stream.Said(), ElementsAre("reject 3 rate_limited ", "ack 0 judged 3"));
+  Start();
+  BenchStream& next = server().Connect(SessionOf(1));
+  EXPECT_THAT(next.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+}
+
+TEST_F(RateTest, ACutWithMoreThanMemoryHasTellsThemFromTheStore) {
+  constexpr model::Seq kLast = robot::kRejectsRememberedMax + 50;
+  BenchStream& stream = Welcomed();
+  for (model::Seq first = 1; first < kLast; first += 50) {
+    stream.Send(BatchFrame(Messages(first, std::min(first + 49, kLast), Upsert("a"))));
+    server().Commit();
+  }
+  stream.Break();
+  BenchStream& next = server().Connect(SessionOf(1));
+  server().Commit();
+  EXPECT_EQ(RejectedOf(next), kLast - 2);
+  EXPECT_EQ(next.Said().back(),
+            "ack " + std::to_string(kLast) + " judged " + std::to_string(kLast));
+}
+
+TEST_F(RateTest, ACutBeforeTheyAreCommittedTellsThemOnceTheyAre) {
+  constexpr model::Seq kLast = robot::kRejectsRememberedMax + 50;
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}}));
+  server().Commit();
+  server().StoreAway();
+  for (model::Seq first = 3; first < kLast; first += 50) {
+    stream.Send(BatchFrame(Messages(first, std::min(first + 49, kLast), Upsert("a"))));
+  }
+  EXPECT_EQ(server().counts().in_flight, static_cast<std::int64_t>(kLast - 2));
+  stream.Break();
+  BenchStream& next = server().Connect(SessionOf(1), 2, 2);
+  server().Pass(kWelcomeWait);
+  server().Pass(limits_.session.ack_interval);
+  EXPECT_EQ(AckedOf(next), 2U) << "the first of them left memory";
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(RejectedOf(next), kLast - 2);
+  EXPECT_EQ(AckedOf(next), kLast);
+}
+
+TEST_F(RateTest, AFloodIsARowPerPassAndTakesFlowLikeAGap) {
+  limits_.allowance.flow.records = {.rate = 1, .burst = 4};
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 2 + 2 * kCostlyPerTurn, Upsert("a"))));
+  server().Commit();
+  EXPECT_EQ(database_.ApplicationCount(), 4U) << "two upserts and two ranges";
+  EXPECT_EQ(Limited(), 2 * kCostlyPerTurn);
+  stream.Send(BatchFrame({{2 * kCostlyPerTurn + 3, Upsert("a")}}));
+  EXPECT_EQ(server().counts().received, 2 + 2 * kCostlyPerTurn) << "held back";
+  server().Pass(std::chrono::seconds(1));
+  server().Commit();
+  EXPECT_EQ(server().counts().received, 3 + 2 * kCostlyPerTurn);
+}
+
+TEST_F(RateTest, ARangeThatAnotherProcessFencedIsSuperseded) {
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}, {4, Upsert("d")}}));
+  testing::FakeStore other(database_, storage::ProcessId{99});
+  const storage::OpenRequest request{
+      .robot = server().robot().id(), .session = SessionOf(1), .at = clock_.System()};
+  ASSERT_TRUE(other.OpenStreams({&request, 1}).ok());
+  server().Commit();
+  EXPECT_EQ(server().counts().superseded, 4U);
+  EXPECT_EQ(server().counts().in_flight, 0);
+  EXPECT_EQ(Limited(), 0U);
+  EXPECT_THAT(stream.end(), ::testing::StartsWith("ABORTED"));
+}
+
+TEST_F(RateTest, OneThatComesAgainToAServerThatDoesNotKnowItIsRejectedByTheStore) {
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}}));
+  server().Commit();
+  Start();
+  server().StoreAway();
+  BenchStream& next = server().Connect(SessionOf(1));
+  server().Pass(kWelcomeWait);
+  next.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}}));
+  server().StoreBack();
+  server().Commit();
+  EXPECT_EQ(RejectedOf(next), 1U);
+  EXPECT_EQ(AckedOf(next), 3U);
+  EXPECT_THAT(Stored(1), ElementsAre(1, 2));
+}
+
+TEST_F(RateTest, TheNextWelcomeRepeatsItWithItsTime) {
+  BenchStream& stream = Welcomed();
+  for (model::Seq seq = 1; seq <= 10; ++seq) stream.Send(BatchFrame({{seq, Upsert("a")}}));
+  server().Commit();
+  EXPECT_EQ(Limited(), 8U);
   stream.Break();
   BenchStream& next = server().Connect(SessionOf(1), 8, 8);
   EXPECT_THAT(next.Said(), ElementsAre("welcome 10", "reject 9 rate_limited ",
@@ -115,6 +276,7 @@ TEST_F(RateTest, TheNextWelcomeRepeatsItWithItsTimeAndItNeedNotBeConfirmed) {
 TEST_F(RateTest, AReloadHoldsFromTheNextFrameOn) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame(Messages(1, 4, Upsert("a"))));
+  server().Commit();
   EXPECT_EQ(Limited(), 2U);
   server().allowances().Set({});
   stream.Send(BatchFrame(Messages(5, 50, Upsert("a"))));
