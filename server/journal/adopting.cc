@@ -59,6 +59,7 @@ Step Adopting::Adopt() {
                                            .since = *result.held_since,
                                            .presence = result.presence,
                                            .was_known = true,
+                                           .end = result.end,
                                            .grace = asked[i].grace.Of(result.end)});
     if (told.begun) context_.probe.adopted.Add();
     if (told.interrupted) told.stream.Wake();

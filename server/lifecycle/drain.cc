@@ -51,7 +51,8 @@ void Drain::EndPresence() {
   if (context_.leave()) return;
   for (const fleet::RobotPtr& robot : context_.fleet.Sorted()) {
     if (robot->state.held_since() == 0) continue;
-    if (robot->state.presence() == model::Presence::kUnknown) continue;
+    // One that is offline stays so: the next start goes on from there.
+    if (robot->state.presence() != model::Presence::kOnline) continue;
     context_.journals.NotePresence(robot->id(), model::Presence::kUnknown, context_.clock.System());
   }
 }

@@ -26,6 +26,8 @@ struct HoldNews {
   std::optional<storage::StoredPresence> presence;
   /// The store knew the robot before.
   bool was_known = false;
+  /// Of an adopted robot: how its former holder ended.
+  storage::HolderEnd end = storage::HolderEnd::kEnded;
   /// Of an adopted robot: how long it may be unheard before it counts as offline.
   milliseconds grace{0};
 };

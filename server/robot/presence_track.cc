@@ -89,6 +89,10 @@ void PresenceTrack::Adopt(const Adoption& adoption) {
   known_since_ = adoption.now;
   if (HeardInTime(adoption.now)) return GoOnFrom(adoption.stored);
   BeginFrom(adoption.stored);
+  if (presence_ == Presence::kOffline && adoption.end == storage::HolderEnd::kEnded) {
+    claimed_ = {presence_, adoption.now};
+    return;
+  }
   unknown_until_ = adoption.unknown_until;
   if (presence_ != Presence::kUnknown) Change(Presence::kUnknown, adoption.system_now);
 }

@@ -56,10 +56,13 @@ class PresenceTrack final {
   /// stands. Else the presence is what the other wrote, and no change: whatever was told here came
   /// to nobody's knowledge, and may be older than that.
   void Claim(const storage::StoredPresence& stored, SteadyTime now);
-  /// The robot's holder was over, and it is ours: unknown until it is heard, and at most until
-  /// `unknown_until`. What was heard here in time stands.
+  /// The robot's holder was over, and it is ours. What was heard here in time stands. Else a robot
+  /// that was offline stays so until it is heard, as the holder wrote it, unless that holder only
+  /// fell silent: it may have heard the robot since, and could not write that. Every other robot is
+  /// unknown until it is heard, and at most until `unknown_until`.
   struct Adoption {
     storage::StoredPresence stored;
+    storage::HolderEnd end = storage::HolderEnd::kEnded;
     SteadyTime unknown_until;
     SteadyTime now;
     SystemTime system_now;

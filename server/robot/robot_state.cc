@@ -120,6 +120,7 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
       return;
     case HoldBegan::kAdopted:
       presence_.Adopt({.stored = stored,
+                       .end = news.end,
                        .unknown_until = now + news.grace,
                        .now = now,
                        .system_now = system_now});

@@ -4,10 +4,11 @@ The last number of some robots is that of a live message, which leaves no row of
 """
 
 import unittest
+import urllib.parse
 
 from chaos import ROBOTS, Campaign
 from chaos_stores import Sqlite
-from harness import EndToEnd, wait_until
+from harness import Cluster, EndToEnd, Server, wait_until
 
 ROUND_SECONDS = 60
 ACKS = 200
@@ -82,6 +83,81 @@ class Restart(EndToEnd):
 
     def test_sessions_on_postgres_are_shown_as_they_were(self):
         self.restart_on("postgres")
+
+
+class Presence(EndToEnd):
+    """Robots of which one half went offline before the restart, and the other half was online."""
+
+    ROBOTS = 3
+    SETTINGS = """[presence]
+timeout = "5s"
+startup_grace = "10m"
+"""
+
+    def shown(self, server):
+        return {robot["ruri"]: robot for robot in (server.get("/api/v1/robots") or {}).get("robots", [])}
+
+    def history(self, server, ruri):
+        name = urllib.parse.quote(ruri, safe="")
+        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["changes"])]
+
+    def fleet_of(self, server, number):
+        return self.fleet(server, "--robots", self.ROBOTS, "--ruri-prefix", f"rcan://restart/{number}", "--rate", 5)
+
+    def wait_for(self, server, presence, number):
+        """The robots of this fleet, once all are so."""
+
+        def look():
+            found = {ruri: robot for ruri, robot in self.shown(server).items() if f"restart/{number}" in ruri}
+            all_are = all(robot["presence"] == presence for robot in found.values())
+            return found if len(found) == self.ROBOTS and all_are else None
+
+        return wait_until(server.process, look, ROUND_SECONDS, f"fleet {number} is {presence}")
+
+    def restart(self, server):
+        server.start()
+        fleet = self.fleet_of(server, 1)
+        self.wait_for(server, "PRESENCE_ONLINE", 1)
+        fleet.close()
+        gone = self.wait_for(server, "PRESENCE_OFFLINE", 1)
+        fleet = self.fleet_of(server, 2)
+        before = {ruri: ["PRESENCE_ONLINE", "PRESENCE_OFFLINE"] for ruri in gone}
+        for end in (server.kill, lambda: self.assertEqual(server.terminate(ROUND_SECONDS), 0)):
+            online = self.wait_for(server, "PRESENCE_ONLINE", 2)
+            wait_until(
+                server.process,
+                lambda now=online: all(self.history(server, ruri)[-1] == "PRESENCE_ONLINE" for ruri in now),
+                ROUND_SECONDS,
+                "the store has it",
+            )
+            fleet.close()
+            end()
+            server.start()
+            server.wait_for_status(
+                lambda status: all(
+                    int(status["robots"][presence]) == self.ROBOTS for presence in ("unknown", "offline")
+                ),
+                ROUND_SECONDS,
+                "it judges them, and one half is unknown",
+            )
+            for ruri, robot in self.wait_for(server, "PRESENCE_OFFLINE", 1).items():
+                self.assertEqual(robot["presenceSinceMs"], gone[ruri]["presenceSinceMs"], ruri)
+            self.assertEqual({ruri: self.history(server, ruri) for ruri in gone}, before, "no row is added")
+            self.wait_for(server, "PRESENCE_UNKNOWN", 2)
+            fleet = self.fleet_of(server, 2)
+        fleet.close()
+        self.fleet_of(server, 1)
+        self.wait_for(server, "PRESENCE_ONLINE", 1)
+
+    def test_who_was_offline_stays_so_on_sqlite(self):
+        self.restart(self.server(self.SETTINGS))
+
+    def test_who_was_offline_stays_so_on_postgres(self):
+        cluster = Cluster(self.folder).create().migrate()
+        self.open_things.append(cluster)
+        server = Server(self.folder, self.SETTINGS, cluster.url("uplinkd"))
+        self.open_things.append(server)
+        self.restart(server)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ import socket
 import ssl
 import threading
 import unittest
-import urllib.parse
 
 from harness import BIN, EndToEnd, run, uplinkctl
 
@@ -38,25 +37,6 @@ class Crash(EndToEnd):
         self.assertGreater(report["run"]["ackedDurable"], KILLS)
         self.assertGreaterEqual(report["run"]["welcomes"], 8 + KILLS)
         self.assertEqual(server.terminate(DRAIN_SECONDS + 10), 0)
-
-    def test_a_restart_keeps_robots_known_and_their_presence_unknown(self):
-        server = self.server().start()
-        fleet = self.fleet(server, "--robots", 5, "--faults", 5)
-        server.wait_for_status(
-            lambda status: int(status["uplinks"]["stored"]) >= 5, ROUND_SECONDS, "something is stored"
-        )
-        self.assert_agrees(fleet)
-        server.kill()
-        server.start()
-        robots = server.get("/api/v1/robots")["robots"]
-        self.assertEqual(len(robots), 5)
-        for robot in robots:
-            self.assertEqual(robot["presence"], "PRESENCE_UNKNOWN")
-            self.assertFalse(robot.get("connected", False))
-            name = urllib.parse.quote(robot["ruri"], safe="")
-            self.assertEqual(server.get(f"/api/v1/robots/{name}")["ruri"], robot["ruri"])
-        status = server.get("/api/v1/status")
-        self.assertEqual(int(status["robots"]["unknown"]), 5)
 
 
 class Drain(EndToEnd):

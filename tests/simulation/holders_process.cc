@@ -164,7 +164,7 @@ void HoldersProcess::Stop() {
                       ground_.fault == HoldersFault::kStopsWithUnknown;
   for (const fleet::RobotPtr& robot : fleet_.Sorted()) {
     if (!judges || robot->state.held_since() == 0) continue;
-    if (robot->state.presence() == model::Presence::kUnknown) continue;
+    if (robot->state.presence() != model::Presence::kOnline) continue;
     shards_.NotePresence(robot->id(), model::Presence::kUnknown, ground_.clock.System());
   }
   journal_.RequestCheckpoint();

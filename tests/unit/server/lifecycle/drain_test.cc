@@ -114,6 +114,19 @@ TEST_F(DrainOfHeld, NobodyListensAnyMoreSoPresenceIsUnknown) {
   EXPECT_FALSE(world_.shards.idle()) << "the change waits to be written";
 }
 
+TEST_F(DrainOfHeld, WhoIsOfflineStaysSo) {
+  // Sweeps that come in time: nothing stood still.
+  for (milliseconds passed{0}; passed <= world_.fleet.presence_limits().timeout;
+       passed += std::chrono::seconds(1)) {
+    world_.clock.Advance(std::chrono::seconds(1));
+    world_.fleet.Sweep(std::chrono::hours(1));
+  }
+  ASSERT_EQ(heard_.state.presence(), model::Presence::kOffline);
+  static_cast<void>(world_.journal.turns().Advance());
+  RunUntilTheClockEndsIt();
+  EXPECT_TRUE(world_.shards.idle()) << "nothing waits to be written";
+}
+
 TEST_F(DrainOfHeld, WhoTakesTheRobotsOverGoesOnWithTheirPresence) {
   others_ = true;
   RunUntilTheClockEndsIt();

@@ -21,16 +21,27 @@ struct Case {
   bool held_back = false;
   std::optional<std::int64_t> held_back_until;
   Presence expected = Presence::kUnknown;
+  /// What the robot's last holder wrote, taken over at 0; and until when it may be unheard.
+  std::optional<Presence> claimed = {};
+  std::optional<std::int64_t> unknown_until = {};
 };
+
+PresenceFacts FactsOf(const Case& fact) {
+  PresenceFacts facts{.now = At(fact.now),
+                      .server_started = kStart,
+                      .known_since = kStart,
+                      .held_back = fact.held_back};
+  if (fact.heard) facts.last_sign_of_life = At(*fact.heard);
+  if (fact.claimed) facts.claimed = {*fact.claimed, kStart};
+  if (fact.unknown_until) facts.unknown_until = At(*fact.unknown_until);
+  if (fact.held_back_until) facts.held_back_until = At(*fact.held_back_until);
+  return facts;
+}
 
 class PresenceTable : public ::testing::TestWithParam<Case> {};
 
 TEST_P(PresenceTable, Holds) {
-  const Case& fact = GetParam();
-  PresenceFacts facts{.now = At(fact.now), .server_started = kStart, .held_back = fact.held_back};
-  if (fact.heard) facts.last_sign_of_life = At(*fact.heard);
-  if (fact.held_back_until) facts.held_back_until = At(*fact.held_back_until);
-  EXPECT_EQ(ToText(PresenceOf(facts, kLimits)), ToText(fact.expected));
+  EXPECT_EQ(ToText(PresenceOf(FactsOf(GetParam()), kLimits)), ToText(GetParam().expected));
 }
 
 constexpr auto kUnknown = Presence::kUnknown;
@@ -55,7 +66,16 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NeverHeardATimeoutAfterHoldingBack", 900'000, {}, false, 890'000, kUnknown},
         Case{"NeverHeardOverATimeoutAfterHoldingBack", 900'001, {}, false, 890'000, kOffline},
         Case{"HeldBackAgain", 900'001, 40'000, true, 890'000, kUnknown},
-        Case{"HeardAfterHoldingBack", 900'000, 899'000, false, 890'000, kOnline}),
+        Case{"HeardAfterHoldingBack", 900'000, 899'000, false, 890'000, kOnline},
+        Case{"OfflineBeforeAtTheStart", 0, {}, false, {}, kOffline, kOffline},
+        Case{"OfflineBeforeWithinTheGrace", 60'000, {}, false, {}, kOffline, kOffline},
+        Case{"OfflineBeforePastTheGrace", 120'001, {}, false, {}, kOffline, kOffline},
+        Case{"OfflineBeforeAndHeardNow", 60'000, 60'000, false, {}, kOnline, kOffline},
+        Case{"OfflineBeforeAndHeldBack", 60'000, {}, true, {}, kUnknown, kOffline},
+        Case{"OnlineBeforeATimeoutAgo", 10'000, {}, false, {}, kOnline, kOnline},
+        Case{"OnlineBeforeOverATimeoutAgo", 10'001, {}, false, {}, kUnknown, kOnline},
+        Case{"MayBeUnheardUntilNow", 900'000, {}, false, {}, kUnknown, {}, 900'000},
+        Case{"MayBeUnheardNoLonger", 900'001, {}, false, {}, kOffline, {}, 900'000}),
     [](const auto& instance) { return instance.param.name; });
 
 TEST(PresenceText, IsAsTheApiSpellsIt) {

@@ -204,6 +204,32 @@ TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasUnknownIsSoSinceThen) {
   EXPECT_THAT(changes_, IsEmpty());
 }
 
+TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasOfflineStaysSoWithItsTimeUntilItIsHeard) {
+  const SystemTime since = clock_.System() - std::chrono::hours(2);
+  track_.Adopt({.stored = {Presence::kOffline, since},
+                .unknown_until = clock_.Steady() + std::chrono::hours(1),
+                .now = clock_.Steady(),
+                .system_now = clock_.System()});
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  clock_.Advance(std::chrono::hours(3));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_EQ(track_.since(), since);
+  EXPECT_THAT(changes_, IsEmpty());
+  Sign();
+  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, clock_.System())));
+}
+
+TEST_F(PresenceTrackTest, ARobotThatASilentHolderCalledOfflineIsUnknownSinceItMayBeHeardThere) {
+  const SystemTime since = clock_.System() - std::chrono::hours(2);
+  track_.Adopt({.stored = {Presence::kOffline, since},
+                .end = storage::HolderEnd::kSilent,
+                .unknown_until = clock_.Steady() + std::chrono::hours(1),
+                .now = clock_.Steady(),
+                .system_now = clock_.System()});
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kUnknown, clock_.System())));
+}
+
 TEST_F(PresenceTrackTest, AnAdoptedRobotThatIsHeardHereIsOnline) {
   Sign();
   track_.Adopt({.stored = {Presence::kOffline, SystemTime()},

@@ -172,6 +172,28 @@ TEST_F(LeaseRoundsTest, AdoptsTheRobotsOfAReleasedLeaseAndCallsThemOfflineAfterT
   EXPECT_EQ(Shown().presence, model::Presence::kOffline);
 }
 
+TEST_F(LeaseRoundsTest, WhoWasOfflineAtAProcessThatStoppedStaysSoAndNothingIsWritten) {
+  OpenAtOther(model::Presence::kOffline);
+  RenewOther();
+  rounds_->Round();
+  database_.Release(kOther);
+  Pass(std::chrono::seconds(10) + 2 * kLookEvery);
+  EXPECT_FALSE(Shown().foreign.has_value());
+  Pass(std::chrono::minutes(3));
+  EXPECT_EQ(Shown().presence, model::Presence::kOffline);
+  EXPECT_EQ(Shown().presence_since, FromUnixMs(7));
+  EXPECT_THAT(History(), ElementsAre(model::Presence::kOffline));
+}
+
+TEST_F(LeaseRoundsTest, WhoWasOfflineAtAProcessThatFellSilentMayBeHeardThere) {
+  OpenAtOther(model::Presence::kOffline);
+  RenewOther();
+  rounds_->Round();
+  Pass(kSilentMax + kLookEvery);
+  EXPECT_FALSE(Shown().foreign.has_value());
+  EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+}
+
 TEST_F(LeaseRoundsTest, AnAdoptionForSilenceStandsThoughTheAdopterStopped) {
   OpenAtOther();
   AdoptAtThird();

@@ -129,6 +129,42 @@ TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
   EXPECT_TRUE(fleet_.Find("rcan://a")->state.needs_restore());
 }
 
+/// As a start finds a store that it has alone: what was known stands.
+TEST_F(SeedTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
+  Know(store_, "rcan://a", clock_.System());
+  Know(store_, "rcan://b", clock_.System());
+  const auto change = [this](const std::string& ruri, model::Presence presence, model::Seq number) {
+    return storage::PresenceItem{std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
+                                 presence, FromUnixMs(7), number, database_.EpochOf(ruri)};
+  };
+  storage::Batch batch;
+  batch.presence_session = model::SessionId({8});
+  batch.presence = {change("rcan://a", model::Presence::kOffline, 1),
+                    change("rcan://b", model::Presence::kOnline, 2)};
+  ASSERT_TRUE(store_.Commit(batch).ok());
+  fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                           SystemTime at) { journals_.NotePresence(robot, presence, at); });
+  const auto all = [this] {
+    while (journal_.turns().Advance() == journal::Step::kWorked) {
+    }
+    clock_.Advance(std::chrono::seconds(1));
+    fleet_.Sweep(std::chrono::hours(1));
+  };
+  Seed seed({fleet_, journals_, reader_, std::chrono::minutes(2)});
+  ASSERT_TRUE(seed.Run(2).ok());
+  for (int i = 0; i < 10; ++i) all();
+  EXPECT_FALSE(State("rcan://a").foreign.has_value());
+  EXPECT_EQ(State("rcan://a").presence, robot::Presence::kOffline);
+  EXPECT_EQ(State("rcan://a").presence_since, FromUnixMs(7));
+  EXPECT_EQ(State("rcan://b").presence, robot::Presence::kUnknown) << "it was online";
+  EXPECT_EQ(fleet_.presence_counts().offline, 1);
+  EXPECT_EQ(ours_.PresenceChanges({})->rows.size(), 3U) << "nothing is written of the first";
+  fleet_.Find("rcan://a")->state.SignOfLife(clock_.Steady(), clock_.System(), {});
+  all();
+  EXPECT_EQ(State("rcan://a").presence, robot::Presence::kOnline);
+  EXPECT_EQ(ours_.PresenceChanges({})->rows.size(), 4U);
+}
+
 TEST_F(SeedTest, TellsHowManyRobotsItLeftOut) {
   for (const char* ruri : {"rcan://a", "rcan://b"}) Know(store_, ruri, clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://c", "f"}).ok());
