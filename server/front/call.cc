@@ -90,6 +90,7 @@ void Call::OnData(std::string_view bytes) {
   if (!serving()) return http2_.ConsumeStream(stream_, bytes.size());
   reader_.Add(bytes);
   Deliver();
+  if (wants_message_ && serving() && reader_.waiting() > 0) handler_->OnMessageBytes();
   reader_.Keep();
   ConsumeUnfinished();
   owner_.Touch(*this);

@@ -35,6 +35,8 @@ class CallHandler {
   /// The peer announced a message over message_bytes_max; nothing of it is kept.
   virtual void OnTooLarge(std::uint64_t bytes) = 0;
   virtual void OnHalfClose() = 0;
+  /// Bytes came of the message that it waits for, and it is not whole.
+  virtual void OnMessageBytes() {}
   /// Nothing can be said any more: the peer reset the stream and meant this code, or the call ends
   /// with it by no wish of its handler; none: the connection is gone. Idempotent.
   virtual void OnBroken(std::optional<absl::StatusCode> code) = 0;

@@ -45,6 +45,7 @@ class RelayHandler final : public CallHandler,
   void OnMessage(std::string_view bytes) override { session_->OnFrame(bytes); }
   void OnTooLarge(std::uint64_t bytes) override { session_->OnFrameTooLarge(bytes); }
   void OnHalfClose() override { session_->OnHalfClose(); }
+  void OnMessageBytes() override { session_->OnFrameBytes(); }
   void OnBroken(std::optional<absl::StatusCode> code) override;
   void OnWritten() override;
   void OnWake() override { session_->OnWake(); }

@@ -39,6 +39,7 @@ void Session::Start() {
 
 void Session::OnFrame(std::string_view bytes) {
   reading_.OnAnswer();
+  slow_frame_.End();
   if (state_ != State::kHello && state_ != State::kStreaming) return;
   ++frames_;
   context_.probe.frames_total.Add();

@@ -21,6 +21,7 @@
 #include "server/session/reject_pages.h"
 #include "server/session/resend_requests.h"
 #include "server/session/settling.h"
+#include "server/session/slow_frame.h"
 #include "server/session/stream_timers.h"
 
 namespace uplink::session {
@@ -43,6 +44,12 @@ class Session final {
   void Start();
   /// One frame, whole: a serialized RelayRequest.
   void OnFrame(std::string_view bytes);
+  /// Bytes of a frame came that is not whole yet.
+  void OnFrameBytes() {
+    if (state_ != State::kStreaming || !slow_frame_.Add(context_.clock.Steady())) return;
+    robot_.robot().state.SignOfLife(context_.clock.Steady(), context_.clock.System(),
+                                    presence_limits());
+  }
   /// The peer's frame was over limits.frame_bytes_max or frame_bytes_max(); `bytes` is its size.
   void OnFrameTooLarge(std::uint64_t bytes);
   /// The agent half-closed.
@@ -119,6 +126,10 @@ class Session final {
   void EndWhenSettled();
   void Read();
 
+  /// The limits by which the robot is judged.
+  [[nodiscard]] const robot::PresenceLimits& presence_limits() {
+    return context_.fleet.presence_limits_of(robot_.robot());
+  }
   void ProtocolError(std::string_view rule);
   void Finish(const absl::Status& status);
   void Leave();
@@ -136,6 +147,7 @@ class Session final {
   Attachment robot_;
   HelloWait hello_wait_;
   ReadGate reading_;
+  SlowFrame slow_frame_;
   /// From kOpening on.
   std::unique_ptr<Intake> intake_;
   Outgoing outgoing_;

@@ -141,6 +141,7 @@ class FrontBench final : public robot::WakeInbox {
   /// The server ends.
   void Drain(milliseconds grace);
   [[nodiscard]] testing::FakeStore& store() { return store_; }
+  [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
   [[nodiscard]] session::SessionProbe& session_probe() { return session_probe_; }
   [[nodiscard]] front::DoorBook& door_book() { return door_book_; }
   [[nodiscard]] front::Thread& thread() { return thread_; }

@@ -124,6 +124,30 @@ TEST_F(KindsTest, AFaultIsNoSignOfLife) {
   EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOffline);
 }
 
+TEST_F(KindsTest, BytesOfAFrameAreSignsOfLifeForAMinute) {
+  const auto presence_after = [this](milliseconds time) {
+    for (milliseconds passed{0}; passed < time; passed += std::chrono::seconds(1)) {
+      server().Pass(std::chrono::seconds(1));
+      server().fleet().Sweep(limits_.session.session_idle);
+    }
+    return server().robot().state.presence();
+  };
+  ASSERT_EQ(presence_after(std::chrono::minutes(3)), robot::Presence::kOffline);
+  stream_.session().OnFrameBytes();
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline);
+  EXPECT_EQ(presence_after(kSlowFrameMax), robot::Presence::kOffline) << "for its timeout";
+  stream_.session().OnFrameBytes();
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline) << "at the limit";
+  EXPECT_EQ(presence_after(std::chrono::seconds(11)), robot::Presence::kOffline);
+  stream_.session().OnFrameBytes();
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOffline) << "past it";
+  // Nothing of it is a sign of life itself.
+  stream_.Send(BatchFrame({{1, Fault()}}));
+  EXPECT_EQ(presence_after(std::chrono::seconds(1)), robot::Presence::kOffline);
+  stream_.session().OnFrameBytes();
+  EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline) << "of the next frame";
+}
+
 TEST_F(KindsTest, ControlCharactersAreReplacedAndCounted) {
   model::Message message;
   message.message = "\x1B[2Jcleared\n";

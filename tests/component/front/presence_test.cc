@@ -1,0 +1,119 @@
+// What bytes on a connection tell of a robot's presence, by TLS and on a clock that is moved by
+// hand.
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "server/session/slow_frame.h"
+#include "tests/component/front/connection_bench.h"
+#include "tests/support/relay_bytes.h"
+
+namespace uplink::testing {
+namespace {
+
+using fleet::Fleet;
+using std::chrono::seconds;
+
+/// So far apart a client may ask by a PING whether its bytes were taken, within presence.timeout.
+constexpr int kPieceSeconds = 9;
+
+/// A robot that streams and was heard just now; the grace of the start is over.
+class FrontPresence : public ::testing::Test {
+ protected:
+  static constexpr std::uint32_t kStream = 1;
+
+  void SetUp() override {
+    Step(seconds(121), 1);
+    client_.emplace(bench_.Client(bench_.authority().Issue(RobotSpec(fuzz::RuriOf(1)))));
+    ASSERT_TRUE(robot().Begin());
+    robot().Send(OpenRelay(kStream) + http2::Data(kStream, HelloMessage(1)));
+    ASSERT_TRUE(IsWelcome(robot(), kStream));
+    ASSERT_TRUE(Speak(robot(), kStream, 1));
+    ASSERT_EQ(Presence(), robot::Presence::kOnline);
+  }
+  [[nodiscard]] RawHttp2& robot() { return *client_; }
+  [[nodiscard]] bool IsWelcome(RawHttp2& client, std::uint32_t stream) {
+    return Eventually([&] {
+      bench_.Commit();
+      return client.ReadUntil([&] { return !FramesOf(client.At(stream)).empty(); },
+                              milliseconds(20));
+    });
+  }
+  /// A sign of life, once the server has taken it.
+  [[nodiscard]] bool Speak(RawHttp2& client, std::uint32_t stream, model::Seq seq) {
+    const auto received = [this] { return bench_.bench().counts().received; };
+    const auto before = received();
+    const std::string frame = BatchFrame({{seq, MotionPayload()}}).SerializeAsString();
+    client.Send(http2::Data(stream, WithPrefix(frame)));
+    return Eventually([&] { return received() > before; });
+  }
+  /// So many steps of time, with a sweep after each.
+  void Step(milliseconds time, int steps) {
+    for (int i = 0; i < steps; ++i) {
+      bench_.Pass(time);
+      bench_.Do([this] {
+        bench_.bench().fleet().Sweep(std::chrono::hours(1), hearing_);
+        bench_.bench().DeliverWakes();
+      });
+    }
+  }
+  [[nodiscard]] robot::Presence Presence(std::uint8_t number = 1) {
+    return bench_.bench().fleet().Find(fuzz::RuriOf(number))->state.presence();
+  }
+
+  Fleet::Hearing hearing_ = Fleet::Hearing::kUpToDate;
+  ConnectionBench bench_;
+
+ private:
+  std::optional<RawHttp2> client_;
+};
+
+TEST_F(FrontPresence, AFrameOverASlowLinkKeepsItsRobotOnline) {
+  const std::string frame =
+      WithPrefix(BatchFrame({{2, std::string(80'000, 'x')}}).SerializeAsString());
+  constexpr int kPieces = session::kSlowFrameMax.count() / kPieceSeconds;
+  const std::size_t piece = frame.size() / kPieces + 1;
+  for (std::size_t at = 0; at < frame.size(); at += piece) {
+    const std::string_view bytes = std::string_view(frame).substr(at, piece);
+    ASSERT_EQ(robot().SendData(kStream, bytes), bytes.size());
+    ASSERT_TRUE(robot().Sync());
+    ASSERT_EQ(Presence(), robot::Presence::kOnline) << "after " << at << " bytes";
+    if (at + piece >= frame.size()) break;
+    Step(seconds(1), kPieceSeconds);
+    ASSERT_EQ(Presence(), robot::Presence::kOnline) << "after " << at << " bytes";
+  }
+  EXPECT_EQ(bench_.bench().counts().received, 2U);
+}
+
+TEST_F(FrontPresence, APeerThatDripsKeepsNobodyOnlineForLongerThanAMinutePerFrame) {
+  const std::string frame =
+      WithPrefix(BatchFrame({{2, std::string(1'000, 'x')}}).SerializeAsString());
+  std::size_t sent = 0;
+  const auto drip = [&](std::size_t bytes) {
+    robot().Send(http2::Data(kStream, frame.substr(sent, bytes)));
+    sent += bytes;
+    return robot().Sync();
+  };
+  for (int passed = 0; passed <= session::kSlowFrameMax.count(); passed += kPieceSeconds) {
+    ASSERT_TRUE(drip(1));
+    Step(seconds(1), kPieceSeconds);
+    EXPECT_EQ(Presence(), robot::Presence::kOnline) << passed << " s";
+  }
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(drip(1));
+    Step(seconds(1), kPieceSeconds);
+    EXPECT_EQ(Presence(), robot::Presence::kOffline);
+  }
+  // It is whole at last, no sign of life itself, and another one may begin.
+  ASSERT_TRUE(drip(frame.size() - sent));
+  EXPECT_EQ(Presence(), robot::Presence::kOffline);
+  Step(seconds(1), kPieceSeconds);
+  sent = 0;
+  ASSERT_TRUE(drip(1));
+  EXPECT_EQ(Presence(), robot::Presence::kOnline);
+}
+
+}  // namespace
+}  // namespace uplink::testing
