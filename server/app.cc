@@ -53,7 +53,7 @@ class App::Impl {
         session_limits_(lifecycle::SessionLimitsOf(options_.config, options_.version)),
         fleet_(options_.clock, options_.config.limits.robots_max,
                lifecycle::PresenceLimitsOf(options_.config.presence),
-               lifecycle::TwinPresenceLimitsOf(options_.config)),
+               lifecycle::TwinPresenceLimitsOf(options_.config), &options_.boot_clock),
         stores_(std::move(stores)),
         writers_(stores_.writers, ContextOfWriters()),
         forgetting_({fleet_, options_.clock, options_.logger, options_.config.fleet.forget_after,

@@ -20,6 +20,7 @@ class MarkedClock;
 
 namespace uplink {
 
+class BootClock;
 class Groundwork;
 
 /// The server: constructs the components and connects them. The only place that knows them all;
@@ -36,6 +37,7 @@ class App final {
     log::Logger& logger;
     /// Of which the store's clock rounds tell the mark.
     store::MarkedClock& clock;
+    const BootClock& boot_clock;
     /// Whether the kernel calls its civil clock synchronised. Any thread.
     std::function<bool()> kernel_clock_synchronised;
     /// Drawn anew for each life of the process.

@@ -9,6 +9,7 @@
 
 #include "metrics/catalogue.h"
 #include "metrics/rcan/series.h"
+#include "schema/base/boot_clock.h"
 #include "schema/base/clock.h"
 #include "server/app.h"
 #include "server/config/load.h"
@@ -87,6 +88,7 @@ int Serve(const Flags& flags) {
 
   const SystemClock machine_clock;
   store::MarkedClock clock(machine_clock);
+  const SystemBootClock boot_clock;
   log::Logger logger(log::StandardError(), machine_clock, lifecycle::LogFormatOf(config.log.format),
                      lifecycle::LogLevelOf(config.log.level));
   logger.Info("starting", {{"version", UPLINK_VERSION},
@@ -100,6 +102,7 @@ int Serve(const Flags& flags) {
                          .read_config = [path = flags.config_file] { return Load(path); },
                          .logger = logger,
                          .clock = clock,
+                         .boot_clock = boot_clock,
                          .kernel_clock_synchronised = store::KernelClockSynchronised,
                          .process = DrawProcessId(),
                          .random = [&random] { return random(); },

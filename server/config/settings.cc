@@ -444,7 +444,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = 1,
      .max = kHour,
      .zero = "none",
-     .text = "After a start, how long a robot that was not heard is unknown instead of offline.",
+     .text = "After a start, or a standstill of 15 s or longer, how long a robot that is not heard "
+             "is unknown instead of offline.",
      UPLINK_BIND(presence, PresenceConfig, startup_grace)},
     {.section = "presence",
      .key = "adopted_grace",

@@ -10,12 +10,13 @@
 namespace uplink::fleet {
 
 Fleet::Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence,
-             const robot::PresenceLimits& twins)
+             const robot::PresenceLimits& twins, const BootClock* boot)
     : clock_(clock),
       robots_max_(robots_max),
       presence_(presence),
       twins_(twins),
       started_(clock.Steady()),
+      boot_(boot),
       brought_in_(GatewayRobotsMax(robots_max)) {}
 
 Fleet::Shard& Fleet::ShardOf(std::string_view ruri) {
@@ -185,25 +186,36 @@ void Fleet::BeginListening() {
   for (const RobotPtr& robot : All()) robot->state.BeginListening(now);
 }
 
+SteadyTime::duration Fleet::StoodStill(SteadyTime now) {
+  const SteadyTime at = boot_ == nullptr ? now : boot_->Boot();
+  const SteadyTime last = last_sweep_.exchange(at);
+  const SteadyTime::duration since = last == SteadyTime() ? SteadyTime::duration(0) : at - last;
+  return since > kSweepLate ? since : SteadyTime::duration(0);
+}
+
 PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing twins_hearing) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
   PresenceCounts counts;
   // A sweep that comes late means that we stood still: the robots' messages may lie unread. They
   // are taken before the next sweep, which judges.
-  const SteadyTime last = last_sweep_.exchange(steady);
-  const bool stalled = last != SteadyTime() && steady - last > kSweepLate;
+  const SteadyTime::duration stood_still = StoodStill(steady);
+  const bool stalled = stood_still > SteadyTime::duration(0);
   stood_still_.store(stalled);
   for (const RobotPtr& robot : All()) {
+    const robot::PresenceLimits& limits = presence_limits_of(*robot);
+    if (stalled) {
+      const bool breaks = stood_still >= kStandstillBreaks;
+      robot->state.NoteStall(breaks ? robot::EndOfStallWithGrace(steady, limits) : steady);
+      continue;
+    }
     const bool unheard = IsTwin(*robot)
                              ? twins_hearing != Hearing::kUpToDate
                              : hearing == Hearing::kBehind ||
                                    (hearing == Hearing::kHereAlone && !robot->HasStream());
-    if (stalled || unheard) robot->state.NoteStall(steady);
-    if (stalled) continue;
+    if (unheard) robot->state.NoteStall(steady);
     robot->sessions.Sweep(steady, session_idle);
-    const std::optional<robot::Presence> presence =
-        robot->state.Sweep(steady, system, presence_limits_of(*robot));
+    const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, limits);
     if (presence) {
       counts.Count(*presence);
     } else {

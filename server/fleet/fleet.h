@@ -14,6 +14,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "schema/base/boot_clock.h"
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/fleet/brought_in.h"
@@ -49,10 +50,12 @@ inline constexpr std::size_t kLeavingMax = 1'024;
 /// All robots by RURI, at most `robots_max`, beside those that are leaving memory. Thread-safe.
 class Fleet final {
  public:
-  /// `twins`: the presence of robots that are heard through a broker, where it differs.
-  Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence,
-        const robot::PresenceLimits& twins = {
-            .timeout = config::CyberwaveConfig().presence_timeout});
+  /// `twins`: the presence of robots that are heard through a broker, where it differs. `boot`
+  /// shows that the machine was suspended; null: nothing does.
+  Fleet(
+      const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence,
+      const robot::PresenceLimits& twins = {.timeout = config::CyberwaveConfig().presence_timeout},
+      const BootClock* boot = nullptr);
 
   /// Before the first robot and the first thread.
   void OnPresence(robot::PresenceChanged changed) { changed_ = std::move(changed); }
@@ -121,6 +124,11 @@ class Fleet final {
   /// A sweep is due each second; one that comes later than this after the last shows that the
   /// server stood still. It judges nobody.
   static constexpr std::chrono::seconds kSweepLate{3};
+  /// A standstill of this length breaks connections: agents ping from every 10 s on and wait some
+  /// seconds for the answer (docs/integrate/protocol.md). Its robots have to come back first, so
+  /// presence.startup_grace begins anew.
+  static constexpr std::chrono::seconds kStandstillBreaks{15};
+  static_assert(kStandstillBreaks > kSweepLate);
 
   /// Whether what robots send comes to this process's knowledge. Of whom it would not, nobody
   /// becomes offline: whose silence is too long is unknown, and so for the timeout of its presence
@@ -167,6 +175,8 @@ class Fleet final {
   bool MakeRoom();
   /// False if somebody keeps the robot, or it stays.
   bool Remove(const RobotPtr& robot);
+  /// How long the server stood still before this sweep; zero if it did not.
+  [[nodiscard]] SteadyTime::duration StoodStill(SteadyTime now);
   [[nodiscard]] Shard& ShardOf(std::string_view ruri);
   [[nodiscard]] const Shard& ShardOf(std::string_view ruri) const;
 
@@ -177,7 +187,8 @@ class Fleet final {
   /// When the relay began to listen; before that, when the fleet was made.
   std::atomic<SteadyTime> started_;
   robot::PresenceChanged changed_;
-  /// Zero before the first.
+  const BootClock* const boot_;
+  /// By the boot clock, if there is one. Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
   std::atomic<bool> stood_still_{false};
   std::array<Shard, kShards> shards_;

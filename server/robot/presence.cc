@@ -1,6 +1,12 @@
 #include "server/robot/presence.h"
 
+#include <algorithm>
+
 namespace uplink::robot {
+
+SteadyTime EndOfStallWithGrace(SteadyTime now, const PresenceLimits& limits) {
+  return now + std::max(milliseconds(0), limits.startup_grace - limits.timeout);
+}
 
 Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
   if (facts.last_sign_of_life && facts.now - *facts.last_sign_of_life <= limits.timeout) {

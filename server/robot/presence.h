@@ -43,6 +43,10 @@ struct PresenceFacts {
   std::optional<SteadyTime> unknown_until;
 };
 
+/// Until when a stall has to last so that a robot that is not heard from `now` on is unknown for
+/// limits.startup_grace: after a stall it is so for limits.timeout anyway.
+[[nodiscard]] SteadyTime EndOfStallWithGrace(SteadyTime now, const PresenceLimits& limits);
+
 /// Whether the robot is there: a pure function. A stream that opens or closes changes nothing.
 [[nodiscard]] Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits);
 

@@ -10,7 +10,15 @@ from harness import EndToEnd, wait_until
 ROBOTS = 10
 ROUND_SECONDS = 60
 # Longer than presence.timeout, which is 10 s.
-STANDSTILL_SECONDS = 15
+STANDSTILL_SECONDS = 14
+# Long enough for agents to give their connections up (Fleet::kStandstillBreaks); how long they then
+# take to come back, longer than this presence.timeout; and the grace that the server gives them.
+BREAK_SECONDS = 16
+AWAY_SECONDS = 12
+BRIEF = """[presence]
+timeout = "5s"
+startup_grace = "40s"
+"""
 
 
 class Standstill(EndToEnd):
@@ -33,12 +41,21 @@ class Standstill(EndToEnd):
         return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["changes"])]
 
     def stand_still(self, server, fleet, seconds):
-        resume_at = time.monotonic() + seconds
         server.process.send_signal(signal.SIGSTOP)
         try:
-            wait_until(fleet.process, lambda: time.monotonic() >= resume_at, seconds + ROUND_SECONDS, "it stood still")
+            self.pass_time(fleet.process, seconds)
         finally:
             server.process.send_signal(signal.SIGCONT)
+
+    def pass_time(self, process, seconds, check=lambda: None):
+        """While this process lives and the check passes."""
+        end = time.monotonic() + seconds
+
+        def look():
+            check()
+            return time.monotonic() >= end
+
+        wait_until(process, look, seconds + ROUND_SECONDS, "the time passes")
 
     def test_a_server_that_was_stopped_calls_nobody_offline(self):
         server = self.server().start()
@@ -64,6 +81,33 @@ class Standstill(EndToEnd):
                 self.assertNotEqual(before, after, "a row per change")
             self.assertEqual(changes[-1], "PRESENCE_ONLINE")
         self.assert_agrees(fleet)
+
+    def test_robots_whose_connections_broke_meanwhile_have_the_grace_of_a_start_to_come_back(self):
+        server = self.server(BRIEF).start()
+        fleet = self.fleet(server, "--robots", ROBOTS, "--rate", 10, "--faults", 10)
+        self.wait_for_all_online(server)
+        self.wait_until_not_behind(server)
+        server.process.send_signal(signal.SIGSTOP)
+        try:
+            # What they said is in the server's sockets, and then the end of each connection.
+            self.pass_time(fleet.process, 1)
+            fleet.close()
+            end = time.monotonic() + BREAK_SECONDS
+            while time.monotonic() < end:
+                self.assertIsNone(server.process.poll())
+                time.sleep(0.2)
+        finally:
+            server.process.send_signal(signal.SIGCONT)
+
+        def nobody_is_offline():
+            self.assertNotIn("PRESENCE_OFFLINE", [robot["presence"] for robot in self.robots(server)])
+
+        self.pass_time(server.process, AWAY_SECONDS, nobody_is_offline)
+        self.assertIn("PRESENCE_UNKNOWN", {robot["presence"] for robot in self.robots(server)})
+        self.fleet(server, "--robots", ROBOTS, "--rate", 10, "--faults", 10)
+        self.wait_for_all_online(server)
+        for robot in self.robots(server):
+            self.assertNotIn("PRESENCE_OFFLINE", self.changes(server, robot))
 
 
 if __name__ == "__main__":

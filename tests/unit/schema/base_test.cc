@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "schema/base/boot_clock.h"
 #include "schema/base/utf8.h"
 #include "schema/model/enum_text.h"
 #include "schema/model/ids.h"
@@ -17,6 +18,18 @@ namespace uplink {
 namespace {
 
 using std::string_view_literals::operator""sv;
+
+TEST(BootClockTest, HasAllOfTheTimeThatTheMonotonicClockHas) {
+  const SystemClock steady;
+  const SystemBootClock boot;
+  // A suspend of this machine in between would make the distance grow.
+  const SteadyTime began = boot.Boot();
+  EXPECT_GE(began, steady.Steady()) << "both count from the boot";
+  const SteadyTime from = steady.Steady();
+  while (steady.Steady() - from < milliseconds(2)) {
+  }
+  EXPECT_GE(boot.Boot() - began, milliseconds(2));
+}
 
 TEST(Utf8Test, TakesWellFormedText) {
   for (const std::string_view text :

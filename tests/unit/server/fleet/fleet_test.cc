@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "storage/origin.h"
+#include "tests/support/manual_boot_clock.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::fleet {
@@ -17,6 +20,8 @@ using ::testing::ElementsAre;
 using std::chrono::seconds;
 
 constexpr milliseconds kIdle = std::chrono::hours(1);
+constexpr const char* kTwin =
+    "rcan://local.rcan/cyberwave/twin/3f2504e0-4f89-11d3-9a0c-0305e82c3301";
 
 class FleetTest : public ::testing::Test {
  protected:
@@ -140,7 +145,7 @@ TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   gone.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   EXPECT_EQ(fleet.Sweep(kIdle).online, 2);
-  clock_.Advance(std::chrono::minutes(3));
+  clock_.Advance(Fleet::kStandstillBreaks - milliseconds(1));
   EXPECT_EQ(fleet.Sweep(kIdle).online, 2) << "what lies unread comes first";
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   clock_.Advance(seconds(1));
@@ -155,6 +160,87 @@ TEST_F(FleetTest, AfterAStandstillOfTheServerNobodyIsOfflineBeforeItCouldBeHeard
   clock_.Advance(seconds(1));
   fleet.Sweep(kIdle);
   EXPECT_EQ(gone.state.presence(), robot::Presence::kOffline);
+}
+
+/// A robot of the relay and a twin that are heard, beside one that is offline.
+class LongStandstill : public FleetTest {
+ protected:
+  LongStandstill() {
+    for (robot::Robot* const robot : heard_) Hear(*robot);
+    Hear(offline_);
+    PassSweeping(seconds(30));
+    EXPECT_EQ(offline_.state.presence(), robot::Presence::kOffline);
+    for (robot::Robot* const robot : heard_) Hear(*robot);
+    fleet_.Sweep(kIdle);
+  }
+  void Hear(robot::Robot& robot) {
+    robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits_of(robot));
+  }
+  void PassSweeping(milliseconds time) {
+    for (milliseconds passed{0}; passed < time; passed += seconds(1)) {
+      clock_.Advance(std::min<milliseconds>(seconds(1), time - passed));
+      fleet_.Sweep(kIdle);
+    }
+  }
+  /// The standstill has just ended, and what lay unread in the sockets of connections that broke
+  /// meanwhile is read.
+  void ExpectGraceAnew() {
+    fleet_.Sweep(kIdle);
+    EXPECT_TRUE(fleet_.stood_still());
+    for (robot::Robot* const robot : heard_) Hear(*robot);
+    PassSweeping(kLimits.startup_grace);
+    for (const robot::Robot* const robot : heard_) {
+      EXPECT_EQ(robot->state.presence(), robot::Presence::kUnknown) << robot->ruri();
+    }
+    EXPECT_EQ(offline_.state.presence(), robot::Presence::kOffline) << "it was proven before";
+    PassSweeping(milliseconds(1));
+    for (const robot::Robot* const robot : heard_) {
+      EXPECT_EQ(robot->state.presence(), robot::Presence::kOffline) << robot->ruri();
+    }
+  }
+
+  static constexpr robot::PresenceLimits kLimits{.timeout = seconds(10),
+                                                 .startup_grace = seconds(120)};
+  static constexpr robot::PresenceLimits kTwins{.timeout = seconds(20),
+                                                .startup_grace = seconds(120)};
+  testing::ManualBootClock boot_{clock_};
+  Fleet fleet_{clock_, 100, kLimits, kTwins, &boot_};
+  robot::Robot& offline_ = Admit(fleet_, "rcan://offline");
+  const std::vector<robot::Robot*> heard_{&Admit(fleet_, "rcan://heard"), &Admit(fleet_, kTwin)};
+};
+
+TEST_F(LongStandstill, BeginsTheGraceOfAStartAnew) {
+  clock_.Advance(std::chrono::minutes(7));
+  ExpectGraceAnew();
+}
+
+TEST_F(LongStandstill, BeginsWhereConnectionsMayBreak) {
+  clock_.Advance(Fleet::kStandstillBreaks);
+  ExpectGraceAnew();
+}
+
+TEST_F(LongStandstill, IsNoneBelowThat) {
+  clock_.Advance(Fleet::kStandstillBreaks - milliseconds(1));
+  fleet_.Sweep(kIdle);
+  PassSweeping(kTwins.timeout + milliseconds(1));
+  for (const robot::Robot* const robot : heard_) {
+    EXPECT_EQ(robot->state.presence(), robot::Presence::kOffline) << robot->ruri();
+  }
+}
+
+TEST_F(LongStandstill, IsASuspendTooThoughTheMonotonicClockStandsStill) {
+  clock_.Advance(seconds(1));
+  boot_.Suspend(std::chrono::minutes(7));
+  ExpectGraceAnew();
+}
+
+TEST_F(LongStandstill, WhoIsHeardAfterItIsOnlineAtOnce) {
+  clock_.Advance(std::chrono::minutes(7));
+  fleet_.Sweep(kIdle);
+  PassSweeping(seconds(30));
+  Hear(*heard_[0]);
+  PassSweeping(seconds(1));
+  EXPECT_EQ(heard_[0]->state.presence(), robot::Presence::kOnline);
 }
 
 TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
@@ -191,9 +277,6 @@ TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
   sweep(kUpToDate, milliseconds(1));
   EXPECT_EQ(waiting.state.presence(), robot::Presence::kOffline);
 }
-
-constexpr const char* kTwin =
-    "rcan://local.rcan/cyberwave/twin/3f2504e0-4f89-11d3-9a0c-0305e82c3301";
 
 TEST_F(FleetTest, TheRuriSaysByWhichWayARobotIsHeard) {
   Fleet fleet(clock_, 100, {});

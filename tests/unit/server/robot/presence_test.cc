@@ -78,6 +78,14 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"MayBeUnheardNoLonger", 900'001, {}, false, {}, kOffline, {}, 900'000}),
     [](const auto& instance) { return instance.param.name; });
 
+TEST(EndOfStall, IsWhereTheGraceOfAStartEndsATimeoutLater) {
+  EXPECT_EQ(EndOfStallWithGrace(kStart, kLimits), At(110'000));
+  const PresenceLimits equal{.timeout = milliseconds(5), .startup_grace = milliseconds(5)};
+  EXPECT_EQ(EndOfStallWithGrace(kStart, equal), kStart);
+  const PresenceLimits none{.timeout = milliseconds(5), .startup_grace = milliseconds(0)};
+  EXPECT_EQ(EndOfStallWithGrace(kStart, none), kStart);
+}
+
 TEST(PresenceText, IsAsTheApiSpellsIt) {
   EXPECT_EQ(ToText(Presence::kUnknown), "unknown");
   EXPECT_EQ(ToText(Presence::kOnline), "online");
