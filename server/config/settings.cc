@@ -454,9 +454,9 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 7 * kDay,
      .text = "How long a robot that was adopted from another server is unknown instead of "
              "offline while it is not heard, where that server may live and be cut off from the "
-             "store alone; and for how long after such a server's last renewal a robot without a "
-             "stream "
-             "here is so. One that stopped in order, or is known to have ended, has startup_grace.",
+             "store alone; and for how long after such a server's last renewal a robot here is so "
+             "that has no stream, or whose peer answers no ping. One that stopped in order, or is "
+             "known to have ended, has startup_grace.",
      UPLINK_BIND(presence, PresenceConfig, adopted_grace)},
     {.section = "presence",
      .key = "flap_changes",

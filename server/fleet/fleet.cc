@@ -193,6 +193,20 @@ SteadyTime::duration Fleet::StoodStill(SteadyTime now) {
   return since > kSweepLate ? since : SteadyTime::duration(0);
 }
 
+void Fleet::JudgeHearing(robot::Robot& robot, Hearing hearing, SteadyTime now) {
+  switch (hearing) {
+    case Hearing::kUpToDate:
+      return;
+    case Hearing::kHereAlone:
+      if (!robot.HasStream()) break;
+      if (robot.state.DoubtSilence(now, presence_limits_of(robot))) robot.sessions.stream().Wake();
+      return;
+    case Hearing::kBehind:
+      break;
+  }
+  robot.state.NoteStall(now);
+}
+
 PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing twins_hearing) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
@@ -209,11 +223,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing 
       robot->state.NoteStall(breaks ? robot::EndOfStallWithGrace(steady, limits) : steady);
       continue;
     }
-    const bool unheard = IsTwin(*robot)
-                             ? twins_hearing != Hearing::kUpToDate
-                             : hearing == Hearing::kBehind ||
-                                   (hearing == Hearing::kHereAlone && !robot->HasStream());
-    if (unheard) robot->state.NoteStall(steady);
+    JudgeHearing(*robot, IsTwin(*robot) ? twins_hearing : hearing, steady);
     robot->sessions.Sweep(steady, session_idle);
     const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, limits);
     if (presence) {

@@ -135,8 +135,10 @@ class Fleet final {
   /// after.
   enum class Hearing : std::uint8_t {
     kUpToDate,
-    /// Robots that left may stream to another process, which cannot reach the store and tell. Of
-    /// twins, which have no stream that could show who left, it says the same as kBehind.
+    /// Robots that left may stream to another process, which cannot reach the store and tell. One
+    /// whose stream is open here may have left too, by a network that cut it off without a word:
+    /// its silence counts once the stream's peer has answered (RobotState::DoubtSilence). Of twins,
+    /// which have no stream that could show who left, it says the same as kBehind.
     kHereAlone,
     /// What robots sent has not been read; of twins also that their broker is not heard.
     kBehind,
@@ -175,6 +177,8 @@ class Fleet final {
   bool MakeRoom();
   /// False if somebody keeps the robot, or it stays.
   bool Remove(const RobotPtr& robot);
+  /// What the robot's silence until now is worth.
+  void JudgeHearing(robot::Robot& robot, Hearing hearing, SteadyTime now);
   /// How long the server stood still before this sweep; zero if it did not.
   [[nodiscard]] SteadyTime::duration StoodStill(SteadyTime now);
   [[nodiscard]] Shard& ShardOf(std::string_view ruri);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -32,6 +33,8 @@ class CallOwner {
   virtual void Settle() = 0;
   [[nodiscard]] virtual const TlsPeer& tls_peer() const = 0;
   [[nodiscard]] virtual const Origin& origin() const = 0;
+  /// Asks the peer for an answer: Call::OnPeerAnswered of all its calls follows.
+  virtual void AskPeer() = 0;
   /// Set while no new call is served here: why.
   [[nodiscard]] virtual std::optional<absl::Status> refusal() const = 0;
 };
@@ -61,6 +64,11 @@ class Call final : public Http2Stream {
   void Finish(const absl::Status& status);
   /// Ends it at once.
   void Cancel();
+  /// Asks whether the peer is there: answered by the handler's OnPeerAnswered, if it ever is.
+  void AskPeer() {
+    asks_peer_ = true;
+    owner_.AskPeer();
+  }
   [[nodiscard]] Thread& thread() { return thread_; }
   [[nodiscard]] CallOwner& owner() const { return owner_; }
   [[nodiscard]] std::uint64_t id() const { return id_; }
@@ -71,6 +79,9 @@ class Call final : public Http2Stream {
   void Settle();
   void OnWake();
   void OnTimer();
+  void OnPeerAnswered() {
+    if (std::exchange(asks_peer_, false) && serving()) handler_->OnPeerAnswered();
+  }
   /// The handler's OnDrain at `at`, with what is left until `end`.
   void DrainAt(SteadyTime at, SteadyTime end);
   /// The connection is gone.
@@ -131,6 +142,7 @@ class Call final : public Http2Stream {
   std::size_t consumed_early_ = 0;
   bool wants_message_ = false;
   bool has_written_ = false;
+  bool asks_peer_ = false;
   bool peer_ended_ = false;
   MethodKind kind_ = MethodKind::kBidirectional;
   /// What Thread::unfinished has of it.

@@ -37,6 +37,8 @@ class CallHandler {
   virtual void OnHalfClose() = 0;
   /// Bytes came of the message that it waits for, and it is not whole.
   virtual void OnMessageBytes() {}
+  /// The peer answered Call::AskPeer.
+  virtual void OnPeerAnswered() {}
   /// Nothing can be said any more: the peer reset the stream and meant this code, or the call ends
   /// with it by no wish of its handler; none: the connection is gone. Idempotent.
   virtual void OnBroken(std::optional<absl::StatusCode> code) = 0;

@@ -32,6 +32,10 @@ void CallSet::Settle(const std::function<void(const Call&)>& settled) {
   touched_.clear();
 }
 
+void CallSet::TellPeerAnswered() {
+  for (const auto& [id, call] : calls_) call->OnPeerAnswered();
+}
+
 void CallSet::Break() {
   for (const auto& [id, call] : calls_) call->Break();
 }

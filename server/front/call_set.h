@@ -20,6 +20,8 @@ class CallSet final {
   void Touch(Call& call);
   /// Settles what was touched, also by settling; `settled` sees each before it may go.
   void Settle(const std::function<void(const Call&)>& settled);
+  /// Tells all that the peer answered.
+  void TellPeerAnswered();
   /// Tells all that the connection is gone.
   void Break();
   /// Tells all to drain, one after the other, the first as number `first` of `spread`; they have

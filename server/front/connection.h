@@ -88,6 +88,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   Http2Stream* OnStream(std::int32_t id) override;
   void OnFrame(FrameKind kind) override;
   void OnHeaderBomb() override { TurnAway(transport::TurnedAway::kHeaders, "headers"); }
+  void OnPong() override { calls_.TellPeerAnswered(); }
   void OnSent() override { pings_.OnSent(); }
   void OnStreamFault(std::string_view code) override;
   void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
@@ -95,6 +96,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Touch(Call& call) override { calls_.Touch(call); }
   [[nodiscard]] const TlsPeer& tls_peer() const override { return *peer_; }
   [[nodiscard]] const Origin& origin() const override { return origin_; }
+  void AskPeer() override { http2_->PingOnce(); }
   [[nodiscard]] std::optional<absl::Status> refusal() const override;
 
  private:

@@ -28,7 +28,12 @@ int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, v
   Http2& http2 = Self(self);
   if (IsAnswer(*header)) {
     // One to SETTINGS that were not sent is an error to the library.
-    if (header->type == NGHTTP2_PING && !http2.TakePong()) http2.peer().OnFrame(FrameKind::kPong);
+    if (header->type != NGHTTP2_PING) return 0;
+    if (!http2.TakePong()) {
+      http2.peer().OnFrame(FrameKind::kPong);
+    } else if (!http2.waits_for_pong()) {
+      http2.peer().OnPong();
+    }
     return 0;
   }
   if (const std::optional<FrameKind> kind = KindOf(*header)) http2.peer().OnFrame(*kind);

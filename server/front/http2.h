@@ -65,6 +65,8 @@ class Http2Peer {
   virtual void OnFrame(FrameKind kind) = 0;
   /// A list of headers is past kHeaderBombBytes: the rest of it is passed over.
   virtual void OnHeaderBomb() = 0;
+  /// The peer has answered every PING of ours.
+  virtual void OnPong() = 0;
   /// We sent HEADERS or DATA.
   virtual void OnSent() = 0;
   /// The peer broke a rule on one stream, which ends by a RST_STREAM of ours with this code's name.
@@ -120,6 +122,10 @@ class Http2 final {
   void ConsumeStream(std::int32_t stream, std::size_t bytes);
 
   void Ping();
+  /// As Ping, unless one has no answer yet.
+  void PingOnce() {
+    if (pings_open_ == 0) Ping();
+  }
   /// Tells the peer to open no more streams here; those that it opens meanwhile still count.
   void NoticeEnd();
   /// Ends the connection with a code, and a text for who looks: no stream goes on.
@@ -133,6 +139,7 @@ class Http2 final {
   [[nodiscard]] bool CountHeader(std::size_t bytes);
   /// An answer to a PING has come; false if none of ours was open.
   [[nodiscard]] bool TakePong();
+  [[nodiscard]] bool waits_for_pong() const { return pings_open_ > 0; }
 
  private:
   Http2Peer& peer_;

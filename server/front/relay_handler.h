@@ -46,6 +46,7 @@ class RelayHandler final : public CallHandler,
   void OnTooLarge(std::uint64_t bytes) override { session_->OnFrameTooLarge(bytes); }
   void OnHalfClose() override { session_->OnHalfClose(); }
   void OnMessageBytes() override { session_->OnFrameBytes(); }
+  void OnPeerAnswered() override { session_->OnPeerAnswered(); }
   void OnBroken(std::optional<absl::StatusCode> code) override;
   void OnWritten() override;
   void OnWake() override { session_->OnWake(); }
@@ -60,6 +61,7 @@ class RelayHandler final : public CallHandler,
   void WriteEncoded(std::span<const session::EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override { call_.Cancel(); }
+  void AskPeer() override { call_.AskPeer(); }
 
  private:
   RelayHandler(Call& call, transport::Entrant entrant)

@@ -47,6 +47,10 @@ struct PresenceFacts {
 /// limits.startup_grace: after a stall it is so for limits.timeout anyway.
 [[nodiscard]] SteadyTime EndOfStallWithGrace(SteadyTime now, const PresenceLimits& limits);
 
+/// Until when a robot that is not held back is not offline, if it is not heard any more; of one
+/// that came as offline it means nothing.
+[[nodiscard]] SteadyTime NotOfflineUntil(const PresenceFacts& facts, const PresenceLimits& limits);
+
 /// Whether the robot is there: a pure function. A stream that opens or closes changes nothing.
 [[nodiscard]] Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits);
 

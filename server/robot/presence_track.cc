@@ -39,9 +39,23 @@ void PresenceTrack::AddStall(SteadyTime until) {
   held_back_until_ = std::max(held_back_until_.value_or(until), until);
 }
 
+bool PresenceTrack::DoubtSilence(SteadyTime now, const PresenceLimits& limits) {
+  if (presence_ == Presence::kOffline || foreign_ || held_back_) return false;
+  const SteadyTime until = NotOfflineUntil(Facts(), limits);
+  if (now < until || (peer_answered_ && *peer_answered_ >= until)) return false;
+  doubted_until_ = now;
+  return true;
+}
+
+void PresenceTrack::NotePeerAnswered(SteadyTime now, const PresenceLimits& limits) {
+  peer_answered_ = now;
+  if (now >= NotOfflineUntil(Facts(), limits)) doubted_until_.reset();
+}
+
 void PresenceTrack::Doubt(SteadyTime unknown_until, SystemTime system_now) {
   if (foreign_ || presence_ != Presence::kOnline) return;
   last_sign_.reset();
+  peer_answered_.reset();
   claimed_.reset();
   unknown_until_ = unknown_until;
   Change(Presence::kUnknown, system_now);
@@ -103,6 +117,7 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   held_back_ = false;
   held_back_until_.reset();
   stream_held_back_until_.reset();
+  doubted_until_.reset();
   BeginFrom(stored);
 }
 
@@ -118,17 +133,22 @@ void PresenceTrack::Reach(SteadyTime steady, SystemTime system) {
   reached_system_ = system;
 }
 
+PresenceFacts PresenceTrack::Facts() const {
+  return {.now = reached_.value_or(server_started_),
+          .server_started = server_started_,
+          .known_since = known_since_,
+          .last_sign_of_life = last_sign_,
+          .held_back = held_back_,
+          .held_back_until = held_back_until_,
+          .claimed = claimed_,
+          .unknown_until = unknown_until_};
+}
+
 void PresenceTrack::Update(const PresenceLimits& limits) {
   if (foreign_) return;
-  const Presence presence = PresenceOf({.now = reached_.value_or(server_started_),
-                                        .server_started = server_started_,
-                                        .known_since = known_since_,
-                                        .last_sign_of_life = last_sign_,
-                                        .held_back = held_back_,
-                                        .held_back_until = held_back_until_,
-                                        .claimed = claimed_,
-                                        .unknown_until = unknown_until_},
-                                       limits);
+  PresenceFacts facts = Facts();
+  facts.held_back_until = std::max(facts.held_back_until, doubted_until_);
+  const Presence presence = PresenceOf(facts, limits);
   if (presence != presence_) Change(presence, reached_system_);
 }
 

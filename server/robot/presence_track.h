@@ -42,6 +42,12 @@ class PresenceTrack final {
   /// the robot wait until then: what it does not hear meanwhile proves nothing. Who was offline
   /// before stays so.
   void AddStall(SteadyTime until);
+  /// Other processes may hear the robot and cannot tell, and it has a stream here: its silence
+  /// counts only if that stream's peer answered once the robot was about to be offline. True if the
+  /// peer is to be asked; a stall lasts until now then.
+  bool DoubtSilence(SteadyTime now, const PresenceLimits& limits);
+  /// The peer of the robot's stream answered a ping.
+  void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
   /// What was heard here counts no more: who was online is unknown until it is heard again, and at
   /// most until `unknown_until`.
   void Doubt(SteadyTime unknown_until, SystemTime system_now);
@@ -85,6 +91,8 @@ class PresenceTrack final {
   void Reach(SteadyTime steady, SystemTime system);
   void Update(const PresenceLimits& limits);
   void Change(Presence presence, SystemTime at);
+  /// But for silence in doubt.
+  [[nodiscard]] PresenceFacts Facts() const;
   /// A sign of life came here, and not too long ago.
   [[nodiscard]] bool HeardInTime(SteadyTime now) const;
   /// The store has `stored`, and what was heard here stands.
@@ -108,6 +116,10 @@ class PresenceTrack final {
   /// Also until when the server itself stood still, was behind, or makes a stream wait: the latest.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
+  /// When the peer of the robot's stream answered last, and until when the robot's silence had no
+  /// such answer.
+  std::optional<SteadyTime> peer_answered_;
+  std::optional<SteadyTime> doubted_until_;
   std::optional<PresenceFacts::Claimed> claimed_;
   std::optional<SteadyTime> unknown_until_;
   /// Another process judges it.

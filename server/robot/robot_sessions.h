@@ -97,6 +97,11 @@ class RobotSessions final {
   }
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
   StreamRef Detach(StreamRef stream, SteadyTime now);
+  /// The robot's stream; none if there is none.
+  [[nodiscard]] StreamRef stream() const {
+    const std::lock_guard lock(mutex_);
+    return takeover_.current();
+  }
   /// The robot's stream is to end. Returns it, to be woken; none if there is none.
   StreamRef EndStream() {
     const std::lock_guard lock(mutex_);

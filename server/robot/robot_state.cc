@@ -79,6 +79,18 @@ void RobotState::NoteStall(SteadyTime until) {
   presence_.AddStall(until);
 }
 
+bool RobotState::DoubtSilence(SteadyTime now, const PresenceLimits& limits) {
+  const std::lock_guard lock(mutex_);
+  const bool ask = presence_.DoubtSilence(now, limits);
+  if (ask) ask_peer_.store(true);
+  return ask;
+}
+
+void RobotState::NotePeerAnswered(SteadyTime now, const PresenceLimits& limits) {
+  const std::lock_guard lock(mutex_);
+  presence_.NotePeerAnswered(now, limits);
+}
+
 void RobotState::Doubt(SteadyTime unknown_until, SystemTime system_now) {
   const std::lock_guard lock(mutex_);
   presence_.Doubt(unknown_until, system_now);

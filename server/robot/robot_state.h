@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
@@ -95,6 +96,12 @@ class RobotState final {
   void SetReading(Reading reading, SteadyTime now);
   /// As PresenceTrack::AddStall.
   void NoteStall(SteadyTime until);
+  /// As PresenceTrack's. If it is true, TakeAskPeer is so once.
+  bool DoubtSilence(SteadyTime now, const PresenceLimits& limits);
+  /// The robot's stream is to ask its peer for an answer.
+  [[nodiscard]] bool TakeAskPeer() { return ask_peer_.load() && ask_peer_.exchange(false); }
+  /// As PresenceTrack's.
+  void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
   /// As PresenceTrack's.
   void Doubt(SteadyTime unknown_until, SystemTime system_now);
   void NoteClockSkew(std::int64_t skew_ms);
@@ -173,6 +180,8 @@ class RobotState final {
   SteadyTime rcan_arrived_;
   /// The last sign of life or the clock's skew.
   bool signs_changed_ = false;
+  /// Outside of the lock: a stream looks at it at each wake.
+  std::atomic<bool> ask_peer_{false};
   PresenceTrack presence_;
   std::optional<std::int64_t> clock_skew_ms_;
   std::int64_t fields_dropped_ = 0;

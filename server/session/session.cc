@@ -195,6 +195,7 @@ void Session::OnWake() {
   if (state_ == State::kDone || !robot_.attached()) return;
   outgoing_.BeginTurn();
   if (!FollowStanding(robot_.standing())) return;
+  if (robot_.robot().state.TakeAskPeer()) sink_.AskPeer();
   if (state_ != State::kOpening) return Advance(News::kCommits);
   if (robot_.opened()) SendWelcome();
 }

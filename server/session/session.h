@@ -50,6 +50,11 @@ class Session final {
     robot_.robot().state.SignOfLife(context_.clock.Steady(), context_.clock.System(),
                                     presence_limits());
   }
+  /// The peer answered FrameSink::AskPeer.
+  void OnPeerAnswered() {
+    if (done() || !robot_.attached()) return;
+    robot_.robot().state.NotePeerAnswered(context_.clock.Steady(), presence_limits());
+  }
   /// The peer's frame was over limits.frame_bytes_max or frame_bytes_max(); `bytes` is its size.
   void OnFrameTooLarge(std::uint64_t bytes);
   /// The agent half-closed.

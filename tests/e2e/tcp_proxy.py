@@ -41,6 +41,8 @@ class TcpProxy:
         self.in_turn = in_turn
         self.chosen = 0
         self.connections = {}
+        # Those whose server was not told that its client is gone.
+        self.half_open = set()
         self.lock = threading.Lock()
         self.passing = threading.Event()
         self.passing.set()
@@ -63,6 +65,15 @@ class TcpProxy:
             dropped = [ends for ends, to in self.connections.items() if target in (None, to)]
         for ends in dropped:
             close_both(ends)
+
+    def part(self, target):
+        """Ends the connections to this target at their clients alone: the target is told nothing, and what
+        it says goes nowhere. A network that cuts off whoever leaves it."""
+        with self.lock:
+            parted = [ends for ends, to in self.connections.items() if to == target]
+            self.half_open.update(parted)
+        for client, _ in parted:
+            close_both([client])
 
     def cut(self, how):
         if how is Cut.BLACK_HOLE:
@@ -122,21 +133,32 @@ class TcpProxy:
             self.connections[ends] = place
         if self.refusing:
             close_both(ends)
-        back = threading.Thread(target=self._pass_on, args=(server, client), daemon=True)
+        back = threading.Thread(target=self._pass_on, args=(ends, server, client), daemon=True)
         back.start()
-        self._pass_on(client, server)
+        self._pass_on(ends, client, server)
         back.join()
         with self.lock:
             del self.connections[ends]
+            self.half_open.discard(ends)
         close_both(ends)
 
-    def _pass_on(self, source, sink):
+    def _pass_on(self, ends, source, sink):
         """Until the source ends, which the sink is told, or either breaks."""
         try:
             while data := source.recv(CHUNK_BYTES):
                 self.passing.wait()
                 sink.sendall(data)
             self.passing.wait()
-            sink.shutdown(socket.SHUT_WR)
+            if ends not in self.half_open:
+                sink.shutdown(socket.SHUT_WR)
         except OSError:
-            close_both([source, sink])
+            if ends not in self.half_open:
+                close_both([source, sink])
+            elif source is ends[1]:
+                self._swallow(source)
+
+    def _swallow(self, source):
+        """Until the source ends."""
+        with contextlib.suppress(OSError):
+            while source.recv(CHUNK_BYTES):
+                pass

@@ -253,11 +253,23 @@ class Cuts(TwoServers):
         self.assert_histories_are_true()
 
     def test_robots_that_move_to_a_server_that_is_cut_off_are_not_offline(self):
+        self.assert_robots_that_left_are_not_offline(lambda: self.road.drop(A))
+
+    def test_robots_that_move_there_and_leave_half_open_connections_are_not_offline(self):
+        def part():
+            self.road.part(A)
+            # Longer than presence.timeout: A has streams, and hears nobody on them.
+            self.watch(SPANS.after, check=lambda: self.assertEqual(self.streams(A), ROBOTS))
+
+        self.assert_robots_that_left_are_not_offline(part)
+
+    def assert_robots_that_left_are_not_offline(self, leave):
         self.stores[B].cut(Cut.BLACK_HOLE)
         self.wait_for(lambda: " process_late " in self.servers[A].text(), "A misses the lease of B", A)
         self.road.choose(B)
-        self.road.drop(A)
+        leave()
         self.watch(SPANS.long_cut)
+        # A's keepalive ended those that were half open.
         self.assertEqual(self.streams(A), 0)
         self.assertIn(UNKNOWN, {robot["presence"] for robot in self.robots(A).values()})
         self.stores[B].mend()

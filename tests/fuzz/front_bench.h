@@ -70,6 +70,7 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
   front::Http2Stream* OnStream(std::int32_t id) override;
   void OnFrame(front::FrameKind kind) override;
   void OnHeaderBomb() override;
+  void OnPong() override { calls_.TellPeerAnswered(); }
   void OnSent() override { pings_.OnSent(); }
   void OnStreamFault(std::string_view /*code*/) override { OnFrame(front::FrameKind::kReset); }
   void OnFault() override {}
@@ -78,6 +79,7 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
   void Settle() override;
   [[nodiscard]] const front::TlsPeer& tls_peer() const override { return peer_; }
   [[nodiscard]] const front::Origin& origin() const override { return origin_; }
+  void AskPeer() override { http2_.PingOnce(); }
   [[nodiscard]] std::optional<absl::Status> refusal() const override;
 
  private:

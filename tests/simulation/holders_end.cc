@@ -43,7 +43,11 @@ void HoldersWorld::Settle() {
   for (Place& place : places_) {
     place.still_until = place.unread_until = place.cut_until = now;
     place.lost_percent = 0;
+    for (Place::HalfOpen& open : place.half_open) open.ends_at = now;
     if (place.process == nullptr) place.starts_at = now;
+  }
+  for (Robot& robot : robots_) {
+    if (robot.broke) robot.connects_at = std::min(robot.connects_at, now + kSlack);
   }
   Pass(kCalm);
   for (Robot& robot : robots_) {

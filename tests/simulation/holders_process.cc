@@ -28,7 +28,10 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       store_(ContextOfStore()),
       logger_(std::make_unique<testing::NoLines>(), ground_.clock, log::Format::kText,
               log::Level::kError),
-      fleet_(ground_.clock, kHoldersRobotsMax, {}),
+      fleet_(ground_.clock, kHoldersRobotsMax,
+             ground_.fault == HoldersFault::kNoGraceAfterStandstill
+                 ? robot::PresenceLimits{.startup_grace = milliseconds(0)}
+                 : robot::PresenceLimits()),
       journal_(store_, {}, ground_.clock, ledger_, journal_probe_, ground_.id),
       seed_({fleet_, shards_, store_.reader(), std::nullopt}),
       restore_(fleet_, store_.reader()),
@@ -81,6 +84,21 @@ void HoldersProcess::Step(std::size_t writes, bool hears) {
   for (std::size_t left = steps.size(); left > 0; --left) {
     std::swap(steps[ground_.random.Below(left)], steps[left - 1]);
     steps[left - 1]();
+  }
+  if (hears) AskPeers();
+}
+
+void HoldersProcess::AskPeers() {
+  const std::set<std::uint64_t> woken = std::exchange(woken_, {});
+  for (const auto& [ruri, stream] : streams_) {
+    robot::RobotState& state = fleet_.Find(ruri)->state;
+    if (woken.contains(stream) && state.TakeAskPeer()) asked_peers_.insert(ruri);
+    if (!asked_peers_.contains(ruri)) continue;
+    if (ground_.fault != HoldersFault::kHalfOpenAnswers && !ground_.peer_answers(ruri, stream)) {
+      continue;
+    }
+    asked_peers_.erase(ruri);
+    state.NotePeerAnswered(ground_.clock.Steady(), fleet_.presence_limits());
   }
 }
 
@@ -146,6 +164,7 @@ void HoldersProcess::Close(const std::string& ruri, std::uint64_t stream) {
   robot.sessions.Detach({.inbox = this, .stream = stream}, ground_.clock.Steady());
   if (!robot.HasStream() && ground_.fault != HoldersFault::kClaimStays) robot.state.EndClaim();
   streams_.erase(ruri);
+  asked_peers_.erase(ruri);
 }
 
 void HoldersProcess::Hear(const std::string& ruri) {

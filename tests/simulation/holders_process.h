@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,12 @@ class HoldersProcess final : public robot::WakeInbox {
     /// For people, and where it runs.
     std::string name;
     std::function<bool(std::string_view life)> is_gone;
+    /// Whether the peer of this stream of the robot answers a ping.
+    std::function<bool(const std::string& ruri, std::uint64_t stream)> peer_answers;
   };
   explicit HoldersProcess(const Ground& ground);
 
-  void Wake(std::uint64_t /*stream*/) override {}
+  void Wake(std::uint64_t stream) override { woken_.insert(stream); }
 
   /// Reads the robots that the store knows; `away` if that cannot be reached.
   void Start();
@@ -93,10 +96,15 @@ class HoldersProcess final : public robot::WakeInbox {
   void Read();
   void Write(std::size_t steps);
   void AskRelay(bool hears);
+  /// What streams do that were woken, and what their peers answer.
+  void AskPeers();
 
   const Ground ground_;
   std::uint64_t next_stream_ = 1;
   std::map<std::string, std::uint64_t> streams_;
+  std::set<std::uint64_t> woken_;
+  /// Robots whose peers were asked and have not answered.
+  std::set<std::string> asked_peers_;
   HoldersStore store_;
   metrics::Ledger ledger_;
   journal::JournalProbe journal_probe_;

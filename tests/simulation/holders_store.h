@@ -40,6 +40,10 @@ enum class HoldersFault : std::uint8_t {
   kSilenceForgotten,
   /// Robots that may stream to a process that is cut off from the store are judged like others.
   kLateIsForgotten,
+  /// Silence counts though nobody is there to answer a ping.
+  kHalfOpenAnswers,
+  /// After a standstill robots have no more time to come back than after a start without a grace.
+  kNoGraceAfterStandstill,
   /// A robot's epochs begin anew with its row.
   kEpochsInEachRow,
 };

@@ -35,6 +35,8 @@ HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
     sum.adoptions += result.adoptions;
     sum.moves += result.moves;
     sum.moves_to_cut += result.moves_to_cut;
+    sum.half_open += result.half_open;
+    sum.long_standstills += result.long_standstills;
     sum.kills += result.kills;
     sum.standstills += result.standstills;
     sum.cuts += result.cuts;
@@ -65,6 +67,8 @@ TEST(Holders, NobodyIsFalselyOfflineAndEverythingSettlesAfterAnyTrouble) {
   EXPECT_GT(sum.cuts, kSeeds);
   EXPECT_GT(sum.adoptions, kSeeds);
   EXPECT_GT(sum.moves_to_cut, kSeeds);
+  EXPECT_GT(sum.half_open, kSeeds);
+  EXPECT_GT(sum.long_standstills, kSeeds / 2);
   fmt::print(
       "{} seeds: {} rows, {} adoptions, {} moves; {} kills, {} standstills, {} cuts, {} stops\n",
       kSeeds, sum.rows, sum.adoptions, sum.moves, sum.kills, sum.standstills, sum.cuts, sum.stops);
@@ -111,6 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
         Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
         Canary{HoldersFault::kSilenceForgotten}, Canary{HoldersFault::kLateIsForgotten},
+        Canary{HoldersFault::kHalfOpenAnswers}, Canary{HoldersFault::kNoGraceAfterStandstill},
         Canary{HoldersFault::kEpochsInEachRow, Trouble::kRows}));
 
 }  // namespace

@@ -119,7 +119,14 @@ void HoldersWorld::Start(Place& place) {
       .fault = options_.fault,
       .id = {static_cast<std::uint8_t>(index + 1), place.lives},
       .name = fmt::format("{}.{}", index + 1, place.lives),
-      .is_gone = [this](std::string_view life) { return gone_.contains(life); }});
+      .is_gone = [this](std::string_view life) { return gone_.contains(life); },
+      .peer_answers =
+          [this, index, life = place.lives](const std::string& ruri, std::uint64_t stream) {
+            return std::ranges::any_of(robots_, [&](const Robot& robot) {
+              return robot.id->ruri == ruri && robot.link && robot.link->place == index &&
+                     robot.link->life == life && robot.link->stream == stream;
+            });
+          }});
   truth_.Tell("starts " + place.process->name());
   place.process->store().SetAway(!Reaches(place));
   place.process->Start();
@@ -130,6 +137,7 @@ void HoldersWorld::End(Place& place) {
   place.process.reset();
   place.stops_at.reset();
   place.unread_ends.clear();
+  place.half_open.clear();
   place.still_until = place.unread_until = clock_.Steady();
   place.starts_at = clock_.Steady() + Between(seconds(0), seconds(90));
 }
@@ -150,6 +158,9 @@ void HoldersWorld::BeginStop(Place& place) {
   for (Robot& robot : robots_) {
     if (robot.link && PlaceOf(robot) == &place) Leave(robot, Between(seconds(1), seconds(3)));
   }
+  // A drain waits for its streams.
+  for (Place::HalfOpen& open : place.half_open) open.ends_at = clock_.Steady();
+  EndHalfOpen(place);
   place.process->draining = true;
   place.stops_at = clock_.Steady() + Between(seconds(1), seconds(5));
 }
@@ -157,10 +168,25 @@ void HoldersWorld::BeginStop(Place& place) {
 void HoldersWorld::StandStill(Place& place) {
   if (place.process == nullptr || Stands(place)) return;
   ++result_.standstills;
-  place.still_until = clock_.Steady() + (random_.Percent(50) ? Between(seconds(1), seconds(20))
-                                                             : Between(seconds(20), seconds(70)));
+  milliseconds time = Between(seconds(1), seconds(20));
+  if (random_.Percent(50))
+    time = Between(seconds(20), random_.Percent(50) ? seconds(70) : minutes(5));
+  place.still_until = clock_.Steady() + time;
   place.unread_until = place.still_until + Between(seconds(0), seconds(15));
-  truth_.Tell("stands still " + place.process->name());
+  truth_.Tell(fmt::format("stands still {} for {} ms", place.process->name(), time.count()));
+  if (time >= fleet::Fleet::kStandstillBreaks + seconds(1)) BreakConnections(place);
+}
+
+void HoldersWorld::BreakConnections(Place& place) {
+  ++result_.long_standstills;
+  const auto still = std::chrono::duration_cast<milliseconds>(place.unread_until - clock_.Steady());
+  for (Robot& robot : robots_) {
+    if (!robot.link || PlaceOf(robot) != &place || !IsHeard(robot) || random_.Percent(50)) continue;
+    robot.broke = robot.link;
+    // What it said before its agent gave up is read afterwards.
+    robot.unread = true;
+    Leave(robot, still + Between(seconds(1), seconds(60)));
+  }
 }
 
 void HoldersWorld::DeleteRow(const Robot& robot) {

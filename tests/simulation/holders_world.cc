@@ -13,6 +13,8 @@ constexpr milliseconds kTick{500};
 constexpr milliseconds kStep{1};
 constexpr std::chrono::seconds kSpeaksEvery{1};
 constexpr std::size_t kWritesMany = 50;
+/// The transport's keepalive.
+constexpr std::chrono::seconds kHalfOpenEnds{40};
 /// A renewal was due, and the looks at it.
 constexpr milliseconds kKnownAsCut =
     store::kLateAfter + store::kLookEvery + std::chrono::seconds(1);
@@ -90,6 +92,7 @@ void HoldersWorld::StepOf(Place& place) {
   place.process->store().SetAway(!Reaches(place));
   place.process->store().SetLossy(place.lost_percent);
   if (Hears(place)) ReadEnds(place);
+  if (Hears(place)) EndHalfOpen(place);
   if (place.stops_at && now >= *place.stops_at) {
     place.process->Stop();
     End(place);
@@ -111,6 +114,25 @@ void HoldersWorld::ReadEnds(Place& place) {
   }
 }
 
+void HoldersWorld::EndHalfOpen(Place& place, std::string_view ruri) {
+  std::erase_if(place.half_open, [&](const Place::HalfOpen& open) {
+    if (clock_.Steady() < open.ends_at && open.ruri != ruri &&
+        !place.process->Superseded(open.ruri, open.stream)) {
+      return false;
+    }
+    place.process->Close(open.ruri, open.stream);
+    return true;
+  });
+}
+
+void HoldersWorld::NoteOnItsWay(const Robot& robot) {
+  if (!robot.broke) return;
+  const Place& place = places_[robot.broke->place];
+  if (place.process == nullptr || place.lives != robot.broke->life || !Hears(place)) return;
+  truth_.NoteSign(robot.id->ruri, place.process->id(),
+                  place.process->fleet().Find(robot.id->ruri)->state.held_since());
+}
+
 bool HoldersWorld::IsKnownAsCut(const Place& place) const {
   return !Reaches(place) && clock_.Steady() - place.cut_since >= kKnownAsCut;
 }
@@ -123,6 +145,7 @@ HoldersWorld::Place* HoldersWorld::PlaceOf(const Robot& robot) {
 void HoldersWorld::StepOf(Robot& robot) {
   const SteadyTime now = clock_.Steady();
   if (!robot.link) {
+    NoteOnItsWay(robot);
     if (now >= robot.connects_at) Connect(robot);
     return;
   }
@@ -190,7 +213,9 @@ void HoldersWorld::Connect(Robot& robot) {
   if (IsKnownAsCut(places_[ready.front()])) ++result_.moves_to_cut;
   const std::size_t index = ready[random_.Below(ready.size())];
   Place& place = places_[index];
+  EndHalfOpen(place, robot.id->ruri);
   robot.link = Link{index, place.lives, place.process->Open(robot.id)};
+  robot.broke.reset();
   truth_.Tell(fmt::format("{} connects to {}", robot.id->ruri, place.process->name()));
   robot.speaks_at =
       std::max(robot.speaks_at, clock_.Steady() + Between(milliseconds(0), kSpeaksEvery));
@@ -201,7 +226,12 @@ void HoldersWorld::Leave(Robot& robot, milliseconds pause) {
   if (place != nullptr) {
     truth_.Tell(fmt::format("{} leaves {}", robot.id->ruri, place->process->name()));
   }
-  if (place != nullptr && Hears(*place)) {
+  if (place != nullptr && Hears(*place) && AnyMayCome() && random_.Percent(30)) {
+    ++result_.half_open;
+    truth_.Tell(robot.id->ruri + " leaves its connection half open");
+    place->half_open.push_back(
+        {robot.id->ruri, robot.link->stream, clock_.Steady() + kHalfOpenEnds});
+  } else if (place != nullptr && Hears(*place)) {
     place->process->Close(robot.id->ruri, robot.link->stream);
   } else if (place != nullptr) {
     place->unread_ends.push_back({robot.id->ruri, robot.link->stream, robot.unread});

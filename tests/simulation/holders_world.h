@@ -40,8 +40,12 @@ struct HoldersResult {
   std::uint64_t moves = 0;
   /// Streams that came to a process that is known as cut off.
   std::uint64_t moves_to_cut = 0;
+  /// Streams whose robots left while the network told nobody.
+  std::uint64_t half_open = 0;
   std::uint64_t kills = 0;
   std::uint64_t standstills = 0;
+  /// Of these, those in which connections broke.
+  std::uint64_t long_standstills = 0;
   std::uint64_t cuts = 0;
   std::uint64_t stops = 0;
   /// Rows of robots that another hand deleted.
@@ -86,6 +90,13 @@ class HoldersWorld final {
       bool spoke = false;
     };
     std::vector<UnreadEnd> unread_ends;
+    /// Streams whose robot is gone, which the process takes for open until its keepalive ends them.
+    struct HalfOpen {
+      std::string ruri;
+      std::uint64_t stream = 0;
+      SteadyTime ends_at;
+    };
+    std::vector<HalfOpen> half_open;
   };
   struct Link {
     std::size_t place = 0;
@@ -103,6 +114,8 @@ class HoldersWorld final {
     /// Of what was not read first.
     SteadyTime unread_since;
     std::optional<SteadyTime> heard_at;
+    /// Its connection to this life of a place broke in a standstill, and it is about to come back.
+    std::optional<Link> broke;
     /// It is silent for long enough to be offline, or was not heard yet.
     bool silent = true;
     /// True changes of its presence.
@@ -136,6 +149,10 @@ class HoldersWorld final {
   /// It takes streams.
   [[nodiscard]] bool Serves(const Place& place) const;
   void ReadEnds(Place& place);
+  /// Ends half-open streams of the place: those that are due, or were superseded, or of this robot.
+  void EndHalfOpen(Place& place, std::string_view ruri = {});
+  /// A robot that is on its way back is there.
+  void NoteOnItsWay(const Robot& robot);
 
   // --- Troubles ---
   void Trouble();
@@ -153,6 +170,7 @@ class HoldersWorld final {
   void Kill(Place& place);
   void BeginStop(Place& place);
   void StandStill(Place& place);
+  void BreakConnections(Place& place);
   void Cut(Place& place, milliseconds time);
   void DeleteRow(const Robot& robot);
 

@@ -57,7 +57,7 @@ void Http2Answers::OnFrame(std::uint8_t type, std::uint8_t flags, std::uint32_t 
   if (id == 0) {
     const bool is_ack = (flags & http2::kAck) != 0;
     if (type == http2::kSettings && !is_ack) OnSettings(payload);
-    if (type == http2::kPing && is_ack) ++pongs_;
+    if (type == http2::kPing) ++(is_ack ? pongs_ : pings_);
     if (type == http2::kGoaway) OnGoaway(payload);
     if (type == http2::kWindowUpdate) window_given_ += http2::NumberOf(payload);
     return;

@@ -73,6 +73,8 @@ class Http2Answers final {
   /// Bytes that WINDOW_UPDATEs gave the connection.
   [[nodiscard]] std::uint64_t window_given() const { return window_given_; }
   [[nodiscard]] std::size_t pongs() const { return pongs_; }
+  /// PINGs of the peer's own.
+  [[nodiscard]] std::size_t pings() const { return pings_; }
 
  private:
   struct Inflater;
@@ -94,6 +96,7 @@ class Http2Answers final {
   bool settings_came_ = false;
   std::uint64_t window_given_ = 0;
   std::size_t pongs_ = 0;
+  std::size_t pings_ = 0;
 };
 
 }  // namespace uplink::testing

@@ -81,6 +81,8 @@ std::string SettingsAck() { return Frame(kSettings, kAck, 0); }
 
 std::string Ping(std::string_view eight_bytes) { return Frame(kPing, kNone, 0, eight_bytes); }
 
+std::string Pong() { return Frame(kPing, kAck, 0, std::string(8, '\0')); }
+
 std::string Priority(std::uint32_t stream) {
   constexpr std::string_view kOnNobody{"\0\0\0\0\x10", 5};
   return Frame(kPriority, kNone, stream, kOnNobody);

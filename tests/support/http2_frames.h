@@ -74,6 +74,8 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
     const std::vector<std::pair<std::uint16_t, std::uint32_t>>& values);
 [[nodiscard]] std::string SettingsAck();
 [[nodiscard]] std::string Ping(std::string_view eight_bytes = "pingping");
+/// The answer to a PING of the server, which says nothing in it.
+[[nodiscard]] std::string Pong();
 [[nodiscard]] std::string Priority(std::uint32_t stream);
 [[nodiscard]] std::string WindowUpdate(std::uint32_t stream, std::uint32_t bytes);
 [[nodiscard]] std::string Goaway(std::uint32_t code);

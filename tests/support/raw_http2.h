@@ -118,6 +118,8 @@ class RawHttp2 final {
   /// Bytes that WINDOW_UPDATEs gave the connection.
   [[nodiscard]] std::uint64_t window_given() const { return answers_.window_given(); }
   [[nodiscard]] std::size_t pongs() const { return answers_.pongs(); }
+  /// PINGs of the server's own, which are answered only by Send(http2::Pong()).
+  [[nodiscard]] std::size_t pings() const { return answers_.pings(); }
   /// Streams of the server's RST_STREAM with this code.
   [[nodiscard]] std::size_t ResetsOf(std::uint32_t code) const;
 

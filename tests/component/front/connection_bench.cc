@@ -10,6 +10,11 @@
 #include "schema/base/check.h"
 
 namespace uplink::testing {
+namespace {
+
+constexpr std::uint32_t kGatewayStreamsMax = 16;
+
+}  // namespace
 
 ConnectionBench::ConnectionBench(config::TlsVersion minimum) {
   const KeyPair server = authority_.Issue(ServerSpec());
@@ -54,7 +59,11 @@ void ConnectionBench::Accept() {
     auto& connection = connections_[id];
     connection = std::make_unique<front::Connection>(
         bench_.thread(), loop_, *this,
-        front::Connection::Setup{.id = id, .descriptor = descriptor, .origin = {}, .tls = tls_});
+        front::Connection::Setup{.id = id,
+                                 .descriptor = descriptor,
+                                 .origin = {},
+                                 .tls = tls_,
+                                 .gateway_streams_max = kGatewayStreamsMax});
     ++open_;
     connection->Start();
   });

@@ -115,5 +115,98 @@ TEST_F(FrontPresence, APeerThatDripsKeepsNobodyOnlineForLongerThanAMinutePerFram
   EXPECT_EQ(Presence(), robot::Presence::kOnline);
 }
 
+/// Another server is cut off from the store, and may hear whoever left.
+class FrontDoubt : public FrontPresence {
+ protected:
+  FrontDoubt() { hearing_ = Fleet::Hearing::kHereAlone; }
+
+  [[nodiscard]] static bool IsPinged(RawHttp2& client, std::size_t pings) {
+    return client.ReadUntil([&] { return client.pings() == pings; });
+  }
+  /// Once an answer that was sent has come.
+  [[nodiscard]] bool BecomesOffline(std::uint8_t number = 1) {
+    return Eventually([&] {
+      Step(milliseconds(1), 1);
+      return Presence(number) == robot::Presence::kOffline;
+    });
+  }
+};
+
+TEST_F(FrontDoubt, AHalfOpenConnectionMakesNobodyOffline) {
+  Step(seconds(1), 9);
+  ASSERT_TRUE(robot().Sync());
+  EXPECT_EQ(robot().pings(), 0U);
+  Step(seconds(1), 1);
+  EXPECT_TRUE(IsPinged(robot(), 1)) << "at presence.timeout";
+  EXPECT_EQ(Presence(), robot::Presence::kOnline);
+  // Each sweep asks again, and one PING is under way.
+  Step(seconds(1), 20);
+  EXPECT_EQ(Presence(), robot::Presence::kUnknown);
+  ASSERT_TRUE(robot().Sync());
+  EXPECT_EQ(robot().pings(), 1U);
+  Step(seconds(1), 1);
+  EXPECT_EQ(Presence(), robot::Presence::kUnknown) << "what is no answer to it is no evidence";
+}
+
+TEST_F(FrontDoubt, WhoAnswersAndIsSilentIsOffline) {
+  Step(seconds(1), 10);
+  ASSERT_TRUE(IsPinged(robot(), 1));
+  robot().Send(http2::Pong());
+  EXPECT_TRUE(BecomesOffline());
+}
+
+TEST_F(FrontDoubt, AnAnswerThatComesLateCounts) {
+  Step(seconds(1), 20);
+  ASSERT_EQ(Presence(), robot::Presence::kUnknown);
+  robot().Send(http2::Pong());
+  EXPECT_TRUE(BecomesOffline());
+}
+
+TEST_F(FrontDoubt, WhoIsHeardAgainIsOnlineAndAskedAnewForItsNextSilence) {
+  Step(seconds(1), 12);
+  ASSERT_TRUE(Speak(robot(), kStream, 2));
+  EXPECT_EQ(Presence(), robot::Presence::kOnline);
+  robot().Send(http2::Pong());
+  ASSERT_TRUE(robot().Sync()) << "an answer of the silence before";
+  Step(seconds(1), 11);
+  EXPECT_EQ(Presence(), robot::Presence::kUnknown);
+  EXPECT_TRUE(IsPinged(robot(), 2));
+}
+
+TEST_F(FrontDoubt, WhileNobodyElseMayHearItNobodyIsAsked) {
+  hearing_ = Fleet::Hearing::kUpToDate;
+  Step(seconds(1), 11);
+  EXPECT_EQ(Presence(), robot::Presence::kOffline);
+  ASSERT_TRUE(robot().Sync());
+  EXPECT_EQ(robot().pings(), 0U);
+}
+
+TEST_F(FrontDoubt, AnAnswerOfAGatewayCountsForEachOfItsRobotsThatAsked) {
+  constexpr std::uint32_t kFirst = 1;
+  constexpr std::uint32_t kSecond = 3;
+  CertificateSpec spec;
+  spec.common_names = {"gateway"};
+  spec.units = {"gateway"};
+  spec.uris = {fuzz::RuriOf(0), fuzz::RuriOf(2)};
+  RawHttp2 gateway(bench_.Client(bench_.authority().Issue(spec)));
+  ASSERT_TRUE(gateway.Begin());
+  gateway.Send(OpenRelay(kFirst) + http2::Data(kFirst, HelloMessage(1, fuzz::RuriOf(0))) +
+               OpenRelay(kSecond) + http2::Data(kSecond, HelloMessage(1, fuzz::RuriOf(2))));
+  ASSERT_TRUE(IsWelcome(gateway, kFirst) && IsWelcome(gateway, kSecond));
+  ASSERT_TRUE(Speak(gateway, kFirst, 1));
+  Step(seconds(1), 5);
+  ASSERT_TRUE(Speak(gateway, kSecond, 1));
+  Step(seconds(1), 5);
+  ASSERT_TRUE(IsPinged(gateway, 1)) << "for the first";
+  gateway.Send(http2::Pong());
+  ASSERT_TRUE(BecomesOffline(0));
+  EXPECT_EQ(Presence(2), robot::Presence::kOnline);
+  Step(seconds(1), 6);
+  EXPECT_EQ(Presence(2), robot::Presence::kUnknown) << "of its own silence nobody answered";
+  ASSERT_TRUE(IsPinged(gateway, 2));
+  gateway.Send(http2::Pong());
+  EXPECT_TRUE(BecomesOffline(2));
+}
+
 }  // namespace
 }  // namespace uplink::testing

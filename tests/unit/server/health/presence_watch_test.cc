@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -21,8 +22,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-struct NoInbox final : robot::WakeInbox {
-  void Wake(std::uint64_t /*stream*/) override {}
+/// Streams whose peers are asked, by the number of the stream.
+struct Asked final : robot::WakeInbox {
+  void Wake(std::uint64_t stream) override { ++times[stream]; }
+  std::map<std::uint64_t, int> times;
 };
 
 class PresenceWatchTest : public ::testing::Test {
@@ -166,19 +169,33 @@ TEST_F(PresenceWatchTest, WhoLeftMayStreamToAServerThatCannotTellAndIsNotOffline
 
   robot::Robot* const left = heard("rcan://left");
   robot::Robot* const here = heard("rcan://here");
-  NoInbox inbox;
-  static_cast<void>(here->sessions.Attach({&inbox, 1}, clock_.Steady(), clock_.System()));
+  robot::Robot* const cut = heard("rcan://cut");
+  Asked asked;
+  static_cast<void>(here->sessions.Attach({&asked, 1}, clock_.Steady(), clock_.System()));
+  static_cast<void>(cut->sessions.Attach({&asked, 2}, clock_.Steady(), clock_.System()));
   others_unseen_.Set(1);
+  for (int i = 0; i < 5; ++i) sweep(seconds(2));
+  EXPECT_EQ(asked.times[1], 1) << "at the timeout";
+  EXPECT_TRUE(here->state.TakeAskPeer());
+  EXPECT_FALSE(here->state.TakeAskPeer()) << "once";
+  EXPECT_EQ(here->state.presence(), model::Presence::kOnline);
+  here->state.NotePeerAnswered(clock_.Steady(), fleet_.presence_limits());
+  sweep(seconds(1));
+  EXPECT_EQ(here->state.presence(), model::Presence::kOffline) << "it streams here, and is silent";
   for (int i = 0; i < 60; ++i) sweep(seconds(2));
   EXPECT_EQ(left->state.presence(), model::Presence::kUnknown);
-  EXPECT_EQ(here->state.presence(), model::Presence::kOffline) << "it streams here, and is silent";
+  EXPECT_EQ(cut->state.presence(), model::Presence::kUnknown) << "its peer may be gone as well";
+  EXPECT_EQ(asked.times[1], 1);
+  EXPECT_EQ(asked.times[2], 122) << "at each sweep; its connection has one PING open at a time";
   EXPECT_EQ(gone->state.presence(), model::Presence::kOffline) << "its silence was proven before";
 
   others_unseen_.Set(0);
   for (int i = 0; i < 5; ++i) sweep(seconds(2));
   EXPECT_EQ(left->state.presence(), model::Presence::kUnknown) << "the other has time to tell";
+  EXPECT_EQ(cut->state.presence(), model::Presence::kUnknown);
   sweep(seconds(1));
   EXPECT_EQ(left->state.presence(), model::Presence::kOffline);
+  EXPECT_EQ(cut->state.presence(), model::Presence::kOffline);
 }
 
 /// A twin and a relay's robot beside it, whose relay always answers.

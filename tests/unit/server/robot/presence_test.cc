@@ -44,6 +44,15 @@ TEST_P(PresenceTable, Holds) {
   EXPECT_EQ(ToText(PresenceOf(FactsOf(GetParam()), kLimits)), ToText(GetParam().expected));
 }
 
+TEST_P(PresenceTable, IsOfflineFromWhereItMayBe) {
+  PresenceFacts facts = FactsOf(GetParam());
+  if (facts.held_back || GetParam().claimed == Presence::kOffline) return;
+  facts.now = NotOfflineUntil(facts, kLimits);
+  EXPECT_NE(ToText(PresenceOf(facts, kLimits)), ToText(Presence::kOffline));
+  facts.now += milliseconds(1);
+  EXPECT_EQ(ToText(PresenceOf(facts, kLimits)), ToText(Presence::kOffline));
+}
+
 constexpr auto kUnknown = Presence::kUnknown;
 constexpr auto kOnline = Presence::kOnline;
 constexpr auto kOffline = Presence::kOffline;

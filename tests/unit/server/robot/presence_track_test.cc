@@ -239,6 +239,71 @@ TEST_F(PresenceTrackTest, AnAdoptedRobotThatIsHeardHereIsOnline) {
   EXPECT_EQ(track_.presence(), Presence::kOnline);
 }
 
+TEST_F(PresenceTrackTest, SilenceInDoubtCountsOnceThePeerAnsweredAfterIt) {
+  Sign();
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_)) << "it is not silent yet";
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  clock_.Advance(milliseconds(1));
+  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_)) << "that answer came too early";
+  EXPECT_EQ(Sweep(), Presence::kOnline);
+  for (int i = 0; i < 60; ++i) {
+    clock_.Advance(std::chrono::seconds(1));
+    EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+    EXPECT_EQ(Sweep(), Presence::kUnknown);
+  }
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_THAT(changes_, SizeIs(3));
+}
+
+TEST_F(PresenceTrackTest, AnAnswerAtTheTimeoutIsEvidenceOfThatSilenceAlone) {
+  Sign();
+  clock_.Advance(limits_.timeout);
+  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  clock_.Advance(milliseconds(1));
+  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  Sign();
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+}
+
+TEST_F(PresenceTrackTest, AnAnswerWhileItsStreamWasNotReadIsNoEvidenceOfTheSilenceAfter) {
+  Sign();
+  track_.SetReading(PresenceTrack::Reading::kHeldBack, clock_.Steady());
+  clock_.Advance(std::chrono::minutes(10));
+  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_)) << "its silence is ours";
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  track_.SetReading(PresenceTrack::Reading::kFlowing, clock_.Steady());
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+}
+
+TEST_F(PresenceTrackTest, WhatWasInDoubtHasATimeoutToBeToldElsewhere) {
+  Sign();
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  clock_.Advance(limits_.timeout);
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
+TEST_F(PresenceTrackTest, WhoNeverSpokeOnItsStreamIsInDoubtATimeoutAfterItCame) {
+  clock_.Advance(limits_.startup_grace);
+  track_.Claim({Presence::kUnknown, clock_.System()}, clock_.Steady());
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  clock_.Advance(milliseconds(2));
+  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+}
+
 TEST_F(PresenceTrackTest, WhatAnotherJudgesIsNotJudgedHere) {
   Sign();
   track_.Follow({Presence::kUnknown, SystemTime()});
@@ -246,6 +311,7 @@ TEST_F(PresenceTrackTest, WhatAnotherJudgesIsNotJudgedHere) {
   EXPECT_EQ(Sweep(), Presence::kUnknown);
   EXPECT_EQ(Sign(), PresenceTrack::Sign::kOlder);
   track_.AddStall(clock_.Steady());
+  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
   EXPECT_EQ(track_.presence(), Presence::kUnknown);
   EXPECT_FALSE(track_.last_sign());
 }
