@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <openssl/bio.h>
+#include <openssl/core_names.h>
 #include <openssl/ec.h>
 #include <openssl/evp.h>
 #include <openssl/objects.h>
@@ -30,8 +31,16 @@ using Constraints = std::unique_ptr<BASIC_CONSTRAINTS, FreeWith<BASIC_CONSTRAINT
 
 void Require(bool done) { UPLINK_CHECK(done, "OpenSSL refused to make a test certificate"); }
 
-Key NewKey() {
-  Key key(EVP_EC_gen("P-256"));
+Key NewKey(const std::string& kind = "P-256") {
+  constexpr std::size_t kRsaBits = 2048;
+  Key key(nullptr);
+  if (kind == "RSA") {
+    key.reset(EVP_RSA_gen(kRsaBits));
+  } else if (kind.starts_with("P-")) {
+    key.reset(EVP_EC_gen(kind.c_str()));
+  } else {
+    key.reset(EVP_PKEY_Q_keygen(nullptr, nullptr, kind.c_str()));
+  }
   Require(key != nullptr);
   return key;
 }
@@ -197,7 +206,11 @@ TestAuthority::~TestAuthority() = default;
 const std::string& TestAuthority::certificate() const { return impl_->pem; }
 
 KeyPair TestAuthority::Issue(const CertificateSpec& spec) const {
-  const Key key = NewKey();
+  const Key key = NewKey(spec.key);
+  if (spec.compressed) {
+    Require(EVP_PKEY_set_utf8_string_param(key.get(), OSSL_PKEY_PARAM_EC_POINT_CONVERSION_FORMAT,
+                                           "compressed") == 1);
+  }
   const Certificate certificate =
       NewCertificate(spec, key.get(), impl_->certificate.get(), impl_->key.get());
   return {PemOf(certificate.get()), PemOf(key.get())};

@@ -23,6 +23,10 @@ struct CertificateSpec {
   long not_before_s = -3600;
   long not_after_s = 3600;
   bool is_authority = false;
+  /// The kind of its key: `P-256`, `P-384`, `P-521`, `RSA` (2,048 bits), `ED25519` or `ED448`.
+  std::string key = "P-256";
+  /// Its point is compressed, if its key has one.
+  bool compressed = false;
 };
 
 /// A robot's certificate by the profile of the protocol.
@@ -30,7 +34,7 @@ struct CertificateSpec {
 /// A server's certificate for loopback and `localhost`.
 [[nodiscard]] CertificateSpec ServerSpec();
 
-/// A certificate and its key (ECDSA P-256), PEM.
+/// A certificate and its key, PEM.
 struct KeyPair {
   std::string certificate;
   std::string key;

@@ -88,6 +88,7 @@ struct RawHttp2::Tls {
       SSL_CTX_set_cipher_list(context.get(), options.suites_of_12.c_str());
     }
     UseIdentity(context.get(), options.identity);
+    if (options.behind != nullptr) options.behind->AddTo(context.get());
     std::string offer;
     for (const std::string& protocol : options.protocols) {
       offer += static_cast<char>(protocol.size());

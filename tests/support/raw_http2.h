@@ -17,6 +17,7 @@
 #include "tests/support/http2_answers.h"
 #include "tests/support/http2_frames.h"
 #include "tests/support/raw_tcp.h"
+#include "tests/support/shown_chain.h"
 
 namespace uplink::testing {
 
@@ -37,6 +38,8 @@ class RawHttp2 final {
     /// What the client shows, with those that stand between it and an authority behind its
     /// certificate; empty: nothing.
     KeyPair identity;
+    /// Shown behind that; null: nothing.
+    std::shared_ptr<const ShownChain> behind{};
     /// The address to come from; empty: any.
     std::string source;
     /// Offered by ALPN; empty: the extension is missing.

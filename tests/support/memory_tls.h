@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tests/support/certificates.h"
+#include "tests/support/shown_chain.h"
+
+namespace uplink::testing {
+
+/// A client of TLS without a socket: bytes in, bytes out. Whom it speaks to it does not ask.
+/// Confined to one thread.
+class MemoryTls final {
+ public:
+  struct Options {
+    /// What it shows; empty: nothing.
+    KeyPair identity;
+    /// What it shows behind that.
+    std::shared_ptr<const ShownChain> behind;
+    /// OpenSSL's number of the highest version of TLS; 0: what the library has.
+    int version_max = 0;
+    /// OpenSSL's names of its groups, with colons in between; empty: those of the library.
+    std::string groups;
+  };
+
+  explicit MemoryTls(const Options& options);
+  ~MemoryTls();
+  MemoryTls(const MemoryTls&) = delete;
+  MemoryTls& operator=(const MemoryTls&) = delete;
+
+  /// Goes on by what the server says; what the client says to that.
+  [[nodiscard]] std::string Step(std::string_view from_server);
+  /// The handshake is over on this side.
+  [[nodiscard]] bool done() const { return done_; }
+  /// The description of the server's alert.
+  [[nodiscard]] std::optional<int> alert() const { return alert_; }
+
+ private:
+  struct Tls;
+
+  std::unique_ptr<Tls> tls_;
+  bool done_ = false;
+  std::optional<int> alert_;
+};
+
+}  // namespace uplink::testing
