@@ -10,7 +10,9 @@
 #include <absl/strings/ascii.h>
 #include <fmt/core.h>
 #include <openssl/err.h>
+#include <openssl/x509.h>
 
+#include "server/identity/certificate_gate.h"
 #include "server/identity/pem.h"
 
 namespace uplink::identity {
@@ -78,10 +80,19 @@ bool IsBody(std::string_view line) {
   return at != std::string_view::npos && line.substr(at).starts_with("MII");
 }
 
-bool CanBeRead(std::string_view block) {
+/// What no robot may show, no authority may have either: it could show it as part of its chain.
+std::optional<std::string> FlawOf(std::string_view block) {
   const Certificate certificate = NextCertificate(PemReader(block).get());
   ERR_clear_error();
-  return certificate != nullptr;
+  if (certificate == nullptr) return "it is no certificate that can be read";
+  // Without what a TRUSTED CERTIFICATE has behind it.
+  unsigned char* bytes = nullptr;
+  const int size = i2d_X509(certificate.get(), &bytes);
+  if (size <= 0) return "it is no certificate that can be read";
+  const CertificateFlaw flaw = FlawOfCertificate({bytes, static_cast<std::size_t>(size)});
+  OPENSSL_free(bytes);
+  if (flaw == CertificateFlaw::kNone) return std::nullopt;
+  return fmt::format("it is a certificate that robots may not show: {}", TextOf(flaw));
 }
 
 /// Goes through the lines of a text. Confined to one call.
@@ -144,7 +155,8 @@ class Blocks final {
     if (!IsCertificate(label_)) return absl::OkStatus();
     ++certificates_;
     const auto block = std::string_view(pem_.text).substr(begin_, end - begin_);
-    return CanBeRead(block) ? absl::OkStatus() : Broken("it is no certificate that can be read");
+    const auto flaw = FlawOf(block);
+    return flaw ? Broken(*flaw) : absl::OkStatus();
   }
 
   [[nodiscard]] absl::Status Broken(std::string_view why) const {

@@ -6,7 +6,8 @@
 
 namespace uplink::identity {
 
-/// Whether every certificate of the text can be read. TLS libraries stop at the first that cannot,
+/// Whether every certificate of the text can be read, and is one that robots may show too
+/// (FlawOfCertificate). TLS libraries stop at the first that cannot,
 /// or pass over a block whose first line is damaged or missing, and say nothing: robots of that
 /// authority, or of those behind it, would be strangers. Blocks of other kinds, and text between
 /// blocks, count for nothing.

@@ -9,10 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/certificates.h"
+#include "tests/support/der.h"
+#include "tests/support/odd_certificates.h"
 
 namespace uplink::identity {
 namespace {
 
+namespace odd = uplink::testing::odd;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -57,6 +60,22 @@ TEST_F(AuthoritiesTest, ABrokenOneIsNamedByItsNumberAndLine) {
               AllOf(HasSubstr("ca.crt: PEM block 2, from line " + std::to_string(lines + 1)),
                     HasSubstr("no certificate that can be read")));
   EXPECT_THAT(Said(damaged), HasSubstr("PEM block 1, from line 1,"));
+}
+
+TEST_F(AuthoritiesTest, OneWithAKeyThatNoRobotMayHaveIsNamed) {
+  const auto lines = std::count(first_.begin(), first_.end(), '\n');
+  EXPECT_THAT(Said(first_ + odd::PemOf(odd::CertificateWith(odd::ExplicitCurveKey()))),
+              AllOf(HasSubstr("block 2, from line " + std::to_string(lines + 1)),
+                    HasSubstr("a key that is none of P-256")));
+  EXPECT_THAT(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4097, 17)))),
+              HasSubstr("an RSA key of over 4,096 bits"));
+  EXPECT_EQ(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4096, 17)))), "");
+}
+
+TEST_F(AuthoritiesTest, OneWithNotesOnItsTrustIsTaken) {
+  const std::string notes = testing::der::Sequence("");
+  const std::string der = odd::DerOf(first_).front() + notes;
+  EXPECT_EQ(Said(odd::PemOf(der, "TRUSTED CERTIFICATE")), "");
 }
 
 TEST_F(AuthoritiesTest, OneThatIsCutIsBroken) {

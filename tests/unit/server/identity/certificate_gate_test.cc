@@ -1,0 +1,241 @@
+#include "server/identity/certificate_gate.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/certificates.h"
+#include "tests/support/der.h"
+#include "tests/support/odd_certificates.h"
+
+namespace uplink::identity {
+namespace {
+
+namespace der = uplink::testing::der;
+namespace odd = uplink::testing::odd;
+using uplink::testing::CertificateSpec;
+using uplink::testing::RobotSpec;
+using uplink::testing::TestAuthority;
+
+const std::string kNames("\x55\x1D\x11", 3);
+/// A name of a host, in a subjectAltName.
+const std::string kHost = der::Element(0x82, "a");
+
+Bytes BytesOf(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+CertificateFlaw FlawOf(const std::string& certificate) {
+  return FlawOfCertificate(BytesOf(certificate));
+}
+
+odd::Parts Good() {
+  odd::Parts parts;
+  parts.key = odd::Ed25519Key();
+  return parts;
+}
+
+std::string GoodCertificate() { return odd::CertificateOf(Good()); }
+
+CertificateFlaw FlawOf12(const std::vector<std::string>& certificates) {
+  return FlawOfMessage(MessageForm::kTls12, BytesOf(odd::MessageOf12(certificates)));
+}
+
+CertificateFlaw FlawOf13(const std::vector<std::string>& certificates) {
+  return FlawOfMessage(MessageForm::kTls13, BytesOf(odd::MessageOf13(certificates)));
+}
+
+std::string Times(std::size_t count, const std::string& text) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+/// A robot's names in one extension, beside `others`.
+std::string WithNames(std::size_t count) {
+  odd::Parts parts = Good();
+  parts.extensions = odd::Extension(kNames, der::Sequence(Times(count, kHost)));
+  return odd::CertificateOf(parts);
+}
+
+TEST(CertificateGate, TakesRealCertificates) {
+  const TestAuthority authority;
+  EXPECT_EQ(FlawOf(odd::DerOf(authority.certificate()).front()), CertificateFlaw::kNone);
+  const auto robot = authority.Issue(RobotSpec("rcan://x.local/robots/1", "fleet"));
+  EXPECT_EQ(FlawOf(odd::DerOf(robot.certificate).front()), CertificateFlaw::kNone);
+  const auto server = authority.Issue(testing::ServerSpec());
+  EXPECT_EQ(FlawOf(odd::DerOf(server.certificate).front()), CertificateFlaw::kNone);
+}
+
+TEST(CertificateGate, TakesAGatewaysWith256RobotsInItsChain) {
+  const TestAuthority root("a root");
+  const TestAuthority authority("an authority", root);
+  CertificateSpec spec;
+  spec.units = {"gateway"};
+  spec.organizations = {std::string(64, 'f')};
+  for (int i = 0; i < 256; ++i) {
+    spec.uris.push_back("rcan://fleet.example.com/manufacturer/model/robots/" +
+                        std::to_string(1000 + i));
+  }
+  const std::vector<std::string> chain = {odd::DerOf(authority.Issue(spec).certificate).front(),
+                                          odd::DerOf(authority.certificate()).front(),
+                                          odd::DerOf(root.certificate()).front()};
+  EXPECT_EQ(FlawOf12(chain), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf13(chain), CertificateFlaw::kNone);
+}
+
+TEST(CertificateGate, JudgesTheKey) {
+  EXPECT_EQ(FlawOf(odd::CertificateWith(odd::RsaKey(4096, 64))), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf(odd::CertificateWith(odd::RsaKey(4097, 17))), CertificateFlaw::kKeySize);
+  EXPECT_EQ(FlawOf(odd::CertificateWith(odd::ExplicitCurveKey())), CertificateFlaw::kKeyKind);
+  EXPECT_EQ(FlawOf(odd::CertificateWith(der::Sequence(""))), CertificateFlaw::kMalformed);
+}
+
+TEST(CertificateGate, TakesTheOptionalPartsInTheirOrder) {
+  odd::Parts parts = Good();
+  parts.version.clear();
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kNone) << "version 1";
+  const std::string issuer_id = der::Element(0x81, std::string("\0x", 2));
+  const std::string subject_id = der::Element(0x82, std::string("\0x", 2));
+  const std::string extensions =
+      der::Element(0xA3, der::Sequence(odd::Extension(kNames, der::Sequence(kHost))));
+  parts.tail = issuer_id + subject_id + extensions;
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kNone);
+  parts.tail = subject_id + issuer_id;
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kMalformed);
+  parts.tail = extensions + extensions;
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kMalformed);
+  parts.tail = extensions + parts.key;
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kMalformed);
+}
+
+TEST(CertificateGate, ACertificateThatEndsTooSoonOrTooLateIsMalformed) {
+  const std::string good = GoodCertificate();
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    EXPECT_EQ(FlawOf(good.substr(0, size)), CertificateFlaw::kMalformed) << size;
+  }
+  EXPECT_EQ(FlawOf(good), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf(good + std::string(1, '\0')), CertificateFlaw::kMalformed);
+}
+
+/// A byte of a key's length or tag that changes must not make the gate see another key than
+/// OpenSSL: whatever is still taken has the key's own kind at its place.
+TEST(CertificateGate, NoChangedByteOfAnExplicitCurveMakesItPass) {
+  const std::string bad = odd::CertificateWith(odd::ExplicitCurveKey());
+  for (std::size_t at = 0; at < bad.size(); ++at) {
+    for (const int change : {1, 0x20, 0x80}) {
+      std::string changed = bad;
+      changed[at] = static_cast<char>(changed[at] ^ change);
+      EXPECT_NE(FlawOf(changed), CertificateFlaw::kNone) << at;
+    }
+  }
+}
+
+TEST(CertificateGate, ElementsOfNamesAndExtensionsAreCounted) {
+  // Subject and issuer have 4 each, the extension 3, its list 1.
+  constexpr std::size_t kOthers = 4 + 4 + 3 + 1;
+  EXPECT_EQ(FlawOf(WithNames(kShownElementsMax - kOthers)), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf(WithNames(kShownElementsMax - kOthers + 1)), CertificateFlaw::kElements);
+
+  odd::Parts parts = Good();
+  parts.extensions = Times(kShownElementsMax / 3, odd::Extension("\x2A", ""));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+
+  parts = Good();
+  const std::string attribute =
+      der::Sequence(der::Oid(std::string("\x55\x04\x03", 3)) + der::Element(0x0C, "a"));
+  parts.subject = der::Sequence(der::Set(Times(kShownElementsMax / 3, attribute)));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+}
+
+TEST(CertificateGate, AValueThatIsNoDerCountsAsTheMostThatItCouldBe) {
+  odd::Parts parts = Good();
+  parts.extensions = odd::Extension("\x2A", "no element of DER");
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kNone);
+  // An indefinite length, which DER has not and OpenSSL takes.
+  const std::string many = std::string("\x30\x80", 2) + Times(10'000, kHost) + std::string(2, '\0');
+  parts.extensions = odd::Extension(kNames, many);
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+}
+
+TEST(CertificateGate, ElementsOfAllCertificatesOfAMessageAreCountedTogether) {
+  const std::string half = WithNames(kShownElementsMax / 2);
+  EXPECT_EQ(FlawOf13({half}), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf13({half, half}), CertificateFlaw::kElements);
+}
+
+TEST(CertificateGate, AMessageHasAtMostTenCertificates) {
+  const std::vector<std::string> most(kShownCertificatesMax, GoodCertificate());
+  const std::vector<std::string> more(kShownCertificatesMax + 1, GoodCertificate());
+  EXPECT_EQ(FlawOf12(most), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf13(most), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf12(more), CertificateFlaw::kCount);
+  EXPECT_EQ(FlawOf13(more), CertificateFlaw::kCount);
+}
+
+TEST(CertificateGate, AMessageHasAtMost32KiB) {
+  const auto message_of = [](std::size_t filler) {
+    odd::Parts parts = Good();
+    parts.extensions = odd::Extension("\x2A", der::Octets(std::string(filler, 'x')));
+    return odd::MessageOf13({odd::CertificateOf(parts)});
+  };
+  const std::size_t frame = message_of(30'000).size() - 30'000;
+  const std::string most = message_of(kShownBytesMax - frame);
+  ASSERT_EQ(most.size(), kShownBytesMax);
+  EXPECT_EQ(FlawOfMessage(MessageForm::kTls13, BytesOf(most)), CertificateFlaw::kNone);
+  const std::string more = message_of(kShownBytesMax - frame + 1);
+  EXPECT_EQ(FlawOfMessage(MessageForm::kTls13, BytesOf(more)), CertificateFlaw::kBytes);
+}
+
+TEST(CertificateGate, AMessageWithoutCertificatesHasNoFlaw) {
+  EXPECT_EQ(FlawOf12({}), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOf13({}), CertificateFlaw::kNone);
+}
+
+TEST(CertificateGate, EveryCertificateOfAMessageIsJudged) {
+  const std::string bad = odd::CertificateWith(odd::ExplicitCurveKey());
+  for (std::size_t at = 0; at < kShownCertificatesMax; ++at) {
+    std::vector<std::string> certificates(kShownCertificatesMax, GoodCertificate());
+    certificates[at] = bad;
+    EXPECT_EQ(FlawOf12(certificates), CertificateFlaw::kKeyKind) << at;
+    EXPECT_EQ(FlawOf13(certificates), CertificateFlaw::kKeyKind) << at;
+  }
+}
+
+TEST(CertificateGate, AMessageThatEndsTooSoonOrTooLateIsMalformed) {
+  for (const MessageForm form : {MessageForm::kTls12, MessageForm::kTls13}) {
+    const std::vector<std::string> one = {GoodCertificate()};
+    const std::string good =
+        form == MessageForm::kTls12 ? odd::MessageOf12(one) : odd::MessageOf13(one);
+    for (std::size_t size = 0; size < good.size(); ++size) {
+      EXPECT_EQ(FlawOfMessage(form, BytesOf(good.substr(0, size))), CertificateFlaw::kMalformed);
+    }
+    EXPECT_EQ(FlawOfMessage(form, BytesOf(good + "x")), CertificateFlaw::kMalformed);
+  }
+}
+
+TEST(CertificateGate, AMessageOf13HasNoContextAndNoExtensions) {
+  const std::string list = odd::MessageOf13({GoodCertificate()}).substr(1);
+  EXPECT_EQ(FlawOfMessage(MessageForm::kTls13, BytesOf(std::string(1, '\0') + list)),
+            CertificateFlaw::kNone);
+  EXPECT_EQ(FlawOfMessage(MessageForm::kTls13, BytesOf("\x01x" + list)),
+            CertificateFlaw::kMalformed);
+  const std::string good = GoodCertificate();
+  const auto length = [](std::size_t size) {
+    return std::string{'\0', static_cast<char>(size >> 8U), static_cast<char>(size)};
+  };
+  const std::string entry = length(good.size()) + good + std::string("\0\4\0\5\0\0", 6);
+  EXPECT_EQ(FlawOfMessage(MessageForm::kTls13,
+                          BytesOf(std::string(1, '\0') + length(entry.size()) + entry)),
+            CertificateFlaw::kMalformed);
+}
+
+TEST(CertificateGate, EveryFlawHasItsText) {
+  EXPECT_EQ(TextOf(CertificateFlaw::kNone), "");
+  EXPECT_EQ(TextOf(CertificateFlaw::kCount), "more than 10");
+  EXPECT_EQ(TextOf(CertificateFlaw::kBytes), "more than 32 KiB");
+}
+
+}  // namespace
+}  // namespace uplink::identity
