@@ -55,6 +55,8 @@ struct TlsConfig {
   /// Empty: client_ca_file.
   std::string operator_ca_file;
   TlsVersion min_version = TlsVersion::k13;
+  /// Groups for agreeing on keys, the best first; with TLS 1.2 ServedGroups has more.
+  std::vector<std::string> groups{"X25519", "P-256"};
 };
 
 struct IdentityConfig {

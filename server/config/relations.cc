@@ -10,6 +10,7 @@
 #include "metrics/rcan/series.h"
 #include "schema/base/utf8.h"
 #include "server/config/broker_relations.h"
+#include "server/config/tls_groups.h"
 #include "server/config/units.h"
 #include "storage/postgres/link/url.h"
 
@@ -62,6 +63,7 @@ void CheckTls(const TlsConfig& tls, Breaches& breaches) {
   if (tls.client_ca_file.empty()) {
     breaches.Add("tls", "client_ca_file", std::string(kWhy));
   }
+  if (auto flaw = FlawOfGroups(tls.groups)) breaches.Add("tls", "groups", *std::move(flaw));
 }
 
 void CheckStore(const StoreConfig& store, Breaches& breaches) {

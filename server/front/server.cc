@@ -102,7 +102,7 @@ struct FrontServer::Impl {
 };
 
 absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
-  auto made = TlsContext::Make(texts, options.tls_minimum);
+  auto made = TlsContext::Make(texts, options.tls);
   if (!made.ok()) return made.status();
   tls.Set(*std::move(made));
   return absl::OkStatus();

@@ -17,8 +17,6 @@ constexpr unsigned char kHttp2[] = {2, 'h', '2'};
 /// The suites of TLS 1.2: those that HTTP/2 allows, and no others. What has CBC, or no key of its
 /// own for each connection, is left out.
 constexpr char kSuitesOf12[] = "ECDHE+AESGCM:ECDHE+CHACHA20";
-/// Cheap ones first.
-constexpr char kGroups[] = "X25519:P-256:P-384:P-521";
 /// Intermediate certificates between a robot and an authority.
 constexpr int kChainDepthMax = 8;
 
@@ -49,9 +47,9 @@ int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* ch
 }
 
 /// False if the library has none of the suites or groups.
-bool SetProtocol(SSL_CTX* context, config::TlsVersion minimum) {
+bool SetProtocol(SSL_CTX* context, const transport::TlsRules& rules) {
   SSL_CTX_set_min_proto_version(
-      context, minimum == config::TlsVersion::k13 ? TLS1_3_VERSION : TLS1_2_VERSION);
+      context, rules.minimum == config::TlsVersion::k13 ? TLS1_3_VERSION : TLS1_2_VERSION);
   SSL_CTX_set_options(context, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
                                    SSL_OP_CIPHER_SERVER_PREFERENCE);
   SSL_CTX_set_num_tickets(context, 0);
@@ -65,18 +63,18 @@ bool SetProtocol(SSL_CTX* context, config::TlsVersion minimum) {
   SSL_CTX_set_verify_depth(context, kChainDepthMax);
   SSL_CTX_set_max_cert_list(context, kPeerChainBytesMax);
   return SSL_CTX_set_cipher_list(context, kSuitesOf12) == 1 &&
-         SSL_CTX_set1_groups_list(context, kGroups) == 1;
+         SSL_CTX_set1_groups_list(context, rules.groups.c_str()) == 1;
 }
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(const transport::PemTexts& texts,
-                                                                   config::TlsVersion minimum) {
+absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(
+    const transport::PemTexts& texts, const transport::TlsRules& rules) {
   if (absl::Status good = transport::CheckTexts(texts); !good.ok()) return good;
   SSL_CTX* context = SSL_CTX_new(TLS_server_method());
   if (context == nullptr) return absl::InternalError("OpenSSL: no context");
   std::shared_ptr<const TlsContext> made(new TlsContext(context));
-  if (!SetProtocol(context, minimum)) {
+  if (!SetProtocol(context, rules)) {
     ERR_clear_error();
     return absl::InternalError("OpenSSL: none of the suites or groups");
   }

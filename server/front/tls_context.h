@@ -6,7 +6,6 @@
 #include <absl/status/statusor.h>
 #include <openssl/types.h>
 
-#include "server/config/config.h"
 #include "server/transport/options.h"
 
 namespace uplink::front {
@@ -22,7 +21,7 @@ class TlsContext final {
  public:
   /// Errors: kFailedPrecondition names the text that is invalid.
   [[nodiscard]] static absl::StatusOr<std::shared_ptr<const TlsContext>> Make(
-      const transport::PemTexts& texts, config::TlsVersion minimum);
+      const transport::PemTexts& texts, const transport::TlsRules& rules);
   ~TlsContext();
   TlsContext(const TlsContext&) = delete;
   TlsContext& operator=(const TlsContext&) = delete;

@@ -119,7 +119,7 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.key_material = transport::PemFiles{.certificate = config.tls.certificate_file,
                                              .key = config.tls.key_file,
                                              .client_ca = config.tls.client_ca_file};
-  options.tls_minimum = config.tls.min_version;
+  options.tls = {.minimum = config.tls.min_version, .groups = config::ServedGroups(config.tls)};
   options.queues = config.listen.relay_threads;
   options.proxy_protocol_from = config.listen.proxy_protocol_from;
   options.descriptors_reserved = transport::DescriptorsReserved(config.http.connections_max);

@@ -11,6 +11,7 @@
 #include "schema/judge.h"
 #include "server/config/address.h"
 #include "server/config/config.h"
+#include "server/config/tls_groups.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/rate_limited.h"
@@ -37,6 +38,14 @@ struct PemTexts {
   std::string client_ca;
 };
 
+/// What is agreed on in handshakes.
+struct TlsRules {
+  /// tls.min_version.
+  config::TlsVersion minimum = config::TlsConfig().min_version;
+  /// As config::ServedGroups.
+  std::string groups = config::ServedGroups(config::TlsConfig());
+};
+
 using KeyMaterial = std::variant<PemFiles, PemTexts>;
 
 /// How often the files are looked at.
@@ -56,8 +65,7 @@ struct RelayOptions {
   KeyMaterial key_material;
   /// Threads, each with its own streams; 0: one per core.
   std::size_t queues = config::ListenConfig().relay_threads;
-  /// tls.min_version.
-  config::TlsVersion tls_minimum = config::TlsConfig().min_version;
+  TlsRules tls;
   /// listen.proxy_protocol_from.
   std::vector<config::Network> proxy_protocol_from;
   /// Descriptors that the rest of the server needs.

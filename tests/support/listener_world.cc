@@ -25,7 +25,7 @@ ListenerWorld::ListenerWorld(const Options& given, StartListener start)
   auto started = start_({.address = {"127.0.0.1", 0},
                          .key_material = ServerTexts(),
                          .queues = options.queues,
-                         .tls_minimum = options.tls_minimum,
+                         .tls = options.tls,
                          .proxy_protocol_from = options.proxy_protocol_from,
                          .streams_max = options.streams_max,
                          .gateway_streams_max = options.gateway_streams_max,

@@ -35,7 +35,7 @@ class ListenerWorld {
     std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
     std::size_t queues = 2;
     milliseconds connection_age_max{0};
-    config::TlsVersion tls_minimum = config::TlsConfig().min_version;
+    transport::TlsRules tls{};
     std::size_t memory_bytes_max = 0;
     std::vector<config::Network> proxy_protocol_from;
     /// Of the lines about strangers, and about streams that were refused; none if null.

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <openssl/ssl.h>
 
+#include "server/config/tls_groups.h"
 #include "tests/component/front/front_world.h"
 
 namespace uplink::testing {
@@ -56,7 +57,11 @@ TEST(Tls, WithHttpOneAloneNothingIsServed) {
 }
 
 RelayWorld::Options NativeWith12() {
-  return {.session = {}, .journal = {}, .tls_minimum = config::TlsVersion::k12};
+  config::TlsConfig tls;
+  tls.min_version = config::TlsVersion::k12;
+  return {.session = {},
+          .journal = {},
+          .tls = {.minimum = tls.min_version, .groups = config::ServedGroups(tls)}};
 }
 
 TEST(Tls, Tls12IsServed) {

@@ -179,7 +179,7 @@ TEST(Certificates, PlaintextIsRefused) {
 
 TEST(Certificates, Tls12IsServedWhereItIsTheLeast) {
   RelayWorld::Options options;
-  options.tls_minimum = config::TlsVersion::k12;
+  options.tls.minimum = config::TlsVersion::k12;
   RelayWorld world(options);
   EXPECT_EQ(AgreedTlsVersion(world.server().port(), TLS1_2_VERSION), "TLSv1.2");
   EXPECT_EQ(AgreedTlsVersion(world.server().port(), TLS1_1_VERSION), "");
