@@ -14,6 +14,8 @@ TurnedAway CauseOf(TlsEngine::Failure failure) {
       return TurnedAway::kNoCertificate;
     case TlsEngine::Failure::kUntrusted:
       return TurnedAway::kUntrusted;
+    case TlsEngine::Failure::kCertificate:
+      return TurnedAway::kCertificate;
     case TlsEngine::Failure::kNone:
     case TlsEngine::Failure::kOther:
       return TurnedAway::kHandshakeError;

@@ -132,7 +132,8 @@ void Connection::TurnAway(TurnedAway cause, std::string_view text) {
 }
 
 void Connection::FailHandshake(TurnedAway cause) {
-  thread_.book.NoteFailedHandshake(cause, origin_, thread_.clock.Steady());
+  thread_.book.NoteFailedHandshake(cause, identity::TextOf(tls_->certificate_flaw()), origin_,
+                                   thread_.clock.Steady());
 }
 
 std::optional<absl::Status> Connection::refusal() const {

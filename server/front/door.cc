@@ -107,7 +107,7 @@ void Door::Admit() {
 }
 
 void Door::Publish() {
-  book_.SetPressed(queue_.waiting());
+  book_.SetPressed(queue_.pressed());
   probe_.handshakes_waiting.Set(static_cast<std::int64_t>(queue_.waiting()));
   probe_.handshakes_under_way.Set(static_cast<std::int64_t>(queue_.under_way()));
 }

@@ -5,11 +5,18 @@
 namespace uplink::front {
 
 void DoorBook::Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now) {
+  Note(cause, {}, origin, now);
+}
+
+void DoorBook::Note(transport::TurnedAway cause, std::string_view detail, const Origin& origin,
+                    SteadyTime now) {
   if (origin.health_check) return;
   const auto index = static_cast<std::size_t>(cause);
   probe_.turned_away_total[index].Add();
   const std::string_view why = transport::kTurnedAwayTexts[index];
-  Tell("connection_turned_away", why, std::string(why), origin, now);
+  std::string text(why);
+  if (!detail.empty()) text.append(": ").append(detail);
+  Tell("connection_turned_away", why, text, origin, now);
 }
 
 void DoorBook::NoteRequest(const std::string& why, const Origin& origin, SteadyTime now) {
@@ -27,10 +34,10 @@ void DoorBook::TellRefusal(const absl::Status& status, const Origin& origin, Ste
   if (!event.empty()) Tell(event, event, std::string(status.message()), origin, now);
 }
 
-void DoorBook::NoteFailedHandshake(transport::TurnedAway cause, const Origin& origin,
-                                   SteadyTime now) {
+void DoorBook::NoteFailedHandshake(transport::TurnedAway cause, std::string_view detail,
+                                   const Origin& origin, SteadyTime now) {
   if (!origin.health_check) probe_.handshakes_failed_total.Add();
-  Note(cause, origin, now);
+  Note(cause, detail, origin, now);
 }
 
 bool DoorBook::Enter() {

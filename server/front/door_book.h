@@ -35,7 +35,9 @@ class DoorBook final {
   /// health check.
   void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
   /// The same of a handshake that failed.
-  void NoteFailedHandshake(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
+  /// `detail`: what the line says behind the cause; empty: nothing.
+  void NoteFailedHandshake(transport::TurnedAway cause, std::string_view detail,
+                           const Origin& origin, SteadyTime now);
   /// A line alone; `kind` as SourceLines has it.
   void Tell(std::string_view event, std::string_view kind, const std::string& why,
             const Origin& origin, SteadyTime now) {
@@ -56,7 +58,7 @@ class DoorBook final {
   /// While connections wait for a handshake, those under way get less time.
   [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
   [[nodiscard]] const std::atomic<bool>& pressed_flag() const { return pressed_; }
-  void SetPressed(std::size_t waiting) { pressed_.store(waiting > 0, std::memory_order_relaxed); }
+  void SetPressed(bool pressed) { pressed_.store(pressed, std::memory_order_relaxed); }
 
   [[nodiscard]] KeyTable& keys() { return keys_; }
   [[nodiscard]] Evictions& evictions() { return evictions_; }
@@ -64,6 +66,9 @@ class DoorBook final {
   [[nodiscard]] Lingers& lingers() { return lingers_; }
 
  private:
+  void Note(transport::TurnedAway cause, std::string_view detail, const Origin& origin,
+            SteadyTime now);
+
   const Limits limits_;
   transport::RelayProbe& probe_;
   SourceLines lines_;

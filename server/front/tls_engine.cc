@@ -78,6 +78,12 @@ SystemTime ExpiryOf(const X509* certificate) {
   return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
 }
 
+/// Bytes of a message's head: its type, and three of its length.
+constexpr std::size_t kMessageHeadBytes = 4;
+/// Neither form of a Certificate message begins with it: it announces a context that no client has,
+/// or a list that is longer than a message.
+constexpr std::uint8_t kUnreadable = 0xFF;
+
 }  // namespace
 
 milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
@@ -103,6 +109,8 @@ TlsEngine::TlsEngine(std::shared_ptr<const TlsContext> context, const BufferMeth
   BIO_set_data(bio, &buffers_);
   SSL_set_bio(ssl_, bio, bio);
   SSL_set_app_data(ssl_, this);
+  SSL_set_msg_callback(ssl_, OnMessage);
+  SSL_set_msg_callback_arg(ssl_, this);
   SSL_set_accept_state(ssl_);
 }
 
@@ -128,6 +136,11 @@ TlsEngine::Step TlsEngine::Handshake() {
   }
   ERR_clear_error();
   const int result = SSL_do_handshake(ssl_);
+  if (certificate_flaw_ != identity::CertificateFlaw::kNone) {
+    ERR_clear_error();
+    failure_ = Failure::kCertificate;
+    return Step::kFailed;
+  }
   if (result != 1) {
     if (SSL_get_error(ssl_, result) == SSL_ERROR_WANT_READ) return Step::kMore;
     NoteFailure();
@@ -141,18 +154,39 @@ TlsEngine::Step TlsEngine::Handshake() {
     failure_ = Failure::kNothingShared;
     return Step::kFailed;
   }
-  SSL_set_msg_callback(ssl_, OnMessage);
-  SSL_set_msg_callback_arg(ssl_, this);
+  done_ = true;
   return Step::kDone;
 }
 
-void TlsEngine::OnMessage(int written, int /*version*/, int type, const void* /*bytes*/,
-                          std::size_t /*size*/, SSL* /*ssl*/, void* engine) {
-  if (written == 0 && type == SSL3_RT_HANDSHAKE) ++static_cast<TlsEngine*>(engine)->late_messages_;
+void TlsEngine::OnMessage(int written, int version, int type, const void* bytes, std::size_t size,
+                          SSL* /*ssl*/, void* engine) {
+  if (written != 0 || type != SSL3_RT_HANDSHAKE) return;
+  auto& self = *static_cast<TlsEngine*>(engine);
+  if (self.done_) {
+    ++self.late_messages_;
+    return;
+  }
+  // The library's own buffer, which it reads once this returns (OpenSslMessages, a test, holds that
+  // this is so).
+  auto* const own = static_cast<std::uint8_t*>(const_cast<void*>(bytes));
+  self.JudgeCertificates(version, std::span(own, size));
+}
+
+void TlsEngine::JudgeCertificates(int version, std::span<std::uint8_t> message) {
+  if (message.size() < kMessageHeadBytes || message[0] != SSL3_MT_CERTIFICATE) return;
+  const auto form =
+      version == TLS1_3_VERSION ? identity::MessageForm::kTls13 : identity::MessageForm::kTls12;
+  const std::span<std::uint8_t> body = message.subspan(kMessageHeadBytes);
+  certificate_flaw_ = identity::FlawOfMessage(form, body);
+  if (certificate_flaw_ == identity::CertificateFlaw::kNone) return;
+  std::ranges::fill(body, kUnreadable);
 }
 
 void TlsEngine::NoteFailure() {
-  const unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
+  unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
+  // Before this one stands what it was about the chain, such as a signature that is not its own.
+  const unsigned long last = ERR_peek_last_error();  // NOLINT(google-runtime-int): as above
+  if (ERR_GET_REASON(last) == SSL_R_CERTIFICATE_VERIFY_FAILED) error = last;
   ERR_clear_error();
   switch (ERR_GET_REASON(error)) {
     case SSL_R_WRONG_VERSION_NUMBER:
@@ -172,12 +206,21 @@ void TlsEngine::NoteFailure() {
     case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
       failure_ = Failure::kNoCertificate;
       return;
+    case SSL_R_EXCESSIVE_MESSAGE_SIZE:
+      // The library reads no message that announces more than it may have.
+      if (SSL_get_state(ssl_) == TLS_ST_SR_CERT) {
+        certificate_flaw_ = identity::CertificateFlaw::kBytes;
+        failure_ = Failure::kCertificate;
+        return;
+      }
+      break;
     case SSL_R_CERTIFICATE_VERIFY_FAILED:
       failure_ = Failure::kUntrusted;
       return;
     default:  // the library has hundreds
-      failure_ = Failure::kOther;
+      break;
   }
+  failure_ = Failure::kOther;
 }
 
 TlsPeer TlsEngine::Peer() const {

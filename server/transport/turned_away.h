@@ -48,10 +48,13 @@ enum class TurnedAway : std::uint8_t {
   kSilent,
   /// It came through a load balancer, without the header that says from where.
   kProxyHeader,
+  /// It shows certificates that are not looked into: too many or too large ones, a kind of key that
+  /// is not taken.
+  kCertificate,
 };
 
 /// As metric labels and in logs.
-inline constexpr std::array<std::string_view, 26> kTurnedAwayTexts = {"full",
+inline constexpr std::array<std::string_view, 27> kTurnedAwayTexts = {"full",
                                                                       "crowded",
                                                                       "gave_way",
                                                                       "handshake_timeout",
@@ -76,7 +79,8 @@ inline constexpr std::array<std::string_view, 26> kTurnedAwayTexts = {"full",
                                                                       "key_updates",
                                                                       "not_read",
                                                                       "silent",
-                                                                      "proxy_header"};
-static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kProxyHeader) + 1);
+                                                                      "proxy_header",
+                                                                      "certificate"};
+static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kCertificate) + 1);
 
 }  // namespace uplink::transport

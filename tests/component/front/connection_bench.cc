@@ -108,7 +108,7 @@ void ConnectionBench::Do(const std::function<void()>& work) {
 }
 
 void ConnectionBench::Press() {
-  Do([this] { bench_.door_book().SetPressed(1); });
+  Do([this] { bench_.door_book().SetPressed(true); });
 }
 
 std::int64_t ConnectionBench::TurnedAwayFor(transport::TurnedAway cause) {

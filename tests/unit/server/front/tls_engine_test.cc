@@ -1,0 +1,207 @@
+#include "server/front/tls_engine.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <openssl/ssl.h>
+
+#include "server/config/tls_groups.h"
+#include "server/identity/certificate_gate.h"
+#include "tests/support/memory_tls.h"
+#include "tests/support/odd_certificates.h"
+
+namespace uplink::front {
+namespace {
+
+namespace odd = testing::odd;
+using identity::CertificateFlaw;
+using testing::CertificateSpec;
+using testing::KeyPair;
+using testing::MemoryTls;
+using testing::RobotSpec;
+using testing::ShownChain;
+using Failure = TlsEngine::Failure;
+
+constexpr char kRuri[] = "rcan://x.local/robots/1";
+
+transport::TlsRules RulesOf(config::TlsVersion minimum) {
+  config::TlsConfig tls;
+  tls.min_version = minimum;
+  return {.minimum = minimum, .groups = config::ServedGroups(tls)};
+}
+
+/// What came of a handshake.
+struct Outcome {
+  bool done = false;
+  Failure failure = Failure::kNone;
+  CertificateFlaw flaw = CertificateFlaw::kNone;
+  std::optional<int> alert;
+  std::string ruri;
+};
+
+class TlsEngineTest : public ::testing::Test {
+ protected:
+  Outcome Handshake(const MemoryTls::Options& options) {
+    auto context = TlsContext::Make(texts_, rules_);
+    EXPECT_TRUE(context.ok()) << context.status();
+    TlsEngine engine(*context, method_, buffers_);
+    MemoryTls client(options);
+    auto step = TlsEngine::Step::kMore;
+    while (step == TlsEngine::Step::kMore) {
+      const std::string heard = client.Step(buffers_.out);
+      buffers_.out.clear();
+      if (heard.empty()) break;
+      buffers_.in = heard;
+      step = engine.Handshake();
+    }
+    static_cast<void>(client.Step(buffers_.out));
+    buffers_.out.clear();
+    buffers_.in = {};
+    Outcome outcome{.done = step == TlsEngine::Step::kDone,
+                    .failure = engine.failure(),
+                    .flaw = engine.certificate_flaw(),
+                    .alert = client.alert()};
+    if (outcome.done) outcome.ruri = engine.Peer().ruri;
+    return outcome;
+  }
+
+  MemoryTls::Options Robot() const { return With(RobotSpec(kRuri)); }
+  MemoryTls::Options With(const CertificateSpec& spec) const {
+    return {.identity = authority_.Issue(spec), .behind = nullptr};
+  }
+  static std::shared_ptr<const ShownChain> Behind(std::size_t count,
+                                                  const std::string& certificate) {
+    return std::make_shared<ShownChain>(std::vector<std::string>(count, certificate));
+  }
+
+  const testing::TestAuthority authority_;
+  const KeyPair server_ = authority_.Issue(testing::ServerSpec());
+  transport::PemTexts texts_{.certificate = server_.certificate,
+                             .key = server_.key,
+                             .client_ca = authority_.certificate()};
+  transport::TlsRules rules_ = RulesOf(config::TlsVersion::k13);
+  const BufferMethod method_;
+  TlsBuffers buffers_{};
+};
+
+/// Both versions, since their Certificate messages differ.
+class TlsEngineGate : public TlsEngineTest, public ::testing::WithParamInterface<int> {
+ protected:
+  TlsEngineGate() { rules_ = RulesOf(config::TlsVersion::k12); }
+  Outcome Shows(std::shared_ptr<const ShownChain> behind) {
+    MemoryTls::Options options = Robot();
+    options.version_max = GetParam();
+    options.behind = std::move(behind);
+    return Handshake(options);
+  }
+  void ExpectTurnedAway(const Outcome& outcome, CertificateFlaw flaw) {
+    EXPECT_FALSE(outcome.done);
+    EXPECT_EQ(outcome.failure, Failure::kCertificate);
+    EXPECT_EQ(outcome.flaw, flaw);
+  }
+};
+
+TEST_P(TlsEngineGate, ACurveThatIsWrittenOutIsNotLookedInto) {
+  const Outcome outcome = Shows(Behind(1, odd::CertificateWith(odd::ExplicitCurveKey())));
+  ExpectTurnedAway(outcome, CertificateFlaw::kKeyKind);
+  EXPECT_EQ(outcome.alert, SSL_AD_DECODE_ERROR);
+}
+
+TEST_P(TlsEngineGate, TenCertificatesAreTakenAndElevenAreNot) {
+  const std::string other = odd::CertificateWith(odd::Ed25519Key());
+  const Outcome ten = Shows(Behind(identity::kShownCertificatesMax - 1, other));
+  EXPECT_TRUE(ten.done);
+  EXPECT_EQ(ten.ruri, kRuri);
+  ExpectTurnedAway(Shows(Behind(identity::kShownCertificatesMax, other)), CertificateFlaw::kCount);
+}
+
+TEST_P(TlsEngineGate, ALongRsaKeyIsNotLookedInto) {
+  EXPECT_TRUE(Shows(Behind(1, odd::CertificateWith(odd::RsaKey(4096, 64)))).done);
+  ExpectTurnedAway(Shows(Behind(1, odd::CertificateWith(odd::RsaKey(4097, 17)))),
+                   CertificateFlaw::kKeySize);
+}
+
+TEST_P(TlsEngineGate, MoreThan32KiBAreNotRead) {
+  odd::Parts parts;
+  parts.key = odd::Ed25519Key();
+  parts.extensions = odd::Extension("\x2A", std::string(identity::kShownBytesMax, 'x'));
+  ExpectTurnedAway(Shows(Behind(1, odd::CertificateOf(parts))), CertificateFlaw::kBytes);
+}
+
+TEST_P(TlsEngineGate, AGatewaysCertificateNames256Robots) {
+  CertificateSpec spec;
+  spec.units = {"gateway"};
+  for (int i = 0; i < 256; ++i) {
+    spec.uris.push_back("rcan://fleet.example.com/manufacturer/model/robots/" +
+                        std::to_string(1000 + i));
+  }
+  MemoryTls::Options options = With(spec);
+  options.version_max = GetParam();
+  EXPECT_TRUE(Handshake(options).done);
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, TlsEngineGate,
+                         ::testing::Values(TLS1_2_VERSION, TLS1_3_VERSION));
+
+/// Every kind of key that the gate lets through is one that a robot can come with, by both
+/// versions: OpenSSL holds a certificate's curve against the groups by TLS 1.2.
+TEST_F(TlsEngineTest, RobotsComeWithEveryKindOfKey) {
+  for (const auto minimum : {config::TlsVersion::k12, config::TlsVersion::k13}) {
+    rules_ = RulesOf(minimum);
+    for (const char* key : {"P-256", "P-384", "P-521", "RSA", "ED25519", "ED448"}) {
+      CertificateSpec spec = RobotSpec(kRuri);
+      spec.key = key;
+      MemoryTls::Options options = With(spec);
+      if (minimum == config::TlsVersion::k12) options.version_max = TLS1_2_VERSION;
+      const Outcome outcome = Handshake(options);
+      EXPECT_TRUE(outcome.done) << key << " by TLS " << options.version_max;
+      EXPECT_EQ(outcome.ruri, kRuri);
+    }
+  }
+}
+
+TEST_F(TlsEngineTest, RobotsComeWithACompressedPoint) {
+  for (const char* key : {"P-256", "P-384", "P-521"}) {
+    CertificateSpec spec = RobotSpec(kRuri);
+    spec.key = key;
+    spec.compressed = true;
+    EXPECT_TRUE(Handshake(With(spec)).done) << key;
+  }
+}
+
+TEST_F(TlsEngineTest, KeysAreAgreedOnByTheGroupsOfTheRulesAlone) {
+  MemoryTls::Options options = Robot();
+  for (const char* group : {"X25519", "P-256"}) {
+    options.groups = group;
+    EXPECT_TRUE(Handshake(options).done) << group;
+  }
+  for (const char* group : {"P-384", "P-521"}) {
+    options.groups = group;
+    EXPECT_EQ(Handshake(options).failure, Failure::kNothingShared) << group;
+  }
+  rules_.groups = "P-521:P-384";
+  options.groups = "P-384";
+  EXPECT_TRUE(Handshake(options).done);
+  options.groups = "X25519";
+  EXPECT_EQ(Handshake(options).failure, Failure::kNothingShared);
+}
+
+TEST_F(TlsEngineTest, AnAuthorityWithTheNameOfOursIsNoneOfOurs) {
+  const testing::TestAuthority other("test authority");
+  const Outcome outcome = Handshake({.identity = other.Issue(RobotSpec(kRuri)), .behind = nullptr});
+  EXPECT_EQ(outcome.failure, Failure::kUntrusted);
+}
+
+TEST_F(TlsEngineTest, AServersCertificateMayBeOnACurveThatIsNoGroup) {
+  CertificateSpec spec = testing::ServerSpec();
+  spec.key = "P-384";
+  const KeyPair server = authority_.Issue(spec);
+  texts_.certificate = server.certificate;
+  texts_.key = server.key;
+  EXPECT_TRUE(Handshake(Robot()).done);
+}
+
+}  // namespace
+}  // namespace uplink::front
