@@ -14,6 +14,8 @@ constexpr std::chrono::seconds kSpared{1};
 /// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
 constexpr std::size_t kHandshakesMax = 512;
 constexpr std::size_t kWaitingMax = 4096;
+/// Handshakes that were admitted and wait for a thread: some 10 ms of two threads.
+constexpr std::size_t kUnbegunMax = 32;
 /// Connections whose load balancer has not said where they come from: it says so at once.
 constexpr std::size_t kProxyHeadersMax = 1024;
 /// Connections without a place whose peers may still read why.
@@ -45,7 +47,8 @@ DoorLimits DoorLimitsFor(const DoorNeeds& needs) {
   return {.book = {.connections_max = std::min(needs.streams_max + kSpareConnections, left),
                    .lingers_max = lingers},
           .handshakes = {.under_way_max = handshakes,
-                         .waiting_max = unproven - handshakes - proxy_headers},
+                         .waiting_max = unproven - handshakes - proxy_headers,
+                         .unbegun_max = kUnbegunMax},
           .proxy_headers_max = proxy_headers};
 }
 
@@ -65,20 +68,24 @@ void Door::Arrive(Visitor visitor, SteadyTime now) {
   const SourceAddress source = visitor.origin.source;
   const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
   waiting_.emplace(id, std::move(visitor));
-  if (const auto refused = queue_.Arrive(id, source, rank)) {
+  if (const auto refused = queue_.Arrive(id, source, rank, now)) {
     const auto found = waiting_.find(*refused);
     book_.Note(TurnedAway::kCrowded, found->second.origin, now);
     waiting_.erase(found);
   }
-  Admit();
+  Admit(now);
 }
 
-void Door::HandshakeBegan(std::uint64_t id, SteadyTime now) { began_.emplace(id, now); }
+void Door::HandshakeBegan(std::uint64_t id, SteadyTime now) {
+  began_.emplace(id, now);
+  queue_.Began(id);
+  Admit(now);
+}
 
-void Door::HandshakeEnded(std::uint64_t id) {
+void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
   queue_.Ended(id);
   began_.erase(id);
-  Admit();
+  Admit(now);
 }
 
 void Door::Tend(SteadyTime now) {
@@ -92,12 +99,12 @@ void Door::Tend(SteadyTime now) {
     queue_.Ended(id);
     began_.erase(began);
     actions_.cut(id);
-    Admit();
+    Admit(now);
   }
 }
 
-void Door::Admit() {
-  while (const auto id = queue_.Next()) {
+void Door::Admit(SteadyTime now) {
+  while (const auto id = queue_.Next(now)) {
     const auto found = waiting_.find(*id);
     Visitor visitor = std::move(found->second);
     waiting_.erase(found);

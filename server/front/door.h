@@ -66,13 +66,13 @@ class Door final {
   /// gives way to nobody.
   void HandshakeBegan(std::uint64_t id, SteadyTime now);
   /// The handshake is over, whatever came of it.
-  void HandshakeEnded(std::uint64_t id);
+  void HandshakeEnded(std::uint64_t id, SteadyTime now);
   /// A second has passed: handshakes that have become long may give way.
   void Tend(SteadyTime now);
   [[nodiscard]] std::size_t waiting() const { return queue_.waiting(); }
 
  private:
-  void Admit();
+  void Admit(SteadyTime now);
   void Publish();
 
   DoorBook& book_;

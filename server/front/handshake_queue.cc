@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <iterator>
 #include <tuple>
+#include <utility>
 
 #include "schema/base/check.h"
 
 namespace uplink::front {
 
 HandshakeQueue::HandshakeQueue(const HandshakeLimits& limits) : limits_(limits) {
-  UPLINK_CHECK(limits.under_way_max > 0 && limits.waiting_max > 0, "no handshake could begin");
+  UPLINK_CHECK(limits.under_way_max > 0 && limits.waiting_max > 0 && limits.unbegun_max > 0,
+               "no handshake could begin");
 }
 
 std::optional<std::uint64_t> HandshakeQueue::Arrive(std::uint64_t id, const SourceAddress& address,
-                                                    Rank rank) {
+                                                    Rank rank, SteadyTime now) {
   UPLINK_CHECK(!connections_.contains(id), "two connections of one id");
   const auto [found, is_new] = sources_.try_emplace(address);
   Source& source = found->second;
@@ -24,6 +26,7 @@ std::optional<std::uint64_t> HandshakeQueue::Arrive(std::uint64_t id, const Sour
     Unlist(source);
   }
   source.rank = rank;
+  Rate(source, now);
   source.waiting.push_back({.id = id, .source = &source, .since = ++event_});
   connections_.emplace(id, std::prev(source.waiting.end()));
   List(source);
@@ -33,19 +36,29 @@ std::optional<std::uint64_t> HandshakeQueue::Arrive(std::uint64_t id, const Sour
   return refused;
 }
 
-std::optional<std::uint64_t> HandshakeQueue::Next() {
-  if (under_way() >= limits_.under_way_max) return std::nullopt;
+std::optional<std::uint64_t> HandshakeQueue::Next(SteadyTime now) {
+  if (under_way() >= limits_.under_way_max || unbegun_ >= limits_.unbegun_max) return std::nullopt;
+  RateAgain(now);
   Source* const source = InTurn(Of(Rank::kStranger).under_way);
   if (source == nullptr) return std::nullopt;
   Unlist(*source);
   source->served = ++event_;
   Connection& first = source->waiting.front();
   first.under_way = true;
+  ++unbegun_;
   first.since = event_;
   source->under_way.splice(source->under_way.end(), source->waiting, source->waiting.begin());
   known_in_a_row_ = source->rank == Rank::kKnown ? known_in_a_row_ + 1 : 0;
+  rates_.Note(source->address, now);
+  Rate(*source, now);
   List(*source);
   return first.id;
+}
+
+void HandshakeQueue::Began(std::uint64_t id) {
+  const auto found = connections_.find(id);
+  if (found == connections_.end() || !found->second->under_way) return;
+  if (!std::exchange(found->second->begun, true)) --unbegun_;
 }
 
 void HandshakeQueue::Ended(std::uint64_t id) {
@@ -55,6 +68,7 @@ void HandshakeQueue::Ended(std::uint64_t id) {
   connections_.erase(found);
   Source& source = *connection->source;
   Unlist(source);
+  if (connection->under_way && !connection->begun) --unbegun_;
   (connection->under_way ? source.under_way : source.waiting).erase(connection);
   List(source);
 }
@@ -85,6 +99,7 @@ void HandshakeQueue::Unlist(Source& source) {
   if (!source.waiting.empty()) {
     rank.in_turn.erase(&source);
     rank.crowds.erase(&source);
+    over_.erase({source.within_at, &source});
   }
   if (!source.under_way.empty()) holders_.erase(&source);
 }
@@ -100,8 +115,23 @@ void HandshakeQueue::List(Source& source) {
   if (!source.waiting.empty()) {
     rank.in_turn.insert(&source);
     rank.crowds.insert(&source);
+    if (source.over) over_.emplace(source.within_at, &source);
   }
   if (!source.under_way.empty()) holders_.insert(&source);
+}
+
+void HandshakeQueue::Rate(Source& source, SteadyTime now) {
+  source.within_at = rates_.WithinAt(source.address, now);
+  source.over = source.within_at > now;
+}
+
+void HandshakeQueue::RateAgain(SteadyTime now) {
+  while (!over_.empty() && over_.begin()->first <= now) {
+    Source& source = *over_.begin()->second;
+    Unlist(source);
+    Rate(source, now);
+    List(source);
+  }
 }
 
 HandshakeQueue::Source* HandshakeQueue::InTurn(std::size_t strangers_under_way) const {
@@ -124,8 +154,8 @@ std::uint64_t HandshakeQueue::ToRefuse() const {
 }
 
 bool HandshakeQueue::FewestUnderWay::operator()(const Source* left, const Source* right) const {
-  return std::tuple(left->under_way.size(), left->served) <
-         std::tuple(right->under_way.size(), right->served);
+  return std::tuple(left->over, left->under_way.size(), left->served) <
+         std::tuple(right->over, right->under_way.size(), right->served);
 }
 
 bool HandshakeQueue::MostWaiting::operator()(const Source* left, const Source* right) const {

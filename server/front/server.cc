@@ -157,7 +157,7 @@ void FrontServer::Impl::StartWorkers() {
       acceptor->Post([this, id] { door->HandshakeBegan(id, context.clock.Steady()); });
     };
     setup.handshake_ended = [this](std::uint64_t id) {
-      acceptor->Post([this, id] { door->HandshakeEnded(id); });
+      acceptor->Post([this, id] { door->HandshakeEnded(id, context.clock.Steady()); });
     };
     setup.evict = [this](std::uint64_t id) {
       // Whoever has it; that is rare enough to ask all.

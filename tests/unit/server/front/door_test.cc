@@ -63,11 +63,29 @@ TEST_F(DoorTest, AdmitsAsManyAsThereArePlacesAndLetsOthersWait) {
 
 TEST_F(DoorTest, TheNextComesInWhenAHandshakeEnds) {
   for (int i = 0; i < 3; ++i) Arrive(1);
-  door_.HandshakeEnded(1);
+  door_.HandshakeEnded(1, now_);
   EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
   EXPECT_FALSE(book_.pressed());
-  door_.HandshakeEnded(1);  // told twice
+  door_.HandshakeEnded(1, now_);  // told twice
   EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
+}
+
+TEST_F(DoorTest, AHandshakeThatBeginsMakesRoomForOneThatWaitsForOurCpu) {
+  Door door({.under_way_max = 10, .waiting_max = 10, .unbegun_max = 1}, book_, probe_,
+            {.admit = [this](std::uint64_t id, const Visitor&) { admitted_.push_back(id); },
+             .cut = [](std::uint64_t) {}});
+  const auto arrive = [&] {
+    door.Arrive({Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
+                 {.source = SourceOf(1), .text = "peer"}},
+                now_);
+  };
+  for (int i = 0; i < 3; ++i) arrive();
+  EXPECT_THAT(admitted_, ElementsAre(1));
+  EXPECT_FALSE(book_.pressed()) << "places are free: nobody has to hurry";
+  door.HandshakeBegan(1, now_);
+  EXPECT_THAT(admitted_, ElementsAre(1, 2));
+  door.HandshakeEnded(2, now_);  // it was closed before it began
+  EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
 }
 
 TEST_F(DoorTest, PastWhatMayWaitTheGreediestSourceIsTurnedAway) {
@@ -75,7 +93,7 @@ TEST_F(DoorTest, PastWhatMayWaitTheGreediestSourceIsTurnedAway) {
   Arrive(2);
   EXPECT_EQ(TurnedAwayFor(TurnedAway::kCrowded), 1);
   EXPECT_EQ(door_.waiting(), 3U);
-  door_.HandshakeEnded(1);
+  door_.HandshakeEnded(1, now_);
   EXPECT_EQ(admitted_.back(), 6U) << "the other source is next";
 }
 
@@ -123,7 +141,7 @@ TEST_F(DoorTest, SourcesOfRobotsComeFirst) {
   book_.known().Note(SourceOf(7), now_);
   for (int i = 0; i < 4; ++i) Arrive(1);
   Arrive(7);
-  door_.HandshakeEnded(1);
+  door_.HandshakeEnded(1, now_);
   EXPECT_EQ(admitted_.back(), 5U);
 }
 
@@ -135,9 +153,9 @@ TEST_F(DoorTest, TheServersOwnHandshakeWaitsForNobodyAndTakesNobodysPlace) {
   BeginAdmitted();
   door_.Tend(now_ + std::chrono::seconds(60));
   EXPECT_THAT(cut_, IsEmpty());
-  door_.HandshakeEnded(7);
+  door_.HandshakeEnded(7, now_);
   EXPECT_EQ(probe_.handshakes_under_way.value(), 2);
-  door_.HandshakeEnded(1);
+  door_.HandshakeEnded(1, now_);
   EXPECT_EQ(admitted_.size(), 4U);
 }
 

@@ -1,6 +1,7 @@
 #include "server/front/handshake_queue.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -22,6 +23,9 @@ SourceAddress From(std::uint32_t number) {
   return SourceAddress::Of(in_addr{.s_addr = htonl(number)});
 }
 
+/// Who serves by the rate is in handshake_rates_test.cc: here no source is over it.
+constexpr SteadyTime kNow{};
+
 const SourceAddress kA = From(0x0A000001);
 const SourceAddress kB = From(0x0A000002);
 const SourceAddress kC = From(0x0A000003);
@@ -30,20 +34,20 @@ const SourceAddress kC = From(0x0A000003);
 void ArriveMany(HandshakeQueue& queue, std::uint64_t first, std::size_t count,
                 const SourceAddress& source, Rank rank = Rank::kStranger) {
   for (std::size_t i = 0; i < count; ++i) {
-    ASSERT_EQ(queue.Arrive(first + i, source, rank), std::nullopt) << first + i;
+    ASSERT_EQ(queue.Arrive(first + i, source, rank, kNow), std::nullopt) << first + i;
   }
 }
 
 /// Whoever may begin, until no place is free or nobody waits.
 std::vector<std::uint64_t> TakeAll(HandshakeQueue& queue) {
   std::vector<std::uint64_t> taken;
-  while (const auto id = queue.Next()) taken.push_back(*id);
+  while (const auto id = queue.Next(kNow)) taken.push_back(*id);
   return taken;
 }
 
 TEST(HandshakeQueue, IsEmptyAtFirst) {
   HandshakeQueue queue({.under_way_max = 2, .waiting_max = 2});
-  EXPECT_EQ(queue.Next(), std::nullopt);
+  EXPECT_EQ(queue.Next(kNow), std::nullopt);
   EXPECT_EQ(queue.ToGiveWay(), std::nullopt);
   EXPECT_FALSE(queue.pressed());
 }
@@ -56,7 +60,7 @@ TEST(HandshakeQueue, FillsThePlacesAndNoMore) {
   EXPECT_EQ(queue.waiting(), 1U);
   EXPECT_TRUE(queue.pressed());
   queue.Ended(2);
-  EXPECT_EQ(queue.Next(), 3U);
+  EXPECT_EQ(queue.Next(kNow), 3U);
   EXPECT_FALSE(queue.pressed());
 }
 
@@ -64,7 +68,7 @@ TEST(HandshakeQueue, OneSourceUsesEveryPlaceThatNobodyElseWants) {
   HandshakeQueue queue({.under_way_max = 64, .waiting_max = 10'000});
   ArriveMany(queue, 0, 5'000, kA);
   for (std::uint64_t served = 0; served < 5'000; ++served) {
-    const auto id = queue.Next();
+    const auto id = queue.Next(kNow);
     ASSERT_EQ(id, served) << "first in, first out";
     if (queue.under_way() == 64) queue.Ended(served - 63);
   }
@@ -77,7 +81,7 @@ TEST(HandshakeQueue, TheOneOfASmallSourceIsServedBeforeTheThousandsOfABigOne) {
   ASSERT_THAT(TakeAll(queue), ElementsAre(0, 1, 2, 3));
   ArriveMany(queue, 9'000, 1, kB);
   queue.Ended(0);
-  EXPECT_EQ(queue.Next(), 9'000U);
+  EXPECT_EQ(queue.Next(kNow), 9'000U);
 }
 
 TEST(HandshakeQueue, TheSourceWithTheFewestUnderWayIsNext) {
@@ -96,7 +100,7 @@ TEST(HandshakeQueue, EqualSourcesAlternate) {
   ArriveMany(queue, 20, 2, kB);
   ArriveMany(queue, 30, 2, kC);
   std::vector<std::uint64_t> served;
-  while (const auto id = queue.Next()) {
+  while (const auto id = queue.Next(kNow)) {
     served.push_back(*id);
     queue.Ended(*id);
   }
@@ -106,14 +110,14 @@ TEST(HandshakeQueue, EqualSourcesAlternate) {
 TEST(HandshakeQueue, ASourceThatComesAgainIsNotServedBeforeThoseThatWait) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 100});
   ArriveMany(queue, 1, 1, kA);
-  ASSERT_EQ(queue.Next(), 1U);
+  ASSERT_EQ(queue.Next(kNow), 1U);
   ArriveMany(queue, 20, 1, kB);
   ArriveMany(queue, 30, 1, kC);
   queue.Ended(1);
   ArriveMany(queue, 2, 1, kA);
-  EXPECT_EQ(queue.Next(), 20U);
+  EXPECT_EQ(queue.Next(kNow), 20U);
   queue.Ended(20);
-  EXPECT_EQ(queue.Next(), 30U);
+  EXPECT_EQ(queue.Next(kNow), 30U);
 }
 
 TEST(HandshakeQueue, KnownSourcesComeFirstAndEveryFourthPlaceIsAStrangers) {
@@ -129,7 +133,7 @@ TEST(HandshakeQueue, EveryFourthPlaceThatIsFreedIsAStrangersWhereOneIsAll) {
   ArriveMany(queue, 20, 10, kB, Rank::kKnown);
   std::vector<std::uint64_t> served;
   for (int i = 0; i < 8; ++i) {
-    served.push_back(queue.Next().value());
+    served.push_back(queue.Next(kNow).value());
     queue.Ended(served.back());
   }
   EXPECT_THAT(served, ElementsAre(20, 21, 22, 10, 23, 24, 25, 11));
@@ -156,10 +160,10 @@ TEST(HandshakeQueue, StrangersThatHoldTheirFourthAreServedAgainWhenOneHasEnded) 
   ASSERT_THAT(TakeAll(queue), ElementsAre(20, 21, 22, 10));
   for (const std::uint64_t id : {20U, 21U, 22U, 23U}) {
     queue.Ended(id);
-    EXPECT_EQ(queue.Next(), id + 3) << "one stranger is a fourth";
+    EXPECT_EQ(queue.Next(kNow), id + 3) << "one stranger is a fourth";
   }
   queue.Ended(10);
-  EXPECT_EQ(queue.Next(), 11U);
+  EXPECT_EQ(queue.Next(kNow), 11U);
 }
 
 TEST(HandshakeQueue, ASourceThatBecomesKnownTakesAllThatWaitWithIt) {
@@ -167,7 +171,7 @@ TEST(HandshakeQueue, ASourceThatBecomesKnownTakesAllThatWaitWithIt) {
   ArriveMany(queue, 10, 1, kA);
   ArriveMany(queue, 20, 1, kB);
   ArriveMany(queue, 21, 1, kB, Rank::kKnown);
-  EXPECT_EQ(queue.Next(), 20U);
+  EXPECT_EQ(queue.Next(kNow), 20U);
 }
 
 TEST(HandshakeQueue, RefusesNobodyUpToItsBound) {
@@ -180,16 +184,16 @@ TEST(HandshakeQueue, PastItRefusesTheNewestOfTheSourceThatHasTheMost) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 3});
   ArriveMany(queue, 1, 2, kA);
   ArriveMany(queue, 3, 1, kB);
-  EXPECT_EQ(queue.Arrive(4, kC, Rank::kStranger), 2U);
+  EXPECT_EQ(queue.Arrive(4, kC, Rank::kStranger, kNow), 2U);
   EXPECT_EQ(queue.waiting(), 3U);
-  EXPECT_EQ(queue.Next(), 1U);
+  EXPECT_EQ(queue.Next(kNow), 1U);
 }
 
 TEST(HandshakeQueue, PastItRefusesTheNewcomerIfItsSourceHasTheMost) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 3});
   ArriveMany(queue, 1, 1, kA);
   ArriveMany(queue, 2, 2, kB);
-  EXPECT_EQ(queue.Arrive(4, kB, Rank::kStranger), 4U);
+  EXPECT_EQ(queue.Arrive(4, kB, Rank::kStranger, kNow), 4U);
   EXPECT_EQ(queue.waiting(), 3U);
 }
 
@@ -197,7 +201,7 @@ TEST(HandshakeQueue, PastItRefusesTheNewcomerIfAllHaveAsMany) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 2});
   ArriveMany(queue, 1, 1, kA);
   ArriveMany(queue, 2, 1, kB);
-  EXPECT_EQ(queue.Arrive(3, kC, Rank::kStranger), 3U);
+  EXPECT_EQ(queue.Arrive(3, kC, Rank::kStranger, kNow), 3U);
   EXPECT_EQ(queue.sources(), 2U) << "the source is forgotten with it";
 }
 
@@ -205,15 +209,15 @@ TEST(HandshakeQueue, PastItRefusesAStrangerBeforeAKnownSourceThatHasMore) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 4});
   ArriveMany(queue, 1, 2, kA, Rank::kKnown);
   ArriveMany(queue, 3, 2, kB);
-  EXPECT_EQ(queue.Arrive(5, kA, Rank::kKnown), 4U);
+  EXPECT_EQ(queue.Arrive(5, kA, Rank::kKnown, kNow), 4U);
 }
 
 TEST(HandshakeQueue, StrangersKeepAFourthOfThoseThatMayWait) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 4});
   ArriveMany(queue, 1, 4, kA, Rank::kKnown);
-  EXPECT_EQ(queue.Arrive(5, kB, Rank::kStranger), 4U);
-  EXPECT_EQ(queue.Arrive(6, kA, Rank::kKnown), 6U);
-  EXPECT_EQ(queue.Arrive(7, kC, Rank::kStranger), 7U) << "it would be more than a fourth";
+  EXPECT_EQ(queue.Arrive(5, kB, Rank::kStranger, kNow), 4U);
+  EXPECT_EQ(queue.Arrive(6, kA, Rank::kKnown, kNow), 6U);
+  EXPECT_EQ(queue.Arrive(7, kC, Rank::kStranger, kNow), 7U) << "it would be more than a fourth";
 }
 
 TEST(HandshakeQueue, OneThatWaitsMayEnd) {
@@ -227,7 +231,7 @@ TEST(HandshakeQueue, OneThatWaitsMayEnd) {
 TEST(HandshakeQueue, OneThatIsUnderWayMayEnd) {
   HandshakeQueue queue({.under_way_max = 2, .waiting_max = 10});
   ArriveMany(queue, 1, 1, kA);
-  ASSERT_EQ(queue.Next(), 1U);
+  ASSERT_EQ(queue.Next(kNow), 1U);
   queue.Ended(1);
   EXPECT_EQ(queue.under_way(), 0U);
   EXPECT_EQ(queue.sources(), 0U);
@@ -236,7 +240,7 @@ TEST(HandshakeQueue, OneThatIsUnderWayMayEnd) {
 TEST(HandshakeQueue, AnUnknownOneMayEnd) {
   HandshakeQueue queue({.under_way_max = 2, .waiting_max = 10});
   ArriveMany(queue, 1, 2, kA);
-  ASSERT_EQ(queue.Next(), 1U);
+  ASSERT_EQ(queue.Next(kNow), 1U);
   queue.Ended(7);
   queue.Ended(1);
   queue.Ended(1);
@@ -252,10 +256,10 @@ TEST(HandshakeQueue, TheLongestOfTheSourceThatHasTooManyGivesWay) {
   ArriveMany(queue, 20, 3, kB);
   EXPECT_EQ(queue.ToGiveWay(), 1U);
   queue.Ended(1);
-  EXPECT_EQ(queue.Next(), 20U);
+  EXPECT_EQ(queue.Next(kNow), 20U);
   EXPECT_EQ(queue.ToGiveWay(), 2U);
   queue.Ended(2);
-  EXPECT_EQ(queue.Next(), 21U);
+  EXPECT_EQ(queue.Next(kNow), 21U);
   EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "both have their share";
 }
 
@@ -281,10 +285,10 @@ TEST(HandshakeQueue, OneOfTwoGivesWayWhereMoreSourcesWaitThanThereArePlaces) {
   for (std::uint32_t i = 1; i <= 5; ++i) ArriveMany(queue, i, 1, From(i));
   EXPECT_EQ(queue.ToGiveWay(), 100U);
   queue.Ended(100);
-  ASSERT_EQ(queue.Next(), 1U);
+  ASSERT_EQ(queue.Next(kNow), 1U);
   EXPECT_EQ(queue.ToGiveWay(), 101U);
   queue.Ended(101);
-  ASSERT_EQ(queue.Next(), 2U);
+  ASSERT_EQ(queue.Next(kNow), 2U);
   EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "each share is one";
 }
 
@@ -294,7 +298,7 @@ TEST(HandshakeQueue, NobodyGivesWayToAStrangerIfTheKnownSourceWouldGetThePlaceBa
   ASSERT_THAT(TakeAll(queue), ElementsAre(1, 2, 3, 4));
   queue.Ended(4);
   ArriveMany(queue, 30, 1, kB);
-  ASSERT_EQ(queue.Next(), 30U) << "the fourth place";
+  ASSERT_EQ(queue.Next(kNow), 30U) << "the fourth place";
   ArriveMany(queue, 40, 1, kC);
   EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "it is a known source's place, three times";
 }
@@ -430,7 +434,7 @@ void LetGiveWay(HandshakeQueue& queue, Model& model) {
   const std::size_t share = model.Share();
   queue.Ended(*gives_way);
   model.GiveWay(*gives_way);
-  const auto next = queue.Next();
+  const auto next = queue.Next(kNow);
   ASSERT_TRUE(next);
   ASSERT_LT(model.UnderWayBeside(*next), share);
   model.Begin(*next);
@@ -444,8 +448,10 @@ TEST(HandshakeQueue, KeepsItsPromisesWhateverComes) {
   HandshakeQueue queue(kModelLimits);
   Model model;
   std::uint64_t last_id = 0;
+  SteadyTime now = kNow;
   for (int step = 0; step < 10'000 && !HasFatalFailure(); ++step) {
     const std::size_t what = below(20);
+    now += std::chrono::seconds(1);
     if (what < 8) {
       // Few sources come far more often than the others; which are known changes now and then.
       const std::size_t number = below(1 + below(12));
@@ -453,9 +459,9 @@ TEST(HandshakeQueue, KeepsItsPromisesWhateverComes) {
       const Rank rank = known ? Rank::kKnown : Rank::kStranger;
       const SourceAddress source = From(static_cast<std::uint32_t>(number));
       model.Arrive(++last_id, source, rank);
-      if (const auto id = queue.Arrive(last_id, source, rank)) model.Refuse(*id);
+      if (const auto id = queue.Arrive(last_id, source, rank, now)) model.Refuse(*id);
     } else if (what < 14) {
-      if (const auto id = queue.Next()) model.Begin(*id);
+      if (const auto id = queue.Next(now)) model.Begin(*id);
     } else if (what < 19) {
       const std::vector<std::uint64_t> ids = model.ids();
       if (ids.empty()) continue;
@@ -472,7 +478,7 @@ TEST(HandshakeQueue, KeepsItsPromisesWhateverComes) {
 TEST(HandshakeQueueDeathTest, AnIdThatIsTwiceInItIsOurBug) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 10});
   ArriveMany(queue, 1, 1, kA);
-  EXPECT_DEATH(static_cast<void>(queue.Arrive(1, kB, Rank::kStranger)), "two connections");
+  EXPECT_DEATH(static_cast<void>(queue.Arrive(1, kB, Rank::kStranger, kNow)), "two connections");
 }
 
 TEST(HandshakeQueueDeathTest, LimitsOfZeroAreOurBug) {
