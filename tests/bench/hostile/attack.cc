@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tests/bench/hostile/certificates.h"
 #include "tests/bench/hostile/crowds.h"
 #include "tests/bench/hostile/floods.h"
 
@@ -48,6 +49,10 @@ constexpr std::array kAttacks = std::to_array<Attack>({
      SayNothingFromFifty, kCrowdTime},
     {"descriptors", "1,000 connections that say nothing, where 512 descriptors are allowed", false,
      TakeDescriptors, kHandshakeTimer, kFewDescriptors},
+    {"explicit_curves", "14 connections that show 50 keys on curves that are written out", false,
+     ShowExplicitCurves, kCrowdTime},
+    {"dear_certificates", "14 connections that show the dearest certificates that are read", false,
+     ShowDearCertificates, kCrowdTime},
 });
 
 testing::RawHttp2::Options ClientOf(const AttackSite& site) {

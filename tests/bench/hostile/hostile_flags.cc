@@ -33,6 +33,7 @@ std::optional<int> ParseHostileFlags(int argc, const char* const* argv, HostileF
   parser.Add({"--seconds", "Without the attack and with it; some attacks need more"}, flags.seconds,
              {1, 600});
   parser.Add({"--rounds"}, flags.rounds, {1, 100});
+  parser.Add({"--robots", "Honest robots"}, flags.robots, {1, 100});
   if (const auto code = parser.Parse(argc, argv)) return code;
   for (const std::string& name : only) {
     const Attack* const attack = AttackOf(name);

@@ -17,6 +17,7 @@ struct HostileFlags {
   std::string server_bin;
   int seconds = 5;
   int rounds = 1;
+  int robots = 1;
 };
 
 /// Reads them into `flags`, whose values are the defaults. The exit code where the program is to

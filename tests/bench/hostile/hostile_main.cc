@@ -29,6 +29,7 @@ int Run(int argc, char** argv) {
   const HostileRun run{.world = world,
                        .server_bin = flags.server_bin.empty() ? UPLINKD_PROGRAM : flags.server_bin,
                        .window = std::chrono::seconds(flags.seconds),
+                       .robots = flags.robots,
                        .stopped = [&] { return stopped = stopped || signals.Came(); },
                        .say = Say};
   std::vector<HostileResult> results;
@@ -40,8 +41,9 @@ int Run(int argc, char** argv) {
     }
   }
   fmt::print(
-      "hostile: one robot with 20 durable messages per second, the server on {}; {} rounds, {} s"
+      "hostile: {} with 20 durable messages per second each, the server on {}; {} rounds, {} s"
       " without each attack and at least as long with it\n{}",
+      flags.robots == 1 ? "one robot" : fmt::format("{} robots", flags.robots),
       apart ? "a core of its own" : "the only core", flags.rounds, flags.seconds,
       HostileTable(results));
   const bool kept = KeepJson(flags.json, HostileRows(results), flags.commit);

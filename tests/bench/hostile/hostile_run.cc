@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -57,11 +58,16 @@ testing::KeyPair Issued(const World& world, const std::string& ruri) {
   return world.folder.authority().Issue(testing::RobotSpec(ruri));
 }
 
-link::Identity VictimOf(const World& world) {
-  const testing::KeyPair pair = Issued(world, kVictimRuri);
-  auto identity = link::Identity::Parse(pair.certificate, pair.key);
-  UPLINK_CHECK(identity.ok(), identity.status().ToString());
-  return *std::move(identity);
+std::vector<link::Identity> VictimsOf(const World& world, int robots) {
+  std::vector<link::Identity> victims;
+  for (int i = 0; i < robots; ++i) {
+    const std::string ruri = i == 0 ? kVictimRuri : fmt::format("{}{}", kVictimRuri, i + 1);
+    const testing::KeyPair pair = Issued(world, ruri);
+    auto identity = link::Identity::Parse(pair.certificate, pair.key);
+    UPLINK_CHECK(identity.ok(), identity.status().ToString());
+    victims.push_back(*std::move(identity));
+  }
+  return victims;
 }
 
 /// Messages of the victim up to that number that the store does not have.
@@ -85,7 +91,7 @@ class Measurement final {
         attack_(attack),
         server_(server),
         http_(fmt::format("127.0.0.1:{}", server.ports().http)),
-        victim_(loop_, clock_, LinkTo(run.world, server), VictimOf(run.world)) {}
+        victim_(loop_, clock_, LinkTo(run.world, server), VictimsOf(run.world, run.robots)) {}
 
   /// What the server's store is asked for is left out.
   void Measure(HostileResult& result) {

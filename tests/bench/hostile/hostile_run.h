@@ -15,6 +15,8 @@ struct HostileRun {
   std::string server_bin;
   /// Without the attack, and with it unless it needs more.
   milliseconds window{0};
+  /// Honest robots.
+  int robots = 1;
   /// Somebody wants it to end.
   std::function<bool()> stopped;
   /// A line of progress.
