@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "schema/base/check.h"
+#include "server/config/tls_groups.h"
 
 namespace uplink::testing {
 namespace {
@@ -17,10 +18,12 @@ constexpr std::uint32_t kGatewayStreamsMax = 16;
 }  // namespace
 
 ConnectionBench::ConnectionBench(config::TlsVersion minimum) {
+  config::TlsConfig tls;
+  tls.min_version = minimum;
   const KeyPair server = authority_.Issue(ServerSpec());
   auto made = front::TlsContext::Make(
       {.certificate = server.certificate, .key = server.key, .client_ca = authority_.certificate()},
-      minimum);
+      {.minimum = minimum, .groups = config::ServedGroups(tls)});
   UPLINK_CHECK(made.ok(), made.status().ToString());
   tls_ = *std::move(made);
   // Certificates are judged by the machine's clock.

@@ -32,7 +32,7 @@ TEST(TlsGroups, AreSomeOfFour) {
   EXPECT_THAT(OneProblem("[\"X25519\", \"x448\"]"),
               HasSubstr("tls.groups: \"x448\" is none of X25519, P-256, P-384, P-521"));
   EXPECT_THAT(OneProblem("[]"), HasSubstr("tls.groups: it is empty"));
-  EXPECT_THAT(OneProblem("[\"P-256\", \"P-256\"]"), HasSubstr("it has \"P-256\" twice"));
+  EXPECT_THAT(OneProblem("[\"P-256\", \"P-256\"]"), HasSubstr("\"P-256\" stands in it twice"));
 }
 
 TEST(TlsGroups, AreServedInTheirOrder) {
