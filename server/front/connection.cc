@@ -99,6 +99,12 @@ void Connection::OnUnblocked() {
   if (phase_ == Phase::kLinger) socket_.EndOutput();
 }
 
+Turn Connection::turn() const {
+  if (phase_ != Phase::kHandshake) return Turn::kNow;
+  if (origin_.own) return Turn::kOwnHandshake;
+  return origin_.known ? Turn::kKnownHandshake : Turn::kHandshake;
+}
+
 // --- Streams ---
 
 Http2Stream* Connection::OnStream(std::int32_t id) {

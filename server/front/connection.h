@@ -84,6 +84,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void OnReceiveEnd() override;
   void OnUnblocked() override;
   void AfterEvent() override { Settle(); }
+  [[nodiscard]] Turn turn() const override;
   // Http2Peer
   Http2Stream* OnStream(std::int32_t id) override;
   void OnFrame(FrameKind kind) override;

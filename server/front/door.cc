@@ -67,6 +67,7 @@ void Door::Arrive(Visitor visitor, SteadyTime now) {
   if (visitor.origin.own) return actions_.admit(id, std::move(visitor));
   const SourceAddress source = visitor.origin.source;
   const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
+  visitor.origin.known = rank == Rank::kKnown;
   waiting_.emplace(id, std::move(visitor));
   if (const auto refused = queue_.Arrive(id, source, rank, now)) {
     const auto found = waiting_.find(*refused);

@@ -55,10 +55,45 @@ EventLoop::~EventLoop() {
 void EventLoop::Run() {
   while (!stopped_) {
     const int ready = ::epoll_wait(set_, events_.data(), static_cast<int>(events_.size()), -1);
-    for (int i = 0; i < ready; ++i) Handle(events_[static_cast<std::size_t>(i)]);
+    const auto count = static_cast<std::size_t>(std::max(ready, 0));
+    const std::size_t handshakes = HandleAllButHandshakes(count);
+    HandleHandshakes(handshakes, 1 + (count - handshakes) / kEventsPerHandshake);
     // Behind the events, which may name what this destroys.
     if (std::exchange(posts_due_, false)) RunPosted();
     hooks_.after();
+  }
+}
+
+Turn EventLoop::TurnOf(const epoll_event& event) const {
+  if (event.data.ptr == &timer_ || event.data.ptr == &posts_) return Turn::kNow;
+  return static_cast<const ReadyOwner*>(event.data.ptr)->turn();
+}
+
+std::size_t EventLoop::HandleAllButHandshakes(std::size_t ready) {
+  std::size_t handshakes = 0;
+  for (std::size_t i = 0; i < ready; ++i) {
+    const epoll_event event = events_[i];
+    if (TurnOf(event) == Turn::kNow) {
+      Handle(event);
+    } else {
+      events_[handshakes++] = event;
+    }
+  }
+  return handshakes;
+}
+
+void EventLoop::HandleHandshakes(std::size_t ready, std::size_t steps) {
+  auto end = events_.begin() + static_cast<std::ptrdiff_t>(ready);
+  for (; steps > 0 && end != events_.begin(); --steps) {
+    auto next = events_.begin();
+    if (++handshake_steps_ % kFirstReadyEvery != 0) {
+      next = std::min_element(next, end, [this](const epoll_event& left, const epoll_event& right) {
+        return TurnOf(left) < TurnOf(right);
+      });
+    }
+    const epoll_event event = *next;
+    end = std::move(next + 1, end, next);
+    Handle(event);
   }
 }
 

@@ -14,10 +14,23 @@
 
 namespace uplink::front {
 
+/// When a descriptor that became ready has its turn. A step of a handshake costs as much as a
+/// hundred messages: steps come behind everything else that is ready, a few at a time, in this
+/// order.
+enum class Turn : std::uint8_t {
+  kNow,
+  /// A handshake of the server with itself.
+  kOwnHandshake,
+  /// One from a source where robots streamed lately.
+  kKnownHandshake,
+  kHandshake,
+};
+
 /// Who is told that a descriptor became ready.
 class ReadyOwner {
  public:
   virtual ~ReadyOwner() = default;
+  [[nodiscard]] virtual Turn turn() const { return Turn::kNow; }
   /// May close its own descriptor, and must outlive the events that are being told: what is posted
   /// from here runs after them.
   virtual void OnReady(std::uint32_t events) = 0;
@@ -57,7 +70,19 @@ class EventLoop final {
   /// In place of what was set before; nothing: no timer.
   void SetTimer(std::optional<SteadyTime::duration> after);
 
+  /// Steps of handshakes behind other events: one, and one more for so many of these, so that
+  /// neither waits long for the other.
+  static constexpr std::size_t kEventsPerHandshake = 32;
+  /// Of these steps one in so many is of who became ready first, whoever that is.
+  static constexpr std::uint64_t kFirstReadyEvery = 4;
+
  private:
+  [[nodiscard]] Turn TurnOf(const epoll_event& event) const;
+  /// Handles of the first `ready` events those whose turn is now. The others stand at the front
+  /// then: how many.
+  std::size_t HandleAllButHandshakes(std::size_t ready);
+  /// Handles so many of the first `ready` events. Of the others the system tells again.
+  void HandleHandshakes(std::size_t ready, std::size_t steps);
   void Handle(const epoll_event& event);
   void RunPosted();
 
@@ -69,6 +94,7 @@ class EventLoop final {
   const int timer_;
   const int posts_;
   std::array<epoll_event, kEventsAtOnce> events_{};
+  std::uint64_t handshake_steps_ = 0;
   bool posts_due_ = false;
   bool stopped_ = false;
 

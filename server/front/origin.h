@@ -25,6 +25,8 @@ struct Origin {
   bool health_check = false;
   /// The server asks itself whether it still answers; a health check, too.
   bool own = false;
+  /// A robot streamed from its source lately (KnownSources).
+  bool known = false;
 
   /// A trusted certificate was shown: whoever has one does more than look.
   void NotePeer(const std::string& of_robot, const std::string& of_gateway,

@@ -23,6 +23,8 @@ class SocketOwner {
   virtual void OnUnblocked() = 0;
   /// After each of the above, or several.
   virtual void AfterEvent() = 0;
+  /// When its events have their turn.
+  [[nodiscard]] virtual Turn turn() const { return Turn::kNow; }
 };
 
 /// A connected socket: reads through the thread's buffer, sends at once and keeps back what does
@@ -54,6 +56,7 @@ class Socket final : public ReadyOwner {
   void Close();
 
   void OnReady(std::uint32_t events) override;
+  [[nodiscard]] Turn turn() const override { return owner_.turn(); }
 
  private:
   void Receive();

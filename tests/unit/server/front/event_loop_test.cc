@@ -1,5 +1,6 @@
 #include "server/front/event_loop.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <functional>
@@ -33,6 +34,7 @@ class Watched final : public ReadyOwner {
   Watched& operator=(const Watched&) = delete;
 
   void OnReady(std::uint32_t events) override { on_ready(events); }
+  [[nodiscard]] Turn turn() const override { return its_turn; }
   void CloseMine() {
     if (mine_ >= 0) ::close(std::exchange(mine_, -1));
   }
@@ -40,6 +42,7 @@ class Watched final : public ReadyOwner {
   void Say() const { EXPECT_EQ(::send(other_, "x", 1, MSG_NOSIGNAL), 1); }
   [[nodiscard]] int descriptor() const { return mine_; }
 
+  Turn its_turn = Turn::kNow;
   std::function<void(std::uint32_t)> on_ready = [](std::uint32_t /*events*/) {};
 
  private:
@@ -51,7 +54,13 @@ class EventLoopTest : public ::testing::Test {
  protected:
   std::vector<std::string> said_;
   std::function<void()> on_timer_ = [] {};
-  EventLoop loop_{{.timer = [this] { on_timer_(); }, .after = [this] { ++batches_; }}};
+  EventLoop loop_{{.timer = [this] { on_timer_(); },
+                   .after =
+                       [this] {
+                         ++batches_;
+                         on_after_();
+                       }}};
+  std::function<void()> on_after_ = [] {};
   int batches_ = 0;
 };
 
@@ -178,6 +187,76 @@ TEST_F(EventLoopTest, ATimerIsReplacedAndTakenBack) {
   loop_.SetTimer(std::chrono::milliseconds(1));
   loop_.Run();
   EXPECT_EQ(said_, std::vector<std::string>{"timer"});
+}
+
+/// Sockets that are all ready, each of which says its name once it has its turn.
+class EventLoopTurns : public EventLoopTest {
+ protected:
+  Watched& Add(Turn turn, const std::string& name) {
+    Watched& watched = *watched_.emplace_back(std::make_unique<Watched>());
+    watched.its_turn = turn;
+    watched.on_ready = [this, name, &watched](std::uint32_t /*events*/) {
+      said_.push_back(name);
+      watched.CloseMine();
+      if (said_.size() == watched_.size()) loop_.Stop();
+    };
+    EXPECT_TRUE(loop_.Watch(watched.descriptor(), watched));
+    watched.Say();
+    return watched;
+  }
+
+  std::vector<std::unique_ptr<Watched>> watched_;
+};
+
+TEST_F(EventLoopTurns, HandshakesComeBehindWhatElseIsReadyByWhoseTheyAre) {
+  Add(Turn::kHandshake, "stranger");
+  Add(Turn::kKnownHandshake, "known");
+  Add(Turn::kOwnHandshake, "own");
+  Add(Turn::kNow, "robot");
+  Add(Turn::kNow, "another");
+  loop_.Run();
+  EXPECT_EQ(said_, (std::vector<std::string>{"robot", "another", "own", "known", "stranger"}));
+}
+
+TEST_F(EventLoopTurns, WhatBecomesReadyDuringAHandshakeComesBeforeTheNextOne) {
+  Watched robot;
+  robot.on_ready = [&](std::uint32_t /*events*/) {
+    said_.emplace_back("robot");
+    robot.CloseMine();
+  };
+  ASSERT_TRUE(loop_.Watch(robot.descriptor(), robot));
+  Watched& first = Add(Turn::kHandshake, "first");
+  first.on_ready = [&, on_ready = first.on_ready](std::uint32_t events) {
+    on_ready(events);
+    robot.Say();
+  };
+  Add(Turn::kHandshake, "second");
+  Add(Turn::kHandshake, "third");
+  Add(Turn::kHandshake, "fourth");
+  Add(Turn::kHandshake, "fifth");
+  loop_.Run();
+  ASSERT_GE(said_.size(), 3U);
+  EXPECT_EQ(said_[0], "first");
+  EXPECT_EQ(said_[1], "robot");
+  EXPECT_EQ(said_[2], "second");
+}
+
+TEST_F(EventLoopTurns, OneStepInFourIsOfWhoWasReadyFirst) {
+  Add(Turn::kHandshake, "stranger");
+  for (const char* name : {"1", "2", "3", "4", "5"}) Add(Turn::kKnownHandshake, name);
+  loop_.Run();
+  EXPECT_EQ(said_[3], "stranger");
+}
+
+TEST_F(EventLoopTurns, WhereMuchIsReadyHandshakesHaveTheirShare) {
+  for (std::size_t i = 0; i < 2 * EventLoop::kEventsPerHandshake; ++i) Add(Turn::kNow, "robot");
+  for (int i = 0; i < 3; ++i) Add(Turn::kHandshake, "handshake");
+  int steps = 0;
+  on_after_ = [&] {
+    if (batches_ == 1) steps = static_cast<int>(std::ranges::count(said_, "handshake"));
+  };
+  loop_.Run();
+  EXPECT_EQ(steps, 3) << "one, and two more for so many events";
 }
 
 }  // namespace
