@@ -97,6 +97,16 @@ class FleetRun(EndToEnd):
         self.assertGreater(report["run"]["resent"], 0)
         self.assertGreater(report["run"]["rejects"], 0)
 
+    def test_robots_by_the_grpc_library_agree_though_their_streams_break(self):
+        _, fleet = self.at_work(
+            "--client", "grpc", "--robots", 10, "--rate", 20, "--faults", 10, "--batch", 5,
+            "--breaks-per-minute", 60, "--malformed-share", 0.1,
+        )  # fmt: skip
+        wait_until(fleet.process, lambda: fleet.breaks() >= 30, WAIT_SECONDS, "30 breaks")
+        report = self.assert_agrees(fleet)
+        self.assertGreater(report["run"]["breaks"], 0)
+        self.assertGreater(report["run"]["rejects"], 0)
+
     def test_robots_behind_gateways_agree_though_their_connections_break(self):
         server, fleet = self.at_work("--robots", 10, "--gateways", 2, "--breaks-per-minute", 20)
         names = {"CN=gateway-0001,OU=gateway,O=default", "CN=gateway-0002,OU=gateway,O=default"}
@@ -184,6 +194,8 @@ class FleetUse(EndToEnd):
             ["--report", "xml"], ["--no-such-flag"], ["--seed", "-1"], ["--ruri-prefix", "http://x"],
             ["--scenario", "no-such-scenario"], ["--pace", "0"], ["--late-share", "2"], ["--declining-share", "x"],
             ["--robots", "3", "--gateways", "4"], ["--robots", "257", "--gateways", "1"],
+            ["--client", "pigeon"], ["--client", "grpc", "--gateways", "1"],
+            ["--client", "grpc", "--scenario", "flapping_network"],
         ):  # fmt: skip
             with self.subTest(flags):
                 run(BIN / "uplink-fleet", *flags, code=2)

@@ -8,39 +8,10 @@
 #include <string_view>
 
 #include "tools/link/http2_link.h"
+#include "tools/link/stream_connection.h"
 #include "tools/link/tls_link.h"
 
 namespace uplink::link {
-
-/// How a stream ended: gRPC's code, 0 to 16, and the server's words. A value.
-struct StreamEnd {
-  int code = 0;
-  std::string message;
-};
-inline constexpr int kCodeOk = 0;
-inline constexpr int kCodeCancelled = 1;
-inline constexpr int kCodeUnknown = 2;
-inline constexpr int kCodeInvalidArgument = 3;
-inline constexpr int kCodePermissionDenied = 7;
-inline constexpr int kCodeResourceExhausted = 8;
-inline constexpr int kCodeUnimplemented = 12;
-inline constexpr int kCodeInternal = 13;
-inline constexpr int kCodeUnavailable = 14;
-inline constexpr int kCodeUnauthenticated = 16;
-
-/// What a connection tells its owner: on the loop's thread, never from within a call that the owner
-/// makes. Only within OnEnded may the owner drop the connection.
-class StreamEvents {
- public:
-  virtual ~StreamEvents() = default;
-  /// The connection is up: OpenStream may be called.
-  virtual void OnConnected() = 0;
-  virtual void OnMessage(std::string_view message) = 0;
-  /// The kernel has taken all that waited.
-  virtual void OnSent() = 0;
-  /// The stream, or the connection before a stream was opened, is over. Called once per stream.
-  virtual void OnEnded(const StreamEnd& end) = 0;
-};
 
 /// Messages of a server longer than that end the stream.
 inline constexpr std::size_t kMessageBytesMax = 4 * 1024 * 1024;
@@ -51,7 +22,7 @@ inline constexpr std::size_t kMessageBytesMax = 4 * 1024 * 1024;
 ///
 /// Thread: confined to the loop's thread.
 /// Source: "gRPC over HTTP2", the protocol's own description.
-class GrpcConnection final : private LinkUser, private Http2Events {
+class GrpcConnection final : public StreamConnection, private LinkUser, private Http2Events {
  public:
   GrpcConnection(Loop& loop, LinkOptions options, StreamEvents& events);
   /// A part in this link.
@@ -61,29 +32,21 @@ class GrpcConnection final : private LinkUser, private Http2Events {
   GrpcConnection(const GrpcConnection&) = delete;
   GrpcConnection& operator=(const GrpcConnection&) = delete;
 
-  void Connect() { link_->Connect(); }
-  /// From now on another owner gets the events.
-  void SetEvents(StreamEvents& events) { events_ = &events; }
-  /// Opens a stream of this method (`/package.Service/Method`). False if one is open or the
-  /// connection takes none.
-  bool OpenStream(const std::string& path);
-  /// Sends one message. Only while a stream is open and not half-closed.
-  void Send(std::string_view message);
-  /// Nothing more is sent after this; the server then ends the stream.
-  void HalfClose();
-  /// RST_STREAM; OnEnded says CANCELLED.
-  void CancelStream();
+  void Connect() override { link_->Connect(); }
+  void SetEvents(StreamEvents& events) override { events_ = &events; }
+  bool OpenStream(const std::string& path) override;
+  void Send(std::string_view message) override;
+  void HalfClose() override;
+  void CancelStream() override;
 
-  /// Another stream can be opened on it.
-  [[nodiscard]] bool usable() const { return link_->up() && !link_->over(); }
-  /// Bytes of messages that wait for the server, or for the kernel.
-  [[nodiscard]] std::size_t unsent() const;
-  /// As for TlsLink; on a link that others use it is the stream that is not read. After Cut and
-  /// Freeze, which are the whole link's, no event comes.
-  void PauseReading(bool pause);
-  void SetDelay(milliseconds delay) { link_->link().SetDelay(delay); }
-  void Freeze();
-  void Cut();
+  [[nodiscard]] bool usable() const override { return link_->up() && !link_->over(); }
+  [[nodiscard]] std::size_t unsent() const override;
+  /// On a link that others use it is the stream that is not read.
+  void PauseReading(bool pause) override;
+  void SetDelay(milliseconds delay) override { link_->link().SetDelay(delay); }
+  /// Of the whole link.
+  void Freeze() override;
+  void Cut() override;
 
  private:
   void OnUp() override;

@@ -10,6 +10,7 @@
 
 #include "schema/model/ids.h"
 #include "server/config/units.h"
+#include "tools/uplink-fleet/clients.h"
 #include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/run/exit_code.h"
 #include "tools/uplink-fleet/twin_flags.h"
@@ -171,6 +172,8 @@ class RunFlags {
     return options;
   }
 
+  [[nodiscard]] const std::string& client() const { return client_; }
+
  private:
   void AddPlace(CLI::App& app) {
     app.add_option("--target", swarm_.target, "The server's relay listener")
@@ -206,6 +209,11 @@ class RunFlags {
            "Gateways through which the robots speak, in equal parts of at most 256; 0: each "
            "robot by itself")
         ->capture_default_str();
+    app.add_option("--client", client_,
+                   "What the robots speak by: \"own\", a client for thousands of connections, or "
+                   "\"grpc\", the gRPC library with the client that protoc makes")
+        ->capture_default_str()
+        ->check(CLI::IsMember(ClientNames()));
     app.add_option("--report", report_, "Form of the report")
         ->capture_default_str()
         ->check(CLI::IsMember({"text", "json"}));
@@ -216,6 +224,7 @@ class RunFlags {
   std::string run_for_ = "30s";
   std::string settle_for_ = "60s";
   std::string report_ = "text";
+  std::string client_ = "own";
   std::string seed_ = "1";
 };
 
@@ -263,6 +272,9 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   RunOptions options = run_flags.Read(*scenario, *std::move(twins));
   if (absl::Status fits = GatewaysFit(options.swarm); !fits.ok()) {
     return Refuse(std::string(fits.message()), code);
+  }
+  if (absl::Status able = UseClient(run_flags.client(), options.swarm); !able.ok()) {
+    return Refuse(std::string(able.message()), code);
   }
   return options;
 }

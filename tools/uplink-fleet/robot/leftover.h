@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "schema/base/clock.h"
-#include "tools/link/grpc_connection.h"
+#include "tools/link/stream_connection.h"
 #include "tools/uplink-fleet/robot/shared.h"
 
 namespace uplink::synthetic {
@@ -16,7 +16,7 @@ namespace uplink::synthetic {
 /// Thread: confined to the loop's thread.
 class Leftover final : public link::StreamEvents {
  public:
-  Leftover(std::unique_ptr<link::GrpcConnection> connection, SteadyTime until, Shared& shared)
+  Leftover(std::unique_ptr<link::StreamConnection> connection, SteadyTime until, Shared& shared)
       : connection_(std::move(connection)), until_(until), shared_(shared) {
     connection_->SetEvents(*this);
   }
@@ -36,7 +36,7 @@ class Leftover final : public link::StreamEvents {
   }
 
  private:
-  std::unique_ptr<link::GrpcConnection> connection_;
+  std::unique_ptr<link::StreamConnection> connection_;
   SteadyTime until_;
   Shared& shared_;
   bool over_ = false;

@@ -189,7 +189,9 @@ void Robot::Connect() {
   if (connection_ != nullptr && connection_->usable()) return OpenStream();
   auto& events = static_cast<link::StreamEvents&>(*this);
   const milliseconds delay = phase_->trouble.delay;
-  if (Gateway* const gateway = options_.gateway) {
+  if (options_.dial) {
+    connection_ = options_.dial(loop_, options_.dialled, events);
+  } else if (Gateway* const gateway = options_.gateway) {
     connection_ =
         std::make_unique<link::GrpcConnection>(gateway->Link(delay), gateway->authority(), events);
   } else {

@@ -7,6 +7,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "schema/base/clock.h"
+#include "tools/link/dial.h"
 #include "tools/link/grpc_connection.h"
 #include "tools/uplink-fleet/robot/agent.h"
 #include "tools/uplink-fleet/robot/arrival.h"
@@ -24,6 +25,9 @@ struct RobotOptions {
   std::size_t index = 0;
   link::LinkOptions link;
   std::uint64_t seed = 1;
+  /// By another client than GrpcConnection, and with what; empty: by that. Without a gateway.
+  link::Dial dial;
+  link::DialOptions dialled;
   /// Through which it speaks; null: by itself. Outlives the robot.
   Gateway* gateway = nullptr;
   /// What the scenario does to its connection it does to the gateway's. Of the other robots of a
@@ -97,7 +101,7 @@ class Robot final : private link::StreamEvents {
   boost::asio::steady_timer timer_;
 
   const Phase* phase_;
-  std::unique_ptr<link::GrpcConnection> connection_;
+  std::unique_ptr<link::StreamConnection> connection_;
   Leftovers leftovers_;
   State state_ = State::kIdle;
   SteadyTime next_open_{};

@@ -53,6 +53,8 @@ struct Swarm::Inside {
   link::Address address;
   /// Of each gateway, or else of each robot.
   std::vector<link::Identity> identities;
+  /// Of each robot, with options.dial.
+  std::vector<link::DialOptions> dialled;
   std::vector<model::SessionId> sessions;
   std::vector<std::unique_ptr<Driver>> drivers;
   /// When all threads have made their agents, the run begins for all robots at once.
@@ -113,6 +115,12 @@ absl::Status Swarm::Inside::Issue(const absl::StatusOr<pki::Profile>& profile) {
   auto identity = link::Identity::Parse(credentials->certificate_pem, credentials->key_pem);
   if (!identity.ok()) return identity.status();
   identities.push_back(*std::move(identity));
+  if (options.dial) {
+    dialled.push_back({.target = options.target,
+                       .server_ca = authority->credentials().certificate_pem,
+                       .certificate = credentials->certificate_pem,
+                       .key = credentials->key_pem});
+  }
   return absl::OkStatus();
 }
 
@@ -144,6 +152,8 @@ void Swarm::Inside::Connect(std::size_t index, Driver& driver, RobotOptions& rob
   if (slow) robot.link.window_bytes = kSlowWindowBytes;
   if (options.gateways == 0) {
     robot.link.identity = identities[index];
+    robot.dial = options.dial;
+    if (options.dial) robot.dialled = dialled[index];
     return;
   }
   const std::size_t place = index % options.gateways;

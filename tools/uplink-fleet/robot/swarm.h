@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "tools/link/dial.h"
 #include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/histogram.h"
 #include "tools/uplink-fleet/robot/shared.h"
@@ -24,6 +25,8 @@ struct SwarmOptions {
   std::size_t threads = 1;
   /// Gateways through which the robots speak, in equal parts; 0: each by itself.
   std::size_t gateways = 0;
+  /// What makes the robots' connections; empty: link::GrpcConnection. Without gateways.
+  link::Dial dial;
   Scenario scenario;
   /// When those join that the scenario lets come late.
   milliseconds late_after{0};
