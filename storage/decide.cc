@@ -18,7 +18,7 @@ bool RaiseCursor(KnownSession& session, model::Seq number, SystemTime at) {
 absl::StatusOr<bool> Decider::IsFenced(const RobotRef& robot, Epoch held_since) {
   const absl::StatusOr<KnownRobot*> known = known_.Robot(robot->ruri);
   if (!known.ok()) return known.status();
-  return *known == nullptr || held_since < (*known)->held_since;
+  return *known == nullptr || held_since != (*known)->held_since;
 }
 
 absl::StatusOr<bool> Decider::IsLeaseOver(const TopicHold* hold) {

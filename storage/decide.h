@@ -46,7 +46,8 @@ class Known {
   Known& operator=(const Known&) = delete;
   virtual ~Known() = default;
 
-  /// Null if the store does not know the robot. The answer is valid for the whole batch.
+  /// Null if this process does not hold the robot, or the store does not know it. The answer is
+  /// valid for the whole batch.
   [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) = 0;
   /// Of a record whose robot was asked for, and is known. The answer is valid until the next call.
   [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
@@ -54,8 +55,8 @@ class Known {
   [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
       const CommitRecord& record) = 0;
 
-  /// The epoch of the client id's lease on topics, which nobody takes until the batch ends; 0: it
-  /// has none.
+  /// The epoch of the client id's lease on topics, which nobody takes until the batch ends; 0: this
+  /// process has none.
   [[nodiscard]] virtual absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) = 0;
 
   /// When the entry expires, 0: never; nothing if there is none.
@@ -119,7 +120,8 @@ class Decider final {
  private:
   /// True if the lease is not that of the client id any more; none always is.
   absl::StatusOr<bool> IsLeaseOver(const TopicHold* hold);
-  /// True if this process does not hold the robot since then, or not any more.
+  /// True unless this process holds the robot since exactly then: a store that went back gives an
+  /// epoch twice, so a greater one proves nothing.
   absl::StatusOr<bool> IsFenced(const RobotRef& robot, Epoch held_since);
   /// True if there is room for an upsert of the entry; it is counted then. `there` is when the
   /// entry that is there expires.

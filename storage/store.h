@@ -8,6 +8,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "storage/compare.h"
 #include "storage/live_row.h"
 #include "storage/types.h"
 
@@ -112,6 +113,20 @@ class Store {
   /// state is not ours to keep, or not any more. Returns the places in `rows` of those, ascending.
   [[nodiscard]] virtual absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) = 0;
+
+  // --- A store that may have gone back ---
+
+  /// Whether the store lost its connection, and so may be another one from now on that lacks what
+  /// it told before. Until EndDoubt, every call but Compare fails with kUnavailable, and does
+  /// nothing. A store that is a file never is.
+  [[nodiscard]] virtual bool InDoubt() const { return false; }
+  /// What the store has of robots of which it told this, in their order: reads, and writes nothing.
+  /// At most kComparedMax; with none it only connects. Those that were compared before a call that
+  /// failed are to be compared anew.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<FoundRobot>> Compare(
+      std::span<const ToldRobot> robots) = 0;
+  /// All that the caller knows was compared by calls that did not fail, and what differed is void.
+  virtual void EndDoubt() {}
 };
 
 }  // namespace uplink::storage

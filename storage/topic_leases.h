@@ -99,6 +99,9 @@ class TopicLeases {
   [[nodiscard]] virtual absl::StatusOr<std::vector<TopicLease>> Read() = 0;
   /// What is known of the client id's deliveries: who took its lease begins with it.
   [[nodiscard]] virtual absl::StatusOr<DeliveryMemory> MemoryOf(std::string_view client_id) = 0;
+  /// How often the store was connected to: where that grew, it may be another one, which lacks the
+  /// last commits. Always 0 of a file.
+  [[nodiscard]] virtual std::uint64_t connections() const { return 0; }
 };
 
 }  // namespace uplink::storage

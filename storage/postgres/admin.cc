@@ -21,6 +21,7 @@ absl::StatusOr<std::unique_ptr<Connection>> Connect(const AdminOptions& options,
   connection.url = *std::move(url);
   connection.password_file = options.password_file;
   connection.call_timeout = kStepTimeout;
+  connection.session_settings = std::string(kNoTimeouts);
   return Connection::Open(connection, clock);
 }
 

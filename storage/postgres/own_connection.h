@@ -36,6 +36,9 @@ class OwnConnection final {
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
                                                          std::string_view doing);
 
+  /// Link::connections.
+  [[nodiscard]] std::uint64_t connections() const { return link_.connections(); }
+
  private:
   OwnConnection(Link::Options options, const Clock& clock) : link_(std::move(options), clock) {}
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "storage/postgres/compare.h"
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
@@ -39,6 +40,8 @@ struct PostgresStore::Impl {
   std::atomic<std::uint64_t> commits_in_doubt{0};
   // By Commit, since TakeRunsClosed was asked last.
   std::size_t runs_closed = 0;
+  // The connection that calls may use (Link::connections); 0: none was made yet.
+  std::uint64_t trusted = 0;
   // Calls of WriteLive.
   std::uint64_t checkpoints = 0;
 
@@ -49,6 +52,16 @@ struct PostgresStore::Impl {
     unsafe.store(link.facts().unsafe);
     clock_offset_ms.store(link.facts().clock_offset.count());
     return connection;
+  }
+  /// One that has all that was told.
+  absl::StatusOr<Connection*> Trusted() {
+    absl::StatusOr<Connection*> connection = Connected();
+    if (!connection.ok()) return connection;
+    // Nothing was told by any before the first.
+    if (trusted == 0) trusted = link.connections();
+    if (trusted == link.connections()) return connection;
+    return absl::UnavailableError("postgresql " + (*connection)->where() +
+                                  " was connected to anew: what it has is compared first");
   }
 };
 
@@ -64,7 +77,7 @@ absl::StatusOr<std::unique_ptr<PostgresStore>> PostgresStore::Open(StoreOptions 
   auto store = std::unique_ptr<PostgresStore>(
       new PostgresStore(std::make_unique<Impl>(std::move(options), Link(*std::move(link), clock))));
   absl::Status opened = absl::OkStatus();
-  if (connect) opened = store->impl_->Connected().status();
+  if (connect) opened = store->impl_->Trusted().status();
   if (!opened.ok() && !IsWorthRetry(opened)) return opened;
   store->impl_->open_error = std::move(opened);
   return store;
@@ -81,7 +94,7 @@ template <typename Result, typename Work>
 absl::StatusOr<Result> PostgresStore::With(const Work& work) {
   absl::StatusOr<Result> result = absl::AbortedError("not tried");
   for (int tries = 0; tries < kTriesMax && absl::IsAborted(result.status()); ++tries) {
-    const absl::StatusOr<Connection*> connection = impl_->Connected();
+    const absl::StatusOr<Connection*> connection = impl_->Trusted();
     if (!connection.ok()) return connection.status();
     result = work(**connection);
   }
@@ -112,7 +125,7 @@ absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
   const StoreOptions& options = impl_->options;
   return With<std::vector<Outcome>>([&](Connection& connection) {
-    BatchCommit commit(connection, batch, options.rules, options.before_commit);
+    BatchCommit commit(connection, batch, {options.process, options.rules}, options.before_commit);
     auto outcomes = commit.Run();
     if (outcomes.ok()) impl_->runs_closed += commit.runs_closed();
     return outcomes;
@@ -142,7 +155,7 @@ absl::StatusOr<Trimmed> PostgresStore::TrimQuarantine(std::span<const std::strin
 }
 
 absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
-  const absl::StatusOr<Connection*> connection = impl_->Connected();
+  const absl::StatusOr<Connection*> connection = impl_->Trusted();
   if (!connection.ok()) return connection.status();
   return RetainRows(**connection, now, impl_->options.rules);
 }
@@ -154,5 +167,18 @@ absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<con
                      options.before_commit);
   });
 }
+
+bool PostgresStore::InDoubt() const {
+  const Link& link = impl_->link;
+  return impl_->trusted != 0 && (!link.connected() || link.connections() != impl_->trusted);
+}
+
+absl::StatusOr<std::vector<FoundRobot>> PostgresStore::Compare(std::span<const ToldRobot> robots) {
+  const absl::StatusOr<Connection*> connection = impl_->Connected();
+  if (!connection.ok()) return connection.status();
+  return CompareAll(**connection, robots, impl_->options.process);
+}
+
+void PostgresStore::EndDoubt() { impl_->trusted = impl_->link.connections(); }
 
 }  // namespace uplink::storage::postgres

@@ -69,6 +69,10 @@ class PostgresStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) override;
+  [[nodiscard]] bool InDoubt() const override;
+  [[nodiscard]] absl::StatusOr<std::vector<FoundRobot>> Compare(
+      std::span<const ToldRobot> robots) override;
+  void EndDoubt() override;
 
   /// Of Open: why the server could not be reached; OK if it could.
   [[nodiscard]] const absl::Status& open_error() const;

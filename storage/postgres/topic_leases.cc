@@ -110,4 +110,6 @@ absl::StatusOr<DeliveryMemory> PostgresTopicLeases::MemoryOf(std::string_view cl
   return storage::MemoryOf(deliveries);
 }
 
+std::uint64_t PostgresTopicLeases::connections() const { return impl_->connection->connections(); }
+
 }  // namespace uplink::storage::postgres

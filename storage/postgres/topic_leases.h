@@ -30,6 +30,7 @@ class PostgresTopicLeases final : public TopicLeases {
   [[nodiscard]] absl::Status Release(std::string_view client_id) override;
   [[nodiscard]] absl::StatusOr<std::vector<TopicLease>> Read() override;
   [[nodiscard]] absl::StatusOr<DeliveryMemory> MemoryOf(std::string_view client_id) override;
+  [[nodiscard]] std::uint64_t connections() const override;
 
  private:
   struct Impl;

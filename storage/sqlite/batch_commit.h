@@ -27,6 +27,12 @@ enum class Isolation : std::uint8_t {
   kEachAlone,
 };
 
+/// Who commits, and by which rules. Both outlive it.
+struct CommitTerms {
+  const ProcessId& process;
+  const StoreRules& rules;
+};
+
 /// Writes one batch within the transaction that the caller has begun and will commit: each record
 /// is decided (storage/decide.h) and written before the next is looked at. Made for one batch; the
 /// batch must outlive it.
@@ -34,12 +40,12 @@ enum class Isolation : std::uint8_t {
 /// Thread: confined to the thread of its database.
 class BatchCommit final {
  public:
-  BatchCommit(Database& database, Tables& tables, const StoreRules& rules, Isolation isolation)
+  BatchCommit(Database& database, Tables& tables, const CommitTerms& terms, Isolation isolation)
       : database_(database),
         tables_(tables),
         isolation_(isolation),
-        known_(tables, next_entry_),
-        decider_(known_, rules),
+        known_(tables, terms.process, next_entry_),
+        decider_(known_, terms.rules),
         writer_(tables, next_entry_) {}
 
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Write(const Batch& batch);

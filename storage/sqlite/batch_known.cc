@@ -10,11 +10,11 @@ namespace uplink::storage::sqlite {
 absl::StatusOr<KnownRobot*> BatchKnown::Robot(std::string_view ruri) {
   const auto found = robots_.find(ruri);
   if (found != robots_.end()) return &found->second.known;
-  const absl::StatusOr<std::optional<Epoch>> stored = tables_.deciding.HeldSince(ruri);
+  const absl::StatusOr<std::optional<RobotHold>> stored = tables_.deciding.HoldOf(ruri);
   if (!stored.ok()) return stored.status();
-  if (!stored->has_value()) return nullptr;
+  if (!*stored || (*stored)->owner != process_) return nullptr;
   BatchRobot& robot = robots_[ruri];
-  robot.known.held_since = **stored;
+  robot.known.held_since = (*stored)->epoch;
   return &robot.known;
 }
 
@@ -48,7 +48,7 @@ absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Quarantined(
 absl::StatusOr<Epoch> BatchKnown::LeaseEpoch(std::string_view client_id) {
   const auto found = leases_.find(client_id);
   if (found != leases_.end()) return found->second;
-  absl::StatusOr<Epoch> stored = tables_.topics.LeaseEpoch(client_id);
+  absl::StatusOr<Epoch> stored = tables_.topics.LeaseEpoch(client_id, process_);
   if (stored.ok()) leases_.emplace(client_id, *stored);
   return stored;
 }

@@ -41,9 +41,9 @@ class BatchKnown final : public Known {
  public:
   using Robots = std::unordered_map<std::string_view, BatchRobot>;
 
-  /// `next_entry` is the batch's count as it stands at each call.
-  BatchKnown(Tables& tables, const EntryNumber& next_entry)
-      : tables_(tables), next_entry_(next_entry) {}
+  /// `process` commits; `next_entry` is the batch's count as it stands at each call.
+  BatchKnown(Tables& tables, const ProcessId& process, const EntryNumber& next_entry)
+      : tables_(tables), process_(process), next_entry_(next_entry) {}
 
   [[nodiscard]] absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
@@ -63,6 +63,7 @@ class BatchKnown final : public Known {
 
  private:
   Tables& tables_;
+  const ProcessId& process_;
   const EntryNumber& next_entry_;
   Robots robots_;
   std::unordered_map<std::string_view, Epoch> leases_;

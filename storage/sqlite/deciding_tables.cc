@@ -1,5 +1,7 @@
 #include "storage/sqlite/deciding_tables.h"
 
+#include <algorithm>
+
 #include "schema/base/check.h"
 #include "storage/numbers.h"
 #include "storage/sqlite/prepare.h"
@@ -38,7 +40,7 @@ absl::Status DecidingTables::Prepare(Database& database) {
                " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since, holder_silent");
   prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
   prepare.Into(latest_kinds_, "SELECT kind FROM latest WHERE ruri = ?");
-  prepare.Into(held_since_, "SELECT held_since FROM robots WHERE ruri = ?");
+  prepare.Into(hold_, "SELECT owner, held_since FROM robots WHERE ruri = ?");
   prepare.Into(fleet_, "SELECT fleet FROM robots WHERE ruri = ?");
   prepare.Into(open_session_,
                "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
@@ -88,7 +90,7 @@ absl::StatusOr<std::optional<std::string>> DecidingTables::OtherFleet(const Open
 
 absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request,
                                                       const ProcessId& process) {
-  const absl::StatusOr<std::optional<Epoch>> known = HeldSince(request.robot->ruri);
+  const absl::StatusOr<std::optional<RobotHold>> known = HoldOf(request.robot->ruri);
   if (!known.ok()) return known.status();
   const absl::StatusOr<Epoch> epoch = DrawEpoch();
   if (!epoch.ok()) return epoch.status();
@@ -136,12 +138,15 @@ absl::StatusOr<LatestKindSet> DecidingTables::LatestKinds(std::string_view ruri)
   }
 }
 
-absl::StatusOr<std::optional<Epoch>> DecidingTables::HeldSince(std::string_view ruri) {
-  Rows rows = held_since_->Select(ruri);
+absl::StatusOr<std::optional<RobotHold>> DecidingTables::HoldOf(std::string_view ruri) {
+  Rows rows = hold_->Select(ruri);
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();
-  if (!*found) return std::optional<Epoch>();
-  return std::optional<Epoch>(Unsigned(rows.Int(0)));
+  if (!*found) return std::optional<RobotHold>();
+  RobotHold hold{.owner = {}, .epoch = Unsigned(rows.Int(1))};
+  const std::string_view owner = rows.Bytes(0);
+  if (owner.size() == hold.owner.size()) std::ranges::copy(owner, hold.owner.begin());
+  return std::optional(hold);
 }
 
 absl::StatusOr<SessionCursor> DecidingTables::OpenSession(const OpenRequest& request,

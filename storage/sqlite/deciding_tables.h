@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "storage/robot_hold.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/statement.h"
@@ -51,8 +52,8 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<std::optional<StoredPresence>> Presence(std::string_view ruri);
   /// As OpenResult.latest_kinds.
   [[nodiscard]] absl::StatusOr<LatestKindSet> LatestKinds(std::string_view ruri);
-  /// Nothing if there is no such row.
-  [[nodiscard]] absl::StatusOr<std::optional<Epoch>> HeldSince(std::string_view ruri);
+  /// Who holds the robot since when; nothing if there is no such row.
+  [[nodiscard]] absl::StatusOr<std::optional<RobotHold>> HoldOf(std::string_view ruri);
   /// In which other fleet than the request's the robot is, whose word moves nothing; nothing if the
   /// robot may be opened.
   [[nodiscard]] absl::StatusOr<std::optional<std::string>> OtherFleet(const OpenRequest& request);
@@ -74,7 +75,7 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<Epoch> DrawEpoch();
 
   std::unique_ptr<Statement> next_entry_, set_next_entry_, draw_epoch_, open_robot_, adopt_robot_,
-      presence_, latest_kinds_, held_since_, fleet_, open_session_, find_session_, raise_cursor_,
+      presence_, latest_kinds_, hold_, fleet_, open_session_, find_session_, raise_cursor_,
       sessions_, delete_session_;
 };
 

@@ -7,6 +7,7 @@
 #include "storage/retention.h"
 #include "storage/shared_items.h"
 #include "storage/sqlite/batch_commit.h"
+#include "storage/sqlite/compare.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/named_files.h"
@@ -195,7 +196,8 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
     std::size_t runs_closed = 0;
     auto written = InTransaction<std::vector<Outcome>>([&] {
-      BatchCommit commit(*impl_->database, impl_->tables, impl_->options.rules, isolation);
+      BatchCommit commit(*impl_->database, impl_->tables,
+                         {impl_->options.process, impl_->options.rules}, isolation);
       auto outcomes = commit.Write(batch);
       runs_closed = commit.runs_closed();
       return outcomes;
@@ -272,6 +274,21 @@ absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const
       if (!*written) passed_over.push_back(place);
     }
     return passed_over;
+  });
+}
+
+absl::StatusOr<std::vector<FoundRobot>> SqliteStore::Compare(std::span<const ToldRobot> robots) {
+  using Found = std::vector<FoundRobot>;
+  return InTransaction<Found>([&]() -> absl::StatusOr<Found> {
+    Found found;
+    found.reserve(robots.size());
+    for (const ToldRobot& robot : robots) {
+      const absl::StatusOr<FoundRobot> one =
+          CompareWith(impl_->tables.deciding, robot, impl_->options.process);
+      if (!one.ok()) return one.status();
+      found.push_back(*one);
+    }
+    return found;
   });
 }
 

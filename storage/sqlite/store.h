@@ -62,6 +62,8 @@ class SqliteStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) override;
+  [[nodiscard]] absl::StatusOr<std::vector<FoundRobot>> Compare(
+      std::span<const ToldRobot> robots) override;
 
  private:
   struct Impl;

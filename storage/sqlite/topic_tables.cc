@@ -12,11 +12,15 @@ Blob BlobOf(const std::optional<DeliveryDigest>& digest) {
   return {std::string_view(reinterpret_cast<const char*>(digest->data()), digest->size())};
 }
 
+Blob BlobOf(const ProcessId& process) {
+  return {std::string_view(reinterpret_cast<const char*>(process.data()), process.size())};
+}
+
 }  // namespace
 
 absl::Status TopicTables::Prepare(Database& database) {
   Preparer prepare(database);
-  prepare.Into(epoch_, "SELECT epoch FROM topic_clients WHERE client_id = ?");
+  prepare.Into(epoch_, "SELECT epoch FROM topic_clients WHERE client_id = ?1 AND process = ?2");
   prepare.Into(insert_,
                "INSERT INTO deliveries (client_id, number, packet_id, digest) VALUES (?, ?, ?, ?)"
                " ON CONFLICT (client_id, number) DO NOTHING");
@@ -24,8 +28,9 @@ absl::Status TopicTables::Prepare(Database& database) {
   return prepare.status();
 }
 
-absl::StatusOr<Epoch> TopicTables::LeaseEpoch(std::string_view client_id) {
-  Rows rows = epoch_->Select(client_id);
+absl::StatusOr<Epoch> TopicTables::LeaseEpoch(std::string_view client_id,
+                                              const ProcessId& process) {
+  Rows rows = epoch_->Select(client_id, BlobOf(process));
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();
   return *found ? static_cast<Epoch>(rows.Int(0)) : Epoch{0};

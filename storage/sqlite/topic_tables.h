@@ -9,6 +9,7 @@
 #include "storage/remember.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
+#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 
@@ -20,8 +21,9 @@ class TopicTables final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
-  /// 0 if the client id has no lease.
-  [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id);
+  /// 0 if the client id has no lease, or another process has it.
+  [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id,
+                                                 const ProcessId& process);
   [[nodiscard]] absl::Status Write(const DeliveryChanges& changes);
 
  private:

@@ -14,9 +14,9 @@ using storage::postgres::EncodeInt8;
 using storage::postgres::Type;
 
 constexpr int kBinary = 1;
-/// The server that is measured beside this adopts its robots, since they have no holder with a
-/// lease. The loop goes on all the same.
-constexpr std::int64_t kHold = 1'000'000;
+/// Who holds its robots, and since when.
+constexpr std::int64_t kHold = 1;
+constexpr const char* kOwner = "07000000-0000-0000-0000-000000000000";
 /// Places of what changes in each batch.
 constexpr std::size_t kFirstsAt = 4;
 constexpr std::size_t kSeqAt = 5;
@@ -24,7 +24,7 @@ constexpr std::size_t kCursorAt = 2;
 
 constexpr const char* kBegin =
     "SELECT uplinkd.begin_batch($1::text[], $2::bigint[], $3::text[], $4::uuid[], $5::bigint[],"
-    " '{}', '{}', '{}', '{}', 10000, 10000, 10000, NULL, NULL)";
+    " '{}', '{}', '{}', '{}', 10000, 10000, 10000, NULL, NULL, $6::uuid)";
 constexpr const char* kInsert =
     "INSERT INTO uplinkd.messages (ruri, received_at, entry, fleet, session, seq, sampled_ms,"
     " level, message)"
@@ -74,11 +74,12 @@ BarePostgres::BarePostgres(const std::string& url, const LoadShape& shape, std::
   const std::size_t count = (shape.batch_records + shape.per_robot - 1) / shape.per_robot;
   const std::string at = "2025-11-21 12:00Z";
   for (std::size_t i = 0; i < count; ++i) {
-    robots_.push_back("rcan://bench.rcan/uplink/synthetic/1.0/bare-" + std::to_string(writer) +
+    // Named as what is no robot: the server that is measured beside this adopts none of them.
+    robots_.push_back("cyberwave:bench.rcan/uplink/synthetic/1.0/bare-" + std::to_string(writer) +
                       "-robot-" + std::to_string(i));
     Execute(connection, "INSERT INTO uplinkd.robots VALUES ('" + robots_.back() +
-                            "', 'bench', 1, 1, gen_random_uuid(), now(), now())"
-                            " ON CONFLICT DO NOTHING");
+                            "', 'bench', 1, 1, '" + kOwner +
+                            "', now(), now()) ON CONFLICT DO NOTHING");
   }
   Array ruri(Type::kText), held(Type::kInt8), sessions(Type::kUuid), used(Type::kTime);
   Array row_ruri(Type::kText), row_at(Type::kTime), place(Type::kInt4), fleet(Type::kText),
@@ -103,7 +104,9 @@ BarePostgres::BarePostgres(const std::string& url, const LoadShape& shape, std::
   }
   const std::string robot_array = std::move(ruri).Take();
   const std::string session_array = std::move(sessions).Take();
-  begin_values_ = {robot_array, std::move(held).Take(), robot_array, session_array, ""};
+  // Its binary form.
+  const std::string owner = std::string(1, '\7') + std::string(15, '\0');
+  begin_values_ = {robot_array, std::move(held).Take(), robot_array, session_array, "", owner};
   insert_values_ = {
       std::move(row_ruri).Take(), std::move(row_at).Take(),      std::move(place).Take(),
       std::move(fleet).Take(),    std::move(row_session).Take(), "",

@@ -189,6 +189,44 @@ TEST_P(StoreContract, FencesWhatIsCommittedForARobotThatHasNoRow) {
   EXPECT_THAT(Gaps(), SizeIs(0));
 }
 
+TEST_P(StoreContract, FencesALaterHoldThanTheRowsAndTakesTheRowsInOneBatch) {
+  Open();
+  const storage::Epoch hold = held_since_;
+  // Of a store that went back: what was given later than its rows know of.
+  held_since_ = hold + 7;
+  storage::CommitRecord later = Good(1, Fault("f"));
+  storage::CommitRecord later_too = Bad(3);
+  const storage::GapItem later_gap = Gap(4, 5);
+  held_since_ = hold;
+  storage::Batch batch;
+  batch.records = {later, Good(2, Fault("g")), later_too};
+  batch.gaps = {later_gap, Gap(6, 6)};
+  batch.presence_session = Session(9);
+  batch.presence = {{robot_, model::Presence::kOffline, Time(), 1, hold + 7},
+                    {robot_, model::Presence::kOnline, Time(), 2, hold}};
+  std::vector<OutcomeKind> kinds;
+  for (const Outcome& outcome : Commit(batch)) kinds.push_back(outcome.kind);
+  EXPECT_THAT(kinds, ElementsAre(OutcomeKind::kFenced, OutcomeKind::kStored, OutcomeKind::kFenced,
+                                 OutcomeKind::kFenced, OutcomeKind::kStored));
+  EXPECT_EQ(CursorNow(), 2);
+  ASSERT_THAT(Gaps(), SizeIs(1));
+  EXPECT_EQ(Gaps().front().first, 6);
+  EXPECT_THAT(Changes(), SizeIs(1));
+}
+
+TEST_P(StoreContract, FencesAnotherProcessWithTheSameHold) {
+  Open();
+  // Two processes are given one epoch by a store that went back between.
+  EXPECT_THAT(Commit({Good(1, Fault("f"))}, kOther), ElementsAre(OutcomeKind::kFenced));
+  storage::Batch batch;
+  batch.gaps = {Gap(1, 2)};
+  batch.presence_session = Session(9);
+  batch.presence = {{robot_, model::Presence::kOffline, Time(), 1, held_since_}};
+  EXPECT_EQ(Commit(batch, kOther).at(0).kind, OutcomeKind::kFenced);
+  EXPECT_THAT(Gaps(), SizeIs(0));
+  EXPECT_THAT(Commit({Good(1, Fault("f"))}), ElementsAre(OutcomeKind::kStored));
+}
+
 TEST_P(StoreContract, FencesWhatIsCommittedForARobotWhoseRowWent) {
   Open();
   Commit({Good(1, Fault("f"))});

@@ -88,8 +88,8 @@ TEST_P(PresenceContract, KeepsNothingOfACommitThatFails) {
 TEST_P(PresenceContract, NumbersEachSessionOfAProcessApart) {
   Open();
   Commit(Changes({Change(1, Presence::kOnline)}, 1));
-  Commit(Changes({Change(1, Presence::kOffline, 1)}, 2), kOther);
-  Commit(Changes({Change(1, Presence::kUnknown, 2)}, 1), kOther);
+  Commit(Changes({Change(1, Presence::kOffline, 1)}, 2));
+  Commit(Changes({Change(1, Presence::kUnknown, 2)}, 1));
   EXPECT_THAT(Listed(), ElementsAre(Presence::kOffline, Presence::kOnline));
 }
 
@@ -145,6 +145,7 @@ TEST_P(PresenceContract, ShowsInTheListOfRobotsAsTheLastPresenceAlone) {
   storage::OpenRequest request = Request();
   request.robot = Robot("b");
   Open(request);
+  Open();
   EXPECT_EQ(Robots().at(0).last_presence, std::nullopt);
   Commit(Changes({Change(1, Presence::kOffline, 50), Change(2, Presence::kOnline, 60)}));
   const auto robots = Robots();
@@ -154,7 +155,7 @@ TEST_P(PresenceContract, ShowsInTheListOfRobotsAsTheLastPresenceAlone) {
   EXPECT_EQ(robots[0].presence_since, Time(60));
   EXPECT_EQ(robots[0].last_seen, Time()) << "the change was none of the robot's doing";
   EXPECT_EQ(robots[1].last_presence, std::nullopt);
-  Commit(Changes({Change(1, Presence::kUnknown, 70)}, 2), kOther);
+  Commit(Changes({Change(1, Presence::kUnknown, 70)}, 2));
   EXPECT_EQ(Robots().at(0).last_presence, Presence::kUnknown);
   store_->Reopen();
   EXPECT_EQ(Robots().at(0).last_presence, Presence::kUnknown);

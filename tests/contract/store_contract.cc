@@ -91,6 +91,7 @@ storage::OpenResult StoreContract::Open(const storage::OpenRequest& request, std
   EXPECT_TRUE(results.ok()) << results.status();
   if (!results.ok() || results->size() != 1) return {};
   held_since_ = results->front().held_since;
+  fixtures_holds_.insert(held_since_);
   return results->front();
 }
 
@@ -99,21 +100,38 @@ void StoreContract::OpenAlso(const std::vector<storage::RobotRef>& robots) {
   for (std::size_t i = 0; i < robots.size(); ++i) requests[i].robot = robots[i];
   const auto results = store_->Process(kProcess).OpenStreams(requests);
   ASSERT_TRUE(results.ok()) << results.status();
-  for (const storage::OpenResult& result : *results) {
-    held_since_ = std::max(held_since_, result.held_since);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    also_held_[robots[i]->ruri] = (*results)[i].held_since;
   }
+}
+
+storage::Batch StoreContract::Held(storage::Batch batch) const {
+  const auto give = [this](auto& items) {
+    for (auto& item : items) {
+      const auto own = also_held_.find(item.robot->ruri);
+      const bool is_fixtures = item.robot->ruri == robot_->ruri;
+      if (own == also_held_.end() || is_fixtures) continue;
+      if (!fixtures_holds_.contains(item.held_since)) continue;
+      item.held_since = own->second;
+    }
+  };
+  give(batch.records);
+  give(batch.gaps);
+  give(batch.presence);
+  return batch;
 }
 
 void StoreContract::Fresh(const storage::StoreRules& rules) {
   store_ = nullptr;
   store_ = GetParam().make(rules);
+  also_held_.clear();
   Open();
   OpenAlso({Robot("b"), Robot("c")});
 }
 
 std::vector<storage::Outcome> StoreContract::Commit(const storage::Batch& batch,
                                                     std::uint8_t process) {
-  auto outcomes = store_->Process(process).Commit(batch);
+  auto outcomes = store_->Process(process).Commit(Held(batch));
   EXPECT_TRUE(outcomes.ok()) << outcomes.status();
   if (!outcomes.ok()) return {};
   EXPECT_EQ(outcomes->size(), batch.records.size() + batch.presence.size());

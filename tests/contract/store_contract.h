@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -63,8 +66,8 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   storage::OpenResult Open(const storage::OpenRequest& request, std::uint8_t process = kProcess);
   storage::OpenResult Open() { return Open(Request()); }
 
-  /// Opens streams of other robots, too. The hold of the records that follow then stands for all,
-  /// being the greatest.
+  /// Opens streams of other robots, too. Commit gives what comes of them under the fixture's hold
+  /// their own.
   void OpenAlso(const std::vector<storage::RobotRef>& robots);
 
   /// An empty database, and streams of the fixture's robot and of the robots b and c.
@@ -107,6 +110,14 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   storage::RobotRef robot_;
   model::SessionId session_ = Session();
   storage::Epoch held_since_ = 0;
+  /// Of OpenAlso, by RURI.
+  std::map<std::string, storage::Epoch, std::less<>> also_held_;
+  /// All that held_since_ was by Open.
+  std::set<storage::Epoch> fixtures_holds_;
+
+ private:
+  /// With the holds of OpenAlso.
+  storage::Batch Held(storage::Batch batch) const;
 };
 
 /// The kinds of store that pass the suite, word for word.

@@ -1,6 +1,5 @@
 #include "tests/simulation/holders_store.h"
 
-#include <limits>
 #include <utility>
 
 namespace uplink::simulation {
@@ -44,7 +43,9 @@ absl::StatusOr<std::vector<storage::AdoptResult>> HoldersStore::Adopt(
     if (context_.fault == HoldersFault::kAdoptedWithoutCompare) {
       for (storage::AdoptRequest& request : asked) {
         request.holder = before[request.robot->ruri].holder;
-        request.lease_counter = std::numeric_limits<std::uint64_t>::max();
+        for (const storage::Lease& lease : context_.database.ReadLeases()) {
+          if (lease.process == request.holder) request.lease_counter = lease.counter;
+        }
       }
     }
     auto results = store_.Adopt(asked);
@@ -57,17 +58,14 @@ absl::StatusOr<std::vector<storage::AdoptResult>> HoldersStore::Adopt(
 }
 
 absl::StatusOr<std::vector<storage::Outcome>> HoldersStore::Commit(const storage::Batch& batch) {
-  storage::Batch asked = batch;
-  if (context_.fault == HoldersFault::kHoldNotChecked) {
-    for (storage::PresenceItem& item : asked.presence) {
-      item.held_since = std::numeric_limits<storage::Epoch>::max();
-    }
-  }
+  testing::FakeRules rules;
+  rules.presence_without_hold = context_.fault == HoldersFault::kHoldNotChecked;
+  store_.SetRules(std::move(rules));
   return Pass([&] {
-    auto outcomes = store_.Commit(asked);
-    for (std::size_t i = 0; i < asked.presence.size(); ++i) {
-      if ((*outcomes)[asked.records.size() + i].kind != storage::OutcomeKind::kStored) continue;
-      context_.truth.OnWritten(context_.process, asked.presence[i]);
+    auto outcomes = store_.Commit(batch);
+    for (std::size_t i = 0; i < batch.presence.size(); ++i) {
+      if ((*outcomes)[batch.records.size() + i].kind != storage::OutcomeKind::kStored) continue;
+      context_.truth.OnWritten(context_.process, batch.presence[i]);
     }
     return outcomes;
   });
@@ -97,6 +95,15 @@ absl::StatusOr<std::vector<std::size_t>> HoldersStore::Checkpoint(
     std::span<const storage::LiveRow> rows) {
   return Pass([&] { return store_.Checkpoint(rows); });
 }
+
+bool HoldersStore::InDoubt() const { return store_.InDoubt(); }
+
+absl::StatusOr<std::vector<storage::FoundRobot>> HoldersStore::Compare(
+    std::span<const storage::ToldRobot> robots) {
+  return Pass([&] { return store_.Compare(robots); });
+}
+
+void HoldersStore::EndDoubt() { store_.EndDoubt(); }
 
 HoldersLeases::HoldersLeases(const HoldersStore& line, const HoldersStore::Context& context)
     : line_(line), context_(context), leases_(context_.database, context_.process) {}

@@ -89,6 +89,10 @@ class HoldersStore final : public storage::Store {
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
+  [[nodiscard]] bool InDoubt() const override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::FoundRobot>> Compare(
+      std::span<const storage::ToldRobot> robots) override;
+  void EndDoubt() override;
 
  private:
   /// Carries the call out, unless it is lost on its way; its answer may be.

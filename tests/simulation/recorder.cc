@@ -39,7 +39,7 @@ bool Recorder::OnRowDeleted(const std::string& ruri) {
 void Recorder::CheckHold(const std::string& ruri, storage::Epoch held_since,
                          storage::OutcomeKind outcome) {
   const auto row = rows_.find(ruri);
-  const bool held = row != rows_.end() && held_since >= row->second;
+  const bool held = row != rows_.end() && held_since == row->second;
   if (held && outcome == storage::OutcomeKind::kFenced) violation_("one process alone was fenced");
   if (held || outcome == storage::OutcomeKind::kFenced) return;
   violation_(fmt::format("{} is not held, and something of it was taken", ruri));
@@ -95,6 +95,16 @@ absl::StatusOr<std::vector<std::size_t>> Recorder::Checkpoint(
   if (away_) return absl::UnavailableError("ordered");
   return store_->Checkpoint(rows);
 }
+
+bool Recorder::InDoubt() const { return store_->InDoubt(); }
+
+absl::StatusOr<std::vector<storage::FoundRobot>> Recorder::Compare(
+    std::span<const storage::ToldRobot> robots) {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->Compare(robots);
+}
+
+void Recorder::EndDoubt() { store_->EndDoubt(); }
 
 void Recorder::NotePresence(const storage::Batch& batch,
                             std::span<const storage::Outcome> outcomes) {

@@ -62,6 +62,10 @@ class Recorder final : public storage::Store {
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
+  [[nodiscard]] bool InDoubt() const override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::FoundRobot>> Compare(
+      std::span<const storage::ToldRobot> robots) override;
+  void EndDoubt() override;
 
   /// Each robot's last change of presence that was committed.
   [[nodiscard]] const std::map<std::string, model::Presence>& presence() const { return presence_; }

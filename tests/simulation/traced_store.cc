@@ -163,4 +163,18 @@ absl::StatusOr<std::vector<std::size_t>> TracedStore::Checkpoint(
   });
 }
 
+bool TracedStore::InDoubt() const { return store_.InDoubt(); }
+
+absl::StatusOr<std::vector<storage::FoundRobot>> TracedStore::Compare(
+    std::span<const storage::ToldRobot> robots) {
+  trace_.Add(fmt::format("store Compare of {}", robots.size()));
+  return Traced(trace_, store_.Compare(robots), [this](const auto& found) {
+    for (const storage::FoundRobot& robot : found) {
+      trace_.Add(fmt::format("found held {} went back {}", robot.held, robot.went_back));
+    }
+  });
+}
+
+void TracedStore::EndDoubt() { store_.EndDoubt(); }
+
 }  // namespace uplink::simulation

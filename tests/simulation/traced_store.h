@@ -32,6 +32,10 @@ class TracedStore final : public storage::Store {
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
+  [[nodiscard]] bool InDoubt() const override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::FoundRobot>> Compare(
+      std::span<const storage::ToldRobot> robots) override;
+  void EndDoubt() override;
 
  private:
   void AddBatch(const storage::Batch& batch);

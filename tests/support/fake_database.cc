@@ -51,10 +51,10 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   for (const CommitRecord& record : batch.records) {
     outcomes.push_back(CommitOne(transaction, record));
   }
-  topics_.Write(batch, outcomes);
-  for (const GapItem& gap : batch.gaps) WriteGap(gap);
-  const auto is_fenced = [this](const storage::PresenceItem& item) {
-    return IsFenced(item.robot, item.held_since);
+  topics_.Write(batch, process, outcomes);
+  for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
+  const auto is_fenced = [&](const storage::PresenceItem& item) {
+    return !rules.presence_without_hold && IsFenced(process, item.robot, item.held_since);
   };
   std::ranges::move(presence_.Write(batch, entries_, is_fenced, rules.presence_without_cursor),
                     std::back_inserter(outcomes));
@@ -287,11 +287,6 @@ FakeDatabase::Robot* FakeDatabase::FindRobot(std::string_view ruri) {
   return found == robots_.end() || found->second.epoch == 0 ? nullptr : &found->second;
 }
 
-bool FakeDatabase::IsFenced(const storage::RobotRef& robot, storage::Epoch held_since) {
-  const Robot* const known = FindRobot(robot->ruri);
-  return known == nullptr || held_since < known->held_since;
-}
-
 storage::Epoch FakeDatabase::DrawEpoch(const Robot& robot) {
   return epochs_in_each_row_ ? robot.epoch + 1 : ++epochs_;
 }
@@ -319,8 +314,9 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
     made.epoch = made.held_since = record.held_since;
     made.owner = transaction.process;
   }
-  const bool lease_stands = topics_.Stands(storage::HoldOf(record.origin));
-  if (!lease_stands || IsFenced(record.robot, record.held_since)) {
+  const ProcessId& process = transaction.process;
+  const bool lease_stands = topics_.Stands(storage::HoldOf(record.origin), process);
+  if (!lease_stands || IsFenced(process, record.robot, record.held_since)) {
     return {OutcomeKind::kFenced, std::nullopt};
   }
   Robot& robot = *FindRobot(record.robot->ruri);
@@ -422,8 +418,8 @@ void FakeDatabase::WriteQuarantine(Robot& robot, Session& session, const CommitR
   }
 }
 
-void FakeDatabase::WriteGap(const GapItem& gap) {
-  if (IsFenced(gap.robot, gap.held_since)) return;
+void FakeDatabase::WriteGap(const ProcessId& process, const GapItem& gap) {
+  if (IsFenced(process, gap.robot, gap.held_since)) return;
   Robot& robot = *FindRobot(gap.robot->ruri);
   const GapPlace place{gap.seen_at, ++entries_};
   const auto [known, fresh] = robot.gap_places.try_emplace({gap.session, gap.first}, place);

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "storage/compare.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
 #include "storage/types.h"
@@ -60,6 +61,9 @@ struct FakeRules {
   /// A mutation: changes of presence are written whatever their number. A test that claims to watch
   /// them must fail with it.
   bool presence_without_cursor = false;
+  /// A mutation: changes of presence are written whoever holds the robot. A test that claims to
+  /// watch holds must fail with it.
+  bool presence_without_hold = false;
   /// A mutation: a batch makes the row of a robot that has none. A test that claims to watch those
   /// must fail with it.
   bool batches_make_robots = false;
@@ -102,6 +106,9 @@ class FakeDatabase final {
   std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
   std::vector<std::size_t> Checkpoint(const storage::ProcessId& process,
                                       std::span<const storage::LiveRow> rows);
+
+  [[nodiscard]] std::vector<storage::FoundRobot> Compare(
+      const storage::ProcessId& process, std::span<const storage::ToldRobot> robots) const;
 
   // What FakeLeases builds on.
   void Renew(const storage::ProcessId& process, const storage::ProcessCard& card) {
@@ -235,8 +242,9 @@ class FakeDatabase final {
   static void EvictSessions(Robot& robot, const storage::OpenRequest& request);
   /// Null while there is no row of it in `robots`.
   Robot* FindRobot(std::string_view ruri);
-  /// True if nobody holds the robot since then, or not any more.
-  [[nodiscard]] bool IsFenced(const storage::RobotRef& robot, storage::Epoch held_since);
+  /// True unless the process holds the robot since exactly then.
+  [[nodiscard]] bool IsFenced(const storage::ProcessId& process, const storage::RobotRef& robot,
+                              storage::Epoch held_since);
   [[nodiscard]] storage::Epoch DrawEpoch(const Robot& robot);
   storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
   std::optional<model::Rejection> Refusal(const Transaction& transaction, const Robot& robot,
@@ -255,7 +263,7 @@ class FakeDatabase final {
   /// Deletes those of `gone` (entries), and counts payloads anew.
   void EraseQuarantineRows(const std::set<std::uint64_t>& gone);
   std::size_t EraseGaps(SystemTime until);
-  void WriteGap(const storage::GapItem& gap);
+  void WriteGap(const storage::ProcessId& process, const storage::GapItem& gap);
   [[nodiscard]] const SessionLog* FindLog(std::string_view ruri,
                                           const model::SessionId& session) const;
 

@@ -24,10 +24,10 @@ class FakeLeaseTable final {
     for (const auto& [process, lease] : leases_) leases.push_back(lease);
     return leases;
   }
-  /// It was raised since it stood at `counter`.
+  /// It does not stand at `counter` any more: it was raised since, or the store went back.
   [[nodiscard]] bool RenewedSince(const storage::ProcessId& process, std::uint64_t counter) const {
     const auto lease = leases_.find(process);
-    return lease != leases_.end() && lease->second.counter > counter;
+    return lease != leases_.end() && lease->second.counter != counter;
   }
   /// It is there, and was not released.
   [[nodiscard]] bool Stands(const storage::ProcessId& process) const {

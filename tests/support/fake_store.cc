@@ -90,6 +90,28 @@ absl::StatusOr<std::vector<std::size_t>> FakeStore::Checkpoint(
   return passed_over;
 }
 
+bool FakeStore::InDoubt() const {
+  const std::lock_guard lock(mutex_);
+  return in_doubt_;
+}
+
+absl::StatusOr<std::vector<storage::FoundRobot>> FakeStore::Compare(
+    std::span<const storage::ToldRobot> robots) {
+  Fate fate = Begin({&any_order_}, compares_);
+  if (fate.fail_before || fate.fail_after) return std::move(fate.status);
+  return database_.Compare(process_, robots);
+}
+
+void FakeStore::EndDoubt() {
+  const std::lock_guard lock(mutex_);
+  in_doubt_ = false;
+}
+
+void FakeStore::Break() {
+  const std::lock_guard lock(mutex_);
+  in_doubt_ = true;
+}
+
 FakeStore::Fate FakeStore::Begin(std::initializer_list<Order*> orders, std::uint64_t& calls) {
   std::unique_lock lock(mutex_);
   ++waiting_;
@@ -99,6 +121,11 @@ FakeStore::Fate FakeStore::Begin(std::initializer_list<Order*> orders, std::uint
   ++calls;
   Fate fate;
   fate.rules = rules_;
+  if (in_doubt_ && &calls != &compares_) {
+    fate.fail_before = true;
+    fate.status = absl::UnavailableError("what the store has is compared first");
+    return fate;
+  }
   for (Order* const from : orders) {
     if (from->before > 0) {
       --from->before;
@@ -206,6 +233,11 @@ std::uint64_t FakeStore::sweeps() const {
 std::uint64_t FakeStore::trims() const {
   const std::lock_guard lock(mutex_);
   return trims_;
+}
+
+std::uint64_t FakeStore::compares() const {
+  const std::lock_guard lock(mutex_);
+  return compares_;
 }
 
 std::uint64_t FakeStore::checkpoints() const {

@@ -52,6 +52,10 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
+  [[nodiscard]] bool InDoubt() const override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::FoundRobot>> Compare(
+      std::span<const storage::ToldRobot> robots) override;
+  void EndDoubt() override;
 
   // storage::Reader
   [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
@@ -73,6 +77,9 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   storage::LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
+
+  /// The connection breaks: InDoubt until EndDoubt, and every other call fails.
+  void Break();
 
   // Faults; each set of orders is worked off before the next of its kind.
   /// The next `calls` calls of OpenStreams, Adopt, Commit or TrimQuarantine fail; FailAt::kBefore
@@ -115,6 +122,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] std::uint64_t sweeps() const;
   [[nodiscard]] std::uint64_t trims() const;
   [[nodiscard]] std::uint64_t checkpoints() const;
+  [[nodiscard]] std::uint64_t compares() const;
 
  private:
   struct Order {
@@ -142,6 +150,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   std::condition_variable changed_;
   bool blocked_ = false;
   std::uint32_t waiting_ = 0;
+  bool in_doubt_ = false;
   Order any_order_;
   Order commit_order_;
   Order open_order_;
@@ -159,6 +168,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   std::size_t runs_closed_taken_ = 0;
   std::uint64_t retains_ = 0;
   std::uint64_t checkpoints_ = 0;
+  std::uint64_t compares_ = 0;
 };
 
 }  // namespace uplink::testing

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,10 @@ class FakeTopicLeases final : public storage::TopicLeases {
   /// `database` must outlive this.
   FakeTopicLeases(FakeDatabase& database, const storage::ProcessId& process)
       : database_(database), process_(process) {}
+
+  /// As if the connection had broken, and been made anew.
+  void Reconnect() { ++connections_; }
+  [[nodiscard]] std::uint64_t connections() const override { return connections_; }
 
   /// Every call fails until false.
   void SetAway(bool away) { away_ = away; }
@@ -47,6 +52,7 @@ class FakeTopicLeases final : public storage::TopicLeases {
   FakeDatabase& database_;
   const storage::ProcessId process_;
   bool away_ = false;
+  std::uint64_t connections_ = 1;
 };
 
 }  // namespace uplink::testing

@@ -80,14 +80,17 @@ storage::DeliveryMemory FakeTopics::MemoryOf(const Client& client) {
   return storage::MemoryOf(rows);
 }
 
-bool FakeTopics::Stands(const storage::TopicHold* hold) const {
+bool FakeTopics::Stands(const storage::TopicHold* hold, const storage::ProcessId& process) const {
   if (hold == nullptr) return true;
   const auto client = clients_.find(hold->client_id);
-  return client != clients_.end() && client->second.lease.epoch == hold->epoch;
+  if (client == clients_.end()) return false;
+  const storage::TopicLease& lease = client->second.lease;
+  return lease.epoch == hold->epoch && lease.holder == process;
 }
 
-void FakeTopics::Write(const storage::Batch& batch, std::span<const storage::Outcome> outcomes) {
-  const auto stands = [this](const storage::TopicHold& hold) { return Stands(&hold); };
+void FakeTopics::Write(const storage::Batch& batch, const storage::ProcessId& process,
+                       std::span<const storage::Outcome> outcomes) {
+  const auto stands = [&](const storage::TopicHold& hold) { return Stands(&hold, process); };
   const auto changes = storage::DeliveryChangesOf(batch, outcomes, stands);
   for (const auto& [hold, delivery] : changes->added) {
     clients_.find(hold->client_id)->second.deliveries.emplace(delivery.number, delivery);

@@ -30,10 +30,12 @@ class FakeTopics final {
   [[nodiscard]] std::vector<storage::TopicLease> Read() const;
   [[nodiscard]] storage::DeliveryMemory MemoryOf(std::string_view client_id) const;
 
-  /// The lease is that of the client id still; so is none.
-  [[nodiscard]] bool Stands(const storage::TopicHold* hold) const;
+  /// The lease is that of the client id still, and the process has it; so is none.
+  [[nodiscard]] bool Stands(const storage::TopicHold* hold,
+                            const storage::ProcessId& process) const;
   /// Remembers what a commit says of its deliveries, given the outcomes of its records.
-  void Write(const storage::Batch& batch, std::span<const storage::Outcome> outcomes);
+  void Write(const storage::Batch& batch, const storage::ProcessId& process,
+             std::span<const storage::Outcome> outcomes);
 
  private:
   struct Client {

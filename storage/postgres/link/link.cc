@@ -15,6 +15,7 @@ constexpr std::string_view kAsk =
     " current_setting('transaction_read_only') = 'on', pg_is_in_recovery(), clock_timestamp(),"
     " current_setting('server_encoding') = 'UTF8'";
 
+constexpr std::string_view kRaiseSequences = "SELECT uplinkd.raise_sequences()";
 constexpr std::string_view kMakeToday =
     "SELECT uplinkd.make_partitions((clock_timestamp() AT TIME ZONE 'UTC')::date, 1)";
 /// What one migration may take.
@@ -27,7 +28,7 @@ absl::Status Unfit(const Connection& connection, const std::string& text) {
 }  // namespace
 
 absl::StatusOr<Connection*> Link::Get() {
-  if (connection_ != nullptr && !connection_->broken()) return connection_.get();
+  if (connected()) return connection_.get();
   connection_ = nullptr;
   if (to_migrate_) {
     absl::Status migrated = MigrateFirst();
@@ -39,6 +40,7 @@ absl::StatusOr<Connection*> Link::Get() {
   absl::Status checked = Check(**opened);
   if (!checked.ok()) return checked;
   connection_ = *std::move(opened);
+  ++connections_;
   return connection_.get();
 }
 
@@ -82,8 +84,12 @@ absl::Status Link::Check(Connection& connection) {
   }
   absl::Status fits = CheckSchema(connection, Migrations());
   if (!fits.ok() || options_.purpose == Purpose::kRead) return fits;
-  // Rows of today have their partition from the first on. If not, they lie in the default one.
   std::vector<StoreCall> calls;
+  calls.push_back({kRaiseSequences, {}});
+  absl::Status raised = connection.Run(calls, "raise sequences").status();
+  if (!raised.ok()) return raised;
+  // Rows of today have their partition from the first on. If not, they lie in the default one.
+  calls.clear();
   calls.push_back({kMakeToday, {}});
   const absl::Status made = connection.Run(calls, "make partitions").status();
   return connection.broken() ? made : absl::OkStatus();
@@ -92,7 +98,7 @@ absl::Status Link::Check(Connection& connection) {
 absl::Status Link::MigrateFirst() {
   ConnectionOptions options = options_.connection;
   options.call_timeout = kMigrationTimeout;
-  options.session_settings = "";
+  options.session_settings = std::string(kNoTimeouts);
   auto connection = Connection::Open(options, clock_);
   if (!connection.ok()) return connection.status();
   return Migrate(**connection, Migrations()).status();

@@ -56,6 +56,10 @@ class Link final {
   ///
   /// Errors: of Connection::Open; kFailedPrecondition for a server that must not be used.
   [[nodiscard]] absl::StatusOr<Connection*> Get();
+  /// How often it was connected to so far.
+  [[nodiscard]] std::uint64_t connections() const { return connections_; }
+  /// The last connection stands, as far as anybody knows.
+  [[nodiscard]] bool connected() const { return connection_ != nullptr && !connection_->broken(); }
   /// What the last server that was connected to said.
   [[nodiscard]] const ServerFacts& facts() const { return facts_; }
 
@@ -67,9 +71,17 @@ class Link final {
   const Clock& clock_;
   ServerFacts facts_;
   bool to_migrate_;
+  std::uint64_t connections_ = 0;
   std::unique_ptr<Connection> connection_;
 };
 
+/// What a session begins with that migrates: no timeout of its role, its database or the server
+/// ends a step, which may take long and may have to wait for others' locks; what bounds it is how
+/// long its call may take. `transaction_timeout` is there from PostgreSQL 17 on.
+inline constexpr std::string_view kNoTimeouts =
+    "SET statement_timeout = 0; SET lock_timeout = 0; SET idle_in_transaction_session_timeout = 0;"
+    " SELECT set_config(name, '0', false) FROM pg_catalog.pg_settings"
+    " WHERE name = 'transaction_timeout';";
 /// The statements that a session begins with. `statement_timeout`: what one statement may take.
 [[nodiscard]] std::string SessionSettings(Purpose purpose, milliseconds statement_timeout);
 

@@ -19,7 +19,7 @@ constexpr std::string_view kAdopt =
     "WITH over AS (SELECT r.ruri FROM unnest($1::text[], $2::uuid[], $3::bigint[])"
     " AS u (ruri, holder, counter) JOIN uplinkd.robots AS r ON r.ruri = u.ruri"
     " WHERE r.owner = $4::uuid OR (r.owner = u.holder AND NOT EXISTS (SELECT 1"
-    " FROM uplinkd.processes AS p WHERE p.process = u.holder AND p.counter > u.counter))"
+    " FROM uplinkd.processes AS p WHERE p.process = u.holder AND p.counter <> u.counter))"
     " ORDER BY r.ruri FOR NO KEY UPDATE OF r)"
     // The right sides see the row as it was, and the epoch is drawn as in open_streams.cc.
     " UPDATE uplinkd.robots AS r SET (epoch, held_since) = (SELECT"

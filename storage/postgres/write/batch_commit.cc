@@ -24,7 +24,7 @@ constexpr std::string_view kRollBackTo = "ROLLBACK TO SAVEPOINT part";
 constexpr std::string_view kBeginBatch =
     "SELECT uplinkd.begin_batch($1::text[], $2::bigint[], $3::text[], $4::uuid[], $5::bigint[],"
     " $6::text[], $7::int[], $8::int[], $9::int[], $10::bigint, $11::bigint, $12::bigint,"
-    " $13::uuid, $14::bigint)";
+    " $13::uuid, $14::bigint, $15::uuid)";
 
 /// What begin_batch checks, gathered from a batch.
 struct Premises {
@@ -34,16 +34,16 @@ struct Premises {
   std::map<std::pair<std::string_view, model::SessionId>, model::Seq> first_numbers;
   std::map<std::string_view, Counts> bounded;
 
-  void AddHold(std::string_view ruri, Epoch held_since) {
-    const auto [hold, is_new] = holds.try_emplace(ruri, held_since);
-    hold->second = std::min(hold->second, held_since);
+  /// False if the batch has another hold of the robot, too: one of them does not stand.
+  bool AddHold(std::string_view ruri, Epoch held_since) {
+    return holds.try_emplace(ruri, held_since).first->second == held_since;
   }
   void AddBounded(const PresentChange& change) {
     if (change.is_upsert) ++bounded[change.key.ruri][static_cast<std::size_t>(change.key.kind)];
   }
 };
 
-StoreCall BeginBatchCall(const Premises& premises, const Batch& batch) {
+StoreCall BeginBatchCall(const Premises& premises, const Batch& batch, const ProcessId& process) {
   Array robots{Type::kText}, holds{Type::kInt8};
   for (const auto& [ruri, held] : premises.holds) {
     robots.Text(ruri);
@@ -75,6 +75,7 @@ StoreCall BeginBatchCall(const Premises& premises, const Batch& batch) {
     call.parameters.Uuid(batch.presence_session);
     call.parameters.Int8(static_cast<std::int64_t>(batch.presence.front().number));
   }
+  call.parameters.Uuid(model::SessionId(process));
   return call;
 }
 
@@ -107,12 +108,13 @@ bool BatchCommit::MayWriteAtOnce() const {
 
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
   Premises premises;
-  BatchRows rows(rules_);
+  BatchRows rows(terms_.rules);
   std::int32_t place = 0;
+  bool one_hold = true;
   for (const CommitRecord& record : batch_.records) {
     UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
     const std::string_view ruri = record.robot->ruri;
-    premises.AddHold(ruri, record.held_since);
+    one_hold = premises.AddHold(ruri, record.held_since) && one_hold;
     const auto* range = std::get_if<LimitedRange>(&record.content);
     premises.first_numbers.try_emplace({ruri, record.session},
                                        range != nullptr ? range->first : record.seq);
@@ -121,24 +123,25 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     } else if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
       rows.Reject(record, item->rejection, QuarantineDetail::kAll, place++);
     } else {
-      if (const auto change = PresentChangeOf(record, rules_)) premises.AddBounded(*change);
+      if (const auto change = PresentChangeOf(record, terms_.rules)) premises.AddBounded(*change);
       rows.Write(record, place++);
     }
   }
   for (const GapItem& gap : batch_.gaps) {
-    premises.AddHold(gap.robot->ruri, gap.held_since);
+    one_hold = premises.AddHold(gap.robot->ruri, gap.held_since) && one_hold;
     rows.AddGap(gap, place++);
   }
   // begin_batch and hold_topics see to it that all of it is stored.
   Outcomes outcomes(batch_.records.size() + batch_.presence.size());
   rows.Remember(*DeliveryChangesOf(batch_, outcomes, [](const TopicHold&) { return true; }));
   for (const PresenceItem& item : batch_.presence) {
-    premises.AddHold(item.robot->ruri, item.held_since);
+    one_hold = premises.AddHold(item.robot->ruri, item.held_since) && one_hold;
     rows.AddPresence(item, batch_.presence_session, place++);
   }
+  if (!one_hold) return absl::OutOfRangeError("a robot comes under two holds in one batch");
   std::vector<StoreCall> calls = BeginCalls();
-  AddHoldCall(batch_, calls);
-  calls.push_back(BeginBatchCall(premises, batch_));
+  AddHoldCall(batch_, terms_.process, calls);
+  calls.push_back(BeginBatchCall(premises, batch_, terms_.process));
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));
   absl::Status committed = CommitCalls(std::move(calls));
   if (!committed.ok()) return committed;
@@ -148,10 +151,10 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAfterLook() {
   absl::Status begun = Begin(connection_, kDoing);
   if (!begun.ok()) return begun;
-  absl::StatusOr<KnownRows> known = ReadKnown(connection_, Whole(), rules_);
+  absl::StatusOr<KnownRows> known = ReadKnown(connection_, Whole(), terms_);
   if (!known.ok()) return Decisive(known.status());
-  BatchRows rows(rules_);
-  Outcomes outcomes = DecideSlice(Whole(), *known, rules_, std::nullopt, {}, rows);
+  BatchRows rows(terms_.rules);
+  Outcomes outcomes = DecideSlice(Whole(), *known, terms_.rules, std::nullopt, {}, rows);
   std::vector<StoreCall> calls = std::move(rows).TakeCalls();
   calls.push_back({kLogPosition, {}});
   absl::Status committed = CommitCalls(std::move(calls));
@@ -223,10 +226,10 @@ absl::Status BatchCommit::Isolate(const Slice& slice, const absl::Status& cause,
 absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteSlice(
     const Slice& slice, const std::optional<DatabaseRefusal>& refusal,
     std::span<const Outcome> earlier) {
-  absl::StatusOr<KnownRows> known = ReadKnown(connection_, slice, rules_);
+  absl::StatusOr<KnownRows> known = ReadKnown(connection_, slice, terms_);
   if (!known.ok()) return Decisive(known.status());
-  BatchRows rows(rules_);
-  Outcomes outcomes = DecideSlice(slice, *known, rules_, refusal, earlier, rows);
+  BatchRows rows(terms_.rules);
+  Outcomes outcomes = DecideSlice(slice, *known, terms_.rules, refusal, earlier, rows);
   std::vector<StoreCall> calls;
   calls.push_back({kSavepoint, {}});
   std::ranges::move(std::move(rows).TakeCalls(), std::back_inserter(calls));

@@ -29,9 +29,9 @@ class BatchCommit final {
  public:
   /// `before_commit`, if set, is asked before each COMMIT is sent; what is not OK rolls back and is
   /// the answer. For tests.
-  BatchCommit(Connection& connection, const Batch& batch, const StoreRules& rules,
+  BatchCommit(Connection& connection, const Batch& batch, const CommitTerms& terms,
               const std::function<absl::Status()>& before_commit)
-      : connection_(connection), batch_(batch), rules_(rules), before_commit_(before_commit) {}
+      : connection_(connection), batch_(batch), terms_(terms), before_commit_(before_commit) {}
 
   /// Errors: as Store::Commit. kAborted where transactions stood in each other's way.
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Run();
@@ -59,7 +59,7 @@ class BatchCommit final {
 
   Connection& connection_;
   const Batch& batch_;
-  const StoreRules& rules_;
+  const CommitTerms terms_;
   const std::function<absl::Status()>& before_commit_;
   std::size_t runs_closed_ = 0;
 };

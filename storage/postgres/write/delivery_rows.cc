@@ -14,7 +14,8 @@ constexpr std::string_view kInsert =
 constexpr std::string_view kErase =
     "DELETE FROM uplinkd.deliveries AS d USING unnest($1::text[], $2::bigint[])"
     " AS u (client_id, number) WHERE d.client_id = u.client_id AND d.number = u.number";
-constexpr std::string_view kHoldTopics = "SELECT uplinkd.hold_topics($1::text[], $2::bigint[])";
+constexpr std::string_view kHoldTopics =
+    "SELECT uplinkd.hold_topics($1::text[], $2::bigint[], $3::uuid)";
 
 }  // namespace
 
@@ -42,7 +43,7 @@ void AddDeliveryCalls(const DeliveryChanges& changes, std::vector<StoreCall>& ca
   calls.push_back(StoreCallOf(kErase, {&client, &number}));
 }
 
-void AddHoldCall(const Batch& batch, std::vector<StoreCall>& calls) {
+void AddHoldCall(const Batch& batch, const ProcessId& process, std::vector<StoreCall>& calls) {
   std::set<std::pair<std::string_view, Epoch>> holds;
   const auto add = [&holds](const TopicHold* hold) {
     if (hold != nullptr) holds.emplace(hold->client_id, hold->epoch);
@@ -56,6 +57,7 @@ void AddHoldCall(const Batch& batch, std::vector<StoreCall>& calls) {
     epochs.Int8(epoch);
   }
   calls.push_back(StoreCallOf(kHoldTopics, {&clients, &epochs}));
+  calls.back().parameters.Uuid(model::SessionId(process));
 }
 
 }  // namespace uplink::storage::postgres

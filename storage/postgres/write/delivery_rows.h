@@ -15,6 +15,6 @@ void AddDeliveryCalls(const DeliveryChanges& changes, std::vector<StoreCall>& ca
 
 /// Adds the statement with which a batch begins that came under leases: it fails if one of them is
 /// over.
-void AddHoldCall(const Batch& batch, std::vector<StoreCall>& calls);
+void AddHoldCall(const Batch& batch, const ProcessId& process, std::vector<StoreCall>& calls);
 
 }  // namespace uplink::storage::postgres

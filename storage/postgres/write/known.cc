@@ -13,11 +13,11 @@ namespace {
 
 // Nobody takes these leases until the transaction ends; commits do not wait for each other.
 constexpr std::string_view kLockLeases =
-    "SELECT client_id, epoch FROM uplinkd.topic_clients WHERE client_id = ANY($1::text[])"
-    " ORDER BY client_id FOR SHARE";
+    "SELECT client_id, epoch, process = $2::uuid FROM uplinkd.topic_clients"
+    " WHERE client_id = ANY($1::text[]) ORDER BY client_id FOR SHARE";
 // A batch makes no robot: one that has no row is held by nobody.
 constexpr std::string_view kLockRobots =
-    "SELECT ruri, held_since FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
+    "SELECT ruri, held_since, owner = $2::uuid FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
     " ORDER BY ruri FOR NO KEY UPDATE";
 // The server's own sessions have no robot. A session's row is looked for from the greatest part
 // down (see the migration of session parts).
@@ -28,7 +28,8 @@ constexpr std::string_view kInsertSessions =
     " AS u (ruri, session, held, used) LEFT JOIN uplinkd.robots AS r ON r.ruri = u.ruri"
     " LEFT JOIN LATERAL (SELECT l.part FROM uplinkd.sessions AS l"
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s ON true"
-    " WHERE s.part IS NULL AND (u.ruri = 'server' OR u.held >= r.held_since)"
+    " WHERE s.part IS NULL AND (u.ruri = 'server' OR (u.held = r.held_since AND r.owner = "
+    "$5::uuid))"
     " ON CONFLICT (ruri, session, part) DO NOTHING";
 constexpr std::string_view kReadSessions =
     "SELECT s.ruri, s.session, s.cursor_seq"
@@ -83,7 +84,7 @@ class Reads final {
 };
 
 /// Before robots are locked, as hold_topics goes before begin_batch.
-void ReadLeases(const Slice& slice, KnownRows& known, Reads& reads) {
+void ReadLeases(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
   std::set<std::string_view> clients;
   const auto add = [&clients](const TopicHold* hold) {
     if (hold != nullptr) clients.insert(hold->client_id);
@@ -100,14 +101,17 @@ void ReadLeases(const Slice& slice, KnownRows& known, Reads& reads) {
   if (clients.empty()) return;
   Array locked{Type::kText};
   for (const std::string_view client : clients) locked.Text(client);
-  reads.Add(StoreCallOf(kLockLeases, {&locked}), [&known](const Result& rows) {
+  StoreCall lock = StoreCallOf(kLockLeases, {&locked});
+  lock.parameters.Uuid(model::SessionId(process));
+  reads.Add(std::move(lock), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
+      if (!rows.Bool(row, 2)) continue;
       known.leases[Text(rows, row, 0)] = static_cast<Epoch>(rows.Int(row, 1));
     }
   });
 }
 
-void ReadRobots(const Slice& slice, KnownRows& known, Reads& reads) {
+void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
   std::set<std::string_view> robots;
   for (const CommitRecord& record : slice.records()) robots.insert(record.robot->ruri);
   if (slice.with_rest) {
@@ -116,41 +120,51 @@ void ReadRobots(const Slice& slice, KnownRows& known, Reads& reads) {
   }
   Array locked{Type::kText};
   for (const std::string_view ruri : robots) locked.Text(ruri);
-  reads.Add(StoreCallOf(kLockRobots, {&locked}), [&known](const Result& rows) {
+  StoreCall lock = StoreCallOf(kLockRobots, {&locked});
+  lock.parameters.Uuid(model::SessionId(process));
+  reads.Add(std::move(lock), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
+      if (!rows.Bool(row, 2)) continue;
       known.robots[Text(rows, row, 0)].held_since = static_cast<Epoch>(rows.Int(row, 1));
     }
   });
   reads.Add({kNextBatch, {}});
 }
 
-void ReadSessions(const Slice& slice, KnownRows& known, Reads& reads) {
+void ReadSessions(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
   struct Use {
-    Epoch held_since = 0;
+    /// Records of one session may come under several holds, of which one may stand.
+    std::set<Epoch> holds;
     SystemTime used;
   };
   std::map<std::pair<std::string_view, model::SessionId>, Use> sessions;
   for (const CommitRecord& record : slice.records()) {
     if (record.seq == 0) continue;
     Use& use = sessions[{record.robot->ruri, record.session}];
-    use.held_since = std::max(use.held_since, record.held_since);
+    use.holds.insert(record.held_since);
     use.used = std::max(use.used, record.received_at);
   }
   const Batch& batch = *slice.batch;
   const bool presence = slice.with_rest && !batch.presence.empty();
-  if (presence) sessions[{kServerRuri, batch.presence_session}].used = batch.presence.back().at;
+  if (presence) {
+    sessions[{kServerRuri, batch.presence_session}] = {{Epoch{0}}, batch.presence.back().at};
+  }
 
   Array ruri{Type::kText}, session{Type::kUuid}, held{Type::kInt8}, used{Type::kTime};
   Array read_ruri{Type::kText}, read_session{Type::kUuid};
   for (const auto& [key, use] : sessions) {
-    ruri.Text(key.first);
-    session.Uuid(key.second);
-    held.Int8(use.held_since);
-    used.Time(use.used);
+    for (const Epoch hold : use.holds) {
+      ruri.Text(key.first);
+      session.Uuid(key.second);
+      held.Int8(hold);
+      used.Time(use.used);
+    }
     read_ruri.Text(key.first);
     read_session.Uuid(key.second);
   }
-  reads.Add(StoreCallOf(kInsertSessions, {&ruri, &session, &held, &used}));
+  StoreCall insert = StoreCallOf(kInsertSessions, {&ruri, &session, &held, &used});
+  insert.parameters.Uuid(model::SessionId(process));
+  reads.Add(std::move(insert));
   reads.Add(StoreCallOf(kReadSessions, {&read_ruri, &read_session}), [&known](const Result& rows) {
     for (int row = 0; row < rows.rows(); ++row) {
       known.sessions[{Text(rows, row, 0), rows.Uuid(row, 1)}].cursor =
@@ -243,14 +257,14 @@ void ReadAllPresent(const Slice& slice, const StoreRules& rules, KnownRows& know
 }  // namespace
 
 absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
-                                    const StoreRules& rules) {
+                                    const CommitTerms& terms) {
   KnownRows known;
   Reads reads;
-  ReadLeases(slice, known, reads);
-  ReadRobots(slice, known, reads);
-  ReadSessions(slice, known, reads);
+  ReadLeases(slice, terms.process, known, reads);
+  ReadRobots(slice, terms.process, known, reads);
+  ReadSessions(slice, terms.process, known, reads);
   ReadQuarantined(slice, known, reads);
-  ReadAllPresent(slice, rules, known, reads);
+  ReadAllPresent(slice, terms.rules, known, reads);
   absl::Status read = reads.Run(connection);
   if (!read.ok()) return read;
   return known;

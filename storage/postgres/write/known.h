@@ -21,6 +21,12 @@
 
 namespace uplink::storage::postgres {
 
+/// Who commits, and by which rules. Both outlive it.
+struct CommitTerms {
+  const ProcessId& process;
+  const StoreRules& rules;
+};
+
 /// A piece of a batch: records [first, last), and, with the last slice, its gaps and changes of
 /// presence.
 struct Slice {
@@ -48,10 +54,11 @@ struct KnownRows {
   using Entries = std::map<Entry, std::int64_t, EntryOrder>;
   using Number = std::tuple<std::string, model::SessionId, model::Seq>;
 
-  /// Those that have a row, each with the counts of the kinds that the slice names of it.
+  /// Those that the process holds, each with the counts of the kinds that the slice names of it.
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
-  /// The epochs of the client ids under whose leases the slice came, as far as they have one.
+  /// The epochs of the client ids under whose leases the slice came, as far as the process has
+  /// them.
   std::map<std::string, Epoch, std::less<>> leases;
   /// Why a number was rejected: of those that the slice names.
   std::map<Number, model::Rejection> quarantined;
@@ -71,6 +78,6 @@ struct KnownRows {
 /// Locks the rows of the slice's robots and sessions, making those of sessions that are missing,
 /// and reads what it touches. Within an open transaction; also draws the transaction's number.
 [[nodiscard]] absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
-                                                  const StoreRules& rules);
+                                                  const CommitTerms& terms);
 
 }  // namespace uplink::storage::postgres

@@ -140,6 +140,17 @@ TEST_F(Decide, FencesARecordOfAnOlderHoldAndLooksAtNothingOfIt) {
   EXPECT_EQ(Kind(current), OutcomeKind::kStored);
 }
 
+TEST_F(Decide, FencesWhatNamesALaterHoldThanTheStoreHas) {
+  known_.robots["rcan://r"].held_since = 2;
+  CommitRecord later = Note(1);
+  later.held_since = 3;
+  EXPECT_EQ(Kind(later), OutcomeKind::kFenced);
+  EXPECT_FALSE(*decider_.Takes({robot_, {}, 1, 2, 3, FromUnixMs(kNowMs)}));
+  KnownSession session;
+  const PresenceItem item{robot_, model::Presence::kOnline, FromUnixMs(kNowMs), 1, 3};
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kFenced);
+}
+
 TEST_F(Decide, TakesAGapOfTheHoldAndDropsOneOfAnOlderHold) {
   GapItem gap{robot_, {}, 1, 2, 1, FromUnixMs(kNowMs)};
   EXPECT_TRUE(*decider_.Takes(gap));
@@ -152,6 +163,8 @@ TEST_F(Decide, TakesAGapOfTheHoldAndDropsOneOfAnOlderHold) {
 TEST_F(Decide, LetsTheHolderAloneChangeThePresence) {
   KnownSession session;
   PresenceItem item{robot_, model::Presence::kOnline, FromUnixMs(kNowMs), 1, 3};
+  EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kFenced) << "it is not held since then";
+  item.held_since = 1;
   EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kStored);
   EXPECT_EQ(session.cursor, 1U);
   EXPECT_EQ(*decider_.Decide(item, session), OutcomeKind::kDuplicate);

@@ -113,7 +113,7 @@ TEST_F(PostgresBatchTest, AnOpenThatWaitsForACommitSeesItsCursor) {
   commit.Run("SELECT uplinkd.begin_batch(ARRAY['rcan://robots/a'], ARRAY[" + std::to_string(held) +
              "]::bigint[], ARRAY['rcan://robots/a'],"
              " ARRAY['07000000-0000-0000-0000-000000000000']::uuid[], ARRAY[9]::bigint[], '{}',"
-             " '{}', '{}', '{}', 1, 1, 1, NULL, NULL)");
+             " '{}', '{}', '{}', 1, 1, 1, NULL, NULL, '01000000-0000-0000-0000-000000000000')");
   commit.Run("UPDATE uplinkd.sessions SET cursor_seq = 9");
   OpenResult opened;
   std::jthread open([&] { opened = Open(*newer); });

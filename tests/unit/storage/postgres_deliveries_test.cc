@@ -59,12 +59,12 @@ class PostgresDeliveries : public ::testing::Test {
     batch.deliveries = {{hold, {{number, 0, std::nullopt}}}};
     return batch;
   }
-  /// A commit under the lease that stands still with its locks held.
+  /// A commit of process 1 under the lease that stands still with its locks held.
   PostgresShell CommitInPart(const TopicHold& hold, std::uint64_t number) const {
     PostgresShell commit(database_.url());
     commit.Run("BEGIN");
     commit.Run("SELECT uplinkd.hold_topics(ARRAY['" + hold.client_id + "'], ARRAY[" +
-               std::to_string(hold.epoch) + "]::bigint[])");
+               std::to_string(hold.epoch) + "]::bigint[], '01000000-0000-0000-0000-000000000000')");
     commit.Run("INSERT INTO uplinkd.deliveries VALUES ('" + hold.client_id + "', " +
                std::to_string(number) + ", 7, '07000000-0000-0000-0000-000000000000')");
     return commit;

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <atomic>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -7,9 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
+#include "storage/postgres/admin.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/schema.h"
 #include "storage/postgres/store.h"
+#include "tests/support/eventually.h"
 #include "tests/support/postgres_database.h"
 
 namespace uplink::storage::postgres {
@@ -29,6 +33,31 @@ class PostgresSchemaTest : public ::testing::Test {
     return *std::move(connection);
   }
   std::unique_ptr<Connection> Owner() { return Connect(database_.owner_url()); }
+  void LimitTheOwner() {
+    for (const char* timeout : {"statement_timeout", "lock_timeout"}) {
+      database_.Shell().Run("ALTER ROLE uplinkd_owner IN DATABASE " + database_.name() + " SET " +
+                            timeout + " = '50ms'");
+    }
+  }
+  /// Runs `migrate`, which has to wait for another migration four times as long as LimitTheOwner
+  /// lets a statement take.
+  void WhileAnotherMigrates(const std::function<void()>& migrate) {
+    PostgresShell other = database_.Shell();
+    other.Run("SELECT pg_advisory_lock(7593126044910271826)");
+    std::atomic<bool> ended{false};
+    std::jthread thread([&] {
+      migrate();
+      ended.store(true);
+    });
+    EXPECT_TRUE(testing::Eventually([&] {
+      return ended.load() || other.Read("SELECT count(*) FROM pg_stat_activity WHERE datname = '" +
+                                        database_.name() +
+                                        "' AND wait_event_type = 'Lock'"
+                                        " AND now() - query_start > interval '200ms'") == "1\n";
+    }));
+    EXPECT_FALSE(ended.load());
+    other.Run("SELECT pg_advisory_unlock(7593126044910271826)");
+  }
 
   const SystemClock clock_{};
   PostgresDatabase database_{DatabaseContent::kEmpty};
@@ -46,6 +75,30 @@ TEST_F(PostgresSchemaTest, MigratesAnEmptyDatabaseOnce) {
   EXPECT_EQ(steps->size(), Migrations().size());
   EXPECT_TRUE(CheckSchema(*owner, Migrations()).ok());
   EXPECT_EQ(Migrate(*owner, Migrations())->size(), 0U);
+}
+
+TEST_F(PostgresSchemaTest, NoTimeoutOfTheRoleEndsAMigration) {
+  LimitTheOwner();
+  absl::Status migrated = absl::UnknownError("not done");
+  WhileAnotherMigrates([&] {
+    AdminOptions options;
+    options.url = database_.owner_url();
+    migrated = MigrateStore(options, "uplinkd", clock_).status();
+  });
+  EXPECT_TRUE(migrated.ok()) << migrated;
+}
+
+TEST_F(PostgresSchemaTest, NoTimeoutOfTheRoleEndsTheMigrationOfAStart) {
+  LimitTheOwner();
+  absl::Status opened = absl::UnknownError("not done");
+  WhileAnotherMigrates([&] {
+    StoreOptions options;
+    options.url = database_.owner_url();
+    options.migrate = true;
+    const auto store = PostgresStore::Open(std::move(options), clock_);
+    opened = store.ok() ? (*store)->open_error() : store.status();
+  });
+  EXPECT_TRUE(opened.ok()) << opened;
 }
 
 TEST_F(PostgresSchemaTest, TwoThatMigrateAtOnceDoItOnce) {
