@@ -246,6 +246,9 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kStoreCommitsInDoubt, "uplinkd_store_commits_in_doubt_total", kCounter, "commits",
      "Commits that the database answered with a warning: whether they are durable is unknown, and"
      " they are tried again."},
+    {kStoreWentBack, "uplinkd_store_went_back_robots_total", kCounter, "robots",
+     "Robots of which the store, connected to anew, had less than it had told was committed: a"
+     " failover to a standby that lagged. What they still hold is stored again."},
     {kStoreOldestSnapshot, "uplinkd_store_oldest_snapshot_seconds", kGauge, "seconds",
      "How long another transaction, a replication slot or a prepared transaction has kept the "
      "database"

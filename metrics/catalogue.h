@@ -126,6 +126,7 @@ enum class MetricId : std::uint8_t {
   kStoreUnsafe,
   kStoreClockOffset,
   kStoreCommitsInDoubt,
+  kStoreWentBack,
   kStoreOldestSnapshot,
   kStoreFreeBytes,
   kStoreFreeMinBytes,

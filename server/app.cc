@@ -79,7 +79,8 @@ class App::Impl {
         store_watch_({.facts = stores_.facts,
                       .retention = [this] { return journals_.retain_error(); },
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
-                      .store = [this] { return journals_.last_error(); }},
+                      .store = [this] { return journals_.last_error(); },
+                      .went_back = [this] { return journal_probe_.went_back.value(); }},
                      options_.logger),
         queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_,
                   session_probe_.streams, options_.version, ground_.OnReads(),
@@ -159,6 +160,7 @@ class App::Impl {
             .random = options_.random,
             .limits = journal_limits_,
             .spatial_committed = [this] { forwarding_.Wake(); },
+            .store_reconnected = [this] { broker_side_.Reread(); },
             .checkpoint_every = options_.config.store.checkpoint};
   }
 

@@ -102,7 +102,8 @@ struct BrokerSide::Parts {
         .reread =
             [this](broker::Remembered remembered) {
               loop.Post([this, remembered = std::move(remembered)] { broker.GoOn(remembered); });
-            }};
+            },
+        .reconnected = [this] { loop.Post([this] { broker.Reread(); }); }};
   }
 
   loop::EventLoop loop;
@@ -139,6 +140,11 @@ void BrokerSide::EndDrain() {
   });
   told->get_future().wait_for(kFarewell);
   parts_->topics.Leave();
+}
+
+void BrokerSide::Reread() {
+  if (parts_ == nullptr) return;
+  parts_->loop.Post([this] { parts_->broker.Reread(); });
 }
 
 std::size_t BrokerSide::waiting() const { return parts_ == nullptr ? 0 : parts_->broker.waiting(); }

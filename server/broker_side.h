@@ -57,6 +57,8 @@ class BrokerSide final {
 
   // --- Any thread ---
 
+  /// The store was connected to anew, and may lack what it told was committed.
+  void Reread();
   /// Messages whose records wait for their commit.
   [[nodiscard]] std::size_t waiting() const;
   /// What is heard; empty without a broker.

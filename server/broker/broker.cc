@@ -229,7 +229,8 @@ void Broker::TryHeldBack() {
 }
 
 void Broker::AfterWork() {
-  if (mqtt::Client* client = Of(Connection::kDurable).client()) {
+  mqtt::Client* client = Of(Connection::kDurable).client();
+  if (client != nullptr && !rereads_) {
     if (const auto due = commits_.TakeReleases(); !due.empty()) client->Release(due);
   }
   if (draining_ && waiting() == 0) {
@@ -238,23 +239,14 @@ void Broker::AfterWork() {
   }
   // What of the robot waited was not written, or nobody told: the broker is to deliver it again,
   // once the store has said what it has.
-  if (!commits_.TakeFenced() || !began_ || draining_ || std::exchange(rereads_, true)) return;
+  if (!commits_.TakeFenced() || !began_ || draining_) return;
   context_.logger.Warn("mqtt_twins_lost", {});
-  context_.post([this] { StopClient(Connection::kDurable); });
-  if (lease_ != nullptr) lease_->RereadSoon();
+  Reread();
 }
 
 void Broker::RememberOver() {
   storage::Deliveries over = commits_.TakeOver();
   if (!over.rows.empty()) context_.journals.all().front()->Remember(std::move(over));
-}
-
-void Broker::GoOn(Remembered remembered) {
-  if (!std::exchange(rereads_, false) || !began_ || draining_) return;
-  StopClient(Connection::kDurable);
-  commits_.Reread(remembered.memory);
-  streams_.SetFaults(std::move(remembered.faults));
-  Start(Connection::kDurable, true);
 }
 
 void Broker::Tick() {

@@ -69,6 +69,9 @@ class Broker final : private SubscriberEvents {
 
   /// This process has the lease from now on.
   void Begin(Grant grant);
+  /// The store may lack what it told was committed, or it was not told what is: the broker delivers
+  /// again what it did not get an ack for, once the store has said what it has.
+  void Reread();
   /// With what the store has, as LeaseView::RereadSoon asked.
   void GoOn(Remembered remembered);
   /// This process has lost the lease.
@@ -165,8 +168,9 @@ class Broker final : private SubscriberEvents {
   std::optional<HeldBackMessage> held_;
   bool began_ = false;
   bool draining_ = false;
-  /// The durable connection waits for what the store remembers.
+  /// The durable connection waits for what the store remembers, as it was last asked.
   bool rereads_ = false;
+  std::uint64_t reread_asked_ = 0;
   /// When a connection ended last: the lease is looked at before the next one.
   SteadyTime ask_since_{};
   SteadyTime looked_at_twins_{};

@@ -36,8 +36,14 @@ class Commits final {
 
   /// What comes from now on comes under this lease, and this is known of what came before.
   void Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory);
-  /// Under the same lease: what the store knows by now.
-  void Reread(const storage::DeliveryMemory& memory) { redeliveries_.Reread(memory); }
+  /// The store is to be asked what it knows: nothing is released until Reread.
+  void BeginReread() { redeliveries_.BeginReread(); }
+  /// Under the same lease: what the store knows by now. What might have been acked comes again, by
+  /// another connection.
+  void Reread(const storage::DeliveryMemory& memory) {
+    redeliveries_.Reread(memory);
+    due_.clear();
+  }
   /// The broker lost the session. Returns what is to be remembered of that.
   [[nodiscard]] storage::Deliveries EndSession();
   /// What the store is to remember as over since the last call; often nothing.

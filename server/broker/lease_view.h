@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "schema/base/clock.h"
@@ -19,6 +20,8 @@ struct Grant {
 
 /// What the store has by now, under the lease that this process has. A value.
 struct Remembered {
+  /// The last RereadSoon that was asked before it was read.
+  std::uint64_t asked = 0;
   storage::DeliveryMemory memory;
   FaultsByRobot faults;
 };
@@ -34,8 +37,9 @@ class LeaseView {
   /// now.
   virtual void LookSoon() = 0;
   /// What the store remembers of deliveries and has of faults is to be read again soon: whether
-  /// what waited was committed is not known here. It is told by Broker::GoOn.
-  virtual void RereadSoon() = 0;
+  /// what waited was committed is not known here, or the store may lack what was. `asked` grows; it
+  /// is told by Broker::GoOn.
+  virtual void RereadSoon(std::uint64_t asked) = 0;
   /// The store could not be asked at the last look.
   [[nodiscard]] virtual bool failing() const = 0;
   /// Where the process that has the lease is; empty: it is ours, or nobody's.

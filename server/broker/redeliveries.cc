@@ -8,7 +8,7 @@ namespace uplink::broker {
 void Redeliveries::Load(const storage::DeliveryMemory& memory, bool keep_settled) {
   const std::unordered_map<std::uint16_t, Entry> before = std::exchange(known_, {});
   for (const auto& [packet_id, entry] : before) {
-    const bool only_here = keep_settled && entry.number == 0;
+    const bool only_here = keep_settled && (entry.number == 0 || entry.is_fresh);
     if (entry.stream != 0 || only_here) known_.emplace(packet_id, entry);
   }
   for (const storage::Delivery& delivery : memory.known) {
@@ -97,7 +97,13 @@ std::vector<storage::Delivery> Redeliveries::TakeOver() {
 
 void Redeliveries::Commit(std::uint16_t packet_id, std::uint64_t number) {
   const auto found = known_.find(packet_id);
-  if (found != known_.end() && found->second.number == number) found->second.stream = 0;
+  if (found == known_.end() || found->second.number != number) return;
+  found->second.stream = 0;
+  found->second.is_fresh = true;
+}
+
+void Redeliveries::BeginReread() {
+  for (auto& [packet_id, entry] : known_) entry.is_fresh = false;
 }
 
 void Redeliveries::Drop(std::uint16_t packet_id, std::uint64_t number) {

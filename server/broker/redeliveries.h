@@ -29,7 +29,10 @@ class Redeliveries final {
     over_.clear();
     Load(memory, false);
   }
-  /// The same under the lease that we have: what was settled without a record is known still.
+  /// The store is to be asked what it knows: it may lack what was committed until now.
+  void BeginReread();
+  /// The same under the lease that we have, with what the store knew at some time after
+  /// BeginReread: what was committed since is known still, and what was settled without a record.
   void Reread(const storage::DeliveryMemory& memory) { Load(memory, true); }
 
   enum class Known : std::uint8_t { kNo, kWaits, kSettled };
@@ -81,6 +84,8 @@ class Redeliveries final {
     std::uint64_t stream = 0;
     /// Whose it is that was settled without a record.
     std::uint64_t settled_of = 0;
+    /// It was committed after the last BeginReread.
+    bool is_fresh = false;
   };
   /// A message without a record has the packet id from now on.
   void Replace(std::uint16_t packet_id, const Entry& entry);

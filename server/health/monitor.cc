@@ -13,6 +13,7 @@ Readiness Monitor::readiness() const {
   const journal::JournalLimits share =
       journal::ShareOf(sources_.journal_limits, sources_.journals.all().size());
   const storage::StoreFacts store = sources_.store_facts();
+  const SteadyTime went_back = sources_.journal_probe.went_back_at.load();
   return ReadinessOf({
       .now = sources_.clock.System(),
       .draining = draining(),
@@ -23,6 +24,8 @@ Readiness Monitor::readiness() const {
           sources_.journal_probe.store_failing.value() != 0 || sources_.robots_unread(),
       .store_unsafe = store.unsafe,
       .store_space_scarce = sources_.store_space_scarce(),
+      .store_went_back =
+          went_back != SteadyTime() && sources_.clock.Steady() - went_back < kWentBackShown,
       .store_old_snapshot = store.old_snapshot(),
       .clock_not_vouched = sources_.clock_trust != nullptr && !sources_.clock_trust->vouched(),
       .lease_failing = sources_.lease_failing(),

@@ -22,6 +22,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"store", [](const Facts& facts) { return facts.store_failing; }},
     {"store_unsafe", [](const Facts& facts) { return facts.store_unsafe; }},
     {"store_space", [](const Facts& facts) { return facts.store_space_scarce; }},
+    {"store_went_back", [](const Facts& facts) { return facts.store_went_back; }},
     {"store_old_snapshot", [](const Facts& facts) { return facts.store_old_snapshot; }},
     {"clock", [](const Facts& facts) { return facts.clock_not_vouched; }},
     {"lease", [](const Facts& facts) { return facts.lease_failing; }},

@@ -19,6 +19,8 @@ inline constexpr std::chrono::seconds kBacklogAge{60};
 inline constexpr std::size_t kRobotsPercent = 90;
 /// Descriptors count as short above this share of what the process may open.
 inline constexpr std::size_t kDescriptorsPercent = 90;
+/// How long it shows that the store went back: robots have forgotten what is gone.
+inline constexpr std::chrono::hours kWentBackShown{1};
 /// A certificate is reported for so long before it expires.
 inline constexpr std::chrono::hours kCertificateNotice{24 * 7};
 
@@ -61,6 +63,8 @@ struct ReadinessFacts {
   bool store_unsafe = false;
   /// The store's disk has less left than store.free_min.
   bool store_space_scarce = false;
+  /// Within the last hour the store had less than it had told (kWentBackShown).
+  bool store_went_back = false;
   /// Something else has kept the store from cleaning up for long.
   bool store_old_snapshot = false;
   /// Nobody vouches for the civil clock: nothing is deleted.

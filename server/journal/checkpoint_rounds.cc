@@ -6,8 +6,9 @@
 
 namespace uplink::journal {
 
-CheckpointRounds::CheckpointRounds(const WriterContext& context)
+CheckpointRounds::CheckpointRounds(const WriterContext& context, Holds& holds)
     : context_(context),
+      holds_(holds),
       duty_(Duty::kNever),
       rows_(
           {.most = storage::kCheckpointRowsMax, .failures_to_halve = 1, .successes_to_double = 1}) {
@@ -45,7 +46,11 @@ Step CheckpointRounds::WriteRows() {
   }
   context_.errors.NoteDuty(absl::OkStatus());
   context_.checkpoint_error.Note(absl::OkStatus());
-  for (const std::size_t row : *passed_over) live_->PassedOver(rows[row]);
+  for (const std::size_t row : *passed_over) {
+    live_->PassedOver(rows[row]);
+    // Nobody else may say so: of a robot that sends live messages alone nothing is committed.
+    holds_.LoseSince(rows[row].ruri, rows[row].held_since).Wake();
+  }
   context_.probe.checkpoint_robots.Add(
       static_cast<std::int64_t>(rows.size() - passed_over->size()));
   rows_.Succeeded();

@@ -6,6 +6,7 @@
 #include "server/fleet/live_source.h"
 #include "server/journal/call_size.h"
 #include "server/journal/duty.h"
+#include "server/journal/holds.h"
 #include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 
@@ -14,13 +15,16 @@ namespace uplink::journal {
 /// Writes what changed of the live states to the store, in rounds of many calls. A round begins
 /// when it is due or was asked for, and ends when the source has no more rows.
 ///
+/// A robot that the store passes over is held no more.
+///
 /// Errors:  kInternal is the checkpoint's own error, perhaps of one row: the rows go back to their
 ///          source, and the round goes on. Any other is the store's: the round ends, and one that
 ///          was asked for is begun again.
 /// Thread:  confined to the writer.
 class CheckpointRounds final {
  public:
-  explicit CheckpointRounds(const WriterContext& context);
+  /// All outlive it.
+  CheckpointRounds(const WriterContext& context, Holds& holds);
 
   /// Before the first Advance: the live states that are written each `every`. `live` outlives this;
   /// without it no round is due.
@@ -36,6 +40,7 @@ class CheckpointRounds final {
   void EndRound();
 
   const WriterContext context_;
+  Holds& holds_;
   Duty duty_;
   CallSize rows_;
   fleet::LiveSource* live_ = nullptr;

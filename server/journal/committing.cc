@@ -71,6 +71,8 @@ Step Committing::Commit() {
   return Step::kWorked;
 }
 
+void Committing::PutBack() { context_.inbox.PutBack(batch_.TakeRest(0)); }
+
 void Committing::DropVoid() {
   const GatheredBatch::Dropped dropped = batch_.DropVoid();
   // Their robots' next streams may be held back for them.
@@ -98,7 +100,7 @@ void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
         context_.probe.presence_changes[static_cast<std::size_t>(items[i].presence)];
     (refused ? context_.probe.presence_refused : written).Add();
     // Nobody else may say so: a robot that sends live messages alone commits nothing.
-    if (refused) holds_.LoseSince(items[i].robot, items[i].held_since).Wake();
+    if (refused) holds_.LoseSince(items[i].robot->ruri, items[i].held_since).Wake();
   }
   context_.inbox.CountPresenceCommitted(items.size());
   batch_.ClearPresence();

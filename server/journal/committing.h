@@ -36,6 +36,8 @@ class Committing final {
 
   /// Gathers a batch from what waits, unless there is one. True if there is one now.
   [[nodiscard]] bool Gather();
+  /// The batch waits again, ahead of all else.
+  void PutBack();
   /// Commits the batch, without what became void.
   [[nodiscard]] Step Commit();
   /// Tells the outcomes, makes room in the inbox, and wakes the robots' streams.

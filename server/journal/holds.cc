@@ -1,10 +1,13 @@
 #include "server/journal/holds.h"
 
+#include <algorithm>
+
 namespace uplink::journal {
 
 Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& robot,
                          const robot::HoldNews& news) {
   Told told;
+  held_[robot->ruri] = {&client, robot};
   switch (robots_.Begin(client, news.since)) {
     case HeldRobots::Hold::kSame:
       return told;
@@ -16,7 +19,6 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
       told.begun = true;
       break;
   }
-  clients_[robot->ruri] = &client;
   // First: what the robot notes from now on is held against what the store has.
   context_.inbox.HoldPresence(robot->ruri, news.since, news.presence);
   client.OnHeld(news);
@@ -25,16 +27,43 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
 
 robot::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
   robots_.Lose(client);
-  clients_.erase(robot->ruri);
+  // Its last owner is perhaps the caller's reference.
+  const storage::RobotRef kept = robot;
+  held_.erase(kept->ruri);
   const robot::StreamRef stream = client.OnFenced(context_.ledger);
-  context_.inbox.LosePresence(robot->ruri);
+  context_.inbox.LosePresence(kept->ruri);
   return stream;
 }
 
-robot::StreamRef Holds::LoseSince(const storage::RobotRef& robot, storage::Epoch since) {
-  const auto held = clients_.find(robot->ruri);
-  if (held == clients_.end() || robots_.Since(*held->second) != since) return {};
-  return Lose(*held->second, robot);
+robot::StreamRef Holds::LoseSince(const std::string& ruri, storage::Epoch since) {
+  const auto held = held_.find(ruri);
+  if (held == held_.end() || robots_.Since(*held->second.client) != since) return {};
+  return Lose(*held->second.client, held->second.robot);
+}
+
+robot::StreamRef Holds::WentBack(const std::string& ruri) {
+  const auto held = held_.find(ruri);
+  return held == held_.end() ? robot::StreamRef()
+                             : held->second.client->OnWentBack(context_.ledger);
+}
+
+bool Holds::FollowPresence(const std::string& ruri,
+                           const std::optional<storage::StoredPresence>& stored) {
+  const auto held = held_.find(ruri);
+  return held != held_.end() && context_.inbox.FollowPresence(held->second.robot, stored);
+}
+
+std::vector<storage::ToldRobot> Holds::ToldOfAll() const {
+  std::vector<storage::ToldRobot> told;
+  told.reserve(held_.size());
+  for (const auto& [ruri, held] : held_) {
+    told.push_back({.ruri = ruri,
+                    .held_since = robots_.Since(*held.client),
+                    .sessions = held.client->Committed()});
+  }
+  // So that a run repeats exactly.
+  std::ranges::sort(told, {}, &storage::ToldRobot::ruri);
+  return told;
 }
 
 }  // namespace uplink::journal

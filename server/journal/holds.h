@@ -1,12 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "server/journal/held_robots.h"
 #include "server/journal/writer_context.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/wake.h"
+#include "storage/compare.h"
 #include "storage/types.h"
 
 namespace uplink::journal {
@@ -35,7 +38,15 @@ class Holds final {
   /// stream to wake.
   robot::StreamRef Lose(robot::CommitClient& client, const storage::RobotRef& robot);
   /// The same of a hold that began then; nothing if the robot is held since later, or not at all.
-  robot::StreamRef LoseSince(const storage::RobotRef& robot, storage::Epoch since);
+  robot::StreamRef LoseSince(const std::string& ruri, storage::Epoch since);
+  /// The store holds the robot for us, and has less of it than it told. Returns the stream to wake.
+  robot::StreamRef WentBack(const std::string& ruri);
+  /// The store has this of the robot's presence. True if that is not what it told, or was told:
+  /// what this process last judged is written again.
+  bool FollowPresence(const std::string& ruri,
+                      const std::optional<storage::StoredPresence>& stored);
+  /// What the store told of the robots that are held, by RURI.
+  [[nodiscard]] std::vector<storage::ToldRobot> ToldOfAll() const;
 
   [[nodiscard]] const HeldRobots& robots() const { return robots_; }
 
@@ -43,7 +54,11 @@ class Holds final {
   const WriterContext context_;
   HeldRobots robots_;
   /// Those that are held, by RURI. A robot leaves memory only when it is not (Adopting::LetLeave).
-  std::unordered_map<std::string, robot::CommitClient*> clients_;
+  struct Held {
+    robot::CommitClient* client = nullptr;
+    storage::RobotRef robot;
+  };
+  std::unordered_map<std::string, Held> held_;
 };
 
 }  // namespace uplink::journal

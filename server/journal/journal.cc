@@ -23,7 +23,8 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
                                                    .quarantine = quarantine_,
                                                    .retain_error = retain_error_,
                                                    .checkpoint_error = checkpoint_error_,
-                                                   .spatial_committed = spatial_committed_},
+                                                   .spatial_committed = spatial_committed_,
+                                                   .store_reconnected = store_reconnected_},
                                      limits, process)) {}
 
 Journal::~Journal() = default;

@@ -38,7 +38,7 @@ class Turns;
 ///
 /// Inbox holds what waits; Turns, the writer's side, does something with it.
 ///
-/// Thread: thread-safe; CheckpointFrom and OnSpatial come before the other threads.
+/// Thread: thread-safe; CheckpointFrom, OnSpatial and OnReconnected come before the other threads.
 class Journal final {
  public:
   /// `process` numbers the changes of presence: it must differ in every life of the process.
@@ -84,6 +84,9 @@ class Journal final {
   /// `told` is called after each commit that holds shapes or objects, on the writer's thread:
   /// short.
   void OnSpatial(std::function<void()> told) { spatial_committed_ = std::move(told); }
+  /// `told` is called each time that the store was connected to anew and compared, before anything
+  /// more is committed, on the writer's thread: short.
+  void OnReconnected(std::function<void()> told) { store_reconnected_ = std::move(told); }
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -123,6 +126,7 @@ class Journal final {
   /// CheckpointFrom gave it live states to checkpoint.
   bool checkpoints_ = false;
   std::function<void()> spatial_committed_ = [] {};
+  std::function<void()> store_reconnected_ = [] {};
   const std::unique_ptr<Turns> turns_;
 };
 

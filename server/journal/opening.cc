@@ -1,11 +1,25 @@
 #include "server/journal/opening.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "schema/base/check.h"
+#include "server/robot/mutation.h"
 #include "storage/store.h"
 
 namespace uplink::journal {
+namespace {
+
+/// Whether the store has less of the session than it told.
+bool HasLess(const robot::CommitClient& client, const model::SessionId& session,
+             model::Seq cursor) {
+  if (robot::Planted(robot::Mutation::kReconnectTrusted)) return false;
+  return std::ranges::any_of(client.Committed(), [&](const storage::CommittedSession& told) {
+    return told.session == session && told.cursor > cursor;
+  });
+}
+
+}  // namespace
 
 Opening::Opening(const WriterContext& context, Holds& holds)
     : context_(context), holds_(holds), size_({.most = kOpensPerCallMax, .halved_from = 2}) {}
@@ -59,9 +73,12 @@ void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
                                          .since = result.held_since,
                                          .presence = result.presence,
                                          .was_known = result.was_known});
-  const robot::StreamRef stream =
-      told.interrupted ? told.stream : open.client->OnOpened(open.open_id, result);
-  stream.Wake();
+  if (told.interrupted) return told.stream.Wake();
+  if (HasLess(*open.client, open.request.session, result.cursor)) {
+    context_.probe.NoteWentBack(context_.clock.Steady());
+    return holds_.WentBack(open.request.robot->ruri).Wake();
+  }
+  open.client->OnOpened(open.open_id, result).Wake();
 }
 
 }  // namespace uplink::journal

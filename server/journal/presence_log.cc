@@ -20,6 +20,25 @@ void PresenceLog::Lose(const std::string& ruri) {
       put_back_, [&](const storage::PresenceItem& item) { return item.robot->ruri == ruri; }));
 }
 
+bool PresenceLog::Follow(const storage::RobotRef& robot,
+                         const std::optional<storage::StoredPresence>& stored) {
+  const auto handed = handed_.find(robot->ruri);
+  const auto held = held_.find(robot->ruri);
+  if (handed == handed_.end() || held == held_.end()) return false;
+  // What was handed over and is not committed yet is what the store will have.
+  const bool is_put_back = std::ranges::any_of(put_back_, [&](const storage::PresenceItem& item) {
+    return item.robot->ruri == robot->ruri;
+  });
+  if (is_put_back || (stored && stored->presence == handed->second.presence)) return false;
+  const storage::StoredPresence told = handed->second;
+  handed_.erase(handed);
+  if (stored) handed_[robot->ruri] = *stored;
+  const auto waits = waiting_.find(robot->ruri);
+  Note(robot, waits == waiting_.end() ? told.presence : waits->second.presence,
+       waits == waiting_.end() ? told.since : waits->second.at);
+  return true;
+}
+
 void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
   const auto held = held_.find(robot->ruri);
   if (held == held_.end()) return;

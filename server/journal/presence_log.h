@@ -28,6 +28,10 @@ class PresenceLog final {
   /// Another process holds the robot, and judges it: what waits is dropped, and what was put back.
   void Lose(const std::string& ruri);
 
+  /// The store, connected to anew, has this of the robot's presence. True if that is not what was
+  /// last handed over: unless something of the robot waits, that is handed over again.
+  bool Follow(const storage::RobotRef& robot, const std::optional<storage::StoredPresence>& stored);
+
   /// A change of a robot that is not held is dropped. One that is dated before the last that was
   /// handed over, or that its former holder wrote by another clock, gets the date of that: the
   /// latest row is the one with the latest date.

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 
 #include "metrics/cells.h"
+#include "schema/base/clock.h"
 #include "schema/model/rejection.h"
 
 namespace uplink::journal {
@@ -18,6 +20,14 @@ struct JournalProbe {
   std::array<metrics::Cell, 3> presence_changes;
   /// Changes of presence that the store refused, since another process held the robot by then.
   metrics::Cell presence_refused;
+  /// Robots of which the store, connected to anew, had less than it had told.
+  metrics::Cell went_back;
+  /// When that was last found; the epoch if it never was. Any thread.
+  std::atomic<SteadyTime> went_back_at{SteadyTime()};
+  void NoteWentBack(SteadyTime now) {
+    went_back.Add();
+    went_back_at.store(now);
+  }
   /// Robots whose holder was over, and that this process adopted.
   metrics::Cell adopted;
   /// Open mission runs that the server closed: for their bound, and for their age.

@@ -61,6 +61,7 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
   page.Add(kCheckpointSeconds, probe.checkpoint_seconds);
   page.Add(kCheckpointRobots, probe.checkpoint_robots);
   page.Add(kCheckpointFailing, probe.checkpoint_failing.value() > 0 ? 1 : 0);
+  page.Add(kStoreWentBack, probe.went_back);
   page.Add(kStoreErrors, probe.store_errors);
   page.Add(kStoreFailing, probe.store_failing.value() > 0 ? 1 : 0);
 }

@@ -16,6 +16,13 @@ void StoreErrors::NoteDuty(const absl::Status& status) {
   Set(call_, status);
 }
 
+void StoreErrors::NoteCompare(const absl::Status& status) {
+  if (!status.ok()) probe_.store_errors.Add();
+  const std::lock_guard lock(mutex_);
+  const bool call_failed = !status.ok() && !call_.ok();
+  Set(call_failed ? status : call_, call_failed ? duty_ : status);
+}
+
 absl::Status StoreErrors::last() const {
   const std::lock_guard lock(mutex_);
   return call_.ok() ? duty_ : call_;

@@ -20,6 +20,9 @@ class StoreErrors final {
   void NoteCall(const absl::Status& status);
   /// The end of a duty's call. That it works says nothing of commits that fail.
   void NoteDuty(const absl::Status& status);
+  /// The end of a comparison after the store was connected to anew. One that works says nothing of
+  /// the call that broke the connection: that is tried again.
+  void NoteCompare(const absl::Status& status);
   /// OK after a success.
   [[nodiscard]] absl::Status last() const;
 

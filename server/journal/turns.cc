@@ -10,6 +10,7 @@ Turns::Turns(const WriterContext& context, const JournalLimits& limits,
     : clock_(context.clock),
       inbox_(context.inbox),
       holds_(context),
+      comparing_(context, holds_),
       opening_(context, holds_),
       adopting_(context, holds_),
       committing_(context, holds_,
@@ -22,7 +23,7 @@ Turns::Turns(const WriterContext& context, const JournalLimits& limits,
       // At once: a store may need room for today.
       retention_(context, limits.retains ? context.clock.Steady() : Duty::kNever),
       quarantine_trim_(context),
-      checkpoints_(context) {}
+      checkpoints_(context, holds_) {}
 
 void Turns::WaitForWork(const std::stop_token& stop) {
   const SteadyTime due =
@@ -35,6 +36,11 @@ Step Turns::Advance() {
   if (committing_.HasOutcomes()) {
     committing_.Tell();
     return Step::kWorked;
+  }
+  if (comparing_.due()) {
+    // It is gathered anew afterwards: of what it holds some may be void by then.
+    committing_.PutBack();
+    if (const std::optional<Step> failed = comparing_.Do()) return *failed;
   }
   // What waits goes between two duties, so that a long one that is followed by the next keeps no
   // robot waiting for more than itself; and before a checkpoint, of which there are many calls.

@@ -7,6 +7,7 @@
 #include "server/journal/adopting.h"
 #include "server/journal/checkpoint_rounds.h"
 #include "server/journal/committing.h"
+#include "server/journal/comparing.h"
 #include "server/journal/expiry_sweep.h"
 #include "server/journal/holds.h"
 #include "server/journal/limits.h"
@@ -51,6 +52,7 @@ class Turns final {
   const Clock& clock_;
   WriterInbox& inbox_;
   Holds holds_;
+  Comparing comparing_;
   Opening opening_;
   Adopting adopting_;
   Committing committing_;

@@ -29,6 +29,8 @@ struct WriterContext {
   DutyError& checkpoint_error;
   /// Journal::OnSpatial.
   const std::function<void()>& spatial_committed;
+  /// Journal::OnReconnected.
+  const std::function<void()>& store_reconnected;
 };
 
 }  // namespace uplink::journal

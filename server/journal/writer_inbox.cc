@@ -54,6 +54,12 @@ void WriterInbox::LosePresence(const std::string& ruri) {
   inbox_.presence_.Lose(ruri);
 }
 
+bool WriterInbox::FollowPresence(const storage::RobotRef& robot,
+                                 const std::optional<storage::StoredPresence>& stored) {
+  const std::lock_guard lock(inbox_.mutex_);
+  return inbox_.presence_.Follow(robot, stored);
+}
+
 GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
                                 const HeldRobots& held) {
   const std::lock_guard lock(inbox_.mutex_);

@@ -46,6 +46,9 @@ class WriterInbox final {
   void HoldPresence(const std::string& ruri, storage::Epoch since,
                     const std::optional<storage::StoredPresence>& stored);
   void LosePresence(const std::string& ruri);
+  /// PresenceLog::Follow.
+  bool FollowPresence(const storage::RobotRef& robot,
+                      const std::optional<storage::StoredPresence>& stored);
   /// PresenceLog::waits.
   [[nodiscard]] bool PresenceWaits(const std::string& ruri) const;
 

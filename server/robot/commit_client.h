@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
@@ -13,6 +14,7 @@
 #include "schema/model/rejection.h"
 #include "server/robot/holding.h"
 #include "server/robot/wake.h"
+#include "storage/compare.h"
 #include "storage/types.h"
 
 namespace uplink::robot {
@@ -63,6 +65,12 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   /// sessions and all that waits, counted superseded; generation() has grown on return. Returns the
   /// stream to wake.
   virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
+  /// The sessions in memory of which the store told something, with what it told: the highest
+  /// number that is committed.
+  [[nodiscard]] virtual std::vector<storage::CommittedSession> Committed() const { return {}; }
+  /// The store went back: it has less of the robot than it told, and holds it for this process as
+  /// before. As OnFenced for sessions and all that waits; the robot's state stays.
+  virtual StreamRef OnWentBack(metrics::Ledger& ledger) { return OnFenced(ledger); }
   /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
 };

@@ -24,6 +24,8 @@ enum class Mutation : std::uint8_t {
   kMessageAckedOnArrival,
   /// A message that a broker delivers again counts as new.
   kRedeliveryForgotten,
+  /// Whatever store was connected to anew counts as having all that was told before.
+  kReconnectTrusted,
 };
 
 #ifdef UPLINK_MUTATIONS

@@ -30,12 +30,18 @@ Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello)
   std::vector<RejectedSeq> rejects =
       memory.rejects.TellAgain(hello.settled_seq, std::move(stored.rejects));
   if (answered) memory.rejects.SetComplete();
-  if (!answered && memory.rejects.AwaitLate(hello.settled_seq, hello.judged_seq))
-    opening.WantLate();
+  // The store may have gone back since it told what is committed: the agent keeps what it has until
+  // the store has answered.
+  const model::Seq told = Planted(Mutation::kReconnectTrusted) ? 0 : memory.committed;
+  const bool awaits =
+      !answered && memory.rejects.AwaitLate(hello.settled_seq, hello.judged_seq, told);
+  if (awaits) opening.WantLate();
   if (answered) memory.rejects.BeginPages(stored.unread, stored.more);
   Resume resume{
       .committed = memory.numbers.Resume(hello.settled_seq, hello.judged_seq, stored.through),
       .rejects = std::move(rejects)};
+  if (awaits && told > hello.settled_seq)
+    resume.committed = std::min(resume.committed, hello.settled_seq);
   if (Planted(Mutation::kRejectNotRepeated)) resume.rejects.clear();
   return resume;
 }

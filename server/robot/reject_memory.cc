@@ -52,9 +52,10 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
   return again;
 }
 
-bool RejectMemory::AwaitLate(model::Seq settled_seq, model::Seq judged_seq) {
+bool RejectMemory::AwaitLate(model::Seq settled_seq, model::Seq judged_seq, model::Seq committed) {
   const bool unknown = !complete_ && judged_seq > settled_seq;
-  if (left_through_ <= settled_seq && !unknown) return false;
+  const bool may_lack = left_through_ > settled_seq || committed > settled_seq;
+  if (!may_lack && !unknown) return false;
   told_through_ = settled_seq;
   return true;
 }

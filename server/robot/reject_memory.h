@@ -47,8 +47,10 @@ class RejectMemory final {
   void SetComplete() { complete_ = true; }
   /// After a TellAgain without the store's answer. True if the stream may not have been told a
   /// number above `settled_seq`: memory let go of some, or is new while the agent knows of messages
-  /// up to `judged_seq` that were judged. Then told_through holds until AddLate.
-  bool AwaitLate(model::Seq settled_seq, model::Seq judged_seq);
+  /// up to `judged_seq` that were judged. Or if it may be told from memory that numbers up to
+  /// `committed` are settled, which the store may not have any more. Then told_through holds until
+  /// AddLate.
+  bool AwaitLate(model::Seq settled_seq, model::Seq judged_seq, model::Seq committed = 0);
   /// The store's answer came after the Welcome: what memory does not have is untold. Does nothing
   /// unless it is awaited.
   void AddLate(std::vector<RejectedSeq> stored);

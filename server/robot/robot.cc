@@ -69,6 +69,12 @@ StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
   return sessions.OnFenced(ledger);
 }
 
+StreamRef Robot::OnWentBack(metrics::Ledger& ledger) {
+  // What the last checkpoints wrote may be gone, too.
+  state.PutBackChanges(LivePartSet().set());
+  return sessions.OnWentBack(ledger);
+}
+
 StreamRef Robot::OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
                               metrics::Ledger& ledger) {
   const auto refused = sessions.OnOtherFleet(open_id, ledger);

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "schema/base/clock.h"
 #include "server/robot/commit_client.h"
@@ -80,6 +81,10 @@ class Robot final : public CommitClient {
   }
   StreamRef OnGapsWritten(std::size_t count) override { return sessions.OnGapsWritten(count); }
   StreamRef OnFenced(metrics::Ledger& ledger) override;
+  [[nodiscard]] std::vector<storage::CommittedSession> Committed() const override {
+    return sessions.Committed();
+  }
+  StreamRef OnWentBack(metrics::Ledger& ledger) override;
   [[nodiscard]] std::uint64_t generation() const override { return sessions.generation(); }
 
   RobotState state;

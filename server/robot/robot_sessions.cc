@@ -206,6 +206,9 @@ StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResu
   if (opening_.Answer(open_id, result)) {
     fleet_words_.Answered();
     free_through_.store(result.cursor);
+    if (SessionMemory* memory = sessions_.Find(*current_session_)) {
+      memory->committed = std::max(memory->committed, result.cursor);
+    }
     // What is at or below the cursor is no news to the store, though it waits.
     resends_.Answer(result.latest_kinds, [&](const SentMessage& sent) {
       const SessionMemory* memory = sessions_.Find(sent.session);
@@ -238,6 +241,7 @@ StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Le
       in_flight_.fetch_sub(shrank);
       record_bytes_.fetch_sub(one.bytes);
       counts.in_flight -= static_cast<std::int64_t>(shrank);
+      memory->committed = std::max(memory->committed, one.seq);
       if (!Planted(Mutation::kSettleLost)) ApplyOutcome(one, shrank, memory->rejects, counts);
       if (wake && current_session_ == one.session) memory->released.push_back(one.arrived);
     }
@@ -251,48 +255,6 @@ StreamRef RobotSessions::OnGapsWritten(std::size_t count) {
   gaps_in_flight_.fetch_sub(count);
   const std::lock_guard lock(mutex_);
   return takeover_.current();
-}
-
-StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
-  std::size_t waited = 0;
-  StreamRef wake;
-  {
-    const std::lock_guard lock(mutex_);
-    waited = Void();
-    fleet_words_.Answered();
-    takeover_.Supersede();
-    wake = takeover_.current();
-  }
-  Publish(SupersededCounts(waited), ledger);
-  return wake;
-}
-
-std::optional<FleetWords::Refused> RobotSessions::OnOtherFleet(std::uint64_t open_id,
-                                                               metrics::Ledger& ledger) {
-  std::size_t waited = 0;
-  std::optional<FleetWords::Refused> refused;
-  {
-    const std::lock_guard lock(mutex_);
-    if (opening_.IsLast(open_id)) refused = fleet_words_.Refuse();
-    if (!refused) return refused;
-    waited = Void();
-    takeover_.Refuse(refused->stream);
-  }
-  Publish(SupersededCounts(waited), ledger);
-  return refused;
-}
-
-std::size_t RobotSessions::Void() {
-  const std::size_t waiting = sessions_.waiting();
-  in_flight_.fetch_sub(waiting);
-  record_bytes_.store(0);
-  sessions_.Clear();
-  last_session_.reset();
-  settled_taken_.reset();
-  opening_.Forget();
-  resends_.Begin();
-  generation_.fetch_add(1);
-  return waiting;
 }
 
 }  // namespace uplink::robot

@@ -246,6 +246,11 @@ class RobotSessions final {
   StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
   StreamRef OnGapsWritten(std::size_t count);
   StreamRef OnFenced(metrics::Ledger& ledger);
+  [[nodiscard]] std::vector<storage::CommittedSession> Committed() const {
+    const std::lock_guard lock(mutex_);
+    return sessions_.Committed();
+  }
+  StreamRef OnWentBack(metrics::Ledger& ledger);
   [[nodiscard]] std::uint64_t generation() const { return generation_.load(); }
 
  private:
@@ -257,6 +262,8 @@ class RobotSessions final {
   void Publish(const metrics::UplinkCounts& counts, metrics::Ledger& ledger) const {
     if (source_ == model::MessageSource::kUplink) ledger.Publish(counts);
   }
+  /// All that waits is void, and the stream must stop. Returns it.
+  StreamRef VoidAndStop(Standing standing, metrics::Ledger& ledger);
   /// All that waits is void. Returns how much it was. Under the lock.
   std::size_t Void();
   /// Of the current session, after it was given Rejects; also whether some are to be read. Under

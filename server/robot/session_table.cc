@@ -39,6 +39,14 @@ std::vector<model::SessionId> SessionTable::Ids() const {
   return ids;
 }
 
+std::vector<storage::CommittedSession> SessionTable::Committed() const {
+  std::vector<storage::CommittedSession> committed;
+  for (const auto& [id, memory] : sessions_) {
+    if (memory.committed > 0) committed.push_back({id, memory.committed});
+  }
+  return committed;
+}
+
 std::size_t SessionTable::waiting() const {
   std::size_t waiting = 0;
   for (const auto& [id, memory] : sessions_) waiting += memory.numbers.waiting();

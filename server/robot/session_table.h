@@ -9,6 +9,7 @@
 #include "schema/model/ids.h"
 #include "server/robot/numbering.h"
 #include "server/robot/reject_memory.h"
+#include "storage/compare.h"
 
 namespace uplink::robot {
 
@@ -16,6 +17,8 @@ namespace uplink::robot {
 struct SessionMemory {
   Numbering numbers;
   RejectMemory rejects;
+  /// The highest number that the store said is committed.
+  model::Seq committed = 0;
   /// What the agent knows to be judged, by its last Hello.
   model::Seq known_judged = 0;
   /// Arrivals of what commits released and the stream has not taken yet: at most
@@ -35,6 +38,8 @@ class SessionTable final {
   /// there is no room. Null if all of them wait for commits.
   [[nodiscard]] SessionMemory* FindOrCreate(const model::SessionId& session);
   [[nodiscard]] std::vector<model::SessionId> Ids() const;
+  /// Those of which the store said that something is committed.
+  [[nodiscard]] std::vector<storage::CommittedSession> Committed() const;
   /// Messages of all sessions that wait for their commit.
   [[nodiscard]] std::size_t waiting() const;
   /// Forgets the sessions but `in_use` that were last used more than `idle` ago and wait for

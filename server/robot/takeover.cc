@@ -60,8 +60,8 @@ StreamRef Takeover::Detach(StreamRef stream) {
   return current_;
 }
 
-void Takeover::Supersede() {
-  if (current_) current_standing_ = Standing::kSuperseded;
+void Takeover::Stop(Standing standing) {
+  if (current_) current_standing_ = standing;
 }
 
 void Takeover::Refuse(StreamRef stream) {

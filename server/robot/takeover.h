@@ -20,6 +20,8 @@ enum class Standing : std::uint8_t {
   kSuperseded,
   /// It was ended on request: it must stop and Detach.
   kEnded,
+  /// The store went back: it lacks what it told of the robot. It must stop and Detach.
+  kWentBack,
   /// The store has the robot in another fleet than the gateway that speaks for it: it must stop and
   /// Detach.
   kOtherFleet,
@@ -47,8 +49,9 @@ class Takeover final {
   /// The stream takes no more frames: the one that waits, if any, becomes the robot's. Returns the
   /// robot's stream, or none if the one that left was not it.
   StreamRef Detach(StreamRef stream);
-  /// Another process holds the robot: the current stream must stop.
-  void Supersede();
+  /// The current stream must stop, for this reason: another process holds the robot, or the store
+  /// went back.
+  void Stop(Standing standing);
   /// The stream may not speak for the robot, as the store has it: it must stop if it is current.
   void Refuse(StreamRef stream);
   /// The current stream is to stop, though nothing takes its place.

@@ -14,6 +14,8 @@ absl::Status Attachment::EndOf(robot::Standing standing) const {
       return absl::AbortedError("superseded");
     case robot::Standing::kEnded:
       return absl::UnavailableError("an operator ended the stream");
+    case robot::Standing::kWentBack:
+      return absl::UnavailableError("the store lost what it had of the robot: resume from Welcome");
     case robot::Standing::kOtherFleet:
       return Refused(fleet::Refusal::kOtherFleet);
     case robot::Standing::kWaiting:

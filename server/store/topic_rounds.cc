@@ -44,6 +44,9 @@ void TopicRounds::Look() {
 absl::Status TopicRounds::TryLook(SteadyTime began) {
   const auto leases = leases_->Read();
   if (!leases.ok()) return leases.status();
+  const std::uint64_t before = std::exchange(connections_, leases_->connections());
+  // First, so that no connection to the broker is made before.
+  if (epoch_ && connections_ != before) context_.reconnected();
   const auto ours = std::ranges::find_if(*leases, [&](const storage::TopicLease& lease) {
     return lease.client_id == context_.client_id && lease.holder == context_.process &&
            !lease.released;
@@ -61,19 +64,21 @@ absl::Status TopicRounds::TryLook(SteadyTime began) {
 }
 
 absl::Status TopicRounds::RereadIfAsked() {
+  std::optional<std::uint64_t> asked;
   {
     const std::lock_guard lock(mutex_);
-    if (!reread_) return absl::OkStatus();
+    asked = reread_;
   }
+  if (!asked) return absl::OkStatus();
   auto memory = leases_->MemoryOf(context_.client_id);
   if (!memory.ok()) return memory.status();
   auto faults = ReadFaults();
   if (!faults.ok()) return faults.status();
   {
     const std::lock_guard lock(mutex_);
-    reread_ = false;
+    if (reread_ == asked) reread_.reset();
   }
-  context_.reread({*std::move(memory), *std::move(faults)});
+  context_.reread({.asked = *asked, .memory = *std::move(memory), .faults = *std::move(faults)});
   return absl::OkStatus();
 }
 
@@ -165,10 +170,11 @@ bool TopicRounds::MayConnect(SteadyTime since) const {
   return failed_.load() >= since && context_.clock.Steady() - confirmed < kLeaseTrusted;
 }
 
-void TopicRounds::RereadSoon() {
+void TopicRounds::RereadSoon(std::uint64_t asked) {
   {
     const std::lock_guard lock(mutex_);
-    reread_ = look_soon_ = true;
+    reread_ = asked;
+    look_soon_ = true;
   }
   pause_.notify_one();
 }

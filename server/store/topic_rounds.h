@@ -55,6 +55,8 @@ class TopicRounds final : public broker::LeaseView {
     std::function<void(broker::Grant grant)> taken;
     std::function<void()> lost;
     std::function<void(broker::Remembered remembered)> reread;
+    /// The store was connected to anew, and may lack what it had.
+    std::function<void()> reconnected;
   };
   TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context);
   ~TopicRounds() override;
@@ -71,7 +73,7 @@ class TopicRounds final : public broker::LeaseView {
 
   [[nodiscard]] bool MayConnect(SteadyTime since) const override;
   void LookSoon() override;
-  void RereadSoon() override;
+  void RereadSoon(std::uint64_t asked) override;
   [[nodiscard]] bool failing() const override { return failing_.load(); }
   [[nodiscard]] std::string held_by() const override;
 
@@ -90,6 +92,8 @@ class TopicRounds final : public broker::LeaseView {
   /// The epoch of the lease that is ours; nothing: it is not.
   std::optional<storage::Epoch> epoch_;
   std::string told_held_by_;
+  /// TopicLeases::connections at the last look.
+  std::uint64_t connections_ = 0;
   /// At the last look somebody held them who was not judged yet.
   bool unjudged_ = false;
   /// When the last look began that found the lease ours; the last that failed.
@@ -99,7 +103,8 @@ class TopicRounds final : public broker::LeaseView {
   mutable std::mutex mutex_;
   std::string held_by_;
   bool look_soon_ = false;
-  bool reread_ = false;
+  /// What is asked for and was not told yet.
+  std::optional<std::uint64_t> reread_;
   std::condition_variable_any pause_;
   std::jthread thread_;
 };

@@ -41,8 +41,18 @@ void Watch::LookAtSnapshot(const storage::StoreFacts& facts) {
   }
 }
 
+void Watch::LookAtWentBack() {
+  const std::int64_t robots = sources_.went_back();
+  if (robots == said_went_back_) return;
+  logger_.Warn("store_went_back",
+               {{"why", "after a reconnect the database lacks what it had told was committed"},
+                {"robots", robots - said_went_back_}});
+  said_went_back_ = robots;
+}
+
 void Watch::Look() {
   LookAtFacts();
+  LookAtWentBack();
   LookAtSnapshot(sources_.facts());
   LogTurn(retention_, sources_.retention());
   LogTurn(checkpoints_, sources_.checkpoints());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include <absl/status/status.h>
@@ -19,6 +20,8 @@ class Watch final {
     std::function<absl::Status()> retention;
     std::function<absl::Status()> checkpoints;
     std::function<absl::Status()> store;
+    /// Robots of which the store was found to have gone back, since the start.
+    std::function<std::int64_t()> went_back = [] { return std::int64_t{0}; };
   };
   Watch(Sources sources, const log::Logger& logger);
 
@@ -34,6 +37,7 @@ class Watch final {
     const char* works_again;
     bool works = true;
   };
+  void LookAtWentBack();
   void LookAtSnapshot(const storage::StoreFacts& facts);
   void LogTurn(Turn& turn, const absl::Status& status) const;
 
@@ -45,6 +49,7 @@ class Watch final {
   bool said_unsafe_ = false;
   bool said_clock_ = false;
   bool said_snapshot_ = false;
+  std::int64_t said_went_back_ = 0;
 };
 
 }  // namespace uplink::store

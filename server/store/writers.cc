@@ -17,6 +17,7 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
         *stores[shard], limits, context.clock, context.ledgers.NewPage(), context.probe,
         journal::PresenceSessionOf(context.process, shard)));
     journals.back()->OnSpatial(context.spatial_committed);
+    journals.back()->OnReconnected(context.store_reconnected);
   }
   return journals;
 }

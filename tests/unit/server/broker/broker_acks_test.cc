@@ -137,8 +137,51 @@ TEST_F(BrokerAcksTest, ARobotThatAnotherTookMakesTheConnectionAnew) {
   EXPECT_EQ(Stored(), 1U);
   EXPECT_EQ(lease_.rereads, 1);
   EXPECT_THAT(links_, SizeIs(2)) << "no connection before the store has said what it has";
-  broker_.GoOn({*leases_.MemoryOf("core"), {}});
+  broker_.GoOn({lease_.reread_asked, *leases_.MemoryOf("core"), {}});
   EXPECT_THAT(links_, SizeIs(3));
+}
+
+TEST_F(BrokerAcksTest, ARedeliveryIsAckedFromMemoryNoMoreOnceTheStoreWasConnectedToAnew) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  Run();
+  Flush(*durable());
+  ASSERT_EQ(durable()->written, Puback(5));
+  broker_.Reread();
+  Posted();
+  EXPECT_TRUE(durable()->closed);
+  EXPECT_EQ(lease_.rereads, 1);
+  broker_.Reread();
+  broker_.GoOn({lease_.reread_asked - 1, *leases_.MemoryOf("core"), {}});
+  EXPECT_THAT(links_, SizeIs(2)) << "that was read before it was asked for last";
+  // The new primary lacks the delivery.
+  broker_.GoOn({lease_.reread_asked, {}, {}});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  Up(again, true);
+  again->Bring(Event(1, 5, true));
+  Flush(*again);
+  EXPECT_EQ(again->written, "") << "it is new";
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5));
+  EXPECT_EQ(Count(Became::kStored), 2U);
+}
+
+TEST_F(BrokerAcksTest, WhatIsSettledWhileTheStoreIsReadAgainIsAckedByTheNextConnection) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  broker_.Reread();
+  // A commit that was under way is told now, perhaps with others that the new primary lacks.
+  Run();
+  EXPECT_EQ(durable()->written.find(Puback(5)), std::string::npos);
+  broker_.GoOn({lease_.reread_asked, {}, {}});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  Up(again, true);
+  again->Bring(Event(1, 5, true));
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5)) << "it was committed after that was asked";
+  Run();
+  EXPECT_EQ(Stored(), 1U);
 }
 
 TEST_F(BrokerAcksTest, WhatWasCommittedAndNotToldIsKnownAfterTheRobotWasTakenOver) {
@@ -152,7 +195,7 @@ TEST_F(BrokerAcksTest, WhatWasCommittedAndNotToldIsKnownAfterTheRobotWasTakenOve
   Posted();
   EXPECT_EQ(Count(Became::kRefused), 1U);
   Run();
-  broker_.GoOn({*leases_.MemoryOf("core"), {}});
+  broker_.GoOn({lease_.reread_asked, *leases_.MemoryOf("core"), {}});
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Event(1, 5, true));

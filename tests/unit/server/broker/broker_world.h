@@ -28,13 +28,17 @@ class SaidLease final : public LeaseView {
  public:
   [[nodiscard]] bool MayConnect(SteadyTime /*since*/) const override { return may_connect; }
   void LookSoon() override { ++looks; }
-  void RereadSoon() override { ++rereads; }
+  void RereadSoon(std::uint64_t asked) override {
+    ++rereads;
+    reread_asked = asked;
+  }
   [[nodiscard]] bool failing() const override { return false; }
   [[nodiscard]] std::string held_by() const override { return {}; }
 
   bool may_connect = true;
   int looks = 0;
   int rereads = 0;
+  std::uint64_t reread_asked = 0;
 };
 
 /// A broker's reader on the store in memory, its connections moved by hand.

@@ -63,6 +63,27 @@ TEST(Redeliveries, ADroppedOneIsNewWhenItComesAgain) {
   EXPECT_EQ(known.Find(7, Digest(1)).known, kNo);
 }
 
+TEST(Redeliveries, WhatAStoreThatWentBackLacksIsNewUnlessItWasCommittedSince) {
+  Redeliveries known(8);
+  const auto commit = [&known](std::uint16_t id) {
+    const std::uint64_t number = known.NextNumber();
+    known.AddWaiting({.number = number, .packet_id = id, .digest = Digest(1)}, 3);
+    known.Commit(id, number);
+  };
+  commit(1);
+  commit(2);
+  known.BeginReread();
+  commit(3);
+  // Read before 3 was committed, and after 2 was lost.
+  known.Reread({.last_number = 1, .known = {{.number = 1, .packet_id = 1, .digest = Digest(1)}}});
+  EXPECT_EQ(known.Find(1, Digest(1)).known, kSettled);
+  EXPECT_EQ(known.Find(2, Digest(1)).known, kNo);
+  EXPECT_EQ(known.Find(3, Digest(1)).known, kSettled);
+  known.BeginReread();
+  known.Reread({.last_number = 1, .known = {{.number = 1, .packet_id = 1, .digest = Digest(1)}}});
+  EXPECT_EQ(known.Find(3, Digest(1)).known, kNo) << "by the next time the store should have it";
+}
+
 TEST(Redeliveries, BeginWithTheStoresMemoryAndKeepWhatWaits) {
   Redeliveries known(4);
   const std::uint64_t waits = known.NextNumber();

@@ -74,6 +74,13 @@ TEST(Readiness, ReportsARelayThatIsBehind) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("relay_behind"));
 }
 
+TEST(Readiness, ReportsAStoreThatWentBack) {
+  ReadinessFacts facts = Good();
+  facts.store_went_back = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store_went_back"));
+}
+
 TEST(Readiness, ReportsAStoreThatIsKeptFromCleaningUp) {
   ReadinessFacts facts = Good();
   facts.store_old_snapshot = true;
@@ -115,6 +122,7 @@ TEST(Readiness, ReportsWhatIsWrongWithTheBroker) {
 TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
   bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
+  bad.store_went_back = true;
   bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
   bad.forward_incomplete = true;
   bad.broker = {.away = true,

@@ -24,11 +24,11 @@ class CheckpointRoundsTest : public ::testing::Test, protected StepBench {
 
   RecordingClient robot_{"rcan://a"};
   ListedRows live_;
-  CheckpointRounds rounds_{context()};
+  CheckpointRounds rounds_{context(), holds};
 };
 
 TEST_F(CheckpointRoundsTest, WithoutASourceNoneIsDue) {
-  CheckpointRounds rounds(context());
+  CheckpointRounds rounds(context(), holds);
   EXPECT_EQ(rounds.duty().due(), Duty::kNever);
   clock.Advance(std::chrono::hours(9));
   EXPECT_EQ(rounds.Advance(), std::nullopt);
@@ -62,6 +62,27 @@ TEST_F(CheckpointRoundsTest, TellsItsSourceWhichRowsWerePassedOver) {
   EXPECT_EQ(rounds_.Advance(), Step::kWorked);
   EXPECT_THAT(live_.passed_over, ElementsAre("rcan://not ours"));
   EXPECT_EQ(probe.checkpoint_robots.value(), 0);
+}
+
+TEST_F(CheckpointRoundsTest, ARobotThatTheStorePassesOverIsHeldNoMore) {
+  // Another process holds it, and nothing of it is committed that would say so.
+  const storage::OpenRequest request{.robot = robot_.robot()};
+  testing::FakeStore another(database, storage::ProcessId{2});
+  ASSERT_TRUE(another.OpenStreams({&request, 1}).ok());
+  live_.Add("rcan://a");
+  inbox.RequestCheckpoint();
+  EXPECT_EQ(rounds_.Advance(), Step::kWorked);
+  EXPECT_THAT(live_.passed_over, ElementsAre("rcan://a"));
+  EXPECT_EQ(holds.robots().Since(robot_), 0U);
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
+}
+
+TEST_F(CheckpointRoundsTest, ARowOfAnEarlierHoldLosesNoLaterOne) {
+  live_.rows.push_back({.ruri = "rcan://a", .held_since = holds.robots().Since(robot_) + 1});
+  inbox.RequestCheckpoint();
+  EXPECT_EQ(rounds_.Advance(), Step::kWorked);
+  EXPECT_THAT(live_.passed_over, ElementsAre("rcan://a"));
+  EXPECT_NE(holds.robots().Since(robot_), 0U);
 }
 
 TEST_F(CheckpointRoundsTest, WhileTheStoreIsAwayTheRoundEndsAndItsRowsGoBack) {

@@ -141,6 +141,29 @@ TEST_F(JournalTest, ALostAnswerIsAskedForWithTheSameBatch) {
   EXPECT_THAT(bench.Stored(robot_), ElementsAre(1, 2, 3));
 }
 
+TEST_F(JournalTest, AfterABrokenConnectionTheStoreIsComparedBeforeItsAnswerIsAskedFor) {
+  JournalBench bench;
+  int reconnects = 0;
+  bench.journal.OnReconnected([&] {
+    ++reconnects;
+    EXPECT_THAT(robot_.Told(), IsEmpty()) << "nothing is told before";
+  });
+  bench.Open(robot_);
+  bench.Append(robot_, 1);
+  bench.Append(robot_, 2);
+  bench.store.FailNextCommits(1, testing::FailAt::kAfter);
+  bench.Run();
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 1"));
+  bench.store.Break();
+  bench.Append(robot_, 3);
+  bench.Run();
+  EXPECT_EQ(bench.store.compares(), 1U);
+  EXPECT_EQ(reconnects, 1);
+  EXPECT_THAT(robot_.Told(), ElementsAre("settled 1 2 3"));
+  EXPECT_THAT(bench.Stored(robot_), ElementsAre(1, 2, 3));
+  EXPECT_TRUE(bench.journal.idle());
+}
+
 TEST_F(JournalTest, ARecordOfALostRobotEndsItsStreamAndIsTakenAfterTheNextOpen) {
   JournalBench bench;
   bench.Open(robot_);

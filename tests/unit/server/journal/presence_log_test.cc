@@ -70,6 +70,37 @@ TEST_F(PresenceLogTest, AWayBackIsNoChange) {
   EXPECT_TRUE(log_.empty());
 }
 
+TEST_F(PresenceLogTest, WhatAStoreThatWentBackLacksIsHandedOverAgain) {
+  const SystemTime at = FromUnixMs(7);
+  log_.Note(RobotOf("a"), Presence::kOnline, at);
+  static_cast<void>(log_.Take(10));
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, at}));
+  EXPECT_TRUE(log_.empty());
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOffline, {}}));
+  const auto items = log_.Take(10);
+  EXPECT_THAT(Lines(items), ElementsAre("2 a online"));
+  EXPECT_EQ(items.front().at, at);
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), std::nullopt));
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("3 a online"));
+}
+
+TEST_F(PresenceLogTest, WhatAStoreThatWentBackHasIsNoChange) {
+  Note("a", Presence::kOffline);
+  static_cast<void>(log_.Take(10));
+  Note("a", Presence::kOnline);
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, {}}));
+  EXPECT_TRUE(log_.empty());
+  EXPECT_EQ(log_.uncommitted(), 1U) << "the one that was taken";
+}
+
+TEST_F(PresenceLogTest, WhatWasPutBackIsWhatTheStoreWillHave) {
+  Note("a", Presence::kOnline);
+  log_.PutBack(log_.Take(10));
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), std::nullopt));
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a online"));
+  EXPECT_TRUE(log_.empty());
+}
+
 TEST_F(PresenceLogTest, WhatTheStoreHoldsIsNoChange) {
   log_.Hold("a", 2, storage::StoredPresence{Presence::kUnknown, {}});
   Note("a", Presence::kUnknown);

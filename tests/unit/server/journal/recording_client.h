@@ -74,6 +74,15 @@ class RecordingClient final : public robot::CommitClient {
     generation_.fetch_add(1);
     return Note("fenced");
   }
+  [[nodiscard]] std::vector<storage::CommittedSession> Committed() const override {
+    const std::lock_guard lock(mutex_);
+    return committed_;
+  }
+  robot::StreamRef OnWentBack(metrics::Ledger& /*ledger*/) override {
+    generation_.fetch_add(1);
+    SetCommitted({});
+    return Note("went back");
+  }
   [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
 
   /// What was told since the last call, a line each.
@@ -87,6 +96,11 @@ class RecordingClient final : public robot::CommitClient {
     return std::exchange(holds_, {});
   }
   void EndStream() { has_stream_.store(false); }
+  /// What the store told it.
+  void SetCommitted(std::vector<storage::CommittedSession> committed) {
+    const std::lock_guard lock(mutex_);
+    committed_ = std::move(committed);
+  }
   /// The next look finds no stream, those after it do.
   void EndStreamForOneLook() { away_once_.store(true); }
   [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
@@ -104,6 +118,7 @@ class RecordingClient final : public robot::CommitClient {
   mutable std::mutex mutex_;
   std::vector<std::string> told_;
   std::vector<robot::HoldNews> holds_;
+  std::vector<storage::CommittedSession> committed_;
   std::atomic<bool> has_stream_{true};
   mutable std::atomic<bool> away_once_{false};
 };

@@ -28,7 +28,8 @@ struct StepBench {
             .quarantine = quarantine,
             .retain_error = retain_error,
             .checkpoint_error = checkpoint_error,
-            .spatial_committed = spatial_committed};
+            .spatial_committed = spatial_committed,
+            .store_reconnected = store_reconnected};
   }
 
   void Open(RecordingClient& client, std::uint64_t open_id = 1) {
@@ -87,6 +88,9 @@ struct StepBench {
   /// Commits that held shapes or objects, once they were told.
   int spatial_commits = 0;
   std::function<void()> spatial_committed = [this] { ++spatial_commits; };
+  /// How often the store was connected to anew, and compared.
+  int reconnects = 0;
+  std::function<void()> store_reconnected = [this] { ++reconnects; };
   Holds holds{context()};
 };
 

@@ -46,6 +46,21 @@ TEST_F(StoreErrorsTest, ACallThatWorksShowsThatTheStoreIsThere) {
   EXPECT_EQ(probe_.store_failing.value(), 0);
 }
 
+TEST_F(StoreErrorsTest, AComparisonThatWorksSaysNothingOfCallsAndEndsADutysError) {
+  errors_.NoteCompare(away_);
+  EXPECT_EQ(errors_.last(), away_);
+  errors_.NoteCompare(absl::OkStatus());
+  EXPECT_TRUE(errors_.last().ok());
+  errors_.NoteCall(full_);
+  errors_.NoteCompare(away_);
+  EXPECT_EQ(errors_.last(), away_) << "the latest";
+  errors_.NoteCompare(absl::OkStatus());
+  EXPECT_EQ(errors_.last(), away_) << "until the call works";
+  EXPECT_EQ(probe_.store_failing.value(), 1);
+  errors_.NoteCall(absl::OkStatus());
+  EXPECT_EQ(probe_.store_failing.value(), 0);
+}
+
 TEST_F(StoreErrorsTest, OneProbeCountsEachThatFails) {
   StoreErrors others(probe_);
   errors_.NoteCall(away_);

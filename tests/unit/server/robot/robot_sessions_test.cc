@@ -86,6 +86,60 @@ TEST_F(RobotSessionsTest, WhereTheAnswerLeavesRejectsOutTheCursorCountsAndAcksWa
   EXPECT_EQ(sessions_.unconfirmed(), 4U);
 }
 
+TEST_F(RobotSessionsTest, ACommitThatTheAgentWasNotToldIsAckedOnceTheStoreHasAnswered) {
+  sessions_.OnOpened(begun_.open_id, {});
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0));
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 2), 1);
+  Settle(1, {});
+  Settle(2, {});
+  // The agent learned of 1 alone, and connects again while the store is away.
+  const auto again = sessions_.Begin(Id(1), clock_.Steady());
+  EXPECT_EQ(sessions_.ResumeFrom(Id(1), again->open_id, 1, 1).committed, 1U);
+  EXPECT_EQ(sessions_.See(Id(1), 2).as, SeenAs::kDuplicate);
+  EXPECT_EQ(sessions_.Take(Id(1)).through, 1U) << "a store that comes back may lack it";
+  EXPECT_TRUE(sessions_.AwaitsRejects(Id(1)));
+  EXPECT_EQ(sessions_.OnOpened(again->open_id, {.cursor = 2}), Stream(1));
+  EXPECT_EQ(sessions_.Take(Id(1)).through, 2U);
+  EXPECT_FALSE(sessions_.AwaitsRejects(Id(1)));
+}
+
+TEST_F(RobotSessionsTest, WhatTheAgentWasToldNeedsNoStore) {
+  sessions_.OnOpened(begun_.open_id, {});
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0));
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
+  Settle(1, {});
+  sessions_.AddSettled(Id(1), 2);
+  const auto again = sessions_.Begin(Id(1), clock_.Steady());
+  EXPECT_EQ(sessions_.ResumeFrom(Id(1), again->open_id, 1, 1).committed, 2U);
+  EXPECT_EQ(sessions_.Take(Id(1)).through, 2U) << "2 was live, and leaves no row";
+}
+
+TEST_F(RobotSessionsTest, SaysWhatTheStoreToldOfEachSession) {
+  EXPECT_THAT(sessions_.Committed(), IsEmpty());
+  sessions_.OnOpened(begun_.open_id, {.cursor = 4});
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0));
+  EXPECT_THAT(sessions_.Committed(), ElementsAre(storage::CommittedSession{Id(1), 4}));
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 5), 1);
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 6), 1);
+  sessions_.AddSettled(Id(1), 7);
+  Settle(6, {storage::OutcomeKind::kRefused, kBad});
+  EXPECT_THAT(sessions_.Committed(), ElementsAre(storage::CommittedSession{Id(1), 6}));
+}
+
+TEST_F(RobotSessionsTest, AStoreThatWentBackEndsTheStreamAndVoidsWhatWaits) {
+  sessions_.OnOpened(begun_.open_id, {.cursor = 4});
+  static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 0, 0));
+  EXPECT_EQ(sessions_.AddWaiting(Id(1), 5), 1);
+  EXPECT_EQ(sessions_.OnWentBack(ledger_), Stream(1));
+  EXPECT_EQ(sessions_.StandingOf(Stream(1)), Standing::kWentBack);
+  EXPECT_GT(sessions_.generation(), begun_.generation);
+  EXPECT_EQ(sessions_.Take(Id(1)).through, 0U) << "nothing is acked from memory any more";
+  EXPECT_EQ(sessions_.See(Id(1), 3).as, SeenAs::kVoid);
+  EXPECT_THAT(sessions_.Committed(), IsEmpty());
+  EXPECT_EQ(sessions_.in_flight(), 0U);
+}
+
 TEST_F(RobotSessionsTest, AFenceDropsWhatIsYetToBeRead) {
   sessions_.OnOpened(begun_.open_id, {.cursor = 9, .rejects = {{4, kBad}}, .rejects_total = 2});
   static_cast<void>(sessions_.ResumeFrom(Id(1), begun_.open_id, 3, 3));

@@ -71,10 +71,10 @@ TEST_F(RobotTakeoverTest, OneThatGivesUpWaitingLeavesTheOlderSuperseded) {
 }
 
 TEST_F(RobotTakeoverTest, AnotherProcessSupersedesTheCurrentStream) {
-  takeover_.Supersede();
+  takeover_.Stop(Standing::kSuperseded);
   EXPECT_EQ(Attach(1).standing, Standing::kCurrent) << "there was none to supersede";
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kCurrent);
-  takeover_.Supersede();
+  takeover_.Stop(Standing::kSuperseded);
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
 }
 

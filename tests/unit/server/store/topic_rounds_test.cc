@@ -50,7 +50,8 @@ class TopicRoundsTest : public ::testing::Test {
                 },
             .taken = [this](const broker::Grant& /*grant*/) { taken_ = true; },
             .lost = [this] { ++lost_; },
-            .reread = [this](const broker::Remembered& /*remembered*/) { ++reread_; }});
+            .reread = [this](const broker::Remembered& /*remembered*/) { ++reread_; },
+            .reconnected = [this] { ++reconnected_; }});
   }
 
   using Verdict = std::optional<LeaseJudge::Verdict>;
@@ -66,6 +67,7 @@ class TopicRoundsTest : public ::testing::Test {
   std::atomic<bool> taken_{false};
   int lost_ = 0;
   int reread_ = 0;
+  int reconnected_ = 0;
   testing::FakeTopicLeases* leases_ = nullptr;
   std::unique_ptr<TopicRounds> rounds_;
 };
@@ -116,7 +118,7 @@ TEST_F(TopicRoundsTest, ReadsTheMemoryAgainWhenItIsAskedFor) {
   rounds_->Look();
   rounds_->Look();
   EXPECT_EQ(reread_, 0);
-  rounds_->RereadSoon();
+  rounds_->RereadSoon(1);
   leases_->SetAway(true);
   rounds_->Look();
   EXPECT_EQ(reread_, 0);
@@ -124,6 +126,22 @@ TEST_F(TopicRoundsTest, ReadsTheMemoryAgainWhenItIsAskedFor) {
   rounds_->Look();
   rounds_->Look();
   EXPECT_EQ(reread_, 1);
+}
+
+TEST_F(TopicRoundsTest, SaysThatTheStoreWasConnectedToAnewBeforeAConnectionMayBeMade) {
+  judge_ = [] { return Verdict(LeaseJudge::Verdict{.over = Over::kGone}); };
+  rounds_->Look();
+  rounds_->Look();
+  EXPECT_EQ(reconnected_, 0) << "what a lease begins with is read as it begins";
+  leases_->Reconnect();
+  clock_.Advance(milliseconds(1));
+  const SteadyTime now = clock_.Steady();
+  EXPECT_FALSE(rounds_->MayConnect(now));
+  rounds_->Look();
+  EXPECT_EQ(reconnected_, 1);
+  EXPECT_TRUE(rounds_->MayConnect(now));
+  rounds_->Look();
+  EXPECT_EQ(reconnected_, 1);
 }
 
 TEST_F(TopicRoundsTest, AConnectionMayBeMadeAfterALookThatFoundTheLeaseOurs) {

@@ -1,0 +1,56 @@
+#include "server/journal/comparing.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "schema/base/check.h"
+#include "server/robot/mutation.h"
+#include "storage/store.h"
+
+namespace uplink::journal {
+
+using robot::Mutation;
+using robot::Planted;
+
+bool Comparing::due() const { return context_.store.InDoubt(); }
+
+std::optional<Step> Comparing::Do() {
+  const absl::Status compared = CompareAll();
+  context_.errors.NoteCompare(compared);
+  if (!compared.ok()) return Step::kFailed;
+  // First: whoever remembers more than robots reads that again before a commit can be told.
+  context_.store_reconnected();
+  context_.store.EndDoubt();
+  return std::nullopt;
+}
+
+absl::Status Comparing::CompareAll() {
+  const std::vector<storage::ToldRobot> told =
+      Planted(Mutation::kReconnectTrusted) ? std::vector<storage::ToldRobot>() : holds_.ToldOfAll();
+  std::size_t first = 0;
+  // Once at least: it is what connects.
+  do {
+    const auto page =
+        std::span(told).subspan(first, std::min(told.size() - first, storage::kComparedMax));
+    const auto found = context_.store.Compare(page);
+    if (!found.ok()) return found.status();
+    UPLINK_CHECK(found->size() == page.size(), "the store answers for every robot");
+    for (std::size_t i = 0; i < page.size(); ++i) Follow(page[i], (*found)[i]);
+    first += page.size();
+  } while (first < told.size());
+  return absl::OkStatus();
+}
+
+void Comparing::Follow(const storage::ToldRobot& told, const storage::FoundRobot& found) {
+  bool went_back = found.went_back;
+  if (!found.held) {
+    holds_.LoseSince(told.ruri, told.held_since).Wake();
+  } else {
+    went_back = holds_.FollowPresence(told.ruri, found.presence) || went_back;
+    if (found.went_back) holds_.WentBack(told.ruri).Wake();
+  }
+  if (went_back) context_.probe.NoteWentBack(context_.clock.Steady());
+}
+
+}  // namespace uplink::journal
