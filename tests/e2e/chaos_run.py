@@ -5,6 +5,9 @@ broker_chaos_pair.py).
     chaos_run.py --store postgres --servers 2 [--kills N] [--seed S]
     chaos_run.py --cyberwave [--kills N] [--store sqlite|postgres] [--servers 1|2] [--seed S]
                  [--canary acks_on_arrival|forgets_deliveries]
+    chaos_run.py --failovers N [--seed S] [--canary trusts_reconnect]
+
+With --failovers (failovers.py) it kills a PostgreSQL primary each time, and promotes a standby that lags.
 
 It prints `kills, acked, stored, lost, doubled`, for two servers also what is wrong in the histories of
 presence, and ends with 1 if anything is. With a broker also what is out of order, and how long each kind of kill
@@ -22,6 +25,7 @@ import broker_chaos
 import broker_chaos_pair
 import chaos
 import chaos_pair
+import failovers
 
 
 def parse():
@@ -31,9 +35,13 @@ def parse():
     parser.add_argument("--store", choices=("sqlite", "postgres"))
     parser.add_argument("--servers", type=int, choices=(1, 2), default=1)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--canary", choices=sorted(chaos.CANARIES | broker_chaos.CANARIES))
+    parser.add_argument("--failovers", type=int)
+    parser.add_argument("--canary", choices=sorted({*chaos.CANARIES, *broker_chaos.CANARIES, failovers.CANARY}))
     arguments = parser.parse_args()
     canaries = broker_chaos.CANARIES if arguments.cyberwave else chaos.CANARIES
+    if arguments.failovers:
+        canaries = [failovers.CANARY]
+        arguments.store = "postgres"
     if arguments.canary not in (None, *canaries):
         parser.error(f"the canaries of this campaign are {', '.join(sorted(canaries))}")
     if arguments.servers == 2 and (arguments.store != "postgres" or arguments.canary):
@@ -43,6 +51,8 @@ def parse():
 
 
 def campaign_of(arguments, folder):
+    if arguments.failovers:
+        return failovers.FailoverCampaign(folder, arguments.seed, arguments.canary)
     if arguments.servers == 2:
         pair = broker_chaos_pair if arguments.cyberwave else chaos_pair
         return pair.PairCampaign(folder, arguments.seed)
@@ -56,7 +66,7 @@ def main():
     began = time.monotonic()
     campaign = campaign_of(arguments, folder)
     try:
-        clean = campaign.run(arguments.kills, sys.stderr)
+        clean = campaign.run(arguments.failovers or arguments.kills, sys.stderr)
     except AssertionError:
         print(f"kept: {folder}", file=sys.stderr)
         raise

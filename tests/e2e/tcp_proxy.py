@@ -142,12 +142,16 @@ class TcpProxy:
             self.half_open.discard(ends)
         close_both(ends)
 
+    def _take(self, _ends, _source, data):
+        """What of it is passed on. `ends`: client and server."""
+        return data
+
     def _pass_on(self, ends, source, sink):
         """Until the source ends, which the sink is told, or either breaks."""
         try:
             while data := source.recv(CHUNK_BYTES):
                 self.passing.wait()
-                sink.sendall(data)
+                sink.sendall(self._take(ends, source, data))
             self.passing.wait()
             if ends not in self.half_open:
                 sink.shutdown(socket.SHUT_WR)

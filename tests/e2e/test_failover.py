@@ -1,9 +1,14 @@
-"""A primary that dies under load, with a standby that acks wait for."""
+"""A primary that dies under load, with a standby that acks wait for, or with one that lags."""
 
 import unittest
 
+import broker_stores
+from broker_reading import Reading
 from chaos import ROBOTS, Campaign
+from failovers import CANARY, FailoverCampaign, Pair
 from harness import EndToEnd, Standby, wait_until
+from presence import OFFLINE
+from tcp_proxy import TcpProxy
 
 
 class Failover(EndToEnd):
@@ -42,6 +47,68 @@ class Failover(EndToEnd):
         self.assertGreater(sum(campaign.robots.acked().values()), sum(acked.values()))
         campaign.compare()
         self.assertTrue(campaign.clean(), "\n".join([campaign.line(), *campaign.wrong]))
+        self.assertEqual(campaign.server.metric("uplinkd_store_went_back_robots_total"), 0)
+        self.assertNotIn("store_went_back", campaign.server.text(), "nothing was missing")
+
+    def campaign_of_failovers(self, failovers, canary=None):
+        campaign = FailoverCampaign(self.folder, 3, canary)
+        self.open_things.append(campaign)
+        campaign.run(failovers)
+        return campaign
+
+    def test_what_robots_still_hold_is_stored_after_a_failover_to_a_standby_that_lags(self):
+        campaign = self.campaign_of_failovers(3)
+        self.assertTrue(campaign.clean(), "\n".join([campaign.line(), *campaign.wrong]))
+        self.assertGreater(campaign.gone, 0, "the standby lagged")
+        self.assertGreater(campaign.went_back, 0)
+        self.assertIn("store_went_back", campaign.server.text())
+
+    def test_a_server_that_trusts_what_it_told_before_is_found(self):
+        campaign = self.campaign_of_failovers(20, CANARY)
+        self.assertTrue(campaign.canary_found(), "\n".join([campaign.line(), *campaign.wrong]))
+
+
+class Muted(TcpProxy):
+    """The server's way to its broker; while it is mute, nothing that the server says arrives."""
+
+    mute = False
+
+    def _take(self, ends, source, data):
+        return b"" if self.mute and source is ends[0] else data
+
+
+class TwinsFailover(Reading):
+    TWINS = range(5)
+    HELD = 20
+
+    def test_what_a_broker_delivers_again_is_stored_after_a_failover_to_a_standby_that_lags(self):
+        self.store = self.keep(broker_stores.Postgres(self.folder))
+        pair = Pair(self.folder, self.store)
+        self.keep(pair)
+        self.store.url = pair.url
+        self.start_broker()
+        way = self.keep(Muted(f"127.0.0.1:{self.broker.port}"))
+        self.serve(way=way.address)
+        twins = self.twins()
+        twins.tell(twins.next_keys(self.TWINS, 1))
+        self.wait(lambda: self.settled("stored") == len(self.TWINS), "the first are stored")
+
+        pair.hold_back()
+        way.mute = True
+        twins.tell(twins.next_keys(self.TWINS, self.HELD // len(self.TWINS)))
+        self.wait(lambda: self.settled("stored") == len(self.TWINS) + self.HELD, "the lost primary has them")
+        pair.kill()
+        self.wait(lambda: "store" in self.degraded(), "the primary is away")
+        pair.promote()
+        self.assertEqual(len(self.rows()), len(self.TWINS), "the standby lagged")
+        way.mute = False
+        way.drop()
+        self.wait_until_all_is_stored()
+        self.assert_stored_once()
+        self.assertEqual(set(self.book.published), set(self.rows()))
+        self.wait(lambda: "store_went_back" in self.degraded(), "that is shown")
+        for twin in self.TWINS:
+            self.assertNotIn(OFFLINE, self.watch.seen(twin))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 #   start-light STATE  a fresh one in memory, if the machine has room there, which makes databases and
 #                      commits many times faster: for tests, whose data may go with the machine
 #   standby STATE OF   a copy that follows the cluster OF, under the name `standby`
+#   rejoin STATE OF    the cluster, which does not run any more, becomes a copy that follows OF, where it was
 #   promote STATE      the standby takes writes from now on
 #   crash STATE        as a crash: nothing is flushed, the log is replayed at the start that follows
 #   halt STATE         as a crash, without a start
@@ -19,11 +20,11 @@ die() {
   exit 1
 }
 
-usage="usage: postgres.sh start|start-light|promote|crash|halt|stop STATE, or postgres.sh standby STATE OF"
-[[ $# -eq 2 || ($# -eq 3 && "$1" == standby) ]] || die "$usage"
+usage="usage: postgres.sh start|start-light|promote|crash|halt|stop STATE, or postgres.sh standby|rejoin STATE OF"
+[[ $# -eq 2 || ($# -eq 3 && ("$1" == standby || "$1" == rejoin)) ]] || die "$usage"
 verb="$1"
 state="$(realpath -m -- "$2")"
-[[ "$verb" != standby ]] || of="$(realpath -m -- "${3:-}")"
+[[ "$verb" != standby && "$verb" != rejoin ]] || of="$(realpath -m -- "${3:-}")"
 
 bindir() {
   local found
@@ -122,6 +123,24 @@ CONF
   serve
 }
 
+# The folder and the port stay, so that whoever names them in a URL finds it again.
+rejoin() {
+  local bin folder
+  bin="$(value_of bin)"
+  folder="$(value_of folder)"
+  cd "$folder"
+  rm -rf "$folder/data"
+  as_owner "$bin/pg_basebackup" -D "$folder/data" -R -c fast \
+    -d "host=$(value_of folder "$of") port=$(value_of port "$of") user=postgres application_name=standby" \
+    >"$folder/basebackup.log" 2>&1 || die "pg_basebackup failed: $(tail -n 3 "$folder/basebackup.log")"
+  as_owner tee -a "$folder/data/postgresql.conf" >/dev/null <<CONF
+unix_socket_directories = '$folder'
+CONF
+  as_owner "$bin/pg_ctl" start -w -t 60 -D "$folder/data" -l "$folder/server.log" \
+    -o "-p $(value_of port)" >/dev/null 2>&1 ||
+    die "the server does not start: $(tail -n 3 "$folder/server.log")"
+}
+
 stop() {
   [[ -f "$state" ]] || return 0
   local folder bin
@@ -160,6 +179,6 @@ case "$verb" in
     stop
     "${verb/-/_}"
     ;;
-  promote | crash | halt | stop) "$verb" ;;
+  rejoin | promote | crash | halt | stop) "$verb" ;;
   *) die "$usage" ;;
 esac
