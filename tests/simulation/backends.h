@@ -29,10 +29,15 @@ class FakeBackend final : public Backend {
   storage::SharedItems& Items() override { return items_; }
   void DeleteRobotRow(const std::string& ruri) override { database_.DeleteRobotRow(ruri); }
   void RemoveRobot(const std::string& ruri) override { database_.RemoveRobot(ruri); }
+  bool KeepCopy() override;
+  bool GoBack() override;
 
  private:
   const Fault fault_;
   testing::FakeDatabase database_;
+  /// A standby that lacks the last commits.
+  testing::FakeDatabase copy_;
+  bool has_copy_ = false;
   testing::FakeSharedItems items_{database_};
   std::unique_ptr<testing::FakeStore> store_;
 };

@@ -8,6 +8,7 @@ namespace uplink::simulation {
 void World::Check() {
   CheckLaw();
   CheckForwardLaw();
+  CheckRestored();
   for (const auto& robot : robots_) {
     const fleet::RobotPtr known = server_->fleet().Find(robot->agent.ruri());
     if (known != nullptr && known->state.held_back()) ++result_.held_back;
@@ -40,6 +41,16 @@ void World::CheckShare(const std::string& ruri, const robot::RobotSessions& sess
       return;
     default:
       return;
+  }
+}
+
+void World::CheckRestored() {
+  std::erase_if(offline_, [this](const std::string& ruri) { return server_->NewestOf(ruri) != 0; });
+  for (const std::string& ruri : offline_) {
+    const fleet::RobotPtr robot = server_->fleet().Find(ruri);
+    if (robot == nullptr || robot->state.presence() == model::Presence::kOffline) continue;
+    recorder_.Violate(fmt::format("{} was offline, and is {} after a restart", ruri,
+                                  ToText(robot->state.presence())));
   }
 }
 

@@ -27,6 +27,8 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
       return half_closed.has_value();
     case absl::StatusCode::kAborted: {
       if (server_->NewestOf(stream.ruri()) > id) return true;
+      // Its robot's hold is lost with the commit that began it.
+      if (went_back_) return true;
       // It was fenced, or finds that its robot is held anew.
       std::uint64_t& deletions = deletions_[stream.ruri()];
       if (deletions == 0) return false;
@@ -54,12 +56,14 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
 std::string ToText(const RunResult& result) {
   const metrics::UplinkCounts& uplinks = result.uplinks;
   std::string text = fmt::format(
-      "violation {}\nsteps {}\nkills {}\nbreaks {}\ndeletions {}\nheld back {}\nreceived "
+      "violation {}\nsteps {}\nkills {}\nbreaks {}\ndeletions {}\nfailovers {}\nfloods {}\nheld "
+      "back {}\nreceived "
       "{}\nstored {}\n"
       "applied {}\nsuperseded {}\nduplicate {}\nrejected {}\nin flight {}\nmissing {}\n",
       result.violation, result.steps, result.kills, result.breaks, result.deletions,
-      result.held_back, uplinks.received, uplinks.stored, uplinks.applied, uplinks.superseded,
-      uplinks.duplicate, uplinks.rejected, uplinks.in_flight, uplinks.missing);
+      result.failovers, result.floods, result.held_back, uplinks.received, uplinks.stored,
+      uplinks.applied, uplinks.superseded, uplinks.duplicate, uplinks.rejected, uplinks.in_flight,
+      uplinks.missing);
   const auto add_all = [&text](const char* name, const auto& counts) {
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] > 0) text += fmt::format("{} {}: {}\n", name, i, counts[i]);

@@ -20,12 +20,25 @@ std::optional<model::Rejection> RefuseMarked(const storage::CommitRecord& record
 }  // namespace
 
 storage::Store& FakeBackend::Reopen(const storage::ProcessId& process) {
-  store_ = std::make_unique<testing::FakeStore>(database_, process);
+  storage::StoreRules rules;
+  rules.retain_quarantine = kQuarantineKept;
+  store_ = std::make_unique<testing::FakeStore>(database_, process, rules);
   store_->SetRules({.refuse = RefuseMarked,
                     .allow_cursor_lowering = fault_ == Fault::kCursorMayFall,
                     .presence_without_cursor = fault_ == Fault::kNoCursorForPresence,
                     .batches_make_robots = fault_ == Fault::kBatchesMakeRobots});
   return *store_;
+}
+
+bool FakeBackend::KeepCopy() {
+  copy_.CopyRowsOf(database_);
+  has_copy_ = true;
+  return true;
+}
+
+bool FakeBackend::GoBack() {
+  if (has_copy_) database_.CopyRowsOf(copy_);
+  return has_copy_;
 }
 
 std::optional<std::string> FakeBackend::Compare(const Recorder& recorder) {

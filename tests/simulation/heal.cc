@@ -21,6 +21,13 @@ void World::Heal() {
   server_->rejects().SetAway(false);
   recorder_.FailNext(StoreFault::kNone);
   if (server_->draining) Kill();
+  for (const auto& robot : robots_) {
+    SimStream* stream = robot->stream ? server_->Find(*robot->stream) : nullptr;
+    if (stream == nullptr || !stream->loses_answers()) continue;
+    stream->Break();
+    robot->agent.Disconnected();
+    robot->stream.reset();
+  }
   items_->SetAway(false);
   // All may be read anew while the rest is committed.
   if (random_.Percent(50)) items_->TrimNext();
@@ -57,7 +64,7 @@ void World::HealRound() {
     if (stream->Writing()) stream->CompleteWrite();
     Robot* owner = OwnerOf(id);
     while (owner != nullptr && owner->stream == id && stream->CanReceive()) {
-      Receive(*owner, *stream);
+      Receive(*owner, stream->Receive());
     }
   }
   server_->journal().turns().Advance();
@@ -72,7 +79,7 @@ bool World::Settled() {
   if (!server_->journal().idle() || server_->HasWakes()) return false;
   if (!ForwardsSettled()) return false;
   return std::ranges::all_of(robots_, [this](const auto& robot) {
-    if (robot->agent.HasKept() || !robot->stream) return false;
+    if (robot->agent.HasKept() || robot->agent.HasLimited() || !robot->stream) return false;
     SimStream* stream = server_->Find(*robot->stream);
     // Each frame that was taken, Hello among them, is answered by an Ack in the end.
     return stream != nullptr && robot->agent.Ready() && !stream->CanDeliver() &&

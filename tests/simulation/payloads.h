@@ -52,6 +52,12 @@ inline constexpr std::size_t kContents = static_cast<std::size_t>(Content::kSpat
                               static_cast<std::size_t>(spatial));
 }
 
+/// The item that a shape or an object names; below kSpatialItems. Only of these.
+[[nodiscard]] constexpr std::size_t ItemOf(Content content) {
+  return (static_cast<std::size_t>(content) - static_cast<std::size_t>(Content::kSpatial)) /
+         kSpatialKinds;
+}
+
 /// True where the server may find that it had expired when it came: then nothing is stored.
 [[nodiscard]] constexpr bool MayExpire(Content content) {
   if (content < Content::kSpatial) return false;

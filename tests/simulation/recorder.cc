@@ -10,6 +10,7 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
     std::span<const storage::OpenRequest> requests) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  Reconnect();
   auto results = store_->OpenStreams(requests);
   if (!results.ok()) return results;
   for (std::size_t i = 0; i < requests.size(); ++i) {
@@ -21,7 +22,7 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
   }
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const bool first =
-        rows_.insert_or_assign(requests[i].robot->ruri, (*results)[i].held_since).second;
+        book_.rows.insert_or_assign(requests[i].robot->ruri, (*results)[i].held_since).second;
     if ((*results)[i].was_known != first) continue;
     violation_(fmt::format("a row of {} was {}", requests[i].robot->ruri,
                            first ? "known, and there was none" : "new, and there was one"));
@@ -30,16 +31,37 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
   return results;
 }
 
+void Recorder::GoBack(std::function<void()> reconnected) {
+  if (!reconnected_) before_ = std::move(book_);
+  book_ = copy_;
+  // Changes of presence between are lost.
+  book_.skips_presence = true;
+  reconnected_ = std::move(reconnected);
+}
+
+void Recorder::Reconnect() {
+  if (!reconnected_) return;
+  // Until it has returned, the process did not know.
+  reconnected_();
+  reconnected_ = nullptr;
+  before_ = {};
+}
+
+bool Recorder::MayBeTold(const std::string& ruri, const model::SessionId& session, model::Seq seq) {
+  if (Of(ruri, session).Holds(seq)) return true;
+  return reconnected_ && before_.sessions[{ruri, session}].Holds(seq);
+}
+
 bool Recorder::OnRowDeleted(const std::string& ruri) {
-  const bool deleted = rows_.erase(ruri) > 0;
-  rows_deleted_ = rows_deleted_ || deleted;
+  const bool deleted = book_.rows.erase(ruri) > 0;
+  book_.skips_presence = book_.skips_presence || deleted;
   return deleted;
 }
 
 void Recorder::CheckHold(const std::string& ruri, storage::Epoch held_since,
                          storage::OutcomeKind outcome) {
-  const auto row = rows_.find(ruri);
-  const bool held = row != rows_.end() && held_since == row->second;
+  const auto row = book_.rows.find(ruri);
+  const bool held = row != book_.rows.end() && held_since == row->second;
   if (held && outcome == storage::OutcomeKind::kFenced) violation_("one process alone was fenced");
   if (held || outcome == storage::OutcomeKind::kFenced) return;
   violation_(fmt::format("{} is not held, and something of it was taken", ruri));
@@ -49,6 +71,7 @@ absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
     std::span<const storage::AdoptRequest> requests) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  Reconnect();
   auto results = store_->Adopt(requests);
   if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
   return results;
@@ -57,6 +80,7 @@ absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
 absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Batch& batch) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  Reconnect();
   auto outcomes = store_->Commit(batch);
   if (!outcomes.ok()) return outcomes;
   for (std::size_t i = 0; i < batch.records.size(); ++i) Note(batch.records[i], (*outcomes)[i]);
@@ -108,29 +132,28 @@ void Recorder::EndDoubt() { store_->EndDoubt(); }
 
 void Recorder::NotePresence(const storage::Batch& batch,
                             std::span<const storage::Outcome> outcomes) {
-  model::Seq& cursor = presence_cursors_[batch.presence_session];
+  model::Seq& cursor = book_.presence_cursors[batch.presence_session];
   for (std::size_t i = 0; i < batch.presence.size(); ++i) {
     const storage::PresenceItem& item = batch.presence[i];
     CheckHold(item.robot->ruri, item.held_since, outcomes[i].kind);
     if (item.number <= cursor) continue;
-    // Of a robot whose row was deleted the changes that wait are dropped with its hold.
-    if (item.number != cursor + 1 && !rows_deleted_) {
+    if (item.number != cursor + 1 && !book_.skips_presence) {
       violation_(fmt::format("change of presence {} follows {}", item.number, cursor));
     }
     cursor = item.number;
     if (outcomes[i].kind == storage::OutcomeKind::kFenced) continue;
-    const auto [last, first] = presence_.try_emplace(item.robot->ruri, item.presence);
+    const auto [last, first] = book_.presence.try_emplace(item.robot->ruri, item.presence);
     if (!first && last->second == item.presence) {
       violation_(fmt::format("{} is {} twice in a row", item.robot->ruri, ToText(item.presence)));
     }
     last->second = item.presence;
-    presence_history_[item.robot->ruri].push_back(item.presence);
+    book_.presence_history[item.robot->ruri].push_back(item.presence);
   }
 }
 
 void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome& outcome) {
   CheckHold(record.robot->ruri, record.held_since, outcome.kind);
-  DurableSession& durable = sessions_[{record.robot->ruri, record.session}];
+  DurableSession& durable = book_.sessions[{record.robot->ruri, record.session}];
   const bool quarantined = std::holds_alternative<storage::QuarantineItem>(record.content);
   const auto* limited = std::get_if<storage::LimitedRange>(&record.content);
   switch (outcome.kind) {
@@ -150,7 +173,7 @@ void Recorder::Note(const storage::CommitRecord& record, const storage::Outcome&
         durable.stored.insert(record.seq);
         const auto& good = std::get<model::Record>(record.content);
         if (good.variant() == model::Variant::kFault) ++durable.faults;
-        shared_.Note(record);
+        book_.shared.Note(record);
       }
       break;
     case storage::OutcomeKind::kRefused:

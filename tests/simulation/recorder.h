@@ -44,6 +44,15 @@ class Recorder final : public storage::Store {
   void FailNext(StoreFault fault) { fault_ = fault; }
   /// Every call fails before it is applied, until false.
   void SetAway(bool away) { away_ = away; }
+  /// Puts the book aside as it is, with a copy of the store; and takes it up again, as the store
+  /// goes back to that. What was told until the process has connected to the store anew it could
+  /// not know: then `reconnected` is called, before anything else is asked of the store.
+  void KeepCopy() { copy_ = book_; }
+  void GoBack(std::function<void()> reconnected);
+  void Reconnect();
+  /// Whether the process may call the number durable.
+  [[nodiscard]] bool MayBeTold(const std::string& ruri, const model::SessionId& session,
+                               model::Seq seq);
   /// The robot's row in the store is about to be deleted; false if it has none.
   bool OnRowDeleted(const std::string& ruri);
 
@@ -68,25 +77,41 @@ class Recorder final : public storage::Store {
   void EndDoubt() override;
 
   /// Each robot's last change of presence that was committed.
-  [[nodiscard]] const std::map<std::string, model::Presence>& presence() const { return presence_; }
+  [[nodiscard]] const std::map<std::string, model::Presence>& presence() const {
+    return book_.presence;
+  }
   /// Each robot's changes that were committed, each once, in order.
   [[nodiscard]] const std::map<std::string, std::vector<model::Presence>>& presence_history()
       const {
-    return presence_history_;
+    return book_.presence_history;
   }
 
   /// What robots share.
-  [[nodiscard]] SharedBook& shared() { return shared_; }
+  [[nodiscard]] SharedBook& shared() { return book_.shared; }
 
   [[nodiscard]] const DurableSession& Of(const std::string& ruri, const model::SessionId& session) {
-    return sessions_[{ruri, session}];
+    return book_.sessions[{ruri, session}];
   }
   [[nodiscard]] const std::map<std::pair<std::string, model::SessionId>, DurableSession>& sessions()
       const {
-    return sessions_;
+    return book_.sessions;
   }
 
  private:
+  /// What was really applied.
+  struct Book {
+    /// Changes of presence may be missing: a row of a robot was deleted, and those that waited were
+    /// dropped with its hold; or the store went back.
+    bool skips_presence = false;
+    std::map<std::pair<std::string, model::SessionId>, DurableSession> sessions;
+    /// Robots that have a row in the store, with the hold in it.
+    std::map<std::string, storage::Epoch> rows;
+    std::map<model::SessionId, model::Seq> presence_cursors;
+    std::map<std::string, model::Presence> presence;
+    std::map<std::string, std::vector<model::Presence>> presence_history;
+    SharedBook shared;
+  };
+
   void Note(const storage::CommitRecord& record, const storage::Outcome& outcome);
   void NotePresence(const storage::Batch& batch, std::span<const storage::Outcome> outcomes);
   /// Nothing is to be taken while the robot has no row, and nothing to be fenced that was committed
@@ -97,15 +122,11 @@ class Recorder final : public storage::Store {
   storage::Store* store_ = nullptr;
   StoreFault fault_ = StoreFault::kNone;
   bool away_ = false;
-  /// A row of a robot was deleted.
-  bool rows_deleted_ = false;
-  std::map<std::pair<std::string, model::SessionId>, DurableSession> sessions_;
-  /// Robots that have a row in the store, with the hold in it.
-  std::map<std::string, storage::Epoch> rows_;
-  std::map<model::SessionId, model::Seq> presence_cursors_;
-  std::map<std::string, model::Presence> presence_;
-  std::map<std::string, std::vector<model::Presence>> presence_history_;
-  SharedBook shared_;
+  Book book_;
+  Book copy_;
+  /// Until the process has connected anew: what it was told by the store before.
+  Book before_;
+  std::function<void()> reconnected_;
 };
 
 }  // namespace uplink::simulation

@@ -52,7 +52,7 @@ void SimAgent::AddUplink(v1::UplinkBatch& batch, model::Seq seq, Content content
   if (content != Content::kEmpty) uplink.set_rover_nexus(payloads_.Of(content));
 }
 
-Content SimAgent::NextContent(Random& random) {
+Content SimAgent::NextContent(Random& random) const {
   static constexpr std::array<Content, 26> kMix = {
       Content::kFault,   Content::kFault,   Content::kFault,   Content::kEvent,
       Content::kEvent,   Content::kMotion,  Content::kMotion,  Content::kMotion,
@@ -61,7 +61,7 @@ Content SimAgent::NextContent(Random& random) {
       Content::kEmpty,   Content::kSpatial, Content::kSpatial, Content::kSpatial,
       Content::kSpatial, Content::kSpatial, Content::kSpatial, Content::kSpatial,
       Content::kSpatial, Content::kSpatial};
-  const Content content = kMix[random.Below(kMix.size())];
+  const Content content = floods_ ? Content::kSpatial : kMix[random.Below(kMix.size())];
   if (content != Content::kSpatial) return content;
   const std::size_t item = random.Below(kSpatialItems);
   // Most are shared for good, or none would be there to be lost.
@@ -81,18 +81,37 @@ v1::RelayRequest SimAgent::Batch(Random& random, std::size_t messages_max, Fresh
       resend_.pop_front();
       continue;
     }
+    if (HasLimited() && (fresh == Fresh::kNo || random.Percent(30))) {
+      AddFresh(batch, limited_.begin()->second);
+      continue;
+    }
     if (fresh == Fresh::kNo) break;
     if (random.Percent(5)) session_->next += 1 + random.Below(3);
-    const Content content = greedy_ ? Content::kLarge : NextContent(random);
-    const model::Seq seq = session_->next++;
-    AddUplink(batch, seq, content);
-    if (RejectedAtJudgement(content)) unrejected_.insert(seq);
-    if (KeptUntilSettled(content)) {
-      session_->kept.emplace(seq, content);
-      if (!MayExpire(content)) session_->durable_sent.insert(seq);
-    }
+    AddFresh(batch, greedy_ ? Content::kLarge : NextContent(random));
   }
   return request;
+}
+
+void SimAgent::AddFresh(v1::UplinkBatch& batch, Content content) {
+  const model::Seq seq = session_->next++;
+  AddUplink(batch, seq, content);
+  if (RejectedAtJudgement(content)) unrejected_.insert(seq);
+  if (content >= Content::kSpatial) {
+    newest_[ItemOf(content)] = {session_->id, seq};
+    limited_.erase(ItemOf(content));
+  }
+  if (!KeptUntilSettled(content)) return;
+  session_->kept.emplace(seq, content);
+  if (!MayExpire(content)) session_->durable_sent.insert(seq);
+}
+
+void SimAgent::OnStoreWentBack() {
+  for (AgentSession& session : sessions_) {
+    const DurableSession& durable = recorder_.Of(ruri(), session.id);
+    std::erase_if(session.durable_sent, [&](model::Seq seq) {
+      return !session.kept.contains(seq) && !durable.Holds(seq);
+    });
+  }
 }
 
 void SimAgent::OnFrame(const v1::RelayResponse& frame) {
@@ -103,16 +122,32 @@ void SimAgent::OnFrame(const v1::RelayResponse& frame) {
     case v1::RelayResponse::kAck:
       return OnAck(frame.ack());
     case v1::RelayResponse::kReject:
-      if (!welcomed_) violation_("a Reject came before Welcome");
-      session_->told.insert(frame.reject().seq());
-      unrejected_.erase(frame.reject().seq());
-      session_->judged = std::max(session_->judged, frame.reject().seq());
-      return;
+      return OnReject(frame.reject());
     case v1::RelayResponse::kForward:
       return OnForward(frame.forward());
     default:
       return;
   }
+}
+
+void SimAgent::OnReject(const v1::Reject& reject) {
+  if (!welcomed_) violation_("a Reject came before Welcome");
+  session_->told.insert(reject.seq());
+  unrejected_.erase(reject.seq());
+  session_->judged = std::max(session_->judged, reject.seq());
+  if (reject.reason() != v1::REJECT_REASON_RATE_LIMITED) return;
+  if (session_->limited.insert(reject.seq()).second) OnLimited(reject.seq());
+}
+
+void SimAgent::OnLimited(model::Seq seq) {
+  if (!may_be_limited_) violation_("a message was rejected for a rate that there is not");
+  session_->durable_sent.erase(seq);
+  const auto kept = session_->kept.find(seq);
+  if (kept == session_->kept.end() || kept->second < Content::kSpatial) {
+    return violation_(fmt::format("number {} has no rate, or was acked before its Reject", seq));
+  }
+  const std::size_t item = ItemOf(kept->second);
+  if (newest_[item] == std::pair(session_->id, seq)) limited_[item] = kept->second;
 }
 
 void SimAgent::OnForward(const v1::Forward& forward) {
@@ -129,8 +164,7 @@ void SimAgent::OnWelcome(const v1::Welcome& welcome) {
   }
   session_->judged = std::max(session_->judged, welcome.committed_seq());
   for (const auto& [seq, content] : session_->kept) {
-    if (seq <= welcome.committed_seq())
-      CheckDurable(seq, content, "at or below Welcome.committed_seq");
+    if (seq <= welcome.committed_seq()) CheckDurable(seq, content, When::kWelcome);
     if (seq > welcome.committed_seq() || resends_all_) resend_.push_back(seq);
   }
 }
@@ -149,7 +183,7 @@ void SimAgent::OnAck(const v1::Ack& ack) {
   session_->judged = std::max(session_->judged, ack.judged_seq());
   while (!session_->kept.empty() && session_->kept.begin()->first <= ack.through_seq()) {
     const model::Seq seq = session_->kept.begin()->first;
-    CheckDurable(seq, session_->kept.begin()->second, "acked");
+    CheckDurable(seq, session_->kept.begin()->second, When::kAck);
     const DurableSession& durable = recorder_.Of(ruri(), session_->id);
     if (durable.quarantined.contains(seq) && !session_->told.contains(seq)) {
       violation_(fmt::format("number {} is acked, in quarantine, and no Reject was told", seq));
@@ -166,10 +200,16 @@ void SimAgent::CheckRejected(model::Seq judged) {
                          *unrejected_.begin()));
 }
 
-void SimAgent::CheckDurable(model::Seq seq, Content content, const char* when) {
-  if (!MayExpire(content) && !recorder_.Of(ruri(), session_->id).Holds(seq)) {
-    violation_(fmt::format("number {} is {} and the store has it not", seq, when));
+void SimAgent::CheckDurable(model::Seq seq, Content content, When when) {
+  if (MayExpire(content) || recorder_.MayBeTold(ruri(), session_->id, seq)) return;
+  if (!may_be_limited_ || content < Content::kSpatial) {
+    return violation_(
+        fmt::format("number {} is {} and the store has it not", seq,
+                    when == When::kAck ? "acked" : "at or below Welcome.committed_seq"));
   }
+  // Its Reject comes between Welcome and the Ack.
+  if (when == When::kWelcome || session_->limited.contains(seq)) return;
+  violation_(fmt::format("number {} is acked, the store has it not, and no Reject was told", seq));
 }
 
 }  // namespace uplink::simulation

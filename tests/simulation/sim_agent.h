@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "schema/model/ids.h"
@@ -28,8 +29,9 @@ struct AgentSession {
   std::map<model::Seq, Content> kept;
   /// Every number that must end in the store or in quarantine.
   std::set<model::Seq> durable_sent;
-  /// Numbers whose Reject arrived.
+  /// Numbers whose Reject arrived; of these, for the rate of their kind.
   std::set<model::Seq> told;
+  std::set<model::Seq> limited;
 };
 
 /// An agent that follows the protocol to the letter, and checks what the server promises it.
@@ -50,6 +52,12 @@ class SimAgent final {
 
   /// From now on everything that it sends anew is large and durable.
   void BeGreedy() { greedy_ = true; }
+  /// The server may reject shapes and objects for their rate.
+  void BeLimited() { may_be_limited_ = true; }
+  /// Shapes and objects alone are sent anew, until the next call.
+  void FloodWithItems(bool floods) { floods_ = floods; }
+  /// The store has lost what it took last: what was acked of it is gone.
+  void OnStoreWentBack();
 
   [[nodiscard]] const model::RobotId& id() const { return self_.id; }
   [[nodiscard]] const std::string& ruri() const { return self_.id.ruri; }
@@ -69,7 +77,9 @@ class SimAgent final {
 
   /// Welcome has come, so batches may be sent.
   [[nodiscard]] bool Ready() const { return session_ != nullptr && welcomed_; }
-  [[nodiscard]] bool HasResends() const { return !resend_.empty(); }
+  [[nodiscard]] bool HasResends() const { return !resend_.empty() || HasLimited(); }
+  /// Something was rejected for its rate, and is to be sent again.
+  [[nodiscard]] bool HasLimited() const { return !limited_.empty(); }
   enum class Fresh : std::uint8_t { kNo, kYes };
   /// Up to `messages_max` messages: what is sent again first, then fresh ones.
   [[nodiscard]] v1::RelayRequest Batch(Random& random, std::size_t messages_max, Fresh fresh);
@@ -80,10 +90,14 @@ class SimAgent final {
   void OnWelcome(const v1::Welcome& welcome);
   void OnAck(const v1::Ack& ack);
   void OnForward(const v1::Forward& forward);
-  [[nodiscard]] static Content NextContent(Random& random);
+  void OnReject(const v1::Reject& reject);
+  void OnLimited(model::Seq seq);
+  [[nodiscard]] Content NextContent(Random& random) const;
+  void AddFresh(v1::UplinkBatch& batch, Content content);
   void AddUplink(v1::UplinkBatch& batch, model::Seq seq, Content content) const;
   void CheckRejected(model::Seq judged);
-  void CheckDurable(model::Seq seq, Content content, const char* when);
+  enum class When : std::uint8_t { kWelcome, kAck };
+  void CheckDurable(model::Seq seq, Content content, When when);
 
   const Self self_;
   const Payloads& payloads_;
@@ -95,6 +109,12 @@ class SimAgent final {
   bool welcomed_ = false;
   bool resends_all_ = false;
   bool greedy_ = false;
+  bool may_be_limited_ = false;
+  bool floods_ = false;
+  /// By item: what was rejected for its rate while nothing newer names the item.
+  std::map<std::size_t, Content> limited_;
+  /// Of each item, the message that names it last.
+  std::map<std::size_t, std::pair<model::SessionId, model::Seq>> newest_;
   std::deque<model::Seq> resend_;
   model::Seq stream_through_ = 0;
   model::Seq stream_judged_ = 0;

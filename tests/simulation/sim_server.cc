@@ -1,5 +1,6 @@
 #include "tests/simulation/sim_server.h"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -47,7 +48,7 @@ void SimStream::Finish(const absl::Status& status) {
   if (Writing()) {
     queued_end_ = status.code();
   } else {
-    to_agent_.push_back({.end = status.code()});
+    if (!loses_answers_) to_agent_.push_back({.end = status.code()});
   }
 }
 
@@ -67,9 +68,10 @@ void SimStream::DeliverHalfClose(SteadyTime now) {
 }
 
 void SimStream::CompleteWrite() {
-  for (ToAgent& written : writing_) to_agent_.push_back(std::move(written));
+  if (!std::exchange(arrived_, false)) std::ranges::move(writing_, std::back_inserter(to_agent_));
   writing_.clear();
   if (queued_end_) to_agent_.push_back({.end = std::exchange(queued_end_, std::nullopt)});
+  if (loses_answers_) to_agent_.clear();
   if (!session_.done()) session_.OnWritten();
 }
 
@@ -77,6 +79,21 @@ ToAgent SimStream::Receive() {
   ToAgent received = std::move(to_agent_.front());
   to_agent_.pop_front();
   return received;
+}
+
+std::vector<ToAgent> SimStream::TakeInFlight() {
+  std::vector<ToAgent> taken(std::make_move_iterator(to_agent_.begin()),
+                             std::make_move_iterator(to_agent_.end()));
+  to_agent_.clear();
+  if (broken_ || loses_answers_ || writing_.empty() || arrived_) return taken;
+  taken.insert(taken.end(), writing_.begin(), writing_.end());
+  arrived_ = true;
+  return taken;
+}
+
+void SimStream::LoseAnswers() {
+  loses_answers_ = true;
+  to_agent_.clear();
 }
 
 void SimStream::Break() {

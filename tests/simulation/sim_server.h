@@ -63,6 +63,12 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   void CompleteWrite();
   [[nodiscard]] bool CanReceive() const { return !to_agent_.empty(); }
   ToAgent Receive();
+  /// All that was written and has not arrived, as if it arrived now.
+  std::vector<ToAgent> TakeInFlight();
+  /// From now on nothing that the server writes arrives, though it is written; what the agent sends
+  /// does.
+  void LoseAnswers();
+  [[nodiscard]] bool loses_answers() const { return loses_answers_; }
   /// The network drops everything; the server learns of it by TellBroken.
   void Break();
   [[nodiscard]] bool CanTellBroken() const { return broken_ && !told_broken_; }
@@ -95,9 +101,12 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   std::deque<ToAgent> to_agent_;
   /// The frames of the write under way.
   std::vector<ToAgent> writing_;
+  /// Its frames have arrived already.
+  bool arrived_ = false;
   bool read_wanted_ = false;
   bool half_closed_ = false;
   bool broken_ = false;
+  bool loses_answers_ = false;
   bool told_broken_ = false;
   /// The end goes out after the write under way.
   std::optional<absl::StatusCode> queued_end_;

@@ -47,6 +47,7 @@ int RunSeeds(const Arguments& arguments) {
   forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t breaks = 0;
+  std::uint64_t failovers = 0;
   std::uint64_t steps = 0;
   for (std::uint64_t i = 0; i < arguments.seeds; ++i) {
     const RunResult result = RunSeed(arguments, payloads, arguments.seed + i);
@@ -59,13 +60,15 @@ int RunSeeds(const Arguments& arguments) {
     forwards += result.forwards;
     kills += result.kills;
     breaks += result.breaks;
+    failovers += result.failovers;
     steps += result.steps;
   }
   fmt::print(
-      "{} seeds from {}, {} steps, {} messages, {} forwards and {} snapshots, {} kills, {} breaks: "
-      "every promise kept\n",
+      "{} seeds from {}, {} steps, {} messages, {} forwards and {} snapshots, {} kills, {} breaks, "
+      "{} "
+      "failovers: every promise kept\n",
       arguments.seeds, arguments.seed, steps, received, forwards.written, forwards.snapshots, kills,
-      breaks);
+      breaks, failovers);
   return 0;
 }
 

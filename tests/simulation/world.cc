@@ -36,6 +36,9 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   receiver_limits_ = {.waiting_max = 1 + random_.Below(6), .taken_max = 1 + random_.Below(3)};
   greedy_ = random_.Percent(20);
   if (greedy_) AddGreed();
+  limited_ = options_.troubles.rates && !greedy_ && random_.Percent(30);
+  if (limited_) AddRates();
+  goes_back_ = options_.troubles.failovers && random_.Percent(20);
   AddRobots();
   if (options_.trace != nullptr) traced_.emplace(recorder_, *options_.trace);
   StartServer();
@@ -47,7 +50,8 @@ void World::AddRobots() {
     // Two fleets, and in both who sends and who receives.
     const std::string fleet = i % 4 < 2 ? "sim" : "other";
     SimAgent::Self self{{.ruri = fmt::format("rcan://{}/{}", fleet, i), .fleet = fleet},
-                        random_.Percent(15)};
+                        // What was shared and is lost receivers keep until it changes.
+                        goes_back_ || random_.Percent(15)};
     robots_.push_back(std::make_unique<Robot>(
         SimAgent(std::move(self), payloads_, recorder_, [this](const std::string& text) {
           if (result_.violation.empty()) {
@@ -57,6 +61,15 @@ void World::AddRobots() {
         })));
   }
   if (greedy_) robots_.front()->agent.BeGreedy();
+  for (const auto& robot : robots_) {
+    if (limited_) robot->agent.BeLimited();
+  }
+}
+
+void World::AddRates() {
+  for (const model::Variant variant : {model::Variant::kShape, model::Variant::kObject}) {
+    limits_.allowance.rates[static_cast<std::size_t>(variant)] = {.rate = 2, .burst = 2};
+  }
 }
 
 void World::AddGreed() {
@@ -83,6 +96,10 @@ void World::StartServer() {
                                    .fault = options_.forward_fault}};
   server_ = std::make_unique<SimServer>(ground, limits_, process);
   server_->rejects().SetAway(away_);
+  offline_.clear();
+  for (const auto& [ruri, last] : recorder_.presence()) {
+    if (options_.troubles.restarts && last == model::Presence::kOffline) offline_.insert(ruri);
+  }
 }
 
 RunResult World::Run() {
@@ -175,12 +192,11 @@ void World::NetworkStep(SimStream& stream, Robot* owner) {
       if (stream.Writing() && !stream.broken()) stream.CompleteWrite();
       return;
     default:
-      if (owner != nullptr && stream.CanReceive()) Receive(*owner, stream);
+      if (owner != nullptr && stream.CanReceive()) Receive(*owner, stream.Receive());
   }
 }
 
-void World::Receive(Robot& robot, SimStream& stream) {
-  const ToAgent received = stream.Receive();
+void World::Receive(Robot& robot, const ToAgent& received) {
   if (received.end) {
     robot.agent.Disconnected();
     robot.stream.reset();
@@ -218,10 +234,13 @@ void World::Connect(Robot& robot) {
 }
 
 void World::FaultStep() {
+  if (random_.Percent(goes_back_ ? 40 : 6)) return StoreTrouble();
   const std::size_t pick = random_.Below(100);
   if (pick < 40) {
     Robot& robot = *robots_[random_.Below(robots_.size())];
     if (SimStream* stream = robot.stream ? server_->Find(*robot.stream) : nullptr) {
+      if (pick < 10) return stream->LoseAnswers();
+      if (pick < 14 && limited_ && robot.agent.Ready()) return Flood(robot);
       ++result_.breaks;
       stream->Break();
       robot.agent.Disconnected();
@@ -269,6 +288,7 @@ void World::Kill() {
   AddCounts();
   server_.reset();
   deletions_.clear();
+  went_back_ = false;
   for (const auto& robot : robots_) {
     robot->agent.Disconnected();
     robot->stream.reset();

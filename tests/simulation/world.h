@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,9 @@
 #include "tests/simulation/traced_store.h"
 
 namespace uplink::simulation {
+
+/// How long quarantine is kept by a store that deletes it for its age.
+inline constexpr std::chrono::days kQuarantineKept{14};
 
 /// The durable thing under test: opened anew by each life of the process on the same data.
 class Backend {
@@ -37,6 +41,23 @@ class Backend {
   virtual void DeleteRobotRow(const std::string& ruri) = 0;
   /// The same, with all its shapes and objects.
   virtual void RemoveRobot(const std::string& ruri) = 0;
+  /// Copies what lies in the store, for GoBack; false if it cannot go back.
+  virtual bool KeepCopy() { return false; }
+  /// The store becomes the last copy, as a standby that takes over without the last commits; false
+  /// if there is none.
+  virtual bool GoBack() { return false; }
+};
+
+/// Troubles of which each is a promise more. A value.
+struct Troubles {
+  /// Shapes and objects have a rate, and the network loses answers.
+  bool rates = false;
+  /// Quarantine is deleted for its age.
+  bool retention = false;
+  /// Who was offline stays so over a restart.
+  bool restarts = false;
+  /// The store becomes a standby that lacks the last commits.
+  bool failovers = false;
 };
 
 struct RunOptions {
@@ -45,6 +66,7 @@ struct RunOptions {
   /// Is given everything that the server does; null: nothing is traced.
   Trace* trace = nullptr;
   ForwardFault forward_fault = ForwardFault::kNone;
+  Troubles troubles;
 };
 
 struct RunResult {
@@ -58,6 +80,10 @@ struct RunResult {
   std::uint64_t breaks = 0;
   /// Rows of robots that were deleted.
   std::uint64_t deletions = 0;
+  /// How often the store went back.
+  std::uint64_t failovers = 0;
+  /// Floods of shapes and objects whose answers were all lost.
+  std::uint64_t floods = 0;
   /// Steps after which a robot's stream was held back; for its share, or for its flow.
   std::uint64_t held_back = 0;
   std::uint64_t held_back_by_share = 0;
@@ -93,6 +119,10 @@ class World final {
   /// A thread of its own reads the shared set: others work between two of its calls.
   void BetweenReads();
   void FaultStep();
+  void StoreTrouble();
+  void GoBack();
+  /// More Rejects for a rate than a session's memory holds, and the network loses them all.
+  void Flood(Robot& robot);
   void DeleteRow(const std::string& ruri);
   void Kill();
   void StartServer();
@@ -100,12 +130,16 @@ class World final {
   /// What this life of the process counted.
   void AddCounts();
   void Connect(Robot& robot);
-  void Receive(Robot& robot, SimStream& stream);
+  static void Receive(Robot& robot, const ToAgent& received);
   void Check();
   void CheckLaw();
   void CheckForwardLaw();
   void CheckShare(const std::string& ruri, const robot::RobotSessions& sessions);
+  /// Who was offline before the process began stays so until it is heard.
+  void CheckRestored();
   void CheckEnds();
+  /// Shapes and objects at most twice a second.
+  void AddRates();
   /// One greedy robot among five, each with an eighth of the journal.
   void AddGreed();
   [[nodiscard]] bool MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode code);
@@ -138,6 +172,13 @@ class World final {
   std::vector<std::unique_ptr<Robot>> robots_;
   /// The first robot is.
   bool greedy_ = false;
+  /// Shapes and objects have a rate.
+  bool limited_ = false;
+  /// The store goes back now and then; it did so in this life of the process.
+  bool goes_back_ = false;
+  bool went_back_ = false;
+  /// Robots that were offline when this life of the process began, and did not come since.
+  std::set<std::string> offline_;
   bool away_ = false;
   /// The last round of the end read all that was committed before.
   bool all_read_ = false;

@@ -160,6 +160,9 @@ class FakeDatabase final {
     const std::lock_guard lock(mutex_);
     kinds_.NoteChange(std::move(key));
   }
+  /// All rows, leases and sequences become those of another database: of a standby that takes over
+  /// without the last commits, or of a copy that is put aside for that.
+  void CopyRowsOf(const FakeDatabase& other);
   void EraseLatest(std::string_view ruri, storage::LatestKind kind) {
     const std::lock_guard lock(mutex_);
     kinds_.EraseLatest(std::string(ruri), kind);

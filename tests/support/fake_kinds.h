@@ -22,6 +22,7 @@ class FakeKinds final {
   FakeKinds() = default;
   FakeKinds(const FakeKinds&) = delete;
   FakeKinds& operator=(const FakeKinds&) = delete;
+  void CopyRowsOf(const FakeKinds& other);
 
   template <typename Row>
   using History = std::vector<FakeEntry<Row>>;

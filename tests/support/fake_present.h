@@ -132,6 +132,8 @@ class FakePresent final {
   }
 
   [[nodiscard]] const std::map<std::string, Rows, std::less<>>& robots() const { return robots_; }
+  /// Notes no change: the owner copies those too.
+  void CopyRowsOf(const FakePresent& other) { robots_ = other.robots_; }
 
  private:
   static bool Expired(const typename Rows::value_type& row, std::int64_t now_ms) {

@@ -1,0 +1,67 @@
+// What goes wrong with the store, and answers that are lost.
+#include "server/journal/turns.h"
+#include "tests/simulation/world.h"
+
+namespace uplink::simulation {
+namespace {
+
+/// Frames of a flood, of `batch_uplinks_max` items each: more than a session's memory of Rejects.
+constexpr int kFloodFrames = 60;
+/// The robot is held back for its Rejects meanwhile.
+constexpr milliseconds kFloodTick{10};
+
+}  // namespace
+
+void World::StoreTrouble() {
+  const std::size_t pick = random_.Below(100);
+  if (!goes_back_ || pick < 10) {
+    if (!options_.troubles.retention) return;
+    // Every row in quarantine is too old by then.
+    static_cast<void>(recorder_.Retain(clock_.System() + 2 * kQuarantineKept));
+    return;
+  }
+  if (pick < 50) {
+    if (backend_.KeepCopy()) recorder_.KeepCopy();
+    return;
+  }
+  GoBack();
+}
+
+void World::GoBack() {
+  if (!backend_.GoBack()) return;
+  ++result_.failovers;
+  went_back_ = true;
+  recorder_.GoBack([this] {
+    for (const auto& robot : robots_) {
+      SimStream* stream = robot->stream ? server_->Find(*robot->stream) : nullptr;
+      if (stream == nullptr) continue;
+      for (const ToAgent& received : stream->TakeInFlight()) Receive(*robot, received);
+    }
+    for (const auto& robot : robots_) robot->agent.OnStoreWentBack();
+  });
+  // The connection to the one before is lost.
+  recorder_.FailNext(StoreFault::kBefore);
+}
+
+void World::Flood(Robot& robot) {
+  const std::uint64_t id = *robot.stream;
+  SimStream& stream = *server_->Find(id);
+  ++result_.floods;
+  stream.LoseAnswers();
+  robot.agent.FloodWithItems(true);
+  for (int frame = 0; frame < kFloodFrames; ++frame) {
+    stream.Send(
+        robot.agent.Batch(random_, limits_.session.batch_uplinks_max, SimAgent::Fresh::kYes));
+  }
+  robot.agent.FloodWithItems(false);
+  for (int turn = 0; turn < 4 * kFloodFrames && !stream.session().done(); ++turn) {
+    if (stream.CanDeliver()) stream.DeliverToServer();
+    server_->journal().turns().Advance();
+    while (server_->HasWakes()) server_->DeliverWake(0);
+    if (stream.Writing()) stream.CompleteWrite();
+    clock_.Advance(kFloodTick);
+    server_->FireTimers();
+  }
+}
+
+}  // namespace uplink::simulation

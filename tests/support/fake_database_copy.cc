@@ -1,0 +1,37 @@
+#include <mutex>
+
+#include "tests/support/fake_database.h"
+
+namespace uplink::testing {
+
+void FakeKinds::CopyRowsOf(const FakeKinds& other) {
+  events_ = other.events_;
+  messages_ = other.messages_;
+  reports_ = other.reports_;
+  scope_updates_ = other.scope_updates_;
+  runs_ = other.runs_;
+  changes_ = other.changes_;
+  shapes_.CopyRowsOf(other.shapes_);
+  objects_.CopyRowsOf(other.objects_);
+  latest_ = other.latest_;
+  runs_closed_ = other.runs_closed_;
+}
+
+void FakeDatabase::CopyRowsOf(const FakeDatabase& other) {
+  const std::scoped_lock lock(mutex_, other.mutex_);
+  robots_ = other.robots_;
+  faults_history_ = other.faults_history_;
+  quarantine_ = other.quarantine_;
+  kinds_.CopyRowsOf(other.kinds_);
+  presence_ = other.presence_;
+  live_ = other.live_;
+  leases_ = other.leases_;
+  topics_ = other.topics_;
+  applications_ = other.applications_;
+  entries_ = other.entries_;
+  transactions_ = other.transactions_;
+  epochs_ = other.epochs_;
+  epochs_in_each_row_ = other.epochs_in_each_row_;
+}
+
+}  // namespace uplink::testing
