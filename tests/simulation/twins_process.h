@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/broker/broker.h"
+#include "server/journal/journal.h"
+#include "server/journal/shards.h"
+#include "tests/simulation/recorder.h"
+#include "tests/simulation/sim_broker.h"
+#include "tests/support/fake_topic_leases.h"
+#include "tests/support/no_lines.h"
+
+namespace uplink::simulation {
+
+/// One life of a server that reads twins from a broker: the real reader, clients, journal and fleet
+/// on links that are moved by hand.
+///
+/// Thread: confined to its caller.
+class TwinsProcess final : public broker::LeaseView {
+ public:
+  /// The references outlive it.
+  struct Ground {
+    const Clock& clock;
+    testing::FakeDatabase& database;
+    Recorder& recorder;
+    SimBroker& broker;
+    storage::ProcessId id{};
+    /// Who had the topics before.
+    std::vector<storage::OverHolder> over;
+  };
+  explicit TwinsProcess(const Ground& ground);
+
+  // --- Steps of its threads ---
+
+  /// The journal's writer.
+  void Write();
+  /// What other threads left for the broker's.
+  void TakePosted();
+  /// The thread that asks the store about topics.
+  void ReadAgain();
+  /// Each second.
+  void Tick() { broker_.Tick(); }
+
+  [[nodiscard]] broker::MessageCounts counts() const { return broker_.ledger().Read(); }
+  [[nodiscard]] bool idle() const { return journal_.idle() && posted_.empty() && !reread_; }
+
+  // broker::LeaseView
+  [[nodiscard]] bool MayConnect(SteadyTime /*since*/) const override { return true; }
+  void LookSoon() override {}
+  void RereadSoon() override { reread_ = true; }
+  [[nodiscard]] bool failing() const override { return false; }
+  [[nodiscard]] std::string held_by() const override { return {}; }
+
+ private:
+  [[nodiscard]] broker::Broker::Context ContextOf();
+
+  const Ground ground_;
+  testing::FakeTopicLeases leases_;
+  log::Logger logger_;
+  metrics::Ledger ledger_;
+  journal::JournalProbe journal_probe_;
+  journal::Journal journal_;
+  journal::Shards shards_{{&journal_}};
+  fleet::Fleet fleet_;
+  cyberwave::Twins twins_{100};
+  std::deque<std::function<void()>> posted_;
+  std::uint64_t drawn_ = 0;
+  bool reread_ = false;
+  broker::Broker broker_;
+};
+
+}  // namespace uplink::simulation
