@@ -18,6 +18,10 @@ enum class Mutation : std::uint8_t {
   kDuplicateNotAcked,
   /// Acks do not wait for the Rejects that are read by pages.
   kPagesNotAwaited,
+  /// A durable message over its rate is settled at once, and its Reject lies in memory alone.
+  kLimitedNotStored,
+  /// A robot that was offline is unknown after a restart.
+  kOfflineForgotten,
   /// A process that learns that another one holds a robot goes on to judge it.
   kFenceKeepsState,
   /// A broker's message is acked when it came, before the commit.

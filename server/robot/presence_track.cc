@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/robot/mutation.h"
+
 namespace uplink::robot {
 
 void PresenceTrack::BeginListening(SteadyTime now) {
@@ -103,7 +105,8 @@ void PresenceTrack::Adopt(const Adoption& adoption) {
   known_since_ = adoption.now;
   if (HeardInTime(adoption.now)) return GoOnFrom(adoption.stored);
   BeginFrom(adoption.stored);
-  if (presence_ == Presence::kOffline && adoption.end == storage::HolderEnd::kEnded) {
+  const bool keeps = adoption.end == storage::HolderEnd::kEnded;
+  if (presence_ == Presence::kOffline && keeps && !Planted(Mutation::kOfflineForgotten)) {
     claimed_ = {presence_, adoption.now};
     return;
   }

@@ -207,7 +207,7 @@ bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Proces
                              .retry_after_ms = again->count()};
   context_.ledger.CountRejected(variant, model::RejectReason::kRateLimited);
   processed.frames.push_back(RejectFrame(limited.seq, limited.rejection, limited.retry_after_ms));
-  if (record.durable()) {
+  if (record.durable() && !robot::Planted(robot::Mutation::kLimitedNotStored)) {
     if (!appending_.Continues(limited.seq)) TakeFlow(0);
     appending_.AddLimited(std::move(limited));
   } else {

@@ -14,12 +14,13 @@ namespace uplink::simulation {
 class FakeBackend final : public Backend {
  public:
   /// Planted faults: a cursor that may be lowered; changes of presence that no cursor guards; rows
-  /// of robots that batches make.
+  /// of robots that batches make; Rejects that go for their age before they were confirmed.
   enum class Fault : std::uint8_t {
     kNone,
     kCursorMayFall,
     kNoCursorForPresence,
-    kBatchesMakeRobots
+    kBatchesMakeRobots,
+    kRejectsGoForTheirAge,
   };
   explicit FakeBackend(Fault fault = Fault::kNone) : fault_(fault) {}
 
@@ -29,6 +30,9 @@ class FakeBackend final : public Backend {
   storage::SharedItems& Items() override { return items_; }
   void DeleteRobotRow(const std::string& ruri) override { database_.DeleteRobotRow(ruri); }
   void RemoveRobot(const std::string& ruri) override { database_.RemoveRobot(ruri); }
+  void AfterRetain() override {
+    if (fault_ == Fault::kRejectsGoForTheirAge) database_.ForgetRejects();
+  }
   bool KeepCopy() override;
   bool GoBack() override;
 

@@ -63,7 +63,8 @@ TEST_P(PlantedFault, ReplaysToTheSameViolation) {
 INSTANTIATE_TEST_SUITE_P(Simulation, PlantedFault,
                          ::testing::Values(Mutation::kAckBeforeCommit, Mutation::kRejectNotRepeated,
                                            Mutation::kSettleLost, Mutation::kDuplicateNotAcked,
-                                           Mutation::kPagesNotAwaited));
+                                           Mutation::kPagesNotAwaited, Mutation::kLimitedNotStored,
+                                           Mutation::kOfflineForgotten));
 
 TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kCursorMayFall), 0U);
@@ -75,6 +76,10 @@ TEST(UnplantedSwitch, ChangesOfPresenceThatNoCursorGuardsAreFound) {
 
 TEST(UnplantedSwitch, BatchesThatMakeRobotsAreFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kBatchesMakeRobots), 0U);
+}
+
+TEST(UnplantedSwitch, RejectsThatGoForTheirAgeAreFound) {
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kRejectsGoForTheirAge), 0U);
 }
 
 struct ForwardCase {

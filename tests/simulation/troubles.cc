@@ -17,7 +17,7 @@ void World::StoreTrouble() {
   if (!goes_back_ || pick < 10) {
     if (!options_.troubles.retention) return;
     // Every row in quarantine is too old by then.
-    static_cast<void>(recorder_.Retain(clock_.System() + 2 * kQuarantineKept));
+    if (recorder_.Retain(clock_.System() + 2 * kQuarantineKept).ok()) backend_.AfterRetain();
     return;
   }
   if (pick < 50) {

@@ -41,6 +41,8 @@ class Backend {
   virtual void DeleteRobotRow(const std::string& ruri) = 0;
   /// The same, with all its shapes and objects.
   virtual void RemoveRobot(const std::string& ruri) = 0;
+  /// Quarantine was deleted for its age.
+  virtual void AfterRetain() {}
   /// Copies what lies in the store, for GoBack; false if it cannot go back.
   virtual bool KeepCopy() { return false; }
   /// The store becomes the last copy, as a standby that takes over without the last commits; false
@@ -51,11 +53,11 @@ class Backend {
 /// Troubles of which each is a promise more. A value.
 struct Troubles {
   /// Shapes and objects have a rate, and the network loses answers.
-  bool rates = false;
+  bool rates = true;
   /// Quarantine is deleted for its age.
-  bool retention = false;
+  bool retention = true;
   /// Who was offline stays so over a restart.
-  bool restarts = false;
+  bool restarts = true;
   /// The store becomes a standby that lacks the last commits.
   bool failovers = false;
 };

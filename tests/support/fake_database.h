@@ -160,6 +160,14 @@ class FakeDatabase final {
     const std::lock_guard lock(mutex_);
     kinds_.NoteChange(std::move(key));
   }
+  /// A mutation: no Reject is kept. A test that claims to watch those that are unconfirmed must
+  /// fail with it.
+  void ForgetRejects() {
+    const std::lock_guard lock(mutex_);
+    for (auto& [ruri, robot] : robots_) {
+      for (auto& [id, session] : robot.sessions) session.rejects = {};
+    }
+  }
   /// All rows, leases and sequences become those of another database: of a standby that takes over
   /// without the last commits, or of a copy that is put aside for that.
   void CopyRowsOf(const FakeDatabase& other);
