@@ -31,7 +31,8 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       fleet_(ground_.clock, kHoldersRobotsMax,
              ground_.fault == HoldersFault::kNoGraceAfterStandstill
                  ? robot::PresenceLimits{.startup_grace = milliseconds(0)}
-                 : robot::PresenceLimits()),
+                 : robot::PresenceLimits(),
+             {}, ground_.fault == HoldersFault::kSuspendUnnoticed ? nullptr : &ground_.boot),
       journal_(store_, {}, ground_.clock, ledger_, journal_probe_, ground_.id),
       seed_({fleet_, shards_, store_.reader(), std::nullopt}),
       restore_(fleet_, store_.reader()),

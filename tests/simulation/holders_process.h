@@ -36,6 +36,7 @@ class HoldersProcess final : public robot::WakeInbox {
   /// The references outlive it.
   struct Ground {
     const Clock& clock;
+    const BootClock& boot;
     testing::FakeDatabase& database;
     HoldersTruth& truth;
     Random& random;

@@ -44,6 +44,8 @@ enum class HoldersFault : std::uint8_t {
   kHalfOpenAnswers,
   /// After a standstill robots have no more time to come back than after a start without a grace.
   kNoGraceAfterStandstill,
+  /// Nobody notices that the machine was suspended.
+  kSuspendUnnoticed,
   /// A robot's epochs begin anew with its row.
   kEpochsInEachRow,
 };

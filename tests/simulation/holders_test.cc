@@ -42,6 +42,7 @@ HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
     sum.cuts += result.cuts;
     sum.stops += result.stops;
     sum.deletions += result.deletions;
+    sum.suspends += result.suspends;
   }
   return sum;
 }
@@ -81,6 +82,11 @@ TEST(Holders, RowsOfRobotsThatAreDeletedComeAnewUnderTheirLastHolder) {
   EXPECT_GT(sum.kills, kSeeds);
 }
 
+TEST(Holders, ASuspendMakesNobodyOffline) {
+  constexpr std::uint64_t kSeeds = 60;
+  EXPECT_GT(RunSeeds(kSeeds, Trouble::kSuspends).suspends, kSeeds);
+}
+
 TEST(Holders, ReplaysASeedToTheSameRow) {
   const auto run = [] { return HoldersWorld({.seed = 7}).Run(); };
   EXPECT_EQ(run().lines, run().lines);
@@ -115,6 +121,7 @@ INSTANTIATE_TEST_SUITE_P(
         Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
         Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
         Canary{HoldersFault::kSilenceForgotten}, Canary{HoldersFault::kLateIsForgotten},
+        Canary{HoldersFault::kSuspendUnnoticed, Trouble::kSuspends},
         Canary{HoldersFault::kHalfOpenAnswers}, Canary{HoldersFault::kNoGraceAfterStandstill},
         Canary{HoldersFault::kEpochsInEachRow, Trouble::kRows}));
 

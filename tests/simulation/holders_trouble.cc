@@ -20,6 +20,7 @@ void HoldersWorld::Trouble() {
       break;
     case HoldersOptions::Trouble::kAll:
     case HoldersOptions::Trouble::kRows:
+    case HoldersOptions::Trouble::kSuspends:
       if (random_.Below(60) == 0) AnyTrouble();
       break;
   }
@@ -35,7 +36,7 @@ void HoldersWorld::Update() {
 
 void HoldersWorld::AnyTrouble() {
   Place& place = places_[random_.Below(places_.size())];
-  switch (random_.Below(options_.trouble == HoldersOptions::Trouble::kRows ? 7 : 6)) {
+  switch (random_.Below(options_.trouble > HoldersOptions::Trouble::kAll ? 7 : 6)) {
     case 0:
       return Kill(place);
     case 1:
@@ -51,6 +52,7 @@ void HoldersWorld::AnyTrouble() {
       return;
     }
     case 6:
+      if (options_.trouble == HoldersOptions::Trouble::kSuspends) return Suspend();
       return DeleteRow(robots_[random_.Below(robots_.size())]);
     default:
       place.lost_percent = static_cast<std::uint32_t>(random_.Below(3)) * 20;
@@ -113,6 +115,7 @@ void HoldersWorld::Start(Place& place) {
   place.lost_percent = 0;
   place.process = std::make_unique<HoldersProcess>(HoldersProcess::Ground{
       .clock = clock_,
+      .boot = boot_,
       .database = database_,
       .truth = truth_,
       .random = random_,
@@ -186,6 +189,19 @@ void HoldersWorld::BreakConnections(Place& place) {
     // What it said before its agent gave up is read afterwards.
     robot.unread = true;
     Leave(robot, still + Between(seconds(1), seconds(60)));
+  }
+}
+
+void HoldersWorld::Suspend() {
+  ++result_.suspends;
+  const milliseconds time = Between(minutes(1), minutes(10));
+  truth_.Tell(fmt::format("suspended for {} ms", time.count()));
+  boot_.Suspend(time);
+  clock_.SetSystem(clock_.System() + time);
+  for (Robot& robot : robots_) {
+    if (!robot.link || PlaceOf(robot) == nullptr || !IsHeard(robot)) continue;
+    robot.broke = robot.link;
+    Leave(robot, Between(seconds(1), seconds(60)));
   }
 }
 

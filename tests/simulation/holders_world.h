@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/simulation/holders_process.h"
+#include "tests/support/manual_boot_clock.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::simulation {
@@ -25,6 +26,8 @@ struct HoldersOptions {
     kAll,
     /// Deleted rows of robots, and all the above.
     kRows,
+    /// Suspends of the machine on which all processes run, and everything but deleted rows.
+    kSuspends,
   };
   Trouble trouble = Trouble::kAll;
   HoldersFault fault = HoldersFault::kNone;
@@ -50,6 +53,7 @@ struct HoldersResult {
   std::uint64_t stops = 0;
   /// Rows of robots that another hand deleted.
   std::uint64_t deletions = 0;
+  std::uint64_t suspends = 0;
 };
 
 /// Two or three places for server processes on one store, and robots that stream to them: one
@@ -171,6 +175,8 @@ class HoldersWorld final {
   void BeginStop(Place& place);
   void StandStill(Place& place);
   void BreakConnections(Place& place);
+  /// All processes stand still, and the monotonic clock with them; connections break.
+  void Suspend();
   void Cut(Place& place, milliseconds time);
   void DeleteRow(const Robot& robot);
 
@@ -189,6 +195,7 @@ class HoldersWorld final {
   const HoldersOptions options_;
   Random random_;
   testing::ManualClock clock_;
+  testing::ManualBootClock boot_{clock_};
   testing::FakeDatabase database_;
   HoldersTruth truth_;
   HoldersResult result_;
