@@ -126,7 +126,7 @@ startup_grace = "10m"
             online = self.wait_for(server, "PRESENCE_ONLINE", 2)
             wait_until(
                 server.process,
-                lambda now=online: all(self.history(server, ruri)[-1] == "PRESENCE_ONLINE" for ruri in now),
+                lambda now=online: all(self.history(server, ruri)[-1:] == ["PRESENCE_ONLINE"] for ruri in now),
                 ROUND_SECONDS,
                 "the store has it",
             )
