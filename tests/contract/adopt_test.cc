@@ -201,6 +201,14 @@ TEST_P(LeaseContract, KeepsTheRobotsOfWhoRenewedMeanwhile) {
   EXPECT_TRUE(Adopt({Of(robot_, 2)})[0].held_since.has_value());
 }
 
+TEST_P(LeaseContract, KeepsTheRobotsOfWhoseCounterWentBack) {
+  Open();
+  Renew(kProcess, 2);
+  // Judged before a failover to a standby that had missed renewals: its holder goes on from there.
+  EXPECT_FALSE(Adopt({Of(robot_, 5)})[0].held_since.has_value());
+  EXPECT_THAT(Commit({Good(1)}), ElementsAre(OutcomeKind::kStored));
+}
+
 TEST_P(LeaseContract, AnEndedStreamTakesNoRobotFromWhoHasALease) {
   Open(Request(), kOther);
   Renew(kOther);

@@ -25,6 +25,12 @@ std::vector<storage::FoundRobot> FakeDatabase::Compare(
   return found;
 }
 
+storage::Epoch FakeDatabase::HeldSinceOf(std::string_view ruri) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = robots_.find(ruri);
+  return found == robots_.end() ? 0 : found->second.held_since;
+}
+
 bool FakeDatabase::IsFenced(const storage::ProcessId& process, const storage::RobotRef& robot,
                             storage::Epoch held_since) {
   const Robot* const known = FindRobot(robot->ruri);

@@ -203,6 +203,8 @@ class FakeDatabase final {
     return applications_.size();
   }
   [[nodiscard]] storage::Epoch EpochOf(std::string_view ruri) const;
+  /// Since when it is held.
+  [[nodiscard]] storage::Epoch HeldSinceOf(std::string_view ruri) const;
 
  private:
   friend class FakeReader;

@@ -134,7 +134,7 @@ void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presen
                             .presence = presence,
                             .at = clock.System(),
                             .number = ++last_presence_,
-                            .held_since = database.EpochOf(ruri)});
+                            .held_since = database.HeldSinceOf(ruri)});
   UPLINK_CHECK(store.Commit(batch).ok(), ruri);
 }
 

@@ -300,8 +300,11 @@ TEST_F(LeaseRoundsTest, WhoCannotRenewGoesOnUntilItsRobotsAreAdopted) {
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
   Pass(kLookEvery);
   EXPECT_THAT(History(), ElementsAre(model::Presence::kOnline));
-  const storage::AdoptRequest request{
-      .robot = robot_, .holder = kSelf, .lease_counter = 9, .end = storage::HolderEnd::kSilent};
+  storage::AdoptRequest request{
+      .robot = robot_, .holder = kSelf, .end = storage::HolderEnd::kSilent};
+  for (const storage::Lease& lease : database_.ReadLeases()) {
+    if (lease.process == kSelf) request.lease_counter = lease.counter;
+  }
   ASSERT_TRUE(other_.Adopt({&request, 1})->front().held_since);
   RenewOther();
   leases_->SetAway(false);

@@ -56,7 +56,8 @@ TEST_F(SeedTest, WhoIsForgottenIsLeftInTheStoreUnlessTheStoreCallsItOnline) {
   storage::Batch batch;
   batch.presence_session = model::SessionId({8});
   batch.presence = {{std::make_shared<const model::RobotId>(model::RobotId{"rcan://b", "f"}),
-                     model::Presence::kOnline, clock_.System(), 1, database_.EpochOf("rcan://b")}};
+                     model::Presence::kOnline, clock_.System(), 1,
+                     database_.HeldSinceOf("rcan://b")}};
   ASSERT_TRUE(store_.Commit(batch).ok());
   Seed seed({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
   const auto left_out = seed.Run(2);
@@ -135,7 +136,7 @@ TEST_F(SeedTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
   Know(store_, "rcan://b", clock_.System());
   const auto change = [this](const std::string& ruri, model::Presence presence, model::Seq number) {
     return storage::PresenceItem{std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
-                                 presence, FromUnixMs(7), number, database_.EpochOf(ruri)};
+                                 presence, FromUnixMs(7), number, database_.HeldSinceOf(ruri)};
   };
   storage::Batch batch;
   batch.presence_session = model::SessionId({8});
