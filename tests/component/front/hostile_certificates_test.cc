@@ -77,7 +77,7 @@ TEST(CertificateNaming, SourceAndReasonAreInTheLog) {
                            log::Level::kDebug);
   RelayWorld::Options of_world;
   of_world.logger = &logger;
-  RelayWorld world(Native(of_world));
+  RelayWorld world(of_world);
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1), "127.0.0.66");
   options.behind = std::make_shared<ShownChain>(
       std::vector<std::string>{odd::CertificateWith(odd::RsaKey(4097, 17))});
