@@ -16,6 +16,7 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t deletions = 0;
+  std::uint64_t floods = 0;
   std::uint64_t held_back = 0;
   std::uint64_t held_back_by_share = 0;
   std::uint64_t held_back_by_flow = 0;
@@ -29,6 +30,7 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
     forwards += result.forwards;
     kills += result.kills;
     deletions += result.deletions;
+    floods += result.floods;
     held_back += result.held_back;
     held_back_by_share += result.held_back_by_share;
     held_back_by_flow += result.held_back_by_flow;
@@ -49,6 +51,8 @@ TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   EXPECT_GT(forwards.snapshot_items, kSeeds);
   EXPECT_GT(kills, kSeeds / 10);
   EXPECT_GT(deletions, kSeeds / 10);
+  EXPECT_GT(uplinks.rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)], kSeeds);
+  EXPECT_GT(floods, kSeeds / 50);
   EXPECT_GT(held_back, kSeeds);
   EXPECT_GT(held_back_by_share, kSeeds / 10);
   EXPECT_GT(held_back_by_flow, kSeeds / 10);
