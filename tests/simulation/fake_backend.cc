@@ -37,8 +37,10 @@ bool FakeBackend::KeepCopy() {
 }
 
 bool FakeBackend::GoBack() {
-  if (has_copy_) database_.CopyRowsOf(copy_);
-  return has_copy_;
+  if (!has_copy_) return false;
+  database_.CopyRowsOf(copy_);
+  store_->Break();
+  return true;
 }
 
 std::optional<std::string> FakeBackend::Compare(const Recorder& recorder) {

@@ -31,6 +31,7 @@ void HoldersWorld::CheckHolds() {
           place.process == nullptr ? nullptr : place.process->fleet().Find(ruri);
       if (robot == nullptr || robot->state.held_since() < hold.since) continue;
       if (place.process->id() == hold.holder) continue;
+      if (truth_.IsLost(ruri, place.process->id(), robot->state.held_since())) continue;
       truth_.Fail(fmt::format("{} believes that it holds {}", place.process->name(), ruri));
     }
   }
@@ -40,6 +41,7 @@ void HoldersWorld::Settle() {
   settling_ = true;
   const SteadyTime now = clock_.Steady();
   truth_.Tell("troubles end");
+  goes_back_at_.reset();
   for (Place& place : places_) {
     place.still_until = place.unread_until = place.cut_until = now;
     place.lost_percent = 0;

@@ -73,6 +73,8 @@ class HoldersStore final : public storage::Store {
   /// Every call fails until false.
   void SetAway(bool away) { away_ = away; }
   [[nodiscard]] bool away() const { return away_; }
+  /// The connection breaks: what the store has may be less than it told.
+  void Break() { store_.Break(); }
   /// So many of a hundred calls fail, half of them after they were carried out.
   void SetLossy(std::uint32_t percent) { lost_percent_ = percent; }
   [[nodiscard]] storage::Reader& reader() { return store_; }

@@ -43,6 +43,7 @@ HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
     sum.stops += result.stops;
     sum.deletions += result.deletions;
     sum.suspends += result.suspends;
+    sum.failovers += result.failovers;
   }
   return sum;
 }
@@ -85,6 +86,11 @@ TEST(Holders, RowsOfRobotsThatAreDeletedComeAnewUnderTheirLastHolder) {
 TEST(Holders, ASuspendMakesNobodyOffline) {
   constexpr std::uint64_t kSeeds = 60;
   EXPECT_GT(RunSeeds(kSeeds, Trouble::kSuspends).suspends, kSeeds);
+}
+
+TEST(Holders, AStoreThatWentBackLeavesOneHolderAndMakesNobodyOffline) {
+  constexpr std::uint64_t kSeeds = 60;
+  EXPECT_GT(RunSeeds(kSeeds, Trouble::kFailovers).failovers, kSeeds);
 }
 
 TEST(Holders, ReplaysASeedToTheSameRow) {

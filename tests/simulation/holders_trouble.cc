@@ -21,9 +21,11 @@ void HoldersWorld::Trouble() {
     case HoldersOptions::Trouble::kAll:
     case HoldersOptions::Trouble::kRows:
     case HoldersOptions::Trouble::kSuspends:
+    case HoldersOptions::Trouble::kFailovers:
       if (random_.Below(60) == 0) AnyTrouble();
       break;
   }
+  if (goes_back_at_ && clock_.Steady() >= *goes_back_at_) GoBack();
   for (Robot& robot : robots_) TroubleOf(robot);
 }
 
@@ -53,6 +55,7 @@ void HoldersWorld::AnyTrouble() {
     }
     case 6:
       if (options_.trouble == HoldersOptions::Trouble::kSuspends) return Suspend();
+      if (options_.trouble == HoldersOptions::Trouble::kFailovers) return KeepCopy();
       return DeleteRow(robots_[random_.Below(robots_.size())]);
     default:
       place.lost_percent = static_cast<std::uint32_t>(random_.Below(3)) * 20;
@@ -202,6 +205,26 @@ void HoldersWorld::Suspend() {
     if (!robot.link || PlaceOf(robot) == nullptr || !IsHeard(robot)) continue;
     robot.broke = robot.link;
     Leave(robot, Between(seconds(1), seconds(60)));
+  }
+}
+
+void HoldersWorld::KeepCopy() {
+  if (goes_back_at_) return;
+  copy_.CopyRowsOf(database_);
+  truth_.KeepCopy();
+  goes_back_at_ = clock_.Steady() + Between(milliseconds(500), seconds(20));
+}
+
+void HoldersWorld::GoBack() {
+  ++result_.failovers;
+  goes_back_at_.reset();
+  const auto before = truth_.Holds();
+  database_.CopyRowsOf(copy_);
+  truth_.GoBack(before);
+  // The connections to the one before are lost.
+  for (Place& place : places_) {
+    if (place.process != nullptr) place.process->store().Break();
+    Cut(place, Between(milliseconds(0), seconds(5)));
   }
 }
 

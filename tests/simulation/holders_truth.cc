@@ -34,6 +34,10 @@ void HoldersTruth::NoteEnded(const storage::ProcessId& process, End end) {
 void HoldersTruth::NoteSign(const std::string& ruri, const storage::ProcessId& process,
                             storage::Epoch held_since) {
   Robot& robot = robots_[ruri];
+  if (robot.lost.contains({process, held_since})) {
+    robot.signs.push_back(clock_.System());
+    return;
+  }
   if (held_since == 0 || held_since < robot.opened_since) return;
   const std::map<std::string, Hold> holds = Holds();
   const auto hold = holds.find(ruri);
@@ -58,6 +62,7 @@ void HoldersTruth::OnOpened(const storage::ProcessId& process, const std::string
   const Hold hold = Holds()[ruri];
   Robot& robot = robots_[ruri];
   robot.opened_since = hold.since;
+  robot.lost.clear();
   const auto was = before.find(ruri);
   if (was != before.end() && was->second.since == hold.since) return;
   robot.began = {.at = clock_.Steady()};
@@ -127,6 +132,25 @@ void HoldersTruth::CheckSilence(const Robot& robot, const storage::PresenceItem&
   if (after == robot.signs.begin() || item.at - *(after - 1) > timeout_) return;
   Fail(fmt::format("{} was called offline {} ms after it was heard", item.robot->ruri,
                    std::chrono::duration_cast<milliseconds>(item.at - *(after - 1)).count()));
+}
+
+void HoldersTruth::GoBack(const std::map<std::string, Hold>& before) {
+  Tell("the store goes back");
+  const std::map<std::string, Hold> after = Holds();
+  for (auto& [ruri, robot] : robots_) {
+    Robot& copy = copy_[ruri];
+    copy.signs = std::move(robot.signs);
+    copy.lost = std::move(robot.lost);
+    robot = copy;
+    const auto was = before.find(ruri);
+    const auto is = after.find(ruri);
+    if (was == before.end()) continue;
+    if (is != after.end() && is->second.since == was->second.since &&
+        is->second.holder == was->second.holder) {
+      continue;
+    }
+    robot.lost.emplace(was->second.holder, was->second.since);
+  }
 }
 
 void HoldersTruth::Fail(std::string what) {

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -93,6 +94,18 @@ class HoldersTruth final {
   [[nodiscard]] const Began& BeganOf(const std::string& ruri) { return robots_[ruri].began; }
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
 
+  // --- The store goes back ---
+
+  /// What the store has of each robot is put aside with a copy of it.
+  void KeepCopy() { copy_ = robots_; }
+  /// The store is that copy again; `before` is as it was until then. Who held a robot by a hold
+  /// that is lost goes on to hear it until another process opens its stream.
+  void GoBack(const std::map<std::string, Hold>& before);
+  [[nodiscard]] bool IsLost(const std::string& ruri, const storage::ProcessId& process,
+                            storage::Epoch since) {
+    return robots_[ruri].lost.contains({process, since});
+  }
+
   /// Something was not kept; only the first such thing is told.
   void Fail(std::string what);
   [[nodiscard]] const std::string& violation() const { return violation_; }
@@ -108,6 +121,8 @@ class HoldersTruth final {
     /// The hold under which a stream was opened last.
     storage::Epoch opened_since = 0;
     Began began;
+    /// Holds that the store has lost.
+    std::set<std::pair<storage::ProcessId, storage::Epoch>> lost;
   };
   void CheckOver(const std::string& ruri, const storage::ProcessId& holder);
   void CheckSilence(const Robot& robot, const storage::PresenceItem& item);
@@ -116,6 +131,7 @@ class HoldersTruth final {
   const testing::FakeDatabase& database_;
   const milliseconds timeout_;
   std::map<std::string, Robot> robots_;
+  std::map<std::string, Robot> copy_;
   std::map<storage::ProcessId, SteadyTime> renewed_;
   struct Ended {
     End how = End::kKilled;

@@ -28,6 +28,8 @@ struct HoldersOptions {
     kRows,
     /// Suspends of the machine on which all processes run, and everything but deleted rows.
     kSuspends,
+    /// The store becomes a standby that lacks the last commits, and everything but deleted rows.
+    kFailovers,
   };
   Trouble trouble = Trouble::kAll;
   HoldersFault fault = HoldersFault::kNone;
@@ -54,6 +56,7 @@ struct HoldersResult {
   /// Rows of robots that another hand deleted.
   std::uint64_t deletions = 0;
   std::uint64_t suspends = 0;
+  std::uint64_t failovers = 0;
 };
 
 /// Two or three places for server processes on one store, and robots that stream to them: one
@@ -177,6 +180,8 @@ class HoldersWorld final {
   void BreakConnections(Place& place);
   /// All processes stand still, and the monotonic clock with them; connections break.
   void Suspend();
+  void KeepCopy();
+  void GoBack();
   void Cut(Place& place, milliseconds time);
   void DeleteRow(const Robot& robot);
 
@@ -197,6 +202,9 @@ class HoldersWorld final {
   testing::ManualClock clock_;
   testing::ManualBootClock boot_{clock_};
   testing::FakeDatabase database_;
+  /// A standby that lacks the last commits; set while it is about to take over.
+  testing::FakeDatabase copy_;
+  std::optional<SteadyTime> goes_back_at_;
   HoldersTruth truth_;
   HoldersResult result_;
   std::vector<Place> places_;

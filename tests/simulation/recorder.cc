@@ -10,7 +10,6 @@ absl::StatusOr<std::vector<storage::OpenResult>> Recorder::OpenStreams(
     std::span<const storage::OpenRequest> requests) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
-  Reconnect();
   auto results = store_->OpenStreams(requests);
   if (!results.ok()) return results;
   for (std::size_t i = 0; i < requests.size(); ++i) {
@@ -71,7 +70,6 @@ absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
     std::span<const storage::AdoptRequest> requests) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
-  Reconnect();
   auto results = store_->Adopt(requests);
   if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
   return results;
@@ -80,7 +78,6 @@ absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
 absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Batch& batch) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
-  Reconnect();
   auto outcomes = store_->Commit(batch);
   if (!outcomes.ok()) return outcomes;
   for (std::size_t i = 0; i < batch.records.size(); ++i) Note(batch.records[i], (*outcomes)[i]);

@@ -49,7 +49,6 @@ class Recorder final : public storage::Store {
   /// not know: then `reconnected` is called, before anything else is asked of the store.
   void KeepCopy() { copy_ = book_; }
   void GoBack(std::function<void()> reconnected);
-  void Reconnect();
   /// Whether the process may call the number durable.
   [[nodiscard]] bool MayBeTold(const std::string& ruri, const model::SessionId& session,
                                model::Seq seq);
@@ -112,6 +111,7 @@ class Recorder final : public storage::Store {
     SharedBook shared;
   };
 
+  void Reconnect();
   void Note(const storage::CommitRecord& record, const storage::Outcome& outcome);
   void NotePresence(const storage::Batch& batch, std::span<const storage::Outcome> outcomes);
   /// Nothing is to be taken while the robot has no row, and nothing to be fenced that was committed

@@ -39,8 +39,6 @@ void World::GoBack() {
     }
     for (const auto& robot : robots_) robot->agent.OnStoreWentBack();
   });
-  // The connection to the one before is lost.
-  recorder_.FailNext(StoreFault::kBefore);
 }
 
 void World::Flood(Robot& robot) {

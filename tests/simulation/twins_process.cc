@@ -32,6 +32,7 @@ TwinsProcess::TwinsProcess(const Ground& ground)
       fleet_(ground_.clock, 100, {}),
       broker_(ContextOf()) {
   broker_.SetLease(*this);
+  journal_.OnReconnected([this] { posted_.push_back([this] { broker_.Reread(); }); });
   const auto epoch = leases_.Take({.client_id = kClientId,
                                    .prefixes = {""},
                                    .over = ground_.over,
@@ -72,10 +73,11 @@ void TwinsProcess::TakePosted() {
 }
 
 void TwinsProcess::ReadAgain() {
-  if (!std::exchange(reread_, false)) return;
+  const std::optional<std::uint64_t> asked = std::exchange(reread_, std::nullopt);
+  if (!asked) return;
   auto memory = leases_.MemoryOf(kClientId);
   UPLINK_CHECK(memory.ok(), "the simulated store can be read");
-  broker_.GoOn({.memory = *std::move(memory), .faults = {}});
+  broker_.GoOn({.asked = *asked, .memory = *std::move(memory), .faults = {}});
 }
 
 }  // namespace uplink::simulation

@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,7 @@ class TwinsProcess final : public broker::LeaseView {
   // broker::LeaseView
   [[nodiscard]] bool MayConnect(SteadyTime /*since*/) const override { return true; }
   void LookSoon() override {}
-  void RereadSoon() override { reread_ = true; }
+  void RereadSoon(std::uint64_t asked) override { reread_ = asked; }
   [[nodiscard]] bool failing() const override { return false; }
   [[nodiscard]] std::string held_by() const override { return {}; }
 
@@ -70,7 +71,8 @@ class TwinsProcess final : public broker::LeaseView {
   cyberwave::Twins twins_{100};
   std::deque<std::function<void()>> posted_;
   std::uint64_t drawn_ = 0;
-  bool reread_ = false;
+  /// What was asked for and is not told yet.
+  std::optional<std::uint64_t> reread_;
   broker::Broker broker_;
 };
 

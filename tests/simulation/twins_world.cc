@@ -54,10 +54,7 @@ void TwinsWorld::Step() {
   const std::size_t pick = random_.Below(100);
   if (pick < 15) return Publish();
   if (pick < 40) return static_cast<void>(broker_.Deliver());
-  if (pick < 62) {
-    recorder_.Reconnect();
-    return process_->Write();
-  }
+  if (pick < 62) return process_->Write();
   if (pick < 80) return process_->TakePosted();
   if (pick < 88) return process_->ReadAgain();
   if (pick < 93) return Pass(milliseconds(100 + random_.Below(2'000)));
@@ -114,7 +111,7 @@ void TwinsWorld::GoBack() {
     }
   });
   // The connection to the one before is lost, and perhaps that to the broker as well.
-  recorder_.FailNext(StoreFault::kBefore);
+  store_->Break();
   if (random_.Percent(50)) broker_.Break(random_.Below(4));
 }
 
