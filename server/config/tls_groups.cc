@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kGroups = {"X25519", "P-256", "P-384", "P-521"};
 /// Those of client certificates that `tls.groups` may lack.
-constexpr std::array<std::string_view, 2> kGroupsOfCertificates = {"P-384", "P-521"};
+constexpr std::array<std::string_view, 3> kGroupsOfCertificates = {"P-256", "P-384", "P-521"};
 /// Longest part of a wrong word that a problem repeats.
 constexpr std::size_t kShownBytesMax = 100;
 

@@ -129,13 +129,17 @@ int TlsEngine::OnVerified(int good, X509_STORE_CTX* store) {
 
 TlsEngine::Step TlsEngine::Handshake() {
   begun_ = begun_ || !buffers_.in.empty();
+  if (!buffers_.in.empty()) ++handshake_reads_;
   hello_.Take(buffers_.in);
-  if (hello_.size() > kClientHelloBytesMax) {
+  if (hello_.size() > kClientHelloBytesMax || handshake_reads_ > kHandshakeReadsMax ||
+      handshake_bytes_ > kHandshakeBytesMax) {
     failure_ = Failure::kOther;
     return Step::kFailed;
   }
   ERR_clear_error();
+  const std::size_t offered = buffers_.in.size();
   const int result = SSL_do_handshake(ssl_);
+  handshake_bytes_ += offered - buffers_.in.size();
   if (certificate_flaw_ != identity::CertificateFlaw::kNone) {
     ERR_clear_error();
     failure_ = Failure::kCertificate;

@@ -29,6 +29,14 @@ inline constexpr std::size_t kRecordBytes = 16 * 1024;
 /// go through 16 KiB of key shares takes OpenSSL 3.3 ms (measured).
 inline constexpr std::size_t kClientHelloBytesMax = 4 * 1024;
 
+/// Bytes of a peer's side of a handshake: two ClientHellos, its certificates, a signature, and the
+/// heads of their records. A record of one byte costs OpenSSL 0.7 us.
+inline constexpr std::size_t kHandshakeBytesMax = 48 * 1024;
+static_assert(kHandshakeBytesMax > 2 * kClientHelloBytesMax + identity::kShownBytesMax);
+/// How often a handshake goes on because bytes came: 32 KiB of certificates are 61 segments of the
+/// smallest usual size, and one byte at a time costs 17 us each.
+inline constexpr std::size_t kHandshakeReadsMax = 128;
+
 /// What the connections of a thread encrypt and decrypt through, one after the other.
 struct TlsBuffers {
   /// Ciphertext that has arrived and was not processed.
@@ -111,6 +119,8 @@ class TlsEngine final {
   TlsEngine& operator=(const TlsEngine&) = delete;
 
   /// Goes on with the handshake by what is in `in`.
+  ///
+  /// Limits: kHandshakeReadsMax, kHandshakeBytesMax; past them it fails (Failure::kOther).
   [[nodiscard]] Step Handshake();
   /// A byte of the peer's has come: who leaves now did more than look whether we answer.
   [[nodiscard]] bool begun() const { return begun_; }
@@ -153,6 +163,8 @@ class TlsEngine final {
   int flaw_ = 0;
   bool begun_ = false;
   HelloSize hello_;
+  std::size_t handshake_reads_ = 0;
+  std::size_t handshake_bytes_ = 0;
   bool done_ = false;
   bool over_ = false;
   std::uint32_t late_messages_ = 0;

@@ -8,12 +8,16 @@ constexpr std::uint8_t kLongTag = 0x1F;
 /// A length of this value and above says in how many bytes the length follows.
 constexpr std::uint8_t kLongLength = 0x80;
 constexpr std::size_t kLengthBytesMax = 3;
+/// A sequence and a set without the bit of a content that is elements.
+constexpr std::uint8_t kPrimitiveSequence = 0x10;
+constexpr std::uint8_t kPrimitiveSet = 0x11;
 
 }  // namespace
 
 std::optional<DerReader::Element> DerReader::Take() {
   if (rest_.size() < 2 || (rest_[0] & kLongTag) == kLongTag) return std::nullopt;
   const std::uint8_t tag = rest_[0];
+  if (tag == kPrimitiveSequence || tag == kPrimitiveSet) return std::nullopt;
   std::size_t length = rest_[1];
   std::size_t head = 2;
   if (length >= kLongLength) {

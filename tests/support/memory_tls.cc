@@ -48,6 +48,9 @@ MemoryTls::MemoryTls(const Options& options) : tls_(std::make_unique<Tls>()) {
                      identity::UseKey(context, options.identity.key),
                  "a key pair of the test's own");
   }
+  if (options.padded_bytes > 0) {
+    UPLINK_CHECK(SSL_CTX_set_block_padding(context, options.padded_bytes) == 1, "a record's size");
+  }
   if (options.behind != nullptr) options.behind->AddTo(context);
   tls_->ssl.reset(SSL_new(context));
   SSL* ssl = tls_->ssl.get();

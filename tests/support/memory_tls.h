@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ class MemoryTls final {
     int version_max = 0;
     /// OpenSSL's names of its groups, with colons in between; empty: those of the library.
     std::string groups;
+    /// The content of each record of TLS 1.3 is padded to a multiple of so many bytes; 0: it is
+    /// not.
+    std::size_t padded_bytes = 0;
   };
 
   explicit MemoryTls(const Options& options);

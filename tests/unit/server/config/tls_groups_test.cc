@@ -43,7 +43,9 @@ TEST(TlsGroups, AreServedInTheirOrder) {
 TEST(TlsGroups, HaveTheCurvesOfCertificatesWhileTls12IsAccepted) {
   EXPECT_EQ(ServedWith("min_version = \"1.2\"\n"), "X25519:P-256:P-384:P-521");
   EXPECT_EQ(ServedWith("min_version = \"1.2\"\ngroups = [\"P-384\", \"X25519\"]\n"),
-            "P-384:X25519:P-521");
+            "P-384:X25519:P-256:P-521");
+  EXPECT_EQ(ServedWith("min_version = \"1.2\"\ngroups = [\"X25519\"]\n"),
+            "X25519:P-256:P-384:P-521");
 }
 
 }  // namespace

@@ -86,6 +86,56 @@ class TlsEngineTest : public ::testing::Test {
   TlsBuffers buffers_{};
 };
 
+/// A robot's side of a handshake, as a peer says it that answers in pieces of so many bytes.
+class TlsEnginePieces : public TlsEngineTest {
+ protected:
+  struct Said {
+    TlsEngine::Step step = TlsEngine::Step::kMore;
+    std::size_t reads = 0;
+  };
+  Said SayIn(std::size_t piece, std::size_t padded_bytes = 0) {
+    auto context = TlsContext::Make(texts_, rules_);
+    EXPECT_TRUE(context.ok()) << context.status();
+    TlsEngine engine(*context, method_, buffers_);
+    MemoryTls::Options robot = Robot();
+    robot.padded_bytes = padded_bytes;
+    MemoryTls client(robot);
+    Said said;
+    while (said.step == TlsEngine::Step::kMore) {
+      const std::string heard = client.Step(buffers_.out);
+      buffers_.out.clear();
+      if (heard.empty()) break;
+      for (std::size_t at = 0; at < heard.size() && said.step == TlsEngine::Step::kMore;
+           at += piece) {
+        buffers_.in = std::string_view(heard).substr(at, piece);
+        ++said.reads;
+        said.step = engine.Handshake();
+      }
+    }
+    buffers_.out.clear();
+    buffers_.in = {};
+    return said;
+  }
+};
+
+TEST_F(TlsEnginePieces, SmallSegmentsAreTaken) {
+  const Said said = SayIn(64);
+  EXPECT_EQ(said.step, TlsEngine::Step::kDone);
+  EXPECT_LE(said.reads, kHandshakeReadsMax);
+}
+
+TEST_F(TlsEnginePieces, OneByteAtATimeEndsTheHandshake) {
+  const Said said = SayIn(1);
+  EXPECT_EQ(said.step, TlsEngine::Step::kFailed);
+  EXPECT_EQ(said.reads, kHandshakeReadsMax + 1);
+}
+
+TEST_F(TlsEnginePieces, ARecordIsTakenWholeAndThreeThatArePaddedToTheirMostAreNot) {
+  EXPECT_EQ(SayIn(kRecordBytes).step, TlsEngine::Step::kDone);
+  // Certificate, signature and Finished have a record each.
+  EXPECT_EQ(SayIn(kRecordBytes, kRecordBytes).step, TlsEngine::Step::kFailed);
+}
+
 /// Both versions, since their Certificate messages differ.
 class TlsEngineGate : public TlsEngineTest, public ::testing::WithParamInterface<int> {
  protected:

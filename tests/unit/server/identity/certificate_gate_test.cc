@@ -159,6 +159,49 @@ TEST(CertificateGate, AValueThatIsNoDerCountsAsTheMostThatItCouldBe) {
   EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
 }
 
+const std::string kCrlPoints("\x55\x1D\x1F", 3);
+
+CertificateFlaw FlawWithPoints(const std::string& points) {
+  odd::Parts parts = Good();
+  parts.extensions = odd::Extension(kCrlPoints, points);
+  return FlawOf(odd::CertificateOf(parts));
+}
+
+TEST(CertificateGate, PointsOfRevocationListsAreNamedInFull) {
+  const std::string list = der::Element(0x86, "http://ca.example.org/list");
+  const std::string in_full = der::Element(0xA0, der::Element(0xA0, list));
+  const std::string reasons = der::Element(0x81, std::string("\x00\x80", 2));
+  const std::string issuer = der::Element(0xA2, list);
+  EXPECT_EQ(FlawWithPoints(der::Sequence(der::Sequence(in_full))), CertificateFlaw::kNone);
+  EXPECT_EQ(FlawWithPoints(
+                der::Sequence(der::Sequence(in_full + reasons + issuer) + der::Sequence(issuer))),
+            CertificateFlaw::kNone);
+}
+
+/// OpenSSL copies the issuer's name for each of them, before it knows who signed.
+TEST(CertificateGate, APointThatIsRelativeToTheIssuerIsMalformed) {
+  const std::string attribute =
+      der::Sequence(der::Oid(std::string("\x55\x04\x03", 3)) + der::Element(0x0C, "a"));
+  for (const std::uint8_t relative : {0xA1, 0x81}) {
+    const std::string name = der::Element(0xA0, der::Element(relative, attribute));
+    EXPECT_EQ(FlawWithPoints(der::Sequence(der::Sequence(name))), CertificateFlaw::kMalformed);
+  }
+  // OpenSSL takes each of these lists without the bit that says that it is one.
+  const std::string name = der::Element(0xA0, der::Element(0xA1, attribute));
+  EXPECT_EQ(FlawWithPoints(der::Element(0x10, der::Sequence(name))), CertificateFlaw::kMalformed);
+  EXPECT_EQ(FlawWithPoints(der::Sequence(der::Element(0x10, name))), CertificateFlaw::kMalformed);
+}
+
+TEST(CertificateGate, AListThatHidesItsElementsCountsAsTheMostThatItCouldBe) {
+  odd::Parts parts = Good();
+  const std::string names = Times(kShownElementsMax, kHost);
+  parts.extensions = odd::Extension(kNames, der::Element(0x10, names));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+  // A list of a context, as name constraints have it.
+  parts.extensions = odd::Extension("\x2A", der::Sequence(der::Element(0x80, names)));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+}
+
 TEST(CertificateGate, ElementsOfAllCertificatesOfAMessageAreCountedTogether) {
   const std::string half = WithNames(kShownElementsMax / 2);
   EXPECT_EQ(FlawOf13({half}), CertificateFlaw::kNone);
