@@ -31,8 +31,8 @@ class FrameSink {
   virtual void Finish(const absl::Status& status) = 0;
   /// Ends the call at once: the peer takes nothing, or has been given its time.
   virtual void Cancel() = 0;
-  /// Asks whether the peer is there: Session::OnPeerAnswered says so. A transport that cannot ask
-  /// does nothing, and the robot's silence stays in doubt.
+  /// Asks whether the peer is there: Session::OnPeerAnswered says so. A sink that asks nobody does
+  /// nothing, and the robot's silence stays in doubt.
   virtual void AskPeer() {}
 };
 
