@@ -36,7 +36,7 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
       return true;
     }
     case absl::StatusCode::kUnavailable:
-      return server_->draining ||
+      return server_->draining || went_back_ ||
              (half_closed && clock_.Steady() - *half_closed >= limits_.session.drain_timeout);
     case absl::StatusCode::kInvalidArgument:
       // The agents make no mistake; but the network may keep a Hello for too long.

@@ -71,6 +71,11 @@ absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
   auto results = store_->Adopt(requests);
+  if (!results.ok()) return results;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const auto& since = (*results)[i].held_since;
+    if (since) book_.rows.insert_or_assign(requests[i].robot->ruri, *since);
+  }
   if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
   return results;
 }
@@ -125,7 +130,16 @@ absl::StatusOr<std::vector<storage::FoundRobot>> Recorder::Compare(
   return store_->Compare(robots);
 }
 
-void Recorder::EndDoubt() { store_->EndDoubt(); }
+void Recorder::EndDoubt() {
+  Reconnect();
+  store_->EndDoubt();
+}
+
+void Recorder::SetStore(storage::Store* store) {
+  store_ = store;
+  // A new process knows nothing of the store before.
+  Reconnect();
+}
 
 void Recorder::NotePresence(const storage::Batch& batch,
                             std::span<const storage::Outcome> outcomes) {

@@ -40,7 +40,7 @@ class Recorder final : public storage::Store {
   explicit Recorder(Violation violation) : violation_(std::move(violation)) {}
 
   void Violate(const std::string& text) { violation_(text); }
-  void SetStore(storage::Store* store) { store_ = store; }
+  void SetStore(storage::Store* store);
   void FailNext(StoreFault fault) { fault_ = fault; }
   /// Every call fails before it is applied, until false.
   void SetAway(bool away) { away_ = away; }

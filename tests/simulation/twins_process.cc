@@ -32,7 +32,12 @@ TwinsProcess::TwinsProcess(const Ground& ground)
       fleet_(ground_.clock, 100, {}),
       broker_(ContextOf()) {
   broker_.SetLease(*this);
-  journal_.OnReconnected([this] { posted_.push_back([this] { broker_.Reread(); }); });
+  journal_.OnReconnected([this] {
+    posted_.push_back([this] {
+      ground_.in_doubt();
+      broker_.Reread();
+    });
+  });
   const auto epoch = leases_.Take({.client_id = kClientId,
                                    .prefixes = {""},
                                    .over = ground_.over,

@@ -33,6 +33,8 @@ class TwinsProcess final : public broker::LeaseView {
     storage::ProcessId id{};
     /// Who had the topics before.
     std::vector<storage::OverHolder> over;
+    /// The reader knows that the store may lack what was acked.
+    std::function<void()> in_doubt;
   };
   explicit TwinsProcess(const Ground& ground);
 

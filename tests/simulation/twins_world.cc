@@ -40,12 +40,14 @@ void TwinsWorld::Start() {
   ++lives_;
   store_ = std::make_unique<testing::FakeStore>(database_, storage::ProcessId{lives_});
   recorder_.SetStore(store_.get());
-  process_ = std::make_unique<TwinsProcess>(TwinsProcess::Ground{.clock = clock_,
-                                                                 .database = database_,
-                                                                 .recorder = recorder_,
-                                                                 .broker = broker_,
-                                                                 .id = {lives_},
-                                                                 .over = std::move(over)});
+  process_ =
+      std::make_unique<TwinsProcess>(TwinsProcess::Ground{.clock = clock_,
+                                                          .database = database_,
+                                                          .recorder = recorder_,
+                                                          .broker = broker_,
+                                                          .id = {lives_},
+                                                          .over = std::move(over),
+                                                          .in_doubt = [this] { EndDoubt(); }});
   // A copy from before lacks the lease on the topics.
   has_copy_ = false;
 }
@@ -93,7 +95,7 @@ void TwinsWorld::Kill() {
   ++result_.kills;
   broker_.Forget(random_.Below(4));
   process_.reset();
-  before_.reset();
+  EndDoubt();
   Start();
 }
 
@@ -102,17 +104,20 @@ void TwinsWorld::GoBack() {
   ++result_.failovers;
   if (!before_) before_ = Stored();
   database_.CopyRowsOf(copy_);
-  recorder_.GoBack([this] {
-    broker_.Progress();
-    before_.reset();
-    const std::multiset<std::uint64_t> stored = Stored();
-    for (const std::uint64_t number : acked_) {
-      if (!stored.contains(number)) gone_.insert(number);
-    }
-  });
+  recorder_.GoBack([] {});
   // The connection to the one before is lost, and perhaps that to the broker as well.
   store_->Break();
   if (random_.Percent(50)) broker_.Break(random_.Below(4));
+}
+
+void TwinsWorld::EndDoubt() {
+  if (!before_) return;
+  broker_.Progress();
+  before_.reset();
+  const std::multiset<std::uint64_t> stored = Stored();
+  for (const std::uint64_t number : acked_) {
+    if (!stored.contains(number)) gone_.insert(number);
+  }
 }
 
 std::multiset<std::uint64_t> TwinsWorld::Stored() {

@@ -48,6 +48,8 @@ class TwinsWorld final {
   void Start();
   void Kill();
   void GoBack();
+  /// What was acked and the store lacks is gone; from now on nothing may be acked that it lacks.
+  void EndDoubt();
   void Pass(milliseconds time);
   void OnAcked(std::uint64_t number);
   void CheckLaw();
