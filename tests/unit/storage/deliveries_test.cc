@@ -151,7 +151,7 @@ class Redelivery {
   void Commit(Message& message) {
     Batch batch;
     batch.deliveries = {{hold_, {{message.number, message.packet_id, message.digest}}}};
-    topics_.Write(batch, {});
+    topics_.Write(batch, ProcessId{static_cast<std::uint8_t>(process_)}, {});
     message.committed = true;
     stored_max_ = std::max(stored_max_, ++message.stored);
   }

@@ -182,7 +182,7 @@ TEST(CertificateGate, PointsOfRevocationListsAreNamedInFull) {
 TEST(CertificateGate, APointThatIsRelativeToTheIssuerIsMalformed) {
   const std::string attribute =
       der::Sequence(der::Oid(std::string("\x55\x04\x03", 3)) + der::Element(0x0C, "a"));
-  for (const std::uint8_t relative : {0xA1, 0x81}) {
+  for (const std::uint8_t relative : {std::uint8_t{0xA1}, std::uint8_t{0x81}}) {
     const std::string name = der::Element(0xA0, der::Element(relative, attribute));
     EXPECT_EQ(FlawWithPoints(der::Sequence(der::Sequence(name))), CertificateFlaw::kMalformed);
   }
