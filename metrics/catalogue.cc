@@ -247,7 +247,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Commits that the database answered with a warning: whether they are durable is unknown, and"
      " they are tried again."},
     {kStoreWentBack, "uplinkd_store_went_back_robots_total", kCounter, "robots",
-     "Robots of which the store, connected to anew, had less than it had told was committed: a"
+     "Robots of which the store, connected to anew, lacked commits that it had confirmed: a"
      " failover to a standby that lagged. What they still hold is stored again."},
     {kStoreOldestSnapshot, "uplinkd_store_oldest_snapshot_seconds", kGauge, "seconds",
      "How long another transaction, a replication slot or a prepared transaction has kept the "
@@ -311,7 +311,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "1 from a handshake with the relay that takes more than 3 s, or from a standstill of the "
      "process, until one that began afterwards takes 1 s at most: nobody goes offline meanwhile."},
     {kStandstills, "uplinkd_standstills_total", kCounter, "standstills",
-     "Times the process stood still: more than 3 s lay between two of its looks at presence."},
+     "Times the process stood still, suspends of its machine too: more than 3 s lay between two of"
+     " its looks at presence."},
     {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
      "Unix time at which the server's certificate expires."},
     {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},

@@ -165,10 +165,9 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kList,
      .allowed = "a list of one or more of \"X25519\", \"P-256\", \"P-384\" and \"P-521\"",
      .text =
-         "The groups by which keys are agreed on, the preferred one first. P-384 and P-521 cost "
-         "the server several times the CPU of the others. While tls.min_version is \"1.2\" both "
-         "are accepted behind these, because TLS 1.2 takes certificates on their curves only "
-         "then.",
+         "The groups by which keys are agreed on. P-384 and P-521 cost the server several times "
+         "the CPU of the others. While tls.min_version is \"1.2\", P-256, P-384 and P-521 are "
+         "accepted behind these, because TLS 1.2 takes certificates on their curves only then.",
      UPLINK_BIND(tls, TlsConfig, groups)},
 
     {.section = "identity",

@@ -80,19 +80,20 @@ bool IsBody(std::string_view line) {
   return at != std::string_view::npos && line.substr(at).starts_with("MII");
 }
 
-/// What no robot may show, no authority may have either: it could show it as part of its chain.
+/// What is said of a block without a use. What no robot may show, no authority may have either: it
+/// could show it as part of its chain.
 std::optional<std::string> FlawOf(std::string_view block) {
   const Certificate certificate = NextCertificate(PemReader(block).get());
   ERR_clear_error();
-  if (certificate == nullptr) return "it is no certificate that can be read";
+  if (certificate == nullptr) return "is broken: it is no certificate that can be read";
   // Without what a TRUSTED CERTIFICATE has behind it.
   unsigned char* bytes = nullptr;
   const int size = i2d_X509(certificate.get(), &bytes);
-  if (size <= 0) return "it is no certificate that can be read";
+  if (size <= 0) return "is broken: it is no certificate that can be read";
   const CertificateFlaw flaw = FlawOfCertificate({bytes, static_cast<std::size_t>(size)});
   OPENSSL_free(bytes);
   if (flaw == CertificateFlaw::kNone) return std::nullopt;
-  return fmt::format("it is a certificate that robots may not show: {}", TextOf(flaw));
+  return fmt::format("cannot be used: {}", TextOf(flaw));
 }
 
 /// Goes through the lines of a text. Confined to one call.
@@ -156,12 +157,16 @@ class Blocks final {
     ++certificates_;
     const auto block = std::string_view(pem_.text).substr(begin_, end - begin_);
     const auto flaw = FlawOf(block);
-    return flaw ? Broken(*flaw) : absl::OkStatus();
+    return flaw ? Refused(*flaw) : absl::OkStatus();
   }
 
   [[nodiscard]] absl::Status Broken(std::string_view why) const {
-    return absl::FailedPreconditionError(fmt::format(
-        "{}: PEM block {}, from line {}, is broken: {}", pem_.name, number_, begin_line_, why));
+    return Refused(fmt::format("is broken: {}", why));
+  }
+
+  [[nodiscard]] absl::Status Refused(std::string_view flaw) const {
+    return absl::FailedPreconditionError(
+        fmt::format("{}: PEM block {}, from line {}, {}", pem_.name, number_, begin_line_, flaw));
   }
 
   const NamedPem& pem_;

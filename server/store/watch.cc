@@ -45,7 +45,7 @@ void Watch::LookAtWentBack() {
   const std::int64_t robots = sources_.went_back();
   if (robots == said_went_back_) return;
   logger_.Warn("store_went_back",
-               {{"why", "after a reconnect the database lacks what it had told was committed"},
+               {{"why", "after a reconnect the database lacks commits that it had confirmed"},
                 {"robots", robots - said_went_back_}});
   said_went_back_ = robots;
 }

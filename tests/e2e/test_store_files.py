@@ -60,7 +60,7 @@ class StoreFiles(EndToEnd):
         for name, descriptor in self.open_files().items():
             if not str(name).endswith("-shm"):
                 shutil.copyfile(descriptor, saved / name.name)
-        self.server.kill()
+        self.server.terminate(ROUND_SECONDS)
         for file in saved.iterdir():
             shutil.move(file, self.path.parent)
         self.campaign.start_server(self.server)

@@ -58,15 +58,15 @@ TEST_F(AuthoritiesTest, ABrokenOneIsNamedByItsNumberAndLine) {
   const auto lines = std::count(first_.begin(), first_.end(), '\n');
   EXPECT_THAT(Said(first_ + damaged + first_),
               AllOf(HasSubstr("ca.crt: PEM block 2, from line " + std::to_string(lines + 1)),
-                    HasSubstr("no certificate that can be read")));
+                    HasSubstr("is broken: it is no certificate that can be read")));
   EXPECT_THAT(Said(damaged), HasSubstr("PEM block 1, from line 1,"));
 }
 
 TEST_F(AuthoritiesTest, OneWithAKeyThatNoRobotMayHaveIsNamed) {
   const auto lines = std::count(first_.begin(), first_.end(), '\n');
   EXPECT_THAT(Said(first_ + odd::PemOf(odd::CertificateWith(odd::ExplicitCurveKey()))),
-              AllOf(HasSubstr("block 2, from line " + std::to_string(lines + 1)),
-                    HasSubstr("a key that is none of P-256")));
+              HasSubstr("block 2, from line " + std::to_string(lines + 1) +
+                        ", cannot be used: a key that is none of P-256"));
   EXPECT_THAT(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4097, 17)))),
               HasSubstr("an RSA key of over 4,096 bits"));
   EXPECT_EQ(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4096, 17)))), "");
