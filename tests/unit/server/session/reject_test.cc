@@ -147,7 +147,7 @@ TEST_F(RejectTest, FromQuarantineJoinsMemory) {
   second.Break();
   BenchStream& third = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(third.Said(), ElementsAre("welcome 1", BadReject(1), BadReject(2), "ack 1 judged 2"));
+  EXPECT_THAT(third.Said(), ElementsAre("welcome 0", BadReject(1), BadReject(2), "ack 0 judged 2"));
 }
 
 TEST_F(RejectTest, MemoryHoldsTheLast256) {

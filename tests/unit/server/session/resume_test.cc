@@ -43,7 +43,11 @@ TEST_F(ResumeTest, SameProcessResumesWhileTheStoreIsAway) {
   server().StoreAway();
   BenchStream& stream = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+  // The store may have gone back meanwhile: the agent keeps 1 until the store has said what it has.
+  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 1"));
+  server().StoreBack();
+  server().Commit();
+  EXPECT_THAT(stream.Said(), ElementsAre("ack 1 judged 1"));
 }
 
 TEST_F(ResumeTest, WhatWaitsIsNotCommittedYet) {
@@ -158,7 +162,7 @@ TEST_F(LateResumeTest, NoAckCoversARejectThatMemoryLetGo) {
   BenchStream& stream = WelcomedLate();
   const std::vector<std::string> said = stream.Said();
   ASSERT_EQ(said.size(), robot::kRejectsRememberedMax + 2);
-  EXPECT_EQ(said.front(), "welcome 259");
+  EXPECT_EQ(said.front(), "welcome 0");
   EXPECT_EQ(said[1], "reject 4 missing_field faultId");
   EXPECT_EQ(said.back(), "ack 0 judged 259");
   stream.Send(BatchFrame({{kRejects + 1, Motion()}}));
@@ -173,7 +177,10 @@ TEST_F(LateResumeTest, NoAckCoversARejectThatMemoryLetGo) {
 
 TEST_F(LateResumeTest, WhatTheAgentConfirmedNeedNotBeTold) {
   BenchStream& stream = WelcomedLate(3);
-  EXPECT_EQ(stream.Said().back(), "ack 259 judged 259");
+  EXPECT_EQ(stream.Said().back(), "ack 3 judged 259");
+  server().StoreBack();
+  server().Commit();
+  EXPECT_THAT(stream.Said(), ElementsAre("ack 259 judged 259"));
 }
 
 TEST_F(LateResumeTest, OneThatTheAgentDidNotConfirmHoldsAcksBack) {
