@@ -50,11 +50,12 @@ constexpr std::string_view kRejects =
     " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = $1::text AND p.session = $2::uuid AND p.seq > $3::bigint"
     " AND p.seq <= $4::bigint AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $5::bigint)"
-    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM uplinkd.kept_rejects AS k"
+    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM"
+    " (SELECT p.first, p.last, p.reason, p.field, p.detail FROM uplinkd.kept_rejects AS p"
+    " WHERE p.ruri = $1::text AND p.session = $2::uuid AND p.last > $3::bigint"
+    " AND p.entry >= s.first_entry ORDER BY p.last LIMIT $5::bigint) AS k"
     " CROSS JOIN LATERAL generate_series(greatest(k.first, $3::bigint + 1),"
-    " least(k.last, $4::bigint)) AS n (seq)"
-    " WHERE k.ruri = $1::text AND k.session = $2::uuid AND k.last > $3::bigint"
-    " AND k.entry >= s.first_entry ORDER BY k.last, n.seq LIMIT $5::bigint)) AS q"
+    " least(k.last, $4::bigint)) AS n (seq) ORDER BY k.last, n.seq LIMIT $5::bigint)) AS q"
     " ORDER BY q.seq LIMIT $5::bigint";
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"

@@ -22,12 +22,7 @@ absl::StatusOr<std::int64_t> CountOver(Statement& count, std::string_view ruri,
 absl::Status SetAsideTables::Prepare(Database& database) {
   Preparer prepare(database);
   prepare.Into(rejects_, kRejectsSql);
-  prepare.Into(count_rejects_,
-               "SELECT min(?6, (SELECT COUNT(*) FROM (SELECT 1 FROM quarantine WHERE ruri = ?1"
-               " AND session = ?2 AND seq > ?3 AND seq <= ?4 AND entry >= ?5 LIMIT ?6))"
-               " + (SELECT coalesce(sum(min(last, ?4) - max(first, ?3 + 1) + 1), 0)"
-               " FROM kept_rejects WHERE ruri = ?1 AND session = ?2 AND last > ?3 AND first <= ?4"
-               " AND entry >= ?5))");
+  prepare.Into(count_rejects_, kCountRejectsSql);
   // Ranges do not overlap: the first that ends at the number or above is the one that may hold it.
   prepare.Into(rejection_,
                "SELECT reason, field, detail FROM quarantine WHERE ruri = ?1 AND session = ?2"
@@ -40,10 +35,7 @@ absl::Status SetAsideTables::Prepare(Database& database) {
                "INSERT OR REPLACE INTO kept_rejects"
                " (ruri, session, last, first, entry, reason, field, detail)"
                " VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
-  prepare.Into(forget_kept_,
-               "DELETE FROM kept_rejects WHERE ruri = ?1 AND NOT EXISTS (SELECT 1 FROM sessions"
-               " AS s WHERE s.ruri = ?1 AND s.session = kept_rejects.session"
-               " AND kept_rejects.entry >= s.first_entry AND kept_rejects.last > s.settled_seq)");
+  prepare.Into(forget_kept_, kForgetKeptSql);
   prepare.Into(count_payloads_,
                "SELECT COUNT(*) FROM quarantine WHERE ruri = ? AND payload IS NOT NULL");
   prepare.Into(thin_,
@@ -103,7 +95,10 @@ absl::Status SetAsideTables::Keep(const CommitRecord& record, const LimitedRange
       std::string_view(range.rejection.field), std::string_view(range.rejection.detail));
 }
 
-absl::Status SetAsideTables::ForgetKept(std::string_view ruri) { return forget_kept_->Run(ruri); }
+absl::Status SetAsideTables::ForgetKept(std::string_view ruri, const model::SessionId& session,
+                                        model::Seq through) {
+  return forget_kept_->Run(ruri, Blob{session.AsBytes()}, through);
+}
 
 absl::Status SetAsideTables::ThinPayloads(std::string_view ruri) {
   const absl::StatusOr<std::int64_t> over =

@@ -26,15 +26,30 @@ inline constexpr std::string_view kRejectsSql =
     "WITH RECURSIVE s (first_entry) AS (SELECT first_entry FROM sessions WHERE ruri = ?1"
     " AND session = ?2),"
     " n (seq, last, reason, field, detail) AS ("
-    "SELECT max(first, ?3 + 1), min(last, ?4), reason, field, detail FROM kept_rejects"
-    " WHERE ruri = ?1 AND session = ?2 AND last > ?3 AND first <= ?4"
-    " AND entry >= (SELECT first_entry FROM s)"
+    "SELECT * FROM (SELECT max(first, ?3 + 1), min(last, ?4), reason, field, detail"
+    " FROM kept_rejects WHERE ruri = ?1 AND session = ?2 AND last > ?3 AND first <= ?4"
+    " AND entry >= (SELECT first_entry FROM s) ORDER BY kept_rejects.last LIMIT ?5)"
     " UNION ALL SELECT seq + 1, last, reason, field, detail FROM n WHERE seq < last"
     " ORDER BY 1 LIMIT ?5)"
     " SELECT * FROM (SELECT seq, reason, field, detail FROM quarantine WHERE ruri = ?1"
     " AND session = ?2 AND seq > ?3 AND seq <= ?4 AND entry >= (SELECT first_entry FROM s)"
     " ORDER BY seq LIMIT ?5)"
     " UNION ALL SELECT seq, reason, field, detail FROM n ORDER BY 1 LIMIT ?5";
+
+/// How many there are, up to the last parameter; at most as many rows are read of each table.
+/// Parameters: RURI, session, the number above which and the one up to which, the session's first
+/// entry, how many at most.
+inline constexpr std::string_view kCountRejectsSql =
+    "SELECT min(?6, (SELECT COUNT(*) FROM (SELECT 1 FROM quarantine WHERE ruri = ?1"
+    " AND session = ?2 AND seq > ?3 AND seq <= ?4 AND entry >= ?5 LIMIT ?6))"
+    " + (SELECT coalesce(sum(numbers), 0) FROM (SELECT min(last, ?4) - max(first, ?3 + 1) + 1"
+    " AS numbers FROM kept_rejects WHERE ruri = ?1 AND session = ?2 AND last > ?3 AND first <= ?4"
+    " AND entry >= ?5 ORDER BY last LIMIT ?6)))";
+
+/// Deletes a session's kept Rejects by their key. Parameters: RURI, session, the number up to
+/// which.
+inline constexpr std::string_view kForgetKeptSql =
+    "DELETE FROM kept_rejects WHERE ruri = ?1 AND session = ?2 AND last <= ?3";
 
 /// Which numbers of a session to read Rejects for.
 struct RejectRange {
@@ -67,9 +82,10 @@ class SetAsideTables final {
   /// Writes a range of limited numbers, which ends with the record's.
   [[nodiscard]] absl::Status Keep(const CommitRecord& record, const LimitedRange& range,
                                   EntryNumber entry);
-  /// Deletes the robot's kept Rejects for which no Hello may ask any more: they were confirmed, or
-  /// their session is not kept.
-  [[nodiscard]] absl::Status ForgetKept(std::string_view ruri);
+  /// Deletes the session's kept Rejects up to a number: those that a Hello confirmed; up to
+  /// model::kSeqMax of a session that goes or is new.
+  [[nodiscard]] absl::Status ForgetKept(std::string_view ruri, const model::SessionId& session,
+                                        model::Seq through);
   /// Drops the oldest payloads of the robot over kQuarantinePayloadsPerRobotMax.
   [[nodiscard]] absl::Status ThinPayloads(std::string_view ruri);
   /// Deletes the oldest gaps of the robot over kGapsPerRobotMax.

@@ -145,9 +145,11 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
       impl_->tables.set_aside.CountRejects(range, kQuarantineRowsPerRobotMax);
   if (!total.ok()) return total.status();
   result.rejects_total = *total;
-  absl::Status evicted = EvictSessions(request);
-  if (evicted.ok()) evicted = impl_->tables.set_aside.ForgetKept(request.robot->ruri);
-  if (!evicted.ok()) return evicted;
+  // Without a number yet the session is new: what is kept by its id is of one that went.
+  absl::Status forgot = impl_->tables.set_aside.ForgetKept(
+      range.ruri, range.session, range.through == 0 ? model::kSeqMax : range.above);
+  if (forgot.ok()) forgot = EvictSessions(request);
+  if (!forgot.ok()) return forgot;
   const auto presence = deciding.Presence(request.robot->ruri);
   if (!presence.ok()) return presence.status();
   result.presence = *presence;
@@ -168,6 +170,9 @@ absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
     if (session == request.session) continue;
     if (std::ranges::find(request.sessions_held, session) != request.sessions_held.end()) continue;
     absl::Status deleted = deciding.DeleteSession(request.robot->ruri, session);
+    if (deleted.ok()) {
+      deleted = impl_->tables.set_aside.ForgetKept(request.robot->ruri, session, model::kSeqMax);
+    }
     if (!deleted.ok()) return deleted;
     --kept;
   }

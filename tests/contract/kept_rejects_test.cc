@@ -67,6 +67,19 @@ TEST_P(KeptRejectsContract, WhatAHelloConfirmsIsGone) {
   EXPECT_THAT(Read(0, 100), IsEmpty());
 }
 
+TEST_P(KeptRejectsContract, AHelloConfirmsThoseOfItsSessionAlone) {
+  Open();
+  Commit({Limited(1, 3), Limited(5, 8)});
+  session_ = Session(2);
+  Open();
+  Commit({Limited(1, 3), Limited(5, 8)});
+  EXPECT_THAT(Told(100), IsEmpty());
+  session_ = Session();
+  EXPECT_THAT(Told(3), ElementsAre(5, 6, 7, 8));
+  session_ = Session(2);
+  EXPECT_THAT(Told(), IsEmpty());
+}
+
 TEST_P(KeptRejectsContract, ThePagesHoldThemInOrderUpToTheirBound) {
   Open();
   Commit({Limited(1, 3), Bad(4), Limited(5, 8), Bad(9)});
@@ -131,6 +144,43 @@ TEST_P(KeptRejectsContract, TheyGoWithTheirSessionAndAreNotThoseOfALaterOneOfIts
   EXPECT_THAT(Told(), IsEmpty());
   Commit({Good(1), Limited(2, 3)});
   EXPECT_THAT(Told(), ElementsAre(2, 3));
+}
+
+TEST_P(KeptRejectsContract, ThoseOfSessionsThatStayOutliveAnEviction) {
+  Open();
+  Commit({Limited(1, 3)});
+  storage::OpenRequest request = Request();
+  request.session = session_ = Session(2);
+  request.at = Time(1);
+  Open(request);
+  Commit({Limited(1, 2), Limited(4, 4)});
+  for (std::uint8_t i = 2; i <= storage::kSessionsPerRobotMax; ++i) {
+    request.session = Session(static_cast<std::uint8_t>(100 + i));
+    request.at = Time(i);
+    Open(request);
+  }
+  EXPECT_THAT(Read(0, 100), ElementsAre(1, 2, 4));
+  session_ = Session();
+  EXPECT_THAT(Read(0, 100), IsEmpty()) << "the least recently used one went";
+}
+
+// A row that stayed would take the place of the later session's.
+TEST_P(KeptRejectsContract, ALaterSessionOfItsIdKeepsItsOwn) {
+  Fresh();
+  Commit({Limited(1, 3)});
+  for (std::uint8_t i = 1; i <= storage::kSessionsPerRobotMax; ++i) {
+    storage::OpenRequest request = Request();
+    request.session = Session(static_cast<std::uint8_t>(100 + i));
+    request.at = Time(i);
+    Open(request);
+  }
+  Open();
+  Commit({Good(1), Bad(3)});
+  EXPECT_GT(Retain(15 * kDayMs), 0U);
+  EXPECT_THAT(Quarantine(), IsEmpty());
+  const storage::OpenResult result = Open();
+  ASSERT_THAT(NumbersOf(result.rejects), ElementsAre(3));
+  EXPECT_EQ(result.rejects[0].rejection, BadReason());
 }
 
 TEST_P(KeptRejectsContract, RejectsThatNoHelloConfirmedOutliveTheirDay) {

@@ -67,10 +67,11 @@ constexpr std::string_view kReadRejects =
     " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
     " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint)"
-    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM uplinkd.kept_rejects AS k"
-    " CROSS JOIN LATERAL generate_series(greatest(k.first, u.settled + 1), k.last) AS n (seq)"
-    " WHERE k.ruri = u.ruri AND k.session = u.session AND k.last > u.settled"
-    " AND k.last <= s.cursor_seq AND k.entry >= s.first_entry"
+    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM"
+    " (SELECT p.first, p.last, p.reason, p.field, p.detail FROM uplinkd.kept_rejects AS p"
+    " WHERE p.ruri = u.ruri AND p.session = u.session AND p.last > u.settled"
+    " AND p.last <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.last LIMIT $4::bigint)"
+    " AS k CROSS JOIN LATERAL generate_series(greatest(k.first, u.settled + 1), k.last) AS n (seq)"
     " ORDER BY k.last, n.seq LIMIT $4::bigint)) AS q"
     " ORDER BY u.ruri, q.seq";
 // The same, of quarantine by its primary key without the table.
@@ -81,13 +82,17 @@ constexpr std::string_view kCountRejects =
     " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
     " CROSS JOIN LATERAL (SELECT count(*) AS total FROM (SELECT FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
-    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry LIMIT $4::bigint) AS rows) AS q"
-    " CROSS JOIN LATERAL (SELECT coalesce(sum(p.last - greatest(p.first, u.settled + 1) + 1), 0)"
-    "::bigint AS total FROM uplinkd.kept_rejects AS p"
+    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint) AS "
+    "rows) AS q"
+    " CROSS JOIN LATERAL (SELECT coalesce(sum(rows.numbers), 0)::bigint AS total FROM"
+    " (SELECT p.last - greatest(p.first, u.settled + 1) + 1 AS numbers"
+    " FROM uplinkd.kept_rejects AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.last > u.settled"
-    " AND p.last <= s.cursor_seq AND p.entry >= s.first_entry) AS k";
+    " AND p.last <= s.cursor_seq AND p.entry >= s.first_entry"
+    " ORDER BY p.last LIMIT $4::bigint) AS rows) AS k";
 // Of each robot, the least recently used sessions over the bound that nobody holds. From one
-// session to the next by its key, so that dead versions of their rows are passed over.
+// session to the next by its key, so that dead versions of their rows are passed over. The Rejects
+// that are kept of a session go with it.
 constexpr std::string_view kEvictSessions =
     "WITH RECURSIVE p AS (SELECT n.* FROM unnest($1::text[], $6::text[]) AS u (ruri, fleet)"
     " JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.owner = $5::uuid AND r.fleet = u.fleet"
@@ -98,7 +103,7 @@ constexpr std::string_view kEvictSessions =
     " (SELECT l.ruri, l.session, l.part, l.last_used FROM uplinkd.sessions AS l"
     " WHERE l.ruri = p.ruri AND l.session < p.session"
     " ORDER BY l.session DESC, l.part DESC LIMIT 1) AS n)"
-    " DELETE FROM uplinkd.sessions AS s USING ("
+    ", went AS (DELETE FROM uplinkd.sessions AS s USING ("
     "SELECT a.ruri, a.session, a.part, a.kept, row_number() OVER (PARTITION BY a.ruri"
     " ORDER BY a.last_used, a.session) AS place FROM (SELECT p.ruri, p.session, p.part,"
     " p.last_used,"
@@ -106,13 +111,22 @@ constexpr std::string_view kEvictSessions =
     " AND NOT EXISTS (SELECT 1 FROM unnest($2::text[], $3::uuid[]) AS held (ruri, session)"
     " WHERE held.ruri = a.ruri AND held.session = a.session)) AS old"
     " WHERE s.ruri = old.ruri AND s.session = old.session AND s.part = old.part"
-    " AND old.place <= old.kept - $4::bigint";
-// What no Hello may ask for any more: it was confirmed, or its session is not kept.
+    " AND old.place <= old.kept - $4::bigint RETURNING s.ruri, s.session)"
+    " DELETE FROM uplinkd.kept_rejects WHERE ctid = ANY (ARRAY(SELECT k.tid FROM went"
+    " CROSS JOIN LATERAL (SELECT l.ctid AS tid FROM uplinkd.kept_rejects AS l"
+    " WHERE l.ruri = went.ruri AND l.session = went.session ORDER BY l.last) AS k))";
+// What a Hello confirmed. A session without a number yet is new: what is kept by its id is of one
+// that went. The rows are looked for by the key, session by session: that they are ordered keeps
+// the planner from another way.
 constexpr std::string_view kForgetKept =
-    "DELETE FROM uplinkd.kept_rejects AS k WHERE k.ruri = ANY ($1::text[])"
-    " AND NOT EXISTS (SELECT FROM (SELECT l.first_entry, l.settled_seq FROM uplinkd.sessions AS l"
-    " WHERE l.ruri = k.ruri AND l.session = k.session ORDER BY l.part DESC LIMIT 1) AS s"
-    " WHERE k.entry >= s.first_entry AND k.last > s.settled_seq)";
+    "DELETE FROM uplinkd.kept_rejects WHERE ctid = ANY (ARRAY(SELECT k.tid"
+    " FROM unnest($1::text[], $2::uuid[]) AS u (ruri, session)"
+    " CROSS JOIN LATERAL (SELECT CASE WHEN l.cursor_seq = 0 THEN 9223372036854775807"
+    " ELSE l.settled_seq END AS through FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
+    " CROSS JOIN LATERAL (SELECT l.ctid AS tid FROM uplinkd.kept_rejects AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session AND l.last <= s.through"
+    " ORDER BY l.last) AS k))";
 
 // The primary key tells it without the table.
 constexpr std::string_view kReadLatestKinds =
@@ -244,7 +258,9 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.push_back(RejectsCall(kReadRejects, columns, rejects_max));
   calls.push_back(RejectsCall(kCountRejects, columns, kQuarantineRowsPerRobotMax));
   calls.push_back(EvictCall(wave, requests, process));
-  calls.push_back(RobotsCall(kForgetKept, columns.Ruris()));
+  StoreCall& forget = calls.emplace_back(StoreCall{kForgetKept, {}});
+  forget.parameters.Add(columns.Ruris());
+  forget.parameters.Add(columns.Sessions());
   calls.push_back(ReadPresenceCall(ruris));
   calls.push_back(RobotsCall(kReadLatestKinds, columns.Ruris()));
   calls.push_back(RobotsCall(kReadFleets, columns.Matched()));
