@@ -214,14 +214,11 @@ TEST_P(OpenRunsContract, AClockThatNobodyVouchesForClosesNothing) {
 
 TEST_P(OpenRunsContract, ACallClosesABoundedNumberOfRuns) {
   Open();
-  storage::OpenRequest other = Request();
-  other.robot = Robot("b");
-  const storage::OpenResult opened = Open(other);
+  OpenAlso({Robot("b")});
   Start(kMax);
   std::vector<storage::CommitRecord> records;
   for (int i = 0; i < 5; ++i) {
     records.push_back(Of(Robot("b"), Report("b" + std::to_string(i))));
-    records.back().held_since = opened.held_since;
   }
   Commit(records);
   EXPECT_EQ(CloseRuns(Time(kAgeMs + 1)), storage::kSweepRowsMax);
