@@ -64,8 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Simulation, PlantedFault,
                          ::testing::Values(Mutation::kAckBeforeCommit, Mutation::kRejectNotRepeated,
                                            Mutation::kSettleLost, Mutation::kDuplicateNotAcked,
                                            Mutation::kPagesNotAwaited, Mutation::kLimitedNotStored,
-                                           Mutation::kOfflineForgotten,
-                                           Mutation::kReconnectTrusted));
+                                           Mutation::kOfflineForgotten));
 
 TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kCursorMayFall), 0U);

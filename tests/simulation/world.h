@@ -59,7 +59,7 @@ struct Troubles {
   /// Who was offline stays so over a restart.
   bool restarts = true;
   /// The store becomes a standby that lacks the last commits.
-  bool failovers = true;
+  bool failovers = false;
 };
 
 struct RunOptions {
