@@ -132,7 +132,7 @@ TEST_P(NoRobotContract, ItsNumbersAreWrittenOnceAndItsHoldIsFencedAsARobots) {
   store_->LoseNextAnswer(kProcess);
   storage::Batch batch;
   batch.records = {On("z", Of(Nobody(), Bad(3)))};
-  EXPECT_FALSE(store_->Process(kProcess).Commit(batch).ok());
+  EXPECT_FALSE(store_->Process(kProcess).Commit(Held(batch)).ok());
   EXPECT_THAT(Commit(batch.records), Each(OutcomeKind::kRefused));
   EXPECT_THAT(Topics(From(MessageSource::kCyberwave)), ElementsAre("z", "y", "x"));
 

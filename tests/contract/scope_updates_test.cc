@@ -69,7 +69,7 @@ TEST_P(ScopeUpdateContract, IsWrittenOnceBesideWhatRobotsSay) {
                                  OutcomeKind::kStored, OutcomeKind::kDuplicate));
   store_->LoseNextAnswer(kProcess);
   batch.records = {Update(nobody_, 3, UpdateOf("c")), Update(nobody_, 4, UpdateOf("d"))};
-  EXPECT_FALSE(store_->Process(kProcess).Commit(batch).ok());
+  EXPECT_FALSE(store_->Process(kProcess).Commit(Held(batch)).ok());
   EXPECT_THAT(Commit(batch.records), Each(OutcomeKind::kDuplicate));
   EXPECT_THAT(Types(ScopeUpdates()), ElementsAre("d", "c", "b", "a"));
   EXPECT_THAT(Messages(), SizeIs(1));
@@ -79,7 +79,7 @@ TEST_P(ScopeUpdateContract, NothingOfACommitThatFailsIsKept) {
   store_->FailNextWrite(kProcess);
   storage::Batch batch;
   batch.records = {Update(nobody_, 1, UpdateOf("a"))};
-  EXPECT_FALSE(store_->Process(kProcess).Commit(batch).ok());
+  EXPECT_FALSE(store_->Process(kProcess).Commit(Held(batch)).ok());
   EXPECT_THAT(ScopeUpdates(), IsEmpty());
   EXPECT_THAT(Commit(batch.records), Each(OutcomeKind::kStored));
 }

@@ -106,6 +106,9 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     return std::move(page->rows);
   }
 
+  /// With the holds of OpenAlso.
+  [[nodiscard]] storage::Batch Held(storage::Batch batch) const;
+
   std::unique_ptr<StoreUnderTest> store_;
   storage::RobotRef robot_;
   model::SessionId session_ = Session();
@@ -114,10 +117,6 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   std::map<std::string, storage::Epoch, std::less<>> also_held_;
   /// All that held_since_ was by Open.
   std::set<storage::Epoch> fixtures_holds_;
-
- private:
-  /// With the holds of OpenAlso.
-  storage::Batch Held(storage::Batch batch) const;
 };
 
 /// The kinds of store that pass the suite, word for word.

@@ -17,14 +17,13 @@ using ::testing::ElementsAre;
 
 class FakeStoreFaults : public ::testing::Test {
  protected:
-  /// At least that of any stream that a test opens.
-  static constexpr storage::Epoch kHold = 100;
-
   FakeStoreFaults() { Open(store_); }
 
-  void Open(FakeStore& store) const {
+  void Open(FakeStore& store) {
     const storage::OpenRequest request{robot_, Other(), 0, FromUnixMs(1), {}};
-    EXPECT_TRUE(store.OpenStreams({&request, 1}).ok());
+    const auto opened = store.OpenStreams({&request, 1});
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    hold_ = opened->front().held_since;
   }
   /// A session that no test looks at.
   static model::SessionId Other() { return model::SessionId({9}); }
@@ -35,7 +34,7 @@ class FakeStoreFaults : public ::testing::Test {
       model::Message message;
       message.message = "m";
       batch.records.push_back(
-          {robot_, session_, seq, kHold, FromUnixMs(1), test::RecordOf(message), "", 0});
+          {robot_, session_, seq, hold_, FromUnixMs(1), test::RecordOf(message), "", 0});
     }
     return batch;
   }
@@ -43,6 +42,8 @@ class FakeStoreFaults : public ::testing::Test {
   const storage::RobotRef robot_ =
       std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
   const model::SessionId session_{};
+  /// Of what was opened last.
+  storage::Epoch hold_ = 0;
   FakeDatabase database_;
   FakeStore store_{database_, {1}};
 };
@@ -111,7 +112,7 @@ TEST_F(FakeStoreFaults, KeepsOrdersForSweepsFromTheOthers) {
 
 TEST_F(FakeStoreFaults, ShowsTheCursorOfPresenceUnderTheServersName) {
   storage::Batch batch;
-  batch.presence = {{robot_, model::Presence::kOnline, FromUnixMs(1), 4, kHold}};
+  batch.presence = {{robot_, model::Presence::kOnline, FromUnixMs(1), 4, hold_}};
   batch.presence_session = session_;
   EXPECT_EQ(database_.Cursor(storage::kServerRuri, session_), std::nullopt);
   ASSERT_TRUE(store_.Commit(batch).ok());
