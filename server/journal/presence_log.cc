@@ -25,11 +25,20 @@ bool PresenceLog::Follow(const storage::RobotRef& robot,
   const auto handed = handed_.find(robot->ruri);
   const auto held = held_.find(robot->ruri);
   if (handed == handed_.end() || held == held_.end()) return false;
-  // What was handed over and is not committed yet is what the store will have.
-  const bool is_put_back = std::ranges::any_of(put_back_, [&](const storage::PresenceItem& item) {
+  const auto put_back = std::ranges::find_if(put_back_, [&](const storage::PresenceItem& item) {
     return item.robot->ruri == robot->ruri;
   });
-  if (is_put_back || (stored && stored->presence == handed->second.presence)) return false;
+  const bool same = stored && stored->presence == handed->second.presence;
+  if (put_back != put_back_.end()) {
+    // What was handed over and is not committed yet is what the store will have; or it has that
+    // since an earlier time, and what was between is lost: then it is no change any more.
+    if (!same || UnixMs(stored->since) == UnixMs(put_back->at)) return false;
+    put_back_.erase(put_back);
+    uncommitted_.fetch_sub(1);
+    handed->second = *stored;
+    return true;
+  }
+  if (same) return false;
   const storage::StoredPresence told = handed->second;
   handed_.erase(handed);
   if (stored) handed_[robot->ruri] = *stored;

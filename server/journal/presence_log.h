@@ -29,7 +29,8 @@ class PresenceLog final {
   void Lose(const std::string& ruri);
 
   /// The store, connected to anew, has this of the robot's presence. True if that is not what was
-  /// last handed over: unless something of the robot waits, that is handed over again.
+  /// last handed over: unless something of the robot waits, that is handed over again. What was put
+  /// back goes as it is, unless the store has that presence since another time: then it is dropped.
   bool Follow(const storage::RobotRef& robot, const std::optional<storage::StoredPresence>& stored);
 
   /// A change of a robot that is not held is dropped. One that is dated before the last that was

@@ -178,5 +178,20 @@ TEST_F(PresenceLogTest, WhatIsPutBackGoesAloneAndFirst) {
   EXPECT_THAT(Lines(log_.Take(2)), ElementsAre("5 a offline"));
 }
 
+TEST_F(PresenceLogTest, DropsWhatWasPutBackIfTheStoreHasThatSinceAnEarlierTime) {
+  const SystemTime first = FromUnixMs(1);
+  const SystemTime last = FromUnixMs(3);
+  log_.Note(RobotOf("a"), Presence::kOnline, last);
+  log_.PutBack(log_.Take(10));
+  // Its answer was lost.
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, last}));
+  EXPECT_TRUE(log_.waits("a"));
+  // The store went back to before the robot was offline.
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, first}));
+  EXPECT_FALSE(log_.waits("a"));
+  EXPECT_EQ(log_.uncommitted(), 0U);
+  EXPECT_THAT(log_.Take(10), IsEmpty());
+}
+
 }  // namespace
 }  // namespace uplink::journal
