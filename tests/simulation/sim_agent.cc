@@ -182,10 +182,11 @@ void SimAgent::OnAck(const v1::Ack& ack) {
   session_->settled = std::max(session_->settled, ack.through_seq());
   session_->judged = std::max(session_->judged, ack.judged_seq());
   while (!session_->kept.empty() && session_->kept.begin()->first <= ack.through_seq()) {
-    const model::Seq seq = session_->kept.begin()->first;
-    CheckDurable(seq, session_->kept.begin()->second, When::kAck);
+    const auto [seq, content] = *session_->kept.begin();
+    CheckDurable(seq, content, When::kAck);
     const DurableSession& durable = recorder_.Of(ruri(), session_->id);
-    if (durable.quarantined.contains(seq) && !session_->told.contains(seq)) {
+    // What was rejected first may have expired when it came again: it is superseded then.
+    if (durable.quarantined.contains(seq) && !session_->told.contains(seq) && !MayExpire(content)) {
       violation_(fmt::format("number {} is acked, in quarantine, and no Reject was told", seq));
     }
     session_->kept.erase(session_->kept.begin());

@@ -94,8 +94,9 @@ void SimBroker::OnPacket(Line& line, unsigned type, std::string_view body) {
       line.is_durable = !body.substr(id_at + 2, U16(body.substr(id_at))).ends_with("-live");
       const bool present = line.is_durable && has_session_;
       has_session_ = has_session_ || line.is_durable;
-      // What the session subscribed to stands.
+      // What the session subscribed to stands, and what it did not ack comes again.
       line.subscribed = present;
+      if (present) SendAgain();
       line.to_server +=
           testing::MqttPacket(0x20, present ? testing::Raw("\1\0") : testing::Raw("\0\0"));
       return;
@@ -167,14 +168,18 @@ void SimBroker::Break(std::size_t lost) {
     unacked_.push_back(std::move(acked_last_.back()));
     acked_last_.pop_back();
   }
+  SendAgain();
+  for (Line& line : std::exchange(lines_, {})) {
+    if (!line.link->closed) line.link->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+  }
+}
+
+void SimBroker::SendAgain() {
   acked_last_.clear();
   std::ranges::sort(unacked_, {}, [](const Unacked& each) { return each.message.number; });
   for (Unacked& each : unacked_) {
     each.dup = each.dup || !each.due;
     each.due = true;
-  }
-  for (Line& line : std::exchange(lines_, {})) {
-    if (!line.link->closed) line.link->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
   }
 }
 

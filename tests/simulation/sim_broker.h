@@ -65,6 +65,8 @@ class SimBroker final {
   void Take(Line& line);
   void OnPacket(Line& line, unsigned type, std::string_view body);
   void OnPuback(std::uint16_t id);
+  /// The client connects anew: what it did not ack is delivered again, in order.
+  void SendAgain();
   [[nodiscard]] Line* Durable();
   [[nodiscard]] std::uint16_t NextId();
 

@@ -21,11 +21,14 @@ class SqliteBackend final : public Backend {
   storage::SharedItems& Items() override;
   void DeleteRobotRow(const std::string& ruri) override;
   void RemoveRobot(const std::string& ruri) override;
+  void AfterRetain() override { retained_ = true; }
 
  private:
   [[nodiscard]] std::string Path() const;
 
   testing::TempFolder folder_;
+  /// Quarantine was deleted for its age.
+  bool retained_ = false;
   std::unique_ptr<storage::sqlite::SqliteStore> store_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
   std::unique_ptr<storage::sqlite::SqliteSharedItems> items_;

@@ -1,6 +1,11 @@
 #include "tests/simulation/twins_world.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
+
+#include "schema/base/check.h"
 
 namespace uplink::simulation {
 namespace {
@@ -40,14 +45,13 @@ void TwinsWorld::Start() {
   ++lives_;
   store_ = std::make_unique<testing::FakeStore>(database_, storage::ProcessId{lives_});
   recorder_.SetStore(store_.get());
-  process_ =
-      std::make_unique<TwinsProcess>(TwinsProcess::Ground{.clock = clock_,
-                                                          .database = database_,
-                                                          .recorder = recorder_,
-                                                          .broker = broker_,
-                                                          .id = {lives_},
-                                                          .over = std::move(over),
-                                                          .in_doubt = [this] { EndDoubt(); }});
+  process_ = std::make_unique<TwinsProcess>(TwinsProcess::Ground{.clock = clock_,
+                                                                 .database = database_,
+                                                                 .recorder = recorder_,
+                                                                 .broker = broker_,
+                                                                 .id = {lives_},
+                                                                 .over = std::move(over),
+                                                                 .in_doubt = [this] { OnTold(); }});
   // A copy from before lacks the lease on the topics.
   has_copy_ = false;
 }
@@ -95,7 +99,10 @@ void TwinsWorld::Kill() {
   ++result_.kills;
   broker_.Forget(random_.Below(4));
   process_.reset();
-  EndDoubt();
+  // The next process knows nothing of what was told before.
+  before_.reset();
+  untold_.clear();
+  NoteGone();
   Start();
 }
 
@@ -104,16 +111,25 @@ void TwinsWorld::GoBack() {
   ++result_.failovers;
   if (!before_) before_ = Stored();
   database_.CopyRowsOf(copy_);
-  recorder_.GoBack([] {});
+  recorder_.GoBack([this] { OnReconnected(); });
   // The connection to the one before is lost, and perhaps that to the broker as well.
   store_->Break();
   if (random_.Percent(50)) broker_.Break(random_.Below(4));
 }
 
-void TwinsWorld::EndDoubt() {
-  if (!before_) return;
+void TwinsWorld::OnReconnected() {
+  // A new process connects for the first time.
+  if (before_) untold_.push_back(*std::exchange(before_, std::nullopt));
+}
+
+void TwinsWorld::OnTold() {
+  UPLINK_CHECK(!untold_.empty(), "the reader is told once each time");
   broker_.Progress();
-  before_.reset();
+  untold_.pop_front();
+  NoteGone();
+}
+
+void TwinsWorld::NoteGone() {
   const std::multiset<std::uint64_t> stored = Stored();
   for (const std::uint64_t number : acked_) {
     if (!stored.contains(number)) gone_.insert(number);
@@ -141,6 +157,7 @@ void TwinsWorld::OnAcked(std::uint64_t number) {
   acked_.insert(number);
   gone_.erase(number);
   if ((before_ && before_->contains(number)) || Stored().contains(number)) return;
+  if (std::ranges::any_of(untold_, [&](const auto& had) { return had.contains(number); })) return;
   Fail(fmt::format("message {} is acked, and the store has it not", number));
 }
 
@@ -151,7 +168,8 @@ void TwinsWorld::CheckLaw() {
 void TwinsWorld::Settle() {
   recorder_.FailNext(StoreFault::kNone);
   for (int round = 0; round < kRoundsMax && result_.violation.empty(); ++round) {
-    if (broker_.waiting() == 0 && process_->idle()) return;
+    const bool in_doubt = before_ || !untold_.empty();
+    if (broker_.waiting() == 0 && process_->idle() && !in_doubt) return;
     while (broker_.Deliver()) {
     }
     process_->Write();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <set>
@@ -48,8 +49,12 @@ class TwinsWorld final {
   void Start();
   void Kill();
   void GoBack();
-  /// What was acked and the store lacks is gone; from now on nothing may be acked that it lacks.
-  void EndDoubt();
+  /// The journal has connected anew, and the reader is to be told.
+  void OnReconnected();
+  /// The reader knows of the oldest time that the journal connected anew.
+  void OnTold();
+  /// What was acked until now and the store lacks is gone.
+  void NoteGone();
   void Pass(milliseconds time);
   void OnAcked(std::uint64_t number);
   void CheckLaw();
@@ -79,6 +84,9 @@ class TwinsWorld final {
   std::set<std::uint64_t> gone_;
   /// Until the process has connected anew: what the store had before it went back.
   std::optional<std::multiset<std::uint64_t>> before_;
+  /// The same of each time that the journal has connected anew and the reader was not told yet: the
+  /// store may go back once more meanwhile.
+  std::deque<std::multiset<std::uint64_t>> untold_;
 };
 
 }  // namespace uplink::simulation
