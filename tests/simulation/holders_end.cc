@@ -17,6 +17,8 @@ constexpr seconds kCalm{40};
 /// The silence of a lease, the grace of a start, and the rounds between.
 constexpr seconds kSettles{30 + 120 + 30};
 constexpr seconds kSlack{15};
+/// A standstill that the end of troubles cuts short may be too short for a grace.
+constexpr seconds kBack{1};
 
 robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
   return robot.state.Snapshot(robot::RobotState::Parts::kNone);
@@ -49,7 +51,7 @@ void HoldersWorld::Settle() {
     if (place.process == nullptr) place.starts_at = now;
   }
   for (Robot& robot : robots_) {
-    if (robot.broke) robot.connects_at = std::min(robot.connects_at, now + kSlack);
+    if (robot.broke) robot.connects_at = std::min(robot.connects_at, now + kBack);
   }
   Pass(kCalm);
   for (Robot& robot : robots_) {
