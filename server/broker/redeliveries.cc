@@ -8,7 +8,8 @@ namespace uplink::broker {
 void Redeliveries::Load(const storage::DeliveryMemory& memory, bool keep_settled) {
   const std::unordered_map<std::uint16_t, Entry> before = std::exchange(known_, {});
   for (const auto& [packet_id, entry] : before) {
-    const bool only_here = keep_settled && (entry.number == 0 || entry.is_fresh);
+    const bool only_here =
+        keep_settled && (entry.number == 0 || entry.is_fresh || entry.is_recordless);
     if (entry.stream != 0 || only_here) known_.emplace(packet_id, entry);
   }
   for (const storage::Delivery& delivery : memory.known) {
@@ -53,7 +54,7 @@ void Redeliveries::Replace(std::uint16_t packet_id, const Entry& entry) {
 
 void Redeliveries::AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest,
                               std::uint64_t stream) {
-  Replace(packet_id, {.digest = digest, .settled_of = stream});
+  Replace(packet_id, {.digest = digest, .settled_of = stream, .is_recordless = true});
 }
 
 void Redeliveries::End(std::uint16_t packet_id) { Replace(packet_id, {}); }

@@ -86,6 +86,9 @@ class Redeliveries final {
     std::uint64_t settled_of = 0;
     /// It was committed after the last BeginReread.
     bool is_fresh = false;
+    /// It was settled without a record: nothing of it is lost where the store lacks it, and its
+    /// number may go with a commit that is under way.
+    bool is_recordless = false;
   };
   /// A message without a record has the packet id from now on.
   void Replace(std::uint16_t packet_id, const Entry& entry);

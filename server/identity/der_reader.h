@@ -29,7 +29,8 @@ enum class DerTag : std::uint8_t {
 
 /// Takes elements of DER one after the other. It is stricter than OpenSSL, which reads BER too: an
 /// element has a tag of one byte, and a definite length in its shortest form that ends within what
-/// is read; a sequence or set has the bit that says so, which OpenSSL does not ask for in a list. So what is taken here is one element for OpenSSL too, with the same content.
+/// is read; a sequence or set has the bit that says so, which OpenSSL does not ask for in a list.
+/// So what is taken here is one element for OpenSSL too, with the same content.
 ///
 /// Limits: lengths below 2^24, as a Certificate message of TLS has them. Nothing is allocated.
 /// Thread: confined to one; a view of the bytes, which outlive it.

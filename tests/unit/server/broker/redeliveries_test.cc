@@ -84,6 +84,17 @@ TEST(Redeliveries, WhatAStoreThatWentBackLacksIsNewUnlessItWasCommittedSince) {
   EXPECT_EQ(known.Find(3, Digest(1)).known, kNo) << "by the next time the store should have it";
 }
 
+/// Its number goes with the records of a later message, which may be under way when the store is
+/// read again: forgotten, it would be stored anew.
+TEST(Redeliveries, OneWithoutARecordIsKnownThoughItsNumberIsNotCommittedYet) {
+  Redeliveries known(9);
+  known.AddSettled(7, Digest(1), 3);
+  EXPECT_EQ(known.Number(3, {7}).size(), 1U);
+  known.BeginReread();
+  known.Reread({.last_number = 0, .known = {}});
+  EXPECT_EQ(known.Find(7, Digest(1)).known, kSettled);
+}
+
 TEST(Redeliveries, BeginWithTheStoresMemoryAndKeepWhatWaits) {
   Redeliveries known(4);
   const std::uint64_t waits = known.NextNumber();
