@@ -118,7 +118,6 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   foreign_ = true;
   last_sign_system_.reset();
   held_back_ = false;
-  held_back_until_.reset();
   stream_held_back_until_.reset();
   doubted_until_.reset();
   BeginFrom(stored);
