@@ -27,7 +27,8 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
 
 robot::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
   robots_.Lose(client);
-  // Its last owner is perhaps the caller's reference.
+  // The map's entry, to which the reference may lead, goes before the name is used last.
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the copy keeps it alive
   const storage::RobotRef kept = robot;
   held_.erase(kept->ruri);
   const robot::StreamRef stream = client.OnFenced(context_.ledger);

@@ -22,11 +22,11 @@ constexpr milliseconds kLook{5};
 
 /// Connections that show this behind a certificate that nobody signed; each that the server ends is
 /// followed by another.
-void Show(const AttackSite& site, std::vector<std::string> certificates) {
+void Show(const AttackSite& site, const std::vector<std::string>& certificates) {
   const testing::TestAuthority stranger;
   RawHttp2::Options options = site.Nobody();
   options.identity = stranger.Issue(testing::RobotSpec(std::string(kAttackerRuri)));
-  options.behind = std::make_shared<const ShownChain>(std::move(certificates));
+  options.behind = std::make_shared<const ShownChain>(certificates);
   std::vector<std::unique_ptr<RawHttp2>> connections(kConnections);
   while (!site.Over()) {
     for (auto& connection : connections) {
