@@ -131,17 +131,16 @@ class App::Impl {
 
   absl::Status Start() {
     leases_.SetPort(options_.config.listen.relay.port);
-    auto started = lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
-                                     .start_writers = [this] { writers_.Start(); },
-                                     .listen_for_robots = [this] { return ListenForRobots(); },
-                                     .begin_work = [this] { BeginWork(); }});
-    if (!started.ok()) return started;
-    options_.logger.Info("listening", {{"relay", config::ToText(RelayTarget().address)},
-                                       {"http", config::ToText(ground_.http_address())},
-                                       {"version", options_.version},
-                                       {"robots", fleet_.size()}});
-    lifecycle::Supervisor::NoteReady();
-    return absl::OkStatus();
+    return lifecycle::Start({.read_robots = [this] { return ReadRobots(); },
+                             .start_writers = [this] { writers_.Start(); },
+                             .listen_for_robots = [this] { return ListenForRobots(); },
+                             .answer_http =
+                                 [this] {
+                                   ground_.Open(site_);
+                                   ground_.OnReload([this] { reload_.Run(); });
+                                 },
+                             .tell_ready = [this] { TellReady(); },
+                             .begin_work = [this] { ground_.Repeat(WorkToDo()); }});
   }
 
   void Run() {
@@ -208,15 +207,17 @@ class App::Impl {
     leases_.SetPort(relay_->port());
     leases_.Start();
     forwarding_.Start();
+    broker_side_.Start();
+    forget_rounds_.Start();
     return absl::OkStatus();
   }
 
-  void BeginWork() {
-    broker_side_.Start();
-    forget_rounds_.Start();
-    ground_.Open(site_);
-    ground_.Repeat(WorkToDo());
-    ground_.OnReload([this] { reload_.Run(); });
+  void TellReady() {
+    options_.logger.Info("listening", {{"relay", config::ToText(RelayTarget().address)},
+                                       {"http", config::ToText(ground_.http_address())},
+                                       {"version", options_.version},
+                                       {"robots", fleet_.size()}});
+    lifecycle::Supervisor::NoteReady();
   }
 
   [[nodiscard]] lifecycle::PeriodicWork WorkToDo() {
@@ -266,9 +267,8 @@ class App::Impl {
   }
 
   [[nodiscard]] loop::ProbeTarget RelayTarget() {
-    const config::ListenConfig& listen = options_.config.listen;
-    return {
-        {listen.relay.host, relay_->port()}, listen.proxy_protocol_from, &relay_probe_.own_port};
+    const config::ListenConfig& own = options_.config.listen;
+    return {{own.relay.host, relay_->port()}, own.proxy_protocol_from, &relay_probe_.own_port};
   }
 
   Options options_;

@@ -6,6 +6,8 @@ absl::Status Start(const StartSteps& steps) {
   if (absl::Status read = steps.read_robots(); !read.ok()) return read;
   steps.start_writers();
   if (absl::Status listens = steps.listen_for_robots(); !listens.ok()) return listens;
+  steps.answer_http();
+  steps.tell_ready();
   steps.begin_work();
   return absl::OkStatus();
 }

@@ -15,7 +15,12 @@ struct StartSteps {
   std::function<void()> start_writers;
   /// Admits robots from now on.
   std::function<absl::Status()> listen_for_robots;
-  /// Answers scrapes and queries, and does what is due, from now on.
+  /// Answers scrapes and queries from now on.
+  std::function<void()> answer_http;
+  /// Tells operators and the service manager that the server is ready.
+  std::function<void()> tell_ready;
+  /// Does what is due from now on. The first beat of the service manager's watchdog is part of it,
+  /// so that the manager hears READY=1 first.
   std::function<void()> begin_work;
 };
 

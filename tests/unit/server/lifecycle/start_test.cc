@@ -18,6 +18,8 @@ class StartTest : public ::testing::Test {
     return Start({.read_robots = [this] { return Do("robots"); },
                   .start_writers = [this] { done_.emplace_back("writers"); },
                   .listen_for_robots = [this] { return Do("relay"); },
+                  .answer_http = [this] { done_.emplace_back("http"); },
+                  .tell_ready = [this] { done_.emplace_back("ready"); },
                   .begin_work = [this] { done_.emplace_back("work"); }});
   }
   absl::Status Do(const std::string& step) {
@@ -29,9 +31,10 @@ class StartTest : public ::testing::Test {
   std::string fails_;
 };
 
+// The watchdog's first beat is work: the service manager hears READY=1 before it.
 TEST_F(StartTest, WhateverIsLetInFindsWhatTakesIt) {
   EXPECT_TRUE(Run().ok());
-  EXPECT_THAT(done_, ElementsAre("robots", "writers", "relay", "work"));
+  EXPECT_THAT(done_, ElementsAre("robots", "writers", "relay", "http", "ready", "work"));
 }
 
 TEST_F(StartTest, NothingIsBegunWhereTheRobotsCannotBeRead) {
