@@ -6,7 +6,6 @@
 #include <openssl/ssl.h>
 
 #include "server/front/tls_engine.h"
-#include "server/identity/certificate_gate.h"
 #include "server/identity/pem.h"
 #include "server/transport/key_files.h"
 
@@ -51,12 +50,8 @@ int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* ch
 bool SetProtocol(SSL_CTX* context, const transport::TlsRules& rules) {
   SSL_CTX_set_min_proto_version(
       context, rules.minimum == config::TlsVersion::k13 ? TLS1_3_VERSION : TLS1_2_VERSION);
-  SSL_CTX_set_options(context, SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
-                                   SSL_OP_CIPHER_SERVER_PREFERENCE);
-#ifdef SSL_OP_NO_RX_CERTIFICATE_COMPRESSION
-  // OpenSSL 3.2 and later: certificates that come compressed would pass by the gate.
-  SSL_CTX_set_options(context, SSL_OP_NO_RX_CERTIFICATE_COMPRESSION);
-#endif
+  SSL_CTX_set_options(context,
+                      SSL_OP_NO_TICKET | SSL_OP_NO_COMPRESSION | SSL_OP_CIPHER_SERVER_PREFERENCE);
   SSL_CTX_set_num_tickets(context, 0);
   SSL_CTX_set_session_cache_mode(context, SSL_SESS_CACHE_OFF);
   // An idle connection gives its buffers back: 34 of some 60 KiB (measured).
@@ -66,7 +61,6 @@ bool SetProtocol(SSL_CTX* context, const transport::TlsRules& rules) {
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
                      TlsEngine::OnVerified);
   SSL_CTX_set_verify_depth(context, kChainDepthMax);
-  SSL_CTX_set_max_cert_list(context, identity::kShownBytesMax);
   return SSL_CTX_set_cipher_list(context, kSuitesOf12) == 1 &&
          SSL_CTX_set1_groups_list(context, rules.groups.c_str()) == 1;
 }

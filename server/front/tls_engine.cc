@@ -78,11 +78,11 @@ SystemTime ExpiryOf(const X509* certificate) {
   return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
 }
 
-/// Bytes of a message's head: its type, and three of its length.
-constexpr std::size_t kMessageHeadBytes = 4;
-/// Neither form of a Certificate message begins with it: it announces a context that no client has,
-/// or a list that is longer than a message.
-constexpr std::uint8_t kUnreadable = 0xFF;
+SSL* New(const TlsContext& context) {
+  SSL* ssl = SSL_new(context.get());
+  UPLINK_CHECK(ssl != nullptr, "out of memory");
+  return ssl;
+}
 
 }  // namespace
 
@@ -103,14 +103,14 @@ BufferMethod::~BufferMethod() { BIO_meth_free(method_); }
 
 TlsEngine::TlsEngine(std::shared_ptr<const TlsContext> context, const BufferMethod& method,
                      TlsBuffers& buffers)
-    : context_(std::move(context)), buffers_(buffers), ssl_(SSL_new(context_->get())) {
+    : context_(std::move(context)), buffers_(buffers), ssl_(New(*context_)), messages_(ssl_) {
   BIO* bio = BIO_new(method.get());
-  UPLINK_CHECK(ssl_ != nullptr && bio != nullptr, "out of memory");
+  UPLINK_CHECK(bio != nullptr, "out of memory");
   BIO_set_data(bio, &buffers_);
   SSL_set_bio(ssl_, bio, bio);
   SSL_set_app_data(ssl_, this);
-  SSL_set_msg_callback(ssl_, OnMessage);
-  SSL_set_msg_callback_arg(ssl_, this);
+  // Read returns after each message that comes between pieces of what the peer says.
+  SSL_clear_mode(ssl_, SSL_MODE_AUTO_RETRY);
   SSL_set_accept_state(ssl_);
 }
 
@@ -131,8 +131,7 @@ TlsEngine::Step TlsEngine::Handshake() {
   begun_ = begun_ || !buffers_.in.empty();
   if (!buffers_.in.empty()) ++handshake_reads_;
   hello_.Take(buffers_.in);
-  if (hello_.size() > kClientHelloBytesMax || handshake_reads_ > kHandshakeReadsMax ||
-      handshake_bytes_ > kHandshakeBytesMax) {
+  if (!PassedBound().empty()) {
     failure_ = Failure::kOther;
     return Step::kFailed;
   }
@@ -140,13 +139,9 @@ TlsEngine::Step TlsEngine::Handshake() {
   const std::size_t offered = buffers_.in.size();
   const int result = SSL_do_handshake(ssl_);
   handshake_bytes_ += offered - buffers_.in.size();
-  if (certificate_flaw_ != identity::CertificateFlaw::kNone) {
-    ERR_clear_error();
-    failure_ = Failure::kCertificate;
-    return Step::kFailed;
-  }
-  if (result != 1) {
-    if (SSL_get_error(ssl_, result) == SSL_ERROR_WANT_READ) return Step::kMore;
+  const bool flawed = messages_.flaw() != identity::CertificateFlaw::kNone;
+  if (flawed || result != 1) {
+    if (!flawed && SSL_get_error(ssl_, result) == SSL_ERROR_WANT_READ) return Step::kMore;
     NoteFailure();
     return Step::kFailed;
   }
@@ -158,35 +153,32 @@ TlsEngine::Step TlsEngine::Handshake() {
     failure_ = Failure::kNothingShared;
     return Step::kFailed;
   }
-  done_ = true;
+  static_cast<void>(messages_.TakeCount());
   return Step::kDone;
 }
 
-void TlsEngine::OnMessage(int written, int version, int type, const void* bytes, std::size_t size,
-                          SSL* /*ssl*/, void* engine) {
-  if (written != 0 || type != SSL3_RT_HANDSHAKE) return;
-  auto& self = *static_cast<TlsEngine*>(engine);
-  if (self.done_) {
-    ++self.late_messages_;
-    return;
-  }
-  // The library's own buffer, which it reads once this returns (OpenSslMessages, a test, holds that
-  // this is so).
-  auto* const own = static_cast<std::uint8_t*>(const_cast<void*>(bytes));
-  self.JudgeCertificates(version, std::span(own, size));
+// The texts say these.
+static_assert(kClientHelloBytesMax == std::size_t{4} * 1024 && kHandshakeReadsMax == 128 &&
+              kHandshakeBytesMax == std::size_t{48} * 1024);
+
+std::string_view TlsEngine::PassedBound() const {
+  if (hello_.size() > kClientHelloBytesMax) return "a first message of over 4 KiB";
+  if (handshake_reads_ > kHandshakeReadsMax) return "a handshake in over 128 pieces";
+  return handshake_bytes_ > kHandshakeBytesMax ? "a handshake of over 48 KiB" : "";
 }
 
-void TlsEngine::JudgeCertificates(int version, std::span<std::uint8_t> message) {
-  if (message.size() < kMessageHeadBytes || message[0] != SSL3_MT_CERTIFICATE) return;
-  const auto form =
-      version == TLS1_3_VERSION ? identity::MessageForm::kTls13 : identity::MessageForm::kTls12;
-  const std::span<std::uint8_t> body = message.subspan(kMessageHeadBytes);
-  certificate_flaw_ = identity::FlawOfMessage(form, body);
-  if (certificate_flaw_ == identity::CertificateFlaw::kNone) return;
-  std::ranges::fill(body, kUnreadable);
+std::string_view TlsEngine::detail() const {
+  const std::string_view flaw = identity::TextOf(certificate_flaw());
+  return flaw.empty() ? PassedBound() : flaw;
 }
 
 void TlsEngine::NoteFailure() {
+  messages_.NoteFailure();
+  if (messages_.flaw() != identity::CertificateFlaw::kNone) {
+    ERR_clear_error();
+    failure_ = Failure::kCertificate;
+    return;
+  }
   unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
   // Before this one stands what it was about the chain, such as a signature that is not its own.
   const unsigned long last = ERR_peek_last_error();  // NOLINT(google-runtime-int): as above
@@ -210,14 +202,6 @@ void TlsEngine::NoteFailure() {
     case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
       failure_ = Failure::kNoCertificate;
       return;
-    case SSL_R_EXCESSIVE_MESSAGE_SIZE:
-      // The library reads no message that announces more than it may have.
-      if (SSL_get_state(ssl_) == TLS_ST_SR_CERT) {
-        certificate_flaw_ = identity::CertificateFlaw::kBytes;
-        failure_ = Failure::kCertificate;
-        return;
-      }
-      break;
     case SSL_R_CERTIFICATE_VERIFY_FAILED:
       failure_ = Failure::kUntrusted;
       return;
@@ -254,15 +238,22 @@ TlsPeer TlsEngine::Peer() const {
 }
 
 std::optional<std::string_view> TlsEngine::Read() {
-  if (over_) return std::nullopt;
+  if (late_messages_ > 0 || over_) return TakeLate();
   const int size = static_cast<int>(buffers_.plain.size());
   const int result = SSL_read(ssl_, buffers_.plain.data(), size);
+  late_messages_ = messages_.TakeCount();
   if (result > 0) {
     return std::string_view(buffers_.plain.data(), static_cast<std::size_t>(result));
   }
   over_ = SSL_get_error(ssl_, result) != SSL_ERROR_WANT_READ;
   if (over_) ERR_clear_error();
-  return std::nullopt;
+  return TakeLate();
+}
+
+std::optional<std::string_view> TlsEngine::TakeLate() {
+  if (late_messages_ == 0) return std::nullopt;
+  --late_messages_;
+  return std::string_view();
 }
 
 bool TlsEngine::Write(std::string_view plain) {

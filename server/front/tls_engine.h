@@ -5,10 +5,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <absl/status/statusor.h>
 #include <openssl/bio.h>
@@ -18,6 +16,7 @@
 #include "server/front/hello_size.h"
 #include "server/front/tls_context.h"
 #include "server/identity/certificate_gate.h"
+#include "server/identity/certificate_messages.h"
 #include "server/identity/peer_identity.h"
 
 namespace uplink::front {
@@ -126,15 +125,17 @@ class TlsEngine final {
   [[nodiscard]] bool begun() const { return begun_; }
   /// Why it failed.
   [[nodiscard]] Failure failure() const { return failure_; }
+  /// What the log says beside the failure: what is wrong with the certificates, or the bound of the
+  /// handshake that was passed; mostly empty.
+  [[nodiscard]] std::string_view detail() const;
   /// What is wrong with the certificates that it shows, with Failure::kCertificate.
-  [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return certificate_flaw_; }
+  [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
   /// Who is there; after the handshake.
   [[nodiscard]] TlsPeer Peer() const;
 
-  /// The next piece of what the peer said; nothing if more bytes are needed, or it is over.
+  /// The next piece of what the peer said; an empty one stands for a message of the handshake's
+  /// kind that came after it: new keys, mostly. Nothing if more bytes are needed, or it is over.
   [[nodiscard]] std::optional<std::string_view> Read();
-  /// Messages of the handshake's kind that came after it since the last call: new keys, mostly.
-  [[nodiscard]] std::uint32_t TakeLateMessages() { return std::exchange(late_messages_, 0); }
   /// The peer said that nothing follows, or broke the rules.
   [[nodiscard]] bool over() const { return over_; }
   /// Encrypts into `out`; false if the connection is broken.
@@ -146,27 +147,25 @@ class TlsEngine final {
   static int OnVerified(int good, X509_STORE_CTX* store);
 
  private:
-  /// OpenSSL tells of a message that is whole, before it reads it.
-  static void OnMessage(int written, int version, int type, const void* bytes, std::size_t size,
-                        SSL* ssl, void* engine);
-  /// Judges a Certificate message; one with a flaw is made unreadable where it stands, since the
-  /// library asks nobody whether to go on.
-  void JudgeCertificates(int version, std::span<std::uint8_t> message);
   void NoteFailure();
+  /// Which of the bounds on what the peer sends is passed; empty if none is.
+  [[nodiscard]] std::string_view PassedBound() const;
+  /// An empty piece for a message that came after the handshake; nothing if there is none.
+  [[nodiscard]] std::optional<std::string_view> TakeLate();
 
   const std::shared_ptr<const TlsContext> context_;
   TlsBuffers& buffers_;
-  SSL* ssl_;
+  SSL* const ssl_;
+  identity::CertificateMessages messages_;
   Failure failure_ = Failure::kNone;
-  identity::CertificateFlaw certificate_flaw_ = identity::CertificateFlaw::kNone;
   /// What a trusted chain lacks: X509_V_ERR_..., and 0 for nothing.
   int flaw_ = 0;
   bool begun_ = false;
   HelloSize hello_;
   std::size_t handshake_reads_ = 0;
   std::size_t handshake_bytes_ = 0;
-  bool done_ = false;
   bool over_ = false;
+  /// Messages of the handshake's kind that came after it, and that Read has not told of.
   std::uint32_t late_messages_ = 0;
 };
 

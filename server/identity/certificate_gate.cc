@@ -108,8 +108,8 @@ class Walk final {
   /// The content of the SubjectPublicKeyInfo of what is signed; nothing if that is not as it should
   /// be, from its first byte to its last.
   std::optional<Bytes> KeyIn(DerReader body) {
-    if (body.IsNext(DerTag::kContext0)) {
-      const auto version = body.Take(DerTag::kContext0);
+    if (body.IsNext(DerTag::kExplicit0)) {
+      const auto version = body.Take(DerTag::kExplicit0);
       if (!version || !IsOne(*version, DerTag::kInteger)) return std::nullopt;
     }
     const bool begins = body.Take(DerTag::kInteger) && body.Take(DerTag::kSequence);
@@ -117,10 +117,10 @@ class Walk final {
     if (!Validity(body.Take(DerTag::kSequence))) return std::nullopt;
     if (!Name(body.Take(DerTag::kSequence))) return std::nullopt;
     const auto key = body.Take(DerTag::kSequence);
-    for (const DerTag identifier : {DerTag::kContext1, DerTag::kContext2}) {
+    for (const DerTag identifier : {DerTag::kImplicit1, DerTag::kImplicit2}) {
       if (body.IsNext(identifier) && !body.Take(identifier)) return std::nullopt;
     }
-    if (body.IsNext(DerTag::kContext3) && !Extensions(body.Take(DerTag::kContext3))) {
+    if (body.IsNext(DerTag::kExplicit3) && !Extensions(body.Take(DerTag::kExplicit3))) {
       return std::nullopt;
     }
     return body.empty() ? key : std::nullopt;
@@ -190,12 +190,12 @@ class Walk final {
   std::size_t elements_ = 0;
 };
 
-/// Takes numbers and what they announce from a message. Confined to one call.
-class MessageReader final {
+/// Takes TLS's vectors from a message: a length, and as many bytes. Confined to one call.
+class VectorReader final {
  public:
-  explicit MessageReader(Bytes bytes) : rest_(bytes) {}
+  explicit VectorReader(Bytes bytes) : rest_(bytes) {}
 
-  /// As many bytes as a number of so many bytes says; nothing if they are not there.
+  /// The next one's content, whose length has so many bytes; nothing if it is not there.
   std::optional<Bytes> Take(std::size_t length_bytes) {
     if (rest_.size() < length_bytes) return std::nullopt;
     std::size_t length = 0;
@@ -216,6 +216,10 @@ constexpr std::size_t kListLengthBytes = 3;
 constexpr std::size_t kExtensionsLengthBytes = 2;
 
 }  // namespace
+
+// The texts below say these.
+static_assert(kShownCertificatesMax == 10 && kShownBytesMax == std::size_t{32} * 1024);
+static_assert(kRsaBitsMax == 4096 && kRsaExponentBitsMax == 64);
 
 std::string_view TextOf(CertificateFlaw flaw) {
   switch (flaw) {
@@ -241,14 +245,14 @@ CertificateFlaw FlawOfCertificate(Bytes certificate) { return Walk().Certificate
 
 CertificateFlaw FlawOfMessage(MessageForm form, Bytes body) {
   if (body.size() > kShownBytesMax) return CertificateFlaw::kBytes;
-  MessageReader message(body);
+  VectorReader message(body);
   if (form == MessageForm::kTls13) {
     const auto context = message.Take(kContextLengthBytes);
     if (!context || !context->empty()) return CertificateFlaw::kMalformed;
   }
   const auto list = message.Take(kListLengthBytes);
   if (!list || !message.empty()) return CertificateFlaw::kMalformed;
-  MessageReader certificates(*list);
+  VectorReader certificates(*list);
   Walk walk;
   for (std::size_t count = 1; !certificates.empty(); ++count) {
     if (count > kShownCertificatesMax) return CertificateFlaw::kCount;

@@ -49,12 +49,12 @@ enum class CertificateFlaw : std::uint8_t {
 /// How certificates stand in a Certificate message.
 enum class MessageForm : std::uint8_t {
   kTls12,
-  /// With a context, which a client's has not unless it was asked again, and with extensions of
-  /// each, which a client may have only if it was asked for them: we ask for none.
+  /// With a context, which is empty unless a client is asked after the handshake, and with
+  /// extensions of each, which a peer may have only if it was asked for them: we ask for none.
   kTls13,
 };
 
-/// The same of the body of a Certificate message of a client. One without certificates has no flaw.
+/// The same of the body of a Certificate message. One without certificates has no flaw.
 ///
 /// Source: RFC 5246, 7.4.2; RFC 8446, 4.4.2.
 [[nodiscard]] CertificateFlaw FlawOfMessage(MessageForm form, Bytes body);

@@ -21,10 +21,11 @@ enum class DerTag : std::uint8_t {
   kTime = 0x18,
   kSequence = 0x30,
   kSet = 0x31,
-  kContext0 = 0xA0,
-  kContext1 = 0x81,
-  kContext2 = 0x82,
-  kContext3 = 0xA3,
+  /// Of a context: around an element with a tag of its own, or in place of its tag.
+  kExplicit0 = 0xA0,
+  kImplicit1 = 0x81,
+  kImplicit2 = 0x82,
+  kExplicit3 = 0xA3,
 };
 
 /// Takes elements of DER one after the other. It is stricter than OpenSSL, which reads BER too: an

@@ -57,6 +57,7 @@ MemoryTls::MemoryTls(const Options& options) : tls_(std::make_unique<Tls>()) {
   SSL_set_alpn_protos(ssl, kHttp2, sizeof kHttp2);
   SSL_set_bio(ssl, tls_->in, tls_->out);
   SSL_set_connect_state(ssl);
+  if (options.shows_later) SSL_set_post_handshake_auth(ssl, 1);
   SSL_set_msg_callback(ssl, SawMessage);
   SSL_set_msg_callback_arg(ssl, &alert_);
 }
@@ -74,6 +75,30 @@ std::string MemoryTls::Step(std::string_view from_server) {
     static_cast<void>(SSL_read(tls_->ssl.get(), &byte, 1));
   }
   ERR_clear_error();
+  return TakeSaid();
+}
+
+std::string MemoryTls::Say(std::string_view plain) {
+  SSL_write(tls_->ssl.get(), plain.data(), static_cast<int>(plain.size()));
+  ERR_clear_error();
+  return TakeSaid();
+}
+
+std::string MemoryTls::RenewKeys() {
+  UPLINK_CHECK(SSL_key_update(tls_->ssl.get(), SSL_KEY_UPDATE_NOT_REQUESTED) == 1, "TLS 1.3");
+  SSL_do_handshake(tls_->ssl.get());
+  ERR_clear_error();
+  return TakeSaid();
+}
+
+std::string MemoryTls::Renegotiate() {
+  UPLINK_CHECK(SSL_renegotiate(tls_->ssl.get()) == 1, "TLS 1.2");
+  SSL_do_handshake(tls_->ssl.get());
+  ERR_clear_error();
+  return TakeSaid();
+}
+
+std::string MemoryTls::TakeSaid() {
   std::string said(BIO_ctrl_pending(tls_->out), '\0');
   if (!said.empty()) BIO_read(tls_->out, said.data(), static_cast<int>(said.size()));
   return said;

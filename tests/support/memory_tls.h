@@ -27,12 +27,21 @@ class MemoryTls final {
     /// The content of each record of TLS 1.3 is padded to a multiple of so many bytes; 0: it is
     /// not.
     std::size_t padded_bytes = 0;
+    /// It shows its certificate also if it is asked for it after the handshake (TLS 1.3).
+    bool shows_later = false;
   };
 
   explicit MemoryTls(const Options& options);
   ~MemoryTls();
   MemoryTls(const MemoryTls&) = delete;
   MemoryTls& operator=(const MemoryTls&) = delete;
+
+  // What the client says once the handshake is over: the bytes.
+  [[nodiscard]] std::string Say(std::string_view plain);
+  /// It goes on with new keys (TLS 1.3).
+  [[nodiscard]] std::string RenewKeys();
+  /// It asks for a second handshake (TLS 1.2).
+  [[nodiscard]] std::string Renegotiate();
 
   /// Goes on by what the server says; what the client says to that.
   [[nodiscard]] std::string Step(std::string_view from_server);
@@ -43,6 +52,8 @@ class MemoryTls final {
 
  private:
   struct Tls;
+
+  [[nodiscard]] std::string TakeSaid();
 
   std::unique_ptr<Tls> tls_;
   bool done_ = false;

@@ -9,10 +9,12 @@
 
 #include "server/config/tls_groups.h"
 #include "tests/component/front/front_world.h"
+#include "tests/component/front/shared_lines.h"
 
 namespace uplink::testing {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using transport::TurnedAway;
 
@@ -156,12 +158,21 @@ TEST(Tls, PlainBytesAreNoTls) {
 }
 
 TEST(Tls, AFirstMessageThatIsTooLargeIsNotWaitedFor) {
-  RelayWorld world;
+  SharedLines::Lines lines;
+  const SystemClock clock;
+  const log::Logger logger(std::make_unique<SharedLines>(lines), clock, log::Format::kText,
+                           log::Level::kDebug);
+  RelayWorld::Options of_world;
+  of_world.logger = &logger;
+  RelayWorld world(of_world);
   RawTcp client(world.server().port());
   // A ClientHello of 4 KiB and a byte is announced; none of it comes.
   static_cast<void>(client.SendSome(std::string("\x16\x03\x01\x10\x05\x01\x00\x10\x01", 9)));
   EXPECT_TRUE(client.WaitForEnd(kPatience));
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(world, TurnedAway::kHandshakeError) == 1; }));
+  EXPECT_TRUE(Eventually([&] { return !lines.All().empty(); }));
+  EXPECT_THAT(lines.All(),
+              ElementsAre(HasSubstr("why=\"handshake_error: a first message of over 4 KiB\"")));
 }
 
 TEST(Tls, AFirstMessageUpToItsLimitIsWaitedFor) {

@@ -92,6 +92,7 @@ class TlsEnginePieces : public TlsEngineTest {
   struct Said {
     TlsEngine::Step step = TlsEngine::Step::kMore;
     std::size_t reads = 0;
+    std::string detail;
   };
   Said SayIn(std::size_t piece, std::size_t padded_bytes = 0) {
     auto context = TlsContext::Make(texts_, rules_);
@@ -114,6 +115,7 @@ class TlsEnginePieces : public TlsEngineTest {
     }
     buffers_.out.clear();
     buffers_.in = {};
+    said.detail = engine.detail();
     return said;
   }
 };
@@ -128,12 +130,13 @@ TEST_F(TlsEnginePieces, OneByteAtATimeEndsTheHandshake) {
   const Said said = SayIn(1);
   EXPECT_EQ(said.step, TlsEngine::Step::kFailed);
   EXPECT_EQ(said.reads, kHandshakeReadsMax + 1);
+  EXPECT_EQ(said.detail, "a handshake in over 128 pieces");
 }
 
 TEST_F(TlsEnginePieces, ARecordIsTakenWholeAndThreeThatArePaddedToTheirMostAreNot) {
   EXPECT_EQ(SayIn(kRecordBytes).step, TlsEngine::Step::kDone);
   // Certificate, signature and Finished have a record each.
-  EXPECT_EQ(SayIn(kRecordBytes, kRecordBytes).step, TlsEngine::Step::kFailed);
+  EXPECT_EQ(SayIn(kRecordBytes, kRecordBytes).detail, "a handshake of over 48 KiB");
 }
 
 /// Both versions, since their Certificate messages differ.
@@ -219,6 +222,71 @@ TEST_F(TlsEngineTest, RobotsComeWithACompressedPoint) {
     spec.compressed = true;
     EXPECT_TRUE(Handshake(With(spec)).done) << key;
   }
+}
+
+/// What comes once the handshake is over.
+class TlsEngineLater : public TlsEngineTest {
+ protected:
+  void Meet(int version_max) {
+    rules_ = RulesOf(config::TlsVersion::k12);
+    auto context = TlsContext::Make(texts_, rules_);
+    ASSERT_TRUE(context.ok()) << context.status();
+    engine_.emplace(*context, method_, buffers_);
+    MemoryTls::Options robot = Robot();
+    robot.version_max = version_max;
+    client_.emplace(robot);
+    auto step = TlsEngine::Step::kMore;
+    while (step == TlsEngine::Step::kMore) {
+      said_ = client_->Step(buffers_.out);
+      buffers_.out.clear();
+      buffers_.in = said_;
+      step = engine_->Handshake();
+    }
+    ASSERT_EQ(step, TlsEngine::Step::kDone);
+    static_cast<void>(client_->Step(buffers_.out));
+    buffers_.out.clear();
+  }
+  /// Each piece that the engine reads of that.
+  std::vector<std::string> PiecesOf(std::string said) {
+    said_ = std::move(said);
+    buffers_.in = said_;
+    std::vector<std::string> pieces;
+    while (const auto piece = engine_->Read()) pieces.emplace_back(*piece);
+    return pieces;
+  }
+
+  std::string said_;
+  std::optional<TlsEngine> engine_;
+  std::optional<MemoryTls> client_;
+};
+
+TEST_F(TlsEngineLater, EachRenewalOfKeysIsToldBeforeWhatFollowsIsRead) {
+  ASSERT_NO_FATAL_FAILURE(Meet(TLS1_3_VERSION));
+  std::string said = client_->Say("one");
+  said += client_->RenewKeys();
+  said += client_->RenewKeys();
+  said += client_->Say("two");
+  EXPECT_EQ(PiecesOf(said), (std::vector<std::string>{"one", "", "", "two"}));
+  EXPECT_TRUE(buffers_.in.empty());
+  EXPECT_FALSE(engine_->over());
+}
+
+TEST_F(TlsEngineLater, WhatFollowsARenewalThatIsOneTooManyIsNotRead) {
+  ASSERT_NO_FATAL_FAILURE(Meet(TLS1_3_VERSION));
+  const std::string one = client_->RenewKeys();
+  said_ = one + client_->RenewKeys();
+  buffers_.in = said_;
+  EXPECT_EQ(engine_->Read(), "");
+  EXPECT_EQ(buffers_.in.size(), said_.size() - one.size()) << "its own cost, and no more";
+}
+
+// So no Certificate message comes by TLS 1.2 after the first handshake.
+TEST_F(TlsEngineLater, ASecondHandshakeIsRefusedAndTold) {
+  ASSERT_NO_FATAL_FAILURE(Meet(TLS1_2_VERSION));
+  EXPECT_EQ(PiecesOf(client_->Renegotiate()), std::vector<std::string>{""});
+  EXPECT_FALSE(engine_->over());
+  static_cast<void>(client_->Step(buffers_.out));
+  EXPECT_EQ(client_->alert(), SSL_AD_NO_RENEGOTIATION);
 }
 
 TEST_F(TlsEngineTest, KeysAreAgreedOnByTheGroupsOfTheRulesAlone) {

@@ -13,7 +13,7 @@
 #include "server/identity/pem.h"
 #include "tests/support/memory_tls.h"
 
-namespace uplink::front {
+namespace uplink::identity {
 namespace {
 
 using testing::MemoryTls;
@@ -55,8 +55,8 @@ class OpenSslMessages : public ::testing::TestWithParam<int> {
   bool Handshake(Spoils spoils) {
     seen_ = {.spoils = spoils};
     const std::unique_ptr<SSL_CTX, ContextFree> context(SSL_CTX_new(TLS_server_method()));
-    EXPECT_TRUE(identity::UseChain(context.get(), server_.certificate));
-    EXPECT_TRUE(identity::UseKey(context.get(), server_.key));
+    EXPECT_TRUE(UseChain(context.get(), server_.certificate));
+    EXPECT_TRUE(UseKey(context.get(), server_.key));
     SSL_CTX_set_max_proto_version(context.get(), GetParam());
     SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
     SSL_CTX_set_cert_verify_callback(context.get(), OnVerify, &seen_);
@@ -107,4 +107,4 @@ INSTANTIATE_TEST_SUITE_P(Versions, OpenSslMessages,
                          ::testing::Values(TLS1_2_VERSION, TLS1_3_VERSION));
 
 }  // namespace
-}  // namespace uplink::front
+}  // namespace uplink::identity
