@@ -12,6 +12,8 @@
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
 
+#include "tools/pki/shown.h"
+
 namespace uplink::pki {
 namespace {
 
@@ -91,6 +93,15 @@ std::string Joined(const std::vector<std::string>& names) {
     all += (all.empty() ? "" : ",") + name;
   }
   return all;
+}
+
+std::string ToDer(const X509* certificate) {
+  unsigned char* bytes = nullptr;
+  const int size = i2d_X509(certificate, &bytes);
+  if (size <= 0) return {};
+  std::string der(bytes, bytes + size);
+  OPENSSL_free(bytes);
+  return der;
 }
 
 /// Everything of a certificate but its subject, issuer, extensions and signature.
@@ -193,6 +204,12 @@ absl::StatusOr<Credentials> Authority::Issue(const Profile& profile, int days) c
       (!names.empty() && !AddExtension(certificate, issuer, NID_subject_alt_name, names)) ||
       X509_sign(certificate, handles_->key.get(), EVP_sha256()) == 0) {
     return Failed("a certificate");
+  }
+  // Nobody judges a server's; robots show theirs, and what signed it may stand behind it.
+  if (!profile.server) {
+    if (absl::Status shown = CheckShown({ToDer(certificate), ToDer(issuer)}); !shown.ok()) {
+      return shown;
+    }
   }
   return Credentials{ToPem(certificate), ToPem(key->get())};
 }

@@ -18,7 +18,8 @@ struct Credentials {
 /// A certificate authority of our own, for development and small fleets: ECDSA on P-256, SHA-256.
 ///
 /// Errors: kInvalidArgument for bad input (not PEM, key and certificate that do not match, days out
-///         of range), kInternal with OpenSSL's own words otherwise.
+///         of range, a certificate that the relay would not look into), kInternal with OpenSSL's
+///         own words otherwise.
 /// Thread: immutable once made; Issue may be called from several threads.
 class Authority final {
  public:

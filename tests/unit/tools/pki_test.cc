@@ -6,13 +6,19 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "schema/model/ids.h"
+#include "server/identity/certificate_gate.h"
 #include "server/identity/peer_identity.h"
+#include "tests/support/der.h"
+#include "tests/support/odd_certificates.h"
 #include "tools/pki/directory.h"
 #include "tools/pki/profile.h"
+#include "tools/pki/shown.h"
 
 namespace uplink::pki {
 namespace {
 
+namespace odd = testing::odd;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -109,6 +115,51 @@ TEST(Authority, RefusesAValidityOutOfRange) {
   EXPECT_TRUE(Authority::Create("test", kDaysMax).ok());
   EXPECT_FALSE(Authority::Create("test", 0).ok());
   EXPECT_FALSE(Authority::Create("test", kDaysMax + 1).ok());
+}
+
+std::vector<std::string> RurisOf(std::size_t count, std::size_t bytes) {
+  std::vector<std::string> ruris;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::string ruri = "rcan://fleet.example/" + std::to_string(1000 + i);
+    ruri.resize(bytes, 'x');
+    ruris.push_back(std::move(ruri));
+  }
+  return ruris;
+}
+
+TEST(Authority, IssuesNoCertificateThatTheRelayDoesNotLookInto) {
+  const auto authority = Authority::Create("test", 10);
+  ASSERT_TRUE(authority.ok());
+  const auto issue = [&](std::size_t robots, std::size_t bytes) {
+    const auto profile = GatewayProfile(RurisOf(robots, bytes), "north", "g");
+    EXPECT_TRUE(profile.ok()) << profile.status();
+    return (*authority)->Issue(*profile, 10).status();
+  };
+  EXPECT_TRUE(issue(kGatewayRobotsMax, 100).ok());
+  EXPECT_TRUE(issue(100, model::kRuriBytesMax).ok());
+  const absl::Status refused = issue(kGatewayRobotsMax, model::kRuriBytesMax);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(Message(refused), HasSubstr("the relay takes at most 32768"));
+}
+
+TEST(Shown, AMessageAtItsLimitIsTakenAndOneByteMoreIsNot) {
+  const auto certificate_of = [](std::size_t bytes) {
+    odd::Parts parts;
+    parts.key = odd::Ed25519Key();
+    parts.extensions = odd::Extension("\x2A", testing::der::Octets(std::string(bytes, 'x')));
+    return odd::CertificateOf(parts);
+  };
+  constexpr std::size_t kContent = 30'000;
+  const std::size_t frame = odd::MessageOf13({certificate_of(kContent)}).size() - kContent;
+  const std::size_t most = identity::kShownBytesMax - frame;
+  EXPECT_EQ(CheckShown({certificate_of(most)}), absl::OkStatus());
+  EXPECT_THAT(Message(CheckShown({certificate_of(most + 1)})),
+              HasSubstr("would have 32769 bytes, and the relay takes at most 32768"));
+}
+
+TEST(Shown, AKeyThatTheRelayDoesNotTakeIsNamed) {
+  EXPECT_THAT(Message(CheckShown({odd::CertificateWith(odd::RsaKey(4097, 17))})),
+              HasSubstr("an RSA key of over 4,096 bits"));
 }
 
 TEST(Authority, RefusesAKeyOfAnother) {
