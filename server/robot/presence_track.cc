@@ -20,6 +20,7 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
     online_until_ = steady + limits.timeout;
     last_sign_system_ = system;
     claimed_.reset();
+    offline_since_.reset();
     sign = Sign::kLatest;
   }
   Reach(steady, system);
@@ -96,6 +97,7 @@ void PresenceTrack::BeginFrom(const storage::StoredPresence& stored) {
   last_sign_.reset();
   claimed_.reset();
   unknown_until_.reset();
+  offline_since_.reset();
   presence_ = stored.presence;
   since_ = stored.since;
 }
@@ -105,13 +107,18 @@ void PresenceTrack::Adopt(const Adoption& adoption) {
   known_since_ = adoption.now;
   if (HeardInTime(adoption.now)) return GoOnFrom(adoption.stored);
   BeginFrom(adoption.stored);
-  const bool keeps = adoption.end == storage::HolderEnd::kEnded;
-  if (presence_ == Presence::kOffline && keeps && !Planted(Mutation::kOfflineForgotten)) {
+  const bool was_offline = presence_ == Presence::kOffline && !Planted(Mutation::kOfflineForgotten);
+  if (was_offline && adoption.end == storage::HolderEnd::kEnded) {
     claimed_ = {presence_, adoption.now};
     return;
   }
   unknown_until_ = adoption.unknown_until;
-  if (presence_ != Presence::kUnknown) Change(Presence::kUnknown, adoption.system_now);
+  if (was_offline) {
+    offline_since_ = since_;
+    Show(Presence::kUnknown, adoption.system_now);
+  } else if (presence_ != Presence::kUnknown) {
+    Change(Presence::kUnknown, adoption.system_now);
+  }
 }
 
 void PresenceTrack::Follow(const storage::StoredPresence& stored) {
@@ -123,9 +130,13 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   BeginFrom(stored);
 }
 
-void PresenceTrack::Change(Presence presence, SystemTime at) {
+void PresenceTrack::Show(Presence presence, SystemTime since) {
   presence_ = presence;
-  since_ = at;
+  since_ = since;
+}
+
+void PresenceTrack::Change(Presence presence, SystemTime at) {
+  Show(presence, at);
   if (changed_) changed_(presence, at);
 }
 
@@ -151,7 +162,9 @@ void PresenceTrack::Update(const PresenceLimits& limits) {
   PresenceFacts facts = Facts();
   facts.held_back_until = std::max(facts.held_back_until, doubted_until_);
   const Presence presence = PresenceOf(facts, limits);
-  if (presence != presence_) Change(presence, reached_system_);
+  if (presence == presence_) return;
+  if (presence == Presence::kOffline && offline_since_) return Show(presence, *offline_since_);
+  Change(presence, reached_system_);
 }
 
 }  // namespace uplink::robot

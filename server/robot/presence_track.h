@@ -63,9 +63,10 @@ class PresenceTrack final {
   /// to nobody's knowledge, and may be older than that.
   void Claim(const storage::StoredPresence& stored, SteadyTime now);
   /// The robot's holder was over, and it is ours. What was heard here in time stands. Else a robot
-  /// that was offline stays so until it is heard, as the holder wrote it, unless that holder only
-  /// fell silent: it may have heard the robot since, and could not write that. Every other robot is
-  /// unknown until it is heard, and at most until `unknown_until`.
+  /// that was offline stays so until it is heard, as the holder wrote it. Every other robot is
+  /// unknown until it is heard, and at most until `unknown_until`. If the holder only fell silent,
+  /// it may have heard since who was offline, and could not write that: such a robot is shown as
+  /// unknown for as long, and is then offline as before. None of that is told as a change.
   struct Adoption {
     storage::StoredPresence stored;
     storage::HolderEnd end = storage::HolderEnd::kEnded;
@@ -90,6 +91,8 @@ class PresenceTrack final {
  private:
   void Reach(SteadyTime steady, SystemTime system);
   void Update(const PresenceLimits& limits);
+  void Show(Presence presence, SystemTime since);
+  /// Shows and tells it.
   void Change(Presence presence, SystemTime at);
   /// But for silence in doubt.
   [[nodiscard]] PresenceFacts Facts() const;
@@ -122,6 +125,8 @@ class PresenceTrack final {
   std::optional<SteadyTime> doubted_until_;
   std::optional<PresenceFacts::Claimed> claimed_;
   std::optional<SteadyTime> unknown_until_;
+  /// Unknown is in place of offline since then, as the store has it, until the robot is heard.
+  std::optional<SystemTime> offline_since_;
   /// Another process judges it.
   bool foreign_ = false;
 };

@@ -219,15 +219,48 @@ TEST_F(PresenceTrackTest, AnAdoptedRobotThatWasOfflineStaysSoWithItsTimeUntilItI
   EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, clock_.System())));
 }
 
-TEST_F(PresenceTrackTest, ARobotThatASilentHolderCalledOfflineIsUnknownSinceItMayBeHeardThere) {
-  const SystemTime since = clock_.System() - std::chrono::hours(2);
-  track_.Adopt({.stored = {Presence::kOffline, since},
-                .end = storage::HolderEnd::kSilent,
-                .unknown_until = clock_.Steady() + std::chrono::hours(1),
+/// Adopted from a holder that fell silent, and had called the robot offline.
+class OfflineAtSilent : public PresenceTrackTest {
+ protected:
+  OfflineAtSilent() {
+    track_.Adopt({.stored = {Presence::kOffline, since_},
+                  .end = storage::HolderEnd::kSilent,
+                  .unknown_until = clock_.Steady() + kGrace,
+                  .now = clock_.Steady(),
+                  .system_now = clock_.System()});
+  }
+
+  static constexpr std::chrono::hours kGrace{1};
+  const SystemTime since_ = clock_.System() - std::chrono::hours(2);
+};
+
+TEST_F(OfflineAtSilent, IsUnknownSinceItMayBeHeardThereAndThenOfflineAsBefore) {
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(kGrace);
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_EQ(track_.since(), since_);
+  EXPECT_THAT(changes_, IsEmpty());
+}
+
+TEST_F(OfflineAtSilent, IsOnlineOnceItIsHeardAndOfflineAnewAfterThat) {
+  Sign();
+  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, clock_.System())));
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_EQ(track_.since(), clock_.System());
+  EXPECT_THAT(changes_, SizeIs(2));
+}
+
+TEST_F(OfflineAtSilent, IsOfflineAsBeforeAlsoForWhoAdoptsItNext) {
+  track_.Adopt({.stored = {Presence::kOffline, since_},
+                .unknown_until = clock_.Steady() + kGrace,
                 .now = clock_.Steady(),
                 .system_now = clock_.System()});
-  EXPECT_EQ(Sweep(), Presence::kUnknown);
-  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kUnknown, clock_.System())));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_EQ(track_.since(), since_);
+  EXPECT_THAT(changes_, IsEmpty());
 }
 
 TEST_F(PresenceTrackTest, AnAdoptedRobotThatIsHeardHereIsOnline) {

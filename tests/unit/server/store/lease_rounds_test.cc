@@ -192,6 +192,9 @@ TEST_F(LeaseRoundsTest, WhoWasOfflineAtAProcessThatFellSilentMayBeHeardThere) {
   Pass(kSilentMax + kLookEvery);
   EXPECT_FALSE(Shown().foreign.has_value());
   EXPECT_EQ(Shown().presence, model::Presence::kUnknown);
+  Pass(std::chrono::hours(1));
+  EXPECT_EQ(Shown().presence, model::Presence::kOffline);
+  EXPECT_THAT(History(), ElementsAre(model::Presence::kOffline)) << "the row of the other one";
 }
 
 TEST_F(LeaseRoundsTest, AnAdoptionForSilenceStandsThoughTheAdopterStopped) {
