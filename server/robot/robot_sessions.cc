@@ -6,6 +6,7 @@
 #include "server/robot/limits.h"
 #include "server/robot/mutation.h"
 #include "server/robot/outcome.h"
+#include "server/robot/session_view.h"
 #include "storage/types.h"
 
 namespace uplink::robot {
@@ -140,13 +141,7 @@ std::size_t RobotSessions::waiting(const model::SessionId& session) const {
 
 SessionView RobotSessions::View() const {
   const std::lock_guard lock(mutex_);
-  SessionView view;
-  view.connected = static_cast<bool>(takeover_.current());
-  view.connected_since = takeover_.connected_since();
-  view.gateway = takeover_.gateway();
-  view.contested = takeover_.contested();
-  view.held_back = held_back_.by();
-  view.held_back_since = held_back_.since();
+  SessionView view = ViewOf(takeover_, held_back_);
   if (const SessionMemory* memory = CurrentSession()) {
     view.session = current_session_;
     view.settled_seq = memory->numbers.through();
@@ -172,12 +167,9 @@ void RobotSessions::Restore(const storage::SettledSession& last) {
 
 std::optional<storage::SettledSession> RobotSessions::TakeSettled() {
   const std::lock_guard lock(mutex_);
-  const SessionMemory* memory = CurrentSession();
-  if (memory == nullptr) return std::nullopt;
-  const storage::SettledSession now{*current_session_, memory->numbers.through()};
-  if (settled_taken_ == now) return std::nullopt;
-  settled_taken_ = now;
-  return now;
+  const auto now = SettledOf(CurrentSession(), current_session_);
+  if (!now || settled_taken_ == now) return std::nullopt;
+  return settled_taken_ = now;
 }
 
 void RobotSessions::PutBackSettled() {
@@ -187,10 +179,7 @@ void RobotSessions::PutBackSettled() {
 
 void RobotSessions::Sweep(SteadyTime now, milliseconds idle) {
   const std::lock_guard lock(mutex_);
-  std::optional<storage::SettledSession> last;
-  if (const SessionMemory* memory = CurrentSession()) {
-    last = {*current_session_, memory->numbers.through()};
-  }
+  const auto last = SettledOf(CurrentSession(), current_session_);
   sessions_.ForgetIdle(now, idle, takeover_.current() ? current_session_ : std::nullopt);
   if (last && CurrentSession() == nullptr) last_session_ = last;
   takeover_.Sweep(now);
@@ -255,6 +244,56 @@ StreamRef RobotSessions::OnGapsWritten(std::size_t count) {
   gaps_in_flight_.fetch_sub(count);
   const std::lock_guard lock(mutex_);
   return takeover_.current();
+}
+
+StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
+  return VoidAndStop(Standing::kSuperseded, ledger);
+}
+
+StreamRef RobotSessions::OnWentBack(metrics::Ledger& ledger) {
+  return VoidAndStop(Standing::kWentBack, ledger);
+}
+
+StreamRef RobotSessions::VoidAndStop(Standing standing, metrics::Ledger& ledger) {
+  std::size_t waited = 0;
+  StreamRef wake;
+  {
+    const std::lock_guard lock(mutex_);
+    waited = Void();
+    fleet_words_.Answered();
+    takeover_.Stop(standing);
+    wake = takeover_.current();
+  }
+  Publish(SupersededCounts(waited), ledger);
+  return wake;
+}
+
+std::optional<FleetWords::Refused> RobotSessions::OnOtherFleet(std::uint64_t open_id,
+                                                               metrics::Ledger& ledger) {
+  std::size_t waited = 0;
+  std::optional<FleetWords::Refused> refused;
+  {
+    const std::lock_guard lock(mutex_);
+    if (opening_.IsLast(open_id)) refused = fleet_words_.Refuse();
+    if (!refused) return refused;
+    waited = Void();
+    takeover_.Refuse(refused->stream);
+  }
+  Publish(SupersededCounts(waited), ledger);
+  return refused;
+}
+
+std::size_t RobotSessions::Void() {
+  const std::size_t waiting = sessions_.waiting();
+  in_flight_.fetch_sub(waiting);
+  record_bytes_.store(0);
+  sessions_.Clear();
+  last_session_.reset();
+  settled_taken_.reset();
+  opening_.Forget();
+  resends_.Begin();
+  generation_.fetch_add(1);
+  return waiting;
 }
 
 }  // namespace uplink::robot
