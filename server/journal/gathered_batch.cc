@@ -108,6 +108,7 @@ void GatheredBatch::ClearEntries() {
   batch_.deliveries.clear();
   origins_.clear();
   gap_origins_.clear();
+  asking_.clear();
 }
 
 }  // namespace uplink::journal

@@ -6,6 +6,7 @@
 
 #include "server/journal/entry.h"
 #include "server/journal/held_robots.h"
+#include "server/robot/wake.h"
 #include "storage/types.h"
 
 namespace uplink::journal {
@@ -28,10 +29,14 @@ class GatheredBatch final {
     batch_.deliveries = std::move(deliveries);
   }
 
+  /// Streams that wait for its commit, whatever it holds (Journal::WhenCommitted).
+  void SetAsking(std::vector<robot::StreamRef> streams) { asking_ = std::move(streams); }
+
   [[nodiscard]] bool empty() const {
     return origins_.empty() && gap_origins_.empty() && batch_.presence.empty() &&
-           batch_.deliveries.empty();
+           batch_.deliveries.empty() && asking_.empty();
   }
+  [[nodiscard]] const std::vector<robot::StreamRef>& asking() const { return asking_; }
   /// Records and gaps.
   [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
   /// What records and gaps cost.
@@ -65,13 +70,14 @@ class GatheredBatch final {
   /// the rest of the message to which the last of them belongs.
   [[nodiscard]] Rest TakeRest(std::size_t keep);
   void ClearPresence() { batch_.presence.clear(); }
-  /// What is remembered of deliveries goes too.
+  /// What is remembered of deliveries goes too, and who waits for the commit.
   void ClearEntries();
 
  private:
   storage::Batch batch_;
   std::vector<Origin> origins_;
   std::vector<Origin> gap_origins_;
+  std::vector<robot::StreamRef> asking_;
 };
 
 }  // namespace uplink::journal

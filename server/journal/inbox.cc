@@ -78,6 +78,15 @@ void Inbox::Remember(storage::Deliveries deliveries) {
   work_.notify_one();
 }
 
+void Inbox::WhenCommitted(robot::StreamRef stream) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::ranges::find(waiting_for_commit_, stream) != waiting_for_commit_.end()) return;
+    waiting_for_commit_.push_back(stream);
+  }
+  work_.notify_one();
+}
+
 void Inbox::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
   {
     const std::lock_guard lock(mutex_);

@@ -49,6 +49,7 @@ class Inbox final {
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
   void Remember(storage::Deliveries deliveries);
+  void WhenCommitted(robot::StreamRef stream);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
   void Adopt(AdoptEntry entry);
   void Lose(LossEntry entry);
@@ -74,6 +75,11 @@ class Inbox final {
   friend class WriterInbox;
 
   void Push(Entry entry);
+  /// Something waits that goes into a batch. Under the lock.
+  [[nodiscard]] bool HasBatch() const {
+    return !queue_.empty() || !presence_.empty() || !deliveries_.empty() ||
+           !waiting_for_commit_.empty();
+  }
 
   const JournalLimits limits_;
   const Clock& clock_;
@@ -87,6 +93,8 @@ class Inbox final {
   /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.
   std::vector<storage::Deliveries> deliveries_;
   std::vector<robot::StreamRef> waiting_for_room_;
+  /// Each once.
+  std::vector<robot::StreamRef> waiting_for_commit_;
   /// When the first record of the batch that was taken arrived.
   std::optional<SteadyTime> batch_oldest_;
 

@@ -63,6 +63,10 @@ class Journal final {
   /// What the store is to remember of deliveries without records, with the next commit. What waits
   /// of the same lease comes with it.
   void Remember(storage::Deliveries deliveries);
+  /// Wakes the stream after the next commit that begins after this, of an empty batch if nothing
+  /// else waits. It shows that the store is there and has what it told: a store that was connected
+  /// to anew was compared before, and OnReconnected told.
+  void WhenCommitted(robot::StreamRef stream) { inbox_.WhenCommitted(stream); }
 
   /// A robot's presence changed: a record of the server's own, dropped if this process does not
   /// hold the robot. It is in no count of this class but idle(), and holds no stream back: at most

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -80,6 +81,7 @@ std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
   }
   for (const auto& [client, robot] : sorted.fenced) wake.push_back(holds.Lose(*client, robot));
   for (const Origin& origin : batch.gap_origins()) wake.push_back(origin.client->OnGapsWritten(1));
+  std::ranges::copy(batch.asking(), std::back_inserter(wake));
   return wake;
 }
 

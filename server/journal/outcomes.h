@@ -14,7 +14,8 @@ namespace uplink::journal {
 /// process owns. `outcomes` are the store's, one per record. What became void meanwhile is not
 /// told. Counts go to `ledger`.
 ///
-/// Returns the streams to wake: whoever calls does so once it has let go of the batch.
+/// Returns the streams to wake, those last that wait for the commit alone: the caller does so once
+/// it has let go of the batch.
 /// Thread: the writer alone, with no lock held.
 [[nodiscard]] std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
                                                          std::vector<storage::Outcome> outcomes,

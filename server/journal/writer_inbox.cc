@@ -8,9 +8,7 @@ namespace uplink::journal {
 
 WriterInbox::TakenOpens WriterInbox::TakeOpens(std::vector<OpenEntry> taken, std::size_t most) {
   const std::lock_guard lock(inbox_.mutex_);
-  return {.opens = inbox_.opens_.MoveTo(std::move(taken), most),
-          .records_wait =
-              !inbox_.queue_.empty() || !inbox_.presence_.empty() || !inbox_.deliveries_.empty()};
+  return {.opens = inbox_.opens_.MoveTo(std::move(taken), most), .records_wait = inbox_.HasBatch()};
 }
 
 void WriterInbox::PutBackOpens(std::vector<OpenEntry> taken) {
@@ -65,6 +63,7 @@ GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
   const std::lock_guard lock(inbox_.mutex_);
   batch.SetPresence(inbox_.presence_.Take(bounds.records_max));
   batch.SetDeliveries(std::exchange(inbox_.deliveries_, {}));
+  batch.SetAsking(std::exchange(inbox_.waiting_for_commit_, {}));
   const auto oldest = inbox_.queue_.MoveTo(batch, bounds, held);
   if (!inbox_.batch_oldest_) inbox_.batch_oldest_ = oldest;
   return batch;
@@ -96,8 +95,7 @@ void WriterInbox::EndCheckpoint() {
 void WriterInbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
   std::unique_lock lock(inbox_.mutex_);
   const auto work = [this] {
-    return !inbox_.queue_.empty() || !inbox_.opens_.empty() || !inbox_.presence_.empty() ||
-           !inbox_.deliveries_.empty() || !inbox_.adopts_.empty() ||
+    return inbox_.HasBatch() || !inbox_.opens_.empty() || !inbox_.adopts_.empty() ||
            inbox_.checkpoint_asked_.load();
   };
   const SteadyTime::duration left = due - inbox_.clock_.Steady();
