@@ -1,7 +1,5 @@
 #include "server/broker/broker.h"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "schema/base/check.h"
@@ -12,7 +10,7 @@
 namespace uplink::broker {
 Broker::Broker(Context context)
     : context_(std::move(context)),
-      log_(context_.logger),
+      connection_log_(context_.logger, context_.clock, context_.clients.front().url.Text()),
       refused_log_(context_.logger),
       limited_log_(context_.logger),
       heard_(context_.clock, probe_),
@@ -27,7 +25,12 @@ Broker::Broker(Context context)
                 .inbox = wakes_,
                 .fleet_name = context_.fleet_name,
                 .random = context_.random}),
-      commits_(streams_, ledger_, probe_, context_.clock),
+      commits_({.streams = streams_,
+                .ledger = ledger_,
+                .probe = probe_,
+                .clock = context_.clock,
+                .journal = *context_.journals.all().front(),
+                .settled_again = [this] { context_.post([this] { OnSettledAgain(); }); }}),
       intake_({.clock = context_.clock,
                .fleet = context_.fleet,
                .twins = context_.twins,
@@ -48,8 +51,6 @@ Broker::Broker(Context context)
       strays_(context_.terms.prefixes) {
   NoteCertificate(context_.clients.front(), probe_);
 }
-
-Broker::~Broker() = default;
 
 void Broker::Begin(Grant grant) {
   if (draining_) return;
@@ -90,16 +91,12 @@ void Broker::Start(Connection connection, bool expect_session) {
 
 void Broker::TakeBack(std::string_view topic) {
   if (!strays_.Add(topic)) return;
-  std::vector<std::string> gone;
-  for (const std::string& prefix : strays_.prefixes()) {
-    std::ranges::move(cyberwave::Filters(prefix, Connection::kDurable), std::back_inserter(gone));
-  }
   context_.logger.Info("mqtt_prefix_gone", {{"prefix", strays_.prefixes().back()}});
-  // It makes good filters, as a prefix that may be configured.
-  static_cast<void>(
-      Of(Connection::kDurable)
-          .client()
-          ->SetFilters(FiltersOf(Connection::kDurable, context_.terms.prefixes), gone));
+  // They make good filters, as prefixes that may be configured.
+  static_cast<void>(Of(Connection::kDurable)
+                        .client()
+                        ->SetFilters(FiltersOf(Connection::kDurable, context_.terms.prefixes),
+                                     strays_.Filters()));
 }
 
 void Broker::StopClient(Connection connection) {
@@ -122,10 +119,26 @@ void Broker::End() {
   if (!std::exchange(began_, false)) return;
   RememberOver();
   probe_.lease_held.Set(0);
-  rereads_ = false;
+  rereading_.End();
   for (std::size_t i = 0; i < context_.clients.size(); ++i) StopClient(static_cast<Connection>(i));
   streams_.EndAll();
   context_.twins.Clear();
+}
+
+void Broker::Reread() {
+  commits_.BeginReread();
+  if (!began_ || draining_) return;
+  if (!rereading_.active()) context_.post([this] { StopClient(Connection::kDurable); });
+  const std::uint64_t request = rereading_.Ask();
+  if (lease_ != nullptr) lease_->RereadSoon(request);
+}
+
+void Broker::GoOn(Remembered remembered) {
+  if (!rereading_.EndsWith(remembered.asked) || !began_ || draining_) return;
+  StopClient(Connection::kDurable);
+  commits_.Reread(remembered.memory);
+  streams_.SetFaults(std::move(remembered.faults));
+  Start(Connection::kDurable, true);
 }
 
 void Broker::BeginDrain() {
@@ -140,11 +153,10 @@ void Broker::BeginDrain() {
 }
 
 void Broker::OnConnected(Connection connection, const mqtt::Connected& connected) {
-  context_.logger.Info("mqtt_connected", {{"connection", Name(connection)},
-                                          {"broker", BrokerName()},
-                                          {"session_present", connected.session_present}});
+  connection_log_.Connected(connection, connected);
   NoteStatuses();
   if (connection != Connection::kDurable) return;
+  commits_.BeginConnection();
   strays_.Clear();
   if (connected.session_present) return;
   // Also where none was expected: what the store knows of an older session comes from nobody.
@@ -152,7 +164,7 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
 }
 
 void Broker::OnSubscribed(Connection connection) {
-  context_.logger.Info("mqtt_subscribed", {{"connection", Name(connection)}});
+  connection_log_.Subscribed(connection);
   NoteHearing();
   // Of what twins said until now we heard nothing, however short that was.
   if (connection != Connection::kMedia) context_.fleet.NoteTwinsUnheard();
@@ -162,7 +174,7 @@ void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
   const cyberwave::Arrival arrived{context_.clock.Steady(), context_.clock.System()};
   if (connection != Connection::kDurable) return OnLive(connection, message, arrived);
   // What faults its robot has is not known until the store was asked.
-  if (rereads_) return intake_.Refuse();
+  if (rereading_.active()) return intake_.Refuse();
   const Intake::Processed taken = intake_.Process(message, arrived);
   if (intake_.was_stray()) TakeBack(message.publish.topic);
   if (taken == Intake::Processed::kHeldBack) {
@@ -187,22 +199,11 @@ void Broker::OnLive(Connection connection, const mqtt::Message& message,
 }
 
 void Broker::OnTrouble(Connection connection, const mqtt::Trouble& trouble) {
-  if (trouble.kind == mqtt::Trouble::Kind::kSessionLost) {
-    const std::lock_guard lock(mutex_);
-    session_lost_at_ = context_.clock.System();
-  }
-  context_.logger.Warn("mqtt_trouble", {{"connection", Name(connection)},
-                                        {"broker", BrokerName()},
-                                        {"what", mqtt::Name(trouble.kind)},
-                                        {"why", trouble.text}});
+  connection_log_.Trouble(connection, trouble);
 }
 
 void Broker::OnEnded(Connection connection, const mqtt::End& end) {
-  log_.Write(log::Level::kWarn, "mqtt_disconnected",
-             {{"connection", Name(connection)},
-              {"broker", BrokerName()},
-              {"reason", Name(end.reason)},
-              {"why", end.text}});
+  connection_log_.Ended(connection, end);
   ask_since_ = context_.clock.Steady();
   if (lease_ != nullptr) lease_->LookSoon();
   NoteHearing();
@@ -219,6 +220,11 @@ void Broker::OnWakes() {
   AfterWork();
 }
 
+void Broker::OnSettledAgain() {
+  commits_.OnSettledAgain();
+  AfterWork();
+}
+
 void Broker::TryHeldBack() {
   if (!held_ || draining_) return;
   if (intake_.ProcessHeldBack(*held_) == Intake::Processed::kHeldBack) {
@@ -230,7 +236,7 @@ void Broker::TryHeldBack() {
 
 void Broker::AfterWork() {
   mqtt::Client* client = Of(Connection::kDurable).client();
-  if (client != nullptr && !rereads_) {
+  if (client != nullptr && !rereading_.active()) {
     if (const auto due = commits_.TakeReleases(); !due.empty()) client->Release(due);
   }
   if (draining_ && waiting() == 0) {

@@ -13,6 +13,7 @@
 
 #include "schema/base/clock.h"
 #include "server/broker/commits.h"
+#include "server/broker/connection_log.h"
 #include "server/broker/connection_statuses.h"
 #include "server/broker/heard.h"
 #include "server/broker/held_back_message.h"
@@ -21,6 +22,7 @@
 #include "server/broker/limited_log.h"
 #include "server/broker/message_counts.h"
 #include "server/broker/probe.h"
+#include "server/broker/rereading.h"
 #include "server/broker/stray_prefixes.h"
 #include "server/broker/stream_wakes.h"
 #include "server/broker/subscriber.h"
@@ -60,7 +62,7 @@ class Broker final : private SubscriberEvents {
     std::function<std::uint64_t()> random;
   };
   explicit Broker(Context context);
-  ~Broker() override;
+  ~Broker() override = default;
   Broker(const Broker&) = delete;
   Broker& operator=(const Broker&) = delete;
 
@@ -110,8 +112,7 @@ class Broker final : private SubscriberEvents {
   }
   /// When the broker was last found to have lost our session.
   [[nodiscard]] std::optional<SystemTime> session_lost_at() const {
-    const std::lock_guard lock(mutex_);
-    return session_lost_at_;
+    return connection_log_.session_lost_at();
   }
   [[nodiscard]] std::string held_by() const { return lease_ == nullptr ? "" : lease_->held_by(); }
 
@@ -126,6 +127,8 @@ class Broker final : private SubscriberEvents {
   void OnEnded(Connection connection, const mqtt::End& end) override;
 
   void OnWakes();
+  /// The store has what was settled before it was delivered again.
+  void OnSettledAgain();
   void Start(Connection connection, bool expect_session);
   /// Takes back what the kept session subscribed to under that topic's prefix.
   void TakeBack(std::string_view topic);
@@ -136,8 +139,6 @@ class Broker final : private SubscriberEvents {
   [[nodiscard]] bool Has(Connection connection) const {
     return static_cast<std::size_t>(connection) < context_.clients.size();
   }
-  /// For the log.
-  [[nodiscard]] std::string BrokerName() const { return context_.clients.front().url.Text(); }
   void OnLive(Connection connection, const mqtt::Message& message,
               const cyberwave::Arrival& arrived);
   void DropHeldBack();
@@ -153,7 +154,7 @@ class Broker final : private SubscriberEvents {
   LeaseView* lease_ = nullptr;
   MessageLedger ledger_;
   BrokerProbe probe_;
-  log::RateLimited log_;
+  ConnectionLog connection_log_;
   log::RateLimited refused_log_;
   LimitedLog limited_log_;
   Heard heard_;
@@ -168,17 +169,15 @@ class Broker final : private SubscriberEvents {
   std::optional<HeldBackMessage> held_;
   bool began_ = false;
   bool draining_ = false;
-  /// The durable connection waits for what the store remembers, as it was last asked.
-  bool rereads_ = false;
-  std::uint64_t reread_asked_ = 0;
+  /// The durable connection waits for what the store remembers.
+  Rereading rereading_;
   /// When a connection ended last: the lease is looked at before the next one.
   SteadyTime ask_since_{};
   SteadyTime looked_at_twins_{};
   std::uint64_t fleet_changes_ = 0;
 
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::condition_variable settled_;
-  std::optional<SystemTime> session_lost_at_;
 };
 
 }  // namespace uplink::broker

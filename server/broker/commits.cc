@@ -17,15 +17,25 @@ storage::Deliveries Commits::EndSession() {
   return {.hold = hold_, .rows = {redeliveries_.EndSession()}};
 }
 
+void Commits::OnSettledAgain() {
+  const std::vector<mqtt::AckHandle> acks = settled_again_.Answered();
+  due_.insert(due_.end(), acks.begin(), acks.end());
+}
+
 bool Commits::IsKnown(const Delivered& message) {
   if (robot::Planted(robot::Mutation::kRedeliveryForgotten)) return false;
   const Redeliveries::Found found = redeliveries_.Find(message.packet_id, *message.digest);
   if (found.known == Redeliveries::Known::kNo) return false;
   if (found.known == Redeliveries::Known::kSettled) {
-    if (message.ack) due_.push_back(*message.ack);
+    if (!message.ack) return true;
+    if (robot::Planted(robot::Mutation::kSettledAckedFromMemory)) {
+      due_.push_back(*message.ack);
+    } else {
+      settled_again_.Add(*message.ack);
+    }
     return true;
   }
-  TwinStream* stream = streams_.FindById(found.stream);
+  TwinStream* stream = context_.streams.FindById(found.stream);
   if (stream == nullptr) return false;
   const auto waits = std::ranges::find(stream->waiting, found.number, &WaitingMessage::number);
   if (waits == stream->waiting.end()) return false;
@@ -84,22 +94,29 @@ bool Commits::Append(TwinStream& stream, const Delivered& message,
   }
   std::vector<storage::Delivery> numbered = Number(stream, message);
   if (!numbered.empty()) {
-    if (message.packet_id != 0) waiting.number = numbered.back().number;
+    waiting.brought.reserve(numbered.size() - 1);
+    for (const storage::Delivery& delivery : numbered) {
+      if (delivery.packet_id == message.packet_id) {
+        waiting.number = delivery.number;
+      } else {
+        waiting.brought.push_back({delivery.packet_id, delivery.number});
+      }
+    }
     records.back().message_end = storage::MessageEnd{
         .deliveries = std::move(numbered), .records = static_cast<std::uint32_t>(records.size())};
   }
   if (robot::Planted(robot::Mutation::kMessageAckedOnArrival) && waiting.ack) {
     due_.push_back(*std::exchange(waiting.ack, std::nullopt));
   }
-  stream.waiting.push_back(waiting);
-  probe_.records.Add(static_cast<std::int64_t>(records.size()));
+  stream.waiting.push_back(std::move(waiting));
+  context_.probe.records.Add(static_cast<std::int64_t>(records.size()));
   stream.journal->AppendMessage(*stream.robot, stream.generation, std::move(records),
                                 message.arrived);
   return true;
 }
 
 void Commits::OnWake(std::uint64_t id) {
-  TwinStream* stream = streams_.FindById(id);
+  TwinStream* stream = context_.streams.FindById(id);
   if (stream == nullptr) return;
   const robot::Standing standing = stream->robot->sessions.StandingOf(stream->self);
   // First: what was settled before it was lost is told.
@@ -108,17 +125,17 @@ void Commits::OnWake(std::uint64_t id) {
   if (standing != robot::Standing::kCurrent && !stream->ended) return Fence(*stream);
   if (!stream->waiting.empty()) return;
   if (stream->ended) {
-    streams_.Drop(*stream);
+    context_.streams.Drop(*stream);
   } else if (stream->ending) {
-    streams_.Close(*stream);
+    context_.streams.Close(*stream);
   }
 }
 
 void Commits::Settle(TwinStream& stream, const robot::Progress& progress) {
-  const SteadyTime now = clock_.Steady();
+  const SteadyTime now = context_.clock.Steady();
   auto refused = progress.rejects.begin();
   while (!stream.waiting.empty() && stream.waiting.front().last <= progress.through) {
-    const WaitingMessage message = stream.waiting.front();
+    const WaitingMessage message = std::move(stream.waiting.front());
     stream.waiting.pop_front();
     std::optional<model::RejectReason> reason = message.rejected;
     // What the store refused, in order of the commits.
@@ -126,8 +143,11 @@ void Commits::Settle(TwinStream& stream, const robot::Progress& progress) {
       if (refused->seq >= message.first && !reason) reason = refused->rejection.reason;
     }
     if (message.packet_id != 0) redeliveries_.Commit(message.packet_id, message.number);
+    for (const auto& [packet_id, number] : message.brought) {
+      redeliveries_.Commit(packet_id, number);
+    }
     if (message.ack) due_.push_back(*message.ack);
-    probe_.ack_seconds.ObserveSince(message.arrived, now);
+    context_.probe.ack_seconds.ObserveSince(message.arrived, now);
     Count(reason ? Became::kRejected : Became::kStored, reason);
   }
 }
@@ -136,18 +156,21 @@ void Commits::Count(Became became, std::optional<model::RejectReason> reason) {
   MessageCounts counts{.in_flight = -1};
   counts.Count(became);
   if (reason) ++counts.rejects[static_cast<std::size_t>(*reason)];
-  ledger_.Publish(counts);
+  context_.ledger.Publish(counts);
 }
 
 void Commits::Fence(TwinStream& stream) {
   for (const WaitingMessage& message : stream.waiting) {
     if (message.packet_id != 0) redeliveries_.Drop(message.packet_id, message.number);
+    for (const auto& [packet_id, number] : message.brought) redeliveries_.Drop(packet_id, number);
     Count(Became::kRefused, std::nullopt);
   }
   stream.waiting.clear();
-  probe_.twins_lost.Add();
+  // They come again before those, and must be stored before those again.
+  redeliveries_.DropSettled(stream.id, std::exchange(stream.settled, {}));
+  context_.probe.twins_lost.Add();
   fenced_ = true;
-  streams_.Lose(stream);
+  context_.streams.Lose(stream);
 }
 
 }  // namespace uplink::broker

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,7 +13,9 @@
 #include "server/broker/message_counts.h"
 #include "server/broker/probe.h"
 #include "server/broker/redeliveries.h"
+#include "server/broker/settled_again.h"
 #include "server/broker/twin_streams.h"
+#include "server/journal/journal.h"
 #include "server/mqtt/packets.h"
 #include "server/mqtt/unacked.h"
 #include "storage/deliveries.h"
@@ -27,17 +30,30 @@ namespace uplink::broker {
 class Commits final {
  public:
   /// The references outlive it.
-  Commits(TwinStreams& streams, MessageLedger& ledger, BrokerProbe& probe, const Clock& clock)
-      : streams_(streams),
-        ledger_(ledger),
-        probe_(probe),
-        clock_(clock),
-        redeliveries_(storage::DeliveriesKept(kRememberedWindow)) {}
+  struct Context {
+    TwinStreams& streams;
+    MessageLedger& ledger;
+    BrokerProbe& probe;
+    const Clock& clock;
+    /// Whose commits show that the store has what was settled, and SettledAgain's `answered`:
+    /// OnSettledAgain is due.
+    journal::Journal& journal;
+    std::function<void()> settled_again;
+  };
+  explicit Commits(Context context)
+      : context_(std::move(context)),
+        redeliveries_(storage::DeliveriesKept(kRememberedWindow)),
+        settled_again_(context_.journal, context_.settled_again) {}
 
   /// What comes from now on comes under this lease, and this is known of what came before.
   void Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory);
+  /// What comes from now on comes by another connection.
+  void BeginConnection() { settled_again_.Clear(); }
   /// The store is to be asked what it knows: nothing is released until Reread.
-  void BeginReread() { redeliveries_.BeginReread(); }
+  void BeginReread() {
+    redeliveries_.BeginReread();
+    settled_again_.Clear();
+  }
   /// Under the same lease: what the store knows by now. What might have been acked comes again, by
   /// another connection.
   void Reread(const storage::DeliveryMemory& memory) {
@@ -58,7 +74,8 @@ class Commits final {
     std::optional<mqtt::AckHandle> ack;
     SteadyTime arrived;
   };
-  /// Whether it came before, and waits or is settled: then it is acked when that is.
+  /// Whether it came before, and waits or is settled. It is acked when that is; one that is settled
+  /// already once the store has shown that it has it still (SettledAgain).
   [[nodiscard]] bool IsKnown(const Delivered& message);
   /// It is settled without a record, and may be acked. `stream` is its twin's; null if it has none.
   void SettleAtOnce(const Delivered& message, TwinStream* stream);
@@ -70,6 +87,8 @@ class Commits final {
 
   /// Something of the stream was settled, or another process adopted its robot.
   void OnWake(std::uint64_t stream);
+  /// The journal has answered for what was settled before it came again.
+  void OnSettledAgain();
 
   /// Messages that may be acked since the last call.
   [[nodiscard]] std::vector<mqtt::AckHandle> TakeReleases() { return std::exchange(due_, {}); }
@@ -86,11 +105,9 @@ class Commits final {
   void Count(Became became, std::optional<model::RejectReason> reason);
   void Fence(TwinStream& stream);
 
-  TwinStreams& streams_;
-  MessageLedger& ledger_;
-  BrokerProbe& probe_;
-  const Clock& clock_;
+  const Context context_;
   Redeliveries redeliveries_;
+  SettledAgain settled_again_;
   storage::TopicHoldRef hold_;
   std::vector<mqtt::AckHandle> due_;
   bool fenced_ = false;

@@ -8,8 +8,7 @@ namespace uplink::broker {
 void Redeliveries::Load(const storage::DeliveryMemory& memory, bool keep_settled) {
   const std::unordered_map<std::uint16_t, Entry> before = std::exchange(known_, {});
   for (const auto& [packet_id, entry] : before) {
-    const bool only_here =
-        keep_settled && (entry.number == 0 || entry.is_fresh || entry.is_recordless);
+    const bool only_here = keep_settled && (entry.number == 0 || entry.is_fresh || entry.is_untold);
     if (entry.stream != 0 || only_here) known_.emplace(packet_id, entry);
   }
   for (const storage::Delivery& delivery : memory.known) {
@@ -54,7 +53,7 @@ void Redeliveries::Replace(std::uint16_t packet_id, const Entry& entry) {
 
 void Redeliveries::AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest,
                               std::uint64_t stream) {
-  Replace(packet_id, {.digest = digest, .settled_of = stream, .is_recordless = true});
+  Replace(packet_id, {.digest = digest, .settled_of = stream, .is_untold = true});
 }
 
 void Redeliveries::End(std::uint16_t packet_id) { Replace(packet_id, {}); }
@@ -101,6 +100,7 @@ void Redeliveries::Commit(std::uint16_t packet_id, std::uint64_t number) {
   if (found == known_.end() || found->second.number != number) return;
   found->second.stream = 0;
   found->second.is_fresh = true;
+  found->second.is_untold = false;
 }
 
 void Redeliveries::BeginReread() {
@@ -110,6 +110,11 @@ void Redeliveries::BeginReread() {
 void Redeliveries::Drop(std::uint16_t packet_id, std::uint64_t number) {
   const auto found = known_.find(packet_id);
   if (found != known_.end() && found->second.number == number) known_.erase(found);
+}
+
+void Redeliveries::DropSettled(std::uint64_t stream, std::vector<std::uint16_t> packet_ids) {
+  KeepSettled(stream, packet_ids);
+  for (const std::uint16_t packet_id : packet_ids) known_.erase(packet_id);
 }
 
 storage::Delivery Redeliveries::EndSession() {

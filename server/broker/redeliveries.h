@@ -32,7 +32,7 @@ class Redeliveries final {
   /// The store is to be asked what it knows: it may lack what was committed until now.
   void BeginReread();
   /// The same under the lease that we have, with what the store knew at some time after
-  /// BeginReread: what was committed since is known still, and what was settled without a record.
+  /// BeginReread: what was committed since is known still, and what the store was never told.
   void Reread(const storage::DeliveryMemory& memory) { Load(memory, true); }
 
   enum class Known : std::uint8_t { kNo, kWaits, kSettled };
@@ -56,7 +56,8 @@ class Redeliveries final {
   /// Leaves of packet ids those under which a message of the stream was settled so that may come
   /// again and is not in the store; each once, the oldest first.
   void KeepSettled(std::uint64_t stream, std::vector<std::uint16_t>& packet_ids) const;
-  /// Gives these messages numbers, under which the store is to remember them.
+  /// Gives these messages numbers, under which the store is to remember them with a commit that
+  /// Commit or Drop tells of, for each.
   [[nodiscard]] std::vector<storage::Delivery> Number(std::uint64_t stream,
                                                       std::vector<std::uint16_t> packet_ids);
   /// A new message under the id is settled at once, and not remembered.
@@ -67,6 +68,8 @@ class Redeliveries final {
   void Commit(std::uint16_t packet_id, std::uint64_t number);
   /// It was not, and never will be: it is new when it comes again.
   void Drop(std::uint16_t packet_id, std::uint64_t number);
+  /// The same of what was settled without a record for that stream and got no number.
+  void DropSettled(std::uint64_t stream, std::vector<std::uint16_t> packet_ids);
 
   /// The broker lost the session: nothing that is known comes again. Returns what is to be
   /// remembered of that.
@@ -86,9 +89,9 @@ class Redeliveries final {
     std::uint64_t settled_of = 0;
     /// It was committed after the last BeginReread.
     bool is_fresh = false;
-    /// It was settled without a record: nothing of it is lost where the store lacks it, and its
-    /// number may go with a commit that is under way.
-    bool is_recordless = false;
+    /// It was settled without a record, and the store was not told: it has no number, or that goes
+    /// with a commit which is under way.
+    bool is_untold = false;
   };
   /// A message without a record has the packet id from now on.
   void Replace(std::uint16_t packet_id, const Entry& entry);

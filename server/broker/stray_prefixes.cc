@@ -1,7 +1,9 @@
 #include "server/broker/stray_prefixes.h"
 
 #include <algorithm>
+#include <iterator>
 
+#include "schema/cyberwave/filters.h"
 #include "schema/cyberwave/prefix.h"
 #include "schema/cyberwave/topic.h"
 
@@ -17,6 +19,15 @@ bool StrayPrefixes::Add(std::string_view topic) {
   if (has(wanted_) || has(stray_) || !cyberwave::PrefixError(prefix).empty()) return false;
   stray_.push_back(prefix);
   return true;
+}
+
+std::vector<std::string> StrayPrefixes::Filters() const {
+  std::vector<std::string> filters;
+  for (const std::string& prefix : stray_) {
+    std::ranges::move(cyberwave::Filters(prefix, cyberwave::Connection::kDurable),
+                      std::back_inserter(filters));
+  }
+  return filters;
 }
 
 }  // namespace uplink::broker

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace uplink::broker {
@@ -21,6 +22,8 @@ class StrayPrefixes final {
   /// as stray.
   [[nodiscard]] bool Add(std::string_view topic);
   [[nodiscard]] const std::vector<std::string>& prefixes() const { return stray_; }
+  /// What was subscribed to under them on the durable connection.
+  [[nodiscard]] std::vector<std::string> Filters() const;
   /// A new connection, which may have others.
   void Clear() { stray_.clear(); }
 

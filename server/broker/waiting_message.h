@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
@@ -21,6 +22,12 @@ struct WaitingMessage {
   /// Those of its records, in its stream's session.
   model::Seq first = 0;
   model::Seq last = 0;
+  /// Earlier messages of its twin that left no record: its commit tells the store of them.
+  struct Brought {
+    std::uint16_t packet_id = 0;
+    std::uint64_t number = 0;
+  };
+  std::vector<Brought> brought = {};
   /// Why judgement rejected it.
   std::optional<model::RejectReason> rejected;
   SteadyTime arrived;

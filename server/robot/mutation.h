@@ -30,6 +30,8 @@ enum class Mutation : std::uint8_t {
   kRedeliveryForgotten,
   /// Whatever store was connected to anew counts as having all that was told before.
   kReconnectTrusted,
+  /// What a broker delivers again after it was settled is acked without a look at the store.
+  kSettledAckedFromMemory,
 };
 
 #ifdef UPLINK_MUTATIONS

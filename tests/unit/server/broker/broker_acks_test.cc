@@ -15,7 +15,18 @@ namespace {
 using testing::FakeLink;
 using ::testing::SizeIs;
 
-class BrokerAcksTest : public BrokerWorld {};
+class BrokerAcksTest : public BrokerWorld {
+ protected:
+  /// The durable connection breaks, and the next one is subscribed.
+  std::shared_ptr<FakeLink> Again() {
+    durable()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
+    const std::shared_ptr<FakeLink> again = links_.back();
+    clock_.Advance(std::chrono::seconds(5));
+    again->events()->OnDue();
+    Up(again, true);
+    return again;
+  }
+};
 
 TEST_F(BrokerAcksTest, AcksWhatIsCommittedAndNothingBefore) {
   Connect();
@@ -53,6 +64,48 @@ TEST_F(BrokerAcksTest, ARedeliveryAfterAReconnectIsStoredOnceAndAckedThere) {
   EXPECT_EQ(again->written, Puback(5));
   EXPECT_EQ(Stored(), 1U);
   EXPECT_EQ(Count(Became::kDuplicate), 1U);
+}
+
+TEST_F(BrokerAcksTest, ARedeliveryOfWhatIsStoredIsAckedOnceTheStoreHasAnswered) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  Run();
+  const std::shared_ptr<FakeLink> again = Again();
+  store_.FailNextCommits(1, testing::FailAt::kBefore);
+  again->Bring(Event(1, 5, true));
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, "") << "the store is away";
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5));
+  EXPECT_EQ(Stored(), 1U);
+}
+
+TEST_F(BrokerAcksTest, ARedeliveryBeforeAFailoverIsNotAckedForWhatTheNewPrimaryLacks) {
+  Connect();
+  durable()->Bring(Event(1, 5));
+  Run();
+  const std::shared_ptr<FakeLink> again = Again();
+  const std::string other = TwinOfAnotherShard();
+  // Its commit is told, and the broker's thread has not looked yet.
+  again->Bring(EventOf(other, 2, 6));
+  Write(JournalOf(other));
+  again->Bring(Event(1, 5, true));
+  store_.Break();
+  for (journal::Journal* journal : shards_.all()) Write(*journal);
+  Posted();
+  Run();
+  EXPECT_TRUE(again->closed);
+  EXPECT_EQ(again->written.find(Puback(5)), std::string::npos);
+  broker_.GoOn({lease_.reread_asked, {}, {}});
+  const std::shared_ptr<FakeLink> third = links_.back();
+  Up(third, true);
+  third->Bring(Event(1, 5, true));
+  Run();
+  Flush(*third);
+  EXPECT_EQ(third->written, Puback(5));
+  EXPECT_EQ(Stored(), 3U) << "stored anew";
 }
 
 TEST_F(BrokerAcksTest, AcksInOrderOfArrivalWhicheverShardCommitsFirst) {
@@ -178,10 +231,10 @@ TEST_F(BrokerAcksTest, WhatIsSettledWhileTheStoreIsReadAgainIsAckedByTheNextConn
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Event(1, 5, true));
-  Flush(*again);
-  EXPECT_EQ(again->written, Puback(5)) << "it was committed after that was asked";
   Run();
-  EXPECT_EQ(Stored(), 1U);
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5));
+  EXPECT_EQ(Stored(), 1U) << "it was committed after that was asked";
 }
 
 TEST_F(BrokerAcksTest, WhatWasCommittedAndNotToldIsKnownAfterTheRobotWasTakenOver) {

@@ -69,7 +69,12 @@ class Bench {
                  .inbox = wakes_,
                  .fleet_name = "arms",
                  .random = [this] { return ++drawn_ * 0x9E3779B97F4A7C15ULL + process_[0]; }}),
-        commits(streams, ledger, probe, clock),
+        commits({.streams = streams,
+                 .ledger = ledger,
+                 .probe = probe,
+                 .clock = clock,
+                 .journal = journal_,
+                 .settled_again = [this] { answered_ = true; }}),
         intake({.clock = clock,
                 .fleet = fleet,
                 .twins = twins,
@@ -146,6 +151,13 @@ class Bench {
   void Remember(storage::Deliveries deliveries) { journal_.Remember(std::move(deliveries)); }
   void Look() {
     for (const std::uint64_t stream : wakes_.Take()) commits.OnWake(stream);
+    if (std::exchange(answered_, false)) commits.OnSettledAgain();
+  }
+  /// The store is asked again what it knows of deliveries, under the same lease.
+  void Reread(FaultsByRobot faults) {
+    commits.BeginReread();
+    commits.Reread(*leases_.MemoryOf("uplinkd"));
+    streams.SetFaults(std::move(faults));
   }
   /// The handles of what may be acked since the last call.
   std::vector<std::uint64_t> Acked() {
@@ -170,6 +182,7 @@ class Bench {
   testing::FakeTopicLeases leases_;
   journal::JournalProbe journal_probe_;
   std::uint64_t drawn_ = 0;
+  bool answered_ = false;
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock, log::Format::kText,
                       log::Level::kInfo};

@@ -46,7 +46,12 @@ class BrokerWorld : public ::testing::Test {
  protected:
   static constexpr const char* kTwin = "11111111-2222-4333-8444-555555555555";
 
-  BrokerWorld() { broker_.SetLease(lease_); }
+  BrokerWorld() {
+    broker_.SetLease(lease_);
+    for (journal::Journal* journal : shards_.all()) {
+      journal->OnReconnected([this] { posted_.emplace_back([this] { broker_.Reread(); }); });
+    }
+  }
 
   static mqtt::ClientSettings Settings(const std::string& id, bool kept) {
     mqtt::ClientSettings settings;

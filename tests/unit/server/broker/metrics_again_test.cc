@@ -59,6 +59,7 @@ TEST_F(MetricsAgainTest, AreDuplicatesByAnotherConnection) {
   bench_.Run();
   for (std::uint16_t id = 1; id <= 3; ++id) Say(bench_, id, id == 1 ? "[]" : R"(["hot"])", true);
   bench_.Run();
+  bench_.Run();
   EXPECT_EQ(bench_.Count(Became::kDuplicate), 3U);
   EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
   EXPECT_THAT(bench_.Acked(), ElementsAre(1, 3, 2, 1, 2, 3));
@@ -162,6 +163,31 @@ TEST_F(MetricsAgainTest, WhatWasFencedIsRaisedWhenItComesAgain) {
   Say(bench_, 2, R"(["first","hot"])", true);
   bench_.Run();
   EXPECT_THAT(Faults(), ::testing::UnorderedElementsAre(Pair("first", true), Pair("hot", true)));
+}
+
+/// What was settled before it without a record is forgotten with it: known here alone, it would not
+/// be remembered with the record, and the next process would apply it after that.
+TEST_F(MetricsAgainTest, WhatWasFencedBringsTheSameToTheStoreWhenItComesAgain) {
+  Say(bench_, 1, "[]");
+  Say(bench_, 2, R"(["hot"])");
+  Say(bench_, 3, R"(["hot"])");
+  bench_.fleet.Find(RuriOf(kTwin))->OnFenced(bench_.uplinks).Wake();
+  bench_.Look();
+  ASSERT_TRUE(bench_.commits.TakeFenced());
+  bench_.Reread({});
+  Say(bench_, 1, "[]", true);
+  Say(bench_, 2, R"(["hot"])", true);
+  Say(bench_, 3, R"(["hot"])", true);
+  bench_.Run();
+  EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
+  // No PUBACK of these arrived, and this process is killed.
+  Bench next(database_, 2);
+  TakeOver(next);
+  Say(next, 1, "[]", true);
+  Say(next, 2, R"(["hot"])", true);
+  next.Run();
+  EXPECT_EQ(next.Count(Became::kDuplicate), 2U);
+  EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
 }
 
 TEST_F(MetricsAgainTest, NewsOfFaultsAloneCountForTheirRate) {

@@ -95,6 +95,31 @@ TEST(Redeliveries, OneWithoutARecordIsKnownThoughItsNumberIsNotCommittedYet) {
   EXPECT_EQ(known.Find(7, Digest(1)).known, kSettled);
 }
 
+TEST(Redeliveries, OneWithoutARecordIsNewIfTheStoreLostTheCommitThatBroughtIt) {
+  Redeliveries known(9);
+  known.AddSettled(7, Digest(1), 3);
+  known.AddSettled(8, Digest(2), 3);
+  const std::vector<storage::Delivery> brought = known.Number(3, {7});
+  known.Commit(7, brought.at(0).number);
+  known.BeginReread();
+  known.Reread({.last_number = 0, .known = {}});
+  EXPECT_EQ(known.Find(7, Digest(1)).known, kNo) << "what it went with is new, and comes after it";
+  EXPECT_EQ(known.Find(8, Digest(2)).known, kSettled) << "it was never the store's";
+}
+
+TEST(Redeliveries, OneWithoutARecordIsNewIfItsStreamIsLost) {
+  Redeliveries known(9);
+  known.AddSettled(7, Digest(1), 3);
+  known.AddSettled(8, Digest(2), 3);
+  known.AddSettled(9, Digest(3), 4);
+  const std::vector<storage::Delivery> brought = known.Number(3, {7});
+  known.Drop(7, brought.at(0).number);
+  known.DropSettled(3, {7, 8, 9});
+  EXPECT_EQ(known.Find(7, Digest(1)).known, kNo);
+  EXPECT_EQ(known.Find(8, Digest(2)).known, kNo);
+  EXPECT_EQ(known.Find(9, Digest(3)).known, kSettled) << "another twin's";
+}
+
 TEST(Redeliveries, BeginWithTheStoresMemoryAndKeepWhatWaits) {
   Redeliveries known(4);
   const std::uint64_t waits = known.NextNumber();
