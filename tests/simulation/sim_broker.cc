@@ -152,6 +152,7 @@ bool SimBroker::Deliver() {
     due = std::prev(unacked_.end());
   }
   due->due = false;
+  delivered_ = due->message.number;
   if (due->dup) ++redelivered_;
   line->to_server += testing::PublishBytes{.topic = due->message.topic,
                                            .payload = due->message.payload,

@@ -41,6 +41,8 @@ class SimBroker final {
   /// The same, and the server's process is gone.
   void Forget(std::size_t lost);
 
+  /// The message that Deliver delivered last.
+  [[nodiscard]] std::uint64_t delivered() const { return delivered_; }
   /// Messages that the broker holds.
   [[nodiscard]] std::size_t waiting() const { return queue_.size() + unacked_.size(); }
   [[nodiscard]] std::uint64_t redelivered() const { return redelivered_; }
@@ -80,6 +82,7 @@ class SimBroker final {
   bool has_session_ = false;
   std::uint16_t last_id_ = 0;
   std::uint64_t redelivered_ = 0;
+  std::uint64_t delivered_ = 0;
 };
 
 }  // namespace uplink::simulation

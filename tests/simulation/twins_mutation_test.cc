@@ -10,17 +10,20 @@ namespace {
 using robot::Mutation;
 
 /// Seeds within which a planted fault must show.
-constexpr std::uint64_t kSeedsMax = 100;
+constexpr std::uint64_t kSeedsMax = 300;
 
 class PlantedTwinFault : public ::testing::TestWithParam<Mutation> {
  protected:
+  static Failovers FailoversFor(Mutation mutation) {
+    return mutation == Mutation::kSettledAckedFromMemory ? Failovers::kYes : Failovers::kNo;
+  }
   ~PlantedTwinFault() override { robot::Plant(Mutation::kNone); }
 };
 
 TEST_P(PlantedTwinFault, IsFound) {
   robot::Plant(GetParam());
   for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) {
-    const TwinsResult result = TwinsWorld(seed, Failovers::kNo).Run();
+    const TwinsResult result = TwinsWorld(seed, FailoversFor(GetParam())).Run();
     if (result.violation.empty()) continue;
     RecordProperty("violation", result.violation);
     return;
@@ -30,7 +33,8 @@ TEST_P(PlantedTwinFault, IsFound) {
 
 INSTANTIATE_TEST_SUITE_P(Simulation, PlantedTwinFault,
                          ::testing::Values(Mutation::kMessageAckedOnArrival,
-                                           Mutation::kRedeliveryForgotten));
+                                           Mutation::kRedeliveryForgotten,
+                                           Mutation::kSettledAckedFromMemory));
 
 }  // namespace
 }  // namespace uplink::simulation

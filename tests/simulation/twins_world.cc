@@ -11,6 +11,7 @@ namespace uplink::simulation {
 namespace {
 
 constexpr std::uint64_t kSteps = 300;
+constexpr std::uint64_t kStepsAwayMax = 60;
 constexpr int kRoundsMax = 500;
 constexpr const char* kTwins[] = {"11111111-2222-4333-8444-555555555555",
                                   "22222222-2222-4333-8444-555555555555"};
@@ -57,9 +58,10 @@ void TwinsWorld::Start() {
 }
 
 void TwinsWorld::Step() {
+  if (step_ >= back_at_step_) recorder_.SetAway(false);
   const std::size_t pick = random_.Below(100);
   if (pick < 15) return Publish();
-  if (pick < 40) return static_cast<void>(broker_.Deliver());
+  if (pick < 40) return static_cast<void>(Deliver());
   if (pick < 62) return process_->Write();
   if (pick < 80) return process_->TakePosted();
   if (pick < 88) return process_->ReadAgain();
@@ -90,6 +92,17 @@ void TwinsWorld::Publish() {
                    .payload = fmt::format(R"({{"event_type":"x","data":{{"n":{}}}}})", number)});
 }
 
+bool TwinsWorld::Deliver() {
+  const bool nothing_waits = process_->counts().in_flight == 0;
+  if (!broker_.Deliver()) return false;
+  if (nothing_waits) {
+    delivered_since_.insert(broker_.delivered());
+  } else {
+    delivered_since_.erase(broker_.delivered());
+  }
+  return true;
+}
+
 void TwinsWorld::Pass(milliseconds time) {
   clock_.Advance(time);
   process_->Tick();
@@ -109,9 +122,13 @@ void TwinsWorld::Kill() {
 void TwinsWorld::GoBack() {
   if (!has_copy_ || failovers_ == Failovers::kNo) return;
   ++result_.failovers;
+  delivered_since_.clear();
   if (!before_) before_ = Stored();
   database_.CopyRowsOf(copy_);
   recorder_.GoBack([this] { OnReconnected(); });
+  // Until a standby takes over there is none.
+  recorder_.SetAway(true);
+  back_at_step_ = step_ + random_.Below(kStepsAwayMax);
   // The connection to the one before is lost, and perhaps that to the broker as well.
   store_->Break();
   if (random_.Percent(50)) broker_.Break(random_.Below(4));
@@ -156,8 +173,13 @@ void TwinsWorld::OnAcked(std::uint64_t number) {
   ++result_.acked;
   acked_.insert(number);
   gone_.erase(number);
-  if ((before_ && before_->contains(number)) || Stored().contains(number)) return;
-  if (std::ranges::any_of(untold_, [&](const auto& had) { return had.contains(number); })) return;
+  if (Stored().contains(number)) return;
+  const bool may_be_told = !delivered_since_.contains(number);
+  if (may_be_told && before_ && before_->contains(number)) return;
+  if (may_be_told &&
+      std::ranges::any_of(untold_, [&](const auto& had) { return had.contains(number); })) {
+    return;
+  }
   Fail(fmt::format("message {} is acked, and the store has it not", number));
 }
 
@@ -167,10 +189,11 @@ void TwinsWorld::CheckLaw() {
 
 void TwinsWorld::Settle() {
   recorder_.FailNext(StoreFault::kNone);
+  recorder_.SetAway(false);
   for (int round = 0; round < kRoundsMax && result_.violation.empty(); ++round) {
     const bool in_doubt = before_ || !untold_.empty();
     if (broker_.waiting() == 0 && process_->idle() && !in_doubt) return;
-    while (broker_.Deliver()) {
+    while (Deliver()) {
     }
     process_->Write();
     process_->TakePosted();

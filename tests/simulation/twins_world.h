@@ -46,6 +46,8 @@ class TwinsWorld final {
   void Step();
   void Trouble();
   void Publish();
+  /// False if the broker may deliver nothing.
+  bool Deliver();
   void Start();
   void Kill();
   void GoBack();
@@ -87,6 +89,11 @@ class TwinsWorld final {
   /// The same of each time that the journal has connected anew and the reader was not told yet: the
   /// store may go back once more meanwhile.
   std::deque<std::multiset<std::uint64_t>> untold_;
+  /// When the store is there again that went back last.
+  std::uint64_t back_at_step_ = 0;
+  /// Delivered since the store went back last, while nothing waited for a commit: none of them is
+  /// acked for what the store had before.
+  std::set<std::uint64_t> delivered_since_;
 };
 
 }  // namespace uplink::simulation
