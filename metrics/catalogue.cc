@@ -225,6 +225,9 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Rows of quarantine that went for the bound of their robot, by reason.", kByReason},
     {kHistoryDeleted, "uplinkd_history_deleted_total", kCounter, "rows",
      "Rows, and whole partitions of days, that were deleted for their age."},
+    {kRejectsKept, "uplinkd_rejects_kept_total", kCounter, "rejects",
+     "Rejects that no Hello had confirmed and that were kept for their robots when their rows of "
+     "quarantine went for their age."},
     {kRetentionFailing, "uplinkd_retention_failing", kGauge, "0 or 1",
      "1 while histories cannot be kept to their age; commits go on."},
     {kSweepSeconds, "uplinkd_sweep_seconds", kHistogram, "seconds",

@@ -116,6 +116,7 @@ enum class MetricId : std::uint8_t {
   kMissionRunsClosed,
   kQuarantineDropped,
   kHistoryDeleted,
+  kRejectsKept,
   kRetentionFailing,
   kSweepSeconds,
   kCheckpointSeconds,

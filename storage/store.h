@@ -10,6 +10,7 @@
 
 #include "storage/compare.h"
 #include "storage/live_row.h"
+#include "storage/retention.h"
 #include "storage/types.h"
 
 namespace uplink::storage {
@@ -102,11 +103,12 @@ class Store {
       std::span<const std::string> ruris) = 0;
 
   /// Keeps the histories to StoreRules: deletes what arrived before the first day that is to be
-  /// kept, at most kRetainRowsMax rows of each kind, and makes room for the days to come. Mission
-  /// runs go when they have ended, or were closed, and their last report is as old. Returns how
-  /// much went, in rows or in whole partitions; more may be left when it is kRetainRowsMax or more.
+  /// kept, at most kRetainRowsMax rows of each kind or a partition that holds nothing to keep, and
+  /// makes room for the days to come. Mission
+  /// runs go when they have ended, or were closed, and their last report is as old. Rejects that a
+  /// Hello may still ask for are kept when their row of quarantine goes, in the same transaction.
   /// While nobody vouches for `now` (StoreRules.clock) nothing is deleted.
-  [[nodiscard]] virtual absl::StatusOr<std::size_t> Retain(SystemTime now) = 0;
+  [[nodiscard]] virtual absl::StatusOr<Erased> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
   /// once. Passes over robots that this process does not hold since LiveRow::held_since: their

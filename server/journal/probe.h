@@ -39,6 +39,8 @@ struct JournalProbe {
   metrics::Cell expired_deleted;
   /// Rows and partitions of days that went for their age.
   metrics::Cell history_deleted;
+  /// Rejects of quarantine that were kept when their row went for its age.
+  metrics::Cell rejects_kept;
   /// 1 while histories cannot be kept to their age.
   metrics::Cell retention_failing;
   /// Robots whose live state was checkpointed, once per checkpoint.

@@ -20,8 +20,9 @@ Step Retention::Do() {
     return Step::kWorked;
   }
   context_.errors.NoteDuty(absl::OkStatus());
-  context_.probe.history_deleted.Add(static_cast<std::int64_t>(*deleted));
-  if (*deleted >= storage::kRetainRowsMax) {
+  context_.probe.history_deleted.Add(static_cast<std::int64_t>(deleted->rows));
+  context_.probe.rejects_kept.Add(static_cast<std::int64_t>(deleted->rejects_kept));
+  if (deleted->more) {
     duty_.DueAt(now + kSweepAgain);
   } else {
     duty_.DueAt(now + kRetainInterval);

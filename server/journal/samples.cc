@@ -57,6 +57,7 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
              {ToText(reason)});
   }
   page.Add(kHistoryDeleted, probe.history_deleted);
+  page.Add(kRejectsKept, probe.rejects_kept);
   page.Add(kRetentionFailing, probe.retention_failing.value() > 0 ? 1 : 0);
   page.Add(kCheckpointSeconds, probe.checkpoint_seconds);
   page.Add(kCheckpointRobots, probe.checkpoint_robots);

@@ -13,6 +13,7 @@
 #include "storage/postgres/write/open_runs.h"
 #include "storage/postgres/write/open_streams.h"
 #include "storage/postgres/write/quarantine_bound.h"
+#include "storage/postgres/write/quarantine_days.h"
 #include "storage/postgres/write/retain.h"
 #include "storage/postgres/write/sweep.h"
 #include "storage/postgres/write/transaction.h"
@@ -42,6 +43,7 @@ struct PostgresStore::Impl {
   std::size_t runs_closed = 0;
   // The connection that calls may use (Link::connections); 0: none was made yet.
   std::uint64_t trusted = 0;
+  QuarantineDays quarantine_days;
   // Calls of WriteLive.
   std::uint64_t checkpoints = 0;
 
@@ -154,10 +156,10 @@ absl::StatusOr<Trimmed> PostgresStore::TrimQuarantine(std::span<const std::strin
   });
 }
 
-absl::StatusOr<std::size_t> PostgresStore::Retain(SystemTime now) {
+absl::StatusOr<Erased> PostgresStore::Retain(SystemTime now) {
   const absl::StatusOr<Connection*> connection = impl_->Trusted();
   if (!connection.ok()) return connection.status();
-  return RetainRows(**connection, now, impl_->options.rules);
+  return RetainRows(**connection, now, impl_->options.rules, impl_->quarantine_days);
 }
 
 absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {

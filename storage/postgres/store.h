@@ -66,7 +66,7 @@ class PostgresStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
   [[nodiscard]] std::size_t TakeRunsClosed() override;
   [[nodiscard]] absl::StatusOr<Trimmed> TrimQuarantine(std::span<const std::string> ruris) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<Erased> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) override;
   [[nodiscard]] bool InDoubt() const override;

@@ -32,37 +32,42 @@ absl::Status RetentionTables::Prepare(Database& database) {
     }
   });
   // The rows of quarantine that go next, as far as a Hello may still ask for them.
-  prepare.Into(keep_rejects_,
-               "INSERT OR IGNORE INTO kept_rejects"
-               " (ruri, session, last, first, entry, reason, field, detail)"
-               " SELECT q.ruri, q.session, q.seq, q.seq, q.entry, q.reason, q.field, q.detail"
-               " FROM (SELECT * FROM quarantine WHERE received_ms < ?1"
-               " ORDER BY received_ms, entry LIMIT ?2) AS q"
-               " JOIN sessions AS s ON s.ruri = q.ruri AND s.session = q.session"
-               " AND q.entry >= s.first_entry"
-               " WHERE q.source = 0 AND q.seq > s.settled_seq");
+  prepare.Into(
+      keep_rejects_,
+      "INSERT OR IGNORE INTO kept_rejects"
+      " (ruri, session, last, first, entry, reason, field, detail)"
+      " SELECT q.ruri, q.session, q.seq, q.seq, q.entry, q.reason, q.field, q.detail"
+      " FROM (SELECT ruri, session, seq, entry, source, reason, field, detail FROM quarantine"
+      " WHERE received_ms < ?1"
+      " ORDER BY received_ms, entry LIMIT ?2) AS q"
+      " JOIN sessions AS s ON s.ruri = q.ruri AND s.session = q.session"
+      " AND q.entry >= s.first_entry"
+      " WHERE q.source = 0 AND q.seq > s.settled_seq RETURNING 1");
   return prepare.status();
 }
 
-absl::StatusOr<std::size_t> RetentionTables::EraseHistory(SystemTime until) {
-  return Erase(history_, until);
+absl::Status RetentionTables::EraseHistory(SystemTime until, Erased& erased) {
+  return Erase(history_, until, erased);
 }
 
-absl::StatusOr<std::size_t> RetentionTables::EraseSetAside(SystemTime until) {
-  absl::Status kept = keep_rejects_->Run(UnixMs(until), static_cast<std::int64_t>(kRetainRowsMax));
-  if (!kept.ok()) return kept;
-  return Erase(set_aside_, until);
+absl::Status RetentionTables::EraseSetAside(SystemTime until, Erased& erased) {
+  const absl::StatusOr<std::size_t> kept = CountReturned(
+      keep_rejects_->Select(UnixMs(until), static_cast<std::int64_t>(kRetainRowsMax)));
+  if (!kept.ok()) return kept.status();
+  erased.rejects_kept += *kept;
+  return Erase(set_aside_, until, erased);
 }
 
-absl::StatusOr<std::size_t> RetentionTables::Erase(const Statements& statements, SystemTime until) {
-  std::size_t erased = 0;
+absl::Status RetentionTables::Erase(const Statements& statements, SystemTime until,
+                                    Erased& erased) {
   for (const std::unique_ptr<Statement>& statement : statements) {
     const absl::StatusOr<std::size_t> rows =
         CountReturned(statement->Select(UnixMs(until), static_cast<std::int64_t>(kRetainRowsMax)));
     if (!rows.ok()) return rows.status();
-    erased += *rows;
+    erased.rows += *rows;
+    if (*rows == kRetainRowsMax) erased.more = true;
   }
-  return erased;
+  return absl::OkStatus();
 }
 
 }  // namespace uplink::storage::sqlite

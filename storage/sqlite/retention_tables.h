@@ -1,13 +1,12 @@
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <vector>
 
 #include <absl/status/status.h>
-#include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/retention.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
 
@@ -21,14 +20,14 @@ class RetentionTables final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
-  /// Histories, and mission runs that are closed. Returns how many rows went.
-  [[nodiscard]] absl::StatusOr<std::size_t> EraseHistory(SystemTime until);
+  /// Histories, and mission runs that are closed. Adds what went to `erased`.
+  [[nodiscard]] absl::Status EraseHistory(SystemTime until, Erased& erased);
   /// Quarantine and gaps. Keeps the Rejects that a Hello may still ask for.
-  [[nodiscard]] absl::StatusOr<std::size_t> EraseSetAside(SystemTime until);
+  [[nodiscard]] absl::Status EraseSetAside(SystemTime until, Erased& erased);
 
  private:
   using Statements = std::vector<std::unique_ptr<Statement>>;
-  static absl::StatusOr<std::size_t> Erase(const Statements& statements, SystemTime until);
+  static absl::Status Erase(const Statements& statements, SystemTime until, Erased& erased);
 
   Statements history_;
   Statements set_aside_;

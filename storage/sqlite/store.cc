@@ -250,21 +250,19 @@ absl::StatusOr<Trimmed> SqliteStore::TrimQuarantine(std::span<const std::string>
   return InTransaction<Trimmed>([&] { return impl_->tables.quarantine_bound.Trim(ruris); });
 }
 
-absl::StatusOr<std::size_t> SqliteStore::Retain(SystemTime now) {
+absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
   const StoreRules& rules = impl_->options.rules;
-  if (!Vouches(rules.clock, now)) return 0;
-  return InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
-    std::size_t erased = 0;
+  if (!Vouches(rules.clock, now)) return Erased();
+  return InTransaction<Erased>([&]() -> absl::StatusOr<Erased> {
+    Erased erased;
+    absl::Status status;
     if (const auto kept = FirstDayKept(now, rules.retain_history)) {
-      const auto rows = impl_->tables.retention.EraseHistory(*kept);
-      if (!rows.ok()) return rows.status();
-      erased += *rows;
+      status = impl_->tables.retention.EraseHistory(*kept, erased);
     }
-    if (const auto kept = FirstDayKept(now, rules.retain_quarantine)) {
-      const auto rows = impl_->tables.retention.EraseSetAside(*kept);
-      if (!rows.ok()) return rows.status();
-      erased += *rows;
+    if (const auto kept = FirstDayKept(now, rules.retain_quarantine); kept && status.ok()) {
+      status = impl_->tables.retention.EraseSetAside(*kept, erased);
     }
+    if (!status.ok()) return status;
     return erased;
   });
 }

@@ -59,7 +59,7 @@ class SqliteStore final : public Store {
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
   [[nodiscard]] std::size_t TakeRunsClosed() override;
   [[nodiscard]] absl::StatusOr<Trimmed> TrimQuarantine(std::span<const std::string> ruris) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<Erased> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const LiveRow> rows) override;
   [[nodiscard]] absl::StatusOr<std::vector<FoundRobot>> Compare(

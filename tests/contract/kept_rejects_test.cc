@@ -35,10 +35,17 @@ class KeptRejectsContract : public StoreContract {
     EXPECT_TRUE(page.ok()) << page.status();
     return NumbersOf(page.value_or(std::vector<storage::StoredReject>()));
   }
-  std::size_t Retain(std::int64_t now_ms) {
+  storage::Erased RetainOnce(std::int64_t now_ms) {
     const auto erased = store_->Process(kProcess).Retain(Time(now_ms));
     EXPECT_TRUE(erased.ok()) << erased.status();
-    return erased.value_or(0);
+    return erased.value_or(storage::Erased());
+  }
+  std::size_t Retain(std::int64_t now_ms) { return RetainOnce(now_ms).rows; }
+  /// Numbers 1 to `through`, all rejected.
+  void CommitBad(model::Seq through) {
+    std::vector<storage::CommitRecord> records;
+    for (model::Seq seq = 1; seq <= through; ++seq) records.push_back(Bad(seq, ""));
+    Commit(std::move(records));
   }
 };
 
@@ -201,6 +208,48 @@ TEST_P(KeptRejectsContract, RejectsThatNoHelloConfirmedOutliveTheirDay) {
   EXPECT_THAT(Told(6), IsEmpty());
 }
 
+// A slice per call: what waits goes between two of them.
+TEST_P(KeptRejectsContract, BetweenTheSlicesOfADayNoneIsMissingAndNoneIsDouble) {
+  constexpr model::Seq kSlice = storage::kRetainRowsMax;
+  Fresh();
+  CommitBad(2 * kSlice + 2);
+  const storage::Erased first = RetainOnce(15 * kDayMs);
+  EXPECT_EQ(first.rejects_kept, kSlice);
+  EXPECT_TRUE(first.more);
+  EXPECT_EQ(Open().rejects_total, 2 * kSlice + 2);
+  EXPECT_THAT(Read(kSlice - 2, 2 * kSlice, 4),
+              ElementsAre(kSlice - 1, kSlice, kSlice + 1, kSlice + 2));
+  EXPECT_THAT(Commit({Bad(kSlice), Bad(kSlice + 1), Good(2 * kSlice + 3)}),
+              ElementsAre(OutcomeKind::kRefused, OutcomeKind::kRefused, OutcomeKind::kStored));
+  // A Hello confirms what was kept, and some that is not yet.
+  EXPECT_EQ(OpenSettled(2 * kSlice).rejects_total, 2U);
+  std::size_t kept = 0;
+  for (bool more = true; more;) {
+    const storage::Erased erased = RetainOnce(15 * kDayMs);
+    kept += erased.rejects_kept;
+    more = erased.more;
+  }
+  EXPECT_EQ(kept, 2U);
+  EXPECT_THAT(Quarantine(), IsEmpty());
+  EXPECT_THAT(Told(), ElementsAre(2 * kSlice + 1, 2 * kSlice + 2));
+}
+
+// The server's clock was behind, or the batch waited for long.
+TEST_P(KeptRejectsContract, RowsOfADayThatComeWhileItGoesAreKeptToo) {
+  constexpr model::Seq kSlice = storage::kRetainRowsMax;
+  Fresh();
+  std::vector<storage::CommitRecord> records;
+  for (model::Seq seq = 1; seq <= kSlice + 1; ++seq) records.push_back(At(1'000, Bad(seq, "")));
+  Commit(std::move(records));
+  EXPECT_TRUE(RetainOnce(15 * kDayMs).more);
+  EXPECT_THAT(Commit({At(0, Bad(kSlice + 2))}), ElementsAre(OutcomeKind::kStored));
+  while (RetainOnce(15 * kDayMs).more) {
+  }
+  EXPECT_THAT(Quarantine(), IsEmpty());
+  EXPECT_EQ(Open().rejects_total, kSlice + 2);
+  EXPECT_THAT(Read(kSlice, kSlice + 2), ElementsAre(kSlice + 1, kSlice + 2));
+}
+
 TEST_P(KeptRejectsContract, SoDoThoseOfADayForWhichNoStoreMadeRoom) {
   Fresh();
   const std::int64_t old = -200 * kDayMs;
@@ -226,13 +275,15 @@ TEST_P(KeptRejectsContract, ThoseOfASessionThatIsNotKeptDoNot) {
 
 TEST_P(KeptRejectsContract, AsManyAsOneSessionMayHaveOutliveTheirDay) {
   Fresh();
-  std::vector<storage::CommitRecord> records;
-  for (model::Seq seq = 1; seq <= storage::kQuarantineRowsPerRobotMax; ++seq) {
-    records.push_back(Bad(seq, ""));
+  CommitBad(storage::kQuarantineRowsPerRobotMax);
+  std::size_t kept = 0;
+  for (bool more = true; more;) {
+    const storage::Erased erased = RetainOnce(15 * kDayMs);
+    EXPECT_LE(erased.rejects_kept, storage::kRetainRowsMax);
+    kept += erased.rejects_kept;
+    more = erased.more;
   }
-  Commit(std::move(records));
-  while (Retain(15 * kDayMs) >= storage::kRetainRowsMax) {
-  }
+  EXPECT_EQ(kept, storage::kQuarantineRowsPerRobotMax);
   EXPECT_THAT(Quarantine(), IsEmpty());
   EXPECT_EQ(Open().rejects_total, storage::kQuarantineRowsPerRobotMax);
   EXPECT_THAT(

@@ -30,7 +30,7 @@ class RetentionContract : public StoreContract {
   std::size_t Retain(std::int64_t now_ms) {
     const auto erased = store_->Process(kProcess).Retain(Time(now_ms));
     EXPECT_TRUE(erased.ok()) << erased.status();
-    return erased.ok() ? *erased : 0;
+    return erased.ok() ? erased->rows : 0;
   }
   /// One of each kind that has a history, `after_ms` after Time(), which begins a day.
   void CommitOneOfEach(std::int64_t after_ms, const std::string& run) {

@@ -87,7 +87,7 @@ absl::StatusOr<storage::Trimmed> HoldersStore::TrimQuarantine(std::span<const st
   return store_.TrimQuarantine(ruris);
 }
 
-absl::StatusOr<std::size_t> HoldersStore::Retain(SystemTime now) {
+absl::StatusOr<storage::Erased> HoldersStore::Retain(SystemTime now) {
   return Pass([&] { return store_.Retain(now); });
 }
 

@@ -111,7 +111,7 @@ absl::StatusOr<storage::Trimmed> Recorder::TrimQuarantine(std::span<const std::s
   return store_->TrimQuarantine(ruris);
 }
 
-absl::StatusOr<std::size_t> Recorder::Retain(SystemTime now) {
+absl::StatusOr<storage::Erased> Recorder::Retain(SystemTime now) {
   if (away_) return absl::UnavailableError("ordered");
   return store_->Retain(now);
 }

@@ -148,10 +148,11 @@ absl::StatusOr<storage::Trimmed> TracedStore::TrimQuarantine(std::span<const std
   });
 }
 
-absl::StatusOr<std::size_t> TracedStore::Retain(SystemTime now) {
+absl::StatusOr<storage::Erased> TracedStore::Retain(SystemTime now) {
   trace_.Add(fmt::format("store Retain at {}", UnixMs(now)));
-  return Traced(trace_, store_.Retain(now),
-                [this](std::size_t rows) { trace_.Add(fmt::format("removed {}", rows)); });
+  return Traced(trace_, store_.Retain(now), [this](const storage::Erased& went) {
+    trace_.Add(fmt::format("removed {}", went.rows));
+  });
 }
 
 absl::StatusOr<std::vector<std::size_t>> TracedStore::Checkpoint(

@@ -29,7 +29,7 @@ class TracedStore final : public storage::Store {
   [[nodiscard]] std::size_t TakeRunsClosed() override;
   [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(
       std::span<const std::string> ruris) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<storage::Erased> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
   [[nodiscard]] bool InDoubt() const override;

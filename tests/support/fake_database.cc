@@ -110,16 +110,18 @@ std::size_t FakeDatabase::Sweep(SystemTime now) {
   return kinds_.Sweep(now);
 }
 
-std::size_t FakeDatabase::Retain(SystemTime now, const storage::StoreRules& rules) {
+storage::Erased FakeDatabase::Retain(SystemTime now, const storage::StoreRules& rules) {
   const std::lock_guard lock(mutex_);
-  std::size_t erased = 0;
+  storage::Erased erased;
   if (const auto kept = storage::FirstDayKept(now, rules.retain_history)) {
-    erased += EraseBefore(faults_history_, *kept, storage::kRetainRowsMax) +
-              kinds_.EraseHistory(*kept) + presence_.EraseHistory(*kept);
+    erased.rows += EraseBefore(faults_history_, *kept, storage::kRetainRowsMax) +
+                   kinds_.EraseHistory(*kept) + presence_.EraseHistory(*kept);
   }
   if (const auto kept = storage::FirstDayKept(now, rules.retain_quarantine)) {
-    erased += EraseQuarantine(*kept) + EraseGaps(*kept);
+    EraseQuarantine(*kept, erased);
+    erased.rows += EraseGaps(*kept);
   }
+  erased.more = erased.rows >= storage::kRetainRowsMax;
   return erased;
 }
 
@@ -147,23 +149,24 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
   return passed_over;
 }
 
-std::size_t FakeDatabase::EraseQuarantine(SystemTime until) {
+void FakeDatabase::EraseQuarantine(SystemTime until, storage::Erased& erased) {
   std::set<std::uint64_t> gone;
-  for (const auto& [at, entry] : OldestBefore(quarantine_, until, storage::kRetainRowsMax)) {
-    gone.insert(entry);
-  }
-  EraseQuarantineRows(gone);
-  return gone.size();
+  const auto old = OldestBefore(quarantine_, until, storage::kRetainRowsMax);
+  for (const auto& [at, entry] : old) gone.insert(entry);
+  erased.rejects_kept += EraseQuarantineRows(gone);
+  erased.rows += gone.size();
 }
 
-void FakeDatabase::EraseQuarantineRows(const std::set<std::uint64_t>& gone) {
+std::size_t FakeDatabase::EraseQuarantineRows(const std::set<std::uint64_t>& gone) {
+  std::size_t kept = 0;
   for (const auto& row : quarantine_) {
     if (!gone.contains(row.entry)) continue;
     auto& sessions = robots_[row.row.robot.ruri].sessions;
     const auto session = sessions.find(row.row.session);
     if (session == sessions.end() || row.entry < session->second.first_entry) continue;
-    session->second.rejects.LoseRow(row.row.seq, row.row.source == model::MessageSource::kUplink &&
-                                                     row.row.seq > session->second.settled);
+    const bool asked = row.row.source == model::MessageSource::kUplink;
+    const bool unsettled = row.row.seq > session->second.settled;
+    if (session->second.rejects.LoseRow(row.row.seq, asked && unsettled)) ++kept;
   }
   std::erase_if(quarantine_, [&gone](const auto& row) { return gone.contains(row.entry); });
   for (auto& [ruri, robot] : robots_) robot.payload_rows.clear();
@@ -171,6 +174,7 @@ void FakeDatabase::EraseQuarantineRows(const std::set<std::uint64_t>& gone) {
     if (quarantine_[i].row.payload.empty()) continue;
     robots_[quarantine_[i].row.robot.ruri].payload_rows.push_back(i);
   }
+  return kept;
 }
 
 storage::Trimmed FakeDatabase::TrimQuarantine(std::span<const std::string> ruris) {

@@ -17,6 +17,7 @@
 #include "storage/compare.h"
 #include "storage/leases.h"
 #include "storage/reader.h"
+#include "storage/retention.h"
 #include "storage/types.h"
 #include "tests/support/fake_kinds.h"
 #include "tests/support/fake_lease_table.h"
@@ -103,7 +104,7 @@ class FakeDatabase final {
     return kinds_.runs_closed();
   }
   storage::Trimmed TrimQuarantine(std::span<const std::string> ruris);
-  std::size_t Retain(SystemTime now, const storage::StoreRules& rules);
+  storage::Erased Retain(SystemTime now, const storage::StoreRules& rules);
   std::vector<std::size_t> Checkpoint(const storage::ProcessId& process,
                                       std::span<const storage::LiveRow> rows);
 
@@ -272,9 +273,10 @@ class FakeDatabase final {
     if (is_new) found->second.first_entry = entries_ + 1;
     return found->second;
   }
-  std::size_t EraseQuarantine(SystemTime until);
-  /// Deletes those of `gone` (entries), and counts payloads anew.
-  void EraseQuarantineRows(const std::set<std::uint64_t>& gone);
+  void EraseQuarantine(SystemTime until, storage::Erased& erased);
+  /// Deletes those of `gone` (entries), and counts payloads anew. Returns how many Rejects of them
+  /// are kept.
+  std::size_t EraseQuarantineRows(const std::set<std::uint64_t>& gone);
   std::size_t EraseGaps(SystemTime until);
   void WriteGap(const storage::ProcessId& process, const storage::GapItem& gap);
   [[nodiscard]] const SessionLog* FindLog(std::string_view ruri,

@@ -18,13 +18,15 @@ class FakeRejects final {
     for (model::Seq seq = range.first; seq <= last; ++seq) rejects_[seq] = range.rejection;
     kept_[last] = range.first;
   }
-  /// The row of quarantine goes: so does the Reject, unless a Hello may still ask for it.
-  void LoseRow(model::Seq seq, bool asked_for) {
+  /// The row of quarantine goes: so does the Reject, unless a Hello may still ask for it. Returns
+  /// whether it is kept.
+  bool LoseRow(model::Seq seq, bool asked_for) {
     if (asked_for) {
       kept_[seq] = seq;
     } else {
       rejects_.erase(seq);
     }
+    return asked_for;
   }
   /// What is kept goes once a Hello has confirmed it.
   void Confirm(model::Seq settled) {

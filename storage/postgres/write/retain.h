@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstddef>
-
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/connection.h"
+#include "storage/postgres/write/quarantine_days.h"
+#include "storage/retention.h"
 #include "storage/types.h"
 
 namespace uplink::storage::postgres {
@@ -20,12 +20,12 @@ inline constexpr int kPartitionDaysAheadMax = 31;
 static_assert(kPartitionDaysAfter + 1 < kPartitionDaysAheadMax, "clocks may differ by a day");
 
 /// Store::Retain, in transactions of their own: partitions ahead; whole days that are too old are
-/// dropped; their rows in default partitions, closed runs and gaps are deleted. Returns partitions
-/// plus rows.
+/// dropped, those of quarantine by `days`; their rows in default partitions, closed runs and gaps
+/// are deleted.
 ///
 /// While nobody vouches for our clock nothing is deleted, and the partitions are those of the
 /// database's own days: by ours they might lie years ahead.
-[[nodiscard]] absl::StatusOr<std::size_t> RetainRows(Connection& connection, SystemTime now,
-                                                     const StoreRules& rules);
+[[nodiscard]] absl::StatusOr<Erased> RetainRows(Connection& connection, SystemTime now,
+                                                const StoreRules& rules, QuarantineDays& days);
 
 }  // namespace uplink::storage::postgres

@@ -50,6 +50,15 @@ absl::StatusOr<std::vector<Result>> RunAndCommitFor(
   return results;
 }
 
+absl::StatusOr<Result> RunAlone(Connection& connection, StoreCall call, std::string_view doing) {
+  std::vector<StoreCall> calls;
+  calls.push_back({kBegin, {}});
+  calls.push_back(std::move(call));
+  auto results = RunAndCommitFor(connection, std::move(calls), doing, nullptr);
+  if (!results.ok()) return Decisive(results.status());
+  return std::move((*results)[1]);
+}
+
 bool IsInDoubt(const absl::Status& status) {
   return status.GetPayload({kInDoubt.data(), kInDoubt.size()}).has_value();
 }

@@ -44,6 +44,10 @@ inline constexpr std::string_view kNextBatch = "SELECT nextval('uplinkd.batches'
   return RunAndCommitFor(connection, std::move(calls), doing, before_commit).status();
 }
 
+/// One statement as a transaction of its own that no ack rests on; its answer.
+[[nodiscard]] absl::StatusOr<Result> RunAlone(Connection& connection, StoreCall call,
+                                              std::string_view doing);
+
 /// The error is that of a commit which the server answered with a warning.
 [[nodiscard]] bool IsInDoubt(const absl::Status& status);
 

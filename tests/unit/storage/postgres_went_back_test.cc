@@ -174,6 +174,14 @@ TEST_F(PostgresWentBackTest, SequencesThatAreNotBehindStayAsTheyAre) {
   EXPECT_EQ(shell_.Read(query), before);
 }
 
+// There may be millions, and a failover waits for each connect.
+TEST_F(PostgresWentBackTest, TheGreatestEntryOfKeptRejectsComesFromAnIndex) {
+  shell_.Run("SET enable_seqscan = off");
+  EXPECT_NE(shell_.Read("EXPLAIN (COSTS OFF) SELECT max(k.entry) FROM uplinkd.kept_rejects AS k")
+                .find("using kept_rejects_by_entry"),
+            std::string::npos);
+}
+
 TEST_F(PostgresWentBackTest, EverySequenceOfTheSchemaIsRaised) {
   EXPECT_EQ(shell_.Read("SELECT string_agg(sequencename, ' ' ORDER BY sequencename)"
                         " FROM pg_sequences WHERE schemaname = 'uplinkd'"),

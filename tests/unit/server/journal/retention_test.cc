@@ -35,6 +35,26 @@ TEST_F(RetentionTest, CountsWhatWentAndIsDueAfterItsInterval) {
   EXPECT_EQ(retention_.duty().due(), clock.Steady() + kRetainInterval);
 }
 
+TEST_F(RetentionTest, CountsTheRejectsThatAreKept) {
+  RecordingClient robot("rcan://a");
+  Hold(robot);
+  storage::Batch batch;
+  for (model::Seq seq = 1; seq <= 3; ++seq) {
+    batch.records.push_back(RecordOf(robot, seq));
+    batch.records.back().held_since = 1;
+    batch.records.back().received_at = clock.System();
+    if (seq < 3) {
+      batch.records.back().content =
+          storage::QuarantineItem{{model::RejectReason::kMalformed, "f", "d"}};
+    }
+  }
+  ASSERT_TRUE(store.Commit(batch).ok());
+  clock.Advance(std::chrono::days(15));
+  EXPECT_EQ(retention_.Do(), Step::kWorked);
+  EXPECT_EQ(probe.history_deleted.value(), 2);
+  EXPECT_EQ(probe.rejects_kept.value(), 2);
+}
+
 TEST_F(RetentionTest, IsDueAgainSoonWhereMoreIsLeft) {
   StoreFaults(storage::kRetainRowsMax + 1);
   EXPECT_EQ(retention_.Do(), Step::kWorked);
