@@ -16,7 +16,8 @@ namespace uplink::journal {
 /// this journal holds is compared with it. What the store does not have as it told is void, and the
 /// robots' streams begin anew from what it has.
 ///
-/// Errors:  of the store; the comparison begins anew then.
+/// Errors:  of the store; the comparison begins anew then. So it does where the connection breaks
+///          between two pages: that is found by the next page's call, which fails.
 /// Thread:  confined to the writer.
 class Comparing final {
  public:

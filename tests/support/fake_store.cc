@@ -72,11 +72,11 @@ absl::StatusOr<storage::Trimmed> FakeStore::TrimQuarantine(std::span<const std::
   return trimmed;
 }
 
-absl::StatusOr<std::size_t> FakeStore::Retain(SystemTime now) {
+absl::StatusOr<storage::Erased> FakeStore::Retain(SystemTime now) {
   Fate fate = Begin({&retain_order_}, retains_);
   if (fate.fail_before) return std::move(fate.status);
   const bool vouched = storage::Vouches(store_rules_.clock, now);
-  const std::size_t erased = vouched ? database_.Retain(now, store_rules_) : 0;
+  const storage::Erased erased = vouched ? database_.Retain(now, store_rules_) : storage::Erased();
   if (fate.fail_after) return std::move(fate.status);
   return erased;
 }
@@ -99,12 +99,21 @@ absl::StatusOr<std::vector<storage::FoundRobot>> FakeStore::Compare(
     std::span<const storage::ToldRobot> robots) {
   Fate fate = Begin({&any_order_}, compares_);
   if (fate.fail_before || fate.fail_after) return std::move(fate.status);
+  {
+    const std::lock_guard lock(mutex_);
+    if (compares_ == break_at_compare_) return absl::UnavailableError("the connection broke");
+  }
   return database_.Compare(process_, robots);
 }
 
 void FakeStore::EndDoubt() {
   const std::lock_guard lock(mutex_);
   in_doubt_ = false;
+}
+
+void FakeStore::BreakAtCompare(std::uint64_t calls) {
+  const std::lock_guard lock(mutex_);
+  break_at_compare_ = compares_ + calls;
 }
 
 void FakeStore::Break() {

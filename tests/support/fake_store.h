@@ -49,7 +49,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] std::size_t TakeRunsClosed() override;
   [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(
       std::span<const std::string> ruris) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> Retain(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<storage::Erased> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(
       std::span<const storage::LiveRow> rows) override;
   [[nodiscard]] bool InDoubt() const override;
@@ -78,6 +78,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
                                                   storage::LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
+  /// The connection breaks in the `calls`-th Compare from now, which fails.
+  void BreakAtCompare(std::uint64_t calls);
   /// The connection breaks: InDoubt until EndDoubt, and every other call fails.
   void Break();
 
@@ -151,6 +153,8 @@ class FakeStore final : public storage::Store, public storage::Reader {
   bool blocked_ = false;
   std::uint32_t waiting_ = 0;
   bool in_doubt_ = false;
+  /// The number of the Compare in which the connection breaks; 0: of none.
+  std::uint64_t break_at_compare_ = 0;
   Order any_order_;
   Order commit_order_;
   Order open_order_;

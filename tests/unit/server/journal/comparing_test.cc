@@ -1,5 +1,8 @@
 #include "server/journal/comparing.h"
 
+#include <deque>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -128,6 +131,29 @@ TEST_F(ComparingTest, AStoreThatIsAwayIsAskedAgain) {
   EXPECT_EQ(reconnects, 0);
   Compare();
   EXPECT_THAT(robot_.Told(), ElementsAre("went back"));
+}
+
+// What was compared before may be with a store that is gone.
+TEST_F(ComparingTest, AConnectionThatBreaksBetweenTwoPagesBeginsTheComparisonAnew) {
+  std::deque<RecordingClient> many;
+  for (std::size_t i = 0; i < 2 * storage::kComparedMax; ++i) {
+    Hold(many.emplace_back("rcan://many/" + std::to_string(i)));
+  }
+  store.Break();
+  store.BreakAtCompare(3);
+  EXPECT_EQ(comparing_.Do(), Step::kFailed);
+  EXPECT_THAT(robot_.Told(), IsEmpty());
+  EXPECT_TRUE(comparing_.due());
+  EXPECT_EQ(reconnects, 0);
+  // The next store has less of all of them, whichever page they were on.
+  robot_.SetCommitted(Through(4));
+  many.front().SetCommitted(Through(4));
+  many.back().SetCommitted(Through(4));
+  Compare();
+  EXPECT_THAT(robot_.Told(), ElementsAre("went back"));
+  EXPECT_THAT(many.front().Told(), ElementsAre("went back"));
+  EXPECT_THAT(many.back().Told(), ElementsAre("went back"));
+  EXPECT_EQ(probe.went_back.value(), 3);
 }
 
 TEST_F(ComparingTest, ACursorBelowWhatWasToldIsFoundWhenAStreamOpensToo) {
