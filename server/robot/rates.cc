@@ -106,6 +106,16 @@ std::optional<milliseconds> Rates::Limit(const model::Body& body, const RateTabl
   return Until(*until, now);
 }
 
+bool Rates::WouldLimit(const model::Body& body, const RateTable& table, SteadyTime now) {
+  const std::size_t variant = body.index();
+  const BucketSize& size = table[variant];
+  if (size.rate == 0) return false;
+  if (const auto id = UpsertId(body); id && ids_ != nullptr) {
+    if ((*ids_)[variant].Until(*id, now)) return true;
+  }
+  return !IsDeletion(body) && buckets_[variant].PassesAt(1, size, now) > now;
+}
+
 void Rates::BeginStream() {
   for (auto& count : limited_) count.store(0, std::memory_order_relaxed);
 }

@@ -32,13 +32,15 @@ inline constexpr std::size_t kLimitedIdsMax = 4'096;
 /// a lost one would leave a ghost.
 ///
 /// Nothing is allocated while nothing is limited. Bounds: kLimitedIdsMax.
-/// Thread: Limit and BeginStream by the robot's stream, of which there is one at a time; the rest
-/// by any.
+/// Thread: Limit, WouldLimit and BeginStream by the robot's stream, of which there is one at a
+/// time; the rest by any.
 class Rates final {
  public:
   /// Nothing: the message may be taken, and its token is. Else how long until it may come again.
   [[nodiscard]] std::optional<milliseconds> Limit(const model::Body& body, const RateTable& table,
                                                   SteadyTime now);
+  /// Whether Limit would limit it now. Takes nothing and counts nothing.
+  [[nodiscard]] bool WouldLimit(const model::Body& body, const RateTable& table, SteadyTime now);
   /// Counts from zero.
   void BeginStream();
 

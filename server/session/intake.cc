@@ -83,10 +83,7 @@ bool Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
   Judged judged = JudgeUplink(context_, id_->ruri, uplink, received_at_);
   if (const std::optional<RecordCost> cost = CostOf(uplink, seen, judged)) {
     const Hold hold = HoldOfRecord(Sources(), *cost);
-    // A number that goes on with a range of limited ones takes nothing if it is limited too. If it
-    // is not, the next pass waits for what it took.
-    const bool free = hold.by == HeldBack::kFlow && appending_.Continues(uplink.seq);
-    if (!hold.none() && !free) {
+    if (!hold.none()) {
       front_cost_ = cost;
       numbers_.PutBack();
       return false;
@@ -118,7 +115,13 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
     if (IsNew(seen.missing_last)) cost.flow_bytes = 0;
   }
   if (const auto* record = std::get_if<model::Record>(&judged.content)) {
-    if (record->durable() && !judged.expired) {
+    const bool durable = record->durable() && !judged.expired;
+    if (durable && IsNew(uplink.seq) &&
+        robot_.rates.WouldLimit(record->body(), allowance_->rates, context_.clock.Steady())) {
+      // As a gap; a number that goes on with a range takes nothing.
+      if (appending_.Continues(uplink.seq)) return std::nullopt;
+      cost = {.journal_bytes = cost.journal_bytes + robot::kRecordOverheadBytes, .flow_bytes = 0};
+    } else if (durable) {
       cost.journal_bytes += journal::CostOf(payload, *record);
       if (IsNew(uplink.seq)) cost.flow_bytes = payload;
     }

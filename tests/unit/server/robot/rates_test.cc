@@ -51,6 +51,25 @@ TEST_F(RatesTest, WhatHasNoRateIsNeverLimited) {
   for (int i = 0; i < 100'000; ++i) ASSERT_EQ(Limit(model::Fault()), 0);
 }
 
+TEST_F(RatesTest, WhetherItWouldLimitIsWhatItThenDoesAndTakesNothing) {
+  const auto would = [this](const model::Body& body) {
+    return rates_.WouldLimit(body, table_, clock_.Steady());
+  };
+  EXPECT_FALSE(would(model::Fault())) << "it has no rate";
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(would(Upsert("a")));
+  UseUp();
+  EXPECT_TRUE(would(Upsert("a")));
+  EXPECT_FALSE(would(Delete("a")));
+  EXPECT_FALSE(would(UpsertObject("a"))) << "of a bucket of its own";
+  EXPECT_EQ(rates_.limited(Variant::kShape), 0U);
+  EXPECT_EQ(Limit(Upsert("a")), 100);
+  clock_.Advance(milliseconds(99));
+  EXPECT_TRUE(would(Upsert("a")));
+  clock_.Advance(milliseconds(1));
+  EXPECT_FALSE(would(Upsert("a")));
+  EXPECT_EQ(Limit(Upsert("a")), 0);
+}
+
 TEST_F(RatesTest, PastTheBurstItIsLimitedForAsLongAsItSays) {
   const model::Body health = model::SystemHealth();
   EXPECT_EQ(Limit(health), 0);

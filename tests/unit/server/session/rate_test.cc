@@ -230,6 +230,36 @@ TEST_F(RateTest, AFloodIsARowPerPassAndTakesFlowLikeAGap) {
   EXPECT_EQ(server().counts().received, 3 + 2 * kCostlyPerTurn);
 }
 
+TEST_F(RateTest, ALimitedOneDoesNotWaitForFlowOfItsPayload) {
+  const std::string payload = Upsert("a");
+  limits_.allowance.flow.bytes = {.rate = 1, .burst = 2 * payload.size()};
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame(Messages(1, 2, payload)));
+  server().Commit();
+  // The bucket of bytes is empty: another fault would wait for as many seconds as it has bytes.
+  stream.Send(BatchFrame({{3, payload}, {4, payload}}));
+  EXPECT_EQ(RejectedOf(stream), 2U);
+  server().Commit();
+  EXPECT_EQ(AckedOf(stream), 4U);
+  // One that is not limited any more does wait.
+  server().Pass(std::chrono::seconds(1));
+  stream.Send(BatchFrame({{5, payload}}));
+  EXPECT_EQ(server().counts().received, 4U);
+  EXPECT_EQ(RejectedOf(stream), 2U);
+}
+
+// A row per number is stored where the numbers are apart: each takes flow of a record.
+TEST_F(RateTest, ALimitedOneBehindAGapWaitsForFlowOfBoth) {
+  limits_.allowance.flow.records = {.rate = 1, .burst = 3};
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("a")}, {4, Upsert("a")}}));
+  EXPECT_EQ(RejectedOf(stream), 1U);
+  stream.Send(BatchFrame({{5, Upsert("a")}}));
+  EXPECT_EQ(RejectedOf(stream), 1U) << "the gap and the range took two";
+  server().Pass(std::chrono::seconds(3));
+  EXPECT_EQ(server().counts().received, 4U);
+}
+
 TEST_F(RateTest, ARangeThatAnotherProcessFencedIsSuperseded) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}, {4, Upsert("d")}}));
