@@ -103,11 +103,11 @@ class Store {
       std::span<const std::string> ruris) = 0;
 
   /// Keeps the histories to StoreRules: deletes what arrived before the first day that is to be
-  /// kept, at most kRetainRowsMax rows of each kind or a partition that holds nothing to keep, and
-  /// makes room for the days to come. Mission
-  /// runs go when they have ended, or were closed, and their last report is as old. Rejects that a
-  /// Hello may still ask for are kept when their row of quarantine goes, in the same transaction.
-  /// While nobody vouches for `now` (StoreRules.clock) nothing is deleted.
+  /// kept, at most kRetainRowsMax rows of each kind and whole days that hold nothing to keep, and
+  /// makes room for the days to come. Mission runs go when they have ended, or were closed, and
+  /// their last report is as old. Rejects that a Hello may still ask for are kept in the
+  /// transaction that deletes their row of quarantine. While nobody vouches for `now`
+  /// (StoreRules.clock) nothing is deleted.
   [[nodiscard]] virtual absl::StatusOr<Erased> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
