@@ -32,8 +32,8 @@ struct PresenceFacts {
   /// When it last began to read again: after holding back, or when it had been behind itself. Ahead
   /// of now while it makes a stream of the robot wait.
   std::optional<SteadyTime> held_back_until;
-  /// The robot came by a stream from a process that called it so, and was not heard here yet: when
-  /// it came. Its online counts as a sign of life then; its offline lasts until one.
+  /// The robot came by a stream from a process that called it so, and was not heard here since:
+  /// when it came. Its online counts as a sign of life then; its offline lasts until one.
   struct Claimed {
     Presence presence = Presence::kUnknown;
     SteadyTime at;

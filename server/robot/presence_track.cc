@@ -1,6 +1,7 @@
 #include "server/robot/presence_track.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/robot/mutation.h"
 
@@ -15,6 +16,9 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
                                            const PresenceLimits& limits) {
   if (foreign_) return Sign::kOlder;
   Sign sign = Sign::kOlder;
+  if (presence_ == Presence::kOffline && stall_while_offline_) {
+    held_back_until_ = std::max(held_back_until_, std::exchange(stall_while_offline_, {}));
+  }
   if (!last_sign_ || steady >= *last_sign_) {
     last_sign_ = steady;
     online_until_ = steady + limits.timeout;
@@ -38,8 +42,9 @@ void PresenceTrack::SetReading(Reading reading, SteadyTime now) {
 }
 
 void PresenceTrack::AddStall(SteadyTime until) {
-  if (presence_ == Presence::kOffline || foreign_) return;
-  held_back_until_ = std::max(held_back_until_.value_or(until), until);
+  if (foreign_) return;
+  auto& stall = presence_ == Presence::kOffline ? stall_while_offline_ : held_back_until_;
+  stall = std::max(stall.value_or(until), until);
 }
 
 bool PresenceTrack::DoubtSilence(SteadyTime now, const PresenceLimits& limits) {
@@ -77,19 +82,25 @@ void PresenceTrack::Restore(std::optional<SystemTime> last_sign) {
 void PresenceTrack::Claim(const storage::StoredPresence& stored, SteadyTime now) {
   foreign_ = false;
   known_since_ = now;
-  if (HeardInTime(now)) return GoOnFrom(stored);
-  BeginFrom(stored);
-  claimed_ = {stored.presence, now};
+  if (!HeardInTime(now)) {
+    BeginFrom(stored);
+    claimed_ = {stored.presence, now};
+    return;
+  }
+  GoOnFrom(stored);
+  // The stream here may be what is left of one that the robot gave up to go there.
+  if (stored.presence == Presence::kOnline) claimed_ = {stored.presence, now};
 }
 
 bool PresenceTrack::HeardInTime(SteadyTime now) const { return last_sign_ && now <= online_until_; }
 
 void PresenceTrack::GoOnFrom(const storage::StoredPresence& stored) {
-  if (presence_ == stored.presence) {
+  if (stored.presence == Presence::kOnline) {
+    presence_ = stored.presence;
     since_ = stored.since;
   } else {
     // It was told before, but nobody wrote it before the store said whose the robot is.
-    Change(presence_, std::max(since_, stored.since));
+    Change(Presence::kOnline, std::max(since_, stored.since));
   }
 }
 
@@ -127,7 +138,10 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   held_back_ = false;
   stream_held_back_until_.reset();
   doubted_until_.reset();
+  // If the robot is ours again at once, what was heard here stands.
+  const std::optional<SteadyTime> heard = last_sign_;
   BeginFrom(stored);
+  last_sign_ = heard;
 }
 
 void PresenceTrack::Show(Presence presence, SystemTime since) {

@@ -40,7 +40,7 @@ class PresenceTrack final {
   void SetReading(Reading reading, SteadyTime now);
   /// The server itself stood still or was behind with reading until this time, or makes a stream of
   /// the robot wait until then: what it does not hear meanwhile proves nothing. Who was offline
-  /// before stays so.
+  /// before stays so until it is heard; then the same holds of it.
   void AddStall(SteadyTime until);
   /// Other processes may hear the robot and cannot tell, and it has a stream here: its silence
   /// counts only if that stream's peer answered once the robot was about to be offline. True if the
@@ -59,8 +59,9 @@ class PresenceTrack final {
   // --- Who judges ---
 
   /// A stream of the robot is here, and another process judged it last. What was heard here in time
-  /// stands. Else the presence is what the other wrote, and no change: whatever was told here came
-  /// to nobody's knowledge, and may be older than that.
+  /// stands, and a robot that the other heard to the last is online for a timeout from now. Else
+  /// the presence is what the other wrote, and no change: whatever was told here came to nobody's
+  /// knowledge, and may be older than that.
   void Claim(const storage::StoredPresence& stored, SteadyTime now);
   /// The robot's holder was over, and it is ours. What was heard here in time stands. Else a robot
   /// that was offline stays so until it is heard, as the holder wrote it. Every other robot is
@@ -75,8 +76,8 @@ class PresenceTrack final {
     SystemTime system_now;
   };
   void Adopt(const Adoption& adoption);
-  /// Another process judges the robot, and wrote this. What was heard here is forgotten, and what
-  /// is told changes nothing until the robot is claimed or adopted.
+  /// Another process judges the robot, and wrote this. What was heard here counts again only if the
+  /// robot is claimed or adopted in time; what is told until then changes nothing.
   void Follow(const storage::StoredPresence& stored);
 
   [[nodiscard]] Presence presence() const { return presence_; }
@@ -98,7 +99,7 @@ class PresenceTrack final {
   [[nodiscard]] PresenceFacts Facts() const;
   /// A sign of life came here, and not too long ago.
   [[nodiscard]] bool HeardInTime(SteadyTime now) const;
-  /// The store has `stored`, and what was heard here stands.
+  /// The store has `stored`, and what was heard here in time stands: the robot is online.
   void GoOnFrom(const storage::StoredPresence& stored);
   /// The store has `stored`, and nothing was heard here.
   void BeginFrom(const storage::StoredPresence& stored);
@@ -119,6 +120,8 @@ class PresenceTrack final {
   /// Also until when the server itself stood still, was behind, or makes a stream wait: the latest.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
+  /// The same as held_back_until_, of a robot that is offline and was not heard since.
+  std::optional<SteadyTime> stall_while_offline_;
   /// When the peer of the robot's stream answered last, and until when the robot's silence had no
   /// such answer.
   std::optional<SteadyTime> peer_answered_;

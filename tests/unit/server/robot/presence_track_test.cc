@@ -66,6 +66,23 @@ TEST_F(PresenceTrackTest, AStallKeepsWhoWasOfflineOffline) {
   EXPECT_EQ(Sweep(), Presence::kOffline);
 }
 
+TEST_F(PresenceTrackTest, AStallWhileARobotWasOfflineCountsOnceItIsHeard) {
+  Sign();
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  constexpr std::chrono::minutes kStall{1};
+  track_.AddStall(clock_.Steady() + kStall);
+  track_.AddStall(clock_.Steady());
+  // What it sent before the stall is read after it.
+  Sign();
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(kStall - milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
 TEST_F(PresenceTrackTest, WhatAnEarlierLifeHeardIsKeptUntilASignComes) {
   const SystemTime earlier = clock_.System() - std::chrono::hours(1);
   track_.Restore(earlier);
@@ -113,6 +130,32 @@ TEST_F(PresenceTrackTest, WhatWasHeardHereStandsAgainstWhatAnotherWrote) {
   EXPECT_NE(track_.since(), since);
   track_.Claim({Presence::kOnline, since}, clock_.Steady());
   EXPECT_EQ(track_.since(), since) << "it was online all the time";
+}
+
+TEST_F(PresenceTrackTest, WhoWasOnlineElsewhereUntilItWasTakenHasATimeoutFromThenOn) {
+  const SystemTime since = clock_.System();
+  Sign();
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  track_.Claim({Presence::kOnline, since}, clock_.Steady());
+  clock_.Advance(limits_.timeout);
+  EXPECT_EQ(Sweep(), Presence::kOnline) << "the other process heard it since";
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_THAT(changes_, SizeIs(2));
+}
+
+TEST_F(PresenceTrackTest, WhatWasHeardHereInTimeStandsThoughAnotherHadTheRobotMeanwhile) {
+  Sign();
+  changes_.clear();
+  const SystemTime since = clock_.System();
+  track_.Follow({Presence::kOffline, since});
+  clock_.Advance(milliseconds(1));
+  track_.Claim({Presence::kOffline, since}, clock_.Steady());
+  EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, since)));
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOnline);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
 }
 
 TEST_F(PresenceTrackTest, WhatWasToldInVainGivesWayToWhatAnotherWroteMeanwhile) {

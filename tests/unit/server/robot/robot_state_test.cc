@@ -397,6 +397,7 @@ TEST_F(RobotStateTest, WhoFollowsAHolderForgetsWhatAStreamTold) {
 TEST_F(RobotStateTest, WhoGetsARobotBackOfWhichTheStoreHasNoPresenceJudgesIt) {
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
   state_.Lose();
+  clock_.Advance(limits_.timeout + milliseconds(1));
   state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
   EXPECT_EQ(All().presence, Presence::kUnknown) << "until it is heard";
   clock_.Advance(limits_.startup_grace + milliseconds(1));
