@@ -215,7 +215,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing 
   // are taken before the next sweep, which judges.
   const SteadyTime::duration stood_still = StoodStill(steady);
   const bool stalled = stood_still > SteadyTime::duration(0);
-  stood_still_.store(stalled);
+  stood_still_for_.store(stood_still);
   for (const RobotPtr& robot : All()) {
     const robot::PresenceLimits& limits = presence_limits_of(*robot);
     if (stalled) {

@@ -153,7 +153,10 @@ class Fleet final {
   /// that no sweep was told: the silence of none of them until now counts.
   void NoteTwinsUnheard();
   /// Whether the last sweep came late.
-  [[nodiscard]] bool stood_still() const { return stood_still_.load(); }
+  [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }
+  /// How long before the last sweep the one before it was, suspends of the machine included; zero
+  /// unless it came late.
+  [[nodiscard]] SteadyTime::duration stood_still_for() const { return stood_still_for_.load(); }
   /// The counts of the last sweep that judged.
   [[nodiscard]] PresenceCounts presence_counts() const;
 
@@ -194,7 +197,7 @@ class Fleet final {
   const BootClock* const boot_;
   /// By the boot clock, if there is one. Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
-  std::atomic<bool> stood_still_{false};
+  std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;
   BroughtIn brought_in_;
   /// Places that are taken: admitted robots, and those that are about to be.

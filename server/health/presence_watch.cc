@@ -1,5 +1,7 @@
 #include "server/health/presence_watch.h"
 
+#include <chrono>
+
 namespace uplink::health {
 
 static_assert(
@@ -21,7 +23,11 @@ void PresenceWatch::Sweep() {
   sources_.fleet.Sweep(sources_.session_idle, Hears(), TwinsHear());
   // The fleet says so, by the reading of the clock at which it would have judged: the process may
   // be stopped between any two readings.
-  if (sources_.fleet.stood_still()) sources_.liveness.NoteStandstill();
+  if (sources_.fleet.stood_still()) {
+    sources_.liveness.NoteStandstill();
+    const auto time = std::chrono::duration_cast<milliseconds>(sources_.fleet.stood_still_for());
+    sources_.logger.Warn("standstill_over", {{"ms", time.count()}});
+  }
   LogBehind();
   sources_.sweep_seconds.ObserveSince(began, sources_.clock.Steady());
 }

@@ -30,7 +30,8 @@ class PresenceWatch final {
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
   /// Judges every robot, and logs when the relay falls behind and when it has caught up. A sweep
-  /// that comes late says that the process stood still: from then on the relay is behind.
+  /// that comes late says that the process stood still, and logs for how long: from then on the
+  /// relay is behind.
   void Sweep();
 
   /// Begins a handshake with the relay's listener; tells, once and on the same thread, whether it

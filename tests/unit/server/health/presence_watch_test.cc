@@ -123,7 +123,9 @@ TEST_F(PresenceWatchTest, AfterAStandstillNobodyIsOfflineUntilAHandshakeBegunAft
     watch_.Sweep();
     EXPECT_TRUE(liveness_.behind());
     EXPECT_EQ(robot.state.presence(), model::Presence::kOnline) << "a late sweep judges nobody";
-    EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind why=stood_still")));
+    EXPECT_THAT(lines_, ElementsAre(HasSubstr("standstill_over ms=" +
+                                              std::to_string(milliseconds(standstill).count())),
+                                    HasSubstr("relay_behind why=stood_still")));
 
     Answer(true);
     SweepFor(seconds(60));
@@ -137,7 +139,8 @@ TEST_F(PresenceWatchTest, AfterAStandstillNobodyIsOfflineUntilAHandshakeBegunAft
     EXPECT_EQ(robot.state.presence(), model::Presence::kUnknown) << "a timeout to be heard";
     SweepFor(seconds(1));
     EXPECT_EQ(robot.state.presence(), model::Presence::kOffline);
-    EXPECT_THAT(lines_, ElementsAre(HasSubstr("relay_behind"), HasSubstr("relay_caught_up")));
+    EXPECT_THAT(lines_, ElementsAre(HasSubstr("standstill_over"), HasSubstr("relay_behind"),
+                                    HasSubstr("relay_caught_up")));
   }
   EXPECT_EQ(liveness_.standstills(), 2);
 }
