@@ -32,6 +32,8 @@ enum class Mutation : std::uint8_t {
   kReconnectTrusted,
   /// What a broker delivers again after it was settled is acked without a look at the store.
   kSettledAckedFromMemory,
+  /// The bytes of a frame that is not whole are signs of life for as long as they come.
+  kSlowFrameUnbounded,
 };
 
 #ifdef UPLINK_MUTATIONS

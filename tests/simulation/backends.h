@@ -14,15 +14,19 @@ namespace uplink::simulation {
 class FakeBackend final : public Backend {
  public:
   /// Planted faults: a cursor that may be lowered; changes of presence that no cursor guards; rows
-  /// of robots that batches make; Rejects that go for their age before they were confirmed.
+  /// of robots that batches make; Rejects that go for their age before they were confirmed; holds
+  /// that count for their owner whenever they began.
   enum class Fault : std::uint8_t {
     kNone,
     kCursorMayFall,
     kNoCursorForPresence,
     kBatchesMakeRobots,
     kRejectsGoForTheirAge,
+    kHoldsOfOwnerAlone,
   };
-  explicit FakeBackend(Fault fault = Fault::kNone) : fault_(fault) {}
+  explicit FakeBackend(Fault fault = Fault::kNone) : fault_(fault) {
+    if (fault_ == Fault::kHoldsOfOwnerAlone) database_.HoldByOwnerAlone();
+  }
 
   storage::Store& Reopen(const storage::ProcessId& process) override;
   std::optional<std::string> Compare(const Recorder& recorder) override;
@@ -33,7 +37,8 @@ class FakeBackend final : public Backend {
   void AfterRetain() override {
     if (fault_ == Fault::kRejectsGoForTheirAge) database_.ForgetRejects();
   }
-  bool KeepCopy() override;
+  [[nodiscard]] bool CanGoBack() const override { return true; }
+  void KeepCopy() override;
   bool GoBack() override;
 
  private:

@@ -1,9 +1,18 @@
 // What must hold after every step.
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "server/session/slow_frame.h"
 #include "tests/simulation/world.h"
 
 namespace uplink::simulation {
+namespace {
+
+/// Between two sweeps.
+constexpr milliseconds kSecond{1'000};
+
+}  // namespace
 
 void World::Check() {
   CheckLaw();
@@ -51,6 +60,31 @@ void World::CheckRestored() {
     if (robot == nullptr || robot->state.presence() == model::Presence::kOffline) continue;
     recorder_.Violate(fmt::format("{} was offline, and is {} after a restart", ruri,
                                   ToText(robot->state.presence())));
+  }
+}
+
+void World::CheckSlowFrame() {
+  const auto robot = std::ranges::find_if(robots_, [this](const auto& each) {
+    const SimStream* stream = each->stream ? server_->Find(*each->stream) : nullptr;
+    return stream != nullptr && !stream->half_closed();
+  });
+  if (robot == robots_.end()) return;
+  SimStream& stream = *server_->Find(*(*robot)->stream);
+  const robot::RobotState& state = server_->fleet().Find(stream.ruri())->state;
+  const auto online_after = [&](milliseconds time) {
+    for (; time > milliseconds(0); time -= std::min(time, kSecond)) {
+      clock_.Advance(std::min(time, kSecond));
+      static_cast<void>(server_->fleet().Sweep(std::chrono::hours(1)));
+    }
+    stream.session().OnFrameBytes();
+    return state.presence() == model::Presence::kOnline;
+  };
+  if (!online_after(milliseconds(0)) || !online_after(session::kSlowFrameMax)) {
+    recorder_.Violate(fmt::format("bytes of a frame do not keep {} online", stream.ruri()));
+  }
+  if (online_after(limits_.presence.timeout + milliseconds(1))) {
+    recorder_.Violate(
+        fmt::format("bytes of a frame keep {} online for over a minute", stream.ruri()));
   }
 }
 

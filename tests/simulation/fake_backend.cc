@@ -30,10 +30,9 @@ storage::Store& FakeBackend::Reopen(const storage::ProcessId& process) {
   return *store_;
 }
 
-bool FakeBackend::KeepCopy() {
+void FakeBackend::KeepCopy() {
   copy_.CopyRowsOf(database_);
   has_copy_ = true;
-  return true;
 }
 
 bool FakeBackend::GoBack() {

@@ -20,7 +20,7 @@ void World::Heal() {
   recorder_.SetAway(false);
   server_->rejects().SetAway(false);
   recorder_.FailNext(StoreFault::kNone);
-  if (server_->draining) Kill();
+  if (server_->draining || replaced_) Kill();
   for (const auto& robot : robots_) {
     SimStream* stream = robot->stream ? server_->Find(*robot->stream) : nullptr;
     if (stream == nullptr || !stream->loses_answers()) continue;

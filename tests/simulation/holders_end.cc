@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "server/store/lease_judge.h"
 #include "tests/simulation/holders_world.h"
 
 namespace uplink::simulation {
@@ -136,6 +137,8 @@ bool HoldersWorld::MayBeUnknown(const Robot& robot) {
 void HoldersWorld::CheckElsewhere(const Robot& robot, const HoldersProcess& holder) {
   const std::string& ruri = robot.id->ruri;
   const auto& rows = truth_.RowsOf(ruri);
+  // Others look now and then.
+  if (!rows.empty() && clock_.System() - rows.back().at <= 2 * store::kLookEvery) return;
   const model::Presence last = rows.empty() ? model::Presence::kUnknown : rows.back().presence;
   for (const Place& place : places_) {
     if (place.process == nullptr || place.process.get() == &holder) continue;

@@ -103,7 +103,10 @@ absl::StatusOr<std::vector<storage::FoundRobot>> HoldersStore::Compare(
   return Pass([&] { return store_.Compare(robots); });
 }
 
-void HoldersStore::EndDoubt() { store_.EndDoubt(); }
+void HoldersStore::EndDoubt() {
+  store_.EndDoubt();
+  context_.truth.NoteCompared(context_.process);
+}
 
 HoldersLeases::HoldersLeases(const HoldersStore& line, const HoldersStore::Context& context)
     : line_(line), context_(context), leases_(context_.database, context_.process) {}

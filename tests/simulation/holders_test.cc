@@ -88,6 +88,11 @@ TEST(Holders, ASuspendMakesNobodyOffline) {
   EXPECT_GT(RunSeeds(kSeeds, Trouble::kSuspends).suspends, kSeeds);
 }
 
+TEST(Holders, AStoreThatWentBackLeavesOneHolderAndMakesNobodyOffline) {
+  constexpr std::uint64_t kSeeds = 100;
+  EXPECT_GT(RunSeeds(kSeeds, Trouble::kFailovers).failovers, kSeeds);
+}
+
 TEST(Holders, ReplaysASeedToTheSameRow) {
   const auto run = [] { return HoldersWorld({.seed = 7}).Run(); };
   EXPECT_EQ(run().lines, run().lines);

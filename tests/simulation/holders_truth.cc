@@ -1,6 +1,7 @@
 #include "tests/simulation/holders_truth.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -63,6 +64,7 @@ void HoldersTruth::OnOpened(const storage::ProcessId& process, const std::string
   Robot& robot = robots_[ruri];
   robot.opened_since = hold.since;
   robot.lost.clear();
+  robot.begun.emplace(process, hold.since);
   const auto was = before.find(ruri);
   if (was != before.end() && was->second.since == hold.since) return;
   robot.began = {.at = clock_.Steady()};
@@ -86,6 +88,7 @@ void HoldersTruth::OnAdopted(const storage::ProcessId& process,
                      hold.since));
     CheckOver(ruri, former);
     Robot& robot = robots_[ruri];
+    robot.begun.emplace(process, hold.since);
     // A chain of adoptions: what any of its holders hears is a sign of life.
     robot.began.chained = robot.began.adopted;
     robot.began.adopted = true;
@@ -141,6 +144,9 @@ void HoldersTruth::GoBack(const std::map<std::string, Hold>& before) {
     Robot& copy = copy_[ruri];
     copy.signs = std::move(robot.signs);
     copy.lost = std::move(robot.lost);
+    copy.unknowing = std::move(robot.unknowing);
+    std::ranges::set_difference(robot.begun, copy.begun,
+                                std::inserter(copy.unknowing, copy.unknowing.end()));
     robot = copy;
     const auto was = before.find(ruri);
     const auto is = after.find(ruri);
@@ -150,6 +156,12 @@ void HoldersTruth::GoBack(const std::map<std::string, Hold>& before) {
       continue;
     }
     robot.lost.emplace(was->second.holder, was->second.since);
+  }
+}
+
+void HoldersTruth::NoteCompared(const storage::ProcessId& process) {
+  for (auto& [ruri, robot] : robots_) {
+    std::erase_if(robot.unknowing, [&](const auto& hold) { return hold.first == process; });
   }
 }
 

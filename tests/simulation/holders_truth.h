@@ -101,9 +101,13 @@ class HoldersTruth final {
   /// The store is that copy again; `before` is as it was until then. Who held a robot by a hold
   /// that is lost goes on to hear it until another process opens its stream.
   void GoBack(const std::map<std::string, Hold>& before);
+  /// The process has compared what it was told with the store: it knows which holds are lost.
+  void NoteCompared(const storage::ProcessId& process);
+  /// The store has lost this hold, whether or not another one had ended it before, and the process
+  /// could not know it yet.
   [[nodiscard]] bool IsLost(const std::string& ruri, const storage::ProcessId& process,
                             storage::Epoch since) {
-    return robots_[ruri].lost.contains({process, since});
+    return robots_[ruri].unknowing.contains({process, since});
   }
 
   /// Something was not kept; only the first such thing is told.
@@ -121,8 +125,13 @@ class HoldersTruth final {
     /// The hold under which a stream was opened last.
     storage::Epoch opened_since = 0;
     Began began;
-    /// Holds that the store has lost.
-    std::set<std::pair<storage::ProcessId, storage::Epoch>> lost;
+    using Holds = std::set<std::pair<storage::ProcessId, storage::Epoch>>;
+    /// All that ever began, as the store has it.
+    Holds begun;
+    /// Those by which robots were held until the store lost them; until another stream is opened.
+    Holds lost;
+    /// Those that the store has lost, until their process has compared what it was told.
+    Holds unknowing;
   };
   void CheckOver(const std::string& ruri, const storage::ProcessId& holder);
   void CheckSilence(const Robot& robot, const storage::PresenceItem& item);

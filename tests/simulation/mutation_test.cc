@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Simulation, PlantedFault,
                          ::testing::Values(Mutation::kAckBeforeCommit, Mutation::kRejectNotRepeated,
                                            Mutation::kSettleLost, Mutation::kDuplicateNotAcked,
                                            Mutation::kPagesNotAwaited, Mutation::kLimitedNotStored,
-                                           Mutation::kOfflineForgotten));
+                                           Mutation::kOfflineForgotten, Mutation::kReconnectTrusted,
+                                           Mutation::kSlowFrameUnbounded));
 
 TEST(UnplantedSwitch, ACursorThatMayFallIsFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kCursorMayFall), 0U);
@@ -84,6 +85,10 @@ TEST(UnplantedSwitch, BatchesThatMakeRobotsAreFound) {
 
 TEST(UnplantedSwitch, RejectsThatGoForTheirAgeAreFound) {
   EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kRejectsGoForTheirAge), 0U);
+}
+
+TEST(UnplantedSwitch, HoldsThatCountForTheirOwnerWheneverTheyBeganAreFound) {
+  EXPECT_NE(FirstFailingSeed(FakeBackend::Fault::kHoldsOfOwnerAlone), 0U);
 }
 
 struct ForwardCase {

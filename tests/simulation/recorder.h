@@ -85,6 +85,12 @@ class Recorder final : public storage::Store {
     return book_.presence_history;
   }
 
+  /// Since when the store has the robot held; 0 where it has no row of it.
+  [[nodiscard]] storage::Epoch HeldSince(const std::string& ruri) const {
+    const auto row = book_.rows.find(ruri);
+    return row == book_.rows.end() ? 0 : row->second;
+  }
+
   /// What robots share.
   [[nodiscard]] SharedBook& shared() { return book_.shared; }
 

@@ -1,8 +1,10 @@
 #include "tests/simulation/sqlite_backend.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -41,6 +43,18 @@ void SqliteBackend::RemoveRobot(const std::string& ruri) {
     sql += fmt::format("DELETE FROM {} WHERE ruri = '{}';", table, ruri);
   }
   testing::SqliteShell(Path()).Run(sql);
+}
+
+bool SqliteBackend::ReplaceFiles() {
+  ++replaced_;
+  for (const char* tail : {"", "-wal", "-shm"}) {
+    const std::string name = Path() + tail;
+    const std::string aside = fmt::format("{}/gone-{}.db{}", folder_.path(), replaced_, tail);
+    std::filesystem::rename(name, aside);
+    // An index is made anew where it is missing.
+    if (std::string_view(tail) != "-shm") std::filesystem::copy_file(aside, name);
+  }
+  return true;
 }
 
 storage::SharedItems& SqliteBackend::Items() {

@@ -21,12 +21,15 @@ class SqliteBackend final : public Backend {
   storage::SharedItems& Items() override;
   void DeleteRobotRow(const std::string& ruri) override;
   void RemoveRobot(const std::string& ruri) override;
+  bool ReplaceFiles() override;
   void AfterRetain() override { retained_ = true; }
 
  private:
   [[nodiscard]] std::string Path() const;
 
   testing::TempFolder folder_;
+  /// How often others took the names of the files.
+  std::uint64_t replaced_ = 0;
   /// Quarantine was deleted for its age.
   bool retained_ = false;
   std::unique_ptr<storage::sqlite::SqliteStore> store_;

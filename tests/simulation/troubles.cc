@@ -21,8 +21,8 @@ void World::StoreTrouble() {
     return;
   }
   if (pick < 50) {
-    if (backend_.KeepCopy()) recorder_.KeepCopy();
-    return;
+    backend_.KeepCopy();
+    return recorder_.KeepCopy();
   }
   GoBack();
 }
@@ -38,6 +38,16 @@ void World::GoBack() {
       for (const ToAgent& received : stream->TakeInFlight()) Receive(*robot, received);
     }
     for (const auto& robot : robots_) robot->agent.OnStoreWentBack();
+  });
+  // The process goes on with what it judges; of a robot that it does not hold it knows what the
+  // store says.
+  std::erase_if(offline_, [this](const std::string& ruri) {
+    const auto last = recorder_.presence().find(ruri);
+    if (last != recorder_.presence().end() && last->second == model::Presence::kOffline)
+      return false;
+    const fleet::RobotPtr robot = server_->fleet().Find(ruri);
+    return robot == nullptr || robot->state.held_since() == 0 ||
+           robot->state.held_since() != recorder_.HeldSince(ruri);
   });
 }
 

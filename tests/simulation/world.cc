@@ -38,7 +38,7 @@ World::World(const Payloads& payloads, Backend& backend, const RunOptions& optio
   if (greedy_) AddGreed();
   limited_ = options_.troubles.rates && !greedy_ && random_.Percent(30);
   if (limited_) AddRates();
-  goes_back_ = options_.troubles.failovers && random_.Percent(20);
+  goes_back_ = options_.troubles.failovers && backend_.CanGoBack() && random_.Percent(20);
   AddRobots();
   if (options_.trace != nullptr) traced_.emplace(recorder_, *options_.trace);
   StartServer();
@@ -111,6 +111,7 @@ RunResult World::Run() {
   }
   if (result_.violation.empty()) Heal();
   if (result_.violation.empty()) CheckEnd();
+  if (result_.violation.empty()) CheckSlowFrame();
   AddCounts();
   TraceEnd();
   return result_;
@@ -268,6 +269,11 @@ void World::FaultStep() {
     }
     return;
   }
+  if (pick > 97 && !replaced_ && backend_.ReplaceFiles()) {
+    ++result_.replacements;
+    replaced_ = true;
+    return;
+  }
   Kill();
 }
 
@@ -288,7 +294,7 @@ void World::Kill() {
   AddCounts();
   server_.reset();
   deletions_.clear();
-  went_back_ = false;
+  went_back_ = replaced_ = false;
   for (const auto& robot : robots_) {
     robot->agent.Disconnected();
     robot->stream.reset();

@@ -43,8 +43,13 @@ class Backend {
   virtual void RemoveRobot(const std::string& ruri) = 0;
   /// Quarantine was deleted for its age.
   virtual void AfterRetain() {}
-  /// Copies what lies in the store, for GoBack; false if it cannot go back.
-  virtual bool KeepCopy() { return false; }
+  /// Whether another store can take over from it.
+  [[nodiscard]] virtual bool CanGoBack() const { return false; }
+  /// Copies what lies in the store, for GoBack. Only of one that can go back, as that.
+  virtual void KeepCopy() {}
+  /// Another program gives the names of the store's files to a copy of them: what is written from
+  /// now on until the next Reopen is lost with it. False if the store has no files.
+  virtual bool ReplaceFiles() { return false; }
   /// The store becomes the last copy, as a standby that takes over without the last commits; false
   /// if there is none.
   virtual bool GoBack() { return false; }
@@ -59,7 +64,7 @@ struct Troubles {
   /// Who was offline stays so over a restart.
   bool restarts = true;
   /// The store becomes a standby that lacks the last commits.
-  bool failovers = false;
+  bool failovers = true;
 };
 
 struct RunOptions {
@@ -82,8 +87,9 @@ struct RunResult {
   std::uint64_t breaks = 0;
   /// Rows of robots that were deleted.
   std::uint64_t deletions = 0;
-  /// How often the store went back.
+  /// How often the store went back, and how often others took the names of its files.
   std::uint64_t failovers = 0;
+  std::uint64_t replacements = 0;
   /// Floods of shapes and objects whose answers were all lost.
   std::uint64_t floods = 0;
   /// Steps after which a robot's stream was held back; for its share, or for its flow.
@@ -136,6 +142,8 @@ class World final {
   void Check();
   void CheckLaw();
   void CheckForwardLaw();
+  /// Bytes of a frame that is not whole keep its robot online, and for no longer than a minute.
+  void CheckSlowFrame();
   void CheckShare(const std::string& ruri, const robot::RobotSessions& sessions);
   /// Who was offline before the process began stays so until it is heard.
   void CheckRestored();
@@ -179,6 +187,8 @@ class World final {
   /// The store goes back now and then; it did so in this life of the process.
   bool goes_back_ = false;
   bool went_back_ = false;
+  /// The names of the store's files lead to others.
+  bool replaced_ = false;
   /// Robots that were offline when this life of the process began, and did not come since.
   std::set<std::string> offline_;
   bool away_ = false;

@@ -10,7 +10,8 @@ std::vector<storage::FoundRobot> FakeDatabase::Compare(
     const auto known = robots_.find(robots[i].ruri);
     const Robot* const robot = known == robots_.end() ? nullptr : &known->second;
     if (robot != nullptr && robot->epoch != 0) {
-      found[i].held = robot->owner == process && robot->held_since == robots[i].held_since;
+      found[i].held = robot->owner == process &&
+                      (holds_by_owner_alone_ || robot->held_since == robots[i].held_since);
       found[i].went_back = robot->held_since < robots[i].held_since;
       if (robot->held_since > robots[i].held_since) continue;
     }
@@ -34,7 +35,8 @@ storage::Epoch FakeDatabase::HeldSinceOf(std::string_view ruri) const {
 bool FakeDatabase::IsFenced(const storage::ProcessId& process, const storage::RobotRef& robot,
                             storage::Epoch held_since) {
   const Robot* const known = FindRobot(robot->ruri);
-  return known == nullptr || known->owner != process || held_since != known->held_since;
+  if (known == nullptr || known->owner != process) return true;
+  return !holds_by_owner_alone_ && held_since != known->held_since;
 }
 
 }  // namespace uplink::testing

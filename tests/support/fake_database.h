@@ -179,6 +179,9 @@ class FakeDatabase final {
   /// A mutation: a robot's epochs count from 1 in each life of its row, as if there were no
   /// sequence. A test that claims to watch holds must fail with it.
   void CountEpochsInEachRow() { epochs_in_each_row_ = true; }
+  /// A mutation: a hold counts for its owner whenever it began. A test that claims to watch holds
+  /// must fail with it.
+  void HoldByOwnerAlone() { holds_by_owner_alone_ = true; }
 
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.
@@ -296,6 +299,7 @@ class FakeDatabase final {
   std::uint64_t transactions_ = 0;
   storage::Epoch epochs_ = 0;
   bool epochs_in_each_row_ = false;
+  bool holds_by_owner_alone_ = false;
 };
 
 }  // namespace uplink::testing
