@@ -45,7 +45,11 @@ class Session final {
   /// One frame, whole: a serialized RelayRequest.
   void OnFrame(std::string_view bytes);
   /// Bytes of a frame came that is not whole yet.
-  void OnFrameBytes();
+  void OnFrameBytes() {
+    if (state_ != State::kStreaming || !slow_frame_.Add(context_.clock.Steady())) return;
+    robot_.robot().state.SignOfLife(context_.clock.Steady(), context_.clock.System(),
+                                    presence_limits());
+  }
   /// The peer answered FrameSink::AskPeer.
   void OnPeerAnswered() {
     if (done() || !robot_.attached()) return;

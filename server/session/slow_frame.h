@@ -16,10 +16,7 @@ inline constexpr std::chrono::seconds kSlowFrameMax{60};
 class SlowFrame final {
  public:
   /// Bytes of it came. True if they count.
-  [[nodiscard]] bool Add(SteadyTime now) {
-    if (!began_) began_ = now;
-    return now - *began_ <= kSlowFrameMax;
-  }
+  [[nodiscard]] bool Add(SteadyTime now);
   /// It is whole.
   void End() { began_.reset(); }
 
