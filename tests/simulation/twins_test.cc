@@ -8,7 +8,7 @@ namespace uplink::simulation {
 namespace {
 
 constexpr std::uint64_t kSeeds = 300;
-constexpr Failovers kFailovers = Failovers::kNo;
+constexpr Failovers kFailovers = Failovers::kYes;
 
 TEST(Twins, APubackMeansStoredAndEachMessageIsStoredOnce) {
   TwinsResult sum;
