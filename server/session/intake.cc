@@ -118,9 +118,9 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
     const bool durable = record->durable() && !judged.expired;
     if (durable && IsNew(uplink.seq) &&
         robot_.rates.WouldLimit(record->body(), allowance_->rates, context_.clock.Steady())) {
-      // As a gap; a number that goes on with a range takes nothing.
-      if (appending_.Continues(uplink.seq)) return std::nullopt;
-      cost = {.journal_bytes = cost.journal_bytes + robot::kRecordOverheadBytes, .flow_bytes = 0};
+      // As a gap; a number that goes on with a range takes no flow, and is in flight like any other.
+      cost.journal_bytes += robot::kRecordOverheadBytes;
+      if (!appending_.Continues(uplink.seq)) cost.flow_bytes = 0;
     } else if (durable) {
       cost.journal_bytes += journal::CostOf(payload, *record);
       if (IsNew(uplink.seq)) cost.flow_bytes = payload;
