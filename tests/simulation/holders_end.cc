@@ -20,6 +20,8 @@ constexpr seconds kSettles{30 + 120 + 30};
 constexpr seconds kSlack{15};
 /// A standstill that the end of troubles cuts short may be too short for a grace.
 constexpr seconds kBack{1};
+/// What an adoption means for a robot is looked at for so long.
+constexpr seconds kShownAfter{30};
 
 robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
   return robot.state.Snapshot(robot::RobotState::Parts::kNone);
@@ -27,8 +29,24 @@ robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
 
 }  // namespace
 
+void HoldersWorld::CheckAdopted(const std::string& ruri, const HoldersTruth::Hold& hold) {
+  const HoldersTruth::Began& began = truth_.BeganOf(ruri);
+  if (clock_.Steady() - began.at > kShownAfter || !truth_.MayBeHeardAtFormer(ruri)) return;
+  for (const Place& place : places_) {
+    if (place.process == nullptr || place.process->id() != hold.holder) continue;
+    const robot::Robot& there = *place.process->fleet().Find(ruri);
+    const robot::StateSnapshot shown = SnapshotOf(there);
+    // What is since then was judged, and is written.
+    if (there.state.held_since() != hold.since || shown.presence_since >= began.system_at) continue;
+    if (shown.presence != model::Presence::kOffline) continue;
+    truth_.Fail(fmt::format("{} shows {} offline, and one that had it before may hear it",
+                            place.process->name(), ruri));
+  }
+}
+
 void HoldersWorld::CheckHolds() {
   for (const auto& [ruri, hold] : truth_.Holds()) {
+    CheckAdopted(ruri, hold);
     for (const Place& place : places_) {
       const fleet::RobotPtr robot =
           place.process == nullptr ? nullptr : place.process->fleet().Find(ruri);

@@ -163,7 +163,7 @@ void HoldersProcess::Close(const std::string& ruri, std::uint64_t stream) {
   // As session::Attachment::Detach.
   robot::Robot& robot = *fleet_.Find(ruri);
   robot.sessions.Detach({.inbox = this, .stream = stream}, ground_.clock.Steady());
-  if (!robot.HasStream() && ground_.fault != HoldersFault::kClaimStays) robot.state.EndClaim();
+  if (!robot.HasStream()) robot.state.EndClaim();
   streams_.erase(ruri);
   asked_peers_.erase(ruri);
 }

@@ -34,8 +34,6 @@ enum class HoldersFault : std::uint8_t {
   kStopsWithUnknown,
   /// The robots of a process that may live are offline after the grace of a start.
   kShortGrace,
-  /// A robot stays claimed when its stream has ended.
-  kClaimStays,
   /// That a holder fell silent is forgotten when its robots are adopted once more.
   kSilenceForgotten,
   /// Robots that may stream to a process that is cut off from the store are judged like others.

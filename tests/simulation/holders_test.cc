@@ -125,8 +125,8 @@ INSTANTIATE_TEST_SUITE_P(
         Canary{HoldersFault::kAdoptedWithoutCompare}, Canary{HoldersFault::kEndedStreamTakes},
         Canary{HoldersFault::kStandstillJudges},
         Canary{HoldersFault::kStopsWithUnknown, Trouble::kUpdates},
-        Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kClaimStays},
-        Canary{HoldersFault::kSilenceForgotten}, Canary{HoldersFault::kLateIsForgotten},
+        Canary{HoldersFault::kShortGrace}, Canary{HoldersFault::kSilenceForgotten},
+        Canary{HoldersFault::kLateIsForgotten},
         Canary{HoldersFault::kSuspendUnnoticed, Trouble::kSuspends},
         Canary{HoldersFault::kHalfOpenAnswers}, Canary{HoldersFault::kNoGraceAfterStandstill},
         Canary{HoldersFault::kEpochsInEachRow, Trouble::kRows}));

@@ -93,6 +93,7 @@ void HoldersTruth::OnAdopted(const storage::ProcessId& process,
     robot.began.chained = robot.began.adopted;
     robot.began.adopted = true;
     robot.began.at = clock_.Steady();
+    robot.began.system_at = clock_.System();
     robot.began.from = former;
     robot.began.formers.insert(former);
     robot.began.ended_fresh.reset();
@@ -101,6 +102,13 @@ void HoldersTruth::OnAdopted(const storage::ProcessId& process,
     if (ended == ended_.end() || renewed == renewed_.end()) continue;
     if (ended->second.at - renewed->second <= kFresh) robot.began.ended_fresh = ended->second.how;
   }
+}
+
+bool HoldersTruth::MayBeHeardAtFormer(const std::string& ruri) {
+  const Began& began = robots_[ruri].began;
+  return began.adopted && std::ranges::any_of(began.formers, [this](const auto& former) {
+           return !ended_.contains(former);
+         });
 }
 
 void HoldersTruth::CheckOver(const std::string& ruri, const storage::ProcessId& holder) {

@@ -83,6 +83,7 @@ class HoldersTruth final {
   struct Began {
     bool adopted = false;
     SteadyTime at;
+    SystemTime system_at;
     /// Of an adopted one: how its former holder had ended by then, if it had, while its lease was
     /// fresh.
     storage::ProcessId from{};
@@ -92,6 +93,8 @@ class HoldersTruth final {
     bool chained = false;
   };
   [[nodiscard]] const Began& BeganOf(const std::string& ruri) { return robots_[ruri].began; }
+  /// The robot was adopted from a process that lives, and may have been heard there since.
+  [[nodiscard]] bool MayBeHeardAtFormer(const std::string& ruri);
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
 
   // --- The store goes back ---

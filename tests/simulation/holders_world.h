@@ -187,6 +187,7 @@ class HoldersWorld final {
 
   // --- Promises ---
   void CheckHolds();
+  void CheckAdopted(const std::string& ruri, const HoldersTruth::Hold& hold);
   void Settle();
   void CheckEnd();
   void CheckEndOf(const Robot& robot, HoldersProcess& holder, storage::Epoch since);
