@@ -31,7 +31,8 @@ robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
 
 void HoldersWorld::CheckAdopted(const std::string& ruri, const HoldersTruth::Hold& hold) {
   const HoldersTruth::Began& began = truth_.BeganOf(ruri);
-  if (clock_.Steady() - began.at > kShownAfter || !truth_.MayBeHeardAtFormer(ruri)) return;
+  if (clock_.Steady() - began.at > kShownAfter || !truth_.MayBeHeardAtFormer(ruri, hold.holder))
+    return;
   for (const Place& place : places_) {
     if (place.process == nullptr || place.process->id() != hold.holder) continue;
     const robot::Robot& there = *place.process->fleet().Find(ruri);
@@ -126,7 +127,9 @@ void HoldersWorld::CheckEndOf(const Robot& robot, HoldersProcess& holder, storag
   }
   const auto& rows = truth_.RowsOf(ruri);
   const Presence last = rows.empty() ? Presence::kUnknown : rows.back().presence;
-  if (last != shown.presence) {
+  // Who was offline at a holder that fell silent is shown as unknown, and that is not written.
+  const bool is_shown_alone = last == Presence::kOffline && shown.presence == Presence::kUnknown;
+  if (last != shown.presence && !is_shown_alone) {
     truth_.Fail(fmt::format("the last row of {} says {}, and {} says {}", ruri, model::ToText(last),
                             holder.name(), model::ToText(shown.presence)));
   }

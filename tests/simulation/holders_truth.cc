@@ -65,6 +65,7 @@ void HoldersTruth::OnOpened(const storage::ProcessId& process, const std::string
   robot.opened_since = hold.since;
   robot.lost.clear();
   robot.begun.emplace(process, hold.since);
+  robot.began.opened = true;
   const auto was = before.find(ruri);
   if (was != before.end() && was->second.since == hold.since) return;
   robot.began = {.at = clock_.Steady()};
@@ -92,6 +93,8 @@ void HoldersTruth::OnAdopted(const storage::ProcessId& process,
     // A chain of adoptions: what any of its holders hears is a sign of life.
     robot.began.chained = robot.began.adopted;
     robot.began.adopted = true;
+    // Whoever heard it before that stream does not count any more.
+    if (std::exchange(robot.began.opened, false)) robot.began.formers.clear();
     robot.began.at = clock_.Steady();
     robot.began.system_at = clock_.System();
     robot.began.from = former;
@@ -104,10 +107,11 @@ void HoldersTruth::OnAdopted(const storage::ProcessId& process,
   }
 }
 
-bool HoldersTruth::MayBeHeardAtFormer(const std::string& ruri) {
+bool HoldersTruth::MayBeHeardAtFormer(const std::string& ruri, const storage::ProcessId& holder) {
   const Began& began = robots_[ruri].began;
-  return began.adopted && std::ranges::any_of(began.formers, [this](const auto& former) {
-           return !ended_.contains(former);
+  return began.adopted && !began.opened &&
+         std::ranges::any_of(began.formers, [&](const auto& former) {
+           return former != holder && !ended_.contains(former);
          });
 }
 

@@ -82,6 +82,8 @@ class HoldersTruth final {
   /// How the present hold of a robot began.
   struct Began {
     bool adopted = false;
+    /// A stream was opened under it since.
+    bool opened = false;
     SteadyTime at;
     SystemTime system_at;
     /// Of an adopted one: how its former holder had ended by then, if it had, while its lease was
@@ -93,8 +95,8 @@ class HoldersTruth final {
     bool chained = false;
   };
   [[nodiscard]] const Began& BeganOf(const std::string& ruri) { return robots_[ruri].began; }
-  /// The robot was adopted from a process that lives, and may have been heard there since.
-  [[nodiscard]] bool MayBeHeardAtFormer(const std::string& ruri);
+  /// The holder adopted the robot from another process that lives, and may have heard it since.
+  [[nodiscard]] bool MayBeHeardAtFormer(const std::string& ruri, const storage::ProcessId& holder);
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
 
   // --- The store goes back ---
