@@ -245,6 +245,11 @@ void Fleet::NoteTwinsUnheard() {
   }
 }
 
+void Fleet::NoteStoreReconnected() {
+  const SteadyTime now = clock_.Steady();
+  for (const RobotPtr& robot : All()) robot->state.NoteStall(now);
+}
+
 PresenceCounts Fleet::presence_counts() const {
   const std::lock_guard lock(counts_mutex_);
   return counts_;

@@ -17,7 +17,10 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
         *stores[shard], limits, context.clock, context.ledgers.NewPage(), context.probe,
         journal::PresenceSessionOf(context.process, shard)));
     journals.back()->OnSpatial(context.spatial_committed);
-    journals.back()->OnReconnected(context.store_reconnected);
+    journals.back()->OnReconnected([&fleet = context.fleet, told = context.store_reconnected] {
+      fleet.NoteStoreReconnected();
+      told();
+    });
   }
   return journals;
 }

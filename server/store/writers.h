@@ -40,7 +40,7 @@ class Writers final {
     journal::JournalLimits limits;
     /// journal::Journal::OnSpatial.
     std::function<void()> spatial_committed = [] {};
-    /// journal::Journal::OnReconnected.
+    /// journal::Journal::OnReconnected, after the fleet was told.
     std::function<void()> store_reconnected = [] {};
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};

@@ -45,6 +45,7 @@ HoldersProcess::HoldersProcess(const Ground& ground)
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);
+  journal_.OnReconnected([this] { fleet_.NoteStoreReconnected(); });
 }
 
 HoldersStore::Context HoldersProcess::ContextOfStore() {

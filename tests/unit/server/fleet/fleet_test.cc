@@ -278,6 +278,26 @@ TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
   EXPECT_EQ(waiting.state.presence(), robot::Presence::kOffline);
 }
 
+TEST_F(FleetTest, SilenceBeforeTheStoreWasConnectedToAnewMakesNobodyOffline) {
+  Fleet fleet(clock_, 100, {});
+  const robot::PresenceLimits& limits = fleet.presence_limits();
+  robot::Robot& robot = Admit(fleet, "rcan://a");
+  robot.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  const auto sweep = [&](milliseconds in) {
+    for (milliseconds left = in; left > milliseconds(0); left -= seconds(1)) {
+      clock_.Advance(std::min<milliseconds>(left, seconds(1)));
+      fleet.Sweep(kIdle);
+    }
+  };
+  fleet.Sweep(kIdle);
+  sweep(limits.timeout);
+  fleet.NoteStoreReconnected();
+  sweep(limits.timeout);
+  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown) << "a timeout to be heard";
+  sweep(milliseconds(1));
+  EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);
+}
+
 TEST_F(FleetTest, TheRuriSaysByWhichWayARobotIsHeard) {
   Fleet fleet(clock_, 100, {});
   using enum model::MessageSource;

@@ -1,6 +1,8 @@
 #include "server/store/writers.h"
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -55,6 +57,28 @@ TEST_F(WritersTest, EachJournalIsWrittenOnceTheyRun) {
   EXPECT_TRUE(testing::Eventually([&] { return writers->journals().idle(); }));
   writers->Stop();
   writers->Stop();
+}
+
+/// The fleet was told before the other part, so it was told.
+TEST_F(WritersTest, SilenceUntilAStoreWasConnectedToAnewCountsNot) {
+  robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://a", "f"});
+  const robot::PresenceLimits& limits = fleet_.presence_limits();
+  const SteadyTime long_ago = clock_.Steady() - limits.timeout - milliseconds(1);
+  robot.state.SignOfLife(long_ago, clock_.System(), limits);
+  std::atomic<bool> told{false};
+  Writers writers(stores_,
+                  {.clock = clock_,
+                   .ledgers = ledgers_,
+                   .probe = probe_,
+                   .fleet = fleet_,
+                   .random = [] { return std::uint64_t{0}; },
+                   .store_reconnected = [&told] { told = true; }});
+  for (const auto& store : stores_) static_cast<testing::FakeStore&>(*store).Break();
+  writers.Start();
+  EXPECT_TRUE(testing::Eventually([&told] { return told.load(); }));
+  fleet_.Sweep(std::chrono::hours(1));
+  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown);
+  writers.Stop();
 }
 
 TEST_F(WritersTest, StopWithoutAStartDoesNothing) { Make()->Stop(); }
