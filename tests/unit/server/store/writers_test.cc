@@ -66,13 +66,12 @@ TEST_F(WritersTest, SilenceUntilAStoreWasConnectedToAnewCountsNot) {
   const SteadyTime long_ago = clock_.Steady() - limits.timeout - milliseconds(1);
   robot.state.SignOfLife(long_ago, clock_.System(), limits);
   std::atomic<bool> told{false};
-  Writers writers(stores_,
-                  {.clock = clock_,
-                   .ledgers = ledgers_,
-                   .probe = probe_,
-                   .fleet = fleet_,
-                   .random = [] { return std::uint64_t{0}; },
-                   .store_reconnected = [&told] { told = true; }});
+  Writers writers(stores_, {.clock = clock_,
+                            .ledgers = ledgers_,
+                            .probe = probe_,
+                            .fleet = fleet_,
+                            .random = [] { return std::uint64_t{0}; },
+                            .store_reconnected = [&told] { told = true; }});
   for (const auto& store : stores_) static_cast<testing::FakeStore&>(*store).Break();
   writers.Start();
   EXPECT_TRUE(testing::Eventually([&told] { return told.load(); }));
