@@ -133,7 +133,7 @@ struct ActiveFaults {
   }
 };
 
-/// Which quarantined numbers of a session: those in (above, through], the first rows_max.
+/// Which rejected numbers of a session: those in (above, through], the first rows_max.
 struct RejectsQuery {
   std::string ruri;
   model::SessionId session;

@@ -63,11 +63,12 @@ class Store {
   /// Commits a batch in one transaction: one outcome per record, in order, then one per change of
   /// presence: kStored, kDuplicate or kFenced.
   ///
-  /// For each record: a hold older than the robot's is kFenced, and so is any of a robot that has
-  /// no row, since OpenStreams alone makes one. Gaps of such a hold are dropped. At or below the
-  /// session's cursor as it then stands: kRefused with the quarantined reason if the number lies in
-  /// quarantine, else kDuplicate. Otherwise it is written (or, where a bound or the database
-  /// refuses it, its quarantine row), and the cursor becomes its number. Durable once this returns.
+  /// For each record: any hold but this process's own since exactly then is kFenced, and so is any
+  /// of a robot that has no row, since OpenStreams alone makes one. Gaps of such a hold are
+  /// dropped. At or below the session's cursor as it then stands: kRefused with the stored reason
+  /// if the number was rejected (it lies in quarantine, or in a range that was limited), else
+  /// kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
+  /// quarantine row), and the cursor becomes its number. Durable once this returns.
   ///
   /// Beyond faults: an event, a message, a mission report each become a row of history; the latest
   /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and

@@ -87,14 +87,14 @@ enum class FleetWord : std::uint8_t {
 struct OpenRequest {
   RobotRef robot;
   model::SessionId session;
-  /// Hello.settled_seq: quarantined numbers above it are returned.
+  /// Hello.settled_seq: rejected numbers above it are returned.
   model::Seq settled_seq = 0;
   SystemTime at;
   /// Sessions that this process holds in memory; they are not evicted.
   std::vector<model::SessionId> sessions_held;
   /// One that has ended takes its robot from no process that has a lease and did not release it.
   StreamState stream = StreamState::kOpen;
-  /// How many quarantined numbers are returned at most: 1 or more.
+  /// How many rejected numbers are returned at most: 1 or more.
   std::size_t rejects_max = kOpenRejectsMax;
   /// What `robot->fleet` does to a robot that the store has in another fleet.
   FleetWord fleet_word = FleetWord::kMoves;

@@ -73,7 +73,7 @@ class EventLoop final {
   /// Steps of handshakes behind other events: one, and one more for so many of these, so that
   /// neither waits long for the other.
   static constexpr std::size_t kEventsPerHandshake = 32;
-  /// Of these steps one in so many is of who became ready first, whoever that is.
+  /// One in so many of these steps goes to the connection that became ready first.
   static constexpr std::uint64_t kFirstReadyEvery = 4;
 
  private:

@@ -15,8 +15,8 @@ namespace uplink::identity {
 /// judged before OpenSSL reads it, also one that comes after the handshake, of a client and of a
 /// server, by TLS 1.2 and 1.3.
 ///
-/// OpenSSL tells of a message that is whole, and asks nobody whether to go on: a message with a
-/// flaw is made unreadable where it stands, so that the handshake, or the next call that reads,
+/// OpenSSL reports a whole message and cannot be told to stop: a message with a flaw is made
+/// unreadable where it stands, so that the handshake, or the next call that reads,
 /// fails (OpenSslMessages, a test, holds that OpenSSL reads the message only then, and there).
 ///
 /// Limits:  kShown... of certificate_gate.h.

@@ -60,8 +60,8 @@ class PresenceTrack final {
 
   /// A stream of the robot is here, and another process judged it last. What was heard here in time
   /// stands, and a robot that the other heard to the last is online for a timeout from now. Else
-  /// the presence is what the other wrote, and no change: whatever was told here came to nobody's
-  /// knowledge, and may be older than that.
+  /// the presence is what the other wrote, and no change: what was told here never reached the
+  /// store, and may be older than that.
   void Claim(const storage::StoredPresence& stored, SteadyTime now);
   /// The robot's holder was over, and it is ours. What was heard here in time stands. Else a robot
   /// that was offline stays so until it is heard, as the holder wrote it. Every other robot is

@@ -84,7 +84,7 @@ void RejectMemory::BeginPages(UnreadRejects unread, std::size_t more) {
   // Memory does not keep what pages hold: the next Welcome needs the store as well.
   if (more > 0) left_through_ = std::max(left_through_, unread.through);
   pages_through_ = std::max(left_through_, unread.through);
-  // Those that memory has are in quarantine too, and were counted.
+  // Those that memory has are in the store too, and were counted.
   const auto in_both = std::ranges::count_if(remembered_, [&](const RejectedSeq& rejected) {
     return rejected.seq > unread.after && rejected.seq <= unread.through;
   });

@@ -67,8 +67,8 @@ struct SessionLimits {
       static_cast<std::uint32_t>(config::LimitsConfig().frame_bytes_max);
   /// Whether an RCAN Robot State is a sign of life (rcan.counts_as_life).
   bool rcan_counts_as_life = config::RcanConfig().counts_as_life;
-  /// Rejects of a session above Hello.settled_seq with which its stream ends: each lies in
-  /// quarantine, and is read for the next Welcome.
+  /// Rejects of a session above Hello.settled_seq with which its stream ends: each is in
+  /// the store, and is read for the next Welcome.
   std::size_t unconfirmed_rejects_max = storage::kQuarantineRowsPerRobotMax;
   robot::ReconnectLimits reconnects;
   /// Rejects that come with the store's answer to an opening, and those of each page after it.

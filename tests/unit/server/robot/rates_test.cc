@@ -103,6 +103,8 @@ TEST_F(RatesTest, ALimitedIdStaysSoThoughTokensAreThere) {
   EXPECT_EQ(Limit(Upsert("a")), 100);
   EXPECT_EQ(Limit(Upsert("b")), 200);
   clock_.Advance(milliseconds(150));
+  EXPECT_TRUE(rates_.WouldLimit(Upsert("b"), table_, clock_.Steady()));
+  EXPECT_FALSE(rates_.WouldLimit(Upsert("c"), table_, clock_.Steady()));
   EXPECT_EQ(Limit(Upsert("b")), 50) << "later ones of the id too, so that order is kept";
   EXPECT_EQ(Limit(Upsert("c")), 0) << "and others are not";
 }
