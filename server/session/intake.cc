@@ -118,7 +118,8 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
     const bool durable = record->durable() && !judged.expired;
     if (durable && IsNew(uplink.seq) &&
         robot_.rates.WouldLimit(record->body(), allowance_->rates, context_.clock.Steady())) {
-      // As a gap; a number that goes on with a range takes no flow, and is in flight like any other.
+      // As a gap; a number that goes on with a range takes no flow, and is in flight like any
+      // other.
       cost.journal_bytes += robot::kRecordOverheadBytes;
       if (!appending_.Continues(uplink.seq)) cost.flow_bytes = 0;
     } else if (durable) {

@@ -52,7 +52,7 @@ class Eraser final {
   absl::Status EraseLists(SystemTime until) {
     until_ = until;
     absl::Status status;
-    ForEachList([this, &status]<PageKind kList>() {
+    ForEachList([&]<PageKind kList>() {
       if constexpr (RetainedOf(kList) == kRetained) {
         if (status.ok()) status = EraseList<kList>();
       }
