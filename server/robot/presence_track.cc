@@ -42,7 +42,6 @@ void PresenceTrack::SetReading(Reading reading, SteadyTime now) {
 }
 
 void PresenceTrack::AddStall(SteadyTime until) {
-  if (foreign_) return;
   auto& stall = presence_ == Presence::kOffline ? stall_while_offline_ : held_back_until_;
   stall = std::max(stall.value_or(until), until);
 }
@@ -95,6 +94,7 @@ void PresenceTrack::Claim(const storage::StoredPresence& stored, SteadyTime now)
 bool PresenceTrack::HeardInTime(SteadyTime now) const { return last_sign_ && now <= online_until_; }
 
 void PresenceTrack::GoOnFrom(const storage::StoredPresence& stored) {
+  held_back_until_ = std::max(held_back_until_, std::exchange(stall_while_offline_, {}));
   if (stored.presence == Presence::kOnline) {
     presence_ = stored.presence;
     since_ = stored.since;
@@ -111,12 +111,21 @@ void PresenceTrack::BeginFrom(const storage::StoredPresence& stored) {
   offline_since_.reset();
   presence_ = stored.presence;
   since_ = stored.since;
+  // A stall counts by what the robot is now: one that is offline stays so until it is heard.
+  const auto stalled_until =
+      std::max(std::exchange(held_back_until_, {}), std::exchange(stall_while_offline_, {}));
+  (presence_ == Presence::kOffline ? stall_while_offline_ : held_back_until_) = stalled_until;
 }
 
 void PresenceTrack::Adopt(const Adoption& adoption) {
   foreign_ = false;
   known_since_ = adoption.now;
-  if (HeardInTime(adoption.now)) return GoOnFrom(adoption.stored);
+  if (HeardInTime(adoption.now)) {
+    GoOnFrom(adoption.stored);
+    // Its holder may have heard it later than we did.
+    if (adoption.stored.presence == Presence::kOnline) claimed_ = {Presence::kOnline, adoption.now};
+    return;
+  }
   BeginFrom(adoption.stored);
   const bool was_offline = presence_ == Presence::kOffline && !Planted(Mutation::kOfflineForgotten);
   if (was_offline && adoption.end == storage::HolderEnd::kEnded) {

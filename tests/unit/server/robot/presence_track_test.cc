@@ -19,6 +19,13 @@ using ::testing::SizeIs;
 class PresenceTrackTest : public ::testing::Test {
  protected:
   PresenceTrack::Sign Sign() { return track_.AddSign(clock_.Steady(), clock_.System(), limits_); }
+  /// After a holder that ended, without a grace.
+  void Adopt(const storage::StoredPresence& stored) {
+    track_.Adopt({.stored = stored,
+                  .unknown_until = clock_.Steady(),
+                  .now = clock_.Steady(),
+                  .system_now = clock_.System()});
+  }
   Presence Sweep() { return track_.Sweep(clock_.Steady(), clock_.System(), limits_); }
 
   testing::ManualClock clock_;
@@ -154,6 +161,45 @@ TEST_F(PresenceTrackTest, WhatWasHeardHereInTimeStandsThoughAnotherHadTheRobotMe
   EXPECT_THAT(changes_, ElementsAre(Pair(Presence::kOnline, since)));
   clock_.Advance(limits_.timeout - milliseconds(1));
   EXPECT_EQ(Sweep(), Presence::kOnline);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
+/// The store went back, and names this process again: another one may have heard the robot since.
+TEST_F(PresenceTrackTest, AStallWhileAnotherHadTheRobotCountsOnceItIsOurs) {
+  Sign();
+  track_.Follow({Presence::kOnline, clock_.System()});
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  track_.AddStall(clock_.Steady());
+  Adopt({Presence::kUnknown, clock_.System()});
+  clock_.Advance(limits_.timeout);
+  EXPECT_EQ(Sweep(), Presence::kUnknown) << "a timeout to be heard";
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+}
+
+TEST_F(PresenceTrackTest, AStallFromBeforeAnAdoptionLeavesWhoWasOfflineOffline) {
+  clock_.Advance(limits_.startup_grace);
+  Sign();
+  const SystemTime since = clock_.System();
+  track_.AddStall(clock_.Steady() + limits_.startup_grace);
+  track_.Follow({Presence::kOnline, since});
+  track_.AddStall(clock_.Steady() + limits_.startup_grace);
+  clock_.Advance(limits_.timeout + milliseconds(1));
+  changes_.clear();
+  Adopt({Presence::kOffline, since});
+  EXPECT_EQ(Sweep(), Presence::kOffline);
+  EXPECT_EQ(track_.since(), since);
+  EXPECT_THAT(changes_, IsEmpty());
+}
+
+TEST_F(PresenceTrackTest, WhoWasHeardHereBeforeAnAdoptionHasATimeoutFromThenOn) {
+  Sign();
+  track_.Follow({Presence::kOnline, clock_.System()});
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  Adopt({Presence::kOnline, clock_.System()});
+  clock_.Advance(limits_.timeout);
+  EXPECT_EQ(Sweep(), Presence::kOnline) << "the other process may have heard it just now";
   clock_.Advance(milliseconds(1));
   EXPECT_EQ(Sweep(), Presence::kOffline);
 }
