@@ -13,6 +13,8 @@ namespace {
 constexpr std::uint8_t kConstructed = 0x20;
 /// Bytes of the shortest element.
 constexpr std::size_t kElementBytesMin = 2;
+/// Elements within elements that are counted one by one: certificates have 8 at most.
+constexpr std::size_t kElementDepthMax = 16;
 /// Tags of a context from the first of these to the last may stand for a list: OpenSSL does not ask
 /// for kConstructed there. What follows them stands for a text or an address alone.
 constexpr std::uint8_t kFirstHiddenList = 0x80;
@@ -40,23 +42,24 @@ CertificateFlaw FlawOf(KeyFlaw flaw) {
   return CertificateFlaw::kMalformed;
 }
 
-/// The elements of a value of any shape, those within others too. Where it is no DER, as many as
-/// its bytes could be: what OpenSSL makes of it is not known.
-std::size_t ElementsOf(Bytes value) {
+/// The elements of a value of any shape, those within others too. What is no DER, or lies within
+/// more than `depth` others, counts as many as its bytes could be: what OpenSSL makes of it is not
+/// known. An element ends where the one around it does: one that claims to go on hides none behind
+/// it.
+// NOLINTNEXTLINE(misc-no-recursion): at most kElementDepthMax deep
+std::size_t ElementsOf(Bytes value, std::size_t depth) {
+  if (depth == 0) return value.size() / kElementBytesMin;
   std::size_t count = 0;
-  // An element that has others is entered and not passed over: no stack is needed to count.
-  Bytes rest = value;
-  while (!rest.empty()) {
-    DerReader reader(rest);
+  DerReader reader(value);
+  while (!reader.empty()) {
     const auto element = reader.Take();
     if (!element) return value.size() / kElementBytesMin;
     ++count;
     if (element->tag >= kFirstHiddenList && element->tag <= kLastHiddenList) {
       count += element->content.size() / kElementBytesMin;
+    } else if ((element->tag & kConstructed) != 0) {
+      count += ElementsOf(element->content, depth - 1);
     }
-    const bool enter = (element->tag & kConstructed) != 0;
-    const auto head = rest.size() - reader.rest().size() - element->content.size();
-    rest = enter ? rest.subspan(head) : reader.rest();
   }
   return count;
 }
@@ -183,7 +186,7 @@ class Walk final {
     if (parts.IsNext(DerTag::kBoolean) && !parts.Take(DerTag::kBoolean)) return false;
     const auto value = parts.Take(DerTag::kOctets);
     if (!value || !parts.empty()) return false;
-    elements_ += ElementsOf(*value);
+    elements_ += ElementsOf(*value, kElementDepthMax);
     return !std::ranges::equal(*oid, kDistributionPoints) || NamesInFull(*value);
   }
 
@@ -219,6 +222,7 @@ constexpr std::size_t kExtensionsLengthBytes = 2;
 
 // The texts below say these.
 static_assert(kShownCertificatesMax == 10 && kShownBytesMax == std::size_t{32} * 1024);
+static_assert(kShownElementsMax == 2048);
 static_assert(kRsaBitsMax == 4096 && kRsaExponentBitsMax == 64);
 
 std::string_view TextOf(CertificateFlaw flaw) {
@@ -228,15 +232,15 @@ std::string_view TextOf(CertificateFlaw flaw) {
     case CertificateFlaw::kMalformed:
       return "malformed";
     case CertificateFlaw::kCount:
-      return "more than 10";
+      return "more than 10 certificates";
     case CertificateFlaw::kBytes:
-      return "more than 32 KiB";
+      return "more than 32 KiB of certificates";
     case CertificateFlaw::kElements:
-      return "too many names and extensions";
+      return "names and extensions of more than 2,048 elements";
     case CertificateFlaw::kKeyKind:
       return "a key that is none of P-256, P-384, P-521, Ed25519, Ed448, RSA and RSA-PSS";
     case CertificateFlaw::kKeySize:
-      return "an RSA key of over 4,096 bits, or an exponent of over 64";
+      return "an RSA key of over 4,096 bits, or with an exponent of over 64 bits";
   }
   return "malformed";
 }

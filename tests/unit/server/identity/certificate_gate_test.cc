@@ -202,6 +202,36 @@ TEST(CertificateGate, AListThatHidesItsElementsCountsAsTheMostThatItCouldBe) {
   EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
 }
 
+/// OpenSSL takes another name's value as it stands, whatever lies in it, and goes on behind it.
+TEST(CertificateGate, AnElementThatClaimsToGoOnBehindTheOneAroundItHidesNone) {
+  const std::string names = Times(kShownElementsMax, kHost);
+  ASSERT_LT(names.size(), 0x10000U);
+  const std::string claims{0x04, static_cast<char>(0x82), static_cast<char>(names.size() >> 8U),
+                           static_cast<char>(names.size() & 0xFFU)};
+  const std::string other =
+      der::Element(0xA0, der::Oid("\x2A") + der::Element(0xA0, der::Sequence(claims)));
+  odd::Parts parts = Good();
+  parts.extensions = odd::Extension(kNames, der::Sequence(other + names));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+  parts.extensions = odd::Extension(kNames, der::Sequence(other + kHost));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kNone);
+}
+
+TEST(CertificateGate, ElementsThatLieDeepCountAsTheMostThatTheyCouldBe) {
+  const auto nested = [](std::size_t depth, std::string content) {
+    for (std::size_t i = 0; i < depth; ++i) content = der::Sequence(content);
+    return content;
+  };
+  // An element of 100 bytes.
+  const std::string long_one = der::Element(0x0C, std::string(98, 'a'));
+  odd::Parts parts = Good();
+  const std::string shallow = Times(50, nested(15, long_one));
+  parts.extensions = odd::Extension("\x2A", shallow);
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kNone) << "16 elements each";
+  parts.extensions = odd::Extension("\x2A", Times(50, nested(16, long_one)));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements) << "and 50 behind";
+}
+
 TEST(CertificateGate, ElementsOfAllCertificatesOfAMessageAreCountedTogether) {
   const std::string half = WithNames(kShownElementsMax / 2);
   EXPECT_EQ(FlawOf13({half}), CertificateFlaw::kNone);
@@ -276,8 +306,8 @@ TEST(CertificateGate, AMessageOf13HasNoContextAndNoExtensions) {
 
 TEST(CertificateGate, EveryFlawHasItsText) {
   EXPECT_EQ(TextOf(CertificateFlaw::kNone), "");
-  EXPECT_EQ(TextOf(CertificateFlaw::kCount), "more than 10");
-  EXPECT_EQ(TextOf(CertificateFlaw::kBytes), "more than 32 KiB");
+  EXPECT_EQ(TextOf(CertificateFlaw::kCount), "more than 10 certificates");
+  EXPECT_EQ(TextOf(CertificateFlaw::kBytes), "more than 32 KiB of certificates");
 }
 
 }  // namespace
