@@ -15,6 +15,8 @@
 #include <fmt/core.h>
 #include <openssl/ssl.h>
 
+#include "server/identity/certificate_gate.h"
+#include "server/identity/certificate_messages.h"
 #include "server/mqtt/limits.h"
 #include "server/mqtt/tls_context.h"
 
@@ -67,6 +69,9 @@ class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink
   asio::steady_timer read_timer_;
   std::optional<asio::ssl::context> context_;
   std::optional<asio::ssl::stream<tcp::socket&>> tls_;
+  /// Judges what is shown at the broker's address before OpenSSL reads it: anybody may answer
+  /// there.
+  std::optional<identity::CertificateMessages> certificates_;
   bool up_ = false;
   bool reading_ = false;
   bool writing_ = false;
@@ -103,6 +108,7 @@ absl::Status AsioLink::PrepareTls(const Url& url, const TlsTexts& tls) {
   if (!context.ok()) return context.status();
   context_.emplace(context->release());
   tls_.emplace(socket_, *context_);
+  certificates_.emplace(tls_->native_handle());
   return AskForHost(tls_->native_handle(), url);
 }
 
@@ -130,7 +136,11 @@ void AsioLink::Handshake() {
       asio::ssl::stream_base::client, [self = shared_from_this()](const Error& error) {
         if (self->events_ == nullptr) return;
         if (!error) return self->Up();
-        const std::string why = VerifyText(self->tls_->native_handle());
+        const identity::CertificateFlaw flaw = self->certificates_->flaw();
+        const std::string why =
+            flaw == identity::CertificateFlaw::kNone
+                ? VerifyText(self->tls_->native_handle())
+                : fmt::format("the broker's certificates are refused: {}", identity::TextOf(flaw));
         self->events_->OnDown({EndReason::kTls, fmt::format("the TLS handshake failed: {}",
                                                             why.empty() ? error.message() : why)});
       });

@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/identity/certificate_gate.h"
 #include "tests/component/mqtt/client_world.h"
 #include "tests/support/certificates.h"
 #include "tests/support/mqtt_bytes.h"
@@ -362,6 +363,23 @@ TEST_P(MqttTls, ABrokerOfAnotherAuthorityIsNone) {
   const End end = FirstEnd(TlsSettings(clients_.certificate()));
   EXPECT_EQ(end.reason, EndReason::kTls);
   EXPECT_THAT(end.text, HasSubstr("local issuer certificate"));
+}
+
+TEST_P(MqttTls, CertificatesThatTheGateRefusesAreNotRead) {
+  const testing::KeyPair pair = [this] {
+    testing::CertificateSpec spec = testing::ServerSpec();
+    spec.key_usages = {"serverAuth"};
+    return authority_.Issue(spec);
+  }();
+  std::string chain = pair.certificate;
+  for (std::size_t i = 0; i < identity::kShownCertificatesMax; ++i) {
+    chain += authority_.certificate();
+  }
+  StartBroker({.certificate = chain, .key = pair.key});
+  const End end = FirstEnd(TlsSettings(authority_.certificate()));
+  EXPECT_EQ(end.reason, EndReason::kTls);
+  EXPECT_THAT(end.text,
+              HasSubstr("the broker's certificates are refused: more than 10 certificates"));
 }
 
 TEST_P(MqttTls, ASystemWithoutTheAuthorityTrustsNobody) {
