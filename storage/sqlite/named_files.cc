@@ -14,8 +14,10 @@ namespace fs = std::filesystem;
 absl::Status IsNotOurs(const std::string& name, const std::string& why) {
   return absl::UnavailableError(
       "store " + name + ": the name no longer leads to the file that the server has open (" + why +
-      "): nothing is acked until it does. Do not stop the server: it alone may still have the rows."
-      " See \"If the SQLite file is moved or removed\" in docs/operate/README.md");
+      "): nothing is acked until it does. Do nothing before you have read what saves the rows, "
+      "which"
+      " this process alone may have: see \"If the SQLite file is moved or removed\" in "
+      "docs/operate/README.md");
 }
 
 /// Whether this process has the file open. Where nobody can tell (no /proc), the name is believed.
