@@ -216,13 +216,15 @@ TEST_P(OpenRunsContract, ACallClosesABoundedNumberOfRuns) {
   Open();
   OpenAlso({Robot("b")});
   Start(kMax);
+  constexpr std::size_t kOthers = 5;
   std::vector<storage::CommitRecord> records;
-  for (int i = 0; i < 5; ++i) {
+  records.reserve(kOthers);
+  for (std::size_t i = 0; i < kOthers; ++i) {
     records.push_back(Of(Robot("b"), Report("b" + std::to_string(i))));
   }
   Commit(records);
   EXPECT_EQ(CloseRuns(Time(kAgeMs + 1)), storage::kSweepRowsMax);
-  EXPECT_EQ(CloseRuns(Time(kAgeMs + 1)), kMax + 5 - storage::kSweepRowsMax);
+  EXPECT_EQ(CloseRuns(Time(kAgeMs + 1)), kMax + kOthers - storage::kSweepRowsMax);
   EXPECT_EQ(OpenCount(), 0U);
 }
 

@@ -1,5 +1,6 @@
 #include "tests/simulation/holders_store.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace uplink::simulation {
@@ -35,19 +36,22 @@ absl::StatusOr<std::vector<storage::OpenResult>> HoldersStore::OpenStreams(
   });
 }
 
+void HoldersStore::TrustRows(std::vector<storage::AdoptRequest>& requests) const {
+  auto holds = context_.truth.Holds();
+  const std::vector<storage::Lease> leases = context_.database.ReadLeases();
+  for (storage::AdoptRequest& request : requests) {
+    request.holder = holds[request.robot->ruri].holder;
+    const auto lease = std::ranges::find(leases, request.holder, &storage::Lease::process);
+    if (lease != leases.end()) request.lease_counter = lease->counter;
+  }
+}
+
 absl::StatusOr<std::vector<storage::AdoptResult>> HoldersStore::Adopt(
     std::span<const storage::AdoptRequest> requests) {
   return Pass([&] {
-    auto before = context_.truth.Holds();
+    const auto before = context_.truth.Holds();
     std::vector<storage::AdoptRequest> asked(requests.begin(), requests.end());
-    if (context_.fault == HoldersFault::kAdoptedWithoutCompare) {
-      for (storage::AdoptRequest& request : asked) {
-        request.holder = before[request.robot->ruri].holder;
-        for (const storage::Lease& lease : context_.database.ReadLeases()) {
-          if (lease.process == request.holder) request.lease_counter = lease.counter;
-        }
-      }
-    }
+    if (context_.fault == HoldersFault::kAdoptedWithoutCompare) TrustRows(asked);
     auto results = store_.Adopt(asked);
     context_.truth.OnAdopted(context_.process, before);
     if (context_.fault == HoldersFault::kSilenceForgotten) {

@@ -20,7 +20,7 @@ class BrokerAcksTest : public BrokerWorld {
   /// The durable connection breaks, and the next one is subscribed.
   std::shared_ptr<FakeLink> Again() {
     durable()->events()->OnDown({mqtt::EndReason::kBroken, "gone"});
-    const std::shared_ptr<FakeLink> again = links_.back();
+    std::shared_ptr<FakeLink> again = links_.back();
     clock_.Advance(std::chrono::seconds(5));
     again->events()->OnDue();
     Up(again, true);
