@@ -28,20 +28,23 @@ int BitsOf(const EVP_PKEY& key, const char* number) {
   return bits;
 }
 
-void CheckKey(const EVP_PKEY& key) {
+void CheckCurve(const EVP_PKEY& key) {
   char curve[64] = {};
   std::size_t size = 0;
+  UPLINK_CHECK(EVP_PKEY_get_group_name(&key, curve, sizeof curve, &size) == 1, "a named curve");
+  const int nid = OBJ_sn2nid(curve);
+  UPLINK_CHECK(nid == NID_X9_62_prime256v1 || nid == NID_secp384r1 || nid == NID_secp521r1,
+               "a curve that is taken");
+}
+
+void CheckKey(const EVP_PKEY& key) {
   switch (EVP_PKEY_get_base_id(&key)) {
     case EVP_PKEY_ED25519:
     case EVP_PKEY_ED448:
       return;
-    case EVP_PKEY_EC: {
-      UPLINK_CHECK(EVP_PKEY_get_group_name(&key, curve, sizeof curve, &size) == 1, "a named curve");
-      const int nid = OBJ_sn2nid(curve);
-      UPLINK_CHECK(nid == NID_X9_62_prime256v1 || nid == NID_secp384r1 || nid == NID_secp521r1,
-                   "a curve that is taken");
+    case EVP_PKEY_EC:
+      CheckCurve(key);
       return;
-    }
     case EVP_PKEY_RSA:
     case EVP_PKEY_RSA_PSS:
       UPLINK_CHECK(BitsOf(key, OSSL_PKEY_PARAM_RSA_N) <= int{identity::kRsaBitsMax}, "the modulus");
