@@ -14,6 +14,7 @@
 
 #include "schema/base/utf8.h"
 #include "server/identity/fleet_name.h"
+#include "server/identity/pem.h"
 #include "server/identity/ruri.h"
 
 namespace uplink::identity {
@@ -23,17 +24,9 @@ namespace {
 constexpr std::size_t kShownBytesMax = 128;
 constexpr std::string_view kDefaultFleet = "default";
 
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-struct X509Free {
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
 struct NamesFree {
   void operator()(GENERAL_NAMES* names) const { GENERAL_NAMES_free(names); }
 };
-using Bio = std::unique_ptr<BIO, BioFree>;
-using Certificate = std::unique_ptr<X509, X509Free>;
 using Names = std::unique_ptr<GENERAL_NAMES, NamesFree>;
 
 absl::Status Wrong(std::string_view sentence) {
@@ -45,7 +38,7 @@ std::string Shown(std::string_view text) { return PrintableUtf8(text, kShownByte
 /// Null if the text holds no certificate. With null as library the process' own is used.
 Certificate Parse(std::string_view pem, OSSL_LIB_CTX* library) {
   if (pem.size() > INT_MAX) return nullptr;
-  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  const Bio bio = PemReader(pem);
   if (bio == nullptr) return nullptr;
   X509* made = X509_new_ex(library, nullptr);
   X509* read = made == nullptr ? nullptr : PEM_read_bio_X509(bio.get(), &made, nullptr, nullptr);

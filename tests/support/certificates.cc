@@ -11,17 +11,11 @@
 #include <openssl/x509v3.h>
 
 #include "schema/base/check.h"
+#include "tests/support/openssl_owners.h"
 
 namespace uplink::testing {
 namespace {
 
-template <auto kFree>
-struct FreeWith {
-  template <typename T>
-  void operator()(T* object) const {
-    kFree(object);
-  }
-};
 using Key = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, FreeWith<X509_free>>;
 using Bio = std::unique_ptr<BIO, FreeWith<BIO_free>>;
@@ -36,7 +30,7 @@ Key NewKey(const std::string& kind = "P-256") {
   Key key(nullptr);
   if (kind == "RSA") {
     key.reset(EVP_RSA_gen(kRsaBits));
-  } else if (kind.starts_with("P-")) {
+  } else if (kind.starts_with("P-") || kind.starts_with("secp") || kind.starts_with("brainpool")) {
     key.reset(EVP_EC_gen(kind.c_str()));
   } else {
     key.reset(EVP_PKEY_Q_keygen(nullptr, nullptr, kind.c_str()));

@@ -8,18 +8,10 @@
 
 #include "schema/base/check.h"
 #include "server/identity/pem.h"
+#include "tests/support/openssl_owners.h"
 
 namespace uplink::testing {
 namespace {
-
-struct ContextFree {
-  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-};
-struct SslFree {
-  void operator()(SSL* ssl) const { SSL_free(ssl); }
-};
-
-constexpr unsigned char kHttp2[] = {2, 'h', '2'};
 
 void SawMessage(int is_sent, int /*version*/, int type, const void* bytes, std::size_t size,
                 SSL* /*ssl*/, void* alert) {
@@ -30,8 +22,8 @@ void SawMessage(int is_sent, int /*version*/, int type, const void* bytes, std::
 }  // namespace
 
 struct MemoryTls::Tls {
-  std::unique_ptr<SSL_CTX, ContextFree> context{SSL_CTX_new(TLS_client_method())};
-  std::unique_ptr<SSL, SslFree> ssl;
+  SslContext context{SSL_CTX_new(TLS_client_method())};
+  Ssl ssl;
   /// Both are the ssl's.
   BIO* in = BIO_new(BIO_s_mem());
   BIO* out = BIO_new(BIO_s_mem());
@@ -42,6 +34,14 @@ MemoryTls::MemoryTls(const Options& options) : tls_(std::make_unique<Tls>()) {
   SSL_CTX_set_max_proto_version(context, options.version_max);
   if (!options.groups.empty()) {
     UPLINK_CHECK(SSL_CTX_set1_groups_list(context, options.groups.c_str()) == 1, options.groups);
+  }
+  if (!options.signatures.empty()) {
+    UPLINK_CHECK(SSL_CTX_set1_sigalgs_list(context, options.signatures.c_str()) == 1,
+                 options.signatures);
+  }
+  if (!options.suites_of_12.empty()) {
+    UPLINK_CHECK(SSL_CTX_set_cipher_list(context, options.suites_of_12.c_str()) == 1,
+                 options.suites_of_12);
   }
   if (!options.identity.certificate.empty()) {
     UPLINK_CHECK(identity::UseChain(context, options.identity.certificate) &&
@@ -54,7 +54,8 @@ MemoryTls::MemoryTls(const Options& options) : tls_(std::make_unique<Tls>()) {
   if (options.behind != nullptr) options.behind->AddTo(context);
   tls_->ssl.reset(SSL_new(context));
   SSL* ssl = tls_->ssl.get();
-  SSL_set_alpn_protos(ssl, kHttp2, sizeof kHttp2);
+  SSL_set_alpn_protos(ssl, reinterpret_cast<const unsigned char*>(options.protocols.data()),
+                      static_cast<unsigned int>(options.protocols.size()));
   SSL_set_bio(ssl, tls_->in, tls_->out);
   SSL_set_connect_state(ssl);
   if (options.shows_later) SSL_set_post_handshake_auth(ssl, 1);

@@ -24,6 +24,11 @@ class MemoryTls final {
     int version_max = 0;
     /// OpenSSL's names of its groups, with colons in between; empty: those of the library.
     std::string groups;
+    /// The same of its signature algorithms, and of its suites of TLS 1.2.
+    std::string signatures;
+    std::string suites_of_12;
+    /// What it offers by ALPN, each name behind its length; empty: nothing.
+    std::string protocols = "\2h2";
     /// The content of each record of TLS 1.3 is padded to a multiple of so many bytes; 0: it is
     /// not.
     std::size_t padded_bytes = 0;

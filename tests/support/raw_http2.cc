@@ -4,10 +4,11 @@
 
 #include <openssl/bio.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/ssl.h>
 
 #include "schema/base/check.h"
+#include "server/identity/pem.h"
+#include "tests/support/openssl_owners.h"
 
 namespace uplink::testing {
 namespace {
@@ -17,47 +18,10 @@ constexpr std::size_t kPlainBytes = 16 * 1024;
 /// Of a stream and of the connection, until the peer says otherwise.
 constexpr std::uint64_t kWindowDefault = 65'535;
 
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-struct ContextFree {
-  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-};
-struct SslFree {
-  void operator()(SSL* ssl) const { SSL_free(ssl); }
-};
-struct X509Free {
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
-struct KeyFree {
-  void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
-};
-using Certificate = std::unique_ptr<X509, X509Free>;
-
-std::unique_ptr<BIO, BioFree> Reader(const std::string& text) {
-  return std::unique_ptr<BIO, BioFree>(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-}
-
-Certificate CertificateOf(const std::string& pem) {
-  Certificate certificate(PEM_read_bio_X509(Reader(pem).get(), nullptr, nullptr, nullptr));
-  UPLINK_CHECK(certificate != nullptr, "a certificate of the test's own");
-  return certificate;
-}
-
-void UseIdentity(SSL_CTX* context, const KeyPair& identity) {
-  if (identity.certificate.empty()) return;
-  const std::unique_ptr<EVP_PKEY, KeyFree> key(
-      PEM_read_bio_PrivateKey(Reader(identity.key).get(), nullptr, nullptr, nullptr));
-  UPLINK_CHECK(SSL_CTX_use_certificate(context, CertificateOf(identity.certificate).get()) == 1 &&
-                   SSL_CTX_use_PrivateKey(context, key.get()) == 1,
+void UseIdentity(SSL_CTX* context, const KeyPair& pair) {
+  if (pair.certificate.empty()) return;
+  UPLINK_CHECK(identity::UseChain(context, pair.certificate) && identity::UseKey(context, pair.key),
                "a key pair of the test's own");
-  const auto text = Reader(identity.certificate);
-  // The first one is the certificate itself.
-  Certificate next(PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr));
-  while (next.reset(PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr)), next != nullptr) {
-    UPLINK_CHECK(SSL_CTX_add1_chain_cert(context, next.get()) == 1, "a chain of the test's own");
-  }
-  ERR_clear_error();
 }
 
 void SawMessage(int is_sent, int /*version*/, int content_type, const void* bytes, std::size_t size,
@@ -80,8 +44,9 @@ std::string Drain(BIO* bio) {
 struct RawHttp2::Tls {
   explicit Tls(const Options& options) : context(SSL_CTX_new(TLS_client_method())) {
     UPLINK_CHECK(context != nullptr, "OpenSSL has memory");
-    X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()),
-                        CertificateOf(options.server_ca).get());
+    const auto authority = identity::NextCertificate(identity::PemReader(options.server_ca).get());
+    UPLINK_CHECK(X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority.get()) == 1,
+                 "an authority of the test's own");
     SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
     SSL_CTX_set_max_proto_version(context.get(), options.tls_max);
     if (!options.suites_of_12.empty()) {
@@ -105,8 +70,8 @@ struct RawHttp2::Tls {
     SSL_set_connect_state(ssl.get());
   }
 
-  std::unique_ptr<SSL_CTX, ContextFree> context;
-  std::unique_ptr<SSL, SslFree> ssl;
+  SslContext context;
+  Ssl ssl;
   /// Both are the ssl's.
   BIO* in = nullptr;
   BIO* out = nullptr;
@@ -281,8 +246,8 @@ std::size_t RawHttp2::ResetsOf(std::uint32_t code) const {
 }
 
 std::string TlsClientHello() {
-  const std::unique_ptr<SSL_CTX, ContextFree> context(SSL_CTX_new(TLS_client_method()));
-  const std::unique_ptr<SSL, SslFree> ssl(SSL_new(context.get()));
+  const SslContext context(SSL_CTX_new(TLS_client_method()));
+  const Ssl ssl(SSL_new(context.get()));
   constexpr unsigned char kProtocols[] = {2, 'h', '2'};
   SSL_set_alpn_protos(ssl.get(), kProtocols, sizeof(kProtocols));
   BIO* out = BIO_new(BIO_s_mem());

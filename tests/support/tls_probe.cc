@@ -6,15 +6,10 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
+#include "tests/support/openssl_owners.h"
+
 namespace uplink::testing {
 namespace {
-
-struct ContextFree {
-  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-};
-struct BioFree {
-  void operator()(BIO* bio) const { BIO_free_all(bio); }
-};
 
 /// Remembers that a ServerHello came: it holds the version, whatever becomes of the handshake.
 void SawMessage(int is_sent, int /*version*/, int content_type, const void* bytes, std::size_t size,
@@ -28,9 +23,9 @@ void SawMessage(int is_sent, int /*version*/, int content_type, const void* byte
 }  // namespace
 
 std::string AgreedTlsVersion(std::uint16_t port, int version_max) {
-  const std::unique_ptr<SSL_CTX, ContextFree> context(SSL_CTX_new(TLS_client_method()));
+  const SslContext context(SSL_CTX_new(TLS_client_method()));
   SSL_CTX_set_max_proto_version(context.get(), version_max);
-  const std::unique_ptr<BIO, BioFree> bio(BIO_new_ssl_connect(context.get()));
+  const std::unique_ptr<BIO, FreeWith<BIO_free_all>> bio(BIO_new_ssl_connect(context.get()));
   SSL* ssl = nullptr;
   BIO_get_ssl(bio.get(), &ssl);
   bool seen = false;

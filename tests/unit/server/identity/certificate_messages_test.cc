@@ -13,6 +13,7 @@
 #include "server/identity/pem.h"
 #include "tests/support/memory_tls.h"
 #include "tests/support/odd_certificates.h"
+#include "tests/support/openssl_owners.h"
 
 namespace uplink::identity {
 namespace {
@@ -20,15 +21,8 @@ namespace {
 namespace odd = testing::odd;
 using testing::MemoryTls;
 using testing::ShownChain;
-
-struct ContextFree {
-  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-};
-struct SslFree {
-  void operator()(SSL* ssl) const { SSL_free(ssl); }
-};
-using Context = std::unique_ptr<SSL_CTX, ContextFree>;
-using Ssl = std::unique_ptr<SSL, SslFree>;
+using testing::Ssl;
+using testing::SslContext;
 
 /// One end of a connection without a socket, by OpenSSL's defaults, with the gate.
 struct End {
@@ -64,8 +58,8 @@ class CertificateMessagesTest : public ::testing::TestWithParam<int> {
  protected:
   static int AcceptAny(X509_STORE_CTX* /*store*/, void* /*argument*/) { return 1; }
 
-  [[nodiscard]] Context ContextOf(const SSL_METHOD* method) const {
-    Context context(SSL_CTX_new(method));
+  [[nodiscard]] SslContext ContextOf(const SSL_METHOD* method) const {
+    SslContext context(SSL_CTX_new(method));
     EXPECT_TRUE(UseChain(context.get(), server_.certificate));
     EXPECT_TRUE(UseKey(context.get(), server_.key));
     SSL_CTX_set_max_proto_version(context.get(), GetParam());
@@ -86,7 +80,7 @@ class CertificateMessagesTest : public ::testing::TestWithParam<int> {
   }
   /// What a server thinks of a client that shows this behind its certificate.
   CertificateFlaw FlawBehind(const std::vector<std::string>& behind) {
-    const Context context = ContextOf(TLS_server_method());
+    const SslContext context = ContextOf(TLS_server_method());
     End server(context.get());
     SSL_set_accept_state(server.ssl.get());
     MemoryTls::Options options = Client();
@@ -121,12 +115,12 @@ TEST_P(CertificateMessagesTest, WhatIsLongerThanAMessageMayBeIsNotRead) {
 
 TEST_P(CertificateMessagesTest, AClientJudgesItsServer) {
   for (const bool odd_one : {false, true}) {
-    const Context server_context = ContextOf(TLS_server_method());
+    const SslContext server_context = ContextOf(TLS_server_method());
     SSL_CTX_set_verify(server_context.get(), SSL_VERIFY_NONE, nullptr);
     if (odd_one) {
       ShownChain({odd::CertificateWith(odd::ExplicitCurveKey())}).AddTo(server_context.get());
     }
-    const Context client_context = ContextOf(TLS_client_method());
+    const SslContext client_context = ContextOf(TLS_client_method());
     End server(server_context.get());
     SSL_set_accept_state(server.ssl.get());
     End client(client_context.get());
@@ -151,7 +145,7 @@ class LaterMessages12 : public CertificateMessagesTest {};
 // Nobody here asks later; who does has a client's answer judged too. It has a context, and none is
 // taken.
 TEST_P(LaterMessages13, ACertificateThatComesAfterTheHandshakeIsJudged) {
-  const Context context = ContextOf(TLS_server_method());
+  const SslContext context = ContextOf(TLS_server_method());
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_POST_HANDSHAKE, nullptr);
   End server(context.get());
   SSL_set_accept_state(server.ssl.get());
@@ -172,7 +166,7 @@ TEST_P(LaterMessages13, ACertificateThatComesAfterTheHandshakeIsJudged) {
 INSTANTIATE_TEST_SUITE_P(Version, LaterMessages13, ::testing::Values(TLS1_3_VERSION));
 
 TEST_P(LaterMessages12, NobodyBeginsASecondHandshake) {
-  const Context context = ContextOf(TLS_server_method());
+  const SslContext context = ContextOf(TLS_server_method());
   End server(context.get());
   SSL_set_accept_state(server.ssl.get());
   MemoryTls client(Client());

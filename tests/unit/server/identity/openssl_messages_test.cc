@@ -12,18 +12,12 @@
 
 #include "server/identity/pem.h"
 #include "tests/support/memory_tls.h"
+#include "tests/support/openssl_owners.h"
 
 namespace uplink::identity {
 namespace {
 
 using testing::MemoryTls;
-
-struct ContextFree {
-  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-};
-struct SslFree {
-  void operator()(SSL* ssl) const { SSL_free(ssl); }
-};
 
 /// A server of OpenSSL's alone, whose callback spoils the client's Certificate message, or does
 /// not.
@@ -54,13 +48,13 @@ class OpenSslMessages : public ::testing::TestWithParam<int> {
   /// A handshake with a client that shows its certificate; whether the server finished it.
   bool Handshake(Spoils spoils) {
     seen_ = {.spoils = spoils};
-    const std::unique_ptr<SSL_CTX, ContextFree> context(SSL_CTX_new(TLS_server_method()));
+    const testing::SslContext context(SSL_CTX_new(TLS_server_method()));
     EXPECT_TRUE(UseChain(context.get(), server_.certificate));
     EXPECT_TRUE(UseKey(context.get(), server_.key));
     SSL_CTX_set_max_proto_version(context.get(), GetParam());
     SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
     SSL_CTX_set_cert_verify_callback(context.get(), OnVerify, &seen_);
-    const std::unique_ptr<SSL, SslFree> ssl(SSL_new(context.get()));
+    const testing::Ssl ssl(SSL_new(context.get()));
     BIO* in = BIO_new(BIO_s_mem());
     BIO* out = BIO_new(BIO_s_mem());
     SSL_set_bio(ssl.get(), in, out);

@@ -11,14 +11,10 @@
 #include <openssl/ssl.h>
 
 #include "tests/support/certificates.h"
+#include "tests/support/openssl_owners.h"
 
 namespace uplink::identity {
 namespace {
-
-struct ContextFree {
-  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
-};
-using Context = std::unique_ptr<SSL_CTX, ContextFree>;
 
 class PemTest : public ::testing::Test {
  protected:
@@ -27,7 +23,7 @@ class PemTest : public ::testing::Test {
   testing::TestAuthority root_{"root"};
   testing::TestAuthority issuer_{"issuer", root_};
   testing::KeyPair pair_ = issuer_.Issue(testing::ServerSpec());
-  Context context_{SSL_CTX_new(TLS_method())};
+  testing::SslContext context_{SSL_CTX_new(TLS_method())};
 };
 
 /// The same key behind a pass phrase.
