@@ -1,9 +1,8 @@
 #include "server/identity/certificate_gate.h"
 
-#include <algorithm>
-#include <array>
 #include <optional>
 
+#include "server/identity/extension_gate.h"
 #include "server/identity/public_key_gate.h"
 
 namespace uplink::identity {
@@ -11,22 +10,6 @@ namespace {
 
 /// The bit of a tag whose content is elements.
 constexpr std::uint8_t kConstructed = 0x20;
-/// Bytes of the shortest element.
-constexpr std::size_t kElementBytesMin = 2;
-/// Elements within elements that are counted one by one: certificates have 8 at most.
-constexpr std::size_t kElementDepthMax = 16;
-/// Tags of a context from the first of these to the last may stand for a list: OpenSSL does not ask
-/// for kConstructed there. What follows them stands for a text or an address alone.
-constexpr std::uint8_t kFirstHiddenList = 0x80;
-constexpr std::uint8_t kLastHiddenList = 0x85;
-
-/// 2.5.29.31, as the content of its element.
-constexpr std::array<std::uint8_t, 3> kDistributionPoints = {0x55, 0x1D, 0x1F};
-/// Of a distribution point: its name, of which that in full and that relative to the issuer.
-constexpr std::uint8_t kPointName = 0xA0;
-constexpr std::uint8_t kFullName = 0xA0;
-constexpr std::uint8_t kPointReasons = 0x81;
-constexpr std::uint8_t kPointIssuer = 0xA2;
 
 CertificateFlaw FlawOf(KeyFlaw flaw) {
   switch (flaw) {
@@ -40,54 +23,6 @@ CertificateFlaw FlawOf(KeyFlaw flaw) {
       return CertificateFlaw::kKeySize;
   }
   return CertificateFlaw::kMalformed;
-}
-
-/// The elements of a value of any shape, those within others too. What is no DER, or lies within
-/// more than `depth` others, counts as many as its bytes could be: what OpenSSL makes of it is not
-/// known. An element ends where the one around it does: one that claims to go on hides none behind
-/// it.
-// NOLINTNEXTLINE(misc-no-recursion): at most kElementDepthMax deep
-std::size_t ElementsOf(Bytes value, std::size_t depth) {
-  if (depth == 0) return value.size() / kElementBytesMin;
-  std::size_t count = 0;
-  DerReader reader(value);
-  while (!reader.empty()) {
-    const auto element = reader.Take();
-    if (!element) return value.size() / kElementBytesMin;
-    ++count;
-    if (element->tag >= kFirstHiddenList && element->tag <= kLastHiddenList) {
-      count += element->content.size() / kElementBytesMin;
-    } else if ((element->tag & kConstructed) != 0) {
-      count += ElementsOf(element->content, depth - 1);
-    }
-  }
-  return count;
-}
-
-/// Whether every distribution point names its list in full, if at all. For a name that is relative
-/// to the issuer's OpenSSL copies the whole name of the issuer, once for each point: 330 attributes
-/// and 330 points, which are 5.5 KB, cost 90 ms before anything is verified (measured). Nobody here
-/// reads such lists.
-bool NamesInFull(Bytes value) {
-  DerReader outer(value);
-  const auto points = outer.Take(DerTag::kSequence);
-  if (!points || !outer.empty()) return false;
-  DerReader each(*points);
-  while (!each.empty()) {
-    const auto point = each.Take(DerTag::kSequence);
-    if (!point) return false;
-    DerReader parts(*point);
-    while (!parts.empty()) {
-      const auto part = parts.Take();
-      if (!part) return false;
-      if (part->tag == kPointReasons || part->tag == kPointIssuer) continue;
-      if (part->tag != kPointName) return false;
-      DerReader name(part->content);
-      const auto in_full = name.Take();
-      if (!in_full || in_full->tag != kFullName || !name.empty()) return false;
-    }
-  }
-  return true;
 }
 
 /// Goes through certificates, and counts their elements. Confined to one call.
@@ -104,6 +39,7 @@ class Walk final {
     }
     const auto key = KeyIn(DerReader(*body));
     if (elements_ > kShownElementsMax) return CertificateFlaw::kElements;
+    if (has_relative_point_) return CertificateFlaw::kRelativePoint;
     return key ? FlawOf(FlawOfKey(*key)) : CertificateFlaw::kMalformed;
   }
 
@@ -186,11 +122,14 @@ class Walk final {
     if (parts.IsNext(DerTag::kBoolean) && !parts.Take(DerTag::kBoolean)) return false;
     const auto value = parts.Take(DerTag::kOctets);
     if (!value || !parts.empty()) return false;
-    elements_ += ElementsOf(*value, kElementDepthMax);
-    return !std::ranges::equal(*oid, kDistributionPoints) || NamesInFull(*value);
+    elements_ += ElementsOfExtension(*oid, *value);
+    const ExtensionFlaw flaw = FlawOfExtension(*oid, *value);
+    has_relative_point_ = has_relative_point_ || flaw == ExtensionFlaw::kRelativePoint;
+    return flaw != ExtensionFlaw::kMalformed;
   }
 
   std::size_t elements_ = 0;
+  bool has_relative_point_ = false;
 };
 
 /// Takes TLS's vectors from a message: a length, and as many bytes. Confined to one call.
@@ -241,6 +180,9 @@ std::string_view TextOf(CertificateFlaw flaw) {
       return "a key that is none of P-256, P-384, P-521, Ed25519, Ed448, RSA and RSA-PSS";
     case CertificateFlaw::kKeySize:
       return "an RSA key of over 4,096 bits, or with an exponent of over 64 bits";
+    case CertificateFlaw::kRelativePoint:
+      return "a CRL distribution point relative to its issuer's name: issue it with the full name "
+             "(a URI), or without the point";
   }
   return "malformed";
 }

@@ -33,6 +33,9 @@ enum class CertificateFlaw : std::uint8_t {
   kKeyKind,
   /// A longer RSA key than is taken.
   kKeySize,
+  /// A CRL distribution point whose name is relative to its issuer's, for which OpenSSL copies that
+  /// name.
+  kRelativePoint,
 };
 
 /// For lines of the log; empty for kNone.

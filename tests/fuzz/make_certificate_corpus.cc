@@ -1,7 +1,9 @@
 // Writes the seeds of fuzz_certificate: `bin/make_certificate_corpus tests/fuzz/corpus`.
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/certificates.h"
@@ -53,6 +55,19 @@ void WriteOdd(const fs::path& folder) {
                      odd::Extension("\x2A", "no element");
   Write(folder, "extensions", 0, odd::CertificateOf(parts));
   Write(folder, "message_13_of_none", 2, odd::MessageOf13({}));
+  // Lists of a context, whose tags say that they are some, and do not.
+  for (const auto& [name, bit] : {std::pair{"lists", 0x20}, std::pair{"hidden_lists", 0}}) {
+    const auto list = [bit = bit](int tag, const std::string& content) {
+      return der::Element(static_cast<std::uint8_t>(tag + bit), content);
+    };
+    const std::string point = der::Element(0xA0, list(0x80, der::Element(0x86, "http://a/b")));
+    parts.extensions =
+        odd::Extension("\x55\x1D\x1E", der::Sequence(list(0x80, der::Sequence(host)) +
+                                                     list(0x81, der::Sequence(host)))) +
+        odd::Extension("\x55\x1D\x23", der::Sequence(list(0x81, host))) +
+        odd::Extension("\x55\x1D\x1F", der::Sequence(der::Sequence(point + list(0x82, host))));
+    Write(folder, name, 0, odd::CertificateOf(parts));
+  }
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include "server/identity/certificate_gate.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <openssl/x509v3.h>
 
 #include "tests/support/certificates.h"
 #include "tests/support/der.h"
@@ -179,12 +181,12 @@ TEST(CertificateGate, PointsOfRevocationListsAreNamedInFull) {
 }
 
 /// OpenSSL copies the issuer's name for each of them, before it knows who signed.
-TEST(CertificateGate, APointThatIsRelativeToTheIssuerIsMalformed) {
+TEST(CertificateGate, APointThatIsRelativeToItsIssuerIsAFlawOfItsOwn) {
   const std::string attribute =
       der::Sequence(der::Oid(std::string("\x55\x04\x03", 3)) + der::Element(0x0C, "a"));
   for (const std::uint8_t relative : {std::uint8_t{0xA1}, std::uint8_t{0x81}}) {
     const std::string name = der::Element(0xA0, der::Element(relative, attribute));
-    EXPECT_EQ(FlawWithPoints(der::Sequence(der::Sequence(name))), CertificateFlaw::kMalformed);
+    EXPECT_EQ(FlawWithPoints(der::Sequence(der::Sequence(name))), CertificateFlaw::kRelativePoint);
   }
   // OpenSSL takes each of these lists without the bit that says that it is one.
   const std::string name = der::Element(0xA0, der::Element(0xA1, attribute));
@@ -197,9 +199,86 @@ TEST(CertificateGate, AListThatHidesItsElementsCountsAsTheMostThatItCouldBe) {
   const std::string names = Times(kShownElementsMax, kHost);
   parts.extensions = odd::Extension(kNames, der::Element(0x10, names));
   EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
-  // A list of a context, as name constraints have it.
+  // A list of a context.
   parts.extensions = odd::Extension("\x2A", der::Sequence(der::Element(0x80, names)));
   EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+}
+
+const std::string kConstraints("\x55\x1D\x1E", 3);
+const std::string kAuthorityKey("\x55\x1D\x23", 3);
+
+/// OpenSSL reads both as lists; GateAgainstOpenSsl holds that it does.
+TEST(CertificateGate, HiddenListsThatOpenSslReadsCountAsTheMostThatTheyCouldBe) {
+  const std::string names = Times(kShownElementsMax, kHost);
+  const std::string subtrees = Times(kShownElementsMax / 2, der::Sequence(kHost));
+  odd::Parts parts = Good();
+  for (const std::uint8_t tag : {std::uint8_t{0x80}, std::uint8_t{0x81}}) {
+    parts.extensions = odd::Extension(kConstraints, der::Sequence(der::Element(tag, subtrees)));
+    EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+  }
+  parts.extensions = odd::Extension(kAuthorityKey, der::Sequence(der::Element(0x81, names)));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kElements);
+}
+
+TEST(CertificateGate, ANameIsOneElementHoweverLongItIs) {
+  const TestAuthority authority;
+  CertificateSpec spec = testing::ServerSpec();
+  for (int i = 0; i < 90; ++i) {
+    spec.dns_names.push_back("host-" + std::to_string(100 + i) + "." + std::string(24, 'x') +
+                             ".example.com");
+    ASSERT_EQ(spec.dns_names.back().size(), 45U);
+  }
+  EXPECT_EQ(FlawOf(odd::DerOf(authority.Issue(spec).certificate).front()), CertificateFlaw::kNone);
+  // As an authority has them that may sign for these names alone, or names its own issuer.
+  const std::string host = der::Element(0x82, std::string(45, 'x'));
+  odd::Parts parts = Good();
+  parts.extensions =
+      odd::Extension(kConstraints,
+                     der::Sequence(der::Element(0xA0, Times(90, der::Sequence(host))))) +
+      odd::Extension(kAuthorityKey, der::Sequence(der::Element(0xA1, Times(90, host))));
+  EXPECT_EQ(FlawOf(odd::CertificateOf(parts)), CertificateFlaw::kNone);
+}
+
+/// What OpenSSL reads in a certificate with this extension, which it must be able to.
+template <typename Value>
+std::unique_ptr<Value, void (*)(Value*)> ReadByOpenSsl(const std::string& certificate, int nid,
+                                                       void (*release)(Value*)) {
+  const auto* bytes = reinterpret_cast<const unsigned char*>(certificate.data());
+  X509* read = d2i_X509(nullptr, &bytes, static_cast<long>(certificate.size()));
+  EXPECT_NE(read, nullptr);
+  auto* value = static_cast<Value*>(X509_get_ext_d2i(read, nid, nullptr, nullptr));
+  X509_free(read);
+  return {value, release};
+}
+
+TEST(GateAgainstOpenSsl, ListsOfAContextNeedNoBitThatSaysSo) {
+  odd::Parts parts = Good();
+  parts.extensions =
+      odd::Extension(kConstraints, der::Sequence(der::Element(0x80, der::Sequence(kHost))));
+  const auto constraints =
+      ReadByOpenSsl(odd::CertificateOf(parts), NID_name_constraints, NAME_CONSTRAINTS_free);
+  ASSERT_NE(constraints, nullptr);
+  EXPECT_EQ(sk_GENERAL_SUBTREE_num(constraints->permittedSubtrees), 1);
+  parts.extensions = odd::Extension(kAuthorityKey, der::Sequence(der::Element(0x81, kHost)));
+  const auto key =
+      ReadByOpenSsl(odd::CertificateOf(parts), NID_authority_key_identifier, AUTHORITY_KEYID_free);
+  ASSERT_NE(key, nullptr);
+  EXPECT_EQ(sk_GENERAL_NAME_num(key->issuer), 1);
+}
+
+/// Whatever a name's tag is: OpenSSL makes no list of it unless the tag says that it is one.
+TEST(GateAgainstOpenSsl, ANameIsOneElement) {
+  for (int tag = 0x80; tag <= 0x9E; ++tag) {
+    odd::Parts parts = Good();
+    const std::string name = der::Element(static_cast<std::uint8_t>(tag), kHost + kHost);
+    parts.extensions = odd::Extension(kNames, der::Sequence(name));
+    const auto names =
+        ReadByOpenSsl(odd::CertificateOf(parts), NID_subject_alt_name, GENERAL_NAMES_free);
+    // A text, an address or an identifier.
+    const bool is_one = tag == 0x81 || tag == 0x82 || tag == 0x86 || tag == 0x87 || tag == 0x88;
+    EXPECT_EQ(names != nullptr, is_one) << tag;
+    EXPECT_EQ(sk_GENERAL_NAME_num(names.get()), is_one ? 1 : -1) << tag;
+  }
 }
 
 /// OpenSSL takes another name's value as it stands, whatever lies in it, and goes on behind it.
@@ -308,6 +387,9 @@ TEST(CertificateGate, EveryFlawHasItsText) {
   EXPECT_EQ(TextOf(CertificateFlaw::kNone), "");
   EXPECT_EQ(TextOf(CertificateFlaw::kCount), "more than 10 certificates");
   EXPECT_EQ(TextOf(CertificateFlaw::kBytes), "more than 32 KiB of certificates");
+  EXPECT_EQ(TextOf(CertificateFlaw::kRelativePoint),
+            "a CRL distribution point relative to its issuer's name: issue it with the full name "
+            "(a URI), or without the point");
 }
 
 }  // namespace
