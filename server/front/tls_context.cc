@@ -57,6 +57,7 @@ bool SetProtocol(SSL_CTX* context, const transport::TlsRules& rules) {
   // An idle connection gives its buffers back: 34 of some 60 KiB (measured).
   SSL_CTX_set_mode(context, SSL_MODE_RELEASE_BUFFERS | SSL_MODE_ENABLE_PARTIAL_WRITE |
                                 SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  SSL_CTX_set_client_hello_cb(context, TlsEngine::OnClientHello, nullptr);
   SSL_CTX_set_alpn_select_cb(context, ChooseProtocol, nullptr);
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
                      TlsEngine::OnVerified);
@@ -72,7 +73,7 @@ absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(
   if (absl::Status good = transport::CheckTexts(texts); !good.ok()) return good;
   SSL_CTX* context = SSL_CTX_new(TLS_server_method());
   if (context == nullptr) return absl::InternalError("OpenSSL: no context");
-  std::shared_ptr<const TlsContext> made(new TlsContext(context));
+  std::shared_ptr<const TlsContext> made(new TlsContext(context, rules));
   if (!SetProtocol(context, rules)) {
     ERR_clear_error();
     return absl::InternalError("OpenSSL: none of the suites or groups");

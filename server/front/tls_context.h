@@ -16,7 +16,7 @@ namespace uplink::front {
 ///
 /// A chain that is trusted but for its dates, or for what its certificate may be used for, passes
 /// the handshake: the peer has finished by then (TLS 1.3) and would never learn why it was sent
-/// away. TlsEngine::peer says what is wrong with it, and nobody may serve it.
+/// away. TlsEngine::Peer says what is wrong with it, and nobody may serve it.
 class TlsContext final {
  public:
   /// Errors: kFailedPrecondition names the text that is invalid.
@@ -27,11 +27,14 @@ class TlsContext final {
   TlsContext& operator=(const TlsContext&) = delete;
 
   [[nodiscard]] SSL_CTX* get() const { return context_; }
+  [[nodiscard]] const transport::TlsRules& rules() const { return rules_; }
 
  private:
-  explicit TlsContext(SSL_CTX* context) : context_(context) {}
+  TlsContext(SSL_CTX* context, const transport::TlsRules& rules)
+      : context_(context), rules_(rules) {}
 
   SSL_CTX* const context_;
+  const transport::TlsRules rules_;
 };
 
 /// The context that new connections begin with; replaced when the files change. Thread-safe.

@@ -49,15 +49,15 @@ int CreateBuffers(BIO* bio) {
   return 1;
 }
 
-/// Whether a chain with this flaw is still one that our authorities signed.
-bool IsTrusted(int flaw, int depth) {
-  if (flaw == X509_V_ERR_CERT_HAS_EXPIRED || flaw == X509_V_ERR_CERT_NOT_YET_VALID) return true;
-  return flaw == X509_V_ERR_INVALID_PURPOSE && depth == 0;
+/// Whether a chain with this X509_V_ERR_... is still one that our authorities signed.
+bool IsTrusted(int error, int depth) {
+  if (error == X509_V_ERR_CERT_HAS_EXPIRED || error == X509_V_ERR_CERT_NOT_YET_VALID) return true;
+  return error == X509_V_ERR_INVALID_PURPOSE && depth == 0;
 }
 
-/// What is told to who shows a trusted chain with this flaw.
-absl::Status SentenceOf(int flaw) {
-  switch (flaw) {
+/// What is told to who shows a trusted chain with this X509_V_ERR_....
+absl::Status SentenceOf(int verify_error) {
+  switch (verify_error) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
       return absl::UnauthenticatedError(
           "client certificate: it, or one that signed it, has expired");
@@ -118,97 +118,108 @@ TlsEngine::~TlsEngine() { SSL_free(ssl_); }
 
 int TlsEngine::OnVerified(int good, X509_STORE_CTX* store) {
   if (good == 1) return 1;
-  const int flaw = X509_STORE_CTX_get_error(store);
-  if (!IsTrusted(flaw, X509_STORE_CTX_get_error_depth(store))) return 0;
+  const int error = X509_STORE_CTX_get_error(store);
+  if (!IsTrusted(error, X509_STORE_CTX_get_error_depth(store))) return 0;
   const auto* ssl = static_cast<const SSL*>(
       X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
   auto* engine = static_cast<TlsEngine*>(SSL_get_app_data(ssl));
-  if (engine->flaw_ == 0) engine->flaw_ = flaw;
+  if (engine->verify_error_ == X509_V_OK) engine->verify_error_ = error;
   return 1;
 }
 
-TlsEngine::Step TlsEngine::Handshake() {
-  begun_ = begun_ || !buffers_.in.empty();
-  if (!buffers_.in.empty()) ++handshake_reads_;
-  hello_.Take(buffers_.in);
-  if (!PassedBound().empty()) {
-    failure_ = Failure::kOther;
-    return Step::kFailed;
-  }
-  ERR_clear_error();
-  const std::size_t offered = buffers_.in.size();
-  const int result = SSL_do_handshake(ssl_);
-  handshake_bytes_ += offered - buffers_.in.size();
-  const bool flawed = messages_.flaw() != identity::CertificateFlaw::kNone;
-  if (flawed || result != 1) {
-    if (!flawed && SSL_get_error(ssl_, result) == SSL_ERROR_WANT_READ) return Step::kMore;
-    NoteFailure();
-    return Step::kFailed;
-  }
-  const unsigned char* protocol = nullptr;
-  unsigned int size = 0;
-  SSL_get0_alpn_selected(ssl_, &protocol, &size);
-  if (size == 0) {
-    // It offered none at all; one that is not ours has failed before.
-    failure_ = Failure::kNothingShared;
-    return Step::kFailed;
-  }
-  static_cast<void>(messages_.TakeCount());
-  return Step::kDone;
+int TlsEngine::OnClientHello(SSL* connection, int* /*alert*/, void* /*argument*/) {
+  static_cast<TlsEngine*>(SSL_get_app_data(connection))->buffers_.offer = ClientOffer(connection);
+  return SSL_CLIENT_HELLO_SUCCESS;
 }
 
 // The texts say these.
 static_assert(kClientHelloBytesMax == std::size_t{4} * 1024 && kHandshakeReadsMax == 128 &&
               kHandshakeBytesMax == std::size_t{48} * 1024);
 
-std::string_view TlsEngine::PassedBound() const {
-  if (hello_.size() > kClientHelloBytesMax) return "a first message of over 4 KiB";
-  if (handshake_reads_ > kHandshakeReadsMax) return "a handshake in over 128 pieces";
-  return handshake_bytes_ > kHandshakeBytesMax ? "a handshake of over 48 KiB" : "";
+TlsEngine::Step TlsEngine::Handshake() {
+  begun_ = begun_ || !buffers_.in.empty();
+  if (!buffers_.in.empty()) ++handshake_reads_;
+  hello_.Take(buffers_.in);
+  if (hello_.size() > kClientHelloBytesMax) {
+    return Fail(Failure::kOther, "a first message of over 4 KiB");
+  }
+  if (handshake_reads_ > kHandshakeReadsMax) {
+    return Fail(Failure::kOther, "a handshake in over 128 pieces");
+  }
+  ERR_clear_error();
+  buffers_.offer = {};
+  const int result = Advance();
+  const bool flawed = messages_.flaw() != identity::CertificateFlaw::kNone;
+  if (!flawed && result != 1 && SSL_get_error(ssl_, result) == SSL_ERROR_WANT_READ) {
+    if (buffers_.in.empty()) return Step::kMore;
+    return Fail(Failure::kOther, "a handshake of over 48 KiB");
+  }
+  if (flawed || result != 1) return FailByOpenSsl();
+  const unsigned char* protocol = nullptr;
+  unsigned int size = 0;
+  SSL_get0_alpn_selected(ssl_, &protocol, &size);
+  // It offered none at all; one that is not ours has failed before.
+  if (size == 0) return FailToAgree(Agreed::kProtocol);
+  static_cast<void>(messages_.TakeCount());
+  return Step::kDone;
 }
 
-std::string_view TlsEngine::detail() const {
-  const std::string_view flaw = identity::TextOf(certificate_flaw());
-  return flaw.empty() ? PassedBound() : flaw;
+int TlsEngine::Advance() {
+  const std::string_view came = buffers_.in;
+  const std::string_view offered = came.substr(0, kHandshakeBytesMax - handshake_bytes_);
+  buffers_.in = offered;
+  const int result = SSL_do_handshake(ssl_);
+  const std::size_t taken = offered.size() - buffers_.in.size();
+  handshake_bytes_ += taken;
+  buffers_.in = came.substr(taken);
+  return result;
 }
 
-void TlsEngine::NoteFailure() {
+TlsEngine::Step TlsEngine::Fail(Failure failure, std::string detail) {
+  failure_ = failure;
+  detail_ = std::move(detail);
+  ERR_clear_error();
+  return Step::kFailed;
+}
+
+TlsEngine::Step TlsEngine::FailToAgree(Agreed what) {
+  return Fail(Failure::kNothingShared, buffers_.offer.WhyNot(what, ssl_, context_->rules()));
+}
+
+TlsEngine::Step TlsEngine::FailByOpenSsl() {
   messages_.NoteFailure();
   if (messages_.flaw() != identity::CertificateFlaw::kNone) {
-    ERR_clear_error();
-    failure_ = Failure::kCertificate;
-    return;
+    return Fail(Failure::kCertificate, std::string(identity::TextOf(messages_.flaw())));
   }
   unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
   // Before this one stands what it was about the chain, such as a signature that is not its own.
   const unsigned long last = ERR_peek_last_error();  // NOLINT(google-runtime-int): as above
   if (ERR_GET_REASON(last) == SSL_R_CERTIFICATE_VERIFY_FAILED) error = last;
-  ERR_clear_error();
   switch (ERR_GET_REASON(error)) {
     case SSL_R_WRONG_VERSION_NUMBER:
     case SSL_R_HTTP_REQUEST:
     case SSL_R_HTTPS_PROXY_REQUEST:
     case SSL_R_PACKET_LENGTH_TOO_LONG:
     case SSL_R_BAD_RECORD_TYPE:
-      failure_ = Failure::kNoTls;
-      return;
+      return Fail(Failure::kNoTls);
     case SSL_R_UNSUPPORTED_PROTOCOL:
+      return FailToAgree(Agreed::kVersion);
     case SSL_R_NO_SHARED_CIPHER:
-    case SSL_R_NO_APPLICATION_PROTOCOL:
+      return FailToAgree(Agreed::kSuite);
     case SSL_R_NO_SUITABLE_KEY_SHARE:
+      return FailToAgree(Agreed::kGroup);
     case SSL_R_NO_SHARED_SIGNATURE_ALGORITHMS:
-      failure_ = Failure::kNothingShared;
-      return;
+    case SSL_R_NO_SUITABLE_SIGNATURE_ALGORITHM:
+      return FailToAgree(Agreed::kSignature);
+    case SSL_R_NO_APPLICATION_PROTOCOL:
+      return FailToAgree(Agreed::kProtocol);
     case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
-      failure_ = Failure::kNoCertificate;
-      return;
+      return Fail(Failure::kNoCertificate);
     case SSL_R_CERTIFICATE_VERIFY_FAILED:
-      failure_ = Failure::kUntrusted;
-      return;
+      return Fail(Failure::kUntrusted);
     default:  // the library has hundreds
-      break;
+      return Fail(Failure::kOther);
   }
-  failure_ = Failure::kOther;
 }
 
 TlsPeer TlsEngine::Peer() const {
@@ -232,7 +243,7 @@ TlsPeer TlsEngine::Peer() const {
   } else {
     peer.subject = identity::PeerReader::SubjectOf(*certificate);
   }
-  if (flaw_ != 0) peer.identity = SentenceOf(flaw_);
+  if (verify_error_ != X509_V_OK) peer.identity = SentenceOf(verify_error_);
   ERR_clear_error();
   return peer;
 }

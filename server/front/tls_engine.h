@@ -13,6 +13,7 @@
 #include <openssl/types.h>
 
 #include "schema/base/clock.h"
+#include "server/front/client_offer.h"
 #include "server/front/hello_size.h"
 #include "server/front/tls_context.h"
 #include "server/identity/certificate_gate.h"
@@ -29,7 +30,7 @@ inline constexpr std::size_t kRecordBytes = 16 * 1024;
 inline constexpr std::size_t kClientHelloBytesMax = 4 * 1024;
 
 /// Bytes of a peer's side of a handshake: two ClientHellos, its certificates, a signature, and the
-/// heads of their records. A record of one byte costs OpenSSL 0.7 us.
+/// heads of their records. OpenSSL gets none past them. A record of one byte costs it 0.7 us.
 inline constexpr std::size_t kHandshakeBytesMax = 48 * 1024;
 static_assert(kHandshakeBytesMax > 2 * kClientHelloBytesMax + identity::kShownBytesMax);
 /// How often a handshake goes on because bytes came: 32 KiB of certificates are 61 segments of the
@@ -43,6 +44,8 @@ struct TlsBuffers {
   /// Ciphertext that is to go out.
   std::string out;
   std::array<char, kRecordBytes> plain;
+  /// Of the ClientHello that came within this step of a handshake.
+  ClientOffer offer;
 };
 
 /// OpenSSL's way to TlsBuffers; one for all engines of a thread, and their context.
@@ -125,9 +128,10 @@ class TlsEngine final {
   [[nodiscard]] bool begun() const { return begun_; }
   /// Why it failed.
   [[nodiscard]] Failure failure() const { return failure_; }
-  /// What the log says beside the failure: what is wrong with the certificates, or the bound of the
-  /// handshake that was passed; mostly empty.
-  [[nodiscard]] std::string_view detail() const;
+  /// What the log says beside the failure, of the one thing that it failed for: what is wrong with
+  /// the certificates, which bound was passed, or what the two do not agree on. Empty of other
+  /// failures, and as long as it has not failed.
+  [[nodiscard]] std::string_view detail() const { return detail_; }
   /// What is wrong with the certificates that it shows, with Failure::kCertificate.
   [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
   /// Who is there; after the handshake.
@@ -145,11 +149,16 @@ class TlsEngine final {
 
   /// OpenSSL asks what we think of a certificate of a peer's chain.
   static int OnVerified(int good, X509_STORE_CTX* store);
+  /// OpenSSL tells of a ClientHello before it reads it.
+  static int OnClientHello(SSL* connection, int* alert, void* argument);
 
  private:
-  void NoteFailure();
-  /// Which of the bounds on what the peer sends is passed; empty if none is.
-  [[nodiscard]] std::string_view PassedBound() const;
+  /// One step of OpenSSL's handshake by what is in `in`: SSL_do_handshake's result.
+  [[nodiscard]] int Advance();
+  [[nodiscard]] Step Fail(Failure failure, std::string detail = {});
+  [[nodiscard]] Step FailToAgree(Agreed what);
+  /// By what OpenSSL's queue of errors holds.
+  [[nodiscard]] Step FailByOpenSsl();
   /// An empty piece for a message that came after the handshake; nothing if there is none.
   [[nodiscard]] std::optional<std::string_view> TakeLate();
 
@@ -158,8 +167,9 @@ class TlsEngine final {
   SSL* const ssl_;
   identity::CertificateMessages messages_;
   Failure failure_ = Failure::kNone;
-  /// What a trusted chain lacks: X509_V_ERR_..., and 0 for nothing.
-  int flaw_ = 0;
+  std::string detail_;
+  /// What a trusted chain lacks, the first that was found: X509_V_ERR_..., X509_V_OK for nothing.
+  int verify_error_ = 0;
   bool begun_ = false;
   HelloSize hello_;
   std::size_t handshake_reads_ = 0;

@@ -92,15 +92,18 @@ class TlsEnginePieces : public TlsEngineTest {
   struct Said {
     TlsEngine::Step step = TlsEngine::Step::kMore;
     std::size_t reads = 0;
+    /// Of the client's bytes, those that came and those that were read.
+    std::size_t came = 0;
+    std::size_t read = 0;
+    Failure failure = Failure::kNone;
     std::string detail;
   };
   Said SayIn(std::size_t piece, std::size_t padded_bytes = 0) {
     auto context = TlsContext::Make(texts_, rules_);
     EXPECT_TRUE(context.ok()) << context.status();
     TlsEngine engine(*context, method_, buffers_);
-    MemoryTls::Options robot = Robot();
-    robot.padded_bytes = padded_bytes;
-    MemoryTls client(robot);
+    robot_.padded_bytes = padded_bytes;
+    MemoryTls client(robot_);
     Said said;
     while (said.step == TlsEngine::Step::kMore) {
       const std::string heard = client.Step(buffers_.out);
@@ -109,15 +112,21 @@ class TlsEnginePieces : public TlsEngineTest {
       for (std::size_t at = 0; at < heard.size() && said.step == TlsEngine::Step::kMore;
            at += piece) {
         buffers_.in = std::string_view(heard).substr(at, piece);
+        said.came += buffers_.in.size();
+        said.read += buffers_.in.size();
         ++said.reads;
         said.step = engine.Handshake();
+        said.read -= buffers_.in.size();
       }
     }
     buffers_.out.clear();
     buffers_.in = {};
+    said.failure = engine.failure();
     said.detail = engine.detail();
     return said;
   }
+
+  MemoryTls::Options robot_ = Robot();
 };
 
 TEST_F(TlsEnginePieces, SmallSegmentsAreTaken) {
@@ -137,6 +146,42 @@ TEST_F(TlsEnginePieces, ARecordIsTakenWholeAndThreeThatArePaddedToTheirMostAreNo
   EXPECT_EQ(SayIn(kRecordBytes).step, TlsEngine::Step::kDone);
   // Certificate, signature and Finished have a record each.
   EXPECT_EQ(SayIn(kRecordBytes, kRecordBytes).detail, "a handshake of over 48 KiB");
+}
+
+/// Certificate, signature and Finished come at once, in a record each, whose sizes grow by a byte.
+TEST_F(TlsEnginePieces, NoByteIsReadPastTheBound) {
+  constexpr std::size_t kPadded = 10'000;
+  constexpr std::size_t kAtOnce = 2 * kHandshakeBytesMax;
+  const Said some = SayIn(kAtOnce, kPadded);
+  ASSERT_EQ(some.step, TlsEngine::Step::kDone);
+  const std::size_t most = kPadded + (kHandshakeBytesMax - some.came) / 3;
+  const Said taken = SayIn(kAtOnce, most);
+  EXPECT_EQ(taken.step, TlsEngine::Step::kDone) << taken.detail;
+  EXPECT_EQ(taken.read, taken.came);
+  const Said refused = SayIn(kAtOnce, most + 1);
+  EXPECT_EQ(refused.step, TlsEngine::Step::kFailed);
+  EXPECT_EQ(refused.detail, "a handshake of over 48 KiB");
+  EXPECT_GT(refused.came, kHandshakeBytesMax);
+  EXPECT_LE(refused.came, kHandshakeBytesMax + 3);
+  EXPECT_EQ(refused.read, kHandshakeBytesMax);
+}
+
+/// What is said is what it failed for, whatever else is true of it.
+TEST_F(TlsEnginePieces, AHandshakeThatFailsHasOneCause) {
+  constexpr std::size_t kAtOnce = 2 * kHandshakeBytesMax;
+  const testing::TestAuthority other("another authority");
+  robot_.identity = other.Issue(RobotSpec(kRuri));
+  const Said stranger = SayIn(kAtOnce);
+  EXPECT_EQ(stranger.failure, Failure::kUntrusted);
+  EXPECT_EQ(stranger.detail, "");
+  const Said large_stranger = SayIn(kAtOnce, kRecordBytes);
+  EXPECT_GT(large_stranger.came, kHandshakeBytesMax);
+  EXPECT_EQ(large_stranger.failure, Failure::kUntrusted);
+  EXPECT_EQ(large_stranger.detail, "");
+  robot_.behind = Behind(1, odd::CertificateWith(odd::ExplicitCurveKey()));
+  const Said odd_one = SayIn(kAtOnce, kRecordBytes);
+  EXPECT_EQ(odd_one.failure, Failure::kCertificate);
+  EXPECT_EQ(odd_one.detail, identity::TextOf(CertificateFlaw::kKeyKind));
 }
 
 /// Both versions, since their Certificate messages differ.
@@ -212,6 +257,31 @@ TEST_F(TlsEngineTest, RobotsComeWithEveryKindOfKey) {
       EXPECT_TRUE(outcome.done) << key << " by TLS " << options.version_max;
       EXPECT_EQ(outcome.ruri, kRuri);
     }
+  }
+}
+
+/// TLS 1.3 has no signature by them: a client's library shows nothing, and we see no certificate
+/// to name.
+TEST_F(TlsEngineTest, ByTls13AKeyThatItDoesNotSignWithIsNotEvenShown) {
+  for (const char* key : {"secp256k1", "brainpoolP256r1"}) {
+    CertificateSpec spec = RobotSpec(kRuri);
+    spec.key = key;
+    const Outcome outcome = Handshake(With(spec));
+    EXPECT_EQ(outcome.failure, Failure::kNoCertificate) << key;
+    EXPECT_EQ(outcome.alert, SSL_AD_CERTIFICATE_REQUIRED) << key;
+  }
+}
+
+TEST_F(TlsEngineTest, ByTls12SuchAKeyIsShownAndNotLookedInto) {
+  rules_ = RulesOf(config::TlsVersion::k12);
+  for (const char* key : {"secp256k1", "brainpoolP256r1"}) {
+    CertificateSpec spec = RobotSpec(kRuri);
+    spec.key = key;
+    MemoryTls::Options options = With(spec);
+    options.version_max = TLS1_2_VERSION;
+    const Outcome outcome = Handshake(options);
+    EXPECT_EQ(outcome.failure, Failure::kCertificate) << key;
+    EXPECT_EQ(outcome.flaw, CertificateFlaw::kKeyKind) << key;
   }
 }
 
