@@ -31,7 +31,7 @@ struct HandshakeLimits {
 /// How much is known of a source.
 enum class Rank : std::uint8_t {
   kStranger,
-  /// A robot streamed from there lately (KnownSources).
+  /// A robot streams from there, or did lately (KnownSources).
   kKnown,
 };
 

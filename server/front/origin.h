@@ -25,7 +25,7 @@ struct Origin {
   bool health_check = false;
   /// The server asks itself whether it still answers; a health check, too.
   bool own = false;
-  /// A robot streamed from its source lately (KnownSources).
+  /// A robot streams from its source, or did lately (KnownSources).
   bool known = false;
 
   /// A trusted certificate was shown: whoever has one does more than look.

@@ -37,17 +37,11 @@ absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
   return handler;
 }
 
-void RelayHandler::NoteSource() {
-  if (!welcome_) return;
-  Thread& thread = call_.thread();
-  thread.book.known().Note(call_.owner().origin().source, thread.clock.Steady());
-}
-
 RelayHandler::~RelayHandler() {
   session_.reset();
-  // A stream may have lasted for days: its robot comes back to a door that knows it.
-  NoteSource();
-  call_.thread().gate.Leave(entrant_);
+  Thread& thread = call_.thread();
+  if (welcome_) thread.book.known().Leave(call_.owner().origin().source, thread.clock.Steady());
+  thread.gate.Leave(entrant_);
 }
 
 void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
@@ -55,7 +49,9 @@ void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
 }
 
 void RelayHandler::OnWritten() {
-  if (!std::exchange(welcome_, true)) NoteSource();
+  if (!std::exchange(welcome_, true)) {
+    call_.thread().book.known().Enter(call_.owner().origin().source);
+  }
   session_->OnWritten();
 }
 

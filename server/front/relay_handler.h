@@ -67,12 +67,9 @@ class RelayHandler final : public CallHandler,
   RelayHandler(Call& call, transport::Entrant entrant)
       : call_(call), entrant_(std::move(entrant)) {}
 
-  /// A robot streams from there, once it was welcome.
-  void NoteSource();
-
   Call& call_;
   const transport::Entrant entrant_;
-  /// A frame of ours went out: the Welcome.
+  /// A frame of ours went out, the Welcome: the robot's source is one that the door knows.
   bool welcome_ = false;
   /// Last, so that it goes before what it writes to.
   std::optional<session::Session> session_;

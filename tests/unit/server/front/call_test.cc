@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/front/known_sources.h"
 #include "tests/fuzz/front_bench.h"
 #include "tests/support/http2_frames.h"
 #include "tests/support/relay_bytes.h"
@@ -75,6 +76,18 @@ TEST_F(CallTest, ASourceIsKnownOnceARobotStreamedFromIt) {
   wire_.Receive(http2::RstStream(1, http2::kCancel));
   EXPECT_FALSE(SourceIsKnown()) << "a stream without a Hello";
   Stream(3);
+  EXPECT_TRUE(SourceIsKnown());
+}
+
+TEST_F(CallTest, ASourceStaysKnownAsLongAsARobotStreamsFromIt) {
+  Stream(1);
+  const SteadyTime later = bench_.now() + 24 * kKnownFor;
+  const auto known_later = [&] {
+    return bench_.door_book().known().IsKnown(wire_.origin().source, later);
+  };
+  EXPECT_TRUE(known_later());
+  wire_.Receive(http2::RstStream(1, http2::kCancel));
+  EXPECT_FALSE(known_later());
   EXPECT_TRUE(SourceIsKnown());
 }
 

@@ -138,7 +138,7 @@ TEST_F(DoorTest, ASourceThatWaitsForItselfCutsNobody) {
 }
 
 TEST_F(DoorTest, SourcesOfRobotsComeFirst) {
-  book_.known().Note(SourceOf(7), now_);
+  book_.known().Enter(SourceOf(7));
   for (int i = 0; i < 4; ++i) Arrive(1);
   Arrive(7);
   door_.HandshakeEnded(1, now_);
