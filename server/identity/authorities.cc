@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <absl/strings/ascii.h>
 #include <fmt/core.h>
@@ -96,6 +98,15 @@ std::optional<std::string> FlawOf(std::string_view block) {
   return fmt::format("cannot be used: {}", TextOf(flaw));
 }
 
+/// Which end of a block a damaged line was meant to be, as far as it says so.
+enum class Side : std::uint8_t { kFirst, kLast, kEither };
+
+Side SideOf(std::string_view line) {
+  const std::string letters = LettersOf(line);
+  if (letters.find("BEGIN") != std::string::npos) return Side::kFirst;
+  return letters.find("END") != std::string::npos ? Side::kLast : Side::kEither;
+}
+
 /// Goes through the lines of a text. Confined to one call.
 class Blocks final {
  public:
@@ -106,78 +117,90 @@ class Blocks final {
     while (at < pem_.text.size()) {
       const std::size_t end = std::min(pem_.text.find('\n', at), pem_.text.size());
       ++line_;
-      if (absl::Status good = TakeLine(at, end); !good.ok()) return good;
+      TakeLine(at, end);
       at = end + 1;
     }
-    if (begun_) return Broken("it has no end");
-    if (certificates_ > 0) return absl::OkStatus();
-    return absl::FailedPreconditionError(fmt::format("{}: holds no PEM certificate", pem_.name));
+    if (begun_) NoteBroken("it has no end");
+    if (refused_ > kRefusedNamedMax) {
+      said_ += fmt::format("; and {} more blocks", refused_ - kRefusedNamedMax);
+    } else if (refused_ == 0 && certificates_ == 0) {
+      said_ = "holds no PEM certificate";
+    }
+    if (said_.empty()) return absl::OkStatus();
+    return absl::FailedPreconditionError(fmt::format("{}: {}", pem_.name, said_));
   }
 
  private:
-  absl::Status TakeLine(std::size_t at, std::size_t end) {
+  void TakeLine(std::size_t at, std::size_t end) {
     std::string_view line = std::string_view(pem_.text).substr(at, end - at);
     while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos) {
       line.remove_suffix(1);
     }
-    if (IsOtherwiseWritten(line)) return Damaged(at);
+    if (IsOtherwiseWritten(line)) return TakeDamaged(at, SideOf(line));
     if (const auto label = LabelOf(line, kBegin)) {
-      if (begun_) return Broken("it has no end");
       Begin(at);
       label_ = *label;
-      return absl::OkStatus();
-    }
-    if (const auto label = LabelOf(line, kEnd)) {
+    } else if (const auto label_at_end = LabelOf(line, kEnd)) {
       if (!begun_) Begin(at);
-      return *label == label_ ? End(end) : Broken("its end does not fit its begin");
-    }
-    if (!begun_ && IsBody(line)) {
+      End(*label_at_end, end);
+    } else if (!begun_ && IsBody(line)) {
       Begin(at);
-      return Broken("no line -----BEGIN CERTIFICATE----- stands before it");
+      NoteBroken("no line -----BEGIN CERTIFICATE----- stands before it");
+    } else if (IsDamagedMark(line)) {
+      TakeDamaged(at, SideOf(line));
     }
-    return IsDamagedMark(line) ? Damaged(at) : absl::OkStatus();
   }
 
-  absl::Status Damaged(std::size_t at) {
-    if (!begun_) Begin(at);
-    return Broken("a line with BEGIN or END is damaged");
+  /// A line that begins or ends a block, and is damaged.
+  void TakeDamaged(std::size_t at, Side side) {
+    const bool ends = side == Side::kLast || (side == Side::kEither && begun_);
+    if (!ends || !begun_) Begin(at);
+    NoteBroken("a line with BEGIN or END is damaged");
+    begun_ = !ends;
   }
 
   void Begin(std::size_t at) {
+    if (begun_) NoteBroken("it has no end");
     begun_ = true;
+    is_refused_ = false;
     begin_ = at;
     begin_line_ = line_;
     label_ = {};
     ++number_;
   }
 
-  absl::Status End(std::size_t end) {
+  void End(std::string_view label, std::size_t end) {
     begun_ = false;
-    if (!IsCertificate(label_)) return absl::OkStatus();
+    if (is_refused_) return;
+    if (label != label_) return NoteBroken("its end does not fit its begin");
+    if (!IsCertificate(label_)) return;
     ++certificates_;
     const auto block = std::string_view(pem_.text).substr(begin_, end - begin_);
-    const auto flaw = FlawOf(block);
-    return flaw ? Refused(*flaw) : absl::OkStatus();
+    if (const auto flaw = FlawOf(block)) Refuse(*flaw);
   }
 
-  [[nodiscard]] absl::Status Broken(std::string_view why) const {
-    return Refused(fmt::format("is broken: {}", why));
-  }
+  void NoteBroken(std::string_view why) { Refuse(fmt::format("is broken: {}", why)); }
 
-  [[nodiscard]] absl::Status Refused(std::string_view flaw) const {
-    return absl::FailedPreconditionError(
-        fmt::format("{}: PEM block {}, from line {}, {}", pem_.name, number_, begin_line_, flaw));
+  /// Of a block the first thing that is wrong is said.
+  void Refuse(std::string_view flaw) {
+    if (std::exchange(is_refused_, true) || ++refused_ > kRefusedNamedMax) return;
+    if (!said_.empty()) said_ += "; ";
+    said_ += fmt::format("PEM block {}, from line {}, {}", number_, begin_line_, flaw);
   }
 
   const NamedPem& pem_;
   std::size_t line_ = 0;
   /// Of the block that is begun, or was last.
   bool begun_ = false;
+  bool is_refused_ = false;
   std::size_t begin_ = 0;
   std::size_t begin_line_ = 0;
   std::size_t number_ = 0;
   std::string label_;
   std::size_t certificates_ = 0;
+  /// Blocks without a use, and what is said of the first of them.
+  std::size_t refused_ = 0;
+  std::string said_;
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ namespace {
 namespace odd = uplink::testing::odd;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class AuthoritiesTest : public ::testing::Test {
  protected:
@@ -70,6 +71,71 @@ TEST_F(AuthoritiesTest, OneWithAKeyThatNoRobotMayHaveIsNamed) {
   EXPECT_THAT(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4097, 17)))),
               HasSubstr("an RSA key of over 4,096 bits"));
   EXPECT_EQ(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4096, 17)))), "");
+}
+
+TEST_F(AuthoritiesTest, EveryOneWithoutAUseIsNamedWithWhatIsWrong) {
+  const std::string text = first_ + odd::PemOf(odd::CertificateWith(odd::ExplicitCurveKey())) +
+                           With(second_, "\nMII", "\nXXX") + first_ +
+                           odd::PemOf(odd::CertificateWith(odd::RsaKey(4097, 17)));
+  const auto line_of = [&text](std::size_t at) {
+    return std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
+  };
+  const std::size_t second = text.find("-----BEGIN", 1);
+  const std::size_t third = text.find("-----BEGIN", second + 1);
+  const std::size_t last = text.rfind("-----BEGIN");
+  EXPECT_EQ(Said(text),
+            "ca.crt: PEM block 2, from line " + line_of(second) +
+                ", cannot be used: a key that is none of P-256, P-384, P-521, Ed25519, Ed448, RSA "
+                "and RSA-PSS; PEM block 3, from line " +
+                line_of(third) +
+                ", is broken: it is no certificate that can be read; PEM block 5, from line " +
+                line_of(last) +
+                ", cannot be used: an RSA key of over 4,096 bits, or with an exponent of over 64 "
+                "bits");
+}
+
+TEST_F(AuthoritiesTest, ABrokenBlockHidesNoneBehindItAndIsNamedOnce) {
+  const std::string bad = odd::PemOf(odd::CertificateWith(odd::RsaKey(4097, 17)));
+  const std::string begin = "-----BEGIN CERTIFICATE-----\n";
+  const std::string end = "-----END CERTIFICATE-----\n";
+  for (const std::string& broken :
+       {With(second_, begin, "----BEGIN CERTIFICATE-----\n"), With(second_, begin, ""),
+        With(second_, end, ""), With(second_, end, "-----END CERTIFICATE----\n"),
+        With(second_, end, "-----END KEY-----\n"), With(With(second_, begin, ""), end, ""),
+        With(With(second_, begin, "-----begin certificate-----\n"), end,
+             "-----end certificate-----\n"),
+        With(With(second_, begin, "-----BEGIN CERT\n"), end, "-----END CERT\n"),
+        second_.substr(0, 200) + "\n"}) {
+    const std::string said = Said(broken + bad);
+    EXPECT_THAT(said, HasSubstr("ca.crt: PEM block 1, from line 1, is broken")) << broken;
+    EXPECT_THAT(said, HasSubstr("; PEM block 2, from line ")) << broken;
+    EXPECT_THAT(said, HasSubstr(", cannot be used: an RSA key of over 4,096 bits")) << broken;
+    EXPECT_THAT(said, Not(HasSubstr("PEM block 3"))) << broken;
+    EXPECT_THAT(Said(bad + broken), HasSubstr("; PEM block 2, from line ")) << broken;
+  }
+}
+
+TEST_F(AuthoritiesTest, EightAreNamedAndTheOthersCounted) {
+  const std::string bad = odd::PemOf(odd::CertificateWith(odd::RsaKey(4097, 17)));
+  std::string text;
+  for (std::size_t i = 0; i < kRefusedNamedMax; ++i) text += bad;
+  EXPECT_THAT(Said(text), AllOf(HasSubstr("PEM block 8"), Not(HasSubstr("more blocks"))));
+  EXPECT_THAT(Said(text + bad + bad), AllOf(HasSubstr("PEM block 8"), Not(HasSubstr("PEM block 9")),
+                                            HasSubstr("; and 2 more blocks")));
+}
+
+TEST_F(AuthoritiesTest, OneWithARelativePointOfRevocationListsSaysWhatToIssue) {
+  odd::Parts parts;
+  parts.key = odd::Ed25519Key();
+  const std::string attribute = testing::der::Sequence(
+      testing::der::Oid(std::string("\x55\x04\x03", 3)) + testing::der::Element(0x0C, "a"));
+  parts.extensions =
+      odd::Extension(std::string("\x55\x1D\x1F", 3),
+                     testing::der::Sequence(testing::der::Sequence(
+                         testing::der::Element(0xA0, testing::der::Element(0xA1, attribute)))));
+  EXPECT_EQ(Said(odd::PemOf(odd::CertificateOf(parts))),
+            "ca.crt: PEM block 1, from line 1, cannot be used: a CRL distribution point relative "
+            "to its issuer's name: issue it with the full name (a URI), or without the point");
 }
 
 TEST_F(AuthoritiesTest, OneWithNotesOnItsTrustIsTaken) {
