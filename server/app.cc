@@ -39,7 +39,6 @@
 #include "server/store/space_rounds.h"
 #include "server/store/watch.h"
 #include "server/store/writers.h"
-#include "server/transport/listener.h"
 #include "server/view/queries.h"
 
 namespace uplink {
@@ -252,7 +251,7 @@ class App::Impl {
   void Stop() {
     lifecycle::StopSteps steps;
     steps.stop_relay = [this] {
-      if (relay_ != nullptr) relay_->Shutdown(lifecycle::kStopWait / 2);
+      if (relay_ != nullptr) relay_->Shutdown();
     };
     steps.stop_writers = [this] {
       broker_side_.Stop();
@@ -313,7 +312,7 @@ class App::Impl {
   rcan::RobotScrape robots_scrape_;
   http::Site site_;
   lifecycle::Reload reload_;
-  std::unique_ptr<transport::Listener> relay_;
+  std::unique_ptr<front::FrontServer> relay_;
 };
 
 App::App(std::unique_ptr<Groundwork> ground, std::unique_ptr<Impl> impl)

@@ -215,7 +215,7 @@ void FrontServer::Impl::CloseDoor() {
 
 FrontServer::FrontServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-FrontServer::~FrontServer() { Shutdown(milliseconds(0)); }
+FrontServer::~FrontServer() { Shutdown(); }
 
 std::uint16_t FrontServer::port() const { return impl_->acceptor->port(); }
 
@@ -238,7 +238,7 @@ void FrontServer::Drain(milliseconds grace) {
 
 bool FrontServer::WaitForStreams(milliseconds wait) const { return impl_->gate.WaitEmpty(wait); }
 
-void FrontServer::Shutdown(milliseconds /*wait*/) {
+void FrontServer::Shutdown() {
   impl_->gate.Close();
   impl_->CloseDoor();
   for (const auto& worker : impl_->workers) worker->Stop();

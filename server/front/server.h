@@ -1,17 +1,24 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include <absl/status/statusor.h>
 
-#include "server/config/config.h"
-#include "server/transport/listener.h"
+#include "schema/base/clock.h"
+#include "server/transport/key_files.h"
 #include "server/transport/options.h"
 
 namespace uplink::front {
 
-/// The listener for robots: gRPC over HTTP/2 over mutual TLS.
-class FrontServer final : public transport::Listener {
+/// The listener for robots: UplinkRelay by gRPC over HTTP/2 over mutual TLS.
+///
+/// Life:   made listening; Drain; WaitForStreams, while the journal's writer still settles;
+///         Shutdown; then the writer may stop. StreamRefs of its streams stay valid until it is
+///         destroyed, so the writer and the fleet's last wake must be over by then.
+/// Thread: main; streams(), draining() and port() from any; RefreshFiles on one.
+class FrontServer final {
  public:
   /// Listens and serves.
   ///
@@ -21,18 +28,26 @@ class FrontServer final : public transport::Listener {
       const transport::RelayOptions& options, const transport::RelayContext& context);
 
   /// Shuts down at once if Shutdown was not called.
-  ~FrontServer() override;
+  ~FrontServer();
   FrontServer(const FrontServer&) = delete;
   FrontServer& operator=(const FrontServer&) = delete;
 
-  // transport::Listener
-  [[nodiscard]] std::uint16_t port() const override;
-  [[nodiscard]] std::size_t streams() const override;
-  [[nodiscard]] bool draining() const override;
-  transport::FilesLook RefreshFiles() override;
-  void Drain(milliseconds grace) override;
-  [[nodiscard]] bool WaitForStreams(milliseconds wait) const override;
-  void Shutdown(milliseconds wait) override;
+  /// Where it listens.
+  [[nodiscard]] std::uint16_t port() const;
+  /// Streams that were admitted and have not ended.
+  [[nodiscard]] std::size_t streams() const;
+  [[nodiscard]] bool draining() const;
+
+  /// Looks at the PEM files and serves new ones from now on (within kFilesRefresh), if they are
+  /// good together; else the last good ones. Without files: nothing is known.
+  transport::FilesLook RefreshFiles();
+
+  /// Admits no stream any more and tells those that are here, spread over a part of `grace`.
+  void Drain(milliseconds grace);
+  /// Waits until every stream has ended, for `wait` at most; true if they have.
+  [[nodiscard]] bool WaitForStreams(milliseconds wait) const;
+  /// Ends what is left at once and stops the listener's threads. Idempotent.
+  void Shutdown();
 
  private:
   struct Impl;

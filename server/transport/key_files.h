@@ -10,6 +10,14 @@
 
 namespace uplink::transport {
 
+/// What a look at the PEM files found. A value.
+struct FilesLook {
+  /// Not OK: why the files on disk are not served.
+  absl::Status status;
+  /// What is served.
+  identity::ServedPems served;
+};
+
 /// Whether texts are good together: the certificate is a server's, the key its own, the authority
 /// readable.
 ///

@@ -12,26 +12,25 @@ constexpr std::size_t kAnotherStreamsMax = 100;
 
 }  // namespace
 
-ListenerWorld::ListenerWorld(const Options& given, StartListener start)
+ListenerWorld::ListenerWorld(const Options& given)
     : options(given),
       fleet(clock, given.robots_max, robot::PresenceLimits{}),
       journal(store, given.journal, clock, ledgers.NewPage(), journal_probe, storage::ProcessId{1}),
-      start_(std::move(start)),
       server_identity_(authority.Issue(ServerSpec())) {
   // Short pauses: tests order failures by their number, not by their time.
   writer_.emplace(journal,
                   storage::BackoffLimits{.first = milliseconds(2), .longest = milliseconds(5)},
                   [] { return std::uint64_t{0}; });
-  auto started = start_({.address = {"127.0.0.1", 0},
-                         .key_material = ServerTexts(),
-                         .queues = options.queues,
-                         .tls = options.tls,
-                         .proxy_protocol_from = options.proxy_protocol_from,
-                         .streams_max = options.streams_max,
-                         .gateway_streams_max = options.gateway_streams_max,
-                         .connection_age_max = options.connection_age_max,
-                         .memory_bytes_max = options.memory_bytes_max},
-                        Context());
+  auto started = front::FrontServer::Start({.address = {"127.0.0.1", 0},
+                                            .key_material = ServerTexts(),
+                                            .queues = options.queues,
+                                            .tls = options.tls,
+                                            .proxy_protocol_from = options.proxy_protocol_from,
+                                            .streams_max = options.streams_max,
+                                            .gateway_streams_max = options.gateway_streams_max,
+                                            .connection_age_max = options.connection_age_max,
+                                            .memory_bytes_max = options.memory_bytes_max},
+                                           Context());
   UPLINK_CHECK(started.ok(), started.status().ToString());
   server_ = *std::move(started);
 }
@@ -60,16 +59,16 @@ transport::RelayContext ListenerWorld::Context() {
           .refusals = options.refusals};
 }
 
-void ListenerWorld::StopServer() { server_->Shutdown(milliseconds(0)); }
+void ListenerWorld::StopServer() { server_->Shutdown(); }
 
-absl::StatusOr<std::unique_ptr<transport::Listener>> ListenerWorld::StartAnother(
+absl::StatusOr<std::unique_ptr<front::FrontServer>> ListenerWorld::StartAnother(
     const config::ListenAddress& address, const transport::KeyMaterial& material,
     std::size_t queues) {
-  return start_({.address = address,
-                 .key_material = material,
-                 .queues = queues,
-                 .streams_max = kAnotherStreamsMax},
-                Context());
+  return front::FrontServer::Start({.address = address,
+                                    .key_material = material,
+                                    .queues = queues,
+                                    .streams_max = kAnotherStreamsMax},
+                                   Context());
 }
 
 transport::PemTexts ListenerWorld::ServerTexts() const {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,11 +8,11 @@
 
 #include "metrics/ledger.h"
 #include "server/fleet/fleet.h"
+#include "server/front/server.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
 #include "server/log/rate_limited.h"
 #include "server/session/limits.h"
-#include "server/transport/listener.h"
 #include "server/transport/options.h"
 #include "tests/support/certificates.h"
 #include "tests/support/eventually.h"
@@ -23,8 +22,8 @@
 
 namespace uplink::testing {
 
-/// A listener for robots on loopback with real sessions, journal and writer thread, on the fake
-/// store. The caller passes what starts the listener, so that this links no wire.
+/// The listener for robots on loopback with real sessions, journal and writer thread, on the fake
+/// store.
 class ListenerWorld {
  public:
   struct Options {
@@ -42,22 +41,19 @@ class ListenerWorld {
     const log::Logger* logger = nullptr;
     log::RateLimited* refusals = nullptr;
   };
-  /// front::FrontServer::Start.
-  using StartListener = std::function<absl::StatusOr<std::unique_ptr<transport::Listener>>(
-      const transport::RelayOptions&, const transport::RelayContext&)>;
 
-  ListenerWorld(const Options& options, StartListener start);
+  explicit ListenerWorld(const Options& options);
   /// Releases the store, ends the streams, stops the writer.
   ~ListenerWorld();
   ListenerWorld(const ListenerWorld&) = delete;
   ListenerWorld& operator=(const ListenerWorld&) = delete;
 
-  [[nodiscard]] transport::Listener& server() { return *server_; }
+  [[nodiscard]] front::FrontServer& server() { return *server_; }
   [[nodiscard]] std::uint16_t port() const { return server_->port(); }
   /// Stops the server; agents see their streams break.
   void StopServer();
   /// Starts a second server in this world, on `address`, with this many threads.
-  [[nodiscard]] absl::StatusOr<std::unique_ptr<transport::Listener>> StartAnother(
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<front::FrontServer>> StartAnother(
       const config::ListenAddress& address, const transport::KeyMaterial& material,
       std::size_t queues = 1);
 
@@ -86,12 +82,11 @@ class ListenerWorld {
  private:
   [[nodiscard]] transport::RelayContext Context();
 
-  const StartListener start_;
   KeyPair server_identity_;
   const FakeTrust clock_trust_;
   FakeRejectSource rejects_{&store};
   std::optional<journal::JournalWriter> writer_;
-  std::unique_ptr<transport::Listener> server_;
+  std::unique_ptr<front::FrontServer> server_;
 };
 
 }  // namespace uplink::testing

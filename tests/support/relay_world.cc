@@ -1,10 +1,6 @@
 #include "tests/support/relay_world.h"
 
-#include "server/front/server.h"
-
 namespace uplink::testing {
-
-RelayWorld::RelayWorld(const Options& given) : ListenerWorld(given, front::FrontServer::Start) {}
 
 ChannelSpec RelayWorld::SpecFor(const std::string& ruri) const {
   return {.port = port(),

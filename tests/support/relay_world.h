@@ -14,7 +14,7 @@ namespace uplink::testing {
 class RelayWorld final : public ListenerWorld {
  public:
   RelayWorld() : RelayWorld(Options{}) {}
-  explicit RelayWorld(const Options& options);
+  explicit RelayWorld(const Options& given) : ListenerWorld(given) {}
 
   [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const std::string& ruri) const;
   [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const KeyPair& identity) const;

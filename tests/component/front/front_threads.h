@@ -12,7 +12,6 @@
 
 #include <gtest/gtest.h>
 
-#include "server/front/server.h"
 #include "tests/component/front/raw_robot.h"
 #include "tests/support/no_lines.h"
 
@@ -37,7 +36,7 @@ class FrontThreads : public ::testing::Test {
   }
 
   explicit FrontThreads(const ListenerWorld::Options& options = ManyThreads())
-      : world_(WithLines(options), front::FrontServer::Start) {
+      : world_(WithLines(options)) {
     for (int i = 0; i < kRobots; ++i) {
       keys_.push_back(RobotKeys(world_, i));
       AddRobot(i, 1, world_.port());

@@ -45,7 +45,7 @@ TEST_F(FrontThreads, AShutdownUnderLoadEndsAtOnce) {
   std::atomic<int> batches{0};
   std::jthread stopper([&] {
     EXPECT_TRUE(Eventually([&] { return batches > 2 * kRobots; }));
-    world_.server().Shutdown(milliseconds(0));
+    world_.server().Shutdown();
     EXPECT_EQ(world_.server().streams(), 0U);
   });
   std::jthread stranger([&] {

@@ -70,8 +70,8 @@ TEST(Lifecycle, AMissingFileIsNamed) {
 
 TEST(Lifecycle, StartsAndStopsWithoutARobot) {
   RelayWorld world;
-  world.server().Shutdown(milliseconds(0));
-  world.server().Shutdown(milliseconds(0));
+  world.server().Shutdown();
+  world.server().Shutdown();
   EXPECT_EQ(world.server().streams(), 0U);
 }
 
@@ -156,7 +156,7 @@ TEST(Lifecycle, DrainOfManyStreams) {
     EXPECT_TRUE(agent->frames().back().has_ack());
   }
   EXPECT_TRUE(world.server().WaitForStreams(kPatience));
-  world.server().Shutdown(std::chrono::seconds(1));
+  world.server().Shutdown();
 }
 
 TEST(Lifecycle, ShutdownUnderLoadLosesNothingThatWasAcked) {
