@@ -10,7 +10,7 @@ constexpr auto kRemoved = std::to_array<Removed>({
     {.section = "listen",
      .key = "transport",
      .variable = "UPLINKD_LISTEN_TRANSPORT",
-     .text = "removed; robots are served by the native transport alone"},
+     .text = "removed; there is only one transport now"},
 });
 
 template <typename Predicate>

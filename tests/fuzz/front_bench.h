@@ -23,7 +23,7 @@
 #include "tests/support/http2_answers.h"
 #include "tests/support/manual_clock.h"
 
-/// The native transport from HTTP/2 upwards, moved by hand: no socket, no TLS, no threads; real
+/// The transport from HTTP/2 upwards, moved by hand: no socket, no TLS, no threads; real
 /// calls and sessions, and the journal on the store in memory.
 namespace uplink::fuzz {
 

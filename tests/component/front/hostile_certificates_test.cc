@@ -23,7 +23,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using transport::TurnedAway;
 
-RelayWorld::Options NativeWith12() {
+RelayWorld::Options With12() {
   config::TlsConfig tls;
   tls.min_version = config::TlsVersion::k12;
   return {.session = {},
@@ -35,7 +35,7 @@ class HostileCertificates : public Hostile, public ::testing::WithParamInterface
  protected:
   static constexpr std::size_t kConnections = 14;
 
-  HostileCertificates() : Hostile(NativeWith12()) {}
+  HostileCertificates() : Hostile(With12()) {}
 
   /// So many connections that show this behind a robot's certificate, one after the other without a
   /// wait for the server.

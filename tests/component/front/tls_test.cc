@@ -58,7 +58,7 @@ TEST(Tls, WithHttpOneAloneNothingIsServed) {
   EXPECT_EQ(TurnedAwayFor(world, TurnedAway::kNothingShared), 1);
 }
 
-RelayWorld::Options NativeWith12() {
+RelayWorld::Options With12() {
   config::TlsConfig tls;
   tls.min_version = config::TlsVersion::k12;
   return {.session = {},
@@ -67,7 +67,7 @@ RelayWorld::Options NativeWith12() {
 }
 
 TEST(Tls, Tls12IsServed) {
-  RelayWorld world(NativeWith12());
+  RelayWorld world(With12());
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.tls_max = TLS1_2_VERSION;
   RawHttp2 client(options);
@@ -84,7 +84,7 @@ bool Serves12With(const RelayWorld& world, const std::string& suites) {
 }
 
 TEST(Tls, Tls12HasTheSuitesThatHttpTwoAllowsAlone) {
-  RelayWorld world(NativeWith12());
+  RelayWorld world(With12());
   EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-AES128-GCM-SHA256"));
   EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-AES256-GCM-SHA384"));
   EXPECT_TRUE(Serves12With(world, "ECDHE-ECDSA-CHACHA20-POLY1305"));
@@ -112,7 +112,7 @@ TEST(Tls, Tls12IsRefusedWhere13IsTheMinimum) {
 }
 
 TEST(Tls, Tls11IsRefusedWhere12IsTheMinimum) {
-  RelayWorld world(NativeWith12());
+  RelayWorld world(With12());
   RawHttp2::Options options = ClientOf(world, RobotKeys(world, 1));
   options.tls_max = TLS1_1_VERSION;
   // The library offers it no more by itself.
@@ -133,7 +133,7 @@ TEST(Tls, AForeignCertificateIsToldSoByAnAlert) {
 }
 
 TEST(Tls, AForeignCertificateIsToldSoByAnAlertInTls12) {
-  RelayWorld world(NativeWith12());
+  RelayWorld world(With12());
   const TestAuthority foreign("another authority");
   RawHttp2::Options options = ClientOf(world, foreign.Issue(RobotSpec(RuriOf(1))));
   options.tls_max = TLS1_2_VERSION;

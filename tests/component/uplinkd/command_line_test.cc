@@ -140,7 +140,7 @@ TEST(CommandLine, ABadConfigurationStopsTheStartWithTwo) {
 }
 
 TEST(CommandLine, ATransportInTheFileOrTheEnvironmentIsTwoAndSaysWhatToDo) {
-  const std::string text = "removed; robots are served by the native transport alone: ";
+  const std::string text = "removed; there is only one transport now: ";
   const std::vector<std::string> check = {"--check-config"};
   const std::vector<std::string> serve = {};
   for (const std::string value : {"grpc", "native"}) {

@@ -269,10 +269,9 @@ TEST(ParseConfigTest, ARemovedKeySaysWhatToDo) {
   for (const char* const value : {"\"grpc\"", "\"native\"", "1"}) {
     const LoadResult file = ParseWith(std::string("[listen]\ntransport = ") + value + "\n");
     EXPECT_FALSE(file.ok());
-    EXPECT_THAT(file.problems,
-                ElementsAre(IsProblem("u.toml:6", "listen.transport",
-                                      "removed; robots are served by the native transport alone: "
-                                      "delete this line")))
+    EXPECT_THAT(file.problems, ElementsAre(IsProblem("u.toml:6", "listen.transport",
+                                                     "removed; there is only one transport now: "
+                                                     "delete this line")))
         << value;
   }
   for (const char* const value : {"grpc", "native", ""}) {
@@ -280,7 +279,7 @@ TEST(ParseConfigTest, ARemovedKeySaysWhatToDo) {
     EXPECT_FALSE(variable.ok());
     EXPECT_THAT(variable.problems,
                 ElementsAre(IsProblem("environment", "UPLINKD_LISTEN_TRANSPORT",
-                                      "removed; robots are served by the native transport alone: "
+                                      "removed; there is only one transport now: "
                                       "unset this variable")))
         << value;
   }
