@@ -199,7 +199,8 @@ void Fleet::JudgeHearing(robot::Robot& robot, Hearing hearing, SteadyTime now) {
       return;
     case Hearing::kHereAlone:
       if (!robot.HasStream()) break;
-      if (robot.state.DoubtSilence(now, presence_limits_of(robot))) robot.sessions.stream().Wake();
+      if (robot.state.AskBeforeOffline(now, presence_limits_of(robot)))
+        robot.sessions.stream().Wake();
       return;
     case Hearing::kBehind:
       break;

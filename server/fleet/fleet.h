@@ -137,8 +137,8 @@ class Fleet final {
     kUpToDate,
     /// Robots that left may stream to another process, which cannot reach the store and tell. One
     /// whose stream is open here may have left too, by a network that cut it off without a word:
-    /// its silence counts once the stream's peer has answered (RobotState::DoubtSilence). Of twins,
-    /// which have no stream that could show who left, it says the same as kBehind.
+    /// its silence counts once the stream's peer has answered (RobotState::AskBeforeOffline). Of
+    /// twins, which have no stream that could show who left, it says the same as kBehind.
     kHereAlone,
     /// What robots sent has not been read; of twins also that their broker is not heard.
     kBehind,

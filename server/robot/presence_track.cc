@@ -46,20 +46,26 @@ void PresenceTrack::AddStall(SteadyTime until) {
   stall = std::max(stall.value_or(until), until);
 }
 
-bool PresenceTrack::DoubtSilence(SteadyTime now, const PresenceLimits& limits) {
+SteadyTime PresenceTrack::AnswerCountsFrom(const PresenceLimits& limits) const {
+  const SteadyTime from = NotOfflineUntil(Facts(), limits);
+  return stream_began_ ? std::max(from, *stream_began_ + limits.timeout) : from;
+}
+
+bool PresenceTrack::AskBeforeOffline(SteadyTime now, const PresenceLimits& limits) {
   if (presence_ == Presence::kOffline || foreign_ || held_back_) return false;
-  const SteadyTime until = NotOfflineUntil(Facts(), limits);
-  if (now < until || (peer_answered_ && *peer_answered_ >= until)) return false;
-  doubted_until_ = now;
-  return true;
+  if (now < NotOfflineUntil(Facts(), limits)) return false;
+  const SteadyTime counts_from = AnswerCountsFrom(limits);
+  if (peer_answered_ && *peer_answered_ >= counts_from) return false;
+  unanswered_until_ = now;
+  return now >= counts_from;
 }
 
 void PresenceTrack::NotePeerAnswered(SteadyTime now, const PresenceLimits& limits) {
   peer_answered_ = now;
-  if (now >= NotOfflineUntil(Facts(), limits)) doubted_until_.reset();
+  if (now >= AnswerCountsFrom(limits)) unanswered_until_.reset();
 }
 
-void PresenceTrack::Doubt(SteadyTime unknown_until, SystemTime system_now) {
+void PresenceTrack::ForgetSigns(SteadyTime unknown_until, SystemTime system_now) {
   if (foreign_ || presence_ != Presence::kOnline) return;
   last_sign_.reset();
   peer_answered_.reset();
@@ -146,7 +152,7 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   last_sign_system_.reset();
   held_back_ = false;
   stream_held_back_until_.reset();
-  doubted_until_.reset();
+  unanswered_until_.reset();
   // If the robot is ours again at once, what was heard here stands.
   const std::optional<SteadyTime> heard = last_sign_;
   BeginFrom(stored);
@@ -183,7 +189,7 @@ PresenceFacts PresenceTrack::Facts() const {
 void PresenceTrack::Update(const PresenceLimits& limits) {
   if (foreign_) return;
   PresenceFacts facts = Facts();
-  facts.held_back_until = std::max(facts.held_back_until, doubted_until_);
+  facts.held_back_until = std::max(facts.held_back_until, unanswered_until_);
   const Presence presence = PresenceOf(facts, limits);
   if (presence == presence_) return;
   if (presence == Presence::kOffline && offline_since_) return Show(presence, *offline_since_);

@@ -42,15 +42,18 @@ class PresenceTrack final {
   /// the robot wait until then: what it does not hear meanwhile proves nothing. Who was offline
   /// before stays so until it is heard; then the same holds of it.
   void AddStall(SteadyTime until);
-  /// Other processes may hear the robot and cannot tell, and it has a stream here: its silence
-  /// counts only if that stream's peer answered once the robot was about to be offline. True if the
-  /// peer is to be asked; a stall lasts until now then.
-  bool DoubtSilence(SteadyTime now, const PresenceLimits& limits);
+  /// A stream of the robot begins here. What the robot said before, another process may have heard.
+  void BeginStream(SteadyTime now) { stream_began_ = now; }
+  /// Other processes may hear the robot and cannot tell, and it has a stream here. It is offline
+  /// only if it said nothing on that stream for a timeout, and the stream's peer answered a ping
+  /// after that; until then it is unknown, and a timeout longer. True if the peer is to be asked
+  /// now.
+  bool AskBeforeOffline(SteadyTime now, const PresenceLimits& limits);
   /// The peer of the robot's stream answered a ping.
   void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
-  /// What was heard here counts no more: who was online is unknown until it is heard again, and at
-  /// most until `unknown_until`.
-  void Doubt(SteadyTime unknown_until, SystemTime system_now);
+  /// What was heard here counts no more: a robot that was online is unknown until it is heard
+  /// again, and at most until `unknown_until`.
+  void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
   /// Brings presence up to date and returns it.
   Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   /// What an earlier life of the server heard; it changes no presence.
@@ -95,8 +98,10 @@ class PresenceTrack final {
   void Show(Presence presence, SystemTime since);
   /// Shows and tells it.
   void Change(Presence presence, SystemTime at);
-  /// But for silence in doubt.
+  /// But for silence that needs an answer of the peer.
   [[nodiscard]] PresenceFacts Facts() const;
+  /// From when on an answer of the stream's peer shows that the robot itself is silent.
+  [[nodiscard]] SteadyTime AnswerCountsFrom(const PresenceLimits& limits) const;
   /// A sign of life came here, and not too long ago.
   [[nodiscard]] bool HeardInTime(SteadyTime now) const;
   /// The store has `stored`, and what was heard here in time stands: the robot is online.
@@ -122,10 +127,11 @@ class PresenceTrack final {
   std::optional<SteadyTime> stream_held_back_until_;
   /// The same as held_back_until_, of a robot that is offline and was not heard since.
   std::optional<SteadyTime> stall_while_offline_;
-  /// When the peer of the robot's stream answered last, and until when the robot's silence had no
-  /// such answer.
+  /// When the robot's present or last stream began, when its peer answered last, and until when the
+  /// robot's silence had no such answer.
+  std::optional<SteadyTime> stream_began_;
   std::optional<SteadyTime> peer_answered_;
-  std::optional<SteadyTime> doubted_until_;
+  std::optional<SteadyTime> unanswered_until_;
   std::optional<PresenceFacts::Claimed> claimed_;
   std::optional<SteadyTime> unknown_until_;
   /// Unknown is in place of offline since then, as the store has it, until the robot is heard.

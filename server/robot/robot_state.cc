@@ -79,9 +79,9 @@ void RobotState::NoteStall(SteadyTime until) {
   presence_.AddStall(until);
 }
 
-bool RobotState::DoubtSilence(SteadyTime now, const PresenceLimits& limits) {
+bool RobotState::AskBeforeOffline(SteadyTime now, const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
-  const bool ask = presence_.DoubtSilence(now, limits);
+  const bool ask = presence_.AskBeforeOffline(now, limits);
   if (ask) ask_peer_.store(true);
   return ask;
 }
@@ -91,9 +91,9 @@ void RobotState::NotePeerAnswered(SteadyTime now, const PresenceLimits& limits) 
   presence_.NotePeerAnswered(now, limits);
 }
 
-void RobotState::Doubt(SteadyTime unknown_until, SystemTime system_now) {
+void RobotState::ForgetSigns(SteadyTime unknown_until, SystemTime system_now) {
   const std::lock_guard lock(mutex_);
-  presence_.Doubt(unknown_until, system_now);
+  presence_.ForgetSigns(unknown_until, system_now);
 }
 
 void RobotState::NoteClockSkew(std::int64_t skew_ms) {
@@ -111,6 +111,7 @@ void RobotState::StreamBegan() {
 void RobotState::Claim(SteadyTime now) {
   const std::lock_guard lock(mutex_);
   claimed_ = true;
+  presence_.BeginStream(now);
   if (claim_ended_unheld_) Forget();
   if (!foreign_) return;
   foreign_.reset();

@@ -97,13 +97,13 @@ class RobotState final {
   /// As PresenceTrack::AddStall.
   void NoteStall(SteadyTime until);
   /// As PresenceTrack's. If it is true, TakeAskPeer is so once.
-  bool DoubtSilence(SteadyTime now, const PresenceLimits& limits);
+  bool AskBeforeOffline(SteadyTime now, const PresenceLimits& limits);
   /// The robot's stream is to ask its peer for an answer.
   [[nodiscard]] bool TakeAskPeer() { return ask_peer_.load() && ask_peer_.exchange(false); }
   /// As PresenceTrack's.
   void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
   /// As PresenceTrack's.
-  void Doubt(SteadyTime unknown_until, SystemTime system_now);
+  void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
   void NoteClockSkew(std::int64_t skew_ms);
   /// A new stream begins: its dropped fields are counted from zero.
   void StreamBegan();

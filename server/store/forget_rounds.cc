@@ -98,8 +98,9 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingFor
     return asked.end_stream ? Look::kUnderWay : Tell(asked, ForgetAnswer::kRecordsWait);
   }
   // Should it stay in the store after all, it is not online there for ever.
-  robot.state.Doubt(context_.clock.Steady() + context_.fleet.presence_limits_of(robot).timeout,
-                    context_.clock.System());
+  robot.state.ForgetSigns(
+      context_.clock.Steady() + context_.fleet.presence_limits_of(robot).timeout,
+      context_.clock.System());
   Leave(robot);
   return Look::kUnderWay;
 }

@@ -250,11 +250,11 @@ TEST_F(PresenceTrackTest, WhatWasHeardWithoutAChangeIsToldWhereTheStoreHasAnothe
 }
 
 TEST_F(PresenceTrackTest, WhoIsDoubtedIsUnknownUntilItIsHeardOrTheTimeIsOver) {
-  track_.Doubt(clock_.Steady() + std::chrono::seconds(5), clock_.System());
+  track_.ForgetSigns(clock_.Steady() + std::chrono::seconds(5), clock_.System());
   EXPECT_THAT(changes_, IsEmpty()) << "it was not online";
   Sign();
   changes_.clear();
-  track_.Doubt(clock_.Steady() + std::chrono::seconds(5), clock_.System());
+  track_.ForgetSigns(clock_.Steady() + std::chrono::seconds(5), clock_.System());
   EXPECT_EQ(track_.presence(), Presence::kUnknown);
   EXPECT_EQ(changes_.size(), 1U);
   clock_.Advance(std::chrono::seconds(4));
@@ -262,7 +262,7 @@ TEST_F(PresenceTrackTest, WhoIsDoubtedIsUnknownUntilItIsHeardOrTheTimeIsOver) {
   Sign();
   EXPECT_EQ(track_.presence(), Presence::kOnline) << "and that is told";
   EXPECT_EQ(changes_.size(), 2U);
-  track_.Doubt(clock_.Steady() + std::chrono::seconds(5), clock_.System());
+  track_.ForgetSigns(clock_.Steady() + std::chrono::seconds(5), clock_.System());
   clock_.Advance(std::chrono::hours(1));
   EXPECT_EQ(Sweep(), Presence::kOffline);
 }
@@ -361,21 +361,21 @@ TEST_F(PresenceTrackTest, AnAdoptedRobotThatIsHeardHereIsOnline) {
   EXPECT_EQ(track_.presence(), Presence::kOnline);
 }
 
-TEST_F(PresenceTrackTest, SilenceInDoubtCountsOnceThePeerAnsweredAfterIt) {
+TEST_F(PresenceTrackTest, SilenceCountsOnceThePeerAnsweredAfterIt) {
   Sign();
   clock_.Advance(limits_.timeout - milliseconds(1));
-  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_)) << "it is not silent yet";
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_)) << "it is not silent yet";
   track_.NotePeerAnswered(clock_.Steady(), limits_);
   clock_.Advance(milliseconds(1));
-  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_)) << "that answer came too early";
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_)) << "that answer came too early";
   EXPECT_EQ(Sweep(), Presence::kOnline);
   for (int i = 0; i < 60; ++i) {
     clock_.Advance(std::chrono::seconds(1));
-    EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+    EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
     EXPECT_EQ(Sweep(), Presence::kUnknown);
   }
   track_.NotePeerAnswered(clock_.Steady(), limits_);
-  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   EXPECT_EQ(Sweep(), Presence::kOffline);
   EXPECT_THAT(changes_, SizeIs(3));
 }
@@ -383,33 +383,53 @@ TEST_F(PresenceTrackTest, SilenceInDoubtCountsOnceThePeerAnsweredAfterIt) {
 TEST_F(PresenceTrackTest, AnAnswerAtTheTimeoutIsEvidenceOfThatSilenceAlone) {
   Sign();
   clock_.Advance(limits_.timeout);
-  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   track_.NotePeerAnswered(clock_.Steady(), limits_);
   clock_.Advance(milliseconds(1));
-  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   EXPECT_EQ(Sweep(), Presence::kOffline);
   Sign();
   clock_.Advance(limits_.timeout + milliseconds(1));
-  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   EXPECT_EQ(Sweep(), Presence::kUnknown);
+}
+
+TEST_F(PresenceTrackTest, AnAnswerProvesNoSilenceFromBeforeItsStream) {
+  Sign();
+  clock_.Advance(limits_.timeout + std::chrono::seconds(5));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  // It comes back from a server that is cut off, and heard it until now.
+  track_.BeginStream(clock_.Steady());
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  clock_.Advance(limits_.timeout - milliseconds(1));
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_)) << "an answer is of no use yet";
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  clock_.Advance(milliseconds(1));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kUnknown);
+  track_.NotePeerAnswered(clock_.Steady(), limits_);
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_));
+  EXPECT_EQ(Sweep(), Presence::kOffline);
 }
 
 TEST_F(PresenceTrackTest, AnAnswerWhileItsStreamWasNotReadIsNoEvidenceOfTheSilenceAfter) {
   Sign();
   track_.SetReading(PresenceTrack::Reading::kHeldBack, clock_.Steady());
   clock_.Advance(std::chrono::minutes(10));
-  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_)) << "its silence is ours";
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_)) << "its silence is ours";
   track_.NotePeerAnswered(clock_.Steady(), limits_);
   track_.SetReading(PresenceTrack::Reading::kFlowing, clock_.Steady());
   clock_.Advance(limits_.timeout + milliseconds(1));
-  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   EXPECT_EQ(Sweep(), Presence::kUnknown);
 }
 
 TEST_F(PresenceTrackTest, WhatWasInDoubtHasATimeoutToBeToldElsewhere) {
   Sign();
   clock_.Advance(limits_.timeout + milliseconds(1));
-  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   clock_.Advance(limits_.timeout);
   EXPECT_EQ(Sweep(), Presence::kUnknown);
   clock_.Advance(milliseconds(1));
@@ -420,9 +440,9 @@ TEST_F(PresenceTrackTest, WhoNeverSpokeOnItsStreamIsInDoubtATimeoutAfterItCame) 
   clock_.Advance(limits_.startup_grace);
   track_.Claim({Presence::kUnknown, clock_.System()}, clock_.Steady());
   clock_.Advance(limits_.timeout - milliseconds(1));
-  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   clock_.Advance(milliseconds(2));
-  EXPECT_TRUE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_TRUE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   EXPECT_EQ(Sweep(), Presence::kUnknown);
 }
 
@@ -433,7 +453,7 @@ TEST_F(PresenceTrackTest, WhatAnotherJudgesIsNotJudgedHere) {
   EXPECT_EQ(Sweep(), Presence::kUnknown);
   EXPECT_EQ(Sign(), PresenceTrack::Sign::kOlder);
   track_.AddStall(clock_.Steady());
-  EXPECT_FALSE(track_.DoubtSilence(clock_.Steady(), limits_));
+  EXPECT_FALSE(track_.AskBeforeOffline(clock_.Steady(), limits_));
   EXPECT_EQ(track_.presence(), Presence::kUnknown);
   EXPECT_FALSE(track_.last_sign());
 }
