@@ -72,15 +72,18 @@ void LeaseJudge::NoteSign(const storage::ProcessId& process) {
 void LeaseJudge::NoteWritten(const storage::ProcessId& process, SystemTime at) {
   const auto known = known_.find(process);
   if (known == known_.end()) return;
-  std::optional<SystemTime>& written = known->second.written;
-  if (written && at > *written) NoteSign(process);
-  written = std::max(at, written.value_or(at));
+  const std::optional<SystemTime>& before = known->second.written_before;
+  if (before && at > *before) NoteSign(process);
+  known->second.written = std::max(at, known->second.written.value_or(at));
 }
 
-void LeaseJudge::ForgetUnasked() {
+void LeaseJudge::EndList() {
   std::erase_if(known_,
                 [](const auto& entry) { return !entry.second.lease && !entry.second.asked; });
-  for (auto& [process, known] : known_) known.asked = false;
+  for (auto& [process, known] : known_) {
+    known.asked = false;
+    known.written_before = known.written;
+  }
 }
 
 void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {

@@ -71,11 +71,12 @@ class LeaseJudge final {
   /// The process wrote to the store since the last look, or opened a stream: it lives, though its
   /// lease may not show it.
   void NoteSign(const storage::ProcessId& process);
-  /// A robot of the process was written at this time: a sign, if it is the latest that was noted.
+  /// A robot of the process was written at this time: a sign, if that is later than all of it that
+  /// lists showed before. The first list of it shows none, however long ago it was written.
   void NoteWritten(const storage::ProcessId& process, SystemTime at);
-  /// Forgets processes without a lease that were not asked for since the last call: they hold no
-  /// robot.
-  void ForgetUnasked();
+  /// A list of all robots that others hold ends. Forgets processes without a lease that were not
+  /// asked for since the last call: they hold no robot.
+  void EndList();
 
   struct Verdict {
     Over over = Over::kNo;
@@ -109,9 +110,10 @@ class LeaseJudge final {
     bool left_before = false;
     /// It was silent for its time, and nothing came since.
     bool was_silent = false;
-    /// The latest write of its robots that was noted.
+    /// The latest write of its robots in lists that have ended, and in all.
+    std::optional<SystemTime> written_before;
     std::optional<SystemTime> written;
-    /// It was asked for since ForgetUnasked.
+    /// It was asked for since EndList.
     bool asked = false;
   };
   void Update(Known& known, const storage::Lease& lease) const;

@@ -102,7 +102,7 @@ absl::Status LeaseRounds::FollowRobots() {
     if (context_.clock.Steady() - looked_ < kLookEvery) continue;
     if (absl::Status looked = LookAtLeases(); !looked.ok()) return looked;
   }
-  judge_.ForgetUnasked();
+  judge_.EndList();
   LogEnded(listed);
   TakeUnlisted(listed);
   return absl::OkStatus();

@@ -74,6 +74,7 @@ TEST_F(LeaseJudgeTest, WhoWritesLivesThoughItsCounterStands) {
   Look({LeaseOf(kOther, 5)});
   for (int i = 0; i < 30; ++i) {
     judge_.NoteWritten(kOther, FromUnixMs(i));
+    judge_.EndList();
     LookOn({LeaseOf(kOther, 5)}, kLookEvery);
     EXPECT_EQ(Other(), Over::kNo) << i;
   }
@@ -241,6 +242,24 @@ TEST_F(LeaseJudgeTest, HowLongALeaseStoodBeforeIsAskedOfTheStore) {
   lease.renewed_ago = kCutOffMax + seconds(1);
   Look({lease});
   EXPECT_TRUE(judge_.Late().empty()) << "it was over before this process came";
+}
+
+TEST_F(LeaseJudgeTest, TheFirstListOfItsRobotsIsNoSignOfIt) {
+  storage::Lease lease = LeaseOf(kOther, 5);
+  lease.renewed_ago = kCutOffMax + seconds(1);
+  Look({lease});
+  judge_.NoteWritten(kOther, FromUnixMs(1));
+  judge_.NoteWritten(kOther, FromUnixMs(2));
+  clock_.Advance(kLateAfter);
+  Look({lease});
+  EXPECT_TRUE(judge_.Late().empty()) << "two robots of who was over before are no news";
+  judge_.EndList();
+  judge_.NoteWritten(kOther, FromUnixMs(2));
+  EXPECT_TRUE(judge_.Late().empty());
+  judge_.NoteWritten(kOther, FromUnixMs(3));
+  clock_.Advance(kLateAfter);
+  Look({lease});
+  EXPECT_EQ(judge_.Late().size(), 1U) << "it wrote since";
 }
 
 TEST_F(LeaseJudgeTest, IsBlindWhileItCannotLookAndNotForEver) {
