@@ -20,8 +20,8 @@ void RejectMemory::Remember(RejectedSeq rejected) {
 }
 
 void RejectMemory::RememberLive(RejectedSeq limited) {
-  limited_.push_back(std::move(limited));
-  if (limited_.size() > kRejectsRememberedMax) limited_.pop_front();
+  live_limited_.push_back(std::move(limited));
+  if (live_limited_.size() > kRejectsRememberedMax) live_limited_.pop_front();
 }
 
 void RejectMemory::AddUntold(RejectedSeq rejected) {
@@ -45,7 +45,7 @@ std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
     Remember(std::move(rejected));
   }
   unconfirmed_ = known.size();
-  for (const RejectedSeq& limited : limited_) add(limited);
+  for (const RejectedSeq& limited : live_limited_) add(limited);
   std::vector<RejectedSeq> again;
   again.reserve(known.size());
   for (auto& [seq, rejected] : known) again.push_back(std::move(rejected));

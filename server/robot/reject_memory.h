@@ -78,7 +78,7 @@ class RejectMemory final {
   /// Ascending.
   std::deque<RejectedSeq> remembered_;
   /// Live ones that were limited, ascending.
-  std::deque<RejectedSeq> limited_;
+  std::deque<RejectedSeq> live_limited_;
   /// The highest number that had to leave, or that is kept by the store alone; 0: none.
   model::Seq left_through_ = 0;
   std::optional<model::Seq> told_through_;

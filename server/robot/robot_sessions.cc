@@ -6,7 +6,6 @@
 #include "server/robot/limits.h"
 #include "server/robot/mutation.h"
 #include "server/robot/outcome.h"
-#include "server/robot/session_view.h"
 #include "storage/types.h"
 
 namespace uplink::robot {

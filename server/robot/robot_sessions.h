@@ -27,6 +27,7 @@
 #include "server/robot/rejected_seq.h"
 #include "server/robot/resends.h"
 #include "server/robot/session_table.h"
+#include "server/robot/session_view.h"
 #include "server/robot/takeover.h"
 #include "server/robot/wake.h"
 #include "storage/latest_kind.h"
@@ -40,22 +41,6 @@ struct Newcomer {
   std::optional<std::uint64_t> number = {};
   /// Through which gateway it came; empty: the robot speaks by itself.
   std::string gateway = {};
-};
-
-/// For views: the session of the robot's stream, or of its last one.
-struct SessionView {
-  bool connected = false;
-  SystemTime connected_since;
-  std::optional<model::SessionId> session;
-  model::Seq settled_seq = 0;
-  std::uint64_t missing = 0;
-  /// Through which gateway the robot's stream came; empty: by itself, or there is none.
-  std::string gateway = {};
-  /// More than kTakeoversPerMinuteMax takeovers in the last minute.
-  bool contested = false;
-  /// Why the robot's stream is not read now, and since when it is not.
-  HeldBack held_back = HeldBack::kNone;
-  SystemTime held_back_since;
 };
 
 /// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of

@@ -1,15 +1,33 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
 
+#include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "server/robot/held_back.h"
-#include "server/robot/robot_sessions.h"
 #include "server/robot/session_table.h"
 #include "server/robot/takeover.h"
 #include "storage/live_row.h"
 
 namespace uplink::robot {
+
+/// For views: the session of the robot's stream, or of its last one.
+struct SessionView {
+  bool connected = false;
+  SystemTime connected_since;
+  std::optional<model::SessionId> session;
+  model::Seq settled_seq = 0;
+  std::uint64_t missing = 0;
+  /// Through which gateway the robot's stream came; empty: by itself, or there is none.
+  std::string gateway = {};
+  /// More than kTakeoversPerMinuteMax takeovers in the last minute.
+  bool contested = false;
+  /// Why the robot's stream is not read now, and since when it is not.
+  HeldBack held_back = HeldBack::kNone;
+  SystemTime held_back_since;
+};
 
 /// What a view shows of a robot's stream; of its session nothing yet. Confined to the owner's lock
 /// of both.
