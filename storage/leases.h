@@ -65,6 +65,9 @@ class Leases {
  public:
   virtual ~Leases() = default;
 
+  /// As Store::ServerRun.
+  [[nodiscard]] virtual std::string ServerRun() const { return {}; }
+
   /// Raises the counter of this process's lease, which is made if it is not there. One that was
   /// released stays so: a renewal that comes late undoes nothing.
   [[nodiscard]] virtual absl::Status Renew(const ProcessCard& card) = 0;

@@ -128,6 +128,10 @@ class Store {
   /// failed are to be compared anew.
   [[nodiscard]] virtual absl::StatusOr<std::vector<FoundRobot>> Compare(
       std::span<const ToldRobot> robots) = 0;
+  /// Names the run of the server, and the database, that answered last: what is connected to anew
+  /// and has the same name has all that it told. Empty before a server was connected to, and for a
+  /// store that cannot tell.
+  [[nodiscard]] virtual std::string ServerRun() const { return {}; }
   /// All that the caller knows was compared by calls that did not fail, and what differed is void.
   virtual void EndDoubt() {}
 };

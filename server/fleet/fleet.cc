@@ -246,7 +246,7 @@ void Fleet::NoteTwinsUnheard() {
   }
 }
 
-void Fleet::NoteStoreReconnected() {
+void Fleet::NoteStoreReplaced() {
   const SteadyTime now = clock_.Steady();
   for (const RobotPtr& robot : All()) robot->state.NoteStall(now);
 }

@@ -152,9 +152,10 @@ class Fleet final {
   /// The broker through which twins are heard was not heard until now, for so short a time maybe
   /// that no sweep was told: the silence of none of them until now counts.
   void NoteTwinsUnheard();
-  /// The store was connected to anew. If it went back, it may name this process as the holder of a
-  /// robot that another one has heard since: the silence of no robot until now counts.
-  void NoteStoreReconnected();
+  /// The store may be another one from now on, which lacks the last commits: it may name this
+  /// process as the holder of a robot that another one has heard since. The silence of no robot
+  /// until now counts.
+  void NoteStoreReplaced();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }
   /// How long before the last sweep the one before it was, suspends of the machine included; zero

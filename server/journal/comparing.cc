@@ -13,16 +13,26 @@ namespace uplink::journal {
 using robot::Mutation;
 using robot::Planted;
 
-bool Comparing::due() const { return context_.store.InDoubt(); }
+bool Comparing::Due() {
+  if (context_.store.InDoubt()) return true;
+  if (server_run_.empty()) server_run_ = context_.store.ServerRun();
+  return false;
+}
 
 std::optional<Step> Comparing::Do() {
   const absl::Status compared = CompareAll();
   context_.errors.NoteCompare(compared);
   if (!compared.ok()) return Step::kFailed;
   // First: whoever remembers more than robots reads that again before a commit can be told.
-  context_.store_reconnected();
+  context_.store_reconnected(ConnectedTo());
   context_.store.EndDoubt();
   return std::nullopt;
+}
+
+Reconnected Comparing::ConnectedTo() {
+  const std::string before = std::exchange(server_run_, context_.store.ServerRun());
+  const bool same = !server_run_.empty() && server_run_ == before;
+  return same ? Reconnected::kSameServer : Reconnected::kMayHaveGoneBack;
 }
 
 absl::Status Comparing::CompareAll() {

@@ -25,16 +25,20 @@ class Comparing final {
   Comparing(const WriterContext& context, Holds& holds) : context_(context), holds_(holds) {}
 
   /// Whether there is something to compare: what was taken from the inbox goes back first.
-  [[nodiscard]] bool due() const;
+  [[nodiscard]] bool Due();
   /// Compares all. kFailed where the store failed; nothing once it is done.
   [[nodiscard]] std::optional<Step> Do();
 
  private:
   absl::Status CompareAll();
   void Follow(const storage::ToldRobot& told, const storage::FoundRobot& found);
+  /// To what the store is connected, after it was to something else.
+  [[nodiscard]] Reconnected ConnectedTo();
 
   const WriterContext context_;
   Holds& holds_;
+  /// storage::Store::ServerRun of the server that told what is compared.
+  std::string server_run_;
 };
 
 }  // namespace uplink::journal

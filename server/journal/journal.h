@@ -16,6 +16,7 @@
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
+#include "server/journal/reconnected.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/writer_inbox.h"
 #include "server/robot/commit_client.h"
@@ -90,7 +91,9 @@ class Journal final {
   void OnSpatial(std::function<void()> told) { spatial_committed_ = std::move(told); }
   /// `told` is called each time that the store was connected to anew and compared, before anything
   /// more is committed, on the writer's thread: short.
-  void OnReconnected(std::function<void()> told) { store_reconnected_ = std::move(told); }
+  void OnReconnected(std::function<void(Reconnected)> told) {
+    store_reconnected_ = std::move(told);
+  }
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -130,7 +133,7 @@ class Journal final {
   /// CheckpointFrom gave it live states to checkpoint.
   bool checkpoints_ = false;
   std::function<void()> spatial_committed_ = [] {};
-  std::function<void()> store_reconnected_ = [] {};
+  std::function<void(Reconnected)> store_reconnected_ = [](Reconnected) {};
   const std::unique_ptr<Turns> turns_;
 };
 

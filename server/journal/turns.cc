@@ -37,7 +37,7 @@ Step Turns::Advance() {
     committing_.Tell();
     return Step::kWorked;
   }
-  if (comparing_.due()) {
+  if (comparing_.Due()) {
     // It is gathered anew afterwards: of what it holds some may be void by then.
     committing_.PutBack();
     if (const std::optional<Step> failed = comparing_.Do()) return *failed;

@@ -7,6 +7,7 @@
 #include "server/journal/duty_error.h"
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
+#include "server/journal/reconnected.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/writer_inbox.h"
 
@@ -30,7 +31,7 @@ struct WriterContext {
   /// Journal::OnSpatial.
   const std::function<void()>& spatial_committed;
   /// Journal::OnReconnected.
-  const std::function<void()>& store_reconnected;
+  const std::function<void(Reconnected)>& store_reconnected;
 };
 
 }  // namespace uplink::journal

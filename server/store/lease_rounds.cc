@@ -26,7 +26,11 @@ void LeaseRounds::SetPort(std::uint16_t port) {
 
 void LeaseRounds::Round() {
   if (leases_ == nullptr) return;
-  const absl::Status looked = Look();
+  const SteadyTime began = context_.clock.Steady();
+  absl::Status looked = Look();
+  // Its connection may only have ended since the last look. A new one shows at once what that one
+  // would have shown, so that this is no time in which nothing was seen.
+  if (!looked.ok() && context_.clock.Steady() - began < kLookEvery) looked = Look();
   if (!looked.ok()) judge_.NoteFailure(context_.clock.Steady());
   if (looked.ok()) NoteVerdicts();
   NoteOutcome(looked);
@@ -80,9 +84,15 @@ absl::Status LeaseRounds::LookAtLeases() {
   if (!leases.ok()) return leases.status();
   // When the answer is here: what took long to come is older than it looks, and never younger.
   looked_ = context_.clock.Steady();
+  FollowServer();
   judge_.NoteLook(looked_, *leases);
   context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));
   return absl::OkStatus();
+}
+
+void LeaseRounds::FollowServer() {
+  const std::string before = std::exchange(server_run_, leases_->ServerRun());
+  if (!before.empty() && before != server_run_) context_.fleet.NoteStoreReplaced();
 }
 
 absl::Status LeaseRounds::FollowRobots() {

@@ -103,6 +103,8 @@ class LeaseRounds final {
   };
 
   absl::Status Look();
+  /// The fleet is told where the leases are those of another server than at the last look.
+  void FollowServer();
   absl::Status LookAtLeases();
   absl::Status FollowRobots();
   /// Null if it is not to be shown.
@@ -126,6 +128,8 @@ class LeaseRounds final {
   LeaseJudge judge_;
   std::optional<SteadyTime> renewed_;
   SteadyTime looked_;
+  /// storage::Leases::ServerRun of the last look.
+  std::string server_run_;
   /// Processes that were over and had robots in the last round: each is a line of the log once.
   std::set<storage::ProcessId> over_;
   /// Processes that were late in the last round: each is a line of the log once.

@@ -17,10 +17,11 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
         *stores[shard], limits, context.clock, context.ledgers.NewPage(), context.probe,
         journal::PresenceSessionOf(context.process, shard)));
     journals.back()->OnSpatial(context.spatial_committed);
-    journals.back()->OnReconnected([&fleet = context.fleet, told = context.store_reconnected] {
-      fleet.NoteStoreReconnected();
-      told();
-    });
+    journals.back()->OnReconnected(
+        [&fleet = context.fleet, told = context.store_reconnected](journal::Reconnected to) {
+          if (to == journal::Reconnected::kMayHaveGoneBack) fleet.NoteStoreReplaced();
+          told();
+        });
   }
   return journals;
 }

@@ -60,6 +60,8 @@ absl::StatusOr<std::unique_ptr<PostgresLeases>> PostgresLeases::Make(const Store
       std::make_unique<Impl>(Impl{options.process, *std::move(connection), false})));
 }
 
+std::string PostgresLeases::ServerRun() const { return impl_->connection->server_run(); }
+
 absl::Status PostgresLeases::Renew(const ProcessCard& card) {
   StoreCall renew{kRenew, {}};
   renew.parameters.Uuid(model::SessionId(impl_->process));

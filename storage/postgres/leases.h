@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,6 +27,7 @@ class PostgresLeases final : public Leases {
   PostgresLeases(const PostgresLeases&) = delete;
   PostgresLeases& operator=(const PostgresLeases&) = delete;
 
+  [[nodiscard]] std::string ServerRun() const override;
   [[nodiscard]] absl::Status Renew(const ProcessCard& card) override;
   [[nodiscard]] absl::Status Release() override;
   [[nodiscard]] absl::StatusOr<std::vector<Lease>> Read() override;

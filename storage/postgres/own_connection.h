@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,6 +37,8 @@ class OwnConnection final {
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
                                                          std::string_view doing);
 
+  /// Store::ServerRun.
+  [[nodiscard]] const std::string& server_run() const { return link_.facts().run; }
   /// Link::connections.
   [[nodiscard]] std::uint64_t connections() const { return link_.connections(); }
 

@@ -181,6 +181,8 @@ absl::StatusOr<std::vector<FoundRobot>> PostgresStore::Compare(std::span<const T
   return CompareAll(**connection, robots, impl_->options.process);
 }
 
+std::string PostgresStore::ServerRun() const { return impl_->link.facts().run; }
+
 void PostgresStore::EndDoubt() { impl_->trusted = impl_->link.connections(); }
 
 }  // namespace uplink::storage::postgres

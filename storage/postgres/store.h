@@ -72,6 +72,7 @@ class PostgresStore final : public Store {
   [[nodiscard]] bool InDoubt() const override;
   [[nodiscard]] absl::StatusOr<std::vector<FoundRobot>> Compare(
       std::span<const ToldRobot> robots) override;
+  [[nodiscard]] std::string ServerRun() const override;
   void EndDoubt() override;
 
   /// Of Open: why the server could not be reached; OK if it could.

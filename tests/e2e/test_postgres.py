@@ -1,12 +1,23 @@
 """uplinkd and uplinkctl on a PostgreSQL cluster of their own."""
 
 import os
+import time
 import unittest
 import urllib.request
 
 from harness import BIN, Cluster, EndToEnd, Fleet, Server, mismatches, run, uplinkctl, wait_until
 
 KILLS = 3
+# Robots that die while sessions with the database end so often, and how long the row with their offline may
+# take then: presence.timeout (10 s), the sweep after it (1 s), a commit that is tried again, and a busy machine.
+DEAD = 3
+SESSION_SECONDS = 2
+OFFLINE_SECONDS = 18
+# By the number in the table.
+ONLINE, OFFLINE = 1, 2
+END_SESSIONS = (
+    "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE application_name LIKE 'uplinkd%'"
+)
 
 
 class Schema(EndToEnd):
@@ -133,6 +144,33 @@ class Crashes(EndToEnd):
             " GROUP BY ruri, session, seq HAVING count(*) > 1) AS d"
         )
         self.assertEqual(doubled, "0")
+
+    def test_sessions_that_end_every_two_seconds_keep_no_dead_robot_from_offline(self):
+        cluster = Cluster(self.folder).create().migrate()
+        self.open_things.append(cluster)
+        server = Server(self.folder, store_url=cluster.url("uplinkd")).start()
+        self.open_things.append(server)
+        fleet = Fleet(server, "--robots", DEAD, "--pace", "2")
+        self.open_things.append(fleet)
+
+        def stored(presence):
+            return int(cluster.sql(f"SELECT count(*) FROM uplinkd.presence_latest WHERE presence = {presence}"))
+
+        wait_until(server.process, lambda: stored(ONLINE) == DEAD, 60, "the robots are online")
+        fleet.process.kill()
+        died = ended = time.monotonic()
+        sessions = 0
+
+        def all_are_offline():
+            nonlocal ended, sessions
+            if time.monotonic() - ended > SESSION_SECONDS:
+                ended = time.monotonic()
+                sessions += int(cluster.sql(END_SESSIONS, "postgres"))
+            return stored(OFFLINE) == DEAD
+
+        wait_until(server.process, all_are_offline, 60, "the dead robots are offline")
+        self.assertLess(time.monotonic() - died, OFFLINE_SECONDS)
+        self.assertGreater(sessions, 4, "those of writers and of the lease, again and again")
 
 
 if __name__ == "__main__":

@@ -45,7 +45,9 @@ HoldersProcess::HoldersProcess(const Ground& ground)
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);
-  journal_.OnReconnected([this] { fleet_.NoteStoreReconnected(); });
+  journal_.OnReconnected([this](journal::Reconnected to) {
+    if (to == journal::Reconnected::kMayHaveGoneBack) fleet_.NoteStoreReplaced();
+  });
 }
 
 HoldersStore::Context HoldersProcess::ContextOfStore() {

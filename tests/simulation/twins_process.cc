@@ -32,7 +32,7 @@ TwinsProcess::TwinsProcess(const Ground& ground)
       fleet_(ground_.clock, 100, {}),
       broker_(ContextOf()) {
   broker_.SetLease(*this);
-  journal_.OnReconnected([this] {
+  journal_.OnReconnected([this](journal::Reconnected) {
     posted_.push_back([this] {
       ground_.in_doubt();
       broker_.Reread();

@@ -172,6 +172,8 @@ class FakeDatabase final {
   /// All rows, leases and sequences become those of another database: of a standby that takes over
   /// without the last commits, or of a copy that is put aside for that.
   void CopyRowsOf(const FakeDatabase& other);
+  /// Store::ServerRun: another one after each CopyRowsOf.
+  [[nodiscard]] std::string ServerRun() const;
   void EraseLatest(std::string_view ruri, storage::LatestKind kind) {
     const std::lock_guard lock(mutex_);
     kinds_.EraseLatest(std::string(ruri), kind);
@@ -299,6 +301,7 @@ class FakeDatabase final {
   std::uint64_t transactions_ = 0;
   storage::Epoch epochs_ = 0;
   bool epochs_in_each_row_ = false;
+  std::uint64_t server_runs_ = 1;
   bool holds_by_owner_alone_ = false;
 };
 

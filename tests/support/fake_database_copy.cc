@@ -1,4 +1,5 @@
 #include <mutex>
+#include <string>
 
 #include "tests/support/fake_database.h"
 
@@ -32,6 +33,12 @@ void FakeDatabase::CopyRowsOf(const FakeDatabase& other) {
   transactions_ = other.transactions_;
   epochs_ = other.epochs_;
   epochs_in_each_row_ = other.epochs_in_each_row_;
+  ++server_runs_;
+}
+
+std::string FakeDatabase::ServerRun() const {
+  const std::lock_guard lock(mutex_);
+  return std::to_string(server_runs_);
 }
 
 }  // namespace uplink::testing

@@ -55,6 +55,7 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] bool InDoubt() const override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::FoundRobot>> Compare(
       std::span<const storage::ToldRobot> robots) override;
+  [[nodiscard]] std::string ServerRun() const override { return database_.ServerRun(); }
   void EndDoubt() override;
 
   // storage::Reader

@@ -13,7 +13,9 @@ namespace {
 constexpr std::string_view kAsk =
     "SELECT current_setting('server_version_num')::bigint, current_setting('fsync') = 'off',"
     " current_setting('transaction_read_only') = 'on', pg_is_in_recovery(), clock_timestamp(),"
-    " current_setting('server_encoding') = 'UTF8'";
+    " current_setting('server_encoding') = 'UTF8',"
+    " (extract(epoch FROM pg_postmaster_start_time()) * 1000000)::bigint::text || '.' ||"
+    " (SELECT oid FROM pg_database WHERE datname = current_database())::text";
 
 constexpr std::string_view kRaiseSequences = "SELECT uplinkd.raise_sequences()";
 constexpr std::string_view kMakeToday =
@@ -57,6 +59,7 @@ absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock
   facts.standby = row.Bool(0, 3);
   facts.clock_offset = row.Time(0, 4) - clock.System();
   facts.utf8 = row.Bool(0, 5);
+  facts.run = std::string(row.Bytes(0, 6));
   return facts;
 }
 

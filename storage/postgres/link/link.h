@@ -27,6 +27,9 @@ struct ServerFacts {
   bool utf8 = true;
   /// The server's clock less ours.
   milliseconds clock_offset{0};
+  /// Store::ServerRun: when its postmaster started, and the number of the database. A standby that
+  /// takes over, a server that was started anew and a database that was restored have another one.
+  std::string run;
 };
 
 [[nodiscard]] absl::StatusOr<ServerFacts> AskServer(Connection& connection, const Clock& clock);

@@ -91,6 +91,21 @@ TEST_F(PostgresWentBackTest, NothingIsCommittedOverANewConnectionBeforeItWasComp
   EXPECT_TRUE(Commit(*store, 5, held).ok());
 }
 
+TEST_F(PostgresWentBackTest, AServerIsKnownAgainAndAnotherDatabaseIsNot) {
+  const auto store = Store();
+  const std::string run = store->ServerRun();
+  EXPECT_FALSE(run.empty());
+  const Epoch held = Open(*store).held_since;
+  EndSessions();
+  EXPECT_FALSE(Commit(*store, 5, held).ok());
+  ASSERT_TRUE(store->Compare({}).ok());
+  EXPECT_EQ(store->ServerRun(), run) << "its sessions had ended";
+  const PostgresDatabase restored;
+  StoreOptions options;
+  options.url = restored.url();
+  EXPECT_NE((*PostgresStore::Open(std::move(options), clock_))->ServerRun(), run);
+}
+
 TEST_F(PostgresWentBackTest, AConnectionThatBreaksAgainIsInDoubtAgain) {
   const auto store = Store();
   const Epoch held = Open(*store).held_since;

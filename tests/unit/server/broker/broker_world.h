@@ -49,7 +49,8 @@ class BrokerWorld : public ::testing::Test {
   BrokerWorld() {
     broker_.SetLease(lease_);
     for (journal::Journal* journal : shards_.all()) {
-      journal->OnReconnected([this] { posted_.emplace_back([this] { broker_.Reread(); }); });
+      journal->OnReconnected(
+          [this](journal::Reconnected) { posted_.emplace_back([this] { broker_.Reread(); }); });
     }
   }
 

@@ -278,7 +278,7 @@ TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
   EXPECT_EQ(waiting.state.presence(), robot::Presence::kOffline);
 }
 
-TEST_F(FleetTest, SilenceBeforeTheStoreWasConnectedToAnewMakesNobodyOffline) {
+TEST_F(FleetTest, SilenceBeforeTheStoreWasReplacedMakesNobodyOffline) {
   Fleet fleet(clock_, 100, {});
   const robot::PresenceLimits& limits = fleet.presence_limits();
   robot::Robot& robot = Admit(fleet, "rcan://a");
@@ -291,7 +291,7 @@ TEST_F(FleetTest, SilenceBeforeTheStoreWasConnectedToAnewMakesNobodyOffline) {
   };
   fleet.Sweep(kIdle);
   sweep(limits.timeout);
-  fleet.NoteStoreReconnected();
+  fleet.NoteStoreReplaced();
   sweep(limits.timeout);
   EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown) << "a timeout to be heard";
   sweep(milliseconds(1));

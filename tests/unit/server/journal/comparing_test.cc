@@ -37,14 +37,31 @@ class ComparingTest : public ::testing::Test, protected StepBench {
 };
 
 TEST_F(ComparingTest, IsDueOnceTheConnectionBroke) {
-  EXPECT_FALSE(comparing_.due());
+  EXPECT_FALSE(comparing_.Due());
   store.Break();
-  EXPECT_TRUE(comparing_.due());
+  EXPECT_TRUE(comparing_.Due());
   EXPECT_FALSE(store.Commit({}).ok()) << "nothing else is asked of it before";
   Compare();
-  EXPECT_FALSE(comparing_.due());
+  EXPECT_FALSE(comparing_.Due());
   EXPECT_TRUE(store.Commit({}).ok());
-  EXPECT_EQ(reconnects, 1);
+  EXPECT_THAT(reconnects, ElementsAre(Reconnected::kSameServer));
+}
+
+TEST_F(ComparingTest, TellsWhetherTheServerIsTheOneThatToldWhatIsCompared) {
+  EXPECT_FALSE(comparing_.Due());
+  store.Break();
+  Compare();
+  testing::FakeDatabase standby;
+  standby.CopyRowsOf(database);
+  database.CopyRowsOf(standby);
+  store.Break();
+  store.FailNext(1, FailAt::kAfter);
+  EXPECT_EQ(comparing_.Do(), Step::kFailed) << "and tells nothing of that one";
+  Compare();
+  store.Break();
+  Compare();
+  EXPECT_THAT(reconnects, ElementsAre(Reconnected::kSameServer, Reconnected::kMayHaveGoneBack,
+                                      Reconnected::kSameServer));
 }
 
 TEST_F(ComparingTest, WhatIsAsItWasToldGoesOn) {
@@ -126,9 +143,9 @@ TEST_F(ComparingTest, AStoreThatIsAwayIsAskedAgain) {
   store.Break();
   store.FailNext(1, FailAt::kBefore);
   EXPECT_EQ(comparing_.Do(), Step::kFailed);
-  EXPECT_TRUE(comparing_.due());
+  EXPECT_TRUE(comparing_.Due());
   EXPECT_FALSE(errors.last().ok());
-  EXPECT_EQ(reconnects, 0);
+  EXPECT_THAT(reconnects, IsEmpty());
   Compare();
   EXPECT_THAT(robot_.Told(), ElementsAre("went back"));
 }
@@ -143,8 +160,8 @@ TEST_F(ComparingTest, AConnectionThatBreaksBetweenTwoPagesBeginsTheComparisonAne
   store.BreakAtCompare(3);
   EXPECT_EQ(comparing_.Do(), Step::kFailed);
   EXPECT_THAT(robot_.Told(), IsEmpty());
-  EXPECT_TRUE(comparing_.due());
-  EXPECT_EQ(reconnects, 0);
+  EXPECT_TRUE(comparing_.Due());
+  EXPECT_THAT(reconnects, IsEmpty());
   // The next store has less of all of them, whichever page they were on.
   robot_.SetCommitted(Through(4));
   many.front().SetCommitted(Through(4));

@@ -144,7 +144,7 @@ TEST_F(JournalTest, ALostAnswerIsAskedForWithTheSameBatch) {
 TEST_F(JournalTest, AfterABrokenConnectionTheStoreIsComparedBeforeItsAnswerIsAskedFor) {
   JournalBench bench;
   int reconnects = 0;
-  bench.journal.OnReconnected([&] {
+  bench.journal.OnReconnected([&](Reconnected) {
     ++reconnects;
     EXPECT_THAT(robot_.Told(), IsEmpty()) << "nothing is told before";
   });

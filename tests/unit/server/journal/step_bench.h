@@ -88,9 +88,11 @@ struct StepBench {
   /// Commits that held shapes or objects, once they were told.
   int spatial_commits = 0;
   std::function<void()> spatial_committed = [this] { ++spatial_commits; };
-  /// How often the store was connected to anew, and compared.
-  int reconnects = 0;
-  std::function<void()> store_reconnected = [this] { ++reconnects; };
+  /// What was told each time that the store was connected to anew, and compared.
+  std::vector<Reconnected> reconnects;
+  std::function<void(Reconnected)> store_reconnected = [this](Reconnected to) {
+    reconnects.push_back(to);
+  };
   Holds holds{context()};
 };
 

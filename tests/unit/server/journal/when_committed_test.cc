@@ -31,7 +31,7 @@ class WhenCommittedTest : public ::testing::Test, protected JournalBench {
   };
 
   WhenCommittedTest() {
-    journal.OnReconnected([this] { told_.emplace_back("reconnected"); });
+    journal.OnReconnected([this](Reconnected) { told_.emplace_back("reconnected"); });
   }
   using JournalBench::Run;
   void Ask(std::uint64_t stream) { journal.WhenCommitted({.inbox = &inbox_, .stream = stream}); }

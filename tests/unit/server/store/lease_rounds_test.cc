@@ -237,6 +237,29 @@ TEST_F(LeaseRoundsTest, AListThatTakesLongKeepsTheLeasesInSight) {
       << "those that this process may show";
 }
 
+TEST_F(LeaseRoundsTest, AConnectionThatEndsBetweenAnyTwoLooksHidesNothing) {
+  OpenAtOther();
+  RenewOther();
+  for (milliseconds passed{0}; passed <= kSilentMax + kLookEvery; passed += kLookEvery) {
+    leases_->Break();
+    Pass(kLookEvery);
+  }
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late"), HasSubstr("process_over")));
+}
+
+TEST_F(LeaseRoundsTest, AnotherServerMayLackWhoHeardARobotSince) {
+  robot::Robot& robot = **fleet_.FindOrAdmit(*robot_);
+  robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  Pass(std::chrono::seconds(10));
+  testing::FakeDatabase standby;
+  standby.CopyRowsOf(database_);
+  database_.CopyRowsOf(standby);
+  Pass(std::chrono::seconds(10));
+  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown) << "a timeout to come back";
+  Pass(2 * kLookEvery);
+  EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);
+}
+
 TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
   OpenAtOther();
   RenewOther();

@@ -4,11 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "server/journal/turns.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_store.h"
 
@@ -59,25 +62,48 @@ TEST_F(WritersTest, EachJournalIsWrittenOnceTheyRun) {
   writers->Stop();
 }
 
-/// The fleet was told before the other part, so it was told.
-TEST_F(WritersTest, SilenceUntilAStoreWasConnectedToAnewCountsNot) {
-  robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://a", "f"});
-  const robot::PresenceLimits& limits = fleet_.presence_limits();
-  const SteadyTime long_ago = clock_.Steady() - limits.timeout - milliseconds(1);
-  robot.state.SignOfLife(long_ago, clock_.System(), limits);
-  std::atomic<bool> told{false};
-  Writers writers(stores_, {.clock = clock_,
-                            .ledgers = ledgers_,
-                            .probe = probe_,
-                            .fleet = fleet_,
-                            .random = [] { return std::uint64_t{0}; },
-                            .store_reconnected = [&told] { told = true; }});
-  for (const auto& store : stores_) static_cast<testing::FakeStore&>(*store).Break();
-  writers.Start();
-  EXPECT_TRUE(testing::Eventually([&told] { return told.load(); }));
-  fleet_.Sweep(std::chrono::hours(1));
-  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown);
-  writers.Stop();
+class WritersReconnect : public WritersTest {
+ protected:
+  WritersReconnect() {
+    const SteadyTime long_ago = clock_.Steady() - limits_.timeout - milliseconds(1);
+    robot_->state.SignOfLife(long_ago, clock_.System(), limits_);
+  }
+  /// What the robot is after each store was connected to anew. The fleet is told before the other
+  /// part, so it was told.
+  robot::Presence AfterReconnect(const std::function<void()>& meanwhile = [] {}) {
+    std::atomic<std::size_t> told{0};
+    Writers writers(stores_, {.clock = clock_,
+                              .ledgers = ledgers_,
+                              .probe = probe_,
+                              .fleet = fleet_,
+                              .random = [] { return std::uint64_t{0}; },
+                              .store_reconnected = [&told] { ++told; }});
+    for (journal::Journal* journal : writers.journals().all()) {
+      // It knows the server by then.
+      while (journal->turns().Advance() != journal::Step::kIdle) {
+      }
+    }
+    meanwhile();
+    for (const auto& store : stores_) static_cast<testing::FakeStore&>(*store).Break();
+    writers.Start();
+    EXPECT_TRUE(testing::Eventually([&told] { return told.load() == kStores; }));
+    writers.Stop();
+    fleet_.Sweep(std::chrono::hours(1));
+    return robot_->state.presence();
+  }
+
+  const robot::PresenceLimits& limits_ = fleet_.presence_limits();
+  const fleet::RobotPtr robot_ = *fleet_.FindOrAdmit({"rcan://a", "f"});
+};
+
+TEST_F(WritersReconnect, SilenceUntilAStoreWasReplacedCountsNot) {
+  testing::FakeDatabase standby;
+  standby.CopyRowsOf(database_);
+  EXPECT_EQ(AfterReconnect([&] { database_.CopyRowsOf(standby); }), robot::Presence::kUnknown);
+}
+
+TEST_F(WritersReconnect, SilenceCountsThoughSessionsWithTheSameServerEnded) {
+  EXPECT_EQ(AfterReconnect(), robot::Presence::kOffline);
 }
 
 TEST_F(WritersTest, StopWithoutAStartDoesNothing) { Make()->Stop(); }
