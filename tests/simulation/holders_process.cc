@@ -46,7 +46,8 @@ HoldersProcess::HoldersProcess(const Ground& ground)
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);
   journal_.OnReconnected([this](journal::Reconnected to) {
-    if (to == journal::Reconnected::kMayHaveGoneBack) fleet_.NoteStoreReplaced();
+    const bool excuses = ground_.fault == HoldersFault::kReconnectExcuses;
+    if (excuses || to == journal::Reconnected::kMayHaveGoneBack) fleet_.NoteStoreReplaced();
   });
 }
 

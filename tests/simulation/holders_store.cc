@@ -8,10 +8,16 @@ namespace uplink::simulation {
 HoldersStore::HoldersStore(Context context)
     : context_(std::move(context)), store_(context_.database, context_.process) {}
 
+bool HoldersStore::Reaches() {
+  if (!std::exchange(broken_, false)) return !away_;
+  store_.Break();
+  return false;
+}
+
 template <typename Call>
 auto HoldersStore::Pass(const Call& call) -> decltype(call()) {
   const absl::Status lost = absl::UnavailableError("the simulation said so");
-  if (away_) return lost;
+  if (!Reaches()) return lost;
   const bool fails = context_.random.Percent(lost_percent_);
   if (fails && context_.random.Percent(50)) return lost;
   auto answer = call();
@@ -80,14 +86,14 @@ absl::StatusOr<storage::Swept> HoldersStore::Sweep(SystemTime now) {
 }
 
 absl::StatusOr<std::size_t> HoldersStore::CloseRuns(SystemTime now) {
-  if (away_) return absl::UnavailableError("the line is cut");
+  if (!Reaches()) return absl::UnavailableError("the line is cut");
   return store_.CloseRuns(now);
 }
 
 std::size_t HoldersStore::TakeRunsClosed() { return store_.TakeRunsClosed(); }
 
 absl::StatusOr<storage::Trimmed> HoldersStore::TrimQuarantine(std::span<const std::string> ruris) {
-  if (away_) return absl::UnavailableError("the line is cut");
+  if (!Reaches()) return absl::UnavailableError("the line is cut");
   return store_.TrimQuarantine(ruris);
 }
 
@@ -112,10 +118,11 @@ void HoldersStore::EndDoubt() {
   context_.truth.NoteCompared(context_.process);
 }
 
-HoldersLeases::HoldersLeases(const HoldersStore& line, const HoldersStore::Context& context)
+HoldersLeases::HoldersLeases(HoldersStore& line, const HoldersStore::Context& context)
     : line_(line), context_(context), leases_(context_.database, context_.process) {}
 
 testing::FakeLeases& HoldersLeases::Now() {
+  if (line_.TakeLeaseBreak()) leases_.Break();
   leases_.SetAway(line_.away());
   return leases_;
 }

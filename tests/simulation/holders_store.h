@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "storage/leases.h"
@@ -46,6 +47,8 @@ enum class HoldersFault : std::uint8_t {
   kSuspendUnnoticed,
   /// A robot's epochs begin anew with its row.
   kEpochsInEachRow,
+  /// Silence before any new connection to the store counts not, whatever server that is of.
+  kReconnectExcuses,
 };
 
 /// The way of one process to the store: what is asked passes a planted fault, and answers can be
@@ -71,8 +74,10 @@ class HoldersStore final : public storage::Store {
   /// Every call fails until false.
   void SetAway(bool away) { away_ = away; }
   [[nodiscard]] bool away() const { return away_; }
-  /// The connection breaks: what the store has may be less than it told.
-  void Break() { store_.Break(); }
+  /// The connections of writer and lease end: the next call over each finds that, and what the
+  /// store has may be less than it told.
+  void Break() { broken_ = lease_broken_ = true; }
+  [[nodiscard]] bool TakeLeaseBreak() { return std::exchange(lease_broken_, false); }
   /// So many of a hundred calls fail, half of them after they were carried out.
   void SetLossy(std::uint32_t percent) { lost_percent_ = percent; }
   [[nodiscard]] storage::Reader& reader() { return store_; }
@@ -94,18 +99,23 @@ class HoldersStore final : public storage::Store {
   [[nodiscard]] bool InDoubt() const override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::FoundRobot>> Compare(
       std::span<const storage::ToldRobot> robots) override;
+  [[nodiscard]] std::string ServerRun() const override { return store_.ServerRun(); }
   void EndDoubt() override;
 
  private:
   /// Carries the call out, unless it is lost on its way; its answer may be.
   template <typename Call>
   auto Pass(const Call& call) -> decltype(call());
+  /// Whether a call comes through to the store.
+  [[nodiscard]] bool Reaches();
   /// HoldersFault::kAdoptedWithoutCompare: names the holders that the rows have by now.
   void TrustRows(std::vector<storage::AdoptRequest>& requests) const;
 
   const Context context_;
   testing::FakeStore store_;
   bool away_ = false;
+  bool broken_ = false;
+  bool lease_broken_ = false;
   std::uint32_t lost_percent_ = 0;
 };
 
@@ -113,8 +123,9 @@ class HoldersStore final : public storage::Store {
 class HoldersLeases final : public storage::Leases {
  public:
   /// Both outlive it.
-  HoldersLeases(const HoldersStore& line, const HoldersStore::Context& context);
+  HoldersLeases(HoldersStore& line, const HoldersStore::Context& context);
 
+  [[nodiscard]] std::string ServerRun() const override { return leases_.ServerRun(); }
   [[nodiscard]] absl::Status Renew(const storage::ProcessCard& card) override;
   [[nodiscard]] absl::Status Release() override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Lease>> Read() override;
@@ -125,7 +136,7 @@ class HoldersLeases final : public storage::Leases {
   /// As the way to the store is now.
   testing::FakeLeases& Now();
 
-  const HoldersStore& line_;
+  HoldersStore& line_;
   const HoldersStore::Context context_;
   testing::FakeLeases leases_;
   bool failed_ = false;

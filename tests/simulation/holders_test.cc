@@ -44,6 +44,7 @@ HoldersResult RunSeeds(std::uint64_t seeds, Trouble trouble) {
     sum.deletions += result.deletions;
     sum.suspends += result.suspends;
     sum.failovers += result.failovers;
+    sum.session_ends += result.session_ends;
   }
   return sum;
 }
@@ -62,7 +63,7 @@ TEST(Holders, RollingUpdatesChangeNobodysPresence) {
 }
 
 TEST(Holders, NobodyIsFalselyOfflineAndEverythingSettlesAfterAnyTrouble) {
-  constexpr std::uint64_t kSeeds = 200;
+  constexpr std::uint64_t kSeeds = 400;
   const HoldersResult sum = RunSeeds(kSeeds, Trouble::kAll);
   EXPECT_GT(sum.kills, kSeeds);
   EXPECT_GT(sum.standstills, kSeeds);
@@ -77,20 +78,22 @@ TEST(Holders, NobodyIsFalselyOfflineAndEverythingSettlesAfterAnyTrouble) {
 }
 
 TEST(Holders, RowsOfRobotsThatAreDeletedComeAnewUnderTheirLastHolder) {
-  constexpr std::uint64_t kSeeds = 100;
+  constexpr std::uint64_t kSeeds = 400;
   const HoldersResult sum = RunSeeds(kSeeds, Trouble::kRows);
   EXPECT_GT(sum.deletions, kSeeds);
   EXPECT_GT(sum.kills, kSeeds);
 }
 
 TEST(Holders, ASuspendMakesNobodyOffline) {
-  constexpr std::uint64_t kSeeds = 60;
+  constexpr std::uint64_t kSeeds = 420;
   EXPECT_GT(RunSeeds(kSeeds, Trouble::kSuspends).suspends, kSeeds);
 }
 
 TEST(Holders, AStoreThatWentBackLeavesOneHolderAndMakesNobodyOffline) {
-  constexpr std::uint64_t kSeeds = 100;
-  EXPECT_GT(RunSeeds(kSeeds, Trouble::kFailovers).failovers, kSeeds);
+  constexpr std::uint64_t kSeeds = 400;
+  const HoldersResult sum = RunSeeds(kSeeds, Trouble::kFailovers);
+  EXPECT_GT(sum.failovers, kSeeds);
+  EXPECT_GT(sum.session_ends, kSeeds * 100);
 }
 
 TEST(Holders, ReplaysASeedToTheSameRow) {
@@ -129,7 +132,8 @@ INSTANTIATE_TEST_SUITE_P(
         Canary{HoldersFault::kLateIsForgotten},
         Canary{HoldersFault::kSuspendUnnoticed, Trouble::kSuspends},
         Canary{HoldersFault::kHalfOpenAnswers}, Canary{HoldersFault::kNoGraceAfterStandstill},
-        Canary{HoldersFault::kEpochsInEachRow, Trouble::kRows}));
+        Canary{HoldersFault::kEpochsInEachRow, Trouble::kRows},
+        Canary{HoldersFault::kReconnectExcuses, Trouble::kFailovers}));
 
 }  // namespace
 }  // namespace uplink::simulation

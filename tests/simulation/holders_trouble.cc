@@ -228,6 +228,14 @@ void HoldersWorld::GoBack() {
   }
 }
 
+void HoldersWorld::EndSessions() {
+  ++result_.session_ends;
+  for (Place& place : places_) {
+    if (place.process != nullptr) place.process->store().Break();
+  }
+  sessions_end_at_ = clock_.Steady() + Between(seconds(1), seconds(4));
+}
+
 void HoldersWorld::DeleteRow(const Robot& robot) {
   if (database_.EpochOf(robot.id->ruri) == 0) return;
   ++result_.deletions;

@@ -45,6 +45,9 @@ milliseconds HoldersWorld::Between(milliseconds least, milliseconds most) {
 }
 
 HoldersResult HoldersWorld::Run() {
+  if (options_.trouble == HoldersOptions::Trouble::kFailovers && options_.seed % 3 == 0) {
+    sessions_end_at_ = clock_.Steady();
+  }
   Pass(std::chrono::minutes(15));
   Settle();
   result_.violation = truth_.violation();
@@ -62,6 +65,7 @@ void HoldersWorld::Pass(milliseconds time) {
 void HoldersWorld::Tick() {
   const SteadyTime end = clock_.Steady() + kTick;
   if (!settling_) Trouble();
+  if (sessions_end_at_ && clock_.Steady() >= *sessions_end_at_) EndSessions();
   std::vector<std::size_t> turns(places_.size() + robots_.size());
   for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = i;
   for (std::size_t left = turns.size(); left > 0; --left) {

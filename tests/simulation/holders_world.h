@@ -28,7 +28,8 @@ struct HoldersOptions {
     kRows,
     /// Suspends of the machine on which all processes run, and everything but deleted rows.
     kSuspends,
-    /// The store becomes a standby that lacks the last commits, and everything but deleted rows.
+    /// The store becomes a standby that lacks the last commits, and everything but deleted rows. In
+    /// one of three worlds sessions with the store end every few seconds, to the last.
     kFailovers,
   };
   Trouble trouble = Trouble::kAll;
@@ -57,6 +58,8 @@ struct HoldersResult {
   std::uint64_t deletions = 0;
   std::uint64_t suspends = 0;
   std::uint64_t failovers = 0;
+  /// How often all sessions with the store ended by themselves.
+  std::uint64_t session_ends = 0;
 };
 
 /// Two or three places for server processes on one store, and robots that stream to them: one
@@ -182,6 +185,7 @@ class HoldersWorld final {
   void Suspend();
   void KeepCopy();
   void GoBack();
+  void EndSessions();
   void Cut(Place& place, milliseconds time);
   void DeleteRow(const Robot& robot);
 
@@ -206,6 +210,8 @@ class HoldersWorld final {
   /// A standby that lacks the last commits; set while it is about to take over.
   testing::FakeDatabase copy_;
   std::optional<SteadyTime> goes_back_at_;
+  /// When sessions end next, in a world in which they do.
+  std::optional<SteadyTime> sessions_end_at_;
   HoldersTruth truth_;
   HoldersResult result_;
   std::vector<Place> places_;
