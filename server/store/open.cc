@@ -42,19 +42,22 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   options.migrate = config.store.migrate;
   auto store = storage::sqlite::SqliteStore::Open(path, options);
   if (!store.ok()) return store.status();
-  auto reader = storage::sqlite::SqliteReader::Open(path);
+  const storage::sqlite::DamagePtr damage = (*store)->damage();
+  storage::sqlite::ReaderOptions reads;
+  reads.damage = damage;
+  auto reader = storage::sqlite::SqliteReader::Open(path, reads);
   if (!reader.ok()) return reader.status();
-  auto marks = storage::sqlite::SqliteClockMarks::Open(path);
+  auto marks = storage::sqlite::SqliteClockMarks::Open(path, damage);
   if (!marks.ok()) return marks.status();
   stores.marks = *std::move(marks);
-  auto forget = storage::sqlite::SqliteForgetStore::Open(path);
+  auto forget = storage::sqlite::SqliteForgetStore::Open(path, damage);
   if (!forget.ok()) return forget.status();
   stores.forget = *std::move(forget);
-  auto shared = storage::sqlite::SqliteSharedItems::Open(path);
+  auto shared = storage::sqlite::SqliteSharedItems::Open(path, damage);
   if (!shared.ok()) return shared.status();
   stores.shared = *std::move(shared);
   if (!config.mqtt.url.empty()) {
-    auto topics = storage::sqlite::SqliteTopicLeases::Open(path, process);
+    auto topics = storage::sqlite::SqliteTopicLeases::Open(path, process, damage);
     if (!topics.ok()) return topics.status();
     stores.topic_leases = *std::move(topics);
   }

@@ -19,8 +19,9 @@ std::string SetIfEmptySql() {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<SqliteClockMarks>> SqliteClockMarks::Open(const std::string& path) {
-  auto beside = OpenBeside(path);
+absl::StatusOr<std::unique_ptr<SqliteClockMarks>> SqliteClockMarks::Open(const std::string& path,
+                                                                         DamagePtr damage) {
+  auto beside = OpenBeside(path, std::move(damage));
   if (!beside.ok()) return beside.status();
   Preparer prepare(*beside->database);
   std::unique_ptr<SqliteClockMarks> marks(new SqliteClockMarks(*std::move(beside)));

@@ -21,7 +21,7 @@ class SqliteClockMarks final : public ClockMarks {
  public:
   /// As OpenBeside.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteClockMarks>> Open(
-      const std::string& path);
+      const std::string& path, DamagePtr damage = nullptr);
   SqliteClockMarks(const SqliteClockMarks&) = delete;
   SqliteClockMarks& operator=(const SqliteClockMarks&) = delete;
 

@@ -53,6 +53,11 @@ absl::Status TryFile(const std::string& path, Access access) {
 
 }  // namespace
 
+Database::~Database() {
+  if (damage_ == nullptr || damage_->status().ok()) return;
+  sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+}
+
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
 absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& path, Access access,
@@ -120,6 +125,12 @@ void Database::RollbackIfOpen() {
   static_cast<void>(sqlite3_exec(handle_.get(), "ROLLBACK", nullptr, nullptr, nullptr));
 }
 
+void Database::MoveWal() {
+  const int code =
+      sqlite3_wal_checkpoint_v2(handle_.get(), "main", SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+  if (code != SQLITE_OK) static_cast<void>(Error(code, "checkpoint"));
+}
+
 std::string Database::FileName() const { return sqlite3_db_filename(handle_.get(), "main"); }
 
 bool Database::HasMoved() const {
@@ -142,7 +153,10 @@ int Database::OnProgress(void* database) {
 }
 
 absl::Status Database::Error(int code, std::string_view sql) const {
-  return MakeStatus(code, path_, sql.substr(0, kSqlShownBytes), sqlite3_errmsg(handle_.get()));
+  absl::Status status =
+      MakeStatus(code, path_, sql.substr(0, kSqlShownBytes), sqlite3_errmsg(handle_.get()));
+  if (damage_ != nullptr && IsDamage(code)) damage_->Note(std::string(status.message()));
+  return status;
 }
 
 }  // namespace uplink::storage::sqlite

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/sqlite/damage.h"
 #include "storage/sqlite/statement.h"
 
 struct sqlite3;
@@ -35,8 +36,14 @@ class Database final {
                                                                       Access access,
                                                                       milliseconds busy_timeout);
 
+  ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
+
+  /// From now on damage that SQLite finds is noted there; and once some is, this connection moves
+  /// no WAL into the file as it closes.
+  void ReportDamageTo(DamagePtr damage) { damage_ = std::move(damage); }
+  [[nodiscard]] const DamagePtr& damage() const { return damage_; }
 
   /// Runs statements without parameters, one after the other.
   [[nodiscard]] absl::Status Execute(const std::string& sql);
@@ -48,6 +55,10 @@ class Database final {
   /// Rolls back if a transaction is open: some failures of SQLite end it, others do not.
   void RollbackIfOpen();
 
+  /// Moves the WAL into the database as far as readers allow (a passive checkpoint). What keeps it
+  /// from that is left to the next one, as SQLite does after a commit.
+  void MoveWal();
+
   /// From now on a statement may take `steps_max` steps of SQLite's machine; 0: any number.
   void LimitSteps(std::int64_t steps_max);
 
@@ -58,6 +69,8 @@ class Database final {
   [[nodiscard]] std::string FileName() const;
   /// Whether that name leads to another inode than the open file's, or to none.
   [[nodiscard]] bool HasMoved() const;
+  /// For what is no SQL.
+  [[nodiscard]] sqlite3* handle() const { return handle_.get(); }
 
  private:
   struct Close {
@@ -71,6 +84,7 @@ class Database final {
   const std::string path_;
   std::unique_ptr<sqlite3, Close> handle_;
   std::int64_t steps_left_ = 0;
+  DamagePtr damage_;
 };
 
 }  // namespace uplink::storage::sqlite

@@ -29,6 +29,10 @@ Disposition DispositionOf(int code) {
   }
 }
 
+bool IsDamage(int code) {
+  return (code & 0xFF) == SQLITE_CORRUPT || (code & 0xFF) == SQLITE_NOTADB;
+}
+
 absl::Status MakeStatus(int code, std::string_view path, std::string_view doing,
                         std::string_view message) {
   std::string text = "sqlite ";

@@ -25,6 +25,9 @@ enum class Disposition : std::uint8_t {
 /// Source: sqlite.org/rescode.html.
 [[nodiscard]] Disposition DispositionOf(int code);
 
+/// SQLite read something that no database holds.
+[[nodiscard]] bool IsDamage(int code);
+
 /// `sqlite <path>: <doing>: <message> (<code>)` with the status code of its disposition; of a row
 /// that is refused `<message> (<code>)` alone.
 [[nodiscard]] absl::Status MakeStatus(int code, std::string_view path, std::string_view doing,

@@ -4,9 +4,9 @@
 
 namespace uplink::storage::sqlite {
 
-absl::StatusOr<std::unique_ptr<SqliteForgetStore>> SqliteForgetStore::Open(
-    const std::string& path) {
-  auto beside = OpenBeside(path);
+absl::StatusOr<std::unique_ptr<SqliteForgetStore>> SqliteForgetStore::Open(const std::string& path,
+                                                                           DamagePtr damage) {
+  auto beside = OpenBeside(path, std::move(damage));
   if (!beside.ok()) return beside.status();
   std::unique_ptr<SqliteForgetStore> store(new SqliteForgetStore());
   store->beside_ = *std::move(beside);

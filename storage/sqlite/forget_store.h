@@ -15,7 +15,7 @@ class SqliteForgetStore final : public ForgetStore {
  public:
   /// As OpenBeside.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteForgetStore>> Open(
-      const std::string& path);
+      const std::string& path, DamagePtr damage = nullptr);
   SqliteForgetStore(const SqliteForgetStore&) = delete;
   SqliteForgetStore& operator=(const SqliteForgetStore&) = delete;
 

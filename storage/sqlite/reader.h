@@ -13,6 +13,7 @@
 #include "schema/base/clock.h"
 #include "storage/disk_space.h"
 #include "storage/reader.h"
+#include "storage/sqlite/damage.h"
 
 namespace uplink::storage::sqlite {
 
@@ -23,6 +24,8 @@ struct ReaderOptions {
   milliseconds wait_max{2'000};
   /// Steps of SQLite's machine that one call may take: some 100 million a second.
   std::int64_t steps_max = 200'000'000;
+  /// Told of what the reads find damaged.
+  DamagePtr damage;
 };
 
 /// The query side of an SQLite store: connections of its own, read-only, beside the writer's. In

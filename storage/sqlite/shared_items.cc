@@ -76,9 +76,9 @@ absl::Status LookUp(Statement& statement, const ItemKey& key, std::vector<Shared
 SqliteSharedItems::SqliteSharedItems(std::unique_ptr<Database> database)
     : database_(std::move(database)) {}
 
-absl::StatusOr<std::unique_ptr<SqliteSharedItems>> SqliteSharedItems::Open(
-    const std::string& path) {
-  auto database = OpenToRead(path, kBusyTimeout);
+absl::StatusOr<std::unique_ptr<SqliteSharedItems>> SqliteSharedItems::Open(const std::string& path,
+                                                                           DamagePtr damage) {
+  auto database = OpenToRead(path, kBusyTimeout, std::move(damage));
   if (!database.ok()) return database.status();
   std::unique_ptr<SqliteSharedItems> items(new SqliteSharedItems(*std::move(database)));
   absl::Status status = items->Prepare();

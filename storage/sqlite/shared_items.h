@@ -20,7 +20,7 @@ namespace uplink::storage::sqlite {
 class SqliteSharedItems final : public SharedItems {
  public:
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteSharedItems>> Open(
-      const std::string& path);
+      const std::string& path, DamagePtr damage = nullptr);
   SqliteSharedItems(const SqliteSharedItems&) = delete;
   SqliteSharedItems& operator=(const SqliteSharedItems&) = delete;
 

@@ -10,8 +10,9 @@
 #include "storage/sqlite/compare.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
-#include "storage/sqlite/named_files.h"
+#include "storage/sqlite/prepare.h"
 #include "storage/sqlite/schema.h"
+#include "storage/sqlite/store_files.h"
 #include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
@@ -21,7 +22,7 @@ struct SqliteStore::Impl {
   StoreOptions options;
   std::unique_ptr<FileLock> lock;
   std::unique_ptr<Database> database;
-  std::unique_ptr<NamedFiles> files;
+  std::unique_ptr<StoreFiles> files;
   std::unique_ptr<Statement> begin;
   std::unique_ptr<Statement> commit;
   Tables tables;
@@ -31,6 +32,8 @@ struct SqliteStore::Impl {
 
 SqliteStore::SqliteStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 SqliteStore::~SqliteStore() = default;
+
+DamagePtr SqliteStore::damage() const { return impl_->database->damage(); }
 
 absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string& path,
                                                                const StoreOptions& options) {
@@ -47,7 +50,8 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   impl->database = *std::move(opened);
 
   const IfOlder if_older = options.migrate ? IfOlder::kMigrate : IfOlder::kRefuse;
-  absl::Status status = CheckFile(database, Migrations());
+  absl::Status status = RefuseDamage(database);
+  if (status.ok()) status = CheckFile(database, Migrations());
   if (status.ok()) status = ConfigureWriter(database);
   if (status.ok()) status = Migrate(database, Migrations(), if_older);
   if (status.ok() && options.pages_max) {
@@ -55,17 +59,15 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   }
   if (status.ok()) status = impl->tables.Prepare(database);
   if (!status.ok()) return status;
-  auto files = NamedFiles::Note(database);
+  auto files = StoreFiles::Open(database);
   if (!files.ok()) return files.status();
   impl->files = *std::move(files);
 
   // IMMEDIATE: a transaction that may wait for another writer does so before it has read anything.
-  auto begin = database.Prepare("BEGIN IMMEDIATE");
-  if (!begin.ok()) return begin.status();
-  impl->begin = *std::move(begin);
-  auto commit = database.Prepare("COMMIT");
-  if (!commit.ok()) return commit.status();
-  impl->commit = *std::move(commit);
+  Preparer prepare(database);
+  prepare.Into(impl->begin, "BEGIN IMMEDIATE");
+  prepare.Into(impl->commit, "COMMIT");
+  if (!prepare.status().ok()) return prepare.status();
   return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(impl)));
 }
 
@@ -75,7 +77,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
   // program began anew; and after, since that alone says of this commit that a start finds it.
   absl::Status status = impl_->files->Check();
   if (status.ok()) status = impl_->begin->Run();
-  if (!status.ok()) return status;
+  if (!status.ok()) return impl_->files->DamageOr(std::move(status));
   absl::StatusOr<Result> result = work();
   status = result.status();
   const StoreOptions& options = impl_->options;
@@ -83,10 +85,10 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
   if (status.ok()) status = impl_->commit->Run();
   if (!status.ok()) {
     impl_->database->RollbackIfOpen();
-    return status;
+    return impl_->files->DamageOr(std::move(status));
   }
   if (options.after_commit) status = options.after_commit();
-  if (status.ok()) status = impl_->files->Check();
+  if (status.ok()) status = impl_->files->CheckCommitted();
   if (!status.ok()) return status;
   return result;
 }

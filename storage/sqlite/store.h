@@ -12,6 +12,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/sqlite/damage.h"
 #include "storage/store.h"
 
 namespace uplink::storage::sqlite {
@@ -50,6 +51,10 @@ class SqliteStore final : public Store {
   SqliteStore(const SqliteStore&) = delete;
   SqliteStore& operator=(const SqliteStore&) = delete;
 
+  /// What other connections of this process to the file report to, so that nothing is acked once
+  /// one of them found damage. Any thread.
+  [[nodiscard]] DamagePtr damage() const;
+
   [[nodiscard]] absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<AdoptResult>> Adopt(
@@ -64,6 +69,9 @@ class SqliteStore final : public Store {
       std::span<const LiveRow> rows) override;
   [[nodiscard]] absl::StatusOr<std::vector<FoundRobot>> Compare(
       std::span<const ToldRobot> robots) override;
+  /// A file has no connection to lose: one that may lack what was told fails for good (Damage).
+  [[nodiscard]] bool InDoubt() const override { return false; }
+  void EndDoubt() override {}
 
  private:
   struct Impl;

@@ -26,9 +26,10 @@ Bytes BytesOf(std::string_view column) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<SqliteTopicLeases>> SqliteTopicLeases::Open(
-    const std::string& path, const ProcessId& process) {
-  auto beside = OpenBeside(path);
+absl::StatusOr<std::unique_ptr<SqliteTopicLeases>> SqliteTopicLeases::Open(const std::string& path,
+                                                                           const ProcessId& process,
+                                                                           DamagePtr damage) {
+  auto beside = OpenBeside(path, std::move(damage));
   if (!beside.ok()) return beside.status();
   std::unique_ptr<SqliteTopicLeases> leases(new SqliteTopicLeases(*std::move(beside), process));
   absl::Status prepared = leases->Prepare();

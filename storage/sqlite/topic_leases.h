@@ -22,7 +22,7 @@ class SqliteTopicLeases final : public TopicLeases {
  public:
   /// The file must be there and migrated.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<SqliteTopicLeases>> Open(
-      const std::string& path, const ProcessId& process);
+      const std::string& path, const ProcessId& process, DamagePtr damage = nullptr);
   SqliteTopicLeases(const SqliteTopicLeases&) = delete;
   SqliteTopicLeases& operator=(const SqliteTopicLeases&) = delete;
 

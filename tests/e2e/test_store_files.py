@@ -1,8 +1,9 @@
-"""The files of an SQLite store are removed, replaced or moved under the server, which is then killed."""
+"""The files of an SQLite store are removed, replaced, moved or overwritten under the server."""
 
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import unittest
 
@@ -27,7 +28,7 @@ class StoreFiles(EndToEnd):
     def names(self):
         return [pathlib.Path(f"{self.path}{end}") for end in ("", "-wal", "-shm")]
 
-    def wait_until_it_fails(self, name):
+    def wait_until_it_fails(self, name, why="no longer leads to"):
         """No commit's outcomes are told from now on. Robots may read acks of those before."""
         self.server.wait_for_status(lambda status: "store" in status["degraded"], ROUND_SECONDS, "no name")
         told = self.server.metric(TOLD)
@@ -35,7 +36,7 @@ class StoreFiles(EndToEnd):
             lambda status: int(status["journalOldestMs"]) > 2000, ROUND_SECONDS, "durable messages wait"
         )
         self.assertEqual(self.server.metric(TOLD), told)
-        self.assertRegex(self.server.text(), f"store_fails .*{name}.* no longer leads to")
+        self.assertRegex(self.server.text(), f"store_fails .*{name}.* {why}")
 
     def open_files(self):
         """Of the files of the store, what the server has open; by their names."""
@@ -86,6 +87,27 @@ class StoreFiles(EndToEnd):
         wait_until(
             self.server.process, lambda: "store_works_again" in self.server.text(), ROUND_SECONDS, "its name is back"
         )
+        self.kill_and_compare()
+
+    def test_a_copy_over_the_file_gets_nothing_that_is_acked(self):
+        copy = self.folder / "copy.db"
+        subprocess.run(["sqlite3", str(self.path), f".backup '{copy}'"], check=True)
+        # What the copy lacks is in the file itself, and no longer in the WAL.
+        self.campaign.wait_for_more(MESSAGES)
+        subprocess.run(["sqlite3", str(self.path), "PRAGMA wal_checkpoint(TRUNCATE)"], check=True)
+        self.campaign.wait_for_more(MESSAGES)
+        self.server.process.send_signal(signal.SIGSTOP)
+        before = self.path.read_bytes()
+        shutil.copyfile(copy, self.path)
+        self.server.process.send_signal(signal.SIGCONT)
+        self.wait_until_it_fails(self.path, "is not what its index says")
+        self.server.terminate(ROUND_SECONDS)
+        self.assertEqual(self.path.read_bytes(), copy.read_bytes(), "a stop changes nothing")
+        self.assertTrue(pathlib.Path(f"{self.path}.damaged").exists())
+        # What was overwritten belongs to the WAL that is left, and nothing that was acked is lost.
+        self.path.write_bytes(before)
+        self.campaign.start_server(self.server)
+        self.assertFalse(pathlib.Path(f"{self.path}.damaged").exists())
         self.kill_and_compare()
 
 

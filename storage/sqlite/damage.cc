@@ -1,0 +1,55 @@
+#include "storage/sqlite/damage.h"
+
+#include <string_view>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "storage/sqlite/database.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+constexpr std::string_view kWhatToDo =
+    ". What to do: \"If the SQLite file is overwritten or damaged\" in docs/operate/README.md";
+
+}  // namespace
+
+void Damage::Note(std::string what) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!what_.empty()) return;
+    what_ = std::move(what);
+  }
+  // Without it (a full disk, a folder that only root may write) the next start checks nothing.
+  const int file = ::open(mark().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  if (file >= 0) ::close(file);
+}
+
+absl::Status Damage::status() const {
+  const std::lock_guard lock(mutex_);
+  if (what_.empty()) return absl::OkStatus();
+  std::string text = "store " + path_ + ": " + what_;
+  text += ": nothing is acked until the server is started anew with a sound file";
+  return absl::UnavailableError(text.append(kWhatToDo));
+}
+
+absl::Status RefuseDamage(Database& database) {
+  auto damage = std::make_shared<Damage>(database.path());
+  if (::access(damage->mark().c_str(), F_OK) != 0) return absl::OkStatus();
+  database.ReportDamageTo(damage);
+  const absl::StatusOr<std::string> found = database.ReadText("PRAGMA integrity_check(1)");
+  if (found.ok() && *found == "ok") {
+    ::unlink(damage->mark().c_str());
+    return absl::OkStatus();
+  }
+  if (!found.ok() && !absl::IsInternal(found.status())) return found.status();
+  const std::string what = found.ok() ? *found : std::string(found.status().message());
+  // So that its end moves no WAL into the file.
+  damage->Note(what);
+  std::string text = "store " + database.path() + " is damaged: " + what;
+  return absl::FailedPreconditionError(text.append(kWhatToDo));
+}
+
+}  // namespace uplink::storage::sqlite

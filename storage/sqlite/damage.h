@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include <absl/status/status.h>
+
+namespace uplink::storage::sqlite {
+
+class Database;
+
+/// What a process found wrong with the content of a store's files, by any of its connections. The
+/// first finding stands until the process ends: what SQLite reads next may look sound, and acks for
+/// it would not last.
+///
+/// It leaves a mark, `<path>.damaged`, so that the next start reads the whole file before it acks.
+///
+/// Thread: thread-safe.
+class Damage final {
+ public:
+  explicit Damage(std::string path) : path_(std::move(path)) {}
+  Damage(const Damage&) = delete;
+  Damage& operator=(const Damage&) = delete;
+
+  void Note(std::string what);
+
+  /// Errors: kUnavailable once something was found, naming the file and what to do.
+  [[nodiscard]] absl::Status status() const;
+
+  /// Of this process or an earlier one.
+  [[nodiscard]] std::string mark() const { return path_ + ".damaged"; }
+
+ private:
+  const std::string path_;
+  mutable std::mutex mutex_;
+  std::string what_;
+};
+
+/// Connections of one process to one file report to the same; null: to none.
+using DamagePtr = std::shared_ptr<Damage>;
+
+/// Reads the whole file, some seconds per GB, if an earlier process left its mark, and removes the
+/// mark if it is sound. Of a new connection, which reports its damage from then on.
+///
+/// Errors: kFailedPrecondition if it is not.
+[[nodiscard]] absl::Status RefuseDamage(Database& database);
+
+}  // namespace uplink::storage::sqlite

@@ -1,0 +1,238 @@
+// Files of the store that keep their names, and are written over, cut short or damaged.
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "storage/sqlite/forget_store.h"
+#include "storage/sqlite/reader.h"
+#include "storage/sqlite/store.h"
+#include "storage/sqlite/store_files.h"
+#include "tests/support/sqlite_shell.h"
+#include "tests/unit/storage/fault_store.h"
+
+namespace uplink::storage::sqlite {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::string BytesOf(const std::string& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+class SqliteIntact : public FaultStore {
+ protected:
+  void SetUp() override {
+    FaultStore::SetUp();
+    OpenStore(path_);
+    CommitMany(kSome);
+  }
+
+  void CommitMany(model::Seq count) {
+    for (model::Seq i = 0; i < count; ++i) {
+      const auto outcomes = Commit(++seq_);
+      ASSERT_TRUE(outcomes.ok()) << outcomes.status();
+      ASSERT_EQ(outcomes->front().kind, OutcomeKind::kStored);
+    }
+  }
+  void ExpectFailsForGood(const std::string& name) {
+    ExpectFails(seq_ + 1, name);
+    ExpectFails(seq_ + 1, name);
+    EXPECT_TRUE(fs::exists(Mark()));
+  }
+  /// As `cp` does it: the file stays, what is in it goes.
+  void CopyOver(const std::string& from) const {
+    const std::string bytes = BytesOf(from);
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+  }
+  void WriteZeros(const std::string& path, std::int64_t at, std::size_t bytes) const {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(at);
+    file << std::string(bytes, '\0');
+  }
+  [[nodiscard]] std::string Wal() const { return path_ + "-wal"; }
+  [[nodiscard]] std::string Mark() const { return path_ + ".damaged"; }
+  [[nodiscard]] absl::Status OpenAgain() const {
+    StoreOptions options;
+    options.process = {2};
+    return SqliteStore::Open(path_, options).status();
+  }
+
+  static constexpr model::Seq kSome = 40;
+  model::Seq seq_ = 0;
+};
+
+TEST_F(SqliteIntact, ACopyOverTheFileAcksNothingAndAStopLeavesItAsItIs) {
+  Shell(path_, ".backup '" + aside_ + "'");
+  CommitMany(kSome);
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  CommitMany(1);
+  CopyOver(aside_);
+  ExpectFailsForGood(path_);
+  store_.reset();
+  EXPECT_EQ(BytesOf(path_), BytesOf(aside_)) << "no row of the other file was moved into it";
+
+  // As docs/operate/README.md has it.
+  fs::remove(Wal());
+  fs::remove(path_ + "-shm");
+  OpenStore(path_);
+  EXPECT_FALSE(fs::exists(Mark()));
+  EXPECT_EQ(Commit(kSome)->front().kind, OutcomeKind::kDuplicate);
+  EXPECT_EQ(Commit(kSome + 1)->front().kind, OutcomeKind::kStored);
+}
+
+TEST_F(SqliteIntact, AFileThatIsCutShortAcksNothing) {
+  for (const int kept_in_8 : {0, 1, 4, 7}) {
+    Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+    CommitMany(1);
+    fs::copy_file(path_, aside_, fs::copy_options::overwrite_existing);
+    fs::resize_file(path_, fs::file_size(path_) * static_cast<std::uintmax_t>(kept_in_8) / 8);
+    ExpectFailsForGood(path_);
+    store_.reset();
+    CopyOver(aside_);
+    OpenStore(path_);
+  }
+}
+
+TEST_F(SqliteIntact, AWalThatIsCutShortAcksNothing) {
+  for (const int kept_in_4 : {0, 1, 3}) {
+    CommitMany(3);
+    fs::resize_file(Wal(), fs::file_size(Wal()) * static_cast<std::uintmax_t>(kept_in_4) / 4);
+    ExpectFailsForGood(Wal());
+    store_.reset();
+    seq_ = 1'000 * (static_cast<model::Seq>(kept_in_4) + 1);
+    OpenStore(path_);
+  }
+}
+
+TEST_F(SqliteIntact, AWalThatIsWrittenOverAcksNothing) {
+  const auto size = static_cast<std::int64_t>(fs::file_size(Wal()));
+  WriteZeros(Wal(), size - 4'120, 24);
+  ExpectFailsForGood(Wal());
+}
+
+// Frames that were written behind a hole are lost by the next start with those in it.
+TEST_F(SqliteIntact, AWalThatIsCutShortDuringACommitAcksNothing) {
+  for (const bool after : {false, true}) {
+    store_.reset();
+    std::function<void()> meanwhile = [] {};
+    const auto cut = [&] {
+      std::exchange(meanwhile, [] {})();
+      return absl::OkStatus();
+    };
+    StoreOptions options;
+    (after ? options.after_commit : options.before_commit) = cut;
+    OpenStore(path_, options);
+    seq_ += 100;
+    CommitMany(kSome);
+    meanwhile = [&] { fs::resize_file(Wal(), fs::file_size(Wal()) / 2); };
+    ExpectFailsForGood(Wal());
+    seq_ += 100;
+  }
+}
+
+// A page that only a reader reads: the writer may have it in memory.
+TEST_F(SqliteIntact, WhatAReaderFindsDamagedEndsTheAcks) {
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  fs::copy_file(path_, aside_);
+  ReaderOptions reads;
+  reads.damage = store_->damage();
+  const auto reader = SqliteReader::Open(path_, reads);
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  const auto bytes = static_cast<std::int64_t>(fs::file_size(path_));
+  WriteZeros(path_, 4'096, static_cast<std::size_t>(bytes - 4'096));
+  EXPECT_EQ((*reader)->RobotCount().status().code(), absl::StatusCode::kInternal);
+  ExpectFailsForGood(path_);
+
+  store_.reset();
+  const absl::Status damaged = OpenAgain();
+  EXPECT_EQ(damaged.code(), absl::StatusCode::kFailedPrecondition) << damaged;
+  EXPECT_THAT(std::string(damaged.message()), HasSubstr(path_));
+  CopyOver(aside_);
+  EXPECT_TRUE(OpenAgain().ok()) << OpenAgain();
+}
+
+TEST_F(SqliteIntact, WhatADutyFindsDamagedEndsTheAcks) {
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  const auto forget = SqliteForgetStore::Open(path_, store_->damage());
+  ASSERT_TRUE(forget.ok()) << forget.status();
+  const auto bytes = static_cast<std::int64_t>(fs::file_size(path_));
+  WriteZeros(path_, 4'096, static_cast<std::size_t>(bytes - 4'096));
+  EXPECT_FALSE((*forget)->requests().Pending().ok());
+  ExpectFailsForGood(path_);
+}
+
+// Each is a program of its own, and ends as the only one or beside the store.
+TEST_F(SqliteIntact, WhatOtherProgramsDoByTheRulesIsNoDamage) {
+  // Over 1,000 frames, so that the other program moves them into the file by itself.
+  const std::string grow =
+      "CREATE TABLE theirs (a); WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n"
+      " WHERE i < 1500) INSERT INTO theirs SELECT zeroblob(3500) FROM n;";
+  const std::string shrink = "DROP TABLE theirs; VACUUM;";
+  const std::vector<std::string> works = {
+      "SELECT 1",
+      ".backup '" + aside_ + "'",
+      "VACUUM INTO '" + folder_.File("into") + "'",
+      "PRAGMA wal_checkpoint(PASSIVE)",
+      "PRAGMA wal_checkpoint(FULL)",
+      "PRAGMA wal_checkpoint(RESTART)",
+      "PRAGMA wal_checkpoint(TRUNCATE)",
+      grow,
+      shrink,
+      grow + "PRAGMA wal_checkpoint(TRUNCATE)",
+      shrink + "PRAGMA wal_checkpoint(TRUNCATE);" + grow,
+      shrink + "PRAGMA wal_checkpoint(PASSIVE)",
+      "PRAGMA journal_size_limit = 0; PRAGMA wal_checkpoint(RESTART); CREATE TABLE theirs (a)",
+      shrink + "PRAGMA integrity_check",
+  };
+  for (const std::string& work : works) {
+    Shell(path_, work);
+    CommitMany(1);
+    CommitMany(1);
+  }
+  EXPECT_FALSE(fs::exists(Mark()));
+}
+
+TEST_F(SqliteIntact, ConnectionsThatCommitAndCheckpointMeanwhileAreNoDamage) {
+  std::jthread other([this](const std::stop_token& stop) {
+    testing::SqliteShell shell(path_);
+    shell.Run("PRAGMA busy_timeout = 5000");
+    shell.Run("PRAGMA synchronous = OFF");
+    shell.Run("CREATE TABLE theirs (a)");
+    for (int i = 0; !stop.stop_requested(); ++i) {
+      static_cast<void>(shell.TryRun("INSERT INTO theirs SELECT zeroblob(20000)"));
+      static_cast<void>(shell.TryRun(i % 3 == 0   ? "PRAGMA wal_checkpoint(RESTART)"
+                                     : i % 3 == 1 ? "PRAGMA wal_checkpoint(TRUNCATE)"
+                                                  : "PRAGMA wal_checkpoint(PASSIVE)"));
+      if (i % 50 == 49) static_cast<void>(shell.TryRun("DELETE FROM theirs"));
+    }
+  });
+  CommitMany(300);
+}
+
+TEST_F(SqliteIntact, ALongWalIsMovedIntoTheFile) {
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  std::uintmax_t longest = 0;
+  for (int i = 0; i < 400; ++i) {
+    CommitMany(1);
+    longest = std::max(longest, fs::file_size(Wal()));
+  }
+  EXPECT_GE(longest, 1'000U * 4'120) << "it was long enough";
+  EXPECT_LT(longest, 2U * kMovedAtFrames * 4'120);
+}
+
+}  // namespace
+}  // namespace uplink::storage::sqlite
