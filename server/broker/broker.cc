@@ -29,8 +29,11 @@ Broker::Broker(Context context)
                 .ledger = ledger_,
                 .probe = probe_,
                 .clock = context_.clock,
-                .journal = *context_.journals.all().front(),
-                .settled_again = [this] { context_.post([this] { OnSettledAgain(); }); }}),
+                .journals = context_.journals,
+                .committed =
+                    [this](std::size_t shard) {
+                      context_.post([this, shard] { OnCommitted(shard); });
+                    }}),
       intake_({.clock = context_.clock,
                .fleet = context_.fleet,
                .twins = context_.twins,
@@ -127,6 +130,7 @@ void Broker::End() {
 
 void Broker::Reread() {
   commits_.BeginReread();
+  streams_.BeginReread();
   if (!began_ || draining_) return;
   if (!rereading_.active()) context_.post([this] { StopClient(Connection::kDurable); });
   const std::uint64_t request = rereading_.Ask();
@@ -217,11 +221,6 @@ void Broker::OnWakes() {
     if (stream != kRoom) commits_.OnWake(stream);
   }
   TryHeldBack();
-  AfterWork();
-}
-
-void Broker::OnSettledAgain() {
-  commits_.OnSettledAgain();
   AfterWork();
 }
 

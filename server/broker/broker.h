@@ -127,8 +127,11 @@ class Broker final : private SubscriberEvents {
   void OnEnded(Connection connection, const mqtt::End& end) override;
 
   void OnWakes();
-  /// The store has what was settled before it was delivered again.
-  void OnSettledAgain();
+  /// A journal has committed, as acks wait for (AcksAfterCommit).
+  void OnCommitted(std::size_t shard) {
+    commits_.OnCommitted(shard);
+    AfterWork();
+  }
   void Start(Connection connection, bool expect_session);
   /// Takes back what the kept session subscribed to under that topic's prefix.
   void TakeBack(std::string_view topic);

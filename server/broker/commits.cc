@@ -7,6 +7,13 @@
 #include "server/robot/mutation.h"
 
 namespace uplink::broker {
+namespace {
+
+/// Whose commit shows that the store has what it told of deliveries: they are read again whichever
+/// journal finds that it was connected to anew.
+constexpr std::size_t kFirstShard = 0;
+
+}  // namespace
 
 void Commits::Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory) {
   hold_ = std::move(hold);
@@ -17,8 +24,8 @@ storage::Deliveries Commits::EndSession() {
   return {.hold = hold_, .rows = {redeliveries_.EndSession()}};
 }
 
-void Commits::OnSettledAgain() {
-  const std::vector<mqtt::AckHandle> acks = settled_again_.Answered();
+void Commits::OnCommitted(std::size_t shard) {
+  const std::vector<mqtt::AckHandle> acks = after_commit_.Answered(shard);
   due_.insert(due_.end(), acks.begin(), acks.end());
 }
 
@@ -27,12 +34,7 @@ bool Commits::IsKnown(const Delivered& message) {
   const Redeliveries::Found found = redeliveries_.Find(message.packet_id, *message.digest);
   if (found.known == Redeliveries::Known::kNo) return false;
   if (found.known == Redeliveries::Known::kSettled) {
-    if (!message.ack) return true;
-    if (robot::Planted(robot::Mutation::kSettledAckedFromMemory)) {
-      due_.push_back(*message.ack);
-    } else {
-      settled_again_.Add(*message.ack);
-    }
+    AckAfterCommit(found.rests_on.value_or(kFirstShard), message.ack);
     return true;
   }
   TwinStream* stream = context_.streams.FindById(found.stream);
@@ -44,19 +46,41 @@ bool Commits::IsKnown(const Delivered& message) {
   return true;
 }
 
+void Commits::AckAfterCommit(std::size_t shard, const std::optional<mqtt::AckHandle>& ack) {
+  if (!ack) return;
+  if (robot::Planted(robot::Mutation::kSettledAckedFromMemory)) {
+    due_.push_back(*ack);
+  } else {
+    after_commit_.Add(shard, *ack);
+  }
+}
+
 void Commits::SettleAtOnce(const Delivered& message, TwinStream* stream) {
   if (message.ack) due_.push_back(*message.ack);
   if (message.packet_id == 0) return;
   if (!message.digest) return redeliveries_.End(message.packet_id);
-  redeliveries_.AddSettled(message.packet_id, *message.digest, stream == nullptr ? 0 : stream->id);
-  if (stream == nullptr) return;
-  std::vector<std::uint16_t>& settled = stream->settled;
+  redeliveries_.AddSettled(message.packet_id, *message.digest,
+                           {.stream = stream == nullptr ? 0 : stream->id});
+  if (stream != nullptr) NoteSettled(*stream, message.packet_id);
+}
+
+void Commits::SettleAfterCommit(const Delivered& message, TwinStream& stream) {
+  if (message.packet_id == 0) return;
+  const std::size_t shard = after_commit_.ShardOf(*stream.journal);
+  redeliveries_.AddSettled(message.packet_id, *message.digest,
+                           {.stream = stream.id, .rests_on = shard});
+  NoteSettled(stream, message.packet_id);
+  AckAfterCommit(shard, message.ack);
+}
+
+void Commits::NoteSettled(TwinStream& stream, std::uint16_t packet_id) {
+  std::vector<std::uint16_t>& settled = stream.settled;
   if (settled.size() == settled.capacity() && !settled.empty()) {
-    redeliveries_.KeepSettled(stream->id, settled);
+    redeliveries_.KeepSettled(stream.id, settled);
     // So that it is seldom done, at more than half too.
     settled.reserve(2 * settled.size() + 1);
   }
-  settled.push_back(message.packet_id);
+  settled.push_back(packet_id);
 }
 
 storage::Deliveries Commits::TakeOver() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -9,13 +10,13 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/rejection.h"
+#include "server/broker/acks_after_commit.h"
 #include "server/broker/limits.h"
 #include "server/broker/message_counts.h"
 #include "server/broker/probe.h"
 #include "server/broker/redeliveries.h"
-#include "server/broker/settled_again.h"
 #include "server/broker/twin_streams.h"
-#include "server/journal/journal.h"
+#include "server/journal/shards.h"
 #include "server/mqtt/packets.h"
 #include "server/mqtt/unacked.h"
 #include "storage/deliveries.h"
@@ -35,24 +36,24 @@ class Commits final {
     MessageLedger& ledger;
     BrokerProbe& probe;
     const Clock& clock;
-    /// Whose commits show that the store has what was settled, and SettledAgain's `answered`:
-    /// OnSettledAgain is due.
-    journal::Journal& journal;
-    std::function<void()> settled_again;
+    /// Whose commits show that the store has what it told, and AcksAfterCommit's `answered`:
+    /// OnCommitted is due.
+    const journal::Shards& journals;
+    std::function<void(std::size_t shard)> committed;
   };
   explicit Commits(Context context)
       : context_(std::move(context)),
         redeliveries_(storage::DeliveriesKept(kRememberedWindow)),
-        settled_again_(context_.journal, context_.settled_again) {}
+        after_commit_(context_.journals, context_.committed) {}
 
   /// What comes from now on comes under this lease, and this is known of what came before.
   void Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory);
   /// What comes from now on comes by another connection.
-  void BeginConnection() { settled_again_.Clear(); }
+  void BeginConnection() { after_commit_.Clear(); }
   /// The store is to be asked what it knows: nothing is released until Reread.
   void BeginReread() {
     redeliveries_.BeginReread();
-    settled_again_.Clear();
+    after_commit_.Clear();
   }
   /// Under the same lease: what the store knows by now. What might have been acked comes again, by
   /// another connection.
@@ -75,10 +76,15 @@ class Commits final {
     SteadyTime arrived;
   };
   /// Whether it came before, and waits or is settled. It is acked when that is; one that is settled
-  /// already once the store has shown that it has it still (SettledAgain).
+  /// already after a commit that begins later.
   [[nodiscard]] bool IsKnown(const Delivered& message);
-  /// It is settled without a record, and may be acked. `stream` is its twin's; null if it has none.
+  /// It is settled without a record, whatever the store has, and may be acked. `stream` is its
+  /// twin's; null if it has none.
   void SettleAtOnce(const Delivered& message, TwinStream* stream);
+  /// It is settled without a record because of what the store has of its twin, as this process
+  /// remembers that: it is acked after a commit that begins later, and judged again if it comes
+  /// again after the store was read again.
+  void SettleAfterCommit(const Delivered& message, TwinStream& stream);
   /// Its records go to the journal: without robot, session, number, which are the stream's. False
   /// if another process adopted the robot since: nothing of it is written.
   [[nodiscard]] bool Append(TwinStream& stream, const Delivered& message,
@@ -87,8 +93,8 @@ class Commits final {
 
   /// Something of the stream was settled, or another process adopted its robot.
   void OnWake(std::uint64_t stream);
-  /// The journal has answered for what was settled before it came again.
-  void OnSettledAgain();
+  /// The shard's journal has answered for the messages that wait for a commit to begin later.
+  void OnCommitted(std::size_t shard);
 
   /// Messages that may be acked since the last call.
   [[nodiscard]] std::vector<mqtt::AckHandle> TakeReleases() { return std::exchange(due_, {}); }
@@ -101,13 +107,16 @@ class Commits final {
   /// What the store is to remember with the message's records: of its twin what was settled
   /// before it without a record, and at QoS 1 itself, the last.
   [[nodiscard]] std::vector<storage::Delivery> Number(TwinStream& stream, const Delivered& message);
+  /// The stream's next records tell the store of the message, which was settled without one.
+  void NoteSettled(TwinStream& stream, std::uint16_t packet_id);
+  void AckAfterCommit(std::size_t shard, const std::optional<mqtt::AckHandle>& ack);
   void Settle(TwinStream& stream, const robot::Progress& progress);
   void Count(Became became, std::optional<model::RejectReason> reason);
   void Fence(TwinStream& stream);
 
   const Context context_;
   Redeliveries redeliveries_;
-  SettledAgain settled_again_;
+  AcksAfterCommit after_commit_;
   storage::TopicHoldRef hold_;
   std::vector<mqtt::AckHandle> due_;
   bool fenced_ = false;

@@ -27,6 +27,8 @@ struct Intake::Processing {
   /// Where it is written to; null while that is not known.
   TwinStream* stream = nullptr;
   MessageCounts counts{};
+  /// That it brings no record is a matter of which faults the store has, as remembered here.
+  bool rests_on_store = false;
 
   [[nodiscard]] const mqtt::Publish& publish() const { return message.publish; }
 };
@@ -169,13 +171,12 @@ Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams
         {{"twin", processing.topic.id.ToText()}, {"why", "there are as many robots as may be"}});
   }
   const bool durable = processing.judgement.message_class == MessageClass::kDurable;
-  const TwinStreams::Opened stand_in =
-      durable ? context_.streams.FindOrOpenStandIn(processing.topic.prefix) : TwinStreams::Opened{};
-  if (stand_in.stream == nullptr) {
+  if (!durable) {
     Settle(processing, Became::kRefused);
     return Processed::kDone;
   }
-  if (!HasRoom(*stand_in.stream)) return Wait(processing);
+  const TwinStreams::Opened stand_in = context_.streams.FindOrOpenStandIn(processing.topic.prefix);
+  if (stand_in.stream == nullptr || !HasRoom(*stand_in.stream)) return Wait(processing);
   // It is acked, so it is kept: where an operator looks for what went wrong.
   Reject(processing, *stand_in.stream,
          {.reason = model::RejectReason::kTooManyItems,
@@ -261,6 +262,7 @@ void Intake::Apply(Processing& processing, TwinStream& stream) {
     ++processing.counts.dropped[static_cast<std::size_t>(field.reason)];
   }
   stream.robot->state.CountDropped(applied.without_room);
+  processing.rests_on_store = processing.topic.kind == TopicKind::kMetrics;
   if (applied.records.empty()) return Settle(processing, BecameOf(applied.outcome));
   Append(processing, stream,
          RecordsOf(std::move(applied.records), processing.publish(), processing.arrived.system),
@@ -288,7 +290,11 @@ void Intake::Append(Processing& processing, TwinStream& stream,
 void Intake::Settle(Processing& processing, Became became) {
   processing.counts.Count(became);
   context_.ledger.Publish(processing.counts);
-  context_.commits.SettleAtOnce(processing.delivered, processing.stream);
+  if (processing.rests_on_store) {
+    context_.commits.SettleAfterCommit(processing.delivered, *processing.stream);
+  } else {
+    context_.commits.SettleAtOnce(processing.delivered, processing.stream);
+  }
 }
 
 }  // namespace uplink::broker

@@ -34,7 +34,7 @@ Redeliveries::Found Redeliveries::Find(std::uint16_t packet_id,
     return {.known = Known::kWaits, .stream = entry.stream, .number = entry.number};
   }
   if (IsOld(entry)) return {};
-  return {.known = Known::kSettled, .number = entry.number};
+  return {.known = Known::kSettled, .number = entry.number, .rests_on = entry.settled.rests_on};
 }
 
 void Redeliveries::AddWaiting(const storage::Delivery& delivery, std::uint64_t stream) {
@@ -52,8 +52,8 @@ void Redeliveries::Replace(std::uint16_t packet_id, const Entry& entry) {
 }
 
 void Redeliveries::AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest,
-                              std::uint64_t stream) {
-  Replace(packet_id, {.digest = digest, .settled_of = stream, .is_untold = true});
+                              const SettledFor& settled) {
+  Replace(packet_id, {.digest = digest, .settled = settled, .is_untold = true});
 }
 
 void Redeliveries::End(std::uint16_t packet_id) { Replace(packet_id, {}); }
@@ -62,7 +62,7 @@ void Redeliveries::KeepSettled(std::uint64_t stream, std::vector<std::uint16_t>&
   std::erase_if(packet_ids, [&](std::uint16_t packet_id) {
     const auto found = known_.find(packet_id);
     return found == known_.end() || found->second.number != 0 ||
-           found->second.settled_of != stream || IsOld(found->second);
+           found->second.settled.stream != stream || IsOld(found->second);
   });
   std::ranges::sort(packet_ids, {}, [this](std::uint16_t packet_id) {
     return known_.find(packet_id)->second.ordinal;
@@ -78,7 +78,7 @@ std::vector<storage::Delivery> Redeliveries::Number(std::uint64_t stream,
   for (const std::uint16_t packet_id : packet_ids) {
     Entry& entry = known_.find(packet_id)->second;
     entry.number = NextNumber();
-    entry.settled_of = 0;
+    entry.settled.stream = 0;
     numbered.push_back({.number = entry.number, .packet_id = packet_id, .digest = entry.digest});
   }
   return numbered;
@@ -104,7 +104,11 @@ void Redeliveries::Commit(std::uint16_t packet_id, std::uint64_t number) {
 }
 
 void Redeliveries::BeginReread() {
-  for (auto& [packet_id, entry] : known_) entry.is_fresh = false;
+  for (auto& [packet_id, entry] : known_) {
+    entry.is_fresh = false;
+    // Under its id the store's memory, which may still have an older one, is over nonetheless.
+    if (entry.settled.rests_on && entry.number == 0) entry = {.ordinal = entry.ordinal};
+  }
 }
 
 void Redeliveries::Drop(std::uint16_t packet_id, std::uint64_t number) {

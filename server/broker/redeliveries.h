@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
@@ -29,18 +30,29 @@ class Redeliveries final {
     over_.clear();
     Load(memory, false);
   }
-  /// The store is to be asked what it knows: it may lack what was committed until now.
+  /// The store is to be asked what it knows: it may lack what was committed until now. What rests
+  /// on that without a record is known no more. No record of its twin came after it, which would
+  /// have brought its number: so it can be judged again.
   void BeginReread();
   /// The same under the lease that we have, with what the store knew at some time after
   /// BeginReread: what was committed since is known still, and what the store was never told.
   void Reread(const storage::DeliveryMemory& memory) { Load(memory, true); }
 
   enum class Known : std::uint8_t { kNo, kWaits, kSettled };
+  /// Whose message was settled without a record, and why. A value.
+  struct SettledFor {
+    /// Its twin's; 0 if it has none.
+    std::uint64_t stream = 0;
+    /// The shard of its twin, if it left no record because of what the store has of that twin.
+    std::optional<std::size_t> rests_on{};
+  };
   struct Found {
     Known known = Known::kNo;
     /// Of one that waits: the stream in which it does, and its number.
     std::uint64_t stream = 0;
     std::uint64_t number = 0;
+    /// Of one that is settled: as SettledFor's.
+    std::optional<std::size_t> rests_on{};
   };
   /// What is known of a message that the broker says it may have sent before.
   [[nodiscard]] Found Find(std::uint16_t packet_id, const storage::DeliveryDigest& digest) const;
@@ -49,10 +61,9 @@ class Redeliveries final {
   [[nodiscard]] std::uint64_t NextNumber() { return ++last_number_; }
   /// A new message waits under the id: what the id meant before has ended.
   void AddWaiting(const storage::Delivery& delivery, std::uint64_t stream);
-  /// A new message under the id is settled without a record; `stream` is its twin's, 0 if it has
-  /// none.
+  /// A new message under the id is settled without a record.
   void AddSettled(std::uint16_t packet_id, const storage::DeliveryDigest& digest,
-                  std::uint64_t stream);
+                  const SettledFor& settled);
   /// Leaves of packet ids those under which a message of the stream was settled so that may come
   /// again and is not in the store; each once, the oldest first.
   void KeepSettled(std::uint64_t stream, std::vector<std::uint16_t>& packet_ids) const;
@@ -85,8 +96,8 @@ class Redeliveries final {
     std::optional<storage::DeliveryDigest> digest;
     /// 0: it is settled.
     std::uint64_t stream = 0;
-    /// Whose it is that was settled without a record.
-    std::uint64_t settled_of = 0;
+    /// Of one without a record; its stream is 0 once it has a number.
+    SettledFor settled{};
     /// It was committed after the last BeginReread.
     bool is_fresh = false;
     /// It was settled without a record, and the store was not told: it has no number, or that goes

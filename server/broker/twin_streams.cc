@@ -125,7 +125,10 @@ TwinStream* TwinStreams::Open(fleet::RobotPtr robot, cyberwave::TwinPtr twin) {
   robot->state.StreamBegan();
   // A session that was drawn just now: the store has nothing of it.
   static_cast<void>(robot->sessions.ResumeFrom(stream->session, begun->open_id, 0, 0));
-  if (twin != nullptr) RestoreFaults(*twin);
+  if (twin != nullptr) {
+    RestoreFaults(*twin);
+    if (rereading_) unsure_.insert(twin->ruri());
+  }
   stream->robot = std::move(robot);
   stream->twin = std::move(twin);
   TwinStream* opened = stream.get();
@@ -189,15 +192,19 @@ void TwinStreams::Drop(TwinStream& stream) {
 void TwinStreams::Lose(TwinStream& stream) {
   if (stream.twin != nullptr) {
     context_.twins.Remove(stream.ruri());
-    lost_.insert(stream.ruri());
+    unsure_.insert(stream.ruri());
   }
   Close(stream);
 }
 
 void TwinStreams::SetFaults(FaultsByRobot faults) {
   faults_ = std::move(faults);
-  for (const std::string& ruri : std::exchange(lost_, {})) {
-    if (const cyberwave::TwinPtr twin = context_.twins.Find(ruri)) RestoreFaults(*twin);
+  rereading_ = false;
+  const std::unordered_set<std::string> unsure = std::exchange(unsure_, {});
+  for (const cyberwave::TwinPtr& twin : context_.twins.All()) {
+    if (Find(twin->ruri()) != nullptr && !unsure.contains(twin->ruri())) continue;
+    twin->RestoreFaults({});
+    RestoreFaults(*twin);
   }
   std::erase_if(faults_,
                 [this](const auto& each) { return context_.twins.Find(each.first) != nullptr; });

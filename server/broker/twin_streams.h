@@ -90,9 +90,12 @@ class TwinStreams final {
   /// All end: at once, or when nothing of them waits.
   void EndAll();
 
-  /// What the store has, for robots that are not in memory, and for those that were lost since the
-  /// last call: of the others it is known better here. Nothing of metrics has come since they were
-  /// lost.
+  /// The store is to be asked what it has: it may lack what was committed. Nothing of metrics comes
+  /// until SetFaults.
+  void BeginReread() { rereading_ = true; }
+  /// What the store has. It counts for robots that are not in memory, that were lost since the last
+  /// call, or that had no stream at BeginReread, so that nothing of them waits: of the others it is
+  /// known better here.
   void SetFaults(FaultsByRobot faults);
 
   [[nodiscard]] std::size_t size() const { return by_id_.size(); }
@@ -115,8 +118,10 @@ class TwinStreams final {
   std::unordered_map<std::string, std::weak_ptr<cyberwave::TwinRates>> rates_;
   /// Those of robots that were not heard yet.
   FaultsByRobot faults_;
-  /// Robots that were lost since SetFaults: who spoke since is in memory again, without faults.
-  std::unordered_set<std::string> lost_;
+  /// Robots that may have a stream although the store alone knows their faults, until SetFaults:
+  /// they were lost and spoke since, or their stream was opened after BeginReread.
+  std::unordered_set<std::string> unsure_;
+  bool rereading_ = false;
   /// When streams may be opened again that an operator ended.
   std::unordered_map<std::string, SteadyTime> rests_;
   /// Stands for none, and changes no presence.

@@ -78,6 +78,7 @@ std::size_t MetricFaults::CountChanges(const std::vector<std::string>& errors) c
 }
 
 void MetricFaults::Restore(const std::vector<std::string>& fault_ids) {
+  active_.clear();
   for (const std::string& id : fault_ids) {
     if (active_.size() >= kMetricFaultsMax) return;
     active_.insert(id);

@@ -32,8 +32,9 @@ class MetricFaults final {
                                                std::int64_t unix_time_ms);
   /// How many faults Take would give.
   [[nodiscard]] std::size_t CountChanges(const std::vector<std::string>& errors) const;
-  /// The ids of the active faults of this source that an earlier life of the server left, before
-  /// the first metrics; without it they would stay. Those past the limit are passed over.
+  /// The ids of the active faults of this source that the store has, instead of those known here:
+  /// what an earlier life of the server left, before the first metrics, would stay without it.
+  /// Those past the limit are passed over.
   void Restore(const std::vector<std::string>& fault_ids);
 
   [[nodiscard]] const std::set<std::string, std::less<>>& active() const { return active_; }

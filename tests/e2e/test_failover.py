@@ -1,15 +1,22 @@
 """A primary that dies under load, with a standby that acks wait for, or with one that lags."""
 
 import functools
+import json
 import unittest
 
 import broker_stores
 from broker_reading import Reading
+from broker_script import ruri_of, uuid_of
 from chaos import ROBOTS, Campaign
 from failovers import CANARY, FailoverCampaign, Pair
 from harness import EndToEnd, Standby, wait_until
+from mqtt_client import Client
 from presence import OFFLINE
 from tcp_proxy import TcpProxy
+
+
+# The standby has all that the primary wrote.
+REPLAYED = "SELECT bool_and(replay_lsn >= pg_current_wal_lsn()) FROM pg_stat_replication"
 
 
 class Failover(EndToEnd):
@@ -128,6 +135,45 @@ class TwinsFailover(Reading):
         self.pair.promote()
         self.assertEqual(len(self.rows()), len(self.TWINS), "the standby lagged")
         self.assert_all_is_stored()
+
+    def tell_errors(self, twin, errors):
+        """Metrics at QoS 1, whose numbers never came before."""
+        self.said += 1
+        metrics = {"source_type": "edge", "metrics": {"errors": errors, "load": {"cpu": self.said}}}
+        self.publisher.publish(f"cyberwave/twin/{uuid_of(twin)}/metrics", json.dumps(metrics), qos=1)
+        self.publisher.flush()
+
+    def active(self, cluster=None):
+        """The faults of twins that the primary has, or another cluster."""
+        rows = (cluster or self.pair.primary).sql("SELECT ruri, fault_id FROM uplinkd.faults_active").splitlines()
+        return sorted(tuple(row.split("|")) for row in rows)
+
+    def test_metrics_that_change_no_fault_get_no_ack_from_memory(self):
+        hot, cold = (ruri_of(1), "hot"), (ruri_of(2), "cold")
+        self.store = self.keep(broker_stores.Postgres(self.folder))
+        self.pair = self.keep(Pair(self.folder, self.store))
+        self.store.url = self.pair.url
+        self.start_broker()
+        self.serve()
+        self.publisher = self.keep(Client(self.broker.port, "metrics"))
+        self.said = 0
+        self.tell_errors(2, ["cold"])
+        self.wait(lambda: self.active() == [cold], "the first fault is stored")
+        self.pair.wait(lambda: self.pair.primary.sql(REPLAYED, "postgres") == "t", "the standby has it")
+        self.pair.hold_back()
+        self.tell_errors(1, ["hot"])
+        self.tell_errors(2, [])
+        self.wait(lambda: self.active() == [hot], "the lost primary has that")
+        self.pair.kill()
+        self.tell_errors(1, ["hot"])
+        self.tell_errors(2, [])
+        self.wait(lambda: self.settled("applied") == 2, "they change no fault")
+        self.assertEqual(self.mqtt("unacked", connection="durable"), 2, "acked from memory")
+        self.assertEqual(self.active(self.pair.standby), [cold], "the standby lags")
+        self.pair.promote()
+        self.wait(lambda: self.active() == [hot], "the faults are what the twins said last")
+        self.wait(lambda: self.mqtt("unacked", connection="durable") == 0, "they are acked")
+        self.assertEqual(self.watch.breaches, [])
 
 
 if __name__ == "__main__":

@@ -26,6 +26,15 @@ class BrokerAcksTest : public BrokerWorld {
     Up(again, true);
     return again;
   }
+  /// They name no error.
+  static std::string Metrics(const std::string& twin, std::size_t id, bool dup = false) {
+    return testing::PublishBytes{.topic = "cyberwave/twin/" + twin + "/metrics",
+                                 .payload = R"({"metrics":{"errors":[]}})",
+                                 .id = id,
+                                 .dup = dup,
+                                 .mqtt5 = false}
+        .Text();
+  }
 };
 
 TEST_F(BrokerAcksTest, AcksWhatIsCommittedAndNothingBefore) {
@@ -106,6 +115,43 @@ TEST_F(BrokerAcksTest, ARedeliveryBeforeAFailoverIsNotAckedForWhatTheNewPrimaryL
   Flush(*third);
   EXPECT_EQ(third->written, Puback(5));
   EXPECT_EQ(Stored(), 3U) << "stored anew";
+}
+
+TEST_F(BrokerAcksTest, MetricsThatChangeNoFaultWaitForACommitOfTheirOwnShard) {
+  Connect();
+  const std::string other = TwinOfAnotherShard();
+  for (const std::string& twin : {std::string(kTwin), other}) {
+    durable()->Bring(Metrics(twin, 5));
+    for (journal::Journal* journal : shards_.all()) {
+      if (journal != &JournalOf(twin)) Write(*journal);
+    }
+    Posted();
+    Flush(*durable());
+    EXPECT_EQ(durable()->written, "") << twin;
+    Run();
+    Flush(*durable());
+    EXPECT_EQ(durable()->written, Puback(5)) << twin;
+    durable()->written.clear();
+  }
+  EXPECT_EQ(Count(Became::kApplied), 2U);
+}
+
+TEST_F(BrokerAcksTest, MetricsBeforeAFailoverAreNotAckedForFaultsThatTheNewPrimaryMayLack) {
+  Connect();
+  durable()->Bring(Metrics(kTwin, 5));
+  store_.Break();
+  Run();
+  Flush(*durable());
+  EXPECT_TRUE(durable()->closed);
+  EXPECT_EQ(durable()->written.find(Puback(5)), std::string::npos);
+  broker_.GoOn({lease_.reread_asked, {}, {}});
+  const std::shared_ptr<FakeLink> again = links_.back();
+  Up(again, true);
+  again->Bring(Metrics(kTwin, 5, true));
+  EXPECT_EQ(Count(Became::kDuplicate), 0U) << "they are judged again";
+  Run();
+  Flush(*again);
+  EXPECT_EQ(again->written, Puback(5));
 }
 
 TEST_F(BrokerAcksTest, AcksInOrderOfArrivalWhicheverShardCommitsFirst) {

@@ -73,8 +73,8 @@ class Bench {
                  .ledger = ledger,
                  .probe = probe,
                  .clock = clock,
-                 .journal = journal_,
-                 .settled_again = [this] { answered_ = true; }}),
+                 .journals = shards_,
+                 .committed = [this](std::size_t /*shard*/) { answered_ = true; }}),
         intake({.clock = clock,
                 .fleet = fleet,
                 .twins = twins,
@@ -151,11 +151,12 @@ class Bench {
   void Remember(storage::Deliveries deliveries) { journal_.Remember(std::move(deliveries)); }
   void Look() {
     for (const std::uint64_t stream : wakes_.Take()) commits.OnWake(stream);
-    if (std::exchange(answered_, false)) commits.OnSettledAgain();
+    if (std::exchange(answered_, false)) commits.OnCommitted(0);
   }
   /// The store is asked again what it knows of deliveries, under the same lease.
   void Reread(FaultsByRobot faults) {
     commits.BeginReread();
+    streams.BeginReread();
     commits.Reread(*leases_.MemoryOf("uplinkd"));
     streams.SetFaults(std::move(faults));
   }

@@ -15,6 +15,7 @@ namespace uplink::broker {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::Pair;
 
 class MetricsAgainTest : public ::testing::Test {
@@ -62,7 +63,64 @@ TEST_F(MetricsAgainTest, AreDuplicatesByAnotherConnection) {
   bench_.Run();
   EXPECT_EQ(bench_.Count(Became::kDuplicate), 3U);
   EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
-  EXPECT_THAT(bench_.Acked(), ElementsAre(1, 3, 2, 1, 2, 3));
+  EXPECT_THAT(bench_.Acked(), ElementsAre(2, 1, 3, 1, 2, 3));
+}
+
+TEST_F(MetricsAgainTest, ThatChangeNoFaultAreAckedAfterACommitThatBeginsLater) {
+  Say(bench_, 1, R"(["hot"])");
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), ElementsAre(1));
+  Say(bench_, 2, R"(["hot"])");
+  EXPECT_EQ(bench_.Count(Became::kApplied), 1U);
+  EXPECT_THAT(bench_.Acked(), IsEmpty());
+  bench_.store.FailNextCommits(1, testing::FailAt::kBefore);
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), IsEmpty()) << "the store may be gone, and the fault with it";
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), ElementsAre(2));
+  EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
+}
+
+TEST_F(MetricsAgainTest, OfOneConnectionThatComeAgainByTheNextAreAckedThereAfterACommit) {
+  Say(bench_, 1, "[]");
+  bench_.commits.BeginConnection();
+  Say(bench_, 1, "[]", true);
+  EXPECT_EQ(bench_.Count(Became::kDuplicate), 1U);
+  EXPECT_THAT(bench_.Acked(), IsEmpty());
+  bench_.Run();
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), ElementsAre(1));
+}
+
+/// The store lost the fault that they rested on, as a standby that lagged does.
+TEST_F(MetricsAgainTest, AreJudgedAgainByTheFaultsOfAStoreThatWentBack) {
+  Say(bench_, 1, R"(["hot"])");
+  bench_.Run();
+  Say(bench_, 2, R"(["hot"])");
+  bench_.fleet.Find(RuriOf(kTwin))->OnWentBack(bench_.uplinks).Wake();
+  bench_.Look();
+  bench_.Reread({});
+  Say(bench_, 2, R"(["hot"])", true);
+  bench_.Run();
+  EXPECT_EQ(bench_.Count(Became::kDuplicate), 0U);
+  EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true), Pair("hot", true))) << "it is raised anew";
+}
+
+TEST_F(MetricsAgainTest, OfATwinWithoutAStreamRestOnWhatTheStoreHasWhenItIsReadAgain) {
+  Say(bench_, 1, R"(["hot"])");
+  bench_.Run();
+  bench_.clock.Advance(kStreamIdleMax);
+  bench_.streams.CloseIdle();
+  ASSERT_EQ(bench_.streams.size(), 0U);
+  bench_.commits.BeginReread();
+  bench_.streams.BeginReread();
+  // By the live connection, before the store has said what it has.
+  (void)bench_.Publish(Bench::Of("position"), R"({"position":{"x":1,"y":2,"z":3}})");
+  bench_.streams.SetFaults({{RuriOf(kTwin), {"cold"}}});
+  Say(bench_, 2, R"(["hot"])");
+  bench_.Run();
+  EXPECT_THAT(Faults(), ::testing::UnorderedElementsAre(Pair("hot", true), Pair("hot", true),
+                                                        Pair("cold", false)));
 }
 
 TEST_F(MetricsAgainTest, AreDuplicatesForTheNextProcessIfWhatFollowedWasCommitted) {

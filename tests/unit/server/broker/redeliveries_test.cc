@@ -36,7 +36,7 @@ TEST(Redeliveries, ForgetWhatIsOlderThanTheyKeep) {
     known.Commit(id, number);
   }
   EXPECT_EQ(known.Find(1, Digest(1)).known, kSettled);
-  known.AddSettled(3, Digest(1), 0);
+  known.AddSettled(3, Digest(1), {.stream = 0});
   EXPECT_EQ(known.Find(1, Digest(1)).known, kNo) << "one without a record has used an id too";
   EXPECT_EQ(known.Find(2, Digest(1)).known, kSettled);
 }
@@ -88,7 +88,7 @@ TEST(Redeliveries, WhatAStoreThatWentBackLacksIsNewUnlessItWasCommittedSince) {
 /// read again: forgotten, it would be stored anew.
 TEST(Redeliveries, OneWithoutARecordIsKnownThoughItsNumberIsNotCommittedYet) {
   Redeliveries known(9);
-  known.AddSettled(7, Digest(1), 3);
+  known.AddSettled(7, Digest(1), {.stream = 3});
   EXPECT_EQ(known.Number(3, {7}).size(), 1U);
   known.BeginReread();
   known.Reread({.last_number = 0, .known = {}});
@@ -97,8 +97,8 @@ TEST(Redeliveries, OneWithoutARecordIsKnownThoughItsNumberIsNotCommittedYet) {
 
 TEST(Redeliveries, OneWithoutARecordIsNewIfTheStoreLostTheCommitThatBroughtIt) {
   Redeliveries known(9);
-  known.AddSettled(7, Digest(1), 3);
-  known.AddSettled(8, Digest(2), 3);
+  known.AddSettled(7, Digest(1), {.stream = 3});
+  known.AddSettled(8, Digest(2), {.stream = 3});
   const std::vector<storage::Delivery> brought = known.Number(3, {7});
   known.Commit(7, brought.at(0).number);
   known.BeginReread();
@@ -107,11 +107,34 @@ TEST(Redeliveries, OneWithoutARecordIsNewIfTheStoreLostTheCommitThatBroughtIt) {
   EXPECT_EQ(known.Find(8, Digest(2)).known, kSettled) << "it was never the store's";
 }
 
+TEST(Redeliveries, OneWithoutARecordThatRestsOnTheStoreIsNewOnceTheStoreIsReadAgain) {
+  Redeliveries known(9);
+  const std::uint64_t stored = known.NextNumber();
+  known.AddWaiting({.number = stored, .packet_id = 7, .digest = Digest(1)}, 3);
+  known.Commit(7, stored);
+  known.AddSettled(7, Digest(2), {.stream = 3, .rests_on = 1});
+  known.AddSettled(8, Digest(2), {.stream = 3, .rests_on = 1});
+  known.AddSettled(9, Digest(3), {.stream = 3});
+  EXPECT_EQ(known.Find(7, Digest(2)).rests_on, 1U);
+  EXPECT_EQ(known.Number(3, {8}).size(), 1U);
+  EXPECT_EQ(known.Find(8, Digest(2)).rests_on, 1U);
+  known.BeginReread();
+  known.Reread(
+      {.last_number = stored, .known = {{.number = stored, .packet_id = 7, .digest = Digest(1)}}});
+  EXPECT_EQ(known.Find(7, Digest(2)).known, kNo);
+  EXPECT_EQ(known.Find(7, Digest(1)).known, kNo) << "another message has had the id since";
+  EXPECT_EQ(known.Find(8, Digest(2)).known, kSettled) << "its number goes with a commit under way";
+  EXPECT_EQ(known.Find(9, Digest(3)).known, kSettled) << "it is so whatever the store has";
+  std::vector<std::uint16_t> ids{7, 9};
+  known.KeepSettled(3, ids);
+  EXPECT_THAT(ids, ElementsAre(9));
+}
+
 TEST(Redeliveries, OneWithoutARecordIsNewIfItsStreamIsLost) {
   Redeliveries known(9);
-  known.AddSettled(7, Digest(1), 3);
-  known.AddSettled(8, Digest(2), 3);
-  known.AddSettled(9, Digest(3), 4);
+  known.AddSettled(7, Digest(1), {.stream = 3});
+  known.AddSettled(8, Digest(2), {.stream = 3});
+  known.AddSettled(9, Digest(3), {.stream = 4});
   const std::vector<storage::Delivery> brought = known.Number(3, {7});
   known.Drop(7, brought.at(0).number);
   known.DropSettled(3, {7, 8, 9});
@@ -149,14 +172,14 @@ TEST(Redeliveries, IdsThatNobodyRemembersGoRoundToo) {
 
 TEST(Redeliveries, WhatWasSettledWithoutARecordGetsANumberOnce) {
   Redeliveries known(9);
-  known.AddSettled(8, Digest(2), 3);
-  known.AddSettled(7, Digest(1), 3);
-  known.AddSettled(9, Digest(4), 4);
+  known.AddSettled(8, Digest(2), {.stream = 3});
+  known.AddSettled(7, Digest(1), {.stream = 3});
+  known.AddSettled(9, Digest(4), {.stream = 4});
   EXPECT_EQ(known.Find(7, Digest(1)).known, kSettled);
   // Another message of the same twin has this id by now, and one of another twin that one.
-  known.AddSettled(8, Digest(3), 3);
-  known.AddSettled(10, Digest(5), 3);
-  known.AddSettled(10, Digest(5), 4);
+  known.AddSettled(8, Digest(3), {.stream = 3});
+  known.AddSettled(10, Digest(5), {.stream = 3});
+  known.AddSettled(10, Digest(5), {.stream = 4});
   EXPECT_THAT(known.Number(3, {8, 7, 9, 8, 10}),
               ElementsAre(storage::Delivery{.number = 1, .packet_id = 7, .digest = Digest(1)},
                           storage::Delivery{.number = 2, .packet_id = 8, .digest = Digest(3)}));
@@ -165,7 +188,7 @@ TEST(Redeliveries, WhatWasSettledWithoutARecordGetsANumberOnce) {
 
 TEST(Redeliveries, OfWhatWasSettledWithoutARecordTheOldIsNotRemembered) {
   Redeliveries known(2);
-  for (std::uint16_t id = 1; id <= 3; ++id) known.AddSettled(id, Digest(1), 3);
+  for (std::uint16_t id = 1; id <= 3; ++id) known.AddSettled(id, Digest(1), {.stream = 3});
   std::vector<std::uint16_t> ids{1, 2, 3};
   known.KeepSettled(3, ids);
   EXPECT_THAT(ids, ElementsAre(2, 3));
@@ -173,8 +196,8 @@ TEST(Redeliveries, OfWhatWasSettledWithoutARecordTheOldIsNotRemembered) {
 
 TEST(Redeliveries, WhatWasSettledWithoutARecordIsKnownUnderTheSameLeaseAlone) {
   Redeliveries known(9);
-  known.AddSettled(7, Digest(1), 3);
-  known.AddSettled(8, Digest(2), 3);
+  known.AddSettled(7, Digest(1), {.stream = 3});
+  known.AddSettled(8, Digest(2), {.stream = 3});
   // It has a number, and the store has not got it yet.
   static_cast<void>(known.Number(3, {8}));
   known.Reread({.last_number = 5, .known = {}});
@@ -193,11 +216,11 @@ TEST(Redeliveries, SayWhatIsOverThatTheStoreKnows) {
   };
   for (std::uint16_t id = 1; id <= 4; ++id) commit(id);
   EXPECT_THAT(known.TakeOver(), IsEmpty());
-  known.AddSettled(1, Digest(2), 3);
-  known.AddSettled(1, Digest(3), 3);
+  known.AddSettled(1, Digest(2), {.stream = 3});
+  known.AddSettled(1, Digest(3), {.stream = 3});
   known.End(2);
   // These are remembered themselves.
-  known.AddSettled(3, Digest(2), 3);
+  known.AddSettled(3, Digest(2), {.stream = 3});
   static_cast<void>(known.Number(3, {3}));
   known.End(4);
   commit(4);
