@@ -79,7 +79,7 @@ class App::Impl {
                       .retention = [this] { return journals_.retain_error(); },
                       .checkpoints = [this] { return journals_.checkpoint_error(); },
                       .store = [this] { return journals_.last_error(); },
-                      .went_back = [this] { return journal_probe_.went_back.value(); }},
+                      .went_back = [this] { return journals_.TakeWentBack(); }},
                      options_.logger),
         queries_({options_.clock, fleet_, *stores_.reader, journals_, ledgers_,
                   session_probe_.streams, options_.version, ground_.OnReads(),

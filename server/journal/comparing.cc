@@ -60,7 +60,7 @@ void Comparing::Follow(const storage::ToldRobot& told, const storage::FoundRobot
     went_back = holds_.FollowPresence(told.ruri, found.presence) || went_back;
     if (found.went_back) holds_.WentBack(told.ruri).Wake();
   }
-  if (went_back) context_.probe.NoteWentBack(context_.clock.Steady());
+  if (went_back) context_.went_back.Note(told.ruri, context_.clock.Steady());
 }
 
 }  // namespace uplink::journal

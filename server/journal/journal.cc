@@ -14,6 +14,7 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
       errors_(probe),
       retain_error_(probe.retention_failing),
       checkpoint_error_(probe.checkpoint_failing),
+      went_back_(probe),
       turns_(std::make_unique<Turns>(WriterContext{.store = store,
                                                    .clock = clock,
                                                    .ledger = ledger,
@@ -23,6 +24,7 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
                                                    .quarantine = quarantine_,
                                                    .retain_error = retain_error_,
                                                    .checkpoint_error = checkpoint_error_,
+                                                   .went_back = went_back_,
                                                    .spatial_committed = spatial_committed_,
                                                    .store_reconnected = store_reconnected_},
                                      limits, process)) {}

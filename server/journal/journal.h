@@ -18,6 +18,7 @@
 #include "server/journal/quarantine_notes.h"
 #include "server/journal/reconnected.h"
 #include "server/journal/store_errors.h"
+#include "server/journal/went_back.h"
 #include "server/journal/writer_inbox.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/wake.h"
@@ -122,6 +123,8 @@ class Journal final {
   [[nodiscard]] absl::Status retain_error() const { return retain_error_.last(); }
   /// The same of checkpoints.
   [[nodiscard]] absl::Status checkpoint_error() const { return checkpoint_error_.last(); }
+  /// Robots of which the store was found to have gone back since the last call.
+  [[nodiscard]] WentBack TakeWentBack() { return went_back_.Take(); }
 
  private:
   Inbox inbox_;
@@ -130,6 +133,7 @@ class Journal final {
   QuarantineNotes quarantine_;
   DutyError retain_error_;
   DutyError checkpoint_error_;
+  WentBackNotes went_back_;
   /// CheckpointFrom gave it live states to checkpoint.
   bool checkpoints_ = false;
   std::function<void()> spatial_committed_ = [] {};

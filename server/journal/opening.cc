@@ -75,7 +75,7 @@ void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
                                          .was_known = result.was_known});
   if (told.interrupted) return told.stream.Wake();
   if (HasLess(*open.client, open.request.session, result.cursor)) {
-    context_.probe.NoteWentBack(context_.clock.Steady());
+    context_.went_back.Note(open.request.robot->ruri, context_.clock.Steady());
     return holds_.WentBack(open.request.robot->ruri).Wake();
   }
   open.client->OnOpened(open.open_id, result).Wake();

@@ -72,6 +72,17 @@ absl::Status Shards::checkpoint_error() const {
   return absl::OkStatus();
 }
 
+std::vector<WentBack> Shards::TakeWentBack() const {
+  std::vector<WentBack> taken;
+  for (std::size_t shard = 0; shard < journals_.size(); ++shard) {
+    WentBack went_back = journals_[shard]->TakeWentBack();
+    if (went_back.robots == 0) continue;
+    went_back.shard = shard;
+    taken.push_back(std::move(went_back));
+  }
+  return taken;
+}
+
 JournalLimits ShareOf(const JournalLimits& all, std::size_t shards) {
   JournalLimits share = all;
   share.bytes_max = std::max<std::size_t>(all.bytes_max / shards, 1);

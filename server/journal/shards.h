@@ -56,6 +56,8 @@ class Shards final {
   [[nodiscard]] absl::Status last_error() const;
   /// The first of a journal that cannot write checkpoints; OK if all can.
   [[nodiscard]] absl::Status checkpoint_error() const;
+  /// As Journal's, of each that found any, with its shard.
+  [[nodiscard]] std::vector<WentBack> TakeWentBack() const;
   /// Of the journal that keeps the histories.
   [[nodiscard]] absl::Status retain_error() const { return journals_.front()->retain_error(); }
 

@@ -9,6 +9,7 @@
 #include "server/journal/quarantine_notes.h"
 #include "server/journal/reconnected.h"
 #include "server/journal/store_errors.h"
+#include "server/journal/went_back.h"
 #include "server/journal/writer_inbox.h"
 
 namespace uplink::storage {
@@ -28,6 +29,7 @@ struct WriterContext {
   QuarantineNotes& quarantine;
   DutyError& retain_error;
   DutyError& checkpoint_error;
+  WentBackNotes& went_back;
   /// Journal::OnSpatial.
   const std::function<void()>& spatial_committed;
   /// Journal::OnReconnected.

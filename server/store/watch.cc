@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace uplink::store {
 namespace {
 
@@ -41,13 +43,14 @@ void Watch::LookAtSnapshot(const storage::StoreFacts& facts) {
   }
 }
 
-void Watch::LookAtWentBack() {
-  const std::int64_t robots = sources_.went_back();
-  if (robots == said_went_back_) return;
-  logger_.Warn("store_went_back",
-               {{"why", "after a reconnect the database lacks commits that it had confirmed"},
-                {"robots", robots - said_went_back_}});
-  said_went_back_ = robots;
+void Watch::LookAtWentBack() const {
+  for (const journal::WentBack& shard : sources_.went_back()) {
+    logger_.Warn("store_went_back",
+                 {{"why", "after a reconnect the database lacks commits that it had confirmed"},
+                  {"shard", shard.shard},
+                  {"robots", shard.robots},
+                  {"named", fmt::format("{}", fmt::join(shard.named, " "))}});
+  }
 }
 
 void Watch::Look() {

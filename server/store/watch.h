@@ -1,10 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include <absl/status/status.h>
 
+#include "server/journal/went_back.h"
 #include "server/log/logger.h"
 #include "storage/store.h"
 
@@ -20,8 +21,10 @@ class Watch final {
     std::function<absl::Status()> retention;
     std::function<absl::Status()> checkpoints;
     std::function<absl::Status()> store;
-    /// Robots of which the store was found to have gone back, since the start.
-    std::function<std::int64_t()> went_back = [] { return std::int64_t{0}; };
+    /// Robots of which the store was found to have gone back since the last call, by shard.
+    std::function<std::vector<journal::WentBack>()> went_back = [] {
+      return std::vector<journal::WentBack>();
+    };
   };
   Watch(Sources sources, const log::Logger& logger);
 
@@ -37,7 +40,7 @@ class Watch final {
     const char* works_again;
     bool works = true;
   };
-  void LookAtWentBack();
+  void LookAtWentBack() const;
   void LookAtSnapshot(const storage::StoreFacts& facts);
   void LogTurn(Turn& turn, const absl::Status& status) const;
 
@@ -49,7 +52,6 @@ class Watch final {
   bool said_unsafe_ = false;
   bool said_clock_ = false;
   bool said_snapshot_ = false;
-  std::int64_t said_went_back_ = 0;
 };
 
 }  // namespace uplink::store

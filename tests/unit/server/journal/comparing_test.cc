@@ -90,6 +90,22 @@ TEST_F(ComparingTest, ARobotOfWhichTheStoreHasLessIsVoidAndHeldStill) {
   EXPECT_EQ(holds.robots().Since(robot_), since);
   EXPECT_EQ(probe.went_back.value(), 1);
   EXPECT_EQ(probe.went_back_at.load(), clock.Steady());
+  EXPECT_THAT(went_back.Take().named, ElementsAre("rcan://a"));
+  EXPECT_EQ(went_back.Take().robots, 0U) << "once";
+}
+
+TEST_F(ComparingTest, OfManyRobotsOfWhichTheStoreHasLessTheFirstAreNamed) {
+  std::deque<RecordingClient> many;
+  for (std::size_t i = 0; i <= kWentBackNamed; ++i) {
+    Hold(many.emplace_back("rcan://many/" + std::to_string(i)));
+    many.back().SetCommitted(Through(4));
+  }
+  store.Break();
+  Compare();
+  const WentBack found = went_back.Take();
+  EXPECT_EQ(found.robots, kWentBackNamed + 1);
+  EXPECT_EQ(found.named.size(), kWentBackNamed);
+  EXPECT_EQ(found.named.front(), "rcan://many/0");
 }
 
 TEST_F(ComparingTest, WhatWaitsOfItIsNotWrittenAndTheRestIs) {

@@ -28,6 +28,7 @@ struct StepBench {
             .quarantine = quarantine,
             .retain_error = retain_error,
             .checkpoint_error = checkpoint_error,
+            .went_back = went_back,
             .spatial_committed = spatial_committed,
             .store_reconnected = store_reconnected};
   }
@@ -85,6 +86,7 @@ struct StepBench {
   QuarantineNotes quarantine;
   DutyError retain_error{probe.retention_failing};
   DutyError checkpoint_error{probe.checkpoint_failing};
+  WentBackNotes went_back{probe};
   /// Commits that held shapes or objects, once they were told.
   int spatial_commits = 0;
   std::function<void()> spatial_committed = [this] { ++spatial_commits; };

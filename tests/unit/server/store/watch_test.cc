@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -27,10 +28,12 @@ class WatchTest : public ::testing::Test {
   absl::Status retention_;
   absl::Status checkpoints_;
   absl::Status store_;
+  std::vector<journal::WentBack> went_back_;
   Watch watch_{{.facts = [this] { return facts_; },
                 .retention = [this] { return retention_; },
                 .checkpoints = [this] { return checkpoints_; },
-                .store = [this] { return store_; }},
+                .store = [this] { return store_; },
+                .went_back = [this] { return std::exchange(went_back_, {}); }},
                logger_};
 };
 
@@ -80,6 +83,15 @@ TEST_F(WatchTest, TellsOnceThatAnOldSnapshotIsThereAndOnceThatItIsGone) {
   watch_.Look();
   EXPECT_THAT(lines_,
               ElementsAre(HasSubstr("store_old_snapshot"), HasSubstr("store_old_snapshot_gone")));
+}
+
+TEST_F(WatchTest, TellsPerShardOfHowManyRobotsTheStoreWentBackAndNamesTheFirst) {
+  went_back_ = {{.shard = 1, .robots = 2, .named = {"rcan://a", "rcan://b"}},
+                {.shard = 3, .robots = 9, .named = {"rcan://c"}}};
+  watch_.Look();
+  watch_.Look();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr(R"(shard=1 robots=2 named="rcan://a rcan://b")"),
+                                  HasSubstr("shard=3 robots=9 named=rcan://c")));
 }
 
 TEST_F(WatchTest, TellsOnceThatTheStoreIsUnsafe) {

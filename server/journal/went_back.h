@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/journal/probe.h"
+
+namespace uplink::journal {
+
+/// Robots that one line of the log names (`store_went_back`).
+inline constexpr std::size_t kWentBackNamed = 8;
+
+/// The robots of one shard of which the store had less than it had told. A value.
+struct WentBack {
+  std::size_t shard = 0;
+  std::size_t robots = 0;
+  /// The first of them, kWentBackNamed at most.
+  std::vector<std::string> named;
+};
+
+/// Counts robots of which a journal's store has less than it told, and names the first until the
+/// log has them. Thread-safe.
+class WentBackNotes final {
+ public:
+  explicit WentBackNotes(JournalProbe& probe) : probe_(probe) {}
+
+  void Note(const std::string& ruri, SteadyTime now) {
+    probe_.NoteWentBack(now);
+    const std::lock_guard lock(mutex_);
+    ++noted_.robots;
+    if (noted_.named.size() < kWentBackNamed) noted_.named.push_back(ruri);
+  }
+  /// Those that were noted since the last call.
+  [[nodiscard]] WentBack Take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(noted_, {});
+  }
+
+ private:
+  JournalProbe& probe_;
+  std::mutex mutex_;
+  WentBack noted_;
+};
+
+}  // namespace uplink::journal
