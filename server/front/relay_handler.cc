@@ -65,7 +65,12 @@ void RelayHandler::Finish(const absl::Status& status) {
   Thread& thread = call_.thread();
   Origin origin = call_.owner().origin();
   if (!origin.gateway.empty()) origin.robot = session_->ruri();
-  thread.book.TellRefusal(status, origin, thread.clock.Steady());
+  if (session_->unconfirmed()) {
+    thread.book.Tell("rejects_unconfirmed", "rejects_unconfirmed", std::string(status.message()),
+                     origin, thread.clock.Steady());
+  } else {
+    thread.book.TellRefusal(status, origin, thread.clock.Steady());
+  }
   call_.Finish(status);
 }
 

@@ -85,6 +85,8 @@ class Session final {
   [[nodiscard]] std::optional<SteadyTime> deadline() const;
   /// The robot that a Hello in order named; empty before that.
   [[nodiscard]] const std::string& ruri() const { return robot_.ruri(); }
+  /// It ends since its agent confirmed too few Rejects (limits.unconfirmed_rejects_max).
+  [[nodiscard]] bool unconfirmed() const { return settling_.unconfirmed(); }
   /// Finish was called, or the stream broke.
   [[nodiscard]] bool done() const { return state_ == State::kDone; }
 

@@ -24,6 +24,7 @@ void Settling::BeginUnconfirmed() {
             sources_.context.limits.unconfirmed_rejects_max)),
         ReadGate::Reading::kHeldBack);
   sources_.context.probe.unconfirmed_total.Add();
+  unconfirmed_ = true;
   follows_writes_ = true;
   SetTime();
 }

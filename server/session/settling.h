@@ -38,6 +38,9 @@ class Settling final {
   /// The session has limits.unconfirmed_rejects_max Rejects that its agent did not confirm.
   void BeginUnconfirmed();
 
+  /// It ends for that, whatever the status says.
+  [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
+
   /// The server drains: it has `grace`, however it came to settle.
   void EndWithin(milliseconds grace);
   /// A write is done. An agent that takes its Rejects is given the time that it needs.
@@ -53,6 +56,7 @@ class Settling final {
   absl::Status status_;
   bool last_ack_queued_ = false;
   bool follows_writes_ = false;
+  bool unconfirmed_ = false;
 };
 
 }  // namespace uplink::session

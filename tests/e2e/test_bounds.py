@@ -33,6 +33,9 @@ class Bounds(EndToEnd):
         dropped = wait_until(server.process, lambda: self.dropped(server, ruri), ROUND_SECONDS, "rows go")
         self.assertGreater(sum(dropped.values()), 0)
         self.assertEqual(server.metric("uplinkd_rejects_unconfirmed_ends_total"), 1)
+        named = [line for line in server.text().splitlines() if " rejects_unconfirmed " in line]
+        self.assertEqual(len(named), 1)
+        self.assertIn(f"robot={ruri} ", named[0])
         # What the robot was told, what the server counted and what is stored agree all the same.
         self.assert_agrees(fleet)
 

@@ -16,6 +16,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -25,8 +26,9 @@ class Naming : public ::testing::Test {
  protected:
   Naming() { Make(); }
 
-  void Make() {
+  void Make(const session::SessionLimits& limits = {}) {
     RelayWorld::Options options;
+    options.session = limits;
     options.logger = &logger_;
     world_ = std::make_unique<RelayWorld>(options);
   }
@@ -106,6 +108,19 @@ TEST_F(Naming, WhoWasRefusedAndLeavesForThatAlone) {
   EXPECT_TRUE(Eventually([&] { return world_->relay_probe.connections.value() == 0; }));
   EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kNoStream), 0);
   EXPECT_THAT(LinesOf("why=no_stream"), IsEmpty());
+}
+
+TEST_F(Naming, AnAgentThatConfirmsNoRejectByItsRobot) {
+  Make({.unconfirmed_rejects_max = 2});
+  RawHttp2 client(ClientOf(*world_, RobotKeys(*world_, 7), "127.0.0.66"));
+  ASSERT_TRUE(client.Begin());
+  const std::string bad = BatchFrame({{1, "no message"}, {2, "no message"}}).SerializeAsString();
+  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)) + http2::Data(1, WithPrefix(bad)));
+  EXPECT_TRUE(client.ReadUntilOver(1));
+  EXPECT_EQ(world_->session_probe.unconfirmed_total.value(), 1);
+  EXPECT_THAT(LinesOf("rejects_unconfirmed"),
+              ElementsAre(AllOf(HasSubstr("source=127.0.0.66 "), HasSubstr("robot=" + RuriOf(7)),
+                                HasSubstr("2 Rejects of this session are above"))));
 }
 
 TEST_F(Naming, WhatIsNoCallOfTheRelay) {
