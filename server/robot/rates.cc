@@ -70,15 +70,22 @@ void Rates::LimitedIds::Forget(SteadyTime now) {
   forget_at_ = now + kForgetEvery;
 }
 
-std::optional<SteadyTime> Rates::UpsertLimitedUntil(LimitedIds& ids, std::size_t id,
-                                                    const TokenBucket& bucket,
-                                                    const BucketSize& size, SteadyTime now) {
-  if (const auto until = ids.Until(id, now)) return until;
-  if (bucket.PassesAt(1, size, now) <= now) return std::nullopt;
+std::optional<Rates::Limited> Rates::LimitedNow(const model::Body& body, const RateTable& table,
+                                                SteadyTime now) {
+  const std::size_t variant = body.index();
+  const BucketSize& size = table[variant];
+  if (size.rate == 0) return std::nullopt;
+  const std::optional<std::size_t> id = UpsertId(body);
+  std::size_t waiting = 0;
+  if (id && ids_ != nullptr) {
+    LimitedIds& ids = (*ids_)[variant];
+    if (const auto until = ids.Until(*id, now)) return Limited{.until = *until};
+    waiting = ids.size();
+  }
+  const TokenBucket& bucket = buckets_[variant];
+  if (bucket.PassesAt(1, size, now) <= now || IsDeletion(body)) return std::nullopt;
   // Each of those that wait gets a token of its own.
-  const SteadyTime until = bucket.PassesAt(1 + ids.size(), size, now);
-  ids.Add(id, until);
-  return until;
+  return Limited{.until = bucket.PassesAt(1 + waiting, size, now), .new_id = id};
 }
 
 std::optional<milliseconds> Rates::Limit(const model::Body& body, const RateTable& table,
@@ -86,34 +93,20 @@ std::optional<milliseconds> Rates::Limit(const model::Body& body, const RateTabl
   const std::size_t variant = body.index();
   const BucketSize& size = table[variant];
   if (size.rate == 0) return std::nullopt;
-  TokenBucket& bucket = buckets_[variant];
-  const SteadyTime token_at = bucket.PassesAt(1, size, now);
-  std::optional<SteadyTime> until;
-  if (const auto id = UpsertId(body)) {
-    // Without a table nothing was limited yet.
-    if (ids_ == nullptr && token_at > now) ids_ = std::make_unique<IdsByVariant>();
-    if (ids_ != nullptr) until = UpsertLimitedUntil((*ids_)[variant], *id, bucket, size, now);
-  } else if (token_at > now) {
+  const std::optional<Limited> limited = LimitedNow(body, table, now);
+  if (!limited) {
     // A deletion takes a token where there is one.
-    if (IsDeletion(body)) return std::nullopt;
-    until = token_at;
-  }
-  if (!until) {
-    bucket.Take(1, size, now);
+    TokenBucket& bucket = buckets_[variant];
+    if (bucket.PassesAt(1, size, now) <= now) bucket.Take(1, size, now);
     return std::nullopt;
   }
-  limited_[variant].fetch_add(1, std::memory_order_relaxed);
-  return Until(*until, now);
-}
-
-bool Rates::WouldLimit(const model::Body& body, const RateTable& table, SteadyTime now) {
-  const std::size_t variant = body.index();
-  const BucketSize& size = table[variant];
-  if (size.rate == 0) return false;
-  if (const auto id = UpsertId(body); id && ids_ != nullptr) {
-    if ((*ids_)[variant].Until(*id, now)) return true;
+  if (limited->new_id) {
+    // Without a table nothing was limited yet.
+    if (ids_ == nullptr) ids_ = std::make_unique<IdsByVariant>();
+    (*ids_)[variant].Add(*limited->new_id, limited->until);
   }
-  return !IsDeletion(body) && buckets_[variant].PassesAt(1, size, now) > now;
+  limited_[variant].fetch_add(1, std::memory_order_relaxed);
+  return Until(limited->until, now);
 }
 
 void Rates::BeginStream() {

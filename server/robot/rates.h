@@ -40,7 +40,9 @@ class Rates final {
   [[nodiscard]] std::optional<milliseconds> Limit(const model::Body& body, const RateTable& table,
                                                   SteadyTime now);
   /// Whether Limit would limit it now. Takes nothing and counts nothing.
-  [[nodiscard]] bool WouldLimit(const model::Body& body, const RateTable& table, SteadyTime now);
+  [[nodiscard]] bool WouldLimit(const model::Body& body, const RateTable& table, SteadyTime now) {
+    return LimitedNow(body, table, now).has_value();
+  }
   /// Counts from zero.
   void BeginStream();
 
@@ -68,11 +70,15 @@ class Rates final {
     SteadyTime forget_at_{};
   };
 
-  /// Until when the upsert is limited by its id, or by the bucket; nothing if it is not.
-  [[nodiscard]] std::optional<SteadyTime> UpsertLimitedUntil(LimitedIds& ids, std::size_t id,
-                                                             const TokenBucket& bucket,
-                                                             const BucketSize& size,
-                                                             SteadyTime now);
+  /// A message that is limited. A value.
+  struct Limited {
+    SteadyTime until;
+    /// Of an upsert whose id was not limited before: it is from now on.
+    std::optional<std::size_t> new_id{};
+  };
+  /// Whether the message is limited by its id or by the bucket. Takes nothing and counts nothing.
+  [[nodiscard]] std::optional<Limited> LimitedNow(const model::Body& body, const RateTable& table,
+                                                  SteadyTime now);
 
   std::array<TokenBucket, model::kVariants> buckets_;
   /// Made when the first one is limited; of shapes and of objects.
