@@ -50,7 +50,7 @@ absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record)
   if (RaiseCursor(**session, record.seq, record.received_at)) return std::optional<Outcome>();
 
   if (record.seq == 0) return Outcome{OutcomeKind::kDuplicate, std::nullopt};
-  absl::StatusOr<std::optional<model::Rejection>> why = known_.Quarantined(record);
+  absl::StatusOr<std::optional<model::Rejection>> why = known_.Rejected(record);
   if (!why.ok()) return why.status();
   if (!why->has_value()) return Outcome{OutcomeKind::kDuplicate, std::nullopt};
   return Outcome{OutcomeKind::kRefused, *std::move(why)};

@@ -52,7 +52,7 @@ class Known {
   /// Of a record whose robot was asked for, and is known. The answer is valid until the next call.
   [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
   /// Why the record's number was rejected (in quarantine, or kept); nothing if it was not.
-  [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Quarantined(
+  [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Rejected(
       const CommitRecord& record) = 0;
 
   /// The epoch of the client id's lease on topics, which nobody takes until the batch ends; 0: this

@@ -33,8 +33,7 @@ absl::StatusOr<KnownSession*> BatchKnown::Session(const CommitRecord& record) {
   return &session.known;
 }
 
-absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Quarantined(
-    const CommitRecord& record) {
+absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Rejected(const CommitRecord& record) {
   const std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
   const auto session = std::ranges::find(sessions, record.session, &BatchSession::id);
   RejectRange range;

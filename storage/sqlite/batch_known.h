@@ -47,7 +47,7 @@ class BatchKnown final : public Known {
 
   [[nodiscard]] absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
-  [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Quarantined(
+  [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Rejected(
       const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override;
   [[nodiscard]] absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(

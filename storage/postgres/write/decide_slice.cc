@@ -33,9 +33,9 @@ class KnownByRows final : public Known {
   absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override {
     return &known_.sessions[{record.robot->ruri, record.session}];
   }
-  absl::StatusOr<std::optional<model::Rejection>> Quarantined(const CommitRecord& record) override {
-    const auto why = known_.quarantined.find({record.robot->ruri, record.session, record.seq});
-    if (why == known_.quarantined.end()) return std::optional<model::Rejection>();
+  absl::StatusOr<std::optional<model::Rejection>> Rejected(const CommitRecord& record) override {
+    const auto why = known_.rejected.find({record.robot->ruri, record.session, record.seq});
+    if (why == known_.rejected.end()) return std::optional<model::Rejection>();
     return std::optional(why->second);
   }
   absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override {
@@ -152,12 +152,12 @@ class SliceDecision final {
   void Reject(const CommitRecord& record, const model::Rejection& rejection, std::int32_t place) {
     const QuarantineDetail detail = refusal_ ? refusal_->detail : QuarantineDetail::kAll;
     rows_.Reject(record, rejection, detail, place);
-    known_.quarantined[{record.robot->ruri, record.session, record.seq}] = rejection;
+    known_.rejected[{record.robot->ruri, record.session, record.seq}] = rejection;
   }
   void Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place) {
     rows_.Limit(record, range, place);
     for (model::Seq seq = range.first; seq <= record.seq; ++seq) {
-      known_.quarantined[{record.robot->ruri, record.session, seq}] = range.rejection;
+      known_.rejected[{record.robot->ruri, record.session, seq}] = range.rejection;
     }
   }
   void Follow(const PresentChange& change) {

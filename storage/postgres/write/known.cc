@@ -43,7 +43,7 @@ constexpr std::string_view kTrimProcesses =
     " WHERE ruri = 'server' AND session <> $1::uuid"
     " ORDER BY last_used DESC, session DESC OFFSET $2::bigint) AS old"
     " WHERE s.ruri = 'server' AND s.session = old.session AND s.part = old.part";
-constexpr std::string_view kReadQuarantined =
+constexpr std::string_view kReadRejected =
     "SELECT u.place, q.reason, q.field, q.detail"
     " FROM unnest($1::text[], $2::uuid[], $3::bigint[], $4::int[]) AS u (ruri, session, seq, place)"
     " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
@@ -178,7 +178,7 @@ void ReadSessions(const Slice& slice, const ProcessId& process, KnownRows& known
   reads.Add(std::move(trim));
 }
 
-void ReadQuarantined(const Slice& slice, KnownRows& known, Reads& reads) {
+void ReadRejected(const Slice& slice, KnownRows& known, Reads& reads) {
   Array ruri{Type::kText}, session{Type::kUuid}, seq{Type::kInt8}, place{Type::kInt4};
   for (std::size_t i = slice.first; i < slice.last; ++i) {
     const CommitRecord& record = slice.batch->records[i];
@@ -187,12 +187,12 @@ void ReadQuarantined(const Slice& slice, KnownRows& known, Reads& reads) {
     seq.Int8(record.seq);
     place.Int4(static_cast<std::int32_t>(i));
   }
-  reads.Add(StoreCallOf(kReadQuarantined, {&ruri, &session, &seq, &place}),
+  reads.Add(StoreCallOf(kReadRejected, {&ruri, &session, &seq, &place}),
             [&known, &batch = *slice.batch](const Result& rows) {
               for (int row = 0; row < rows.rows(); ++row) {
                 const CommitRecord& record =
                     batch.records[static_cast<std::size_t>(rows.Int(row, 0))];
-                known.quarantined[{record.robot->ruri, record.session, record.seq}] =
+                known.rejected[{record.robot->ruri, record.session, record.seq}] =
                     ReadRejection(rows, row, 1);
               }
             });
@@ -263,7 +263,7 @@ absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
   ReadLeases(slice, terms.process, known, reads);
   ReadRobots(slice, terms.process, known, reads);
   ReadSessions(slice, terms.process, known, reads);
-  ReadQuarantined(slice, known, reads);
+  ReadRejected(slice, known, reads);
   ReadAllPresent(slice, terms.rules, known, reads);
   absl::Status read = reads.Run(connection);
   if (!read.ok()) return read;

@@ -61,7 +61,7 @@ struct KnownRows {
   /// them.
   std::map<std::string, Epoch, std::less<>> leases;
   /// Why a number was rejected: of those that the slice names.
-  std::map<Number, model::Rejection> quarantined;
+  std::map<Number, model::Rejection> rejected;
   /// By PresentKind: the entries that the slice names, as far as they are there; of robots that are
   /// near their bound also all that expire at all.
   std::array<Entries, kPresentKinds> present;

@@ -39,7 +39,7 @@ class PlainKnown final : public Known {
     asked.emplace_back("session");
     return &sessions[{record.robot->ruri, record.session}];
   }
-  absl::StatusOr<std::optional<model::Rejection>> Quarantined(const CommitRecord& record) override {
+  absl::StatusOr<std::optional<model::Rejection>> Rejected(const CommitRecord& record) override {
     asked.emplace_back("quarantined");
     const auto why = quarantined.find(record.seq);
     if (why == quarantined.end()) return std::optional<model::Rejection>();
@@ -187,7 +187,7 @@ TEST_F(Decide, FindsADuplicateAtAndBelowTheCursor) {
 
 TEST_F(Decide, RefusesAgainWhatLiesInQuarantineWithItsReason) {
   known_.sessions[{"rcan://r", {}}].cursor = 5;
-  known_.quarantined[4] = TooManyShapes();
+  known_.rejected[4] = TooManyShapes();
   const auto outcome = decider_.Look(Note(4));
   ASSERT_TRUE(outcome.ok() && outcome->has_value());
   EXPECT_EQ((*outcome)->kind, OutcomeKind::kRefused);
