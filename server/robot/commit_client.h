@@ -67,10 +67,10 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
   /// The sessions in memory of which the store told something, with what it told: the highest
   /// number that is committed.
-  [[nodiscard]] virtual std::vector<storage::CommittedSession> Committed() const { return {}; }
+  [[nodiscard]] virtual std::vector<storage::CommittedSession> Committed() const = 0;
   /// The store went back: it has less of the robot than it told, and holds it for this process as
   /// before. As OnFenced for sessions and all that waits; the robot's state stays.
-  virtual StreamRef OnWentBack(metrics::Ledger& ledger) { return OnFenced(ledger); }
+  virtual StreamRef OnWentBack(metrics::Ledger& ledger) = 0;
   /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
 };

@@ -25,8 +25,8 @@ struct IntakeScratch {
   FrameLive live;
 };
 
-/// What a whole server shares with its sessions, and what a queue's sessions share: the judge, the
-/// ledger page and the scratch belong to the queue's thread.
+/// What a whole server shares with its sessions, and what the sessions of one thread share: the
+/// judge, the ledger page and the scratch are that thread's.
 struct SessionContext {
   const Clock& clock;
   fleet::Fleet& fleet;

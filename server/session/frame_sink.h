@@ -33,7 +33,7 @@ class FrameSink {
   virtual void Cancel() = 0;
   /// Asks whether the peer is there: Session::OnPeerAnswered says so. A sink that asks nobody does
   /// nothing, and the robot's silence stays in doubt.
-  virtual void AskPeer() {}
+  virtual void AskPeer() = 0;
 };
 
 }  // namespace uplink::session

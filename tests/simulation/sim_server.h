@@ -49,6 +49,7 @@ class SimStream final : public session::FrameSource, public session::FrameSink {
   void WriteEncoded(std::span<const session::EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override;
   void Cancel() override {}
+  void AskPeer() override {}
 
   // Steps.
   [[nodiscard]] bool CanDeliver() const { return read_wanted_ && !to_server_.empty(); }

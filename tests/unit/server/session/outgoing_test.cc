@@ -25,6 +25,7 @@ class RecordingSink final : public FrameSink {
   }
   void Finish(const absl::Status& /*status*/) override {}
   void Cancel() override {}
+  void AskPeer() override {}
 
   std::vector<std::string> lines;
 };

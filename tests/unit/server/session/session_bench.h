@@ -68,6 +68,7 @@ class BenchStream final : public FrameSource, public FrameSink {
   void WriteEncoded(std::span<const EncodedFrame> frames) override;
   void Finish(const absl::Status& status) override { status_ = status; }
   void Cancel() override { cancelled_ = true; }
+  void AskPeer() override {}
 
   // The agent's side. Sending needs a read under way.
   void Send(const v1::RelayRequest& frame) { SendBytes(frame.SerializeAsString()); }

@@ -65,6 +65,7 @@ class ThreadsStream final : public FrameSource, public FrameSink {
   void WriteEncoded(std::span<const EncodedFrame> /*frames*/) override {}
   void Finish(const absl::Status& status) override { end_ = status; }
   void Cancel() override {}
+  void AskPeer() override {}
 
   [[nodiscard]] Session& session() { return session_; }
   [[nodiscard]] bool reading() const { return reading_ && !session_.done(); }
