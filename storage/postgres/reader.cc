@@ -11,6 +11,8 @@
 #include "storage/postgres/read/lists.h"
 #include "storage/postgres/read/pages.h"
 #include "storage/postgres/read/reader_pool.h"
+#include "storage/postgres/tables/rejects_sql.h"
+#include "storage/sql_text.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -44,19 +46,12 @@ constexpr std::string_view kActiveFaultCounts =
 constexpr std::string_view kQuarantineDropped =
     "SELECT reason, count FROM uplinkd.quarantine_dropped WHERE ruri = $1::text ORDER BY reason";
 // A session's row is looked for from the greatest part down (see the migration of session parts).
-constexpr std::string_view kRejects =
-    "SELECT q.seq, q.reason, q.field, q.detail FROM (SELECT l.first_entry FROM uplinkd.sessions AS "
-    "l WHERE l.ruri = $1::text AND l.session = $2::uuid ORDER BY l.part DESC LIMIT 1) AS s"
-    " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
-    " WHERE p.ruri = $1::text AND p.session = $2::uuid AND p.seq > $3::bigint"
-    " AND p.seq <= $4::bigint AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $5::bigint)"
-    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM"
-    " (SELECT p.first, p.last, p.reason, p.field, p.detail FROM uplinkd.kept_rejects AS p"
-    " WHERE p.ruri = $1::text AND p.session = $2::uuid AND p.last > $3::bigint"
-    " AND p.entry >= s.first_entry ORDER BY p.last LIMIT $5::bigint) AS k"
-    " CROSS JOIN LATERAL generate_series(greatest(k.first, $3::bigint + 1),"
-    " least(k.last, $4::bigint)) AS n (seq) ORDER BY k.last, n.seq LIMIT $5::bigint)) AS q"
-    " ORDER BY q.seq LIMIT $5::bigint";
+constexpr SqlText kRejects = {
+    "SELECT q.seq, q.reason, q.field, q.detail"
+    " FROM (SELECT $1::text, $2::uuid, $3::bigint) AS u (ruri, session, above)"
+    " CROSS JOIN LATERAL (SELECT $5::bigint AS through, l.first_entry FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s",
+    kJoinRejects, " ORDER BY q.seq LIMIT $4::bigint"};
 constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
@@ -182,12 +177,12 @@ absl::StatusOr<std::vector<DroppedRow>> PostgresReader::QuarantineDropped(const 
 
 absl::StatusOr<std::vector<StoredReject>> PostgresReader::Rejects(const RejectsQuery& query) {
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<StoredReject>> {
-    OwnedStoreCall call{std::string(kRejects), {}};
+    OwnedStoreCall call{std::string(kRejects.view()), {}};
     call.parameters.Text(query.ruri);
     call.parameters.Uuid(query.session);
     call.parameters.Int8(static_cast<std::int64_t>(query.above));
-    call.parameters.Int8(static_cast<std::int64_t>(query.through));
     call.parameters.Int8(static_cast<std::int64_t>(query.rows_max));
+    call.parameters.Int8(static_cast<std::int64_t>(query.through));
     const auto rows = RunOne(connection, std::move(call));
     if (!rows.ok()) return rows.status();
     std::vector<StoredReject> rejects;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "storage/postgres/tables/rejects_sql.h"
 #include "storage/postgres/write/stored_presence.h"
 #include "storage/postgres/write/transaction.h"
+#include "storage/sql_text.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -59,21 +61,12 @@ constexpr std::string_view kOpenSessions =
     " WHERE NOT EXISTS (SELECT FROM old WHERE old.ruri = u.ruri AND old.session = u.session)"
     " RETURNING ruri, cursor_seq)"
     " SELECT ruri, cursor_seq FROM touched UNION ALL SELECT ruri, cursor_seq FROM made";
-constexpr std::string_view kReadRejects =
+constexpr SqlText kReadRejects = {
     "SELECT u.ruri, q.seq, q.reason, q.field, q.detail"
-    " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, settled)"
-    " CROSS JOIN LATERAL (SELECT l.cursor_seq, l.first_entry FROM uplinkd.sessions AS l"
-    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s"
-    " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
-    " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.settled"
-    " AND p.seq <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.seq LIMIT $4::bigint)"
-    " UNION ALL (SELECT n.seq, k.reason, k.field, k.detail FROM"
-    " (SELECT p.first, p.last, p.reason, p.field, p.detail FROM uplinkd.kept_rejects AS p"
-    " WHERE p.ruri = u.ruri AND p.session = u.session AND p.last > u.settled"
-    " AND p.last <= s.cursor_seq AND p.entry >= s.first_entry ORDER BY p.last LIMIT $4::bigint)"
-    " AS k CROSS JOIN LATERAL generate_series(greatest(k.first, u.settled + 1), k.last) AS n (seq)"
-    " ORDER BY k.last, n.seq LIMIT $4::bigint)) AS q"
-    " ORDER BY u.ruri, q.seq";
+    " FROM unnest($1::text[], $2::uuid[], $3::bigint[]) AS u (ruri, session, above)"
+    " CROSS JOIN LATERAL (SELECT l.cursor_seq AS through, l.first_entry FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = u.ruri AND l.session = u.session ORDER BY l.part DESC LIMIT 1) AS s",
+    kJoinRejects, " ORDER BY u.ruri, q.seq"};
 // The same, of quarantine by its primary key without the table.
 constexpr std::string_view kCountRejects =
     "SELECT u.ruri, least($4::bigint, q.total + k.total)"
@@ -255,7 +248,7 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
   calls.push_back(RobotsCall(kNumberNewRobots, columns.Ruris()));
   calls.push_back({kNextBatch, {}});
   calls.push_back(std::move(sessions));
-  calls.push_back(RejectsCall(kReadRejects, columns, rejects_max));
+  calls.push_back(RejectsCall(kReadRejects.view(), columns, rejects_max));
   calls.push_back(RejectsCall(kCountRejects, columns, kQuarantineRowsPerRobotMax));
   calls.push_back(EvictCall(wave, requests, process));
   StoreCall& forget = calls.emplace_back(StoreCall{kForgetKept, {}});
