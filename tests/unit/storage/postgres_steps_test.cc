@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -99,6 +100,18 @@ TEST_F(PostgresSteps, DeliveriesOfSessionsThatWereLostEarlierGo) {
   MigrateAll();
   EXPECT_EQ(PostgresShell(database_.url()).Read("SELECT client_id, number FROM uplinkd.deliveries"),
             "c|3\n");
+}
+
+// docs/operate/database.md says so: its commits fail, and its log has the name.
+TEST_F(PostgresSteps, AServerOfABuildBeforeHoldsFindsNoFunctionForItsCommits) {
+  MigrateUpTo("_holds");
+  PostgresShell server(database_.url());
+  const std::string gone =
+      "SELECT to_regprocedure('uplinkd.begin_batch(text[], bigint[], text[], uuid[], bigint[],"
+      " text[], integer[], integer[], integer[], bigint, bigint, bigint, uuid, bigint)') IS NULL";
+  EXPECT_EQ(server.Read(gone), "f\n");
+  MigrateAll();
+  EXPECT_EQ(server.Read(gone), "t\n");
 }
 
 }  // namespace
