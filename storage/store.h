@@ -122,7 +122,7 @@ class Store {
   /// Whether the store lost its connection, and so may be another one from now on that lacks what
   /// it told before. Until EndDoubt, every call but Compare fails with kUnavailable, and does
   /// nothing. A store that is a file never is.
-  [[nodiscard]] virtual bool InDoubt() const { return false; }
+  [[nodiscard]] virtual bool InDoubt() const = 0;
   /// What the store has of robots of which it told this, in their order: reads, and writes nothing.
   /// At most kComparedMax; with none it only connects. Those that were compared before a call that
   /// failed are to be compared anew.
@@ -133,7 +133,7 @@ class Store {
   /// store that cannot tell.
   [[nodiscard]] virtual std::string ServerRun() const { return {}; }
   /// All that the caller knows was compared by calls that did not fail, and what differed is void.
-  virtual void EndDoubt() {}
+  virtual void EndDoubt() = 0;
 };
 
 }  // namespace uplink::storage
