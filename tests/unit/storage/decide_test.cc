@@ -40,9 +40,9 @@ class PlainKnown final : public Known {
     return &sessions[{record.robot->ruri, record.session}];
   }
   absl::StatusOr<std::optional<model::Rejection>> Rejected(const CommitRecord& record) override {
-    asked.emplace_back("quarantined");
-    const auto why = quarantined.find(record.seq);
-    if (why == quarantined.end()) return std::optional<model::Rejection>();
+    asked.emplace_back("rejected");
+    const auto why = rejected.find(record.seq);
+    if (why == rejected.end()) return std::optional<model::Rejection>();
     return std::optional(why->second);
   }
   absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override {
@@ -85,7 +85,7 @@ class PlainKnown final : public Known {
   std::map<std::string, Epoch, std::less<>> leases;
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession> sessions;
-  std::map<model::Seq, model::Rejection> quarantined;
+  std::map<model::Seq, model::Rejection> rejected;
   std::map<Entry, std::int64_t> entries;
   /// Entries of a kind that count and stand nowhere.
   std::map<PresentKind, std::size_t> more;
@@ -196,7 +196,7 @@ TEST_F(Decide, RefusesAgainWhatLiesInQuarantineWithItsReason) {
 
 TEST_F(Decide, HoldsNumberZeroForADuplicateAndDoesNotAskWhy) {
   EXPECT_EQ(Kind(Note(0)), OutcomeKind::kDuplicate);
-  EXPECT_THAT(known_.asked, Not(Contains("quarantined")));
+  EXPECT_THAT(known_.asked, Not(Contains("rejected")));
 }
 
 TEST_F(Decide, RaisesTheCursorAndRemembersTheLatestArrival) {
