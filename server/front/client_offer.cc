@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <absl/strings/str_replace.h>
@@ -30,17 +31,39 @@ std::string VersionName(std::uint16_t number, SSL* connection) {
   return fmt::format("TLS 1.{}", number - TLS1_VERSION);
 }
 
+using Named = std::pair<std::uint16_t, const char*>;
+
+template <std::size_t kCount>
+std::string NameIn(const std::array<Named, kCount>& names, std::uint16_t number, SSL* connection) {
+  const auto* const found = std::ranges::find(names, number, &Named::first);
+  return found == names.end() ? Hex(number, connection) : found->second;
+}
+
 /// As tls.groups calls them.
 std::string GroupName(std::uint16_t number, SSL* connection) {
-  constexpr std::array<std::pair<std::uint16_t, const char*>, 6> kNames = {
-      {{23, "P-256"},
-       {24, "P-384"},
-       {25, "P-521"},
-       {29, "X25519"},
-       {30, "X448"},
-       {4588, "X25519MLKEM768"}}};
-  const auto* const found = std::ranges::find(kNames, number, &decltype(kNames)::value_type::first);
-  return found == kNames.end() ? Hex(number, connection) : found->second;
+  constexpr std::array<Named, 6> kNames = {{{23, "P-256"},
+                                            {24, "P-384"},
+                                            {25, "P-521"},
+                                            {29, "X25519"},
+                                            {30, "X448"},
+                                            {4588, "X25519MLKEM768"}}};
+  return NameIn(kNames, number, connection);
+}
+
+/// Source: RFC 8446, 4.2.3.
+std::string SignatureName(std::uint16_t number, SSL* connection) {
+  constexpr std::array<Named, 11> kNames = {{{0x0401, "rsa_pkcs1_sha256"},
+                                             {0x0501, "rsa_pkcs1_sha384"},
+                                             {0x0601, "rsa_pkcs1_sha512"},
+                                             {0x0403, "ecdsa_secp256r1_sha256"},
+                                             {0x0503, "ecdsa_secp384r1_sha384"},
+                                             {0x0603, "ecdsa_secp521r1_sha512"},
+                                             {0x0804, "rsa_pss_rsae_sha256"},
+                                             {0x0805, "rsa_pss_rsae_sha384"},
+                                             {0x0806, "rsa_pss_rsae_sha512"},
+                                             {0x0807, "ed25519"},
+                                             {0x0808, "ed448"}}};
+  return NameIn(kNames, number, connection);
 }
 
 std::string SuiteName(std::uint16_t number, SSL* connection) {
@@ -61,10 +84,19 @@ std::string_view ExtensionOf(SSL* connection, unsigned int type) {
   return ViewOf(bytes, size);
 }
 
+/// The kind of the server's key, with its curve as OpenSSL calls it.
 std::string KeyName(SSL* connection) {
   const EVP_PKEY* key = SSL_get_privatekey(connection);
   const char* name = key == nullptr ? nullptr : EVP_PKEY_get0_type_name(key);
-  return name == nullptr ? "none" : name;
+  if (name == nullptr) return "none";
+  std::array<char, 32> curve{};
+  std::size_t size = 0;
+  if (EVP_PKEY_get_group_name(key, curve.data(), curve.size(), &size) != 1) return name;
+  return fmt::format("{} ({})", name, std::string_view(curve.data(), size));
+}
+
+std::uint16_t MinimumOf(const transport::TlsRules& rules) {
+  return rules.minimum == config::TlsVersion::k13 ? TLS1_3_VERSION : TLS1_2_VERSION;
 }
 
 }  // namespace
@@ -73,6 +105,11 @@ void ClientOffer::Numbers::Add(std::uint16_t number) {
   if (IsGrease(number)) return;
   if (count < first.size()) first[count] = number;
   ++count;
+}
+
+bool ClientOffer::Numbers::Has(std::uint16_t number) const {
+  const auto named = std::span(first).first(std::min(count, first.size()));
+  return std::ranges::find(named, number) != named.end();
 }
 
 void ClientOffer::Numbers::AddList(std::string_view bytes, std::size_t length_bytes) {
@@ -89,7 +126,8 @@ ClientOffer::ClientOffer(SSL* connection) {
   }
   const unsigned char* suites = nullptr;
   const std::size_t suite_bytes = SSL_client_hello_get0_ciphers(connection, &suites);
-  suites_.AddList(ViewOf(suites, suite_bytes), 0);
+  // A ClientHello of SSLv2 has three bytes for each.
+  if (SSL_client_hello_isv2(connection) == 0) suites_.AddList(ViewOf(suites, suite_bytes), 0);
   groups_.AddList(ExtensionOf(connection, TLSEXT_TYPE_supported_groups), 2);
   signatures_.AddList(ExtensionOf(connection, TLSEXT_TYPE_signature_algorithms), 2);
   std::string_view protocols =
@@ -127,20 +165,25 @@ std::string ClientOffer::WhyNot(Agreed what, SSL* connection,
   const std::string groups = absl::StrReplaceAll(rules.groups, {{":", ", "}});
   switch (what) {
     case Agreed::kVersion:
+      if (versions_.Has(TLS1_3_VERSION) || versions_.Has(MinimumOf(rules))) {
+        return fmt::format("it offers {}, and by that no signature of our key is known: {}",
+                           TextOf(versions_, VersionName, connection), KeyName(connection));
+      }
       return fmt::format("it offers {}, and we take {}", TextOf(versions_, VersionName, connection),
                          rules.minimum == config::TlsVersion::k13 ? "TLS 1.3" : "TLS 1.2, TLS 1.3");
     case Agreed::kSuite:
       return fmt::format(
           "it offers the suites {} and the groups {}; we take ECDHE with AES-GCM or "
-          "ChaCha20-Poly1305 for a key of kind {}, and the groups {}",
+          "ChaCha20-Poly1305 for our key {}, whose curve has to be among its groups, and the "
+          "groups {}",
           TextOf(suites_, SuiteName, connection), TextOf(groups_, GroupName, connection),
           KeyName(connection), groups);
     case Agreed::kGroup:
       return fmt::format("it offers the groups {}, and we take {} (tls.groups)",
                          TextOf(groups_, GroupName, connection), groups);
     case Agreed::kSignature:
-      return fmt::format("it offers the signature algorithms {}, and our key is of kind {}",
-                         TextOf(signatures_, Hex, connection), KeyName(connection));
+      return fmt::format("it offers the signature algorithms {}, and our key is {}",
+                         TextOf(signatures_, SignatureName, connection), KeyName(connection));
     case Agreed::kProtocol:
       return fmt::format("it offers by ALPN {}, and we take h2", ProtocolsText());
   }

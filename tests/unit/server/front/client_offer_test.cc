@@ -16,6 +16,7 @@
 namespace uplink::front {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using testing::MemoryTls;
@@ -76,6 +77,8 @@ class ClientOfferTest : public ::testing::Test {
   }
 
   transport::TlsRules rules_;
+  const testing::TestAuthority authority_;
+  testing::KeyPair server_ = authority_.Issue(testing::ServerSpec());
 
  private:
   std::shared_ptr<const TlsContext> Context() {
@@ -93,8 +96,6 @@ class ClientOfferTest : public ::testing::Test {
     return std::string(engine.detail());
   }
 
-  const testing::TestAuthority authority_;
-  const testing::KeyPair server_ = authority_.Issue(testing::ServerSpec());
   const testing::KeyPair robot_ = authority_.Issue(testing::RobotSpec("rcan://x.local/robots/1"));
   const BufferMethod method_;
   TlsBuffers buffers_{};
@@ -134,12 +135,24 @@ TEST_F(ClientOfferTest, SuitesAreNamedBesideWhatTheyDependOn) {
   const std::string said =
       SaidOf({.version_max = TLS1_2_VERSION, .suites_of_12 = "ECDHE-RSA-AES128-GCM-SHA256"});
   EXPECT_THAT(said, StartsWith("it offers the suites ECDHE-RSA-AES128-GCM-SHA256"));
-  EXPECT_THAT(said, HasSubstr(" for a key of kind EC, and the groups X25519, P-256, P-384, P-521"));
+  EXPECT_THAT(said, HasSubstr(" for our key EC (prime256v1), whose curve"));
+  EXPECT_THAT(said, EndsWith(" and the groups X25519, P-256, P-384, P-521"));
 }
 
 TEST_F(ClientOfferTest, SignaturesAreNamedBesideOurKey) {
-  EXPECT_EQ(SaidOf({.signatures = "rsa_pss_rsae_sha256:rsa_pkcs1_sha256"}),
-            "it offers the signature algorithms 0x0804, 0x0401, and our key is of kind EC");
+  EXPECT_EQ(
+      SaidOf({.signatures = "rsa_pss_rsae_sha256:rsa_pkcs1_sha256"}),
+      "it offers the signature algorithms rsa_pss_rsae_sha256, rsa_pkcs1_sha256, and our key is EC "
+      "(prime256v1)");
+}
+
+TEST_F(ClientOfferTest, OurKeyIsNamedWhereTheVersionHasNoSignatureOfIt) {
+  testing::CertificateSpec spec = testing::ServerSpec();
+  spec.key = "secp256k1";
+  server_ = authority_.Issue(spec);
+  EXPECT_THAT(SaidOf({}),
+              AllOf(StartsWith("it offers TLS 1.3, "),
+                    EndsWith(", and by that no signature of our key is known: EC (secp256k1)")));
 }
 
 TEST_F(ClientOfferTest, ProtocolsAreNamed) {
