@@ -10,6 +10,7 @@
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/presence_writer.h"
 #include "storage/sqlite/quarantine_writer.h"
+#include "storage/sqlite/store_files.h"
 #include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
@@ -17,6 +18,8 @@ namespace uplink::storage::sqlite {
 absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
   const absl::StatusOr<EntryNumber> next = tables_.deciding.NextEntry();
   if (!next.ok()) return next.status();
+  absl::Status went_back = files_.CheckEntry(*next);
+  if (!went_back.ok()) return went_back;
   next_entry_ = *next;
   std::vector<Outcome> outcomes;
   outcomes.reserve(batch.records.size() + batch.presence.size());

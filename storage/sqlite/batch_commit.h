@@ -17,6 +17,7 @@
 namespace uplink::storage::sqlite {
 
 class Database;
+class StoreFiles;
 struct Tables;
 
 /// How the records of a batch stand to each other.
@@ -27,10 +28,11 @@ enum class Isolation : std::uint8_t {
   kEachAlone,
 };
 
-/// Who commits, and by which rules. Both outlive it.
+/// Who commits, by which rules, and into which files. All outlive it.
 struct CommitTerms {
   const ProcessId& process;
   const StoreRules& rules;
+  StoreFiles& files;
 };
 
 /// Writes one batch within the transaction that the caller has begun and will commit: each record
@@ -43,6 +45,7 @@ class BatchCommit final {
   BatchCommit(Database& database, Tables& tables, const CommitTerms& terms, Isolation isolation)
       : database_(database),
         tables_(tables),
+        files_(terms.files),
         isolation_(isolation),
         known_(tables, terms.process, next_entry_),
         decider_(known_, terms.rules),
@@ -51,6 +54,8 @@ class BatchCommit final {
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Write(const Batch& batch);
   /// How many mission runs it closed for their bound.
   [[nodiscard]] std::size_t runs_closed() const { return runs_closed_; }
+  /// The number of the store's next entry once this is committed. After Write.
+  [[nodiscard]] EntryNumber next_entry() const { return next_entry_; }
 
  private:
   using Refusal = std::optional<model::Rejection>;
@@ -67,6 +72,7 @@ class BatchCommit final {
 
   Database& database_;
   Tables& tables_;
+  StoreFiles& files_;
   const Isolation isolation_;
   EntryNumber next_entry_ = 0;
   BatchKnown known_;

@@ -1,9 +1,11 @@
 #include "storage/sqlite/damage.h"
 
+#include <optional>
 #include <string_view>
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "storage/sqlite/database.h"
@@ -33,6 +35,21 @@ absl::Status Damage::status() const {
   std::string text = "store " + path_ + ": " + what_;
   text += ": nothing is acked until the server is started anew with a sound file";
   return absl::UnavailableError(text.append(kWhatToDo));
+}
+
+absl::Status RefuseEmptied(const std::string& path) {
+  const auto bytes_of = [](const std::string& file) {
+    struct stat found {};
+    return ::stat(file.c_str(), &found) == 0 ? std::optional(found.st_size) : std::nullopt;
+  };
+  if (bytes_of(path).value_or(0) > 0) return absl::OkStatus();
+  const std::string wal = path + "-wal";
+  const std::string mark = Damage(path).mark();
+  const bool has_wal = bytes_of(wal).value_or(0) > 0;
+  if (!has_wal && !bytes_of(mark)) return absl::OkStatus();
+  std::string text = "store " + path + " is empty, and " + (has_wal ? wal : mark);
+  text += " beside it says that it was not; to begin anew, move that file away";
+  return absl::FailedPreconditionError(text.append(kWhatToDo));
 }
 
 absl::Status RefuseDamage(Database& database) {

@@ -41,6 +41,13 @@ class Damage final {
 /// Connections of one process to one file report to the same; null: to none.
 using DamagePtr = std::shared_ptr<Damage>;
 
+/// SQLite deletes the WAL of an empty file as it opens it, with all that was acked since the last
+/// checkpoint.
+///
+/// Errors: kFailedPrecondition where the file is empty or missing, and a WAL or a mark lies beside
+///         it; nothing is changed then.
+[[nodiscard]] absl::Status RefuseEmptied(const std::string& path);
+
 /// Reads the whole file, some seconds per GB, if an earlier process left its mark, and removes the
 /// mark if it is sound. Of a new connection, which reports its damage from then on.
 ///

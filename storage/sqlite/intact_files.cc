@@ -162,7 +162,10 @@ absl::StatusOr<std::string> IntactFiles::WalFault(const Index& index, std::int64
 }
 
 absl::Status IntactFiles::Judge(const Index& index, Seen seen) {
-  if (seen.first_page.empty()) return Lost("", "it has no header of a database any more");
+  if (seen.first_page.empty())
+    return Lost("",
+                "its header is none of a database with a WAL: it was cut short, or another file "
+                "was copied over it");
   if (!seen.wal_fault.empty()) return Lost("-wal", seen.wal_fault);
   const auto page = static_cast<std::int64_t>(seen.first_page.size());
   const bool rests = index.moved == index.moving;

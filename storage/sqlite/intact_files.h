@@ -42,6 +42,8 @@ class IntactFiles final {
 
   /// Committed frames in the WAL, as of the last look.
   [[nodiscard]] std::uint32_t frames() const { return last_.frame; }
+  /// Whether the next look compares the database with what the last one saw.
+  [[nodiscard]] bool compares() const { return rested_.has_value(); }
 
  private:
   /// What the index says. Numbers are in the machine's order, salts as they stand in the WAL.

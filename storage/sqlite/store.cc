@@ -44,6 +44,7 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
     if (!lock.ok()) return lock.status();
     impl->lock = *std::move(lock);
   }
+  if (absl::Status emptied = RefuseEmptied(path); !emptied.ok()) return emptied;
   auto opened = Database::Open(path, Access::kWrite, options.busy_timeout);
   if (!opened.ok()) return opened.status();
   Database& database = **opened;
@@ -201,15 +202,12 @@ absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
 
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
-    std::size_t runs_closed = 0;
-    auto written = InTransaction<std::vector<Outcome>>([&] {
-      BatchCommit commit(*impl_->database, impl_->tables,
-                         {impl_->options.process, impl_->options.rules}, isolation);
-      auto outcomes = commit.Write(batch);
-      runs_closed = commit.runs_closed();
-      return outcomes;
-    });
-    if (written.ok()) impl_->runs_closed += runs_closed;
+    const CommitTerms terms{impl_->options.process, impl_->options.rules, *impl_->files};
+    BatchCommit commit(*impl_->database, impl_->tables, terms, isolation);
+    auto written = InTransaction<std::vector<Outcome>>([&] { return commit.Write(batch); });
+    if (!written.ok()) return written;
+    impl_->runs_closed += commit.runs_closed();
+    impl_->files->NoteEntry(commit.next_entry());
     return written;
   };
   absl::StatusOr<std::vector<Outcome>> outcomes = write(Isolation::kTogether);

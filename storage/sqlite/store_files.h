@@ -9,6 +9,7 @@
 
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/database.h"
+#include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/intact_files.h"
 #include "storage/sqlite/named_files.h"
 
@@ -23,9 +24,9 @@ inline constexpr std::uint32_t kMovedAtFrames = 1'000;
 /// Thread: confined to the writer.
 class StoreFiles final {
  public:
-  /// Notes the files of a database whose WAL is open. From then on
-  /// that connection moves the WAL into the database here alone, after a look: what was written
-  /// over would be part of both after it, and look sound.
+  /// Notes the files of a database whose WAL is open. From then on that connection moves the WAL
+  /// into the database here alone, after a look: what was written over would be part of both after
+  /// it, and look sound.
   ///
   /// Errors: as of Check; kFailedPrecondition if an earlier process found damage that is still
   /// there.
@@ -39,6 +40,14 @@ class StoreFiles final {
   ///
   /// Errors: as of Check.
   [[nodiscard]] absl::Status CheckCommitted();
+
+  /// What a transaction read as the number of the store's next entry. A lower one than was
+  /// committed shows that another program put an older store there by SQLite's own rules.
+  ///
+  /// Errors: kUnavailable, from then on of Check too.
+  [[nodiscard]] absl::Status CheckEntry(EntryNumber next);
+  /// The number that a commit left.
+  void NoteEntry(EntryNumber next) { next_entry_ = next; }
 
   /// What a call of the store that failed with `status` is to say.
   [[nodiscard]] absl::Status DamageOr(absl::Status status) const;
@@ -58,6 +67,8 @@ class StoreFiles final {
   const DamagePtr damage_;
   const std::unique_ptr<NamedFiles> names_;
   IntactFiles intact_;
+  /// As the last commit left it.
+  EntryNumber next_entry_ = 0;
 };
 
 }  // namespace uplink::storage::sqlite

@@ -175,6 +175,52 @@ TEST_F(SqliteIntact, WhatADutyFindsDamagedEndsTheAcks) {
   ExpectFailsForGood(path_);
 }
 
+TEST_F(SqliteIntact, AnOlderStateThatIsRestoredByTheRulesAcksNothing) {
+  Shell(path_, ".backup '" + aside_ + "'");
+  Shell(path_, ".restore '" + aside_ + "'");
+  CommitMany(1);  // the same state: nothing is missing
+  Shell(path_, ".restore '" + aside_ + "'");
+  ExpectFailsForGood(path_ + " went back");
+}
+
+// The checkpoint of another program ends where it would make the file longer.
+TEST_F(SqliteIntact, ACopyOverTheFileAfterACheckpointThatFailedAcksNothing) {
+  Shell(path_, ".backup '" + aside_ + "'");
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  const std::uintmax_t bytes = fs::file_size(path_);
+  CommitMany(500);
+  const std::string command = "ulimit -f " + std::to_string(bytes / 512) + "; sqlite3 '" + path_ +
+                              "' 'PRAGMA wal_checkpoint' >'" + folder_.File("out") + "' 2>&1";
+  // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe): the command is ours, and no thread runs
+  EXPECT_NE(std::system(command.c_str()), 0) << "it came to its end";
+  CommitMany(1);
+  CopyOver(aside_);
+  ExpectFailsForGood(path_);
+}
+
+// SQLite would delete the WAL as it opens the file, and with it what was acked.
+TEST_F(SqliteIntact, AStartOnAnEmptiedFileIsRefusedAndChangesNothing) {
+  fs::copy_file(Wal(), aside_);
+  store_.reset();
+  const auto expect_refused = [this](const std::string& named) {
+    const absl::Status status = OpenAgain();
+    EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(named + " beside it"));
+  };
+  for (const bool missing : {false, true}) {
+    fs::resize_file(path_, 0);
+    if (missing) fs::remove(path_);
+    fs::copy_file(aside_, Wal());
+    expect_refused(Wal());
+    EXPECT_EQ(BytesOf(Wal()), BytesOf(aside_));
+    fs::remove(Wal());
+    std::ofstream(Mark()).close();
+    expect_refused(Mark());
+    fs::remove(Mark());
+    EXPECT_TRUE(OpenAgain().ok()) << OpenAgain();
+  }
+}
+
 // Each is a program of its own, and ends as the only one or beside the store.
 TEST_F(SqliteIntact, WhatOtherProgramsDoByTheRulesIsNoDamage) {
   // Over 1,000 frames, so that the other program moves them into the file by itself.
