@@ -85,8 +85,8 @@ TEST_F(AuthoritiesTest, EveryOneWithoutAUseIsNamedWithWhatIsWrong) {
   const std::size_t last = text.rfind("-----BEGIN");
   EXPECT_EQ(Said(text),
             "ca.crt: PEM block 2, from line " + line_of(second) +
-                ", cannot be used: a key that is none of P-256, P-384, P-521, Ed25519, Ed448, RSA "
-                "and RSA-PSS; PEM block 3, from line " +
+                ", cannot be used: a key that is none of P-256, P-384, P-521 (by name: written "
+                "out they are none), Ed25519, Ed448, RSA and RSA-PSS; PEM block 3, from line " +
                 line_of(third) +
                 ", is broken: it is no certificate that can be read; PEM block 5, from line " +
                 line_of(last) +
