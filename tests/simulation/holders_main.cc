@@ -63,6 +63,7 @@ std::uint64_t RunSeeds(const Arguments& arguments) {
 int main(int argc, char** argv) {
   uplink::simulation::Arguments arguments;
   std::vector<std::string> names;
+  names.reserve(uplink::simulation::kTroubles.size());
   for (const auto& [name, trouble] : uplink::simulation::kTroubles) names.emplace_back(name);
   uplink::testing::Flags flags("Presence with several server processes on one store",
                                "uplink_simulate_holders");
