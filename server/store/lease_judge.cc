@@ -41,6 +41,7 @@ bool LeaseJudge::blind() const { return blind_ && blind_->to - blind_->from <= r
 
 void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases) {
   const bool unbroken = looked_ && now - *looked_ <= kLookGapMax;
+  news_since_ = unbroken ? now : now_;
   looked_ = now_ = now;
   blind_.reset();
   for (auto& [process, known] : known_) {
@@ -65,7 +66,8 @@ void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases
 void LeaseJudge::NoteSign(const storage::ProcessId& process) {
   const auto known = known_.find(process);
   if (known == known_.end()) return;
-  known->second.same_since = known->second.told_at = now_;
+  known->second.same_since = known->second.told_by = now_;
+  known->second.told_at = std::max(known->second.told_at, news_since_);
   known->second.was_silent = false;
 }
 
@@ -90,7 +92,7 @@ void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
   const bool grew = known.lease && known.lease->counter != lease.counter;
   if (grew || !known.lease) {
     known.same_since = now_;
-    known.told_at = now_ - lease.renewed_ago;
+    known.told_at = known.told_by = now_ - lease.renewed_ago;
     known.was_silent = false;
     // A counter that grows is not of a process that has gone.
     if (grew && !lease.released) known.left_at.reset();
@@ -127,8 +129,7 @@ Over LeaseJudge::Judge(const Known& known) const {
 
 bool LeaseJudge::IsLate(const Known& known) const {
   if (!known.lease || known.left_at) return false;
-  const SteadyTime::duration silent = now_ - known.told_at;
-  return silent >= kLateAfter && silent <= rules_.cut_off_max;
+  return now_ - known.told_at >= kLateAfter && now_ - known.told_by <= rules_.cut_off_max;
 }
 
 std::map<storage::ProcessId, std::string> LeaseJudge::Late() const {

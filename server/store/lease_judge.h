@@ -66,6 +66,8 @@ class LeaseJudge final {
 
   /// A look at `now` failed: silence is counted anew from the next one.
   void NoteFailure(SteadyTime now);
+  /// The next look is at a store that may lack renewals of the former: silence is counted anew.
+  void NoteReplaced() { looked_.reset(); }
   /// A look at `now` showed these leases.
   void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
   /// The process wrote to the store since the last look, or opened a stream: it lives, though its
@@ -102,8 +104,9 @@ class LeaseJudge final {
     std::optional<storage::Lease> lease;
     /// The first look of an unbroken row that showed this counter.
     SteadyTime same_since;
-    /// When it told the store last that it lives.
+    /// When it told the store last that it lives: not before, and not after.
     SteadyTime told_at;
+    SteadyTime told_by;
     /// When it was first seen released or gone; nothing if it is neither.
     std::optional<SteadyTime> left_at;
     /// It had left when this process came, and its robots had nobody else to go to.
@@ -124,6 +127,8 @@ class LeaseJudge final {
   const Rules rules_;
   std::optional<SteadyTime> looked_;
   SteadyTime now_;
+  /// What a look shows as new came no earlier: the look itself, or after a gap the one before.
+  SteadyTime news_since_;
   bool first_look_ = true;
   /// The first and the last of the looks that failed since one did not.
   struct Blind {

@@ -214,8 +214,7 @@ TEST_F(LeaseJudgeTest, WhoDoesNotRenewInTimeIsLateForAsLongAsItMayBeCutOff) {
 TEST_F(LeaseJudgeTest, WhoRenewsWritesOrEndsIsNotLate) {
   const auto late = [this] {
     Look({LeaseOf(kOther, 5)});
-    clock_.Advance(kLateAfter);
-    Look({LeaseOf(kOther, 5)});
+    LookOn({LeaseOf(kOther, 5)}, kLateAfter);
     return judge_.Late().size();
   };
   ASSERT_EQ(late(), 1U);
@@ -260,6 +259,33 @@ TEST_F(LeaseJudgeTest, TheFirstListOfItsRobotsIsNoSignOfIt) {
   clock_.Advance(kLateAfter);
   Look({lease});
   EXPECT_EQ(judge_.Late().size(), 1U) << "it wrote since";
+}
+
+TEST_F(LeaseJudgeTest, ASignAfterAGapMayBeAsOldAsTheLookBefore) {
+  Look({LeaseOf(kOther, 5)});
+  judge_.NoteWritten(kOther, FromUnixMs(1));
+  judge_.EndList();
+  clock_.Advance(seconds(22));
+  judge_.NoteFailure(clock_.Steady());
+  Look({LeaseOf(kOther, 5)});
+  judge_.NoteWritten(kOther, FromUnixMs(2));
+  EXPECT_EQ(judge_.Late().size(), 1U) << "it may be cut off since the sign";
+  clock_.Advance(kCutOffMax);
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_EQ(judge_.Late().size(), 1U) << "and since then only";
+  clock_.Advance(milliseconds(1));
+  Look({LeaseOf(kOther, 5)});
+  EXPECT_TRUE(judge_.Late().empty());
+}
+
+TEST_F(LeaseJudgeTest, LooksAtAnotherStoreDoNotGoOnFromThoseBefore) {
+  Look({LeaseOf(kOther, 5)});
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax - kLookEvery);
+  judge_.NoteReplaced();
+  LookOn({LeaseOf(kOther, 5)}, kSilentMax);
+  EXPECT_EQ(Other(), Over::kNo) << "a renewal may be lost";
+  LookOn({LeaseOf(kOther, 5)}, kLookEvery);
+  EXPECT_EQ(Other(), Over::kSilent);
 }
 
 TEST_F(LeaseJudgeTest, IsBlindWhileItCannotLookAndNotForEver) {
