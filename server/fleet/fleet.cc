@@ -247,8 +247,8 @@ void Fleet::NoteTwinsUnheard() {
 }
 
 void Fleet::NoteStoreReplaced() {
-  const SteadyTime now = clock_.Steady();
-  for (const RobotPtr& robot : All()) robot->state.NoteStall(now);
+  const SteadyTime until = clock_.Steady() + kReplacedKnown;
+  for (const RobotPtr& robot : All()) robot->state.NoteStall(until);
 }
 
 PresenceCounts Fleet::presence_counts() const {

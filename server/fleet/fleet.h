@@ -152,9 +152,12 @@ class Fleet final {
   /// The broker through which twins are heard was not heard until now, for so short a time maybe
   /// that no sweep was told: the silence of none of them until now counts.
   void NoteTwinsUnheard();
+  /// Another process that reaches the store knows within so long that it was replaced, and ends
+  /// streams by holds that it lost; one that does not is late by then (store::kLateAfter).
+  static constexpr std::chrono::seconds kReplacedKnown{10};
   /// The store may be another one from now on, which lacks the last commits: it may name this
-  /// process as the holder of a robot that another one has heard since. The silence of no robot
-  /// until now counts.
+  /// process as the holder of a robot that another one hears. The silence of no robot counts until
+  /// kReplacedKnown from now.
   void NoteStoreReplaced();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }

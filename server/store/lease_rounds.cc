@@ -9,6 +9,9 @@
 
 namespace uplink::store {
 
+static_assert(fleet::Fleet::kReplacedKnown >= kLateAfter + kLookEvery,
+              "whoever does not know of another store by then is known to be late");
+
 LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context)
     : leases_(std::move(leases)),
       context_(std::move(context)),
@@ -92,7 +95,11 @@ absl::Status LeaseRounds::LookAtLeases() {
 
 void LeaseRounds::FollowServer() {
   const std::string before = std::exchange(server_run_, leases_->ServerRun());
-  if (!before.empty() && before != server_run_) context_.fleet.NoteStoreReplaced();
+  if (before.empty() || before == server_run_) return;
+  judge_.NoteReplaced();
+  context_.fleet.NoteStoreReplaced();
+  // A writer finds that its connection has ended by its next call, and may have none to make.
+  for (journal::Journal* const journal : context_.journals.all()) journal->WhenCommitted({});
 }
 
 absl::Status LeaseRounds::FollowRobots() {

@@ -292,7 +292,7 @@ TEST_F(FleetTest, SilenceBeforeTheStoreWasReplacedMakesNobodyOffline) {
   fleet.Sweep(kIdle);
   sweep(limits.timeout);
   fleet.NoteStoreReplaced();
-  sweep(limits.timeout);
+  sweep(Fleet::kReplacedKnown + limits.timeout);
   EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown) << "a timeout to be heard";
   sweep(milliseconds(1));
   EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);

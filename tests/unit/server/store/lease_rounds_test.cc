@@ -256,7 +256,7 @@ TEST_F(LeaseRoundsTest, AnotherServerMayLackWhoHeardARobotSince) {
   database_.CopyRowsOf(standby);
   Pass(std::chrono::seconds(10));
   EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown) << "a timeout to come back";
-  Pass(2 * kLookEvery);
+  Pass(fleet::Fleet::kReplacedKnown + 2 * kLookEvery);
   EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);
 }
 
