@@ -8,7 +8,8 @@ from broker_watch import breach
 from harness import EndToEnd
 
 KILLS = 12
-CANARY_KILLS = 60
+# A run ends with the first loss, mostly within 30; one in eight ran 60 kills where the disk is memory.
+CANARY_KILLS = 240
 
 
 class BrokerChaos(EndToEnd):

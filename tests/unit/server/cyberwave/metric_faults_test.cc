@@ -70,8 +70,16 @@ TEST(MetricFaultsTest, OneMessageMakesAtMostSoManyRecords) {
   EXPECT_EQ(faults.Take(Errors(0, kMetricFaultsMax), 0).size(), kMetricFaultsMax);
   EXPECT_EQ(faults.Take(Errors(1000, 1000 + kMetricFaultsMax), 0).size(), kRecordsOfMessageMax);
   EXPECT_EQ(faults.active().size(), kMetricFaultsMax);
+}
+
+TEST(MetricFaultsTest, WhatTheStoreHasReplacesWhatWasKnown) {
+  MetricFaults faults;
+  EXPECT_EQ(faults.Take(Errors(100, 105), 0).size(), 5U);
   faults.Restore(Errors(0, 10));
-  EXPECT_EQ(faults.active().size(), kMetricFaultsMax);
+  EXPECT_EQ(faults.active().size(), 10U);
+  EXPECT_FALSE(faults.active().contains(FaultIdOf(Errors(100, 101).front())));
+  faults.Restore(Errors(0, kMetricFaultsMax + 1));
+  EXPECT_EQ(faults.active().size(), kMetricFaultsMax) << "those past the limit are passed over";
 }
 
 TEST(MetricFaultsTest, ALongErrorHasAShortIdThatDependsOnAllOfIt) {
