@@ -23,9 +23,10 @@ model::ScopeKind ScopeKindOf(std::int64_t column) {
 }
 
 model::MessageSource MessageSourceOf(std::int64_t column) {
-  return column == static_cast<std::int64_t>(model::MessageSource::kCyberwave)
-             ? model::MessageSource::kCyberwave
-             : model::MessageSource::kUplink;
+  for (const model::MessageSource source : model::kAllMessageSources) {
+    if (static_cast<std::int64_t>(source) == column) return source;
+  }
+  return model::MessageSource::kUplink;
 }
 
 model::RejectReason ReasonOf(std::int64_t column) {

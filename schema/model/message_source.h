@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -13,6 +14,10 @@ enum class MessageSource : std::uint8_t {
   /// A broker of a fleet that speaks Cyberwave.
   kCyberwave = 1,
 };
+
+/// Every source, in number order.
+inline constexpr std::array kAllMessageSources = {MessageSource::kUplink,
+                                                  MessageSource::kCyberwave};
 
 /// `uplink` or `cyberwave`.
 [[nodiscard]] std::string_view ToText(MessageSource source);

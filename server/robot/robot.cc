@@ -3,19 +3,10 @@
 #include <memory>
 #include <utility>
 
-#include "schema/cyberwave/ruri.h"
 #include "server/robot/mutation.h"
-#include "storage/origin.h"
+#include "server/robot/source_of.h"
 
 namespace uplink::robot {
-namespace {
-
-model::MessageSource SourceOf(std::string_view ruri) {
-  return cyberwave::IsTwinRuri(ruri) || storage::IsNoRobot(ruri) ? model::MessageSource::kCyberwave
-                                                                 : model::MessageSource::kUplink;
-}
-
-}  // namespace
 
 Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
              const PresenceChanged& changed)

@@ -4,9 +4,9 @@
 #include <limits>
 #include <optional>
 
-#include "schema/cyberwave/ruri.h"
 #include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
+#include "server/robot/source_of.h"
 #include "server/view/live_parts.h"
 #include "server/view/struct.h"
 #include "server/view/twin_json.h"
@@ -66,11 +66,6 @@ void SetBroker(const BrokerStatus& broker, v1::MqttStatus& message) {
   }
 }
 
-model::MessageSource SourceOf(const std::string& ruri) {
-  using enum model::MessageSource;
-  return cyberwave::IsTwinRuri(ruri) ? kCyberwave : kUplink;
-}
-
 }  // namespace
 
 v1::Presence ToMessage(model::Presence presence) {
@@ -94,7 +89,8 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
   v1::Robot message;
   message.set_ruri(robot.id.ruri);
   message.set_fleet(robot.id.fleet);
-  message.set_source(std::string(ToText(SourceOf(robot.id.ruri))));
+  const model::MessageSource source = robot::SourceOf(robot.id.ruri);
+  message.set_source(std::string(ToText(source)));
   message.set_presence(ToMessage(robot.state.presence));
   message.set_presence_since_ms(UnixMs(robot.state.presence_since));
   if (robot.state.last_sign_of_life) {
@@ -107,7 +103,7 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
     }
   }
   SetSession(robot.session, message);
-  if (cyberwave::IsTwinRuri(robot.id.ruri)) {
+  if (source != model::MessageSource::kUplink) {
     // A stream of ours, which says nothing of a link to it.
     message.set_connected(false);
     message.clear_connected_since_ms();

@@ -1,10 +1,12 @@
 #include "storage/origin.h"
 
+#include <cstdint>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "schema/base/utf8.h"
+#include "storage/numbers.h"
 
 namespace uplink::storage {
 namespace {
@@ -37,11 +39,13 @@ TEST(Origin, NoRuriStandsForNoRobot) {
 }
 
 TEST(MessageSource, TextsLeadBack) {
-  for (const MessageSource source : {MessageSource::kUplink, MessageSource::kCyberwave}) {
+  for (const MessageSource source : model::kAllMessageSources) {
     EXPECT_EQ(model::MessageSourceFromText(ToText(source)), source);
+    EXPECT_EQ(MessageSourceOf(static_cast<std::int64_t>(source)), source);
   }
   EXPECT_FALSE(model::MessageSourceFromText("Cyberwave"));
   EXPECT_FALSE(model::MessageSourceFromText(""));
+  EXPECT_EQ(MessageSourceOf(model::kAllMessageSources.size()), MessageSource::kUplink);
 }
 
 }  // namespace
