@@ -115,7 +115,7 @@ void Committing::Tell() {
   batch_.ClearEntries();
   context_.inbox.Release(done);
   for (const robot::StreamRef stream : wake) stream.Wake();
-  if (spatial) context_.spatial_committed();
+  if (spatial && context_.spatial_committed) context_.spatial_committed();
 }
 
 }  // namespace uplink::journal

@@ -23,8 +23,10 @@ std::optional<Step> Comparing::Do() {
   const absl::Status compared = CompareAll();
   context_.errors.NoteCompare(compared);
   if (!compared.ok()) return Step::kFailed;
-  // First: whoever remembers more than robots reads that again before a commit can be told.
-  context_.store_reconnected(ConnectedTo());
+  // First: what remembers more of the store than its robots must forget that before the next commit
+  // is told.
+  const Reconnected to = ConnectedTo();
+  if (context_.store_reconnected) context_.store_reconnected(to);
   context_.store.EndDoubt();
   return std::nullopt;
 }

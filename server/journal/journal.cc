@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "schema/base/check.h"
 #include "server/journal/turns.h"
 #include "server/journal/writer_context.h"
 
@@ -67,6 +68,16 @@ void Journal::Leave(LeaveEntry entry) { inbox_.Leave(std::move(entry)); }
 void Journal::CheckpointFrom(fleet::LiveSource& live, milliseconds every) {
   checkpoints_ = true;
   turns_->CheckpointFrom(live, every);
+}
+
+void Journal::OnSpatial(std::function<void()> told) {
+  UPLINK_CHECK(!spatial_committed_, "one listener hears of shapes and objects");
+  spatial_committed_ = std::move(told);
+}
+
+void Journal::OnReconnected(std::function<void(Reconnected)> told) {
+  UPLINK_CHECK(!store_reconnected_, "one listener hears that the store was connected to anew");
+  store_reconnected_ = std::move(told);
 }
 
 void Journal::RequestCheckpoint() {

@@ -67,7 +67,9 @@ class Journal final {
   void Remember(storage::Deliveries deliveries);
   /// Wakes the stream after the next commit that begins after this, of an empty batch if nothing
   /// else waits. It shows that the store is there and has what it told: a store that was connected
-  /// to anew was compared before, and OnReconnected told.
+  /// to anew was compared before, and OnReconnected told. The wake may join an earlier one
+  /// (WakeInbox), and so run before a job that OnReconnected posted to the same thread: a stream
+  /// that acks from memory first looks whether OnReconnected told.
   void WhenCommitted(robot::StreamRef stream) { inbox_.WhenCommitted(stream); }
 
   /// A robot's presence changed: a record of the server's own, dropped if this process does not
@@ -88,13 +90,12 @@ class Journal final {
   /// `live` outlives the journal.
   void CheckpointFrom(fleet::LiveSource& live, milliseconds every);
   /// `told` is called after each commit that holds shapes or objects, on the writer's thread:
-  /// short.
-  void OnSpatial(std::function<void()> told) { spatial_committed_ = std::move(told); }
+  /// short. At most once, as OnReconnected.
+  void OnSpatial(std::function<void()> told);
   /// `told` is called each time that the store was connected to anew and compared, before anything
-  /// more is committed, on the writer's thread: short.
-  void OnReconnected(std::function<void(Reconnected)> told) {
-    store_reconnected_ = std::move(told);
-  }
+  /// more is committed, on the writer's thread: short. A second call aborts: there is one listener,
+  /// and Writers is it (Writers::Context::store_reconnected).
+  void OnReconnected(std::function<void(Reconnected)> told);
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -136,8 +137,9 @@ class Journal final {
   WentBackNotes went_back_;
   /// CheckpointFrom gave it live states to checkpoint.
   bool checkpoints_ = false;
-  std::function<void()> spatial_committed_ = [] {};
-  std::function<void(Reconnected)> store_reconnected_ = [](Reconnected) {};
+  /// Empty until somebody listens.
+  std::function<void()> spatial_committed_;
+  std::function<void(Reconnected)> store_reconnected_;
   const std::unique_ptr<Turns> turns_;
 };
 

@@ -30,9 +30,9 @@ struct WriterContext {
   DutyError& retain_error;
   DutyError& checkpoint_error;
   WentBackNotes& went_back;
-  /// Journal::OnSpatial.
+  /// Journal::OnSpatial; empty if nothing listens.
   const std::function<void()>& spatial_committed;
-  /// Journal::OnReconnected.
+  /// Journal::OnReconnected; empty if nothing listens.
   const std::function<void(Reconnected)>& store_reconnected;
 };
 

@@ -41,6 +41,12 @@ class WhenCommittedTest : public ::testing::Test, protected JournalBench {
   Lines inbox_{told_};
 };
 
+TEST_F(WhenCommittedTest, ASecondListenerAbortsRatherThanReplacesTheFirst) {
+  journal.OnSpatial([] {});
+  EXPECT_DEATH(journal.OnSpatial([] {}), "one listener hears of shapes");
+  EXPECT_DEATH(journal.OnReconnected([](Reconnected) {}), "one listener hears that the store");
+}
+
 TEST_F(WhenCommittedTest, AnEmptyBatchIsCommittedIfNothingElseWaits) {
   Run();
   const std::uint64_t before = store.commits();
