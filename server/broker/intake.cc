@@ -131,7 +131,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
     return Processed::kDone;
   }
   if (place->stream == nullptr) return WriteNowhere(processing, *place);
-  if (IsOneTooManyOfAStranger(processing, *place->stream)) {
+  if (ExceedsUnknownSenderBudget(processing, *place->stream)) {
     CountTopic(context_.probe, processing.topic.kind);
     RejectUnkept(processing, model::RejectReason::kRateLimited);
     return Processed::kDone;
@@ -139,7 +139,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
   return Write(processing, *place->stream);
 }
 
-bool Intake::IsOneTooManyOfAStranger(const Processing& processing, const TwinStream& stream) {
+bool Intake::ExceedsUnknownSenderBudget(const Processing& processing, const TwinStream& stream) {
   if (stream.twin != nullptr || processing.held_back) return false;
   if (processing.judgement.rejection() == nullptr) return false;
   return !context_.limited_log.Passes(strangers_, processing.topic, 1, processing.arrived.steady,
@@ -149,7 +149,7 @@ bool Intake::IsOneTooManyOfAStranger(const Processing& processing, const TwinStr
 void Intake::AnswerPing(Processing& processing) {
   CountTopic(context_.probe, TopicKind::kPing);
   if (const model::Rejection* rejection = processing.judgement.rejection()) {
-    // Anybody may ping under any name: a row would be one of nobody's.
+    // Any sender may ping under any name: a row would name no robot.
     return RejectUnkept(processing, rejection->reason);
   }
   pongs_.Answer(processing.topic, processing.publish().correlation, processing.arrived);

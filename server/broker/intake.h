@@ -79,9 +79,9 @@ class Intake final {
   [[nodiscard]] Processed ProcessOne(Processing& processing);
   [[nodiscard]] bool WasBefore(Processing& processing);
   [[nodiscard]] Processed Judge(Processing& processing);
-  /// It is rejected, is of no robot, and its id has sent too many such.
-  [[nodiscard]] bool IsOneTooManyOfAStranger(const Processing& processing,
-                                             const TwinStream& stream);
+  /// It is rejected, belongs to no robot, and its id has sent too many such.
+  [[nodiscard]] bool ExceedsUnknownSenderBudget(const Processing& processing,
+                                                const TwinStream& stream);
   [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);

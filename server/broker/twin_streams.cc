@@ -122,7 +122,7 @@ TwinStream* TwinStreams::Open(fleet::RobotPtr robot, cyberwave::TwinPtr twin) {
                          .at = context_.clock.System(),
                          .sessions_held = robot->sessions.Held(),
                          .fleet_word = begun->fleet_word});
-  robot->state.StreamBegan();
+  robot->state.ResetDropped();
   // A session that was drawn just now: the store has nothing of it.
   static_cast<void>(robot->sessions.ResumeFrom(stream->session, begun->open_id, 0, 0));
   if (twin != nullptr) {

@@ -90,7 +90,7 @@ class TwinStreams final {
   /// All end: at once, or when nothing of them waits.
   void EndAll();
 
-  /// The store is to be asked what it has: it may lack what was committed. Nothing of metrics comes
+  /// The store may lack what was committed, and is asked what it has. The caller passes no metrics
   /// until SetFaults.
   void BeginReread() { rereading_ = true; }
   /// What the store has. It counts for robots that are not in memory, that were lost since the last

@@ -103,7 +103,7 @@ void RobotState::NoteClockSkew(std::int64_t skew_ms) {
   signs_changed_ = true;
 }
 
-void RobotState::StreamBegan() {
+void RobotState::ResetDropped() {
   const std::lock_guard lock(mutex_);
   fields_dropped_ = 0;
 }

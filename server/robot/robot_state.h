@@ -105,8 +105,8 @@ class RobotState final {
   /// As PresenceTrack's.
   void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
   void NoteClockSkew(std::int64_t skew_ms);
-  /// A new stream begins: its dropped fields are counted from zero.
-  void StreamBegan();
+  /// Counts dropped fields from zero: a new stream begins.
+  void ResetDropped();
   void CountDropped(std::size_t fields);
 
   /// What changed since the last call; nothing if nothing did.
@@ -121,8 +121,8 @@ class RobotState final {
 
   // --- Who holds the robot ---
 
-  /// A stream of it is here: whoever held it, it is judged here from now on. The store learns of
-  /// that by an OpenStream.
+  /// A stream of it began here at `now`: this process judges it from now on, whichever held it, and
+  /// counts its silence from `now` at the earliest. The store learns of that by an OpenStream.
   void Claim(SteadyTime now);
   /// No stream of it is here any more. What the store says of its holder counts again.
   void EndClaim();

@@ -130,7 +130,7 @@ absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
 }
 
 robot::Resume Attachment::Resume() {
-  robot_->state.StreamBegan();
+  robot_->state.ResetDropped();
   robot_->rates.BeginStream();
   robot::Resume resume =
       robot_->sessions.ResumeFrom(terms_.session, open_id_, terms_.settled_seq, terms_.judged_seq);

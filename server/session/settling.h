@@ -38,7 +38,7 @@ class Settling final {
   /// The session has limits.unconfirmed_rejects_max Rejects that its agent did not confirm.
   void BeginUnconfirmed();
 
-  /// It ends for that, whatever the status says.
+  /// BeginUnconfirmed was called, even if a drain has set another status since.
   [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
 
   /// The server drains: it has `grace`, however it came to settle.

@@ -237,7 +237,7 @@ TEST_F(RobotStateTest, DroppedFieldsCountFromTheStreamsBegin) {
   state_.CountDropped(3);
   state_.CountDropped(1);
   EXPECT_EQ(All().fields_dropped, 4);
-  state_.StreamBegan();
+  state_.ResetDropped();
   EXPECT_EQ(All().fields_dropped, 0);
 }
 
