@@ -25,7 +25,7 @@ void Damage::Note(std::string what) {
     what_ = std::move(what);
   }
   // Without it (a full disk, a folder that only root may write) the next start checks nothing.
-  const int file = ::open(mark().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  const int file = ::open(damaged_file().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (file >= 0) ::close(file);
 }
 
@@ -44,21 +44,21 @@ absl::Status RefuseEmptied(const std::string& path) {
   };
   if (bytes_of(path).value_or(0) > 0) return absl::OkStatus();
   const std::string wal = path + "-wal";
-  const std::string mark = Damage(path).mark();
+  const std::string damaged = Damage(path).damaged_file();
   const bool has_wal = bytes_of(wal).value_or(0) > 0;
-  if (!has_wal && !bytes_of(mark)) return absl::OkStatus();
-  std::string text = "store " + path + " is empty, and " + (has_wal ? wal : mark);
+  if (!has_wal && !bytes_of(damaged)) return absl::OkStatus();
+  std::string text = "store " + path + " is empty, and " + (has_wal ? wal : damaged);
   text += " beside it says that it was not; to begin anew, move that file away";
   return absl::FailedPreconditionError(text.append(kWhatToDo));
 }
 
 absl::Status RefuseDamage(Database& database) {
   auto damage = std::make_shared<Damage>(database.path());
-  if (::access(damage->mark().c_str(), F_OK) != 0) return absl::OkStatus();
+  if (::access(damage->damaged_file().c_str(), F_OK) != 0) return absl::OkStatus();
   database.ReportDamageTo(damage);
   const absl::StatusOr<std::string> found = database.ReadText("PRAGMA integrity_check(1)");
   if (found.ok() && *found == "ok") {
-    ::unlink(damage->mark().c_str());
+    ::unlink(damage->damaged_file().c_str());
     return absl::OkStatus();
   }
   if (!found.ok() && !absl::IsInternal(found.status())) return found.status();

@@ -15,7 +15,8 @@ class Database;
 /// first finding stands until the process ends: what SQLite reads next may look sound, and acks for
 /// it would not last.
 ///
-/// It leaves a mark, `<path>.damaged`, so that the next start reads the whole file before it acks.
+/// It leaves an empty file `<path>.damaged`, so that the next start reads the whole store before it
+/// acks.
 ///
 /// Thread: thread-safe.
 class Damage final {
@@ -29,8 +30,8 @@ class Damage final {
   /// Errors: kUnavailable once something was found, naming the file and what to do.
   [[nodiscard]] absl::Status status() const;
 
-  /// Of this process or an earlier one.
-  [[nodiscard]] std::string mark() const { return path_ + ".damaged"; }
+  /// `<path>.damaged`, which this process or an earlier one left.
+  [[nodiscard]] std::string damaged_file() const { return path_ + ".damaged"; }
 
  private:
   const std::string path_;
@@ -44,12 +45,12 @@ using DamagePtr = std::shared_ptr<Damage>;
 /// SQLite deletes the WAL of an empty file as it opens it, with all that was acked since the last
 /// checkpoint.
 ///
-/// Errors: kFailedPrecondition where the file is empty or missing, and a WAL or a mark lies beside
-///         it; nothing is changed then.
+/// Errors: kFailedPrecondition where the file is empty or missing, and a WAL or a damaged_file()
+///         lies beside it; nothing is changed then.
 [[nodiscard]] absl::Status RefuseEmptied(const std::string& path);
 
-/// Reads the whole file, some seconds per GB, if an earlier process left its mark, and removes the
-/// mark if it is sound. Of a new connection, which reports its damage from then on.
+/// Reads the whole store, some seconds per GB, if there is a damaged_file(), and removes that if
+/// the store is sound. Of a new connection, which reports its damage from then on.
 ///
 /// Errors: kFailedPrecondition if it is not.
 [[nodiscard]] absl::Status RefuseDamage(Database& database);
