@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   flags.Add({"--seeds", "How many seeds, each one more than the last"}, arguments.seeds);
   flags.AddChoice({"--trouble", "What happens"}, arguments.trouble, names);
   flags.Add({"--fault", "The planted fault by its place in HoldersFault; 0: none"}, arguments.fault,
-            {0, static_cast<int>(uplink::simulation::HoldersFault::kReconnectExcuses)});
+            {0, static_cast<int>(uplink::simulation::HoldersFault::kLast)});
   flags.AddSwitch({"--trace", "Print what happened"}, arguments.trace);
   if (const auto code = flags.Parse(argc, argv)) return *code;
   return uplink::simulation::RunSeeds(arguments) == 0 ? 0 : 1;

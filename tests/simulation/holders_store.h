@@ -49,6 +49,7 @@ enum class HoldersFault : std::uint8_t {
   kEpochsInEachRow,
   /// Silence before any new connection to the store counts not, whatever server that is of.
   kReconnectExcuses,
+  kLast = kReconnectExcuses,
 };
 
 /// The way of one process to the store: what is asked passes a planted fault, and answers can be
