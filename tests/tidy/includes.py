@@ -110,7 +110,7 @@ def rooms(tree, order=ROOMS):
             continue  # the root and tests see every room
         for include in tree.includes(path):
             if include.quoted and _room_of(include.name, "server") in ADAPTERS:
-                text = f"only server/ itself includes its adapters: {include.name}"
+                text = f"only server/ and tests include adapters: {include.name}"
                 yield Finding(path, include.line, "room-order", text)
 
 
