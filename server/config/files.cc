@@ -3,8 +3,10 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 #include <sys/stat.h>
@@ -12,13 +14,15 @@
 #include "server/config/file_modes.h"
 #include "server/config/load.h"
 #include "server/identity/authorities.h"
+#include "server/identity/expiry.h"
+#include "server/identity/pem_file.h"
 #include "server/identity/server_pair.h"
 
 namespace uplink::config {
 namespace {
 
-/// Bytes of a PEM file that are searched for its first header.
-constexpr std::size_t kPemBytesMax = 1 * kMiB;
+/// Bytes that are read of a file with a password.
+constexpr std::size_t kTextBytesMax = 1 * kMiB;
 
 /// The file's text, or a sentence about why it cannot be had.
 struct FileText {
@@ -39,69 +43,46 @@ FileText ReadFile(const std::string& path) {
   if (!file) {
     return {{}, fmt::format("{} cannot be opened for reading", path)};
   }
-  std::string text(kPemBytesMax, '\0');
+  std::string text(kTextBytesMax, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   return {std::move(text), {}};
 }
 
-/// True if the file begins a PEM block of `what`, or none is named.
-bool CheckPem(const std::string& key, const std::string& path, std::string_view what,
-              std::vector<Problem>& problems) {
-  if (path.empty()) {
-    return true;
-  }
-  const FileText file = ReadFile(path);
-  if (!file.problem.empty()) {
-    problems.push_back({path, key, file.problem});
-    return false;
-  }
-  const std::size_t header = file.text.find("-----BEGIN ");
-  const std::size_t line_end = file.text.find('\n', header);
-  if (header == std::string::npos ||
-      std::string_view(file.text).substr(header, line_end - header).find(what) ==
-          std::string_view::npos) {
-    problems.push_back({path, key, fmt::format("{} holds no PEM {}", path, what)});
-    return false;
-  }
-  return true;
+/// The file's text, if `check` finds nothing wrong with it; nothing if no file is named.
+std::optional<identity::NamedPem> ReadGood(const std::string& key, const std::string& path,
+                                           absl::Status (*check)(const identity::NamedPem&),
+                                           std::vector<Problem>& problems) {
+  if (path.empty()) return std::nullopt;
+  auto pem = identity::ReadPem(path);
+  const absl::Status good = pem.ok() ? check(*pem) : pem.status();
+  if (good.ok()) return *std::move(pem);
+  problems.push_back({path, key, std::string(good.message())});
+  return std::nullopt;
 }
 
-/// Whether every certificate of the file can be read.
+/// A certificate, its key, and whether both belong together: each by its key of the configuration.
+struct Pair {
+  std::string certificate_key;
+  std::string certificate_file;
+  std::string key_key;
+  std::string key_file;
+  absl::Status (*check)(const identity::NamedPem&, const identity::NamedPem&);
+};
+
+void CheckPair(const Pair& pair, std::vector<Problem>& problems) {
+  const auto certificate =
+      ReadGood(pair.certificate_key, pair.certificate_file, identity::CheckCertificates, problems);
+  const auto key = ReadGood(pair.key_key, pair.key_file, identity::CheckKey, problems);
+  if (!certificate || !key) return;
+  const absl::Status fit = pair.check(*certificate, *key);
+  if (fit.ok()) return;
+  problems.push_back({pair.certificate_file, pair.certificate_key, std::string(fit.message())});
+}
+
 void CheckAuthorities(const std::string& key, const std::string& path,
                       std::vector<Problem>& problems) {
-  if (!CheckPem(key, path, "CERTIFICATE", problems) || path.empty()) return;
-  const auto authorities = identity::ReadPem(path);
-  const absl::Status good =
-      authorities.ok() ? identity::CheckAuthorities(*authorities) : authorities.status();
-  if (!good.ok()) problems.push_back({path, key, std::string(good.message())});
-}
-
-/// Whether a TLS client can show the two.
-void CheckClientPair(const MqttConfig& mqtt, std::vector<Problem>& problems) {
-  const std::string& path = mqtt.client_certificate_file;
-  const bool certificate = CheckPem("mqtt.client_certificate_file", path, "CERTIFICATE", problems);
-  const bool key = CheckPem("mqtt.client_key_file", mqtt.client_key_file, "PRIVATE KEY", problems);
-  if (path.empty() || mqtt.client_key_file.empty() || !certificate || !key) return;
-  const auto certificate_pem = identity::ReadPem(path);
-  const auto key_pem = identity::ReadPem(mqtt.client_key_file);
-  if (!certificate_pem.ok() || !key_pem.ok()) return;
-  const absl::Status fit = identity::CheckClientPair(*certificate_pem, *key_pem);
-  if (!fit.ok()) {
-    problems.push_back({path, "mqtt.client_certificate_file", std::string(fit.message())});
-  }
-}
-
-/// Whether a TLS server can serve with the two.
-void CheckPair(const TlsConfig& tls, std::vector<Problem>& problems) {
-  if (tls.certificate_file.empty() || tls.key_file.empty()) return;
-  const auto certificate = identity::ReadPem(tls.certificate_file);
-  const auto key = identity::ReadPem(tls.key_file);
-  if (!certificate.ok() || !key.ok()) return;
-  const absl::Status fit = identity::CheckServerPair(*certificate, *key);
-  if (!fit.ok()) {
-    problems.push_back({tls.certificate_file, "tls.certificate_file", std::string(fit.message())});
-  }
+  static_cast<void>(ReadGood(key, path, identity::CheckAuthorities, problems));
 }
 
 void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) {
@@ -134,7 +115,9 @@ void CheckPasswordFile(const StoreConfig& store, std::vector<Problem>& problems)
 void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
   if (mqtt.url.empty()) return;
   CheckAuthorities("mqtt.ca_file", mqtt.ca_file, problems);
-  CheckClientPair(mqtt, problems);
+  CheckPair({"mqtt.client_certificate_file", mqtt.client_certificate_file, "mqtt.client_key_file",
+             mqtt.client_key_file, identity::CheckClientPair},
+            problems);
   const std::string& path = mqtt.password_file;
   if (path.empty()) return;
   const FileText file = ReadFile(path);
@@ -152,12 +135,11 @@ void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
 std::vector<Problem> ValidateFiles(const Config& config) {
   std::vector<Problem> problems;
   const TlsConfig& tls = config.tls;
-  const bool certificate =
-      CheckPem("tls.certificate_file", tls.certificate_file, "CERTIFICATE", problems);
-  const bool key = CheckPem("tls.key_file", tls.key_file, "PRIVATE KEY", problems);
+  CheckPair({"tls.certificate_file", tls.certificate_file, "tls.key_file", tls.key_file,
+             identity::CheckServerPair},
+            problems);
   CheckAuthorities("tls.client_ca_file", tls.client_ca_file, problems);
   CheckAuthorities("tls.operator_ca_file", tls.operator_ca_file, problems);
-  if (certificate && key) CheckPair(tls, problems);
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);
   CheckBrokerFiles(config.mqtt, problems);

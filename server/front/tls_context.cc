@@ -1,5 +1,6 @@
 #include "server/front/tls_context.h"
 
+#include <string>
 #include <string_view>
 
 #include <openssl/err.h>
@@ -21,18 +22,17 @@ constexpr char kSuitesOf12[] = "ECDHE+AESGCM:ECDHE+CHACHA20";
 constexpr int kChainDepthMax = 8;
 
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
-  const identity::Bio reader = identity::PemReader(text);
+  const auto authorities = identity::ReadCertificates({"", std::string(text)});
+  if (!authorities.ok()) return false;
   X509_STORE* store = SSL_CTX_get_cert_store(context);
   // The authority that signs robots may be one that another has signed.
   X509_STORE_set_flags(store, X509_V_FLAG_PARTIAL_CHAIN | X509_V_FLAG_TRUSTED_FIRST);
-  int added = 0;
-  while (const identity::Certificate next = identity::NextCertificate(reader.get())) {
+  for (const identity::Certificate& next : *authorities) {
     if (X509_STORE_add_cert(store, next.get()) != 1) return false;
     // Tells clients with several certificates which one is asked for.
     if (SSL_CTX_add_client_CA(context, next.get()) != 1) return false;
-    ++added;
   }
-  return added > 0;
+  return true;
 }
 
 int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* chosen_size,

@@ -1,6 +1,7 @@
 #include "server/health/certificate.h"
 
-#include "server/identity/server_pair.h"
+#include "server/identity/expiry.h"
+#include "server/identity/pem_file.h"
 
 namespace uplink::health {
 

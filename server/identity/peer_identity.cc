@@ -41,7 +41,8 @@ Certificate Parse(std::string_view pem, OSSL_LIB_CTX* library) {
   const Bio bio = PemReader(pem);
   if (bio == nullptr) return nullptr;
   X509* made = X509_new_ex(library, nullptr);
-  X509* read = made == nullptr ? nullptr : PEM_read_bio_X509(bio.get(), &made, nullptr, nullptr);
+  char no_phrase[] = "";  // without one the library would ask the terminal
+  X509* read = made == nullptr ? nullptr : PEM_read_bio_X509(bio.get(), &made, nullptr, no_phrase);
   if (read == nullptr) X509_free(made);  // the library sets it to null if it has freed it itself
   ERR_clear_error();  // its queue belongs to the thread, and the TLS library reads it too
   return Certificate(read);

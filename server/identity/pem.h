@@ -1,13 +1,19 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include <absl/functional/function_ref.h>
+#include <absl/status/statusor.h>
 #include <openssl/types.h>
 
-/// OpenSSL's objects with an owner, and how they are read from PEM texts. Nobody is ever asked for
-/// a pass phrase: what needs one cannot be read. What OpenSSL has to say of a failure stays in its
-/// queue of errors, which is the caller's to clear.
+#include "server/identity/pem_blocks.h"
+
+/// OpenSSL's objects with an owner, and how they are read from PEM texts: by these functions
+/// alone, at a start and whenever a file is read again, so that both take and refuse the same.
+/// Nobody is ever asked for a pass phrase.
 namespace uplink::identity {
 
 struct BioFree {
@@ -23,18 +29,32 @@ using Bio = std::unique_ptr<BIO, BioFree>;
 using Certificate = std::unique_ptr<X509, X509Free>;
 using Key = std::unique_ptr<EVP_PKEY, KeyFree>;
 
-/// Reads a text, which outlives it and has at most INT_MAX bytes.
+/// Reads a text that a library wrote, or one block; it outlives the reader and has at most INT_MAX
+/// bytes.
 [[nodiscard]] Bio PemReader(std::string_view text);
 
-/// The next certificate of a text, also one with OpenSSL's own notes on its trust; null at its end,
-/// and where one cannot be read.
-[[nodiscard]] Certificate NextCertificate(BIO* reader);
+/// What is wrong with a certificate that can be read; empty if nothing is.
+using CertificateJudge = absl::FunctionRef<std::string(X509*)>;
 
-/// The first private key of a text; null if there is none that can be read.
-[[nodiscard]] Key ReadKey(std::string_view text);
+/// All certificates of a text in their order, at least one, also those with OpenSSL's own notes on
+/// their trust. Blocks of other kinds count for nothing.
+///
+/// Errors: kFailedPrecondition as of BlocksOf, or if there is none; as of CheckBlocks, which names
+///         those too that cannot be read, or that the judge finds a flaw in.
+/// Thread: any, as those below; OpenSSL's queue of errors is empty after it.
+[[nodiscard]] absl::StatusOr<std::vector<Certificate>> ReadCertificates(const NamedPem& pem);
+[[nodiscard]] absl::StatusOr<std::vector<Certificate>> ReadCertificates(const NamedPem& pem,
+                                                                        CertificateJudge judge);
+
+/// The one private key of a text. Its parameters may stand before it, as `openssl ecparam -genkey`
+/// writes them, and certificates beside it.
+///
+/// Errors: kFailedPrecondition as of BlocksOf and CheckBlocks, or if there is none, a second one,
+///         one behind a pass phrase, or one that cannot be read.
+[[nodiscard]] absl::StatusOr<Key> ReadKey(const NamedPem& pem);
 
 /// Has a context show the certificates of a text: its own first, those that lead to an authority
-/// behind it. False if there is none or one is refused.
+/// behind it. False if one cannot be read or is refused.
 [[nodiscard]] bool UseChain(SSL_CTX* context, std::string_view text);
 
 /// Has a context use the private key of a text, which must be that of its certificate.

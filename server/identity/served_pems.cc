@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include <fmt/core.h>
-#include <openssl/err.h>
 #include <openssl/sha.h>
 
+#include "server/identity/expiry.h"
 #include "server/identity/pem.h"
 
 namespace uplink::identity {
@@ -20,23 +20,16 @@ std::string Sha256(std::string_view text) {
   return hex;
 }
 
-std::size_t CertificatesIn(std::string_view text) {
-  const Bio reader = PemReader(text);
-  std::size_t count = 0;
-  while (NextCertificate(reader.get()) != nullptr) ++count;
-  ERR_clear_error();
-  return count;
-}
-
 }  // namespace
 
 absl::StatusOr<ServedPems> ServedPemsOf(const NamedPem& certificate, const NamedPem& client_ca) {
   const auto expiry = ExpiryOf(certificate);
   if (!expiry.ok()) return expiry.status();
+  const auto authorities = ReadCertificates(client_ca);
   return ServedPems{.expiry = *expiry,
                     .certificate_sha256 = Sha256(certificate.text),
                     .client_ca_sha256 = Sha256(client_ca.text),
-                    .authorities = CertificatesIn(client_ca.text)};
+                    .authorities = authorities.ok() ? authorities->size() : 0};
 }
 
 }  // namespace uplink::identity

@@ -6,7 +6,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
-#include "server/identity/server_pair.h"
+#include "server/identity/pem_file.h"
 
 namespace uplink::identity {
 

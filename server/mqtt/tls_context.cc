@@ -16,14 +16,13 @@ namespace {
 
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
   if (text.empty()) return SSL_CTX_set_default_verify_paths(context) == 1;
-  const identity::Bio reader = identity::PemReader(text);
+  const auto authorities = identity::ReadCertificates({"", std::string(text)});
+  if (!authorities.ok()) return false;
   X509_STORE* store = SSL_CTX_get_cert_store(context);
-  int added = 0;
-  while (const identity::Certificate next = identity::NextCertificate(reader.get())) {
+  for (const identity::Certificate& next : *authorities) {
     if (X509_STORE_add_cert(store, next.get()) != 1) return false;
-    ++added;
   }
-  return added > 0;
+  return true;
 }
 
 absl::Status Refused(std::string_view key) {

@@ -4,6 +4,7 @@
 
 #include "server/config/file_modes.h"
 #include "server/identity/authorities.h"
+#include "server/identity/pem_file.h"
 #include "server/identity/server_pair.h"
 
 namespace uplink::transport {

@@ -44,8 +44,9 @@ std::string Drain(BIO* bio) {
 struct RawHttp2::Tls {
   explicit Tls(const Options& options) : context(SSL_CTX_new(TLS_client_method())) {
     UPLINK_CHECK(context != nullptr, "OpenSSL has memory");
-    const auto authority = identity::NextCertificate(identity::PemReader(options.server_ca).get());
-    UPLINK_CHECK(X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority.get()) == 1,
+    const auto authorities = identity::ReadCertificates({"the authority", options.server_ca});
+    UPLINK_CHECK(authorities.ok() && X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()),
+                                                         authorities->front().get()) == 1,
                  "an authority of the test's own");
     SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
     SSL_CTX_set_max_proto_version(context.get(), options.tls_max);

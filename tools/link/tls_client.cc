@@ -4,24 +4,14 @@
 #include <utility>
 
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 
 #include "schema/base/check.h"
+#include "server/identity/pem.h"
 
 namespace uplink::link {
 namespace {
-
-using Bio = std::unique_ptr<BIO, int (*)(BIO*)>;
-
-Bio ReaderOf(const std::string& text) {
-  return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
-}
-
-std::shared_ptr<X509> CertificateOf(const std::string& pem) {
-  return {PEM_read_bio_X509(ReaderOf(pem).get(), nullptr, nullptr, nullptr), X509_free};
-}
 
 bool IsAddress(const std::string& host) {
   return host.find(':') != std::string::npos ||
@@ -42,11 +32,13 @@ std::string TakeTlsError() {
 absl::StatusOr<Identity> Identity::Parse(const std::string& certificate_pem,
                                          const std::string& key_pem) {
   Identity identity;
-  identity.certificate_ = CertificateOf(certificate_pem);
-  identity.key_ = {PEM_read_bio_PrivateKey(ReaderOf(key_pem).get(), nullptr, nullptr, nullptr),
-                   EVP_PKEY_free};
-  if (identity.certificate_ == nullptr || identity.key_ == nullptr ||
-      X509_check_private_key(identity.certificate_.get(), identity.key_.get()) != 1) {
+  auto certificates = identity::ReadCertificates({"the certificate", certificate_pem});
+  if (!certificates.ok()) return absl::InvalidArgumentError(certificates.status().message());
+  auto key = identity::ReadKey({"the key", key_pem});
+  if (!key.ok()) return absl::InvalidArgumentError(key.status().message());
+  identity.certificate_ = std::move(certificates->front());
+  identity.key_ = *std::move(key);
+  if (X509_check_private_key(identity.certificate_.get(), identity.key_.get()) != 1) {
     return absl::InvalidArgumentError("certificate and key: " + TakeTlsError());
   }
   return identity;
@@ -56,10 +48,12 @@ absl::StatusOr<std::shared_ptr<const TlsClient>> TlsClient::Create(const std::st
                                                                    Alpn alpn) {
   std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
   UPLINK_CHECK(context != nullptr, "OpenSSL makes a context");
-  const std::shared_ptr<X509> authority = CertificateOf(ca_pem);
-  if (authority == nullptr ||
-      X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority.get()) != 1) {
-    return absl::InvalidArgumentError("certificate of the authority: " + TakeTlsError());
+  const auto authorities = identity::ReadCertificates({"the authority", ca_pem});
+  if (!authorities.ok()) return absl::InvalidArgumentError(authorities.status().message());
+  for (const identity::Certificate& authority : *authorities) {
+    if (X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority.get()) != 1) {
+      return absl::InvalidArgumentError("certificate of the authority: " + TakeTlsError());
+    }
   }
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);

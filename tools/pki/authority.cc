@@ -12,6 +12,7 @@
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
 
+#include "server/identity/pem.h"
 #include "tools/pki/shown.h"
 
 namespace uplink::pki {
@@ -24,8 +25,8 @@ struct Freed {
     Free(pointer);
   }
 };
-using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
-using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
+using identity::Certificate;
+using identity::Key;
 using Bio = std::unique_ptr<BIO, Freed<BIO_free_all>>;
 using Extension = std::unique_ptr<X509_EXTENSION, Freed<X509_EXTENSION_free>>;
 using BigNumber = std::unique_ptr<BIGNUM, Freed<BN_free>>;
@@ -40,6 +41,10 @@ absl::Status Failed(const char* what) {
   ERR_error_string_n(ERR_get_error(), text.data(), text.size());
   ERR_clear_error();
   return absl::InternalError(fmt::format("OpenSSL: {}: {}", what, text.data()));
+}
+
+absl::Status Invalid(const absl::Status& status) {
+  return absl::InvalidArgumentError(status.message());
 }
 
 std::string Take(BIO* bio) {
@@ -158,23 +163,13 @@ absl::StatusOr<std::unique_ptr<Authority>> Authority::Create(const std::string& 
 }
 
 absl::StatusOr<std::unique_ptr<Authority>> Authority::Load(const Credentials& credentials) {
-  const auto bio_of = [](const std::string& text) {
-    return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-  };
-  auto handles = std::make_unique<Handles>();
-  handles->certificate.reset(
-      PEM_read_bio_X509(bio_of(credentials.certificate_pem).get(), nullptr, nullptr, nullptr));
-  // An empty pass phrase instead of a prompt on the terminal.
-  char no_phrase[] = "";
-  handles->key.reset(
-      PEM_read_bio_PrivateKey(bio_of(credentials.key_pem).get(), nullptr, nullptr, no_phrase));
-  ERR_clear_error();
-  if (handles->certificate == nullptr) {
-    return absl::InvalidArgumentError("the authority's certificate is not a PEM certificate");
-  }
-  if (handles->key == nullptr) {
-    return absl::InvalidArgumentError("the authority's key is not a PEM private key");
-  }
+  auto certificates =
+      identity::ReadCertificates({"the authority's certificate", credentials.certificate_pem});
+  if (!certificates.ok()) return Invalid(certificates.status());
+  auto key = identity::ReadKey({"the authority's key", credentials.key_pem});
+  if (!key.ok()) return Invalid(key.status());
+  auto handles =
+      std::make_unique<Handles>(Handles{*std::move(key), std::move(certificates->front())});
   if (X509_check_private_key(handles->certificate.get(), handles->key.get()) != 1) {
     ERR_clear_error();
     return absl::InvalidArgumentError("the authority's key does not belong to its certificate");

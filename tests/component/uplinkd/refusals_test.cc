@@ -8,6 +8,7 @@
 #include <signal.h>
 
 #include "tests/support/eventually.h"
+#include "tests/support/pem_texts.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/test_agent.h"
 #include "tests/support/uplinkd_folder.h"
@@ -136,6 +137,37 @@ TEST_F(Refusals, FilesThatDoNotFitAreSaidAndTheLastGoodOnesServed) {
   folder_.Write("server.crt", renewed.certificate);
   ASSERT_TRUE(process_->WaitFor("certificate_fits_again")) << process_->text();
   EXPECT_THAT(HttpGet(http_, "/readyz").body, Not(HasSubstr("certificate_mismatch")));
+  EXPECT_TRUE(connects()) << process_->text();
+}
+
+TEST_F(Refusals, AKeyBehindItsParametersIsServedAfterARenewalAndAfterARestart) {
+  Serve();
+  const KeyPair renewed = folder_.authority().Issue(ServerSpec());
+  const auto connects = [this] {
+    TestAgent agent(Channel(RobotSpec("rcan://a")));
+    return agent.Connect(model::SessionId()).has_value();
+  };
+  const auto renew = [&](const std::string& key) {
+    std::filesystem::remove(folder_.Path("server.key"));
+    folder_.Write("server.key", key);
+    folder_.Write("server.crt", renewed.certificate);
+  };
+  // What a server that runs refuses, a start refuses, too.
+  renew(LockedKey(renewed.key));
+  ASSERT_TRUE(process_->WaitFor("server.key: PEM block 1, from line 1, is a private key behind a"))
+      << process_->text();
+  EXPECT_TRUE(connects()) << process_->text();
+  EXPECT_EQ(folder_.Start({"--check-config"})->WaitForExit(), 2);
+
+  const std::size_t before = process_->text().size();
+  renew(EcparamKey(renewed.key));
+  ASSERT_TRUE(process_->WaitFor("certificates_served", std::chrono::seconds(30), before))
+      << process_->text();
+  EXPECT_TRUE(connects()) << process_->text();
+  EXPECT_EQ(folder_.Start({"--check-config"})->WaitForExit(), 0);
+  process_->Signal(SIGTERM);
+  ASSERT_EQ(process_->WaitForExit(), 0) << process_->text();
+  Serve();
   EXPECT_TRUE(connects()) << process_->text();
 }
 

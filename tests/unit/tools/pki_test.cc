@@ -11,6 +11,7 @@
 #include "server/identity/peer_identity.h"
 #include "tests/support/der.h"
 #include "tests/support/odd_certificates.h"
+#include "tests/support/pem_texts.h"
 #include "tools/pki/directory.h"
 #include "tools/pki/profile.h"
 #include "tools/pki/shown.h"
@@ -172,6 +173,20 @@ TEST(Authority, RefusesAKeyOfAnother) {
   EXPECT_THAT(Message(mixed.status()), HasSubstr("does not belong"));
   EXPECT_FALSE(Authority::Load({"no PEM", (*two)->credentials().key_pem}).ok());
   EXPECT_FALSE(Authority::Load({(*one)->credentials().certificate_pem, ""}).ok());
+}
+
+TEST(Authority, ReadsFilesAsTheServerDoes) {
+  const auto made = Authority::Create("one", 1);
+  ASSERT_TRUE(made.ok());
+  const auto said = [](const std::string& certificate, const std::string& key) {
+    return Message(Authority::Load({certificate, key}).status());
+  };
+  const auto& [certificate, key] = (*made)->credentials();
+  EXPECT_EQ(said("notes\n" + certificate, testing::EcparamKey(key)), "");
+  EXPECT_THAT(said(certificate, testing::LockedKey(key)),
+              HasSubstr("the authority's key: PEM block 1, from line 1, is a private key behind"));
+  EXPECT_THAT(said(certificate + testing::BlockOf("CERTIFICATE"), key),
+              HasSubstr("the authority's certificate: PEM block 2, from line "));
 }
 
 TEST(Directory, WritesFilesForTheirOwnerOnly) {

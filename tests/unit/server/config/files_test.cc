@@ -134,6 +134,13 @@ TEST_F(ValidateFilesTest, KnowsACertificateFromAKey) {
   EXPECT_THAT(ValidateFiles(config_), SizeIs(2));
 }
 
+TEST_F(ValidateFilesTest, ACertificateAndItsKeyMayShareAFile) {
+  const testing::KeyPair pair = authority_.Issue(testing::ServerSpec());
+  config_.tls.certificate_file = Write("both.pem", pair.certificate + pair.key);
+  config_.tls.key_file = config_.tls.certificate_file;
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty());
+}
+
 TEST_F(ValidateFilesTest, RefusesAnEmptyFileAndAFolder) {
   config_.tls.certificate_file = Write("empty", "");
   config_.tls.key_file = folder_;

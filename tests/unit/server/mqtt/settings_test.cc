@@ -9,10 +9,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/config/load.h"
 #include "server/mqtt/limits.h"
 #include "server/mqtt/outbox.h"
 #include "server/mqtt/secrets.h"
 #include "tests/support/certificates.h"
+#include "tests/support/pem_texts.h"
 #include "tests/support/temp_folder.h"
 
 namespace uplink::mqtt {
@@ -144,6 +146,44 @@ TEST(MqttSecrets, ACertificateHasItsExpiry) {
               HasSubstr("mqtt.client_certificate_file"));
   EXPECT_THAT(std::string(CertificateExpiry(settings).status().message()),
               HasSubstr("mqtt.client_certificate_file"));
+}
+
+TEST(MqttSecrets, AreRefusedForWhatAStartRefusesToo) {
+  const testing::TempFolder folder;
+  const testing::TestAuthority authority;
+  const testing::KeyPair pair = authority.Issue(testing::RobotSpec("rcan://a"));
+  const std::string broken = testing::With(authority.certificate(), "\nMII", "\nXXX");
+  config::Config config;
+  config.mqtt.url = "mqtts://broker";
+  config.store.url = "sqlite://" + folder.File("uplinkd.db");
+  ClientSettings settings = Good();
+  settings.ca_file = config.mqtt.ca_file = folder.File("ca.crt");
+  settings.certificate_file = config.mqtt.client_certificate_file = folder.File("client.crt");
+  settings.key_file = config.mqtt.client_key_file = folder.File("client.key");
+  const auto expect = [&](const std::string& ca, const std::string& certificate,
+                          const std::string& key, const std::string& says) {
+    WriteFile(settings.ca_file, ca);
+    WriteFile(settings.certificate_file, certificate);
+    WriteFile(settings.key_file, key);
+    EXPECT_THAT(std::string(ReadSecrets(settings).status().message()), HasSubstr(says)) << key;
+    // Of [mqtt] alone: no other file is named.
+    std::string at_a_start;
+    for (const config::Problem& problem : config::ValidateFiles(config)) at_a_start = problem.text;
+    EXPECT_EQ(at_a_start.empty(), says.empty()) << at_a_start;
+  };
+  const std::string ca = authority.certificate();
+  expect(ca, pair.certificate, pair.key, "");
+  expect(ca, pair.certificate + ca, testing::EcparamKey(pair.key), "");
+  expect(ca + broken, pair.certificate, pair.key,
+         "mqtt.ca_file: " + settings.ca_file + ": PEM block 2, from line ");
+  expect(
+      ca, pair.certificate + broken, pair.key,
+      "mqtt.client_certificate_file: " + settings.certificate_file + ": PEM block 2, from line ");
+  expect(ca, pair.certificate, testing::LockedKey(pair.key),
+         "mqtt.client_key_file: " + settings.key_file + ": PEM block 1, from line 1, ");
+  expect(ca, pair.certificate, pair.key + pair.key, "is a second private key");
+  expect(ca, pair.certificate, authority.Issue(testing::RobotSpec("rcan://a")).key,
+         "mqtt.client_key_file: " + settings.key_file + ": is not the key of ");
 }
 
 TEST(MqttOutbox, AMessageJoinsWhileThereIsRoomAndAnAckAlways) {
