@@ -1,21 +1,11 @@
 #include "server/health/certificate_watch.h"
 
-#include <chrono>
 #include <utility>
 
-#include <fmt/chrono.h>
-
 #include "server/health/readiness.h"
+#include "server/identity/expiry.h"
 
 namespace uplink::health {
-namespace {
-
-std::string TimeText(SystemTime time) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
-}
-
-}  // namespace
 
 void CertificateWatch::OnLook(const identity::ServedPems& served, const absl::Status& fit) {
   TellFit(served.expiry, fit);
@@ -38,7 +28,7 @@ void CertificateWatch::TellFit(SystemTime expiry, const absl::Status& fit) {
 void CertificateWatch::TellServed(const identity::ServedPems& served) {
   if (served == served_) return;
   served_ = served;
-  logger_.Info("certificates_served", {{"expires", TimeText(served.expiry)},
+  logger_.Info("certificates_served", {{"expires", identity::ExpiryText(served.expiry)},
                                        {"authorities", served.authorities},
                                        {"certificate_sha256", served.certificate_sha256},
                                        {"client_ca_sha256", served.client_ca_sha256}});
@@ -51,9 +41,9 @@ void CertificateWatch::TellExpiry(SystemTime expiry) {
                                                             : Expiry::kFar;
   if (std::exchange(told_, found) == found) return;
   if (found == Expiry::kNear) {
-    logger_.Warn("certificate_expiring", {{"expires", TimeText(expiry)}});
+    logger_.Warn("certificate_expiring", {{"expires", identity::ExpiryText(expiry)}});
   } else if (found == Expiry::kOver) {
-    logger_.Error("certificate_expired", {{"expires", TimeText(expiry)}});
+    logger_.Error("certificate_expired", {{"expires", identity::ExpiryText(expiry)}});
   }
 }
 

@@ -1,9 +1,10 @@
 #include "server/identity/expiry.h"
 
-#include <cstdint>
+#include <algorithm>
+#include <chrono>
 #include <ctime>
 
-#include <fmt/core.h>
+#include <fmt/chrono.h>
 #include <openssl/x509.h>
 
 #include "server/identity/pem.h"
@@ -18,7 +19,15 @@ absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& certificate) {
     return absl::FailedPreconditionError(
         fmt::format("{}: holds no time of expiry", certificate.name));
   }
-  return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
+  return std::min(FromUnixMs(std::int64_t{timegm(&utc)} * 1000), kNoExpiry);
+}
+
+std::string ExpiryText(SystemTime expiry) {
+  if (expiry >= kNoExpiry) return "never";
+  // Not by std::chrono::system_clock: its nanoseconds end in the year 2262.
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(expiry.time_since_epoch());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(static_cast<std::time_t>(seconds.count())));
 }
 
 }  // namespace uplink::identity

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
@@ -7,10 +9,18 @@
 
 namespace uplink::identity {
 
-/// When the first certificate of the text expires.
+/// What a certificate without an end says: 9999-12-31T23:59:59Z.
+///
+/// Source: RFC 5280, 4.1.2.5.
+inline constexpr SystemTime kNoExpiry = FromUnixMs(253'402'300'799'000);
+
+/// When the first certificate of the text expires; kNoExpiry at the latest.
 ///
 /// Errors: kFailedPrecondition as of ReadCertificates (pem.h).
-/// Thread: pure; any thread.
+/// Thread: pure; any thread, as below.
 [[nodiscard]] absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& certificate);
+
+/// For lines of the log: `2026-12-31T23:59:59Z`, or `never` for kNoExpiry.
+[[nodiscard]] std::string ExpiryText(SystemTime expiry);
 
 }  // namespace uplink::identity

@@ -142,7 +142,7 @@ std::string Extension(std::string_view oid, std::string_view value) {
 std::string CertificateOf(const Parts& parts) {
   const std::string signature = der::Sequence(der::Oid(kEcdsaSha256));
   const std::string validity =
-      der::Sequence(der::Element(0x17, "200101000000Z") + der::Element(0x18, "20991231235959Z"));
+      der::Sequence(der::Element(0x17, "200101000000Z") + der::Element(0x18, parts.not_after));
   std::string body = parts.version + der::Integer("\x01") + signature + parts.issuer + validity +
                      parts.subject + parts.key;
   if (!parts.extensions.empty()) {

@@ -37,6 +37,8 @@ struct Parts {
   std::string issuer = NameOf("an authority");
   std::string subject = NameOf("a robot");
   std::string key;
+  /// GeneralizedTime's text.
+  std::string not_after = "20991231235959Z";
   /// Elements one after the other; empty: there are none.
   std::string extensions;
   /// Behind everything else of what is signed.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/health/readiness.h"
+#include "server/identity/expiry.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
@@ -95,6 +96,19 @@ TEST_F(CertificateWatchTest, TellsAWeekBeforeTheCertificateExpiresAndWhenItHas) 
   clock_.Advance(milliseconds(1));
   for (int look = 0; look < 2; ++look) watch_.OnLook(served_, absl::OkStatus());
   EXPECT_THAT(lines_, ElementsAre(_, HasSubstr("error certificate_expired expires=20")));
+}
+
+TEST_F(CertificateWatchTest, ACertificateWithoutAnEndNeverExpires) {
+  served_.expiry = identity::kNoExpiry;
+  watch_.OnLook(served_, absl::OkStatus());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("info certificates_served expires=never ")));
+  EXPECT_EQ(UnixMs(monitor_.certificate_expiry()), 253'402'300'799'000);
+}
+
+TEST_F(CertificateWatchTest, AnEndBehindThatOfNanosecondsIsWrittenAsItIs) {
+  served_.expiry = FromUnixMs(253'370'764'800'000);
+  watch_.OnLook(served_, absl::OkStatus());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("certificates_served expires=9999-01-01T00:00:00Z ")));
 }
 
 TEST_F(CertificateWatchTest, TellsOfARenewedCertificateThatItExpiresToo) {
