@@ -44,7 +44,6 @@ enum class MetricId : std::uint8_t {
   kStreamsOpened,
   kStreamsHeldBack,
   kHoldBacks,
-  kHeldBackBy,
   kHeldBackByTotal,
   kStreamsWaiting,
   kStreamDelays,

@@ -41,7 +41,7 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
      "Pings that were not answered: they came too often, or the connection took nothing."},
     {MetricId::kMqttHeldBackTotal, "uplinkd_mqtt_held_back_total", MetricType::kCounter, "messages",
      "Messages at QoS 1 that waited for room in the journal; nothing at QoS 1 is read meanwhile."},
-    {MetricId::kMqttHeldBack, "uplinkd_mqtt_held_back", MetricType::kGauge, "0 or 1",
+    {MetricId::kMqttHeldBack, "uplinkd_mqtt_message_held_back", MetricType::kGauge, "0 or 1",
      "1 while a message at QoS 1 waits for room."},
     {MetricId::kMqttUnread, "uplinkd_mqtt_unread", MetricType::kGauge, "0 or 1",
      "1 while the server is behind with its broker, and no twin becomes offline: nothing read at "

@@ -1,5 +1,6 @@
 #include "server/session/samples.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace uplink::session {
@@ -8,13 +9,17 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
   using enum metrics::MetricId;
   page.Add(kStreams, probe.streams);
   page.Add(kStreamsOpened, probe.streams_total);
-  page.Add(kStreamsHeldBack, probe.held_back);
   page.Add(kHoldBacks, probe.held_back_total);
+  auto ending = static_cast<double>(probe.held_back.value());
   for (std::size_t by = 1; by < robot::kHeldBackReasons; ++by) {
     const std::string_view reason = ToText(static_cast<robot::HeldBack>(by));
-    page.Add(kHeldBackBy, probe.held_back_by[by], {reason});
+    const auto held = static_cast<double>(probe.held_back_by[by].value());
+    page.Add(kStreamsHeldBack, held, {reason});
+    ending -= held;
     page.Add(kHeldBackByTotal, probe.held_back_by_total[by], {reason});
   }
+  // No reason is told of these. The cells are read one after another, while streams change.
+  page.Add(kStreamsHeldBack, std::max(ending, 0.0), {"ending"});
   page.Add(kStreamsWaiting, probe.waiting);
   page.Add(kStreamDelays, probe.delayed_total);
   page.Add(kTakeovers, probe.takeovers_total);

@@ -46,7 +46,7 @@ class Incomplete(EndToEnd):
         )  # fmt: skip
         self.wait_for_word(True)
         self.assertIn(f"forward_unreadable robot={RURI} id=pit", self.running.text())
-        self.assertEqual(self.running.metric("uplinkd_forward_unreadable"), 1)
+        self.assertEqual(self.running.metric("uplinkd_forward_items_unreadable"), 1)
         # From the first moment of another life, too.
         self.assertEqual(self.running.terminate(30), 0)
         self.running.start()

@@ -35,7 +35,7 @@ class HeldBack(EndToEnd):
                 self.assertTrue(robot["connected"])
                 self.assertGreaterEqual(int(robot["heldBackSinceMs"]), before_ms - 1000)
                 self.assertLessEqual(int(robot["heldBackSinceMs"]), time.time_ns() // 1_000_000)
-            self.assertEqual(server.metric("uplinkd_streams_held_back"), ROBOTS)
+            self.assertEqual(server.metric('uplinkd_streams_held_back{reason="in_flight"}'), ROBOTS)
             writer.execute("ROLLBACK")
         finally:
             writer.close()

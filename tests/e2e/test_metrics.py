@@ -22,6 +22,18 @@ OPEN_METRICS = "application/openmetrics-text;version=1.0.0"
 # What promtool says of RCAN's own names, of which nothing can be changed.
 OF_RCANS_UNITS = re.compile(r"^rcan_\w+ metric names should not contain abbreviated units$")
 TYPE_LINE = re.compile(rb"^# TYPE (\S+)", re.MULTILINE)
+# Debian's own interpreter, for which its packages are.
+PYTHON = "/usr/bin/python3"
+# Another reader of the form than Prometheus itself: it takes no name twice.
+READ_OPEN_METRICS = """
+import sys
+try:
+    from prometheus_client.openmetrics.parser import text_string_to_metric_families
+except ImportError:
+    sys.exit("install python3-prometheus-client, or run ./dev setup")
+for family in text_string_to_metric_families(sys.stdin.read()):
+    print(family.name)
+"""
 OF_A_BROKER = "uplinkd_mqtt_"
 DASHBOARD = SOURCE / "deploy/grafana/uplinkd.json"
 GUIDE = SOURCE / "docs/operate/metrics.md"
@@ -105,6 +117,24 @@ class Scrapes(EndToEnd):
         text = gzip.decompress(zipped)
         self.assertTrue(text.endswith(b"# EOF\n"))
         return set(TYPE_LINE.findall(text))
+
+    def read_open_metrics(self, text):
+        """The families' names, by a reader that is not ours; or its words on what is wrong."""
+        done = subprocess.run(
+            [PYTHON, "-c", READ_OPEN_METRICS], input=text, capture_output=True, timeout=60, check=False
+        )
+        return done.stdout.split() if done.returncode == 0 else done.stderr.decode()
+
+    def test_another_reader_takes_the_open_metrics(self):
+        self.read_a_broker()
+        self.at_work()
+        for path in ("/metrics", "/metrics/robots"):
+            text = scrape(self.running, path, Accept=OPEN_METRICS)[1]
+            self.assertEqual(self.read_open_metrics(text), TYPE_LINE.findall(text), path)
+
+    def test_that_reader_sees_a_family_that_is_there_twice(self):
+        text = b"# TYPE a counter\na_total 1\n# TYPE a gauge\na 1\n# EOF\n"
+        self.assertIn("ValueError", self.read_open_metrics(text))
 
     def test_a_real_scrape_is_the_catalogue(self):
         self.at_work()

@@ -23,6 +23,15 @@ double ValueOf(const std::map<std::string, double>& samples, const char* name) {
   return found == samples.end() ? 0 : found->second;
 }
 
+/// Over all labels.
+double SumOf(const std::map<std::string, double>& samples, const std::string& name) {
+  double sum = 0;
+  for (const auto& [sample, value] : samples) {
+    if (sample.starts_with(name + "{")) sum += value;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Watch::Watch(std::uint16_t http_port, std::string bad_ruri, Misdeed misdeed)
@@ -101,7 +110,7 @@ void Watch::Scrape() {
   WatchFigures& figures = Present();
   ++figures.scrapes;
   if (!broken.empty() && figures.law_broken++ == 0) figures.law_example = broken;
-  figures.held_back = std::max(figures.held_back, ValueOf(samples, "uplinkd_streams_held_back"));
+  figures.held_back = std::max(figures.held_back, SumOf(samples, "uplinkd_streams_held_back"));
   figures.journal_bytes =
       std::max(figures.journal_bytes, ValueOf(samples, "uplinkd_journal_bytes"));
 }

@@ -249,7 +249,12 @@ TEST_F(PostgresServing, AtTheLimitsStreamsAreHeldBackAndTheirRobotsUnknown) {
     const std::size_t at = page.find("\n" + name + " ");
     return at == std::string::npos ? -1.0 : std::stod(page.substr(at + name.size() + 2));
   };
-  ASSERT_TRUE(Eventually([&] { return figure("uplinkd_streams_held_back") == 1; }));
+  const auto held_back_by = [&](const std::string& reason) {
+    return figure("uplinkd_streams_held_back{reason=\"" + reason + "\"}");
+  };
+  ASSERT_TRUE(
+      Eventually([&] { return held_back_by("journal") + held_back_by("journal_share") == 1; }));
+  EXPECT_EQ(held_back_by("ending"), 0);
   // One record may go over the bound, since it is looked at before each.
   EXPECT_LE(figure("uplinkd_journal_bytes"), 8 * 1024 + 2048);
   ASSERT_TRUE(Eventually([this] {

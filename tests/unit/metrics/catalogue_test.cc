@@ -1,9 +1,11 @@
 #include "metrics/catalogue.h"
 
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,6 +26,32 @@ TEST(Catalogue, NamesAreUniqueAndSayTheirUnit) {
     EXPECT_EQ(&SpecOf(spec.id), &spec);
   }
   EXPECT_EQ(names.size(), kMetrics);
+}
+
+/// What a family takes of the names of a scrape in OpenMetrics' form: its own, and those of its
+/// samples. A reader of that form takes no name twice (OpenMetrics 1.0.0, Overall Structure).
+std::vector<std::string> NamesInOpenMetrics(const MetricSpec& spec) {
+  std::string family(spec.name);
+  switch (spec.type) {
+    case MetricType::kGauge:
+      return {family};
+    case MetricType::kCounter:
+      family.resize(family.size() - std::string_view("_total").size());
+      return {family, family + "_total", family + "_created"};
+    case MetricType::kHistogram:
+      return {family, family + "_bucket", family + "_count", family + "_sum", family + "_created"};
+  }
+  return {};
+}
+
+TEST(Catalogue, NoNameIsTakenTwiceInOpenMetrics) {
+  std::map<std::string, std::string_view> taken;
+  for (const MetricSpec& spec : Catalogue()) {
+    for (const std::string& name : NamesInOpenMetrics(spec)) {
+      const auto [place, is_new] = taken.emplace(name, spec.name);
+      EXPECT_TRUE(is_new) << name << " is taken by " << place->second << " and by " << spec.name;
+    }
+  }
 }
 
 TEST(Catalogue, HoldsTheNamesThatTheSurfaceFixes) {

@@ -60,6 +60,21 @@ TEST(Scrape, EveryWordOfDegradedHasItsSeries) {
   EXPECT_NE(text.find("uplinkd_degraded{reason=\"lease\"} 0\n"), std::string::npos);
 }
 
+TEST(Scrape, StreamsThatAreHeldBackAddUpByReason) {
+  testing::ServerWorld world;
+  const auto held_back_by = [&](const std::string& reason, int streams) {
+    const std::string line = "uplinkd_streams_held_back{reason=\"" + reason + "\"} ";
+    return world.ScrapeText().find(line + std::to_string(streams) + "\n") != std::string::npos;
+  };
+  world.sessions.held_back_by[static_cast<std::size_t>(robot::HeldBack::kFlow)].Add(2);
+  world.sessions.held_back.Add(3);
+  EXPECT_TRUE(held_back_by("flow", 2));
+  EXPECT_TRUE(held_back_by("journal", 0));
+  EXPECT_TRUE(held_back_by("ending", 1)) << "of it no reason is told";
+  world.sessions.held_back.Add(-2);
+  EXPECT_TRUE(held_back_by("ending", 0)) << "the cells were read while a stream went on";
+}
+
 TEST(Scrape, EachShardOfTheJournalHasItsFigures) {
   const testing::ServerWorld world;
   const std::string text = world.ScrapeText();
