@@ -58,7 +58,7 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
   query.presence = ReadPresence(parameters);
   query.parts = ReadParts(parameters);
   query.page_size = ReadPageSize(parameters);
-  query.page_token = parameters.Text("pageToken");
+  query.page_token = parameters.TextOrEmpty("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::RobotsPage> page = sources.queries.Robots(query);
   return page.ok() ? JsonResponse(view::ToJson(*page, query.parts)) : ErrorResponse(page.status());

@@ -61,21 +61,33 @@ const std::string* Parameters::Find(std::string_view name) {
   return nullptr;
 }
 
+const std::string* Parameters::FindSome(std::string_view name) {
+  const std::string* value = Find(name);
+  if (value == nullptr || !value->empty()) return value;
+  Reject(name, "is empty: give it a value, or leave it out");
+  return nullptr;
+}
+
 std::string Parameters::Text(std::string_view name) {
+  const std::string* value = FindSome(name);
+  return value == nullptr ? std::string() : *value;
+}
+
+std::string Parameters::TextOrEmpty(std::string_view name) {
   const std::string* value = Find(name);
   return value == nullptr ? std::string() : *value;
 }
 
 bool Parameters::Flag(std::string_view name) {
-  const std::string* value = Find(name);
-  if (value == nullptr || value->empty()) return false;
+  const std::string* value = FindSome(name);
+  if (value == nullptr) return false;
   if (*value != "true" && *value != "false") Reject(name, "must be true or false");
   return *value == "true";
 }
 
 std::uint32_t Parameters::Number(std::string_view name, std::uint32_t absent, std::uint32_t max) {
-  const std::string* value = Find(name);
-  if (value == nullptr || value->empty()) return absent;
+  const std::string* value = FindSome(name);
+  if (value == nullptr) return absent;
   const std::optional<std::uint32_t> number = ParseNumber<std::uint32_t>(*value);
   if (number && *number >= 1 && *number <= max) return *number;
   Reject(name, fmt::format("must be a number from 1 to {}", max));
@@ -83,8 +95,8 @@ std::uint32_t Parameters::Number(std::string_view name, std::uint32_t absent, st
 }
 
 std::optional<SystemTime> Parameters::Time(std::string_view name) {
-  const std::string* value = Find(name);
-  if (value == nullptr || value->empty()) return std::nullopt;
+  const std::string* value = FindSome(name);
+  if (value == nullptr) return std::nullopt;
   const std::optional<std::int64_t> number = ParseNumber<std::int64_t>(*value);
   if (number && *number >= 0 && *number <= kTimeMsMax) return FromUnixMs(*number);
   Reject(name, fmt::format("must be Unix milliseconds from 0 to {}", kTimeMsMax));
@@ -93,7 +105,7 @@ std::optional<SystemTime> Parameters::Time(std::string_view name) {
 
 std::vector<std::string> Parameters::Words(std::string_view name) {
   std::vector<std::string> words;
-  const std::string* value = Find(name);
+  const std::string* value = FindSome(name);
   std::string_view rest = value == nullptr ? std::string_view() : std::string_view(*value);
   while (!rest.empty()) {
     const std::size_t end = rest.find(',');

@@ -21,13 +21,16 @@ struct BadParameter {
 };
 
 /// The query of a request, read parameter by parameter. Whatever is wrong is remembered, the first
-/// of it, and told by Problem; until then readers get the default. Confined to one thread.
+/// of it, and told by Problem; until then readers get the default. An empty value is wrong: an
+/// empty filter would show everything to a client that meant one fleet. Confined to one thread.
 class Parameters final {
  public:
   explicit Parameters(std::string_view query);
 
   /// Empty if absent.
   [[nodiscard]] std::string Text(std::string_view name);
+  /// A text that may be given empty, as `pageToken` of the first page.
+  [[nodiscard]] std::string TextOrEmpty(std::string_view name);
   /// `true` or `false`; false if absent.
   [[nodiscard]] bool Flag(std::string_view name);
   [[nodiscard]] std::uint32_t Number(std::string_view name, std::uint32_t absent,
@@ -50,7 +53,10 @@ class Parameters final {
     bool read = false;
   };
   void AddItem(std::string_view item);
+  /// Null if absent.
   [[nodiscard]] const std::string* Find(std::string_view name);
+  /// Null if absent or empty, which is a problem.
+  [[nodiscard]] const std::string* FindSome(std::string_view name);
 
   std::vector<Item> items_;
   std::optional<BadParameter> problem_;

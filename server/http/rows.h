@@ -21,7 +21,7 @@ template <typename Row>
 [[nodiscard]] inline storage::HistoryQuery ReadPage(Parameters& parameters) {
   storage::HistoryQuery query;
   query.page_size = ReadPageSize(parameters);
-  query.page_token = parameters.Text("pageToken");
+  query.page_token = parameters.TextOrEmpty("pageToken");
   return query;
 }
 

@@ -298,15 +298,17 @@ def good_values(name, schema):
         return ["true", "false"]
     if schema["type"] == "array":
         return [*schema["items"]["enum"], ",".join(schema["items"]["enum"]), GOOD[name]]
-    return [] if name == "pageToken" else [GOOD[name]]
+    return [""] if name == "pageToken" else [GOOD[name]]
 
 
 def wrong_values(name, schema):
     if "enum" in schema:
-        return ["nonsense", schema["enum"][0].upper()]
+        return ["", "nonsense", schema["enum"][0].upper()]
     if schema["type"] == "integer":
-        return [str(schema["minimum"] - 1), str(schema["maximum"] + 1), *WRONG["integer"]]
-    return ["x"] if name in ("pageToken", "id") else WRONG.get(schema["type"], [])
+        return ["", str(schema["minimum"] - 1), str(schema["maximum"] + 1), *WRONG["integer"]]
+    if name == "pageToken":
+        return ["x"]
+    return ["", "x"] if name == "id" else ["", *WRONG.get(schema["type"], [])]
 
 
 if __name__ == "__main__":

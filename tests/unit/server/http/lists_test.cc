@@ -342,7 +342,20 @@ std::vector<BadCase> BadCases() {
     cases.push_back({std::string(path) + "?fromMs=1", "fromMs"});
     cases.push_back({std::string(path) + "?toMs=1", "toMs"});
   }
+  // An empty filter would show everything.
+  for (const char* filter :
+       {"quarantine?source=",   "quarantine?ruri=",  "quarantine?fleet=",      "quarantine?fromMs=",
+        "scope-updates?scope=", "scope-updates?id=", "scope-updates?fleet=",   "faults?active=",
+        "faults?ruri=",         "faults?fleet=",     "faults?toMs=",           "missions?open=",
+        "missions?ruri=",       "missions?fleet=",   "missions?missionId=",    "missions?runId=",
+        "shapes?ruri=",         "shapes?fleet",      "shapes?includeExpired=", "objects?fleet=",
+        "robots?fleet=",        "robots?presence=",  "robots?parts="}) {
+    const std::string text(filter);
+    const std::size_t mark = text.find('?') + 1;
+    cases.push_back({"/api/v1/" + text, text.substr(mark, text.find('=') - mark)});
+  }
   for (const std::string& list : lists) {
+    cases.push_back({list + "?pageSize=", "pageSize"});
     cases.push_back({list + "?pageSize=0", "pageSize"});
     cases.push_back({list + "?pageSize=1001", "pageSize"});
     cases.push_back({list + "?pageSize=ten", "pageSize"});

@@ -9,14 +9,15 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(Parameters, ReadsWhatIsThereAndDefaultsTheRest) {
-  Parameters parameters("ruri=rcan%3A%2F%2Fa&active=true&pageSize=7&fromMs=12&parts=a,,b&x=");
+  Parameters parameters("ruri=rcan%3A%2F%2Fa&active=true&pageSize=7&fromMs=12&parts=a,,b&x=y&t=");
   EXPECT_EQ(parameters.Text("ruri"), "rcan://a");
   EXPECT_TRUE(parameters.Flag("active"));
   EXPECT_EQ(parameters.Number("pageSize", 100, 1000), 7U);
   EXPECT_EQ(parameters.Time("fromMs"), FromUnixMs(12));
   EXPECT_EQ(parameters.Time("toMs"), std::nullopt);
   EXPECT_THAT(parameters.Words("parts"), ElementsAre("a", "b"));
-  EXPECT_EQ(parameters.Text("x"), "");
+  EXPECT_EQ(parameters.Text("x"), "y");
+  EXPECT_EQ(parameters.TextOrEmpty("t"), "");
   EXPECT_EQ(parameters.Text("fleet"), "");
   EXPECT_FALSE(parameters.Problem());
 }
@@ -46,7 +47,7 @@ TEST_P(ParametersNumber, IsAWholeNumberFromOneToTheMost) {
 INSTANTIATE_TEST_SUITE_P(
     Bounds, ParametersNumber,
     ::testing::Values(NumberCase{"pageSize=1", true}, NumberCase{"pageSize=1000", true},
-                      NumberCase{"pageSize=", true}, NumberCase{"pageSize=0", false},
+                      NumberCase{"pageSize=", false}, NumberCase{"pageSize=0", false},
                       NumberCase{"pageSize=1001", false}, NumberCase{"pageSize=-1", false},
                       NumberCase{"pageSize=1x", false}, NumberCase{"pageSize=99999999999", false}));
 
@@ -72,12 +73,33 @@ TEST(Parameters, RefusesANameGivenTwiceAndBrokenEncoding) {
   EXPECT_EQ(Parameters("a=%4").Problem()->field, "a");
 }
 
+TEST(Parameters, AreNotEmpty) {
+  const auto problem = [](const char* query, auto read) {
+    Parameters parameters(query);
+    read(parameters);
+    return parameters.Problem().value_or(BadParameter());
+  };
+  for (const char* query : {"a=", "a"}) {
+    for (const BadParameter& each : {
+             problem(query, [](auto& from) { EXPECT_EQ(from.Text("a"), ""); }),
+             problem(query, [](auto& from) { EXPECT_FALSE(from.Flag("a")); }),
+             problem(query, [](auto& from) { EXPECT_EQ(from.Number("a", 7, 9), 7U); }),
+             problem(query, [](auto& from) { EXPECT_EQ(from.Time("a"), std::nullopt); }),
+             problem(query, [](auto& from) { EXPECT_TRUE(from.Words("a").empty()); }),
+         }) {
+      EXPECT_EQ(each.field, "a");
+      EXPECT_THAT(each.message, ::testing::HasSubstr("is empty"));
+    }
+    EXPECT_EQ(problem(query, [](auto& from) { EXPECT_EQ(from.TextOrEmpty("a"), ""); }).field, "");
+  }
+}
+
 TEST(Parameters, BoundsTheirNumber) {
   std::string query;
-  for (std::size_t i = 0; i < kParametersMax; ++i) query += "p" + std::to_string(i) + "=&";
+  for (std::size_t i = 0; i < kParametersMax; ++i) query += "p" + std::to_string(i) + "=x&";
   Parameters most(query);
   for (std::size_t i = 0; i < kParametersMax; ++i) {
-    EXPECT_EQ(most.Text("p" + std::to_string(i)), "");
+    EXPECT_EQ(most.Text("p" + std::to_string(i)), "x");
   }
   EXPECT_FALSE(most.Problem());
   EXPECT_EQ(Parameters(query + "one=more").Problem()->field, "one");
