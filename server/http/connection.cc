@@ -4,20 +4,21 @@
 #include <atomic>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
 #include <boost/asio/post.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/read.hpp>
 #include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 
+#include "server/http/date.h"
 #include "server/http/errors.h"
+#include "server/http/incoming.h"
 
 namespace uplink::http {
 namespace {
@@ -31,6 +32,9 @@ using asio::ip::tcp;
 /// reset the connection before the peer has read that answer.
 constexpr std::size_t kLingerBytesMax = 64UL * 1024;
 constexpr std::chrono::seconds kLingerWait{1};
+constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+
+beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 
 Method MethodOf(bhttp::verb verb) {
   if (verb == bhttp::verb::get) return Method::kGet;
@@ -61,18 +65,10 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   /// The first time and after each answer.
   void ReadRequest() {
     if (answered_any_) Note(Places::State::kIdle);
-    parser_.emplace();
-    parser_->header_limit(kHeaderBytesMax);
-    parser_->body_limit(kBodyBytesMax);
-    stream_.expires_after(context_->request_wait);
-    bhttp::async_read(stream_, buffer_, *parser_,
-                      [self = shared_from_this()](beast::error_code error, std::size_t) {
-                        if (error) {
-                          self->OnReadFailed(error);
-                        } else {
-                          self->OnRequest();
-                        }
-                      });
+    incoming_.Next();
+    stream_.expires_after(context_->idle_wait);
+    begun_ = false;
+    Advance();
   }
 
  private:
@@ -80,8 +76,49 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     if (place_) Places::Note(*place_, state, context_->server.clock.Steady());
   }
 
+  void Advance() {
+    const Incoming::Step step = incoming_.Advance();
+    if (step == Incoming::Step::kNothing) return ReadMore();
+    if (!std::exchange(begun_, true)) stream_.expires_after(context_->request_wait);
+    switch (step) {
+      case Incoming::Step::kNothing:
+      case Incoming::Step::kPart:
+        return ReadMore();
+      case Incoming::Step::kExpects:
+        return SendContinue();
+      case Incoming::Step::kWhole:
+        return OnRequest();
+      case Incoming::Step::kRefused:
+        return OnRefused();
+    }
+  }
+
+  void ReadMore() {
+    stream_.async_read_some(incoming_.Room(),
+                            [self = shared_from_this()](beast::error_code error, std::size_t n) {
+                              if (error) return;  // the peer is gone, or took too long
+                              self->incoming_.Received(n);
+                              self->Advance();
+                            });
+  }
+
+  void SendContinue() {
+    asio::async_write(stream_, asio::buffer(kContinue),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (!error) self->Advance();
+                      });
+  }
+
+  void OnRefused() {
+    started_ = context_->server.clock.Steady();
+    route_ = OtherRoute();
+    method_ = MethodOf(incoming_.message().method());
+    keep_alive_ = false;
+    Answer(std::move(incoming_.refusal()));
+  }
+
   [[nodiscard]] Request ToRequest() const {
-    const auto& message = parser_->get();
+    const auto& message = incoming_.message();
     Request request{method_, std::string(message.target()),
                     std::string(message[bhttp::field::accept]),
                     std::string(message[bhttp::field::accept_encoding])};
@@ -109,9 +146,9 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
   void OnRequest() {
     started_ = context_->server.clock.Steady();
-    method_ = MethodOf(parser_->get().method());
-    version_ = parser_->get().version();
-    keep_alive_ = parser_->get().keep_alive();
+    method_ = MethodOf(incoming_.message().method());
+    version_ = incoming_.message().version();
+    keep_alive_ = incoming_.keep_alive();
     Resolved resolved = context_->server.entrance.Resolve(ToRequest());
     Note(IsScrape(resolved.lane) ? Places::State::kScraping : Places::State::kBusy);
     route_ = resolved.route;
@@ -132,42 +169,22 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     if (!taken) Answer(TooBusy());
   }
 
-  void OnReadFailed(const beast::error_code& error) {
-    started_ = context_->server.clock.Steady();
-    route_ = OtherRoute();
-    method_ = Method::kGet;
-    keep_alive_ = false;
-    if (error == bhttp::error::header_limit) {
-      return Answer(BadRequest(431, "the request's headers are too large"));
-    }
-    if (error == bhttp::error::body_limit) {
-      return Answer(BadRequest(413, "the request's body is too large"));
-    }
-    const bool not_http =
-        error.category() == bhttp::make_error_code(bhttp::error::bad_method).category() &&
-        error != bhttp::error::end_of_stream && error != bhttp::error::partial_message;
-    if (not_http) return Answer(BadRequest(400, error.message()));
-    // The peer is gone, or took too long.
-  }
-
   template <typename Body>
   bhttp::response<Body> Head(const Response& answer) const {
     bhttp::response<Body> message(bhttp::int_to_status(static_cast<unsigned>(answer.status)),
                                   version_);
-    message.set(bhttp::field::content_type,
-                beast::string_view(answer.content_type.data(), answer.content_type.size()));
+    message.set(bhttp::field::date, ImfFixdate(context_->server.clock.System()));
+    message.set(bhttp::field::content_type, ToBeast(answer.content_type));
     message.set(bhttp::field::cache_control, "no-store");
     message.set("X-Content-Type-Options", "nosniff");
-    if (!answer.allow.empty()) {
-      message.set(bhttp::field::allow,
-                  beast::string_view(answer.allow.data(), answer.allow.size()));
-    }
-    if (!answer.coding.empty()) {
-      message.set(bhttp::field::content_encoding,
-                  beast::string_view(answer.coding.data(), answer.coding.size()));
-    }
+    if (!answer.allow.empty()) message.set(bhttp::field::allow, ToBeast(answer.allow));
+    if (!answer.coding.empty()) message.set(bhttp::field::content_encoding, ToBeast(answer.coding));
     if (answer.varies) message.set(bhttp::field::vary, "Accept, Accept-Encoding");
     message.keep_alive(keep_alive_);
+    if (keep_alive_) {
+      message.set(bhttp::field::connection, "keep-alive");  // names the header, too
+      message.set(bhttp::field::keep_alive, context_->keep_alive);
+    }
     message.content_length(answer.content().size());
     return message;
   }
@@ -234,8 +251,9 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   beast::tcp_stream stream_;
   /// Read by the thread that answers, too.
   std::atomic<bool> gave_way_{false};
-  beast::flat_buffer buffer_{kSentAheadBytesMax};
-  std::optional<bhttp::request_parser<bhttp::string_body>> parser_;
+  Incoming incoming_;
+  /// Something of the request has come.
+  bool begun_ = false;
   std::variant<std::monostate, Whole, HeadOnly, Shared> answer_;
   std::shared_ptr<const std::string> shared_body_;
   Method method_ = Method::kGet;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <string>
 
 #include <boost/asio/ip/tcp.hpp>
+#include <fmt/core.h>
 
 #include "server/http/places.h"
 #include "server/http/server.h"
@@ -12,10 +15,17 @@ namespace uplink::http {
 /// What all connections of a listener share. Confined to the loop's thread.
 struct ConnectionContext {
   ConnectionContext(const HttpServer::Context& all, const HttpServer::Options& options)
-      : server(all), request_wait(options.request_wait), places(options.connections_max) {}
+      : server(all),
+        request_wait(options.request_wait),
+        idle_wait(options.idle_wait),
+        places(options.connections_max) {}
 
   const HttpServer::Context server;
   const milliseconds request_wait;
+  const milliseconds idle_wait;
+  /// The value of Keep-Alive.
+  const std::string keep_alive = fmt::format(
+      "timeout={}", std::chrono::duration_cast<std::chrono::seconds>(idle_wait).count());
   Places places;
 };
 

@@ -1,6 +1,8 @@
 #include "server/http/entrance.h"
 
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "server/http/errors.h"
 #include "server/http/target.h"
@@ -20,9 +22,17 @@ Response AnswerOfStart(const Request& request, RouteId route) {
 
 }  // namespace
 
-Resolved Entrance::Resolve(const Request& request) const {
+Resolved Entrance::Resolve(Request request) const {
+  const bool host_missing = request.host_required && !request.host;
+  std::optional<AbsoluteTarget> whole;
+  if (IsAbsolute(request.target)) {
+    whole = SplitAbsolute(request.target);
+    if (!whole) return AtOnce(OtherRoute(), BadRequest(400, "the target names no host"));
+    request.host = std::move(whole->authority);
+    request.target = std::move(whole->target);
+  }
   const RouteId route = FindRoute(SplitTarget(request.target).path).id;
-  if (request.host_required && !request.host) {
+  if (host_missing) {
     return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
   }
   if (!IsMonitoring(route)) {

@@ -10,7 +10,8 @@
 namespace uplink::http {
 
 /// What a request meets before the site:
-/// - one of HTTP/1.1 names its host; 400 else;
+/// - one of HTTP/1.1 names its host; 400 else. That of a target in absolute-form takes the place of
+///   the header's (RFC 9112, 3.2.2);
 /// - data are shown under known hosts alone (421), probes and scrapes under any;
 /// - on a connection that is kept for probes and scrapes, others get 503;
 /// - while the server starts there is no site: /livez says that the process lives, /readyz that it
@@ -28,7 +29,7 @@ class Entrance final {
   void Open(const Site& site) { site_.store(&site); }
 
   /// As Site::Resolve.
-  [[nodiscard]] Resolved Resolve(const Request& request) const;
+  [[nodiscard]] Resolved Resolve(Request request) const;
 
  private:
   const KnownHosts hosts_;

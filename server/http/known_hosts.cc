@@ -5,16 +5,10 @@
 
 #include <arpa/inet.h>
 
+#include "server/http/letter_case.h"
+
 namespace uplink::http {
 namespace {
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return lower;
-}
 
 bool IsAddress(int family, const std::string& text) {
   in6_addr place{};  // room for either family
@@ -32,7 +26,7 @@ bool IsPort(std::string_view text) {
 
 KnownHosts::KnownHosts(std::vector<std::string> names)
     : names_([&names] {
-        std::ranges::transform(names, names.begin(), LowerCase);
+        for (std::string& name : names) name = LowerCase(name);
         return std::move(names);
       }()) {}
 

@@ -14,7 +14,7 @@ enum class Method : std::uint8_t { kGet, kHead, kOther };
 /// A request as handlers see it; a body is never looked at. A value.
 struct Request {
   Method method = Method::kGet;
-  /// Path and query as they came: `/api/v1/robots?fleet=a`.
+  /// Path and query as they came: `/api/v1/robots?fleet=a`; or the whole address (absolute-form).
   std::string target;
   /// The headers Accept and Accept-Encoding; empty: none.
   std::string accept{};

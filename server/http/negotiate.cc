@@ -1,9 +1,10 @@
 #include "server/http/negotiate.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <optional>
+
+#include "server/http/letter_case.h"
 
 namespace uplink::http {
 namespace {
@@ -23,11 +24,6 @@ std::string_view Next(std::string_view& text, char separator) {
   const std::string_view part = Trimmed(text.substr(0, at));
   text.remove_prefix(std::min(at + 1, text.size()));
   return part;
-}
-
-bool Same(std::string_view a, std::string_view b) {
-  return std::ranges::equal(
-      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 /// 0 to 1; 0 for what is no number.
@@ -50,8 +46,8 @@ Item ItemOf(std::string_view text) {
   while (!text.empty()) {
     std::string_view parameter = Next(text, ';');
     const std::string_view name = Next(parameter, '=');
-    if (Same(name, "q")) item.quality = QualityOf(Trimmed(parameter));
-    if (Same(name, "version")) item.version = Trimmed(parameter);
+    if (SameWord(name, "q")) item.quality = QualityOf(Trimmed(parameter));
+    if (SameWord(name, "version")) item.version = Trimmed(parameter);
   }
   return item;
 }
@@ -67,10 +63,10 @@ metrics::Format FormatFor(std::string_view accept) {
   double open_metrics = 0;
   double text = 0;
   ForEachItem(accept, [&](const Item& item) {
-    if (Same(item.name, "application/openmetrics-text")) {
+    if (SameWord(item.name, "application/openmetrics-text")) {
       const bool ours = item.version.empty() || item.version == "1.0.0";
       if (ours) open_metrics = std::max(open_metrics, item.quality);
-    } else if (Same(item.name, "text/plain")) {
+    } else if (SameWord(item.name, "text/plain")) {
       text = std::max(text, item.quality);
     }
   });
@@ -82,7 +78,7 @@ metrics::Coding CodingFor(std::string_view accept_encoding) {
   std::optional<double> gzip;
   double any = 0;
   ForEachItem(accept_encoding, [&](const Item& item) {
-    if (Same(item.name, "gzip") || Same(item.name, "x-gzip")) gzip = item.quality;
+    if (SameWord(item.name, "gzip") || SameWord(item.name, "x-gzip")) gzip = item.quality;
     if (item.name == "*") any = item.quality;
   });
   return gzip.value_or(any) > 0 ? metrics::Coding::kGzip : metrics::Coding::kPlain;

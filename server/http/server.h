@@ -24,10 +24,12 @@ inline constexpr std::size_t kBodyBytesMax = 16UL * 1024;
 /// Of what a client sends ahead of its answers we hold so much; the rest waits in the kernel. One
 /// request of a connection is under way at most.
 inline constexpr std::size_t kSentAheadBytesMax = kHeaderBytesMax + kBodyBytesMax;
-/// A whole request must come within this, the idle time before it included; so must the peer take a
-/// whole answer.
+/// A request must be whole within this of its first byte; so must the peer take a whole answer.
 inline constexpr std::chrono::seconds kRequestWait{30};
 inline constexpr std::chrono::seconds kAnswerWait{30};
+/// A connection is kept so long without a request. Answers tell it as Keep-Alive; proxies that keep
+/// theirs for 60 s (nginx's upstream, AWS's load balancers) end them first.
+inline constexpr std::chrono::seconds kIdleWait{75};
 /// Connections that are accepted in one turn of the loop, and at most half of all places, so that
 /// each is read before it could give way to the next ones.
 inline constexpr std::size_t kAcceptsPerTurn = 16;
@@ -44,6 +46,7 @@ class HttpServer final {
     /// Over kMonitoringPlaces.
     std::size_t connections_max = 0;
     milliseconds request_wait = kRequestWait;
+    milliseconds idle_wait = kIdleWait;
   };
   struct Context {
     /// One thread runs it: the loop.

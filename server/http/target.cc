@@ -1,9 +1,14 @@
 #include "server/http/target.h"
 
+#include <algorithm>
 #include <cstddef>
+
+#include "server/http/letter_case.h"
 
 namespace uplink::http {
 namespace {
+
+constexpr std::string_view kScheme = "http://";
 
 int HexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -36,6 +41,22 @@ Target SplitTarget(std::string_view target) {
   const std::size_t mark = target.find('?');
   if (mark == std::string_view::npos) return {target, {}};
   return {target.substr(0, mark), target.substr(mark + 1)};
+}
+
+bool IsAbsolute(std::string_view target) {
+  return SameWord(target.substr(0, kScheme.size()), kScheme);
+}
+
+std::optional<AbsoluteTarget> SplitAbsolute(std::string_view target) {
+  target.remove_prefix(std::min(kScheme.size(), target.size()));
+  const std::size_t end = std::min(target.find_first_of("/?"), target.size());
+  const std::string_view authority = target.substr(0, end);
+  if (authority.empty() || authority.front() == ':' || authority.find('@') != authority.npos) {
+    return std::nullopt;
+  }
+  const std::string_view rest = target.substr(end);
+  return AbsoluteTarget{std::string(authority),
+                        (rest.starts_with('/') ? "" : "/") + std::string(rest)};
 }
 
 std::optional<PathMatch> MatchPath(std::string_view pattern, std::string_view path) {

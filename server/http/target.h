@@ -18,6 +18,19 @@ struct Target {
 /// Cuts at the first question mark.
 [[nodiscard]] Target SplitTarget(std::string_view target);
 
+/// The two parts of a target in absolute-form (`http://host:7480/livez?x=1`). A value.
+struct AbsoluteTarget {
+  /// Never empty, without a user.
+  std::string authority;
+  /// As a client of ours sends it: `/livez?x=1`; `/` for none.
+  std::string target;
+};
+
+/// Whether a target begins with `http://`, in any case.
+[[nodiscard]] bool IsAbsolute(std::string_view target);
+/// Takes such a target apart; nothing if its host is empty or it names a user.
+[[nodiscard]] std::optional<AbsoluteTarget> SplitAbsolute(std::string_view target);
+
 /// What a route's pattern found in a path: the decoded `{}` segment, if the pattern has one.
 struct PathMatch {
   std::string segment;

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "server/http/places.h"
-#include "server/loop/event_loop.h"
+#include "tests/component/http/http_server_fixture.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/server_world.h"
@@ -25,80 +25,36 @@ using testing::HttpGet;
 using testing::RawAnswer;
 using testing::RawConnection;
 
-class HttpServerTest : public ::testing::Test {
- protected:
-  static constexpr std::size_t kConnectionsMax = 16;
-
-  HttpServerTest() {
-    http::HttpProbe& probe = world_.http_probe;
-    memory_.emplace(probe.reads_waiting, probe.reads_refused, kMemoryThread);
-    reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
-    metrics_.emplace(probe.metrics_waiting, probe.metrics_refused, kMetricsThread, kConnectionsMax);
-    scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
-    world_.to_store_thread = [this](auto job) { return reads_->TryPost(std::move(job)); };
-    entrance_.Open(world_.site);
-  }
-  ~HttpServerTest() override {
-    world_.reader.Release();
-    loop_.Stop();
-    scrapes_.reset();
-    metrics_.reset();
-    memory_.reset();
-    reads_.reset();
-  }
-
-  std::uint16_t Serve(const std::string& host = "127.0.0.1", milliseconds wait = kRequestWait,
-                      std::size_t connections_max = kConnectionsMax) {
-    auto server = HttpServer::Listen(
-        {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, world_.http_probe, clock_},
-        {{host, 0}, connections_max, wait});
-    EXPECT_TRUE(server.ok()) << server.status();
-    server_ = *std::move(server);
-    loop_.Start();
-    return server_->bound().port;
-  }
-
-  /// More text of /metrics/robots than any kernel buffers for one connection.
-  void AddRobotsOfManyWords() {
-    constexpr std::size_t kLong = 256;
-    for (int i = 0; i < 5; ++i) {
-      std::string ruri = "rcan://r/" + std::to_string(i);
-      ruri.resize(kLong, 'r');
-      model::RcanState state;
-      for (int joint = 0; joint < 256; ++joint) {
-        std::string name = "j" + std::to_string(joint) + "-";
-        name.resize(kLong, 'j');
-        state.joints.push_back({.joint = name,
-                                .position_rad = 1,
-                                .velocity_rad_s = 1,
-                                .position_m = 1,
-                                .velocity_m_s = 1,
-                                .effort_nm = 1,
-                                .temperature_c = 1,
-                                .error_flags = 1,
-                                .timestamp_us = 1});
-      }
-      world_.AddRobot(ruri).state.Apply(std::move(state), world_.clock.Steady());
+/// More text of /metrics/robots than any kernel buffers for one connection.
+void AddRobotsOfManyWords(testing::ServerWorld& world) {
+  constexpr std::size_t kLong = 256;
+  for (int i = 0; i < 5; ++i) {
+    std::string ruri = "rcan://r/" + std::to_string(i);
+    ruri.resize(kLong, 'r');
+    model::RcanState state;
+    for (int joint = 0; joint < 256; ++joint) {
+      std::string name = "j" + std::to_string(joint) + "-";
+      name.resize(kLong, 'j');
+      state.joints.push_back({.joint = name,
+                              .position_rad = 1,
+                              .velocity_rad_s = 1,
+                              .position_m = 1,
+                              .velocity_m_s = 1,
+                              .effort_nm = 1,
+                              .temperature_c = 1,
+                              .error_flags = 1,
+                              .timestamp_us = 1});
     }
+    world.AddRobot(ruri).state.Apply(std::move(state), world.clock.Steady());
   }
+}
 
-  [[nodiscard]] std::uint64_t ScrapesWritten() const {
-    const auto& seconds = world_.rcan_probe.scrape_seconds;
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i <= seconds.upper_bounds().size(); ++i) sum += seconds.count(i);
-    return sum;
-  }
-
-  testing::ServerWorld world_;
-  SystemClock clock_;
-  Entrance entrance_{KnownHosts({"uplink.example.org"})};
-  loop::EventLoop loop_{world_.logger};
-  std::optional<ReadThread> memory_;
-  std::optional<ReadThread> reads_;
-  std::optional<ReadThread> metrics_;
-  std::optional<ReadThread> scrapes_;
-  std::unique_ptr<HttpServer> server_;
-};
+std::uint64_t ScrapesWritten(const testing::ServerWorld& world) {
+  const auto& seconds = world.rcan_probe.scrape_seconds;
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i <= seconds.upper_bounds().size(); ++i) sum += seconds.count(i);
+  return sum;
+}
 
 TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
   RawConnection connection(Serve());
@@ -380,13 +336,13 @@ TEST_F(HttpServerTest, AClientThatLeavesDuringAReadHarmsNobody) {
 
 TEST_F(HttpServerTest, ScrapersThatDoNotReadHoldFourTextsAndNoMore) {
   constexpr int kLittle = 4096;
-  AddRobotsOfManyWords();
-  const std::uint16_t port = Serve("127.0.0.1", kRequestWait, 16);
+  AddRobotsOfManyWords(world_);
+  const std::uint16_t port = Serve();
   std::vector<std::unique_ptr<RawConnection>> slow;
   for (std::size_t i = 0; i < rcan::kTextsMax; ++i) {
     slow.push_back(std::make_unique<RawConnection>(port, kLittle));
     slow.back()->SendGet("/metrics/robots");
-    ASSERT_TRUE(testing::Eventually([&] { return ScrapesWritten() == i + 1; }));
+    ASSERT_TRUE(testing::Eventually([&] { return ScrapesWritten(world_) == i + 1; }));
     world_.clock.Advance(rcan::kTextShared);  // the next one gets a text of its own
   }
   EXPECT_EQ(HttpGet(port, "/metrics/robots").status, 503);

@@ -97,6 +97,14 @@ TEST_F(EntranceTest, ProbesAndScrapesAreAnsweredUnderAnyName) {
   }
 }
 
+TEST_F(EntranceTest, TheHostOfAnAbsoluteTargetTakesThePlaceOfTheHeader) {
+  entrance_.Open(world_.site);
+  EXPECT_EQ(StatusUnder("rebound.example", "http://localhost/api/v1/status"), 200);
+  EXPECT_EQ(StatusUnder("localhost", "http://rebound.example/api/v1/status"), 421);
+  EXPECT_EQ(StatusUnder("localhost", "http:///livez"), 400);
+  EXPECT_EQ(Ask("http://rebound.example/api/v1/status").run().status, 421) << "HTTP/1.0";
+}
+
 TEST_F(EntranceTest, ARequestThatNeedsAHostAndHasNoneIs400) {
   entrance_.Open(world_.site);
   Request request{Method::kGet, "/livez"};

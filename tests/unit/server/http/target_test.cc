@@ -39,5 +39,33 @@ TEST(SplitTarget, CutsAtTheFirstQuestionMark) {
   EXPECT_EQ(SplitTarget("/a").query, "");
 }
 
+TEST(SplitAbsolute, FindsTheAuthorityAndTheRest) {
+  struct Case {
+    const char* target;
+    const char* authority;
+    const char* rest;
+  };
+  for (const Case& each :
+       {Case{"http://a/b?c=http://d/", "a", "/b?c=http://d/"},
+        Case{"HTTP://a:7480/", "a:7480", "/"}, Case{"http://[::1]", "[::1]", "/"},
+        Case{"http://a?b", "a", "/?b"}, Case{"http://a//b", "a", "//b"}}) {
+    ASSERT_TRUE(IsAbsolute(each.target)) << each.target;
+    const auto whole = SplitAbsolute(each.target);
+    ASSERT_TRUE(whole) << each.target;
+    EXPECT_EQ(whole->authority, each.authority);
+    EXPECT_EQ(whole->target, each.rest);
+  }
+}
+
+TEST(SplitAbsolute, FindsNoHostWhereNoneIs) {
+  for (const char* bad : {"http://", "http:///a", "http://?a", "http://:80/a", "http://me@a/b"}) {
+    ASSERT_TRUE(IsAbsolute(bad)) << bad;
+    EXPECT_FALSE(SplitAbsolute(bad)) << bad;
+  }
+  for (const char* other : {"", "/", "*", "http:/", "https://a/b", "/http://a/b", "a:80"}) {
+    EXPECT_FALSE(IsAbsolute(other)) << other;
+  }
+}
+
 }  // namespace
 }  // namespace uplink::http

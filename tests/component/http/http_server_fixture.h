@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "server/http/server.h"
+#include "server/loop/event_loop.h"
+#include "tests/support/server_world.h"
+
+namespace uplink::http {
+
+/// A listener on a site with a fake store, as the server has it.
+class HttpServerTest : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kConnectionsMax = 16;
+
+  HttpServerTest() {
+    http::HttpProbe& probe = world_.http_probe;
+    memory_.emplace(probe.reads_waiting, probe.reads_refused, kMemoryThread);
+    reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
+    metrics_.emplace(probe.metrics_waiting, probe.metrics_refused, kMetricsThread, kConnectionsMax);
+    scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
+    world_.to_store_thread = [this](auto job) { return reads_->TryPost(std::move(job)); };
+    entrance_.Open(world_.site);
+  }
+  ~HttpServerTest() override {
+    world_.reader.Release();
+    loop_.Stop();
+    scrapes_.reset();
+    metrics_.reset();
+    memory_.reset();
+    reads_.reset();
+  }
+
+  std::uint16_t Serve(const std::string& host = "127.0.0.1",
+                      milliseconds request_wait = kRequestWait,
+                      milliseconds idle_wait = kIdleWait) {
+    auto server = HttpServer::Listen(
+        {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, world_.http_probe, clock_},
+        {{host, 0}, kConnectionsMax, request_wait, idle_wait});
+    EXPECT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    loop_.Start();
+    return server_->bound().port;
+  }
+
+  testing::ServerWorld world_;
+  SystemClock clock_;
+  Entrance entrance_{KnownHosts({"uplink.example.org"})};
+  loop::EventLoop loop_{world_.logger};
+  std::optional<ReadThread> memory_;
+  std::optional<ReadThread> reads_;
+  std::optional<ReadThread> metrics_;
+  std::optional<ReadThread> scrapes_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+}  // namespace uplink::http
