@@ -11,7 +11,9 @@ namespace uplink {
 
 Groundwork::Groundwork(Context context)
     : context_(std::move(context)),
-      entrance_(http::KnownHosts(context_.http.hosts)),
+      entrance_(http::KnownHosts(context_.http.hosts),
+                context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
+                                                  : http::Entrance::Covered::kData),
       stop_signal_(context_.logger),
       loop_(context_.logger) {
   memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);

@@ -226,6 +226,8 @@ struct CyberwaveConfig {
 struct HttpConfig {
   /// Names under which /api may be asked for, beside addresses and localhost; without a port.
   std::vector<std::string> hosts;
+  /// Scrapes are shown under these names alone, too.
+  bool hosts_cover_metrics = false;
   /// Connections held at once, those that are kept for probes and scrapes included.
   std::size_t connections_max = 128;
 };

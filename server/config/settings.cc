@@ -680,9 +680,16 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "hosts",
      .kind = Kind::kList,
      .text = "Names under which /api may be asked for, beside addresses and localhost, without a "
-             "port: those that a proxy in front passes on as Host. Probes and scrapes are answered "
-             "under any name.",
+             "port: those that a proxy in front passes on as Host. Probes are answered under any "
+             "name, and so are scrapes, unless http.hosts_cover_metrics is true.",
      UPLINK_BIND(http, HttpConfig, hosts)},
+    {.section = "http",
+     .key = "hosts_cover_metrics",
+     .kind = Kind::kSwitch,
+     .text = "Whether /metrics and /metrics/robots, too, may be asked for under addresses, "
+             "localhost and http.hosts alone. Then http.hosts needs the name by which Prometheus "
+             "asks.",
+     UPLINK_BIND(http, HttpConfig, hosts_cover_metrics)},
 
     {.section = "log",
      .key = "format",

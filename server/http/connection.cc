@@ -125,6 +125,10 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     const std::size_t hosts = message.count(bhttp::field::host);
     if (hosts == 1) request.host = std::string(message[bhttp::field::host]);
     request.host_required = version_ >= 11 || hosts > 1;
+    if (message.count(bhttp::field::origin) > 0) {
+      request.origin = std::string(message[bhttp::field::origin]);
+    }
+    request.fetch_site = std::string(message["Sec-Fetch-Site"]);
     request.monitoring_only = place_ && (*place_)->monitoring_only;
     return request;
   }

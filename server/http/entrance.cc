@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/http/errors.h"
+#include "server/http/letter_case.h"
 #include "server/http/target.h"
 
 namespace uplink::http {
@@ -22,6 +23,20 @@ Response AnswerOfStart(const Request& request, RouteId route) {
 
 }  // namespace
 
+std::optional<Response> Entrance::Refusal(const Request& request, RouteId route) const {
+  const bool data = !IsMonitoring(route);
+  const bool covered =
+      data || (covered_ == Covered::kDataAndScrapes && IsScrape(Routes()[route.index].lane));
+  if (covered && request.host && !hosts_.Has(*request.host)) return MisdirectedRequest();
+  if (!data) return std::nullopt;
+  if (SameWord(request.fetch_site, "cross-site")) return ForeignPage();
+  if (request.origin && !hosts_.HasOrigin(*request.origin, request.host.value_or(""))) {
+    return ForeignPage();
+  }
+  if (request.monitoring_only) return TooManyConnections();
+  return std::nullopt;
+}
+
 Resolved Entrance::Resolve(Request request) const {
   const bool host_missing = request.host_required && !request.host;
   std::optional<AbsoluteTarget> whole;
@@ -35,9 +50,8 @@ Resolved Entrance::Resolve(Request request) const {
   if (host_missing) {
     return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
   }
-  if (!IsMonitoring(route)) {
-    if (request.host && !hosts_.Has(*request.host)) return AtOnce(route, MisdirectedRequest());
-    if (request.monitoring_only) return AtOnce(route, TooManyConnections());
+  if (std::optional<Response> refusal = Refusal(request, route)) {
+    return AtOnce(route, *std::move(refusal));
   }
   const Site* site = site_.load();
   if (site == nullptr) return AtOnce(route, AnswerOfStart(request, route));

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "server/http/known_hosts.h"
@@ -12,7 +14,9 @@ namespace uplink::http {
 /// What a request meets before the site:
 /// - one of HTTP/1.1 names its host; 400 else. That of a target in absolute-form takes the place of
 ///   the header's (RFC 9112, 3.2.2);
-/// - data are shown under known hosts alone (421), probes and scrapes under any;
+/// - data are shown under known hosts alone (421), scrapes too if that is set, probes under any;
+/// - data are shown to no page of another site (403): not if the browser says that one asks
+///   (Sec-Fetch-Site), nor if its Origin is foreign;
 /// - on a connection that is kept for probes and scrapes, others get 503;
 /// - while the server starts there is no site: /livez says that the process lives, /readyz that it
 ///   is `starting`, a wrong request to either, or a wrong method, is refused as later, and
@@ -21,7 +25,11 @@ namespace uplink::http {
 /// Thread: thread-safe. The site outlives it.
 class Entrance final {
  public:
-  explicit Entrance(KnownHosts hosts = KnownHosts()) : hosts_(std::move(hosts)) {}
+  /// What is shown under known hosts alone.
+  enum class Covered : std::uint8_t { kData, kDataAndScrapes };
+
+  explicit Entrance(KnownHosts hosts = KnownHosts(), Covered covered = Covered::kData)
+      : hosts_(std::move(hosts)), covered_(covered) {}
   Entrance(const Entrance&) = delete;
   Entrance& operator=(const Entrance&) = delete;
 
@@ -32,7 +40,11 @@ class Entrance final {
   [[nodiscard]] Resolved Resolve(Request request) const;
 
  private:
+  /// The answer for what is not shown, if it is not.
+  [[nodiscard]] std::optional<Response> Refusal(const Request& request, RouteId route) const;
+
   const KnownHosts hosts_;
+  const Covered covered_;
   std::atomic<const Site*> site_{nullptr};
 };
 

@@ -91,6 +91,13 @@ Response MisdirectedRequest() {
                       "of http.hosts"});
 }
 
+Response ForeignPage() {
+  return Answer(403,
+                {"PERMISSION_DENIED",
+                 "a page of another site asks: so says Sec-Fetch-Site, or its Origin, which is "
+                 "neither this host nor one of http.hosts"});
+}
+
 Response TooManyConnections() {
   Response response = Answer(503, {"UNAVAILABLE", "too many connections; try again"});
   response.closes = true;

@@ -25,6 +25,8 @@ namespace uplink::http {
 [[nodiscard]] Response Starting();
 /// 421: the data are not shown under this name.
 [[nodiscard]] Response MisdirectedRequest();
+/// 403: a page of another site asks.
+[[nodiscard]] Response ForeignPage();
 /// 503, and the connection ends: those that are left are for probes and scrapes.
 [[nodiscard]] Response TooManyConnections();
 /// A request that is not HTTP as we take it: `status` is 400, 413 or 431.

@@ -22,6 +22,15 @@ bool IsPort(std::string_view text) {
                           }));
 }
 
+/// A host without its port, in lower case; an address of IPv6 keeps its brackets. Empty if what
+/// follows it is no port.
+std::string NameOf(std::string_view host) {
+  const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
+  if (bracket == std::string_view::npos) return {};
+  const std::size_t end = std::min(host.find(':', bracket), host.size());
+  return IsPort(host.substr(end)) ? LowerCase(host.substr(0, end)) : std::string();
+}
+
 }  // namespace
 
 KnownHosts::KnownHosts(std::vector<std::string> names)
@@ -29,6 +38,17 @@ KnownHosts::KnownHosts(std::vector<std::string> names)
         for (std::string& name : names) name = LowerCase(name);
         return std::move(names);
       }()) {}
+
+bool KnownHosts::HasName(const std::string& name) const {
+  return name == "localhost" || std::ranges::count(names_, name) > 0;
+}
+
+bool KnownHosts::HasOrigin(std::string_view origin, std::string_view host) const {
+  const std::size_t scheme = origin.find("://");
+  if (scheme == std::string_view::npos) return false;
+  const std::string name = NameOf(origin.substr(scheme + 3));
+  return !name.empty() && (name == NameOf(host) || HasName(name));
+}
 
 bool KnownHosts::Has(std::string_view host) const {
   if (host.starts_with('[')) {
@@ -39,7 +59,7 @@ bool KnownHosts::Has(std::string_view host) const {
   const std::size_t colon = std::min(host.find(':'), host.size());
   if (!IsPort(host.substr(colon))) return false;
   const std::string name = LowerCase(host.substr(0, colon));
-  return name == "localhost" || IsAddress(AF_INET, name) || std::ranges::count(names_, name) > 0;
+  return IsAddress(AF_INET, name) || HasName(name);
 }
 
 }  // namespace uplink::http

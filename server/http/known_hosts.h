@@ -18,7 +18,14 @@ class KnownHosts final {
   /// one of the names; with or without a port.
   [[nodiscard]] bool Has(std::string_view host) const;
 
+  /// Whether the value of an Origin header is a page of ours: its host is that of the request
+  /// (`host`, the value of Host), localhost or one of the names, whatever its scheme and port. The
+  /// page of another address is foreign, and so is `null`, the Origin of a page without one.
+  [[nodiscard]] bool HasOrigin(std::string_view origin, std::string_view host) const;
+
  private:
+  [[nodiscard]] bool HasName(const std::string& name) const;
+
   /// In lower case.
   const std::vector<std::string> names_;
 };

@@ -21,6 +21,10 @@ struct Request {
   std::string accept_encoding{};
   /// The header Host; nothing: there is none, or there are several.
   std::optional<std::string> host{};
+  /// The header Origin; nothing: there is none.
+  std::optional<std::string> origin{};
+  /// The header Sec-Fetch-Site; empty: none.
+  std::string fetch_site{};
   /// HTTP/1.1: a request without it is none.
   bool host_required = false;
   /// The connection is kept for probes and scrapes.

@@ -1,12 +1,16 @@
 """What HTTP shows to whom, and what others cannot take from probes."""
 
 import contextlib
+import email.utils
+import http.client
 import json
 import socket
 import subprocess
+import time
 import unittest
+import urllib.request
 
-from harness import Cluster, EndToEnd, Server, wait_until
+from harness import Cluster, EndToEnd, Server, run, wait_until
 
 WAIT_SECONDS = 30
 CONNECTIONS = 16
@@ -17,10 +21,10 @@ def connect(server):
     return socket.create_connection((host, int(port)), timeout=10)
 
 
-def ask(server, target, host="localhost", connection=None):
+def ask(server, target, host="localhost", headers=""):
     """Status and body of one answer, on a connection of its own."""
-    with contextlib.closing(connection or connect(server)) as end:
-        end.sendall(f"GET {target} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n".encode())
+    with contextlib.closing(connect(server)) as end:
+        end.sendall(f"GET {target} HTTP/1.1\r\nHost: {host}\r\n{headers}Connection: close\r\n\r\n".encode())
         answer = b""
         while part := end.recv(1 << 16):
             answer += part
@@ -39,6 +43,66 @@ class Names(EndToEnd):
             self.assertEqual(ask(server, "/api/v1/status", host)[0], 200, host)
         for target in ("/livez", "/readyz", "/metrics", "/metrics/robots"):
             self.assertEqual(ask(server, target, "uplinkd.monitoring.svc")[0], 200, target)
+
+
+    def test_scrapes_too_where_that_is_set(self):
+        settings = '[http]\nhosts = ["uplinkd.monitoring.svc"]\nhosts_cover_metrics = true'
+        server = self.server(settings).start()
+        for target in ("/metrics", "/metrics/robots"):
+            status, body = ask(server, target, "rebound.example")
+            self.assertEqual(status, 421, target)
+            self.assertIn("http.hosts", json.loads(body)["error"]["message"])
+            for host in ("localhost", server.http, "uplinkd.monitoring.svc:7480"):
+                self.assertEqual(ask(server, target, host)[0], 200, host)
+        for target in ("/livez", "/readyz"):
+            self.assertEqual(ask(server, target, "rebound.example")[0], 200, target)
+
+    def test_pages_of_other_sites_are_shown_no_data(self):
+        server = self.server('[http]\nhosts = ["uplink.example.org"]').start()
+        for header in ("Sec-Fetch-Site: cross-site", "Origin: https://evil.example", "Origin: null"):
+            status, body = ask(server, "/api/v1/status", headers=header + "\r\n")
+            self.assertEqual((status, json.loads(body)["error"]["code"]), (403, "PERMISSION_DENIED"), header)
+            self.assertEqual(ask(server, "/metrics", headers=header + "\r\n")[0], 200, header)
+        for header in ("Sec-Fetch-Site: same-origin", f"Origin: http://{server.http}", "Origin: https://uplink.example.org"):
+            self.assertEqual(ask(server, "/api/v1/status", server.http, header + "\r\n")[0], 200, header)
+
+
+class Clients(EndToEnd):
+    """What clients of other makes send."""
+
+    def setUp(self):
+        super().setUp()
+        self.running = self.server().start()
+
+    def curl(self, *arguments):
+        return run("curl", "-sS", "--noproxy", "", "--max-time", str(WAIT_SECONDS), *arguments).stdout
+
+    def test_curl_waits_with_a_body_and_is_told_to_go_on(self):
+        url = f"http://{self.running.http}/livez"
+        said = self.curl("-i", "-X", "GET", "-H", "Expect: 100-continue", "--expect100-timeout", "20", "-d", "abc", url)
+        self.assertEqual([line.split()[1] for line in said.splitlines() if line.startswith("HTTP/")], ["100", "200"])
+
+    def test_curl_asks_as_of_a_proxy(self):
+        said = self.curl("-i", "-x", f"http://{self.running.http}", "http://localhost/api/v1/status")
+        self.assertIn("startedAtMs", said)
+        said = self.curl("-i", "-x", f"http://{self.running.http}", "http://rebound.example/api/v1/status")
+        self.assertIn(" 421 ", said.splitlines()[0])
+
+    def test_curl_sends_chunks_and_is_refused(self):
+        said = self.curl(
+            "-i", "-X", "GET", "-H", "Transfer-Encoding: chunked", "-d", "abc", f"http://{self.running.http}/livez"
+        )
+        self.assertIn(" 400 ", said.splitlines()[0])
+        self.assertIn("Transfer-Encoding is not taken", said)
+
+    def test_answers_have_the_time_and_say_how_long_their_connection_is_kept(self):
+        with urllib.request.urlopen(f"http://{self.running.http}/livez", timeout=WAIT_SECONDS) as answer:
+            date = email.utils.parsedate_to_datetime(answer.headers["Date"])
+        self.assertLess(abs(time.time() - date.timestamp()), WAIT_SECONDS)
+        connection = http.client.HTTPConnection(self.running.http, timeout=WAIT_SECONDS)
+        connection.request("GET", "/livez")
+        self.assertEqual(connection.getresponse().headers["Keep-Alive"], "timeout=75")
+        connection.close()
 
 
 class Connections(EndToEnd):

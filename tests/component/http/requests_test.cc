@@ -162,6 +162,17 @@ TEST_F(HttpRequestsTest, EachAnswerHasADateAndSaysHowLongItsConnectionIsKept) {
   EXPECT_THAT(Ask("no request\r\n\r\n").head, MatchesRegex(date));
 }
 
+TEST_F(HttpRequestsTest, PagesOfOtherSitesAreShownNoData) {
+  const auto status = [this](const std::string& target, const std::string& header) {
+    return Ask("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n" + header + "\r\n\r\n").status;
+  };
+  EXPECT_EQ(status("/api/v1/status", "Sec-Fetch-Site: cross-site"), 403);
+  EXPECT_EQ(status("/api/v1/status", "Sec-Fetch-Site: same-origin"), 200);
+  EXPECT_EQ(status("/api/v1/status", "Origin: https://evil.example"), 403);
+  EXPECT_EQ(status("/api/v1/status", "Origin: http://localhost:3000"), 200);
+  EXPECT_EQ(status("/livez", "Origin: https://evil.example"), 200);
+}
+
 class HttpWaitsTest : public HttpServerTest {
  protected:
   static constexpr milliseconds kShort{50};

@@ -97,6 +97,57 @@ TEST_F(EntranceTest, ProbesAndScrapesAreAnsweredUnderAnyName) {
   }
 }
 
+TEST_F(EntranceTest, ScrapesAreShownUnderKnownHostsAloneWhereThatIsSet) {
+  Entrance strict{KnownHosts({"uplink.example.org"}), Entrance::Covered::kDataAndScrapes};
+  strict.Open(world_.site);
+  const auto status = [&](const std::string& host, const std::string& target) {
+    Request request{Method::kGet, target};
+    request.host = host;
+    return strict.Resolve(request).run().status;
+  };
+  for (const char* target : {"/metrics", "/metrics/robots", "/api/v1/status"}) {
+    EXPECT_EQ(status("uplinkd.monitoring.svc:7480", target), 421) << target;
+    EXPECT_EQ(status("uplink.example.org:7480", target), 200) << target;
+    EXPECT_EQ(status("127.0.0.1:7480", target), 200) << target;
+  }
+  for (const char* target : {"/livez", "/readyz"}) {
+    EXPECT_EQ(status("uplinkd.monitoring.svc:7480", target), 200) << target;
+  }
+}
+
+TEST_F(EntranceTest, APageOfAnotherSiteIsShownNoData) {
+  entrance_.Open(world_.site);
+  Request request{Method::kGet, ""};
+  request.host = "127.0.0.1:7480";
+  const auto status = [&](const char* target) {
+    request.target = target;
+    return entrance_.Resolve(request).run().status;
+  };
+  const auto expect_refused = [&] {
+    for (const char* target : {"/api/v1/status", "/api/v1/robots", "/api/v1/nothing"}) {
+      EXPECT_EQ(status(target), 403) << target;
+    }
+    EXPECT_EQ(status("/livez"), 200);
+    EXPECT_EQ(status("/metrics"), 200);
+  };
+  for (const char* site : {"cross-site", "Cross-Site"}) {
+    request.fetch_site = site;
+    expect_refused();
+  }
+  for (const char* site : {"same-origin", "same-site", "none", ""}) {
+    request.fetch_site = site;
+    EXPECT_EQ(status("/api/v1/status"), 200) << site;
+  }
+  for (const char* origin : {"https://evil.example", "null", ""}) {
+    request.origin = origin;
+    expect_refused();
+  }
+  request.origin = "http://127.0.0.1:7480";
+  EXPECT_EQ(status("/api/v1/status"), 200);
+  request.fetch_site = "cross-site";
+  EXPECT_EQ(status("/api/v1/status"), 403);
+}
+
 TEST_F(EntranceTest, TheHostOfAnAbsoluteTargetTakesThePlaceOfTheHeader) {
   entrance_.Open(world_.site);
   EXPECT_EQ(StatusUnder("rebound.example", "http://localhost/api/v1/status"), 200);
