@@ -87,9 +87,32 @@ class Document:
             return []
         return self.problems(media["schema"], answer.json())
 
+    def schemas(self):
+        """Every schema of the file and of its schemas, with where it stands."""
+        for name, schema in self.root["components"]["schemas"].items():
+            yield from schemas_within(f"schemas/{name}", schema)
+        for kind in ("parameters", "responses"):
+            for name, item in self.root["components"][kind].items():
+                for media in (item, *item.get("content", {}).values(), *item.get("headers", {}).values()):
+                    if "schema" in media:
+                        yield from schemas_within(f"{kind}/{name}", media["schema"])
+
     def references(self):
         """Every $ref of the file."""
         return set(re.findall(r"#/components/[A-Za-z0-9/]+", json.dumps(self.root)))
+
+
+def schemas_within(where, schema):
+    yield where, schema
+    for keyword, value in schema.items():
+        if keyword == "properties":
+            for name, each in value.items():
+                yield from schemas_within(f"{where}/{name}", each)
+        elif keyword in ("anyOf", "oneOf", "prefixItems"):
+            for at, each in enumerate(value):
+                yield from schemas_within(f"{where}/{keyword}/{at}", each)
+        elif keyword in ("items", "additionalProperties", "propertyNames") and isinstance(value, dict):
+            yield from schemas_within(f"{where}/{keyword}", value)
 
 
 def target(path, ruri, parameters=None):

@@ -7,7 +7,7 @@ import re
 import unittest
 
 from harness import SOURCE, wait_until
-from openapi import Document, request, target
+from openapi import Document, jsonschema, request, target
 from openapi_server import LISTS, SAME_ROWS, WAIT_SECONDS, Served
 
 NOWHERE = "rcan://never/seen"
@@ -34,11 +34,69 @@ BODIES = {
 DETAIL_IN_OWN_FORM = ("messages", "scope_updates")
 
 
+# The fixed fields of OpenAPI 3.1.0's objects (4.8) that the file has.
+FIELDS = {
+    "OpenAPI": "openapi info servers paths components tags",
+    "Info": "title version summary description license",
+    "License": "name identifier",
+    "Server": "url description",
+    "Tag": "name description externalDocs",
+    "Path Item": "get",
+    "Operation": "operationId tags summary description parameters responses",
+    "Parameter": "name in description required schema explode",
+    "Response": "description headers content",
+    "Header": "description schema",
+    "Media Type": "schema",
+    "Components": "parameters responses schemas",
+    "Schema": "$ref title type enum const description pattern format default minimum maximum exclusiveMaximum minLength"
+              " minItems maxItems items prefixItems properties required additionalProperties propertyNames"
+              " dependentRequired contentEncoding anyOf oneOf discriminator",
+}  # fmt: skip
+
+
 class Offline(unittest.TestCase):
     """What the file says, without a server."""
 
     def setUp(self):
         self.document = Document()
+
+    def objects(self):
+        """Kind, place and value of every object of OpenAPI's own."""
+        root, components = self.document.root, self.document.root["components"]
+        yield from (("OpenAPI", "", root), ("Info", "info", root["info"]), ("Components", "components", components))
+        yield "License", "info/license", root["info"]["license"]
+        yield from (("Server", "servers", each) for each in root["servers"])
+        yield from (("Tag", "tags", each) for each in root["tags"])
+        for path, item in root["paths"].items():
+            yield "Path Item", path, item
+            yield "Operation", path, item["get"]
+        yield from (("Parameter", name, each) for name, each in components["parameters"].items())
+        responses = [(name, each) for name, each in components["responses"].items()]
+        for path, item in root["paths"].items():
+            responses += [(path, each) for each in item["get"]["responses"].values() if "$ref" not in each]
+        for name, each in responses:
+            yield "Response", name, each
+            yield from (("Media Type", name, media) for media in each["content"].values())
+            yield from (("Header", name, header) for header in each.get("headers", {}).values())
+        yield from (("Schema", where, schema) for where, schema in self.document.schemas())
+
+    def test_no_object_has_a_field_that_openapi_does_not_know(self):
+        for kind, where, value in self.objects():
+            self.assertEqual(set(value) - set(FIELDS[kind].split()), set(), f"{kind} {where}")
+
+    def test_every_schema_is_a_json_schema(self):
+        for where, schema in self.document.schemas():
+            with self.subTest(where):
+                jsonschema.Draft202012Validator.check_schema(schema)
+                self.assertTrue({"$ref", "type", "anyOf", "oneOf"} & set(schema), "of no type")
+
+    def test_every_union_and_its_objects_have_names(self):
+        # Generated clients make a class of each, and call it by its name.
+        for where, schema in self.document.schemas():
+            for each in schema.get("anyOf", []) + schema.get("oneOf", []):
+                with self.subTest(where, member=each):
+                    self.assertEqual(where.count("/"), 1, "a union that is no schema of its own")
+                    self.assertTrue("$ref" in each or "title" in each or list(each) == ["type"], "without a name")
 
     def test_every_reference_leads_somewhere(self):
         for reference in self.document.references():
@@ -71,7 +129,7 @@ class Offline(unittest.TestCase):
         # Every path answers so, and no operation can say it.
         self.assertEqual(
             described - used,
-            {f"#/components/responses/{name}" for name in ("MethodNotAllowed", "Misdirected")},
+            {f"#/components/responses/{name}" for name in ("ForeignPage", "MethodNotAllowed", "Misdirected")},
         )
 
     def test_the_vectors_are_what_the_schemas_say(self):
