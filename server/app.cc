@@ -159,7 +159,8 @@ class App::Impl {
             .limits = journal_limits_,
             .spatial_committed = [this] { forwarding_.Wake(); },
             .store_reconnected = [this] { broker_side_.Reread(); },
-            .checkpoint_every = options_.config.store.checkpoint};
+            .checkpoint_every = options_.config.store.checkpoint,
+            .logger = &options_.logger};
   }
 
   lifecycle::Drain::Context ContextOfDrain() {
@@ -236,8 +237,7 @@ class App::Impl {
     work.look_at_space = [this] { space_rounds_.LookOn(ground_.OnReads()); };
     work.look_at_clock = [this] { clock_rounds_.LookOn(ground_.OnReads()); };
     work.count_faults = [this] {
-      if (robots_scrape_.wanted())
-        fault_counts_.RefreshOn(ground_.OnReads(), fleet_, *stores_.reader);
+      robots_scrape_.CountFaultsOn(ground_.OnReads(), *stores_.reader);
     };
     work.ask_relay = [this] {
       watch_.AskRelay([this](auto done) {

@@ -702,7 +702,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kChoice,
      .choices = kLogLevels,
      .effect = Effect::kReload,
-     .text = "The least severe line that is written.",
+     .text = "The least severe line that is written. At debug each connection, stream, HTTP answer "
+             "and slow commit has one.",
      UPLINK_BIND(log, LogConfig, level)},
 
     {.section = "drain",

@@ -67,6 +67,7 @@ void Connection::BeginHttp2() {
   http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this, streams_max);
   lifetime_.Open(now, age_max_, UntilExpiry(), peer_->jitter());
   owner_.OnHandshakeEnded(*this);
+  thread_.debug.ConnectionOpened(id_, origin_);
   if (!place_.Take()) {
     return TurnAway(TurnedAway::kFull, "the server has no place for more connections");
   }
@@ -143,6 +144,8 @@ void Connection::TurnAway(TurnedAway cause, std::string_view text) {
 }
 
 void Connection::FailHandshake(TurnedAway cause) {
+  thread_.debug.HandshakeFailed(id_, origin_,
+                                transport::kTurnedAwayTexts[static_cast<std::size_t>(cause)]);
   thread_.book.NoteFailedHandshake(cause, tls_->detail(), origin_, thread_.clock.Steady());
 }
 
@@ -239,6 +242,7 @@ void Connection::Close() {
   socket_.Close();
   place_.Leave();
   thread_.connection_timers.Forget(id_, timer_);
+  thread_.debug.ConnectionClosed(id_, origin_);
   if (was_handshake) owner_.OnHandshakeEnded(*this);
   owner_.OnClosed(*this);
 }

@@ -34,6 +34,7 @@ absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
   std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(entrant)));
   handler->session_.emplace(thread.sessions, *identity, robot::StreamRef{&thread.inbox, call.id()},
                             *handler, *handler);
+  thread.debug.StreamOpened(call.stream(), call.owner().origin());
   return handler;
 }
 
@@ -45,7 +46,9 @@ RelayHandler::~RelayHandler() {
 }
 
 void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
-  if (!session_->done()) session_->OnBroken(code);
+  if (session_->done()) return;
+  call_.thread().debug.StreamBroken(call_.stream(), call_.owner().origin(), session_->ruri());
+  session_->OnBroken(code);
 }
 
 void RelayHandler::OnWritten() {
@@ -71,6 +74,7 @@ void RelayHandler::Finish(const absl::Status& status) {
   } else {
     thread.book.TellRefusal(status, origin, thread.clock.Steady());
   }
+  thread.debug.StreamEnded(call_.stream(), origin, session_->ruri(), status);
   call_.Finish(status);
 }
 

@@ -8,6 +8,7 @@
 
 #include "schema/judge.h"
 #include "server/front/call_handler.h"
+#include "server/front/debug_lines.h"
 #include "server/front/door_book.h"
 #include "server/front/http2.h"
 #include "server/front/limits.h"
@@ -30,6 +31,7 @@ struct Thread {
   Thread(const transport::RelayContext& given, transport::Gate& its_gate, const Methods& served,
          robot::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
       : relay(given),
+        debug(given.logger),
         book(door_book),
         gate(its_gate),
         methods(served),
@@ -52,6 +54,7 @@ struct Thread {
         unfinished(unfinished_memory) {}
 
   const transport::RelayContext& relay;
+  const DebugLines debug;
   DoorBook& book;
   transport::Gate& gate;
   const Methods& methods;

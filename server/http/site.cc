@@ -1,5 +1,6 @@
 #include "server/http/site.h"
 
+#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -29,6 +30,8 @@ Resolved Site::Resolve(const Request& request) const {
 }
 
 Response Site::Run(const Route& route, const RoutedRequest& request) const {
+  const log::Logger& logger = sources_.logger;
+  const SteadyTime began = logger.clock().Steady();
   Response response;
   // What a library throws under a handler (memory) ends here.
   try {
@@ -39,6 +42,11 @@ Response Site::Run(const Route& route, const RoutedRequest& request) const {
   if (!response.cause.empty()) {
     failures_.Write(log::Level::kWarn, "http_answer_failed",
                     {{"route", route.name}, {"status", response.status}, {"why", response.cause}});
+  }
+  if (logger.Enabled(log::Level::kDebug)) {
+    const auto took = std::chrono::duration_cast<milliseconds>(logger.clock().Steady() - began);
+    logger.Debug("http_answered",
+                 {{"route", route.name}, {"status", response.status}, {"ms", took.count()}});
   }
   return response;
 }

@@ -60,7 +60,13 @@ Step Committing::Commit() {
   const std::size_t records = batch_.batch().records.size();
   UPLINK_CHECK(outcomes->size() == records + batch_.batch().presence.size(),
                "the store answers every record and change of presence");
-  context_.probe.commit_seconds.Observe(Seconds(context_.clock.Steady() - began));
+  const SteadyTime::duration took = context_.clock.Steady() - began;
+  context_.probe.commit_seconds.Observe(Seconds(took));
+  if (took >= kSlowCommit && context_.slow_commit) {
+    context_.slow_commit({.records = records,
+                          .presence_changes = batch_.batch().presence.size(),
+                          .took = std::chrono::duration_cast<milliseconds>(took)});
+  }
   context_.probe.commit_records.Observe(static_cast<double>(records));
   context_.probe.runs_closed_for_bound.Add(
       static_cast<std::int64_t>(context_.store.TakeRunsClosed()));

@@ -27,7 +27,8 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
                                                    .checkpoint_error = checkpoint_error_,
                                                    .went_back = went_back_,
                                                    .spatial_committed = spatial_committed_,
-                                                   .store_reconnected = store_reconnected_},
+                                                   .store_reconnected = store_reconnected_,
+                                                   .slow_commit = slow_commit_},
                                      limits, process)) {}
 
 Journal::~Journal() = default;
@@ -78,6 +79,11 @@ void Journal::OnSpatial(std::function<void()> told) {
 void Journal::OnReconnected(std::function<void(Reconnected)> told) {
   UPLINK_CHECK(!store_reconnected_, "one listener hears that the store was connected to anew");
   store_reconnected_ = std::move(told);
+}
+
+void Journal::OnSlowCommit(std::function<void(const SlowCommit&)> told) {
+  UPLINK_CHECK(!slow_commit_, "one listener hears of slow commits");
+  slow_commit_ = std::move(told);
 }
 
 void Journal::RequestCheckpoint() {

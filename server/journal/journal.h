@@ -17,6 +17,7 @@
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
 #include "server/journal/reconnected.h"
+#include "server/journal/slow_commit.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/went_back.h"
 #include "server/journal/writer_inbox.h"
@@ -40,7 +41,8 @@ class Turns;
 ///
 /// Inbox holds what waits; Turns, the writer's side, does something with it.
 ///
-/// Thread: thread-safe; CheckpointFrom, OnSpatial and OnReconnected come before the other threads.
+/// Thread: thread-safe; CheckpointFrom, OnSpatial, OnReconnected and OnSlowCommit come before the
+///         other threads.
 class Journal final {
  public:
   /// `process` numbers the changes of presence: it must differ in every life of the process.
@@ -96,6 +98,9 @@ class Journal final {
   /// more is committed, on the writer's thread: short. A second call aborts: there is one listener,
   /// and Writers is it (Writers::Context::store_reconnected).
   void OnReconnected(std::function<void(Reconnected)> told);
+  /// `told` is called after each commit that took kSlowCommit or longer, on the writer's thread:
+  /// short. At most once, as OnReconnected.
+  void OnSlowCommit(std::function<void(const SlowCommit&)> told);
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -140,6 +145,7 @@ class Journal final {
   /// Empty until somebody listens.
   std::function<void()> spatial_committed_;
   std::function<void(Reconnected)> store_reconnected_;
+  std::function<void(const SlowCommit&)> slow_commit_;
   const std::unique_ptr<Turns> turns_;
 };
 

@@ -8,6 +8,7 @@
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
 #include "server/journal/reconnected.h"
+#include "server/journal/slow_commit.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/went_back.h"
 #include "server/journal/writer_inbox.h"
@@ -34,6 +35,8 @@ struct WriterContext {
   const std::function<void()>& spatial_committed;
   /// Journal::OnReconnected; empty if nothing listens.
   const std::function<void(Reconnected)>& store_reconnected;
+  /// Journal::OnSlowCommit; empty if nothing listens.
+  const std::function<void(const SlowCommit&)>& slow_commit;
 };
 
 }  // namespace uplink::journal

@@ -29,6 +29,11 @@ bool RobotScrape::wanted() const {
   return at != SteadyTime() && sources_.clock.Steady() - at < kScrapedWithin;
 }
 
+void RobotScrape::CountFaultsOn(const std::function<bool(std::function<void()>)>& post,
+                                storage::Reader& reader) {
+  if (wanted()) sources_.faults.RefreshOn(post, sources_.fleet, reader);
+}
+
 std::vector<RobotScrape::Known>& RobotScrape::Robots() {
   // First: a robot that comes meanwhile is a change that the next scrape sees.
   const std::uint64_t changes = sources_.fleet.changes();

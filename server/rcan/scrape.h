@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <unordered_set>
@@ -20,6 +21,7 @@
 #include "server/rcan/probe.h"
 #include "server/rcan/robot_series.h"
 #include "server/rcan/text_pool.h"
+#include "storage/reader.h"
 
 namespace uplink::rcan {
 
@@ -46,7 +48,7 @@ class RobotScrape final {
     const Clock& clock;
     const fleet::Fleet& fleet;
     const config::RcanConfig& config;
-    const FaultCounts& faults;
+    FaultCounts& faults;
     RcanProbe& probe;
     log::Logger& logger;
     /// Secret (NameHash::Draw); tests may leave it at zero.
@@ -61,6 +63,11 @@ class RobotScrape final {
                                                         metrics::Coding coding);
   /// Whether anybody scraped lately.
   [[nodiscard]] bool wanted() const;
+  /// Has the active faults counted anew, if wanted: FaultCounts::RefreshOn.
+  ///
+  /// Thread: any.
+  void CountFaultsOn(const std::function<bool(std::function<void()>)>& post,
+                     storage::Reader& reader);
 
  private:
   /// A robot of the fleet, and what is kept of it from scrape to scrape.

@@ -6,6 +6,15 @@
 namespace uplink::store {
 namespace {
 
+void TellSlowCommit(const log::Logger& logger, std::size_t shard,
+                    const journal::SlowCommit& commit) {
+  if (!logger.Enabled(log::Level::kDebug)) return;
+  logger.Debug("commit_slow", {{"shard", shard},
+                               {"records", commit.records},
+                               {"presence_changes", commit.presence_changes},
+                               {"ms", commit.took.count()}});
+}
+
 std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
     std::span<const std::unique_ptr<storage::Store>> stores, const Writers::Context& context) {
   journal::JournalLimits limits = journal::ShareOf(context.limits, stores.size());
@@ -22,6 +31,10 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
           if (to == journal::Reconnected::kMayHaveGoneBack) fleet.NoteStoreReplaced();
           told();
         });
+    if (context.logger == nullptr) continue;
+    journals.back()->OnSlowCommit([logger = context.logger, shard](const auto& commit) {
+      TellSlowCommit(*logger, shard, commit);
+    });
   }
   return journals;
 }

@@ -13,6 +13,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
+#include "server/log/logger.h"
 #include "storage/types.h"
 
 namespace uplink::storage {
@@ -44,6 +45,8 @@ class Writers final {
     std::function<void()> store_reconnected = [] {};
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};
+    /// Told of slow commits, at level debug; null: nobody is.
+    const log::Logger* logger = nullptr;
   };
   /// At least one store; they outlive it.
   Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context);

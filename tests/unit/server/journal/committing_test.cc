@@ -57,6 +57,33 @@ TEST_F(CommittingTest, TellsOfShapesAndObjectsOnceTheyAreTold) {
   EXPECT_EQ(spatial_commits, 1);
 }
 
+/// Each look at it is a step later.
+class SteppingClock final : public Clock {
+ public:
+  explicit SteppingClock(milliseconds step) : step_(step) {}
+  [[nodiscard]] SteadyTime Steady() const override { return now_ += step_; }
+  [[nodiscard]] SystemTime System() const override { return {}; }
+
+ private:
+  const milliseconds step_;
+  mutable SteadyTime now_;
+};
+
+TEST_F(CommittingTest, TellsOfCommitsThatTakeAsLongAsASlowOne) {
+  for (const milliseconds took : {kSlowCommit - milliseconds(1), kSlowCommit}) {
+    const SteppingClock by(took);
+    Committing committing(context(by), holds, {.records_max = 8, .bytes_max = 1'000'000},
+                          model::SessionId());
+    Append(robot_, static_cast<model::Seq>(took.count()));
+    ASSERT_TRUE(committing.Gather());
+    ASSERT_EQ(committing.Commit(), Step::kWorked);
+    committing.Tell();
+  }
+  ASSERT_THAT(slow_commits, SizeIs(1));
+  EXPECT_EQ(slow_commits[0].records, 1U);
+  EXPECT_EQ(slow_commits[0].took, kSlowCommit);
+}
+
 TEST_F(CommittingTest, HasNothingToCommit) {
   EXPECT_FALSE(committing_.Gather());
   EXPECT_FALSE(committing_.HasBatch());

@@ -18,9 +18,10 @@ namespace uplink::journal {
 struct StepBench {
   explicit StepBench(const JournalLimits& limits = {}) : inbox(limits, clock) {}
 
-  [[nodiscard]] WriterContext context() {
+  [[nodiscard]] WriterContext context() { return context(clock); }
+  [[nodiscard]] WriterContext context(const Clock& by) {
     return {.store = store,
-            .clock = clock,
+            .clock = by,
             .ledger = ledger,
             .probe = probe,
             .inbox = writer_inbox,
@@ -30,7 +31,8 @@ struct StepBench {
             .checkpoint_error = checkpoint_error,
             .went_back = went_back,
             .spatial_committed = spatial_committed,
-            .store_reconnected = store_reconnected};
+            .store_reconnected = store_reconnected,
+            .slow_commit = slow_commit};
   }
 
   void Open(RecordingClient& client, std::uint64_t open_id = 1) {
@@ -94,6 +96,10 @@ struct StepBench {
   std::vector<Reconnected> reconnects;
   std::function<void(Reconnected)> store_reconnected = [this](Reconnected to) {
     reconnects.push_back(to);
+  };
+  std::vector<SlowCommit> slow_commits;
+  std::function<void(const SlowCommit&)> slow_commit = [this](const SlowCommit& commit) {
+    slow_commits.push_back(commit);
   };
   Holds holds{context()};
 };

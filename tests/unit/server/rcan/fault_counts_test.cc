@@ -67,5 +67,20 @@ TEST_F(FaultCountsTest, OneQuestionIsUnderWayAtATime) {
   EXPECT_EQ(jobs.size(), 2U);
 }
 
+TEST_F(FaultCountsTest, NoneIsAskedForUnlessARobotWasScraped) {
+  int jobs = 0;
+  const auto post = [&](const std::function<void()>& job) {
+    ++jobs;
+    job();
+    return true;
+  };
+  world_.robots_scrape.CountFaultsOn(post, world_.reader);
+  EXPECT_EQ(jobs, 0);
+  static_cast<void>(world_.robots_scrape.Text(metrics::Format::kText, metrics::Coding::kPlain));
+  world_.robots_scrape.CountFaultsOn(post, world_.reader);
+  EXPECT_EQ(jobs, 1);
+  EXPECT_NE(world_.fault_counts.counts(), nullptr);
+}
+
 }  // namespace
 }  // namespace uplink::rcan
