@@ -156,6 +156,8 @@ enum class MetricId : std::uint8_t {
   kRelayBehind,
   kStandstills,
   kCertificateExpiry,
+  kLogLinesWaiting,
+  kLogLinesDropped,
   kDraining,
   kDegraded,
   kBuildInfo,

@@ -1,4 +1,6 @@
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -6,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include "metrics/catalogue.h"
 #include "metrics/rcan/series.h"
@@ -14,8 +17,11 @@
 #include "server/app.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
+#include "server/lifecycle/deadline.h"
 #include "server/lifecycle/from_config.h"
+#include "server/log/journal_stream.h"
 #include "server/log/logger.h"
+#include "server/log/standard_error.h"
 #include "server/process_setup.h"
 #include "server/store/kernel_clock.h"
 #include "server/store/marked_clock.h"
@@ -79,26 +85,26 @@ storage::ProcessId DrawProcessId() {
   return id;
 }
 
-int Serve(const Flags& flags) {
-  const config::LoadResult loaded = Load(flags.config_file);
-  PrintProblems(loaded.problems);
-  if (!loaded.ok()) return kExitWrongUse;
-  const config::Config& config = *loaded.config;
-  const std::size_t descriptors = SetUpProcess();
+std::unique_ptr<log::Logger> MakeLogger(const config::LogConfig& config, const Clock& clock) {
+  const log::Format format = lifecycle::LogFormatOf(config.format);
+  auto lines = log::StandardError(
+      clock, {.format = format,
+              .priorities = log::IsJournal(config::JournalStream(), STDERR_FILENO),
+              .limits = {}});
+  return std::make_unique<log::Logger>(std::move(lines), clock, format,
+                                       lifecycle::LogLevelOf(config.level));
+}
 
-  const SystemClock machine_clock;
+/// Serves until it is told to stop; the exit code.
+int ServeBy(const Flags& flags, const config::LoadResult& loaded, const Clock& machine_clock,
+            log::Logger& logger) {
   store::MarkedClock clock(machine_clock);
   const SystemBootClock boot_clock;
-  log::Logger logger(log::StandardError(), machine_clock, lifecycle::LogFormatOf(config.log.format),
-                     lifecycle::LogLevelOf(config.log.level));
-  logger.Info("starting", {{"version", UPLINK_VERSION},
-                           {"descriptors_max", descriptors},
-                           {"memory_bytes_max", health::MemoryMax()}});
   for (const config::Note& note : loaded.notes) {
     logger.Warn(note.event, {{"note", config::ToText(note)}});
   }
   std::mt19937_64 random(std::random_device{}());
-  auto app = App::Start({.config = config,
+  auto app = App::Start({.config = *loaded.config,
                          .read_config = [path = flags.config_file] { return Load(path); },
                          .logger = logger,
                          .clock = clock,
@@ -113,6 +119,23 @@ int Serve(const Flags& flags) {
   }
   (*app)->Run();
   return kExitDone;
+}
+
+int Serve(const Flags& flags) {
+  const config::LoadResult loaded = Load(flags.config_file);
+  PrintProblems(loaded.problems);
+  if (!loaded.ok()) return kExitWrongUse;
+  const std::size_t descriptors = SetUpProcess();
+  const SystemClock machine_clock;
+  auto logger = MakeLogger(loaded.config->log, machine_clock);
+  logger->Info("starting", {{"version", UPLINK_VERSION},
+                            {"descriptors_max", descriptors},
+                            {"memory_bytes_max", health::MemoryMax()}});
+  const int code = ServeBy(flags, loaded, machine_clock, *logger);
+  // The log's end waits for its reader for kFlushWait; in a write that blocks (WriteAll) for ever.
+  const lifecycle::Deadline last(2 * log::kFlushWait, [code] { std::_Exit(code); });
+  logger.reset();
+  return code;
 }
 
 int Main(int argc, char** argv) {

@@ -6,6 +6,7 @@
 #include "server/health/samples.h"
 #include "server/http/samples.h"
 #include "server/journal/samples.h"
+#include "server/log/samples.h"
 #include "server/rcan/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
@@ -32,6 +33,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [parts](auto& page) { http::AddSamples(parts.http, parts.http_connections_max, page); },
       [parts](auto& page) { rcan::AddSamples(parts.rcan, parts.rcan_series_max, page); },
       [parts](auto& page) { health::AddSamples(parts.monitor, page); },
+      [parts](auto& page) { log::AddSamples(parts.logger, page); },
       [start = health::ProcessStart{parts.version, parts.clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },

@@ -14,6 +14,7 @@
 #include "server/http/probe.h"
 #include "server/journal/probe.h"
 #include "server/journal/shards.h"
+#include "server/log/logger.h"
 #include "server/rcan/probe.h"
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
@@ -47,6 +48,7 @@ struct PageParts {
   health::Monitor& monitor;
   const transport::RelayProbe& relay;
   const BrokerSide& broker;
+  const log::Logger& logger;
 };
 
 /// Every metric of the catalogue. The ledgers are summed once, so that received = settled + in

@@ -18,15 +18,20 @@ Environment VariablesThatBeginWith(std::string_view prefix) {
   return environment;
 }
 
+/// Empty if it is not set.
+std::string ValueOf(std::string_view variable) {
+  for (const auto& [name, value] : VariablesThatBeginWith(variable)) {
+    if (name == variable) return value;
+  }
+  return "";
+}
+
 }  // namespace
 
 Environment ProcessEnvironment() { return VariablesThatBeginWith("UPLINKD_"); }
 
-std::string BootIdOfManager() {
-  for (const auto& [name, value] : VariablesThatBeginWith(kBootIdVariable)) {
-    if (name == kBootIdVariable) return value;
-  }
-  return "";
-}
+std::string BootIdOfManager() { return ValueOf(kBootIdVariable); }
+
+std::string JournalStream() { return ValueOf("JOURNAL_STREAM"); }
 
 }  // namespace uplink::config

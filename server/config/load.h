@@ -45,6 +45,9 @@ inline constexpr const char* kBootIdVariable = "UPLINK_BOOT_ID";
 /// What that variable holds; empty if it is not set.
 [[nodiscard]] std::string BootIdOfManager();
 
+/// JOURNAL_STREAM, by which systemd names the stream to its journal; empty if it is not set.
+[[nodiscard]] std::string JournalStream();
+
 struct LoadResult {
   /// Present only if `problems` is empty.
   std::optional<Config> config;

@@ -70,6 +70,7 @@ std::int64_t Drain::Unsettled() const {
 
 void Drain::EndUnfinished() {
   context_.logger.Warn("stopped_unsettled", {{"uplinks", Unsettled()}});
+  context_.logger.Flush();
   std::_Exit(0);
 }
 

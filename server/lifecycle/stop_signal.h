@@ -8,7 +8,8 @@
 
 namespace uplink::lifecycle {
 
-/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once.
+/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once (with
+/// a log that nobody reads: after log::kFlushWait).
 /// While the server starts the first does that, with 0: nothing is under way that a drain would
 /// settle.
 ///

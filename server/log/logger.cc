@@ -1,80 +1,32 @@
 #include "server/log/logger.h"
 
-#include <chrono>
 #include <cmath>
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
-#include "schema/base/utf8.h"
+#include "server/log/line_text.h"
 
 namespace uplink::log {
 namespace {
 
-std::string_view LevelText(Level level) {
-  switch (level) {
-    case Level::kDebug:
-      return "debug";
-    case Level::kInfo:
-      return "info";
-    case Level::kWarn:
-      return "warn";
-    case Level::kError:
-      return "error";
-  }
-  CheckFailed(__FILE__, __LINE__, "level", "a log level that does not exist");
-}
+/// A code point of UTF-8 has so many bytes behind its first at most.
+constexpr int kContinuationsMax = 3;
 
-std::string TimeText(SystemTime time) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)),
-                     (time - seconds).count());
-}
+bool IsContinuation(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
 
-/// Values are printable UTF-8 already: only quotes and backslashes need care.
-std::string Quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-    }
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
-std::string TextValue(const Field& field) {
-  const bool plain =
-      !field.value().empty() && field.value().find_first_of(" \"\\=") == std::string::npos;
-  return plain ? field.value() : Quoted(field.value());
-}
-
-std::string TextLine(Level level, std::string_view event, std::span<const Field> fields,
-                     SystemTime time) {
-  std::string line = fmt::format("{} {} {}", TimeText(time), LevelText(level), event);
-  for (const Field& field : fields) {
-    line += fmt::format(" {}={}", field.key(), TextValue(field));
-  }
-  return line;
-}
-
-std::string JsonLine(Level level, std::string_view event, std::span<const Field> fields,
-                     SystemTime time) {
-  std::string line = fmt::format(R"({{"time":"{}","level":"{}","event":{})", TimeText(time),
-                                 LevelText(level), Quoted(event));
-  for (const Field& field : fields) {
-    line += fmt::format(",{}:{}", Quoted(field.key()),
-                        field.bare() ? field.value() : Quoted(field.value()));
-  }
-  return line + '}';
+/// The front of any bytes; where they are UTF-8 it ends with a whole code point.
+std::string_view Front(std::string_view bytes, std::size_t bytes_max) {
+  if (bytes.size() <= bytes_max) return bytes;
+  std::size_t end = bytes_max;
+  for (int i = 0; i < kContinuationsMax && IsContinuation(bytes[end]); ++i) --end;
+  return bytes.substr(0, end);
 }
 
 }  // namespace
 
 Field::Field(std::string_view key, std::string_view text)
-    : key_(key), value_(PrintableUtf8(text, kValueBytesMax)) {}
+    : key_(key), text_(Front(text, kValueBytesMax)) {}
 
 std::string Field::ToText(double value) {
   // JSON has no NaN or infinity; null says as much.
@@ -87,18 +39,8 @@ Logger::Logger(std::unique_ptr<LineSink> sink, const Clock& clock, Format format
 }
 
 void Logger::Write(Level level, std::string_view event, std::span<const Field> fields) const {
-  if (!Enabled(level)) {
-    return;
-  }
-  const SystemTime now = clock_.System();
-  switch (format_) {
-    case Format::kText:
-      sink_->Write(TextLine(level, event, fields, now));
-      return;
-    case Format::kJson:
-      sink_->Write(JsonLine(level, event, fields, now));
-      return;
-  }
+  if (!Enabled(level)) return;
+  sink_->Write(level, LineText(format_, level, event, fields, clock_.System()));
 }
 
 }  // namespace uplink::log

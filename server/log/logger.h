@@ -13,16 +13,20 @@
 
 namespace uplink::log {
 
-/// Error: a person should look. Warn: degraded, handled. Info: lifecycle. Never a line per message.
+/// Error: a person should look. Warn: degraded, handled. Info: lifecycle. Debug: each connection,
+/// stream and request. Never a line per message.
 enum class Level : std::uint8_t { kDebug, kInfo, kWarn, kError };
+
+/// How long the end of the process waits for a reader of the log.
+inline constexpr milliseconds kFlushWait{1000};
 
 enum class Format : std::uint8_t {
   kText,  // 2025-11-21T00:00:00.000Z warn store_away path=/x error="disk full"
   kJson,  // one object a line, the same keys
 };
 
-/// One `key=value` of a line. Made in place by the caller; holds no reference. Bytes that are not
-/// text are shown as hex, and a value is cut at kValueBytesMax.
+/// One `key=value` of a line. Made in place by the caller; holds no reference. A value is cut at
+/// kValueBytesMax; a line shows bytes of it that are not text as hex.
 class Field {
  public:
   static constexpr std::size_t kValueBytesMax = 1024;
@@ -35,14 +39,15 @@ class Field {
       : Field(key, ToText(number), Bare{}) {}
 
   [[nodiscard]] const std::string& key() const { return key_; }
-  [[nodiscard]] const std::string& value() const { return value_; }
+  /// As it was given: any bytes, kValueBytesMax of them at most.
+  [[nodiscard]] const std::string& text() const { return text_; }
   /// A number or switch, which JSON shows without quotes.
   [[nodiscard]] bool bare() const { return bare_; }
 
  private:
   struct Bare {};
   Field(std::string_view key, std::string text, Bare /*tag*/)
-      : key_(key), value_(std::move(text)), bare_(true) {}
+      : key_(key), text_(std::move(text)), bare_(true) {}
 
   static std::string ToText(bool value) { return value ? "true" : "false"; }
   static std::string ToText(double value);
@@ -52,28 +57,35 @@ class Field {
   }
 
   std::string key_;
-  std::string value_;
+  std::string text_;
   bool bare_ = false;
 };
 
 using Fields = std::initializer_list<Field>;
+
+/// Of finished lines: how many wait to be written, and how many were dropped since the start. A
+/// value.
+struct LineCounts {
+  std::size_t waiting = 0;
+  std::uint64_t dropped = 0;
+};
 
 /// Where finished lines go. An implementation is thread-safe and does not throw.
 class LineSink {
  public:
   virtual ~LineSink() = default;
   /// `line` ends without a newline.
-  virtual void Write(std::string_view line) = 0;
+  virtual void Write(Level level, std::string_view line) = 0;
+  /// Waits until all lines that came before are written, `wait` at most.
+  virtual void Flush(milliseconds /*wait*/) {}
+  [[nodiscard]] virtual LineCounts counts() const { return {}; }
 };
-
-/// Standard error by spdlog; a line is written whole.
-[[nodiscard]] std::unique_ptr<LineSink> StandardError();
 
 /// Writes one line per event. Made once by the composition root and passed by reference. No
 /// payloads, tokens or keys are ever logged.
 ///
-/// Thread: thread-safe; a line costs a lock and a write, so events that an outsider can trigger go
-/// through RateLimited.
+/// Thread: thread-safe; writing a line waits for no reader. Events that an outsider can trigger go
+/// through RateLimited, unless they are of level debug.
 class Logger final {
  public:
   /// `clock` stamps the lines and outlives the logger.
@@ -100,9 +112,13 @@ class Logger final {
     Write(Level::kError, event, fields);
   }
 
+  /// What goes before a line of level debug, so that its fields cost nothing while it is off.
   [[nodiscard]] bool Enabled(Level level) const { return level >= level_.load(); }
   /// Lines below `level` are left out from now on.
   void SetLevel(Level level) { level_.store(level); }
+  /// Before the process ends: waits until all lines are written, kFlushWait at most.
+  void Flush() const { sink_->Flush(kFlushWait); }
+  [[nodiscard]] LineCounts counts() const { return sink_->counts(); }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:

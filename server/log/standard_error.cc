@@ -1,31 +1,109 @@
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
+#include "server/log/standard_error.h"
 
-#include "server/log/logger.h"
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <pthread.h>
+#include <sys/eventfd.h>
+
+#include "schema/base/check.h"
+#include "schema/base/write_all.h"
+#include "server/log/line_text.h"
 
 namespace uplink::log {
 namespace {
 
+/// As sd-daemon(3) has it: the levels of syslog.
+std::string_view PriorityOf(Level level) {
+  switch (level) {
+    case Level::kDebug:
+      return "<7>";
+    case Level::kInfo:
+      return "<6>";
+    case Level::kWarn:
+      return "<4>";
+    case Level::kError:
+      return "<3>";
+  }
+  CheckFailed(__FILE__, __LINE__, "level", "a log level that does not exist");
+}
+
 class StandardErrorSink final : public LineSink {
  public:
-  StandardErrorSink() : logger_("uplinkd", std::make_shared<spdlog::sinks::stderr_sink_mt>()) {
-    logger_.set_pattern("%v");
-    logger_.set_level(spdlog::level::trace);
-    logger_.flush_on(spdlog::level::trace);
-    // A full pipe or a closed descriptor must not end the server; there is nowhere to tell it.
-    logger_.set_error_handler([](const std::string& /*message*/) {});
+  StandardErrorSink(const Clock& clock, const StandardErrorOptions& options)
+      : clock_(clock),
+        options_(options),
+        queue_(options.limits),
+        stop_(eventfd(0, EFD_CLOEXEC)),
+        thread_([this] { Run(); }) {
+    pthread_setname_np(thread_.native_handle(), "log");
   }
+  ~StandardErrorSink() override {
+    queue_.Close();
+    queue_.WaitUntilWritten(kFlushWait);
+    // What is left has no reader.
+    eventfd_write(stop_, 1);
+    thread_.join();
+    close(stop_);
+  }
+  StandardErrorSink(const StandardErrorSink&) = delete;
+  StandardErrorSink& operator=(const StandardErrorSink&) = delete;
 
-  void Write(std::string_view line) override {
-    logger_.log(spdlog::level::info, spdlog::string_view_t(line.data(), line.size()));
-  }
+  void Write(Level level, std::string_view line) override { queue_.Push(Whole(level, line)); }
+  void Flush(milliseconds wait) override { queue_.WaitUntilWritten(wait); }
+  [[nodiscard]] LineCounts counts() const override { return queue_.counts(); }
 
  private:
-  spdlog::logger logger_;
+  [[nodiscard]] std::string Whole(Level level, std::string_view line) const {
+    std::string whole(options_.priorities ? PriorityOf(level) : "");
+    return whole.append(line).append("\n");
+  }
+
+  void Run() {
+    while (const std::optional<LineQueue::Taken> taken = queue_.Take()) {
+      for (const std::string& line : taken->lines) {
+        TellLost();
+        if (Put(line)) continue;
+        queue_.NoteUnwritten();
+        ++lost_;
+      }
+      lost_ += taken->lost;
+      TellLost();
+    }
+  }
+
+  /// A line about those that were lost since the last such line, unless it is lost itself.
+  void TellLost() {
+    if (lost_ == 0) return;
+    const Field lines("lines", lost_);
+    const std::string line = LineText(options_.format, Level::kWarn, "log_lines_lost",
+                                      std::span(&lines, 1), clock_.System());
+    if (Put(Whole(Level::kWarn, line))) lost_ = 0;
+  }
+
+  bool Put(std::string_view text) {
+    const WriteWait wait{.room = std::nullopt, .stop = stop_};
+    return WriteAll(options_.descriptor, text, wait) == Written::kAll;
+  }
+
+  const Clock& clock_;
+  const StandardErrorOptions options_;
+  LineQueue queue_;
+  /// Readable once the thread has to end. Without one (no descriptor is left) it ends with its
+  /// reader.
+  const int stop_;
+  /// Lines that were lost and not told so far. The thread's.
+  std::uint64_t lost_ = 0;
+  std::jthread thread_;
 };
 
 }  // namespace
 
-std::unique_ptr<LineSink> StandardError() { return std::make_unique<StandardErrorSink>(); }
+std::unique_ptr<LineSink> StandardError(const Clock& clock, const StandardErrorOptions& options) {
+  return std::make_unique<StandardErrorSink>(clock, options);
+}
 
 }  // namespace uplink::log

@@ -12,7 +12,7 @@ namespace uplink::testing {
 class KeptLines final : public log::LineSink {
  public:
   explicit KeptLines(std::vector<std::string>& lines) : lines_(lines) {}
-  void Write(std::string_view line) override { lines_.emplace_back(line); }
+  void Write(log::Level /*level*/, std::string_view line) override { lines_.emplace_back(line); }
 
  private:
   std::vector<std::string>& lines_;

@@ -8,6 +8,7 @@
 #include "server/health/samples.h"
 #include "server/http/samples.h"
 #include "server/journal/samples.h"
+#include "server/log/samples.h"
 #include "server/rcan/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
@@ -65,6 +66,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },
+      [this](auto& page) { log::AddSamples(logger, page); },
       [start = health::ProcessStart{"9.9.9", clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },

@@ -25,7 +25,7 @@ class SharedLines final : public log::LineSink {
     std::vector<std::string> lines_;
   };
   explicit SharedLines(Lines& lines) : lines_(lines) {}
-  void Write(std::string_view line) override {
+  void Write(log::Level /*level*/, std::string_view line) override {
     const std::lock_guard lock(lines_.mutex_);
     lines_.lines_.emplace_back(line);
   }

@@ -17,7 +17,9 @@ namespace {
 class Lines final : public log::LineSink {
  public:
   explicit Lines(std::promise<std::string>& first) : first_(first) {}
-  void Write(std::string_view line) override { first_.set_value(std::string(line)); }
+  void Write(log::Level /*level*/, std::string_view line) override {
+    first_.set_value(std::string(line));
+  }
 
  private:
   std::promise<std::string>& first_;

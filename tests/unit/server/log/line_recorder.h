@@ -13,7 +13,7 @@ namespace uplink::log::testing {
 class LineRecorder final : public LineSink {
  public:
   explicit LineRecorder(std::vector<std::string>& lines) : lines_(lines) {}
-  void Write(std::string_view line) override { lines_.emplace_back(line); }
+  void Write(Level /*level*/, std::string_view line) override { lines_.emplace_back(line); }
 
  private:
   std::vector<std::string>& lines_;

@@ -51,10 +51,30 @@ TEST(LoggerTest, ShowsForeignBytesAndControlCharactersAsHex) {
 }
 
 TEST(LoggerTest, CutsALongValueAtItsBound) {
-  EXPECT_EQ(Field("k", std::string(Field::kValueBytesMax, 'x')).value().size(),
+  EXPECT_EQ(Field("k", std::string(Field::kValueBytesMax, 'x')).text().size(),
             Field::kValueBytesMax);
-  EXPECT_EQ(Field("k", std::string(Field::kValueBytesMax + 1, 'x')).value().size(),
+  EXPECT_EQ(Field("k", std::string(Field::kValueBytesMax + 1, 'x')).text().size(),
             Field::kValueBytesMax);
+}
+
+TEST(LoggerTest, CutsNoCodePointOfAText) {
+  const std::string most(Field::kValueBytesMax - 1, 'x');
+  EXPECT_EQ(Field("k", most + "\u00b5").text(), most);
+  EXPECT_EQ(Field("k", most + "\U0001F98A").text(), most);
+  EXPECT_EQ(Field("k", most + "y\u00b5").text(), most + "y");
+  // Bytes that are no text are cut, too.
+  EXPECT_LE(Field("k", std::string(Field::kValueBytesMax + 9, '\x80')).text().size(),
+            Field::kValueBytesMax);
+}
+
+TEST(LoggerTest, JsonHasControlCharactersByItsOwnEscapes) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kJson, Level::kDebug);
+  log.logger.Info("e", {{"why", std::string("a\tb\nc\rd\x01"
+                                            "e\x7f\xff\\x09\"")}});
+  EXPECT_THAT(log.lines,
+              ElementsAre(R"({"time":"2023-11-14T22:13:20.007Z","level":"info","event":"e",)"
+                          R"("why":"a\tb\nc\rd\u0001e\u007f\\xff\\x09\""})"));
 }
 
 TEST(LoggerTest, KeepsBackWhatIsBelowItsLevel) {
@@ -69,14 +89,8 @@ TEST(LoggerTest, KeepsBackWhatIsBelowItsLevel) {
 }
 
 TEST(LoggerTest, ShowsNumbersThatJsonLacksAsNull) {
-  EXPECT_EQ(Field("k", std::numeric_limits<double>::quiet_NaN()).value(), "null");
-  EXPECT_EQ(Field("k", std::numeric_limits<double>::infinity()).value(), "null");
-}
-
-TEST(StandardErrorTest, WritesTheLineAndNothingElse) {
-  ::testing::internal::CaptureStderr();
-  StandardError()->Write("one line {} %v");
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "one line {} %v\n");
+  EXPECT_EQ(Field("k", std::numeric_limits<double>::quiet_NaN()).text(), "null");
+  EXPECT_EQ(Field("k", std::numeric_limits<double>::infinity()).text(), "null");
 }
 
 }  // namespace
