@@ -2,7 +2,6 @@
 find_package(Threads REQUIRED)
 find_package(absl REQUIRED)
 find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(Protobuf REQUIRED) # module mode: Debian's protobuf 3.21 ships no CMake configuration
 find_package(CapnProto REQUIRED)
 find_package(SQLite3 REQUIRED)

@@ -49,7 +49,6 @@ FOREIGN = (
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
     Foreign("libmosquitto", re.compile(r"^mosquitto\.h$"), ("tools/uplink-fleet/broker/", "tests/")),
-    Foreign("spdlog", re.compile(r"^spdlog/"), ("server/log/",)),
     Foreign("CLI11", re.compile(r"^CLI/"), ("server/main.cc", "tools/", "tests/")),
     Foreign("prometheus-cpp", re.compile(r"^prometheus/"), ("metrics/", "server/http/", "tests/")),
 )

@@ -60,7 +60,6 @@ class ForeignTest(RuleTest):
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/app.cc"),
         ("<mosquitto.h>", "tools/uplink-fleet/broker/a.cc", "server/mqtt/a.cc"),
-        ("<spdlog/spdlog.h>", "server/log/a.cc", "server/front/a.cc"),
         ("<CLI/CLI.hpp>", "server/main.cc", "server/app.cc"),
         ("<prometheus/counter.h>", "metrics/registry.cc", "server/session/a.cc"),
     )
