@@ -1,5 +1,6 @@
 """The files of an SQLite store are removed, replaced, moved or overwritten under the server."""
 
+import contextlib
 import os
 import pathlib
 import shutil
@@ -43,8 +44,9 @@ class StoreFiles(EndToEnd):
         descriptors = pathlib.Path(f"/proc/{self.server.process.pid}/fd")
         found = {}
         for descriptor in descriptors.iterdir():
-            name = os.readlink(descriptor).removesuffix(" (deleted)")
-            found.setdefault(name, descriptor)
+            # Others may be closed meanwhile.
+            with contextlib.suppress(FileNotFoundError):
+                found.setdefault(os.readlink(descriptor).removesuffix(" (deleted)"), descriptor)
         return {name: found[str(name)] for name in self.names()}
 
     def kill_and_compare(self):
