@@ -45,6 +45,8 @@ TEST_F(WhenCommittedTest, ASecondListenerAbortsRatherThanReplacesTheFirst) {
   journal.OnSpatial([] {});
   EXPECT_DEATH(journal.OnSpatial([] {}), "one listener hears of shapes");
   EXPECT_DEATH(journal.OnReconnected([](Reconnected) {}), "one listener hears that the store");
+  journal.OnSlowCommit([](const SlowCommit&) {});
+  EXPECT_DEATH(journal.OnSlowCommit([](const SlowCommit&) {}), "one listener hears of slow");
 }
 
 TEST_F(WhenCommittedTest, AnEmptyBatchIsCommittedIfNothingElseWaits) {
