@@ -247,8 +247,11 @@ void Fleet::NoteTwinsUnheard() {
 }
 
 void Fleet::NoteStoreReplaced() {
-  const SteadyTime until = clock_.Steady() + kReplacedKnown;
-  for (const RobotPtr& robot : All()) robot->state.NoteStall(until);
+  const SteadyTime now = clock_.Steady();
+  const robot::PresenceTrack::Replaced replaced = {.doubted = now - kReplacedDoubts,
+                                                   .until = now + kReplacedKnown,
+                                                   .system_now = clock_.System()};
+  for (const RobotPtr& robot : All()) robot->state.NoteReplaced(replaced);
 }
 
 PresenceCounts Fleet::presence_counts() const {

@@ -155,9 +155,13 @@ class Fleet final {
   /// Another process that reaches the store knows within so long that it was replaced, and ends
   /// streams by holds that it lost; one that does not is late by then (store::kLateAfter).
   static constexpr std::chrono::seconds kReplacedKnown{10};
+  /// A look at the store that fails shows within so long that it is away: from then on whom this
+  /// process alone cannot hear does not become offline (Hearing::kHereAlone).
+  static constexpr std::chrono::seconds kReplacedDoubts{10};
   /// The store may be another one from now on, which lacks the last commits: it may name this
   /// process as the holder of a robot that another one hears. The silence of no robot counts until
-  /// kReplacedKnown from now.
+  /// kReplacedKnown from now; and who became offline less than kReplacedDoubts ago is unknown until
+  /// then, as after a stall.
   void NoteStoreReplaced();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }

@@ -1,7 +1,6 @@
 #include "server/journal/comparing.h"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "schema/base/check.h"
@@ -20,27 +19,28 @@ bool Comparing::Due() {
 }
 
 std::optional<Step> Comparing::Do() {
-  const absl::Status compared = CompareAll();
-  context_.errors.NoteCompare(compared);
+  const absl::StatusOr<Reconnected> compared = CompareAll();
+  context_.errors.NoteCompare(compared.status());
   if (!compared.ok()) return Step::kFailed;
+  server_run_ = context_.store.ServerRun();
   // First: what remembers more of the store than its robots must forget that before the next commit
   // is told.
-  const Reconnected to = ConnectedTo();
-  if (context_.store_reconnected) context_.store_reconnected(to);
+  if (context_.store_reconnected) context_.store_reconnected(*compared);
   context_.store.EndDoubt();
   return std::nullopt;
 }
 
-Reconnected Comparing::ConnectedTo() {
-  const std::string before = std::exchange(server_run_, context_.store.ServerRun());
-  const bool same = !server_run_.empty() && server_run_ == before;
-  return same ? Reconnected::kSameServer : Reconnected::kMayHaveGoneBack;
+Reconnected Comparing::ConnectedTo() const {
+  const std::string now = context_.store.ServerRun();
+  return !now.empty() && now == server_run_ ? Reconnected::kSameServer
+                                            : Reconnected::kMayHaveGoneBack;
 }
 
-absl::Status Comparing::CompareAll() {
+absl::StatusOr<Reconnected> Comparing::CompareAll() {
   const std::vector<storage::ToldRobot> told =
       Planted(Mutation::kReconnectTrusted) ? std::vector<storage::ToldRobot>() : holds_.ToldOfAll();
   std::size_t first = 0;
+  Reconnected to = Reconnected::kMayHaveGoneBack;
   // Once at least: it is what connects.
   do {
     const auto page =
@@ -48,18 +48,20 @@ absl::Status Comparing::CompareAll() {
     const auto found = context_.store.Compare(page);
     if (!found.ok()) return found.status();
     UPLINK_CHECK(found->size() == page.size(), "the store answers for every robot");
-    for (std::size_t i = 0; i < page.size(); ++i) Follow(page[i], (*found)[i]);
+    to = ConnectedTo();
+    for (std::size_t i = 0; i < page.size(); ++i) Follow(page[i], (*found)[i], to);
     first += page.size();
   } while (first < told.size());
-  return absl::OkStatus();
+  return to;
 }
 
-void Comparing::Follow(const storage::ToldRobot& told, const storage::FoundRobot& found) {
+void Comparing::Follow(const storage::ToldRobot& told, const storage::FoundRobot& found,
+                       Reconnected to) {
   bool went_back = found.went_back;
   if (!found.held) {
     holds_.LoseSince(told.ruri, told.held_since).Wake();
   } else {
-    went_back = holds_.FollowPresence(told.ruri, found.presence) || went_back;
+    went_back = holds_.FollowPresence(told.ruri, found.presence, to) || went_back;
     if (found.went_back) holds_.WentBack(told.ruri).Wake();
   }
   if (went_back) context_.went_back.Note(told.ruri, context_.clock.Steady());

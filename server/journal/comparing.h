@@ -4,6 +4,8 @@
 #include <span>
 #include <string>
 
+#include <absl/status/statusor.h>
+
 #include "server/journal/holds.h"
 #include "server/journal/step.h"
 #include "server/journal/writer_context.h"
@@ -30,10 +32,10 @@ class Comparing final {
   [[nodiscard]] std::optional<Step> Do();
 
  private:
-  absl::Status CompareAll();
-  void Follow(const storage::ToldRobot& told, const storage::FoundRobot& found);
+  absl::StatusOr<Reconnected> CompareAll();
+  void Follow(const storage::ToldRobot& told, const storage::FoundRobot& found, Reconnected to);
   /// To what the store is connected, after it was to something else.
-  [[nodiscard]] Reconnected ConnectedTo();
+  [[nodiscard]] Reconnected ConnectedTo() const;
 
   const WriterContext context_;
   Holds& holds_;

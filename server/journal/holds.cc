@@ -49,9 +49,9 @@ robot::StreamRef Holds::WentBack(const std::string& ruri) {
 }
 
 bool Holds::FollowPresence(const std::string& ruri,
-                           const std::optional<storage::StoredPresence>& stored) {
+                           const std::optional<storage::StoredPresence>& stored, Reconnected to) {
   const auto held = held_.find(ruri);
-  return held != held_.end() && context_.inbox.FollowPresence(held->second.robot, stored);
+  return held != held_.end() && context_.inbox.FollowPresence(held->second.robot, stored, to);
 }
 
 std::vector<storage::ToldRobot> Holds::ToldOfAll() const {

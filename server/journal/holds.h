@@ -43,8 +43,8 @@ class Holds final {
   robot::StreamRef WentBack(const std::string& ruri);
   /// The store has this of the robot's presence. True if that is not what it told, or was told:
   /// what this process last judged is written again.
-  bool FollowPresence(const std::string& ruri,
-                      const std::optional<storage::StoredPresence>& stored);
+  bool FollowPresence(const std::string& ruri, const std::optional<storage::StoredPresence>& stored,
+                      Reconnected to);
   /// What the store told of the robots that are held, by RURI.
   [[nodiscard]] std::vector<storage::ToldRobot> ToldOfAll() const;
 

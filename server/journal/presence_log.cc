@@ -21,24 +21,15 @@ void PresenceLog::Lose(const std::string& ruri) {
 }
 
 bool PresenceLog::Follow(const storage::RobotRef& robot,
-                         const std::optional<storage::StoredPresence>& stored) {
+                         const std::optional<storage::StoredPresence>& stored, Reconnected to) {
   const auto handed = handed_.find(robot->ruri);
   const auto held = held_.find(robot->ruri);
   if (handed == handed_.end() || held == held_.end()) return false;
   const auto put_back = std::ranges::find_if(put_back_, [&](const storage::PresenceItem& item) {
     return item.robot->ruri == robot->ruri;
   });
-  const bool same = stored && stored->presence == handed->second.presence;
-  if (put_back != put_back_.end()) {
-    // What was handed over and is not committed yet is what the store will have; or it has that
-    // since an earlier time, and what was between is lost: then it is no change any more.
-    if (!same || UnixMs(stored->since) == UnixMs(put_back->at)) return false;
-    put_back_.erase(put_back);
-    uncommitted_.fetch_sub(1);
-    handed->second = *stored;
-    return true;
-  }
-  if (same) return false;
+  if (put_back != put_back_.end()) return FollowPutBack(put_back, stored, to);
+  if (stored && stored->presence == handed->second.presence) return false;
   const storage::StoredPresence told = handed->second;
   handed_.erase(handed);
   if (stored) handed_[robot->ruri] = *stored;
@@ -46,6 +37,28 @@ bool PresenceLog::Follow(const storage::RobotRef& robot,
   Note(robot, waits == waiting_.end() ? told.presence : waits->second.presence,
        waits == waiting_.end() ? told.since : waits->second.at);
   return true;
+}
+
+bool PresenceLog::FollowPutBack(std::vector<storage::PresenceItem>::iterator put_back,
+                                const std::optional<storage::StoredPresence>& stored,
+                                Reconnected to) {
+  const bool same = stored && stored->presence == put_back->presence;
+  // It was committed, and the answer was lost.
+  if (same && UnixMs(stored->since) == UnixMs(put_back->at)) return false;
+  // What was handed over and is not committed yet is what the same server will have.
+  if (!same && to == Reconnected::kSameServer) return false;
+  const storage::PresenceItem item = std::move(*put_back);
+  put_back_.erase(put_back);
+  uncommitted_.fetch_sub(1);
+  handed_.erase(item.robot->ruri);
+  if (stored) handed_[item.robot->ruri] = *stored;
+  // The store has that since an earlier time, and what was between is lost: it is no change.
+  if (same) return true;
+  // What came after it may be no change any more.
+  const auto waits = waiting_.find(item.robot->ruri);
+  const storage::PresenceItem last = waits == waiting_.end() ? item : waits->second;
+  Note(last.robot, last.presence, last.at);
+  return false;
 }
 
 void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {

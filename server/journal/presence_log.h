@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schema/model/presence.h"
+#include "server/journal/reconnected.h"
 #include "storage/types.h"
 
 namespace uplink::journal {
@@ -31,7 +32,10 @@ class PresenceLog final {
   /// The store, connected to anew, has this of the robot's presence. True if that is not what was
   /// last handed over: unless something of the robot waits, that is handed over again. What was put
   /// back goes as it is, unless the store has that presence since another time: then it is dropped.
-  bool Follow(const storage::RobotRef& robot, const std::optional<storage::StoredPresence>& stored);
+  /// What a store that may have gone back lacks of it waits as if it was never handed over: whoever
+  /// judged the robot may think better of it.
+  bool Follow(const storage::RobotRef& robot, const std::optional<storage::StoredPresence>& stored,
+              Reconnected to);
 
   /// A change of a robot that is not held is dropped. One that is dated before the last that was
   /// handed over, or that its former holder wrote by another clock, gets the date of that: the
@@ -56,6 +60,10 @@ class PresenceLog final {
   [[nodiscard]] std::size_t uncommitted() const { return uncommitted_.load(); }
 
  private:
+  /// As Follow, of a robot of which that was put back.
+  bool FollowPutBack(std::vector<storage::PresenceItem>::iterator put_back,
+                     const std::optional<storage::StoredPresence>& stored, Reconnected to);
+
   /// By RURI, so that a run repeats exactly.
   std::map<std::string, storage::PresenceItem> waiting_;
   std::unordered_map<std::string, storage::Epoch> held_;

@@ -53,9 +53,10 @@ void WriterInbox::LosePresence(const std::string& ruri) {
 }
 
 bool WriterInbox::FollowPresence(const storage::RobotRef& robot,
-                                 const std::optional<storage::StoredPresence>& stored) {
+                                 const std::optional<storage::StoredPresence>& stored,
+                                 Reconnected to) {
   const std::lock_guard lock(inbox_.mutex_);
-  return inbox_.presence_.Follow(robot, stored);
+  return inbox_.presence_.Follow(robot, stored, to);
 }
 
 GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,

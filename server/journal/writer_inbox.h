@@ -48,7 +48,7 @@ class WriterInbox final {
   void LosePresence(const std::string& ruri);
   /// PresenceLog::Follow.
   bool FollowPresence(const storage::RobotRef& robot,
-                      const std::optional<storage::StoredPresence>& stored);
+                      const std::optional<storage::StoredPresence>& stored, Reconnected to);
   /// PresenceLog::waits.
   [[nodiscard]] bool PresenceWaits(const std::string& ruri) const;
 

@@ -46,6 +46,16 @@ void PresenceTrack::AddStall(SteadyTime until) {
   stall = std::max(stall.value_or(until), until);
 }
 
+void PresenceTrack::NoteReplaced(const Replaced& replaced) {
+  const bool doubtful = !foreign_ && presence_ == Presence::kOffline && judged_offline_ &&
+                        *judged_offline_ >= replaced.doubted;
+  // Before the stall, which waits for a sign while the robot is offline.
+  if (doubtful && !Planted(Mutation::kOfflineUndoubted)) {
+    Change(Presence::kUnknown, replaced.system_now);
+  }
+  AddStall(replaced.until);
+}
+
 SteadyTime PresenceTrack::AnswerCountsFrom(const PresenceLimits& limits) const {
   const SteadyTime from = NotOfflineUntil(Facts(), limits);
   return stream_began_ ? std::max(from, *stream_began_ + limits.timeout) : from;
@@ -193,6 +203,7 @@ void PresenceTrack::Update(const PresenceLimits& limits) {
   const Presence presence = PresenceOf(facts, limits);
   if (presence == presence_) return;
   if (presence == Presence::kOffline && offline_since_) return Show(presence, *offline_since_);
+  if (presence == Presence::kOffline) judged_offline_ = reached_;
   Change(presence, reached_system_);
 }
 

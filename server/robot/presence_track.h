@@ -42,6 +42,15 @@ class PresenceTrack final {
   /// the robot wait until then: what it does not hear meanwhile proves nothing. Who was offline
   /// before stays so until it is heard; then the same holds of it.
   void AddStall(SteadyTime until);
+  /// The store was replaced by one that may lack the last commits: other processes may hear the
+  /// robot until `until`, and have heard it since `doubted`. As AddStall; and a robot that became
+  /// offline here since then is unknown again, until it is heard or a timeout after `until` ends.
+  struct Replaced {
+    SteadyTime doubted;
+    SteadyTime until;
+    SystemTime system_now;
+  };
+  void NoteReplaced(const Replaced& replaced);
   /// A stream of the robot begins here. What the robot said before, another process may have heard.
   void BeginStream(SteadyTime now) { stream_began_ = now; }
   /// Other processes may hear the robot and cannot tell, and it has a stream here. It is offline
@@ -119,6 +128,8 @@ class PresenceTrack final {
   SystemTime reached_system_;
   std::optional<SteadyTime> last_sign_;
   std::optional<SystemTime> last_sign_system_;
+  /// When this process last judged it offline.
+  std::optional<SteadyTime> judged_offline_;
   /// Means nothing without a last sign.
   SteadyTime online_until_;
   bool held_back_ = false;

@@ -79,6 +79,11 @@ void RobotState::NoteStall(SteadyTime until) {
   presence_.AddStall(until);
 }
 
+void RobotState::NoteReplaced(const PresenceTrack::Replaced& replaced) {
+  const std::lock_guard lock(mutex_);
+  presence_.NoteReplaced(replaced);
+}
+
 bool RobotState::AskBeforeOffline(SteadyTime now, const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
   const bool ask = presence_.AskBeforeOffline(now, limits);

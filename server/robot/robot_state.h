@@ -96,6 +96,8 @@ class RobotState final {
   void SetReading(Reading reading, SteadyTime now);
   /// As PresenceTrack::AddStall.
   void NoteStall(SteadyTime until);
+  /// As PresenceTrack's.
+  void NoteReplaced(const PresenceTrack::Replaced& replaced);
   /// As PresenceTrack's. If it is true, TakeAskPeer is so once.
   bool AskBeforeOffline(SteadyTime now, const PresenceLimits& limits);
   /// The robot's stream is to ask its peer for an answer.

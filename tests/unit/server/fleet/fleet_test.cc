@@ -298,6 +298,39 @@ TEST_F(FleetTest, SilenceBeforeTheStoreWasReplacedMakesNobodyOffline) {
   EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);
 }
 
+TEST_F(FleetTest, WhoBecameOfflineWhileTheStoreWasReplacedIsUnknown) {
+  Fleet fleet(clock_, 100, {});
+  const milliseconds timeout = fleet.presence_limits().timeout;
+  robot::Robot& before = Admit(fleet, "rcan://before");
+  robot::Robot& meanwhile = Admit(fleet, "rcan://meanwhile");
+  const auto hear = [&](robot::Robot& robot) {
+    robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits());
+  };
+  const auto sweep = [&](milliseconds in) {
+    for (const SteadyTime end = clock_.Steady() + in; clock_.Steady() < end;) {
+      clock_.Advance(std::min<milliseconds>(
+          seconds(1), std::chrono::ceil<milliseconds>(end - clock_.Steady())));
+      fleet.Sweep(kIdle);
+    }
+  };
+  fleet.Sweep(kIdle);
+  hear(before);
+  sweep(Fleet::kReplacedDoubts + seconds(1));
+  hear(meanwhile);
+  sweep(timeout);
+  ASSERT_EQ(before.state.presence(), robot::Presence::kOffline);
+  ASSERT_EQ(meanwhile.state.presence(), robot::Presence::kOnline);
+  sweep(milliseconds(1));
+  ASSERT_EQ(meanwhile.state.presence(), robot::Presence::kOffline);
+  fleet.NoteStoreReplaced();
+  EXPECT_EQ(meanwhile.state.presence(), robot::Presence::kUnknown);
+  EXPECT_EQ(before.state.presence(), robot::Presence::kOffline);
+  sweep(Fleet::kReplacedKnown + timeout);
+  EXPECT_EQ(meanwhile.state.presence(), robot::Presence::kUnknown) << "a timeout to be heard";
+  sweep(milliseconds(1));
+  EXPECT_EQ(meanwhile.state.presence(), robot::Presence::kOffline);
+}
+
 TEST_F(FleetTest, TheRuriSaysByWhichWayARobotIsHeard) {
   Fleet fleet(clock_, 100, {});
   using enum model::MessageSource;

@@ -15,6 +15,9 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
+constexpr Reconnected kSame = Reconnected::kSameServer;
+constexpr Reconnected kReplaced = Reconnected::kMayHaveGoneBack;
+
 storage::RobotRef RobotOf(const std::string& ruri) {
   return std::make_shared<const model::RobotId>(model::RobotId{ruri, "bench"});
 }
@@ -74,13 +77,15 @@ TEST_F(PresenceLogTest, WhatAStoreThatWentBackLacksIsHandedOverAgain) {
   const SystemTime at = FromUnixMs(7);
   log_.Note(RobotOf("a"), Presence::kOnline, at);
   static_cast<void>(log_.Take(10));
-  EXPECT_FALSE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, at}));
+  EXPECT_FALSE(
+      log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, at}, kReplaced));
   EXPECT_TRUE(log_.empty());
-  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOffline, {}}));
+  EXPECT_TRUE(
+      log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOffline, {}}, kReplaced));
   const auto items = log_.Take(10);
   EXPECT_THAT(Lines(items), ElementsAre("2 a online"));
   EXPECT_EQ(items.front().at, at);
-  EXPECT_TRUE(log_.Follow(RobotOf("a"), std::nullopt));
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), std::nullopt, kReplaced));
   EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("3 a online"));
 }
 
@@ -88,17 +93,60 @@ TEST_F(PresenceLogTest, WhatAStoreThatWentBackHasIsNoChange) {
   Note("a", Presence::kOffline);
   static_cast<void>(log_.Take(10));
   Note("a", Presence::kOnline);
-  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, {}}));
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, {}}, kReplaced));
   EXPECT_TRUE(log_.empty());
   EXPECT_EQ(log_.uncommitted(), 1U) << "the one that was taken";
 }
 
-TEST_F(PresenceLogTest, WhatWasPutBackIsWhatTheStoreWillHave) {
+TEST_F(PresenceLogTest, WhatWasPutBackIsWhatTheSameServerWillHave) {
   Note("a", Presence::kOnline);
   log_.PutBack(log_.Take(10));
-  EXPECT_FALSE(log_.Follow(RobotOf("a"), std::nullopt));
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), std::nullopt, kSame));
   EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("1 a online"));
   EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(PresenceLogTest, WhatWasPutBackAndAReplacedStoreLacksMayBeJudgedAnew) {
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kOnline, FromUnixMs(1)});
+  log_.Note(RobotOf("a"), Presence::kOffline, FromUnixMs(5));
+  log_.PutBack(log_.Take(10));
+  const storage::StoredPresence stored{Presence::kOnline, FromUnixMs(1)};
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), stored, kReplaced)) << "nothing that was told is lost";
+  EXPECT_TRUE(log_.waits("a"));
+  EXPECT_EQ(log_.uncommitted(), 1U);
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(6));
+  EXPECT_FALSE(log_.waits("a"));
+  EXPECT_EQ(log_.uncommitted(), 0U);
+}
+
+TEST_F(PresenceLogTest, WhatWasPutBackAndIsJudgedTheSameIsHandedOverWithItsTime) {
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kOnline, FromUnixMs(1)});
+  log_.Note(RobotOf("a"), Presence::kOffline, FromUnixMs(5));
+  log_.PutBack(log_.Take(10));
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), std::nullopt, kReplaced));
+  const auto items = log_.Take(10);
+  EXPECT_THAT(Lines(items), ElementsAre("2 a offline"));
+  EXPECT_EQ(items.front().at, FromUnixMs(5));
+}
+
+TEST_F(PresenceLogTest, WhatCameAfterThatWhichWasPutBackAndAReplacedStoreHasIsNoChange) {
+  const storage::StoredPresence stored{Presence::kOnline, FromUnixMs(1)};
+  log_.Hold("a", 2, stored);
+  Note("a", Presence::kOffline);
+  log_.PutBack(log_.Take(10));
+  Note("a", Presence::kOnline);
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), stored, kReplaced));
+  EXPECT_FALSE(log_.waits("a"));
+  EXPECT_EQ(log_.uncommitted(), 0U);
+}
+
+TEST_F(PresenceLogTest, WhatCameAfterThatWhichWasPutBackGoesAlone) {
+  Note("a", Presence::kOffline);
+  log_.PutBack(log_.Take(10));
+  Note("a", Presence::kOnline);
+  EXPECT_FALSE(log_.Follow(RobotOf("a"), std::nullopt, kReplaced));
+  EXPECT_EQ(log_.uncommitted(), 1U);
+  EXPECT_THAT(Lines(log_.Take(10)), ElementsAre("2 a online"));
 }
 
 TEST_F(PresenceLogTest, WhatTheStoreHoldsIsNoChange) {
@@ -184,10 +232,12 @@ TEST_F(PresenceLogTest, DropsWhatWasPutBackIfTheStoreHasThatSinceAnEarlierTime) 
   log_.Note(RobotOf("a"), Presence::kOnline, last);
   log_.PutBack(log_.Take(10));
   // Its answer was lost.
-  EXPECT_FALSE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, last}));
+  EXPECT_FALSE(
+      log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, last}, kReplaced));
   EXPECT_TRUE(log_.waits("a"));
   // The store went back to before the robot was offline.
-  EXPECT_TRUE(log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, first}));
+  EXPECT_TRUE(
+      log_.Follow(RobotOf("a"), storage::StoredPresence{Presence::kOnline, first}, kReplaced));
   EXPECT_FALSE(log_.waits("a"));
   EXPECT_EQ(log_.uncommitted(), 0U);
   EXPECT_THAT(log_.Take(10), IsEmpty());
