@@ -1,19 +1,37 @@
 #include "server/identity/server_pair.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include <fmt/core.h>
+#include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
+#include "server/identity/der_reader.h"
 #include "server/identity/pem.h"
+#include "server/identity/public_key_gate.h"
 
 namespace uplink::identity {
 namespace {
 
+void FreeBytes(std::uint8_t* bytes) { OPENSSL_free(bytes); }
+
 absl::Status Unfit(const std::string& text) { return absl::FailedPreconditionError(text); }
+
+/// TLS has signatures for keys of this kind, and OpenSSL makes them.
+bool Signs(const Certificate& certificate) {
+  std::uint8_t* bytes = nullptr;
+  const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(certificate.get()), &bytes);
+  const std::unique_ptr<std::uint8_t, decltype(&FreeBytes)> owner(bytes, &FreeBytes);
+  if (size <= 0) return false;
+  const auto info = DerReader(Bytes(bytes, static_cast<std::size_t>(size))).Take(DerTag::kSequence);
+  return info && FlawOfKey(*info) != KeyFlaw::kKind;
+}
 
 /// The first certificate, if the key is its own.
 absl::StatusOr<Certificate> ParsePair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
@@ -45,6 +63,13 @@ absl::Status CheckServerPair(const NamedPem& certificate_pem, const NamedPem& ke
   if (!serves) {
     return Unfit(fmt::format("{}: is no certificate of a server (extended key usage serverAuth)",
                              certificate_pem.name));
+  }
+  if (!Signs(*certificate)) {
+    return Unfit(
+        fmt::format("{}: its key is of a kind with which no TLS server signs: taken are curves "
+                    "P-256, P-384 and "
+                    "P-521, RSA, Ed25519 and Ed448",
+                    certificate_pem.name));
   }
   return absl::OkStatus();
 }

@@ -18,7 +18,7 @@ namespace uplink::identity {
 [[nodiscard]] absl::Status CheckKey(const NamedPem& key);
 
 /// Whether a TLS server can serve with the two: the first certificate is one that a server may
-/// show, and the key is its own.
+/// show, the key is its own, and of a kind with which a TLS server signs.
 ///
 /// Errors: kFailedPrecondition with a sentence that names the one that is invalid; as of
 ///         CheckCertificates and CheckKey, too.

@@ -12,6 +12,7 @@
 #include "server/config/tls_groups.h"
 #include "server/front/tls_engine.h"
 #include "tests/support/memory_tls.h"
+#include "tests/unit/server/front/handshake.h"
 
 namespace uplink::front {
 namespace {
@@ -59,15 +60,7 @@ class ClientOfferTest : public ::testing::Test {
     options.identity = robot_;
     TlsEngine engine(Context(), method_, buffers_);
     MemoryTls client(options);
-    auto step = TlsEngine::Step::kMore;
-    while (step == TlsEngine::Step::kMore) {
-      const std::string heard = client.Step(buffers_.out);
-      buffers_.out.clear();
-      if (heard.empty()) break;
-      buffers_.in = heard;
-      step = engine.Handshake();
-    }
-    EXPECT_EQ(step, TlsEngine::Step::kFailed);
+    EXPECT_EQ(ShakeHands(engine, buffers_, client), TlsEngine::Step::kFailed);
     return DetailOf(engine);
   }
   void Accept12() {

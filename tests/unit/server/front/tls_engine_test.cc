@@ -11,6 +11,7 @@
 #include "server/identity/certificate_gate.h"
 #include "tests/support/memory_tls.h"
 #include "tests/support/odd_certificates.h"
+#include "tests/unit/server/front/handshake.h"
 
 namespace uplink::front {
 namespace {
@@ -48,14 +49,7 @@ class TlsEngineTest : public ::testing::Test {
     EXPECT_TRUE(context.ok()) << context.status();
     TlsEngine engine(*context, method_, buffers_);
     MemoryTls client(options);
-    auto step = TlsEngine::Step::kMore;
-    while (step == TlsEngine::Step::kMore) {
-      const std::string heard = client.Step(buffers_.out);
-      buffers_.out.clear();
-      if (heard.empty()) break;
-      buffers_.in = heard;
-      step = engine.Handshake();
-    }
+    const TlsEngine::Step step = ShakeHands(engine, buffers_, client);
     static_cast<void>(client.Step(buffers_.out));
     buffers_.out.clear();
     buffers_.in = {};

@@ -1,4 +1,4 @@
-// Whether a certificate and its key belong together.
+// Whether a certificate and its key belong together, and may serve.
 #include "server/identity/server_pair.h"
 
 #include <string>
@@ -25,6 +25,24 @@ TEST(ClientPair, IsACertificateAndItsOwnKey) {
       HasSubstr("c.key: is not the key of c.crt"));
   EXPECT_THAT(CheckClientPair({"c.crt", "text"}, {"c.key", pair.key}).message(),
               HasSubstr("c.crt: holds no PEM certificate"));
+}
+
+// OpenSSL takes it as a server's own and then fails every handshake.
+TEST(ServerPair, HasAKeyOfAKindWithWhichATlsServerSigns) {
+  const testing::TestAuthority authority;
+  testing::CertificateSpec spec = testing::ServerSpec();
+  const auto check = [&] {
+    const testing::KeyPair pair = authority.Issue(spec);
+    return CheckServerPair({"s.crt", pair.certificate}, {"s.key", pair.key});
+  };
+  for (const char* key : {"P-256", "P-384", "P-521", "RSA", "ED25519", "ED448"}) {
+    spec.key = key;
+    EXPECT_TRUE(check().ok()) << key << ": " << check();
+  }
+  for (const char* key : {"secp256k1", "brainpoolP256r1"}) {
+    spec.key = key;
+    EXPECT_THAT(check().message(), HasSubstr("s.crt: its key is of a kind")) << key;
+  }
 }
 
 }  // namespace
