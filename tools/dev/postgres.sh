@@ -130,6 +130,9 @@ rejoin() {
   folder="$(value_of folder)"
   cd "$folder"
   rm -rf "$folder/data"
+  # A server that was killed leaves the lock of its socket, and its number may be another process's by
+  # now: that counts as a server that runs.
+  rm -f "$folder"/.s.PGSQL.*
   as_owner "$bin/pg_basebackup" -D "$folder/data" -R -c fast \
     -d "host=$(value_of folder "$of") port=$(value_of port "$of") user=postgres application_name=standby" \
     >"$folder/basebackup.log" 2>&1 || die "pg_basebackup failed: $(tail -n 3 "$folder/basebackup.log")"
