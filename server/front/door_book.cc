@@ -1,8 +1,21 @@
 #include "server/front/door_book.h"
 
-#include "server/transport/refusals.h"
-
 namespace uplink::front {
+namespace {
+
+/// The event of a line about a stream that ends with this status: `stream_refused`, or
+/// `protocol_error` if it broke a rule of the protocol; of a stream that came through `gateway`
+/// also `stream_superseded`, since two that speak for one robot are hard to find; empty for another
+/// end.
+std::string_view RefusalEvent(const absl::Status& status, std::string_view gateway) {
+  if (absl::IsAborted(status) && !gateway.empty()) return "stream_superseded";
+  if (absl::IsInvalidArgument(status)) return "protocol_error";
+  const bool refused = absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status) ||
+                       absl::IsResourceExhausted(status);
+  return refused ? "stream_refused" : "";
+}
+
+}  // namespace
 
 void DoorBook::Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now) {
   Note(cause, {}, origin, now);
@@ -30,7 +43,7 @@ void DoorBook::TellFailure(const absl::Status& status, const Origin& origin, Ste
 }
 
 void DoorBook::TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now) {
-  const std::string_view event = transport::RefusalEvent(status, origin.gateway);
+  const std::string_view event = RefusalEvent(status, origin.gateway);
   if (!event.empty()) Tell(event, event, std::string(status.message()), origin, now);
 }
 

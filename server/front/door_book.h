@@ -48,7 +48,8 @@ class DoorBook final {
   /// A line about a call that we end for what its messages are; kInternal is gRPC's word for one
   /// that breaks its rules.
   void TellFailure(const absl::Status& status, const Origin& origin, SteadyTime now);
-  /// A line about a stream that ends with this, if transport::RefusalEvent has one for it.
+  /// A line about a stream that ends with this, if it was refused, broke a rule of
+  /// the protocol, or came through a gateway and was superseded.
   void TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now);
 
   /// A connection has shown a trusted certificate; false if there is no place for it.

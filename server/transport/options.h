@@ -14,7 +14,7 @@
 #include "server/config/tls_groups.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
-#include "server/log/rate_limited.h"
+#include "server/log/logger.h"
 #include "server/session/allowances.h"
 #include "server/session/forward_source.h"
 #include "server/session/limits.h"
@@ -100,8 +100,6 @@ struct RelayContext {
   session::ForwardSource* forwards = nullptr;
   /// For lines about what strangers do; none if null.
   const log::Logger* logger = nullptr;
-  /// Lines about streams that were refused or broke a rule of the protocol; none if null.
-  log::RateLimited* refusals = nullptr;
 };
 
 }  // namespace uplink::transport

@@ -55,8 +55,7 @@ transport::RelayContext ListenerWorld::Context() {
           .allowances = allowances,
           .rejects = rejects_,
           .clock_trust = clock_trust_,
-          .logger = options.logger,
-          .refusals = options.refusals};
+          .logger = options.logger};
 }
 
 void ListenerWorld::StopServer() { server_->Shutdown(); }

@@ -11,7 +11,7 @@
 #include "server/front/server.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
-#include "server/log/rate_limited.h"
+#include "server/log/logger.h"
 #include "server/session/limits.h"
 #include "server/transport/options.h"
 #include "tests/support/certificates.h"
@@ -39,7 +39,6 @@ class ListenerWorld {
     std::vector<config::Network> proxy_protocol_from;
     /// Of the lines about strangers, and about streams that were refused; none if null.
     const log::Logger* logger = nullptr;
-    log::RateLimited* refusals = nullptr;
   };
 
   explicit ListenerWorld(const Options& options);

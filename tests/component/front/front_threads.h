@@ -87,14 +87,12 @@ class FrontThreads : public ::testing::Test {
   /// So that what makes lines runs too.
   ListenerWorld::Options WithLines(ListenerWorld::Options options) {
     options.logger = &logger_;
-    options.refusals = &refusals_;
     return options;
   }
 
   const SystemClock clock_;
   const log::Logger logger_{std::make_unique<NoLines>(), clock_, log::Format::kText,
                             log::Level::kInfo};
-  log::RateLimited refusals_{logger_};
   ListenerWorld world_;
   std::vector<KeyPair> keys_;
   std::vector<std::unique_ptr<RawRobot>> robots_;

@@ -283,8 +283,7 @@ TEST(Gateway, ALineAboutARefusalNamesIt) {
   SystemClock clock;
   const log::Logger logger{std::make_unique<SharedLines>(lines), clock, log::Format::kText,
                            log::Level::kDebug};
-  log::RateLimited refusals(logger);
-  RelayWorld world({.logger = &logger, .refusals = &refusals});
+  RelayWorld world({.logger = &logger});
   Relayed denied(world.Channel(world.authority.Issue(GatewaySpec({RuriOf(1)}))), 2);
   EXPECT_EQ(denied.agent().End().error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_TRUE(Eventually([&] {
