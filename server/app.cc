@@ -94,7 +94,7 @@ class App::Impl {
                   [this] { return broker_side_.facts(); }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
-                session_limits_.session_idle, lease_probe_.others_unseen,
+                session_limits_.session_idle, [this] { return leases_.OthersUnseen(); },
                 [this] { return broker_side_.hearing(); }}),
         page_sources_(PageSourcesOf({options_.clock,
                                      options_.version,

@@ -248,7 +248,7 @@ void Fleet::NoteTwinsUnheard() {
 
 void Fleet::NoteStoreReplaced() {
   const SteadyTime now = clock_.Steady();
-  const robot::PresenceTrack::Replaced replaced = {.doubted = now - kReplacedDoubts,
+  const robot::PresenceTrack::Replaced replaced = {.doubted = store_looked_.load(),
                                                    .until = now + kReplacedKnown,
                                                    .system_now = clock_.System()};
   for (const RobotPtr& robot : All()) robot->state.NoteReplaced(replaced);

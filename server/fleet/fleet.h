@@ -155,13 +155,12 @@ class Fleet final {
   /// Another process that reaches the store knows within so long that it was replaced, and ends
   /// streams by holds that it lost; one that does not is late by then (store::kLateAfter).
   static constexpr std::chrono::seconds kReplacedKnown{10};
-  /// A look at the store that fails shows within so long that it is away: from then on whom this
-  /// process alone cannot hear does not become offline (Hearing::kHereAlone).
-  static constexpr std::chrono::seconds kReplacedDoubts{10};
+  /// A look at the store that began then showed which robots other processes hold.
+  void NoteStoreLooked(SteadyTime began) { store_looked_.store(began); }
   /// The store may be another one from now on, which lacks the last commits: it may name this
   /// process as the holder of a robot that another one hears. The silence of no robot counts until
-  /// kReplacedKnown from now; and who became offline less than kReplacedDoubts ago is unknown until
-  /// then, as after a stall.
+  /// kReplacedKnown from now; and who became offline since the last look (NoteStoreLooked) is
+  /// unknown until then, as after a stall.
   void NoteStoreReplaced();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }
@@ -208,6 +207,9 @@ class Fleet final {
   const BootClock* const boot_;
   /// By the boot clock, if there is one. Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
+  /// The latest of NoteStoreLooked. A store that one process has alone is never looked at so, and
+  /// leaves nobody in doubt.
+  std::atomic<SteadyTime> store_looked_{SteadyTime::max()};
   std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;
   BroughtIn brought_in_;

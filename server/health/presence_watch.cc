@@ -11,7 +11,7 @@ static_assert(
 fleet::Fleet::Hearing PresenceWatch::Hears() const {
   using enum fleet::Fleet::Hearing;
   if (sources_.liveness.behind()) return kBehind;
-  return sources_.others_unseen.value() > 0 ? kHereAlone : kUpToDate;
+  return sources_.others_unseen() ? kHereAlone : kUpToDate;
 }
 
 fleet::Fleet::Hearing PresenceWatch::TwinsHear() const {

@@ -22,8 +22,8 @@ class PresenceWatch final {
     const log::Logger& logger;
     metrics::LatencyDistribution& sweep_seconds;
     milliseconds session_idle;
-    /// Not 0 while other processes on the store may hear robots and cannot tell.
-    const metrics::Cell& others_unseen;
+    /// Whether other processes on the store may hear robots and cannot tell.
+    std::function<bool()> others_unseen;
     /// Whether twins are heard through their broker; empty: they are not.
     std::function<fleet::Fleet::Hearing()> twins_hear{};
   };

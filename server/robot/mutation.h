@@ -34,8 +34,6 @@ enum class Mutation : std::uint8_t {
   kSettledAckedFromMemory,
   /// The bytes of a frame that is not whole are signs of life for as long as they come.
   kSlowFrameUnbounded,
-  /// Who became offline while the store was replaced stays so.
-  kOfflineUndoubted,
 };
 
 #ifdef UPLINK_MUTATIONS

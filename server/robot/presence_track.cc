@@ -50,9 +50,7 @@ void PresenceTrack::NoteReplaced(const Replaced& replaced) {
   const bool doubtful = !foreign_ && presence_ == Presence::kOffline && judged_offline_ &&
                         *judged_offline_ >= replaced.doubted;
   // Before the stall, which waits for a sign while the robot is offline.
-  if (doubtful && !Planted(Mutation::kOfflineUndoubted)) {
-    Change(Presence::kUnknown, replaced.system_now);
-  }
+  if (doubtful) Change(Presence::kUnknown, replaced.system_now);
   AddStall(replaced.until);
 }
 

@@ -18,7 +18,8 @@ LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context contex
       judge_({.self = context_.process,
               .time_to_move = context_.presence.timeout,
               .is_gone = context_.is_gone,
-              .cut_off_max = context_.presence.adopted_grace}) {}
+              .cut_off_max = context_.presence.adopted_grace}),
+      answered_(context_.clock.Steady()) {}
 
 LeaseRounds::~LeaseRounds() { Stop(); }
 
@@ -68,9 +69,20 @@ void LeaseRounds::NoteLate() {
   late_ = std::move(late);
 }
 
+bool LeaseRounds::OthersUnseen() const {
+  if (leases_ == nullptr) return false;
+  if (context_.probe.others_unseen.value() > 0) return true;
+  // The look that is under way may hang.
+  const SteadyTime::duration silent = context_.clock.Steady() - answered_.load();
+  return silent > kLookGapMax && silent <= kLookGapMax + context_.presence.adopted_grace;
+}
+
 absl::Status LeaseRounds::Look() {
+  const SteadyTime began = context_.clock.Steady();
   absl::Status looked = LookAtLeases();
-  return looked.ok() ? FollowRobots() : looked;
+  if (looked.ok()) looked = FollowRobots();
+  if (looked.ok()) context_.fleet.NoteStoreLooked(began);
+  return looked;
 }
 
 absl::Status LeaseRounds::LookAtLeases() {
@@ -87,6 +99,7 @@ absl::Status LeaseRounds::LookAtLeases() {
   if (!leases.ok()) return leases.status();
   // When the answer is here: what took long to come is older than it looks, and never younger.
   looked_ = context_.clock.Steady();
+  answered_.store(looked_);
   FollowServer();
   judge_.NoteLook(looked_, *leases);
   context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));

@@ -86,6 +86,10 @@ class LeaseRounds final {
   /// Whether a process that holds something is over, as of the last look. Nothing before the first
   /// look after it was asked for, which comes at once. Thread: any.
   [[nodiscard]] std::optional<LeaseJudge::Verdict> VerdictOf(const storage::ProcessId& process);
+  /// Other processes may hear robots and cannot tell this one: by the last look, or since looks
+  /// fail or take too long (kLookGapMax); after config::PresenceConfig::adopted_grace no longer.
+  /// Thread: any.
+  [[nodiscard]] bool OthersUnseen() const;
   /// This process stops: it renews its lease until Stop, and adopts nobody any more.
   void StopAdopting() { adopts_.store(false); }
 
@@ -128,6 +132,8 @@ class LeaseRounds final {
   LeaseJudge judge_;
   std::optional<SteadyTime> renewed_;
   SteadyTime looked_;
+  /// The same, for OthersUnseen; before the first look when this was made.
+  std::atomic<SteadyTime> answered_;
   /// storage::Leases::ServerRun of the last look.
   std::string server_run_;
   /// Processes that were over and had robots in the last round: each is a line of the log once.

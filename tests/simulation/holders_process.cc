@@ -39,9 +39,9 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       checkpoint_({.fleet = fleet_, .writes = [](std::string_view) { return true; }}),
       leases_(std::make_unique<HoldersLeases>(store_, ContextOfStore()), ContextOfLeases()),
       liveness_(ground_.clock, session_probe_),
-      watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle,
-              ground_.fault == HoldersFault::kLateIsForgotten ? nobody_unseen_
-                                                              : lease_probe_.others_unseen}) {
+      watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle, [this] {
+                return ground_.fault != HoldersFault::kLateIsForgotten && leases_.OthersUnseen();
+              }}) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);

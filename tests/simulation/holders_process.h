@@ -111,7 +111,6 @@ class HoldersProcess final : public robot::WakeInbox {
   journal::JournalProbe journal_probe_;
   session::SessionProbe session_probe_;
   store::LeaseProbe lease_probe_;
-  const metrics::Cell nobody_unseen_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   log::Logger logger_;
   fleet::Fleet fleet_;

@@ -221,10 +221,11 @@ void HoldersWorld::GoBack() {
   const auto before = truth_.Holds();
   database_.CopyRowsOf(copy_);
   truth_.GoBack(before);
-  // The connections to the one before are lost.
+  // The connections to the one before are lost, and a standby takes a while to take over.
+  const milliseconds away = random_.Percent(50) ? milliseconds(0) : Between(seconds(0), minutes(1));
   for (Place& place : places_) {
     if (place.process != nullptr) place.process->store().Break();
-    Cut(place, Between(milliseconds(0), seconds(5)));
+    Cut(place, away + Between(milliseconds(0), seconds(5)));
   }
 }
 

@@ -315,9 +315,10 @@ TEST_F(FleetTest, WhoBecameOfflineWhileTheStoreWasReplacedIsUnknown) {
   };
   fleet.Sweep(kIdle);
   hear(before);
-  sweep(Fleet::kReplacedDoubts + seconds(1));
+  sweep(seconds(2));
   hear(meanwhile);
   sweep(timeout);
+  fleet.NoteStoreLooked(clock_.Steady());
   ASSERT_EQ(before.state.presence(), robot::Presence::kOffline);
   ASSERT_EQ(meanwhile.state.presence(), robot::Presence::kOnline);
   sweep(milliseconds(1));

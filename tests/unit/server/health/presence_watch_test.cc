@@ -59,9 +59,9 @@ class PresenceWatchTest : public ::testing::Test {
                       {.timeout = seconds(10), .startup_grace = milliseconds(0)},
                       {.timeout = seconds(20), .startup_grace = milliseconds(0)}};
   Liveness liveness_{clock_, sessions_};
-  metrics::Cell others_unseen_;
-  PresenceWatch watch_{
-      {clock_, fleet_, liveness_, logger_, sweep_seconds_, std::chrono::hours(1), others_unseen_}};
+  bool others_unseen_ = false;
+  PresenceWatch watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_, std::chrono::hours(1),
+                        [this] { return others_unseen_; }}};
   std::vector<std::function<void(bool)>> waiting_;
 };
 
@@ -176,7 +176,7 @@ TEST_F(PresenceWatchTest, WhoLeftMayStreamToAServerThatCannotTellAndIsNotOffline
   Asked asked;
   static_cast<void>(here->sessions.Attach({&asked, 1}, clock_.Steady(), clock_.System()));
   static_cast<void>(cut->sessions.Attach({&asked, 2}, clock_.Steady(), clock_.System()));
-  others_unseen_.Set(1);
+  others_unseen_ = true;
   for (int i = 0; i < 5; ++i) sweep(seconds(2));
   EXPECT_EQ(asked.times[1], 1) << "at the timeout";
   EXPECT_TRUE(here->state.TakeAskPeer());
@@ -192,7 +192,7 @@ TEST_F(PresenceWatchTest, WhoLeftMayStreamToAServerThatCannotTellAndIsNotOffline
   EXPECT_EQ(asked.times[2], 122) << "at each sweep; its connection has one PING open at a time";
   EXPECT_EQ(gone->state.presence(), model::Presence::kOffline) << "its silence was proven before";
 
-  others_unseen_.Set(0);
+  others_unseen_ = false;
   for (int i = 0; i < 5; ++i) sweep(seconds(2));
   EXPECT_EQ(left->state.presence(), model::Presence::kUnknown) << "the other has time to tell";
   EXPECT_EQ(cut->state.presence(), model::Presence::kUnknown);
@@ -220,7 +220,7 @@ class TwinWatchTest : public PresenceWatchTest {
 
   fleet::Fleet::Hearing twins_hear_ = fleet::Fleet::Hearing::kUpToDate;
   PresenceWatch twins_watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_,
-                              std::chrono::hours(1), others_unseen_,
+                              std::chrono::hours(1), [this] { return others_unseen_; },
                               [this] { return twins_hear_; }}};
   robot::Robot& twin_ = **fleet_.FindOrAdmit(
       {"rcan://local.rcan/cyberwave/sim/3f2504e0-4f89-11d3-9a0c-0305e82c3301", "cyberwave"});
@@ -267,7 +267,7 @@ TEST_F(TwinWatchTest, WithoutABrokerNoTwinBecomesOffline) {
 
 TEST_F(TwinWatchTest, OtherServersThatCannotTellConcernTheRelaysRobotsAlone) {
   Hear(beside_);
-  others_unseen_.Set(1);
+  others_unseen_ = true;
   SweepTwins(seconds(21));
   EXPECT_EQ(twin_.state.presence(), model::Presence::kOffline);
   EXPECT_EQ(beside_.state.presence(), model::Presence::kUnknown);

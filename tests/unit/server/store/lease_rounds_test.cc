@@ -260,6 +260,54 @@ TEST_F(LeaseRoundsTest, AnotherServerMayLackWhoHeardARobotSince) {
   EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);
 }
 
+TEST_F(LeaseRoundsTest, WhoBecameOfflineSinceTheLastLookIsInDoubtOnceTheStoreIsAnother) {
+  robot::Robot& robot = **fleet_.FindOrAdmit(*robot_);
+  robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
+  Pass(std::chrono::seconds(10));
+  leases_->SetAway(true);
+  Pass(std::chrono::minutes(1));
+  ASSERT_EQ(robot.state.presence(), robot::Presence::kOffline);
+  testing::FakeDatabase standby;
+  standby.CopyRowsOf(database_);
+  database_.CopyRowsOf(standby);
+  leases_->SetAway(false);
+  Pass(kLookEvery);
+  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown);
+}
+
+TEST_F(LeaseRoundsTest, AProcessThatIsAloneAtItsStoreLeavesNothingInDoubt) {
+  LeaseRounds alone(nullptr, {.fleet = fleet_,
+                              .journals = journals_,
+                              .clock = clock_,
+                              .logger = logger_,
+                              .probe = probe_,
+                              .process = kSelf});
+  clock_.Advance(2 * kLookGapMax);
+  EXPECT_FALSE(alone.OthersUnseen());
+}
+
+TEST_F(LeaseRoundsTest, WhileALookHangsOthersMayHearRobots) {
+  RenewOther();
+  Pass(kLookEvery);
+  std::vector<bool> unseen;
+  const auto wait = [&](milliseconds time) {
+    clock_.Advance(time);
+    unseen.push_back(rounds_->OthersUnseen());
+  };
+  leases_->OnList([&] {
+    wait(kLookGapMax);
+    wait(milliseconds(1));
+    wait(config::PresenceConfig().adopted_grace - milliseconds(1));
+    wait(milliseconds(1));
+  });
+  rounds_->Round();
+  leases_->OnList({});
+  EXPECT_THAT(unseen, ElementsAre(false, true, true, false));
+  RenewOther();
+  rounds_->Round();
+  EXPECT_FALSE(rounds_->OthersUnseen());
+}
+
 TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
   OpenAtOther();
   RenewOther();
