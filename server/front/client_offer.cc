@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include <absl/strings/str_replace.h>
@@ -95,21 +94,12 @@ std::string KeyName(SSL* connection) {
   return fmt::format("{} ({})", name, std::string_view(curve.data(), size));
 }
 
-std::uint16_t MinimumOf(const transport::TlsRules& rules) {
-  return rules.minimum == config::TlsVersion::k13 ? TLS1_3_VERSION : TLS1_2_VERSION;
-}
-
 }  // namespace
 
 void ClientOffer::Numbers::Add(std::uint16_t number) {
   if (IsGrease(number)) return;
   if (count < first.size()) first[count] = number;
   ++count;
-}
-
-bool ClientOffer::Numbers::Has(std::uint16_t number) const {
-  const auto named = std::span(first).first(std::min(count, first.size()));
-  return std::ranges::find(named, number) != named.end();
 }
 
 void ClientOffer::Numbers::AddList(std::string_view bytes, std::size_t length_bytes) {
@@ -165,10 +155,6 @@ std::string ClientOffer::WhyNot(Agreed what, SSL* connection,
   const std::string groups = absl::StrReplaceAll(rules.groups, {{":", ", "}});
   switch (what) {
     case Agreed::kVersion:
-      if (versions_.Has(TLS1_3_VERSION) || versions_.Has(MinimumOf(rules))) {
-        return fmt::format("it offers {}, and by that no signature of our key is known: {}",
-                           TextOf(versions_, VersionName, connection), KeyName(connection));
-      }
       return fmt::format("it offers {}, and we take {}", TextOf(versions_, VersionName, connection),
                          rules.minimum == config::TlsVersion::k13 ? "TLS 1.3" : "TLS 1.2, TLS 1.3");
     case Agreed::kSuite:

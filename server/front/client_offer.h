@@ -38,8 +38,6 @@ class ClientOffer final {
     void Add(std::uint16_t number);
     /// A list of TLS, behind a length of so many bytes.
     void AddList(std::string_view bytes, std::size_t length_bytes);
-    /// Among the first.
-    [[nodiscard]] bool Has(std::uint16_t number) const;
 
     std::array<std::uint16_t, kNamedMax> first{};
     std::size_t count = 0;

@@ -17,7 +17,6 @@
 namespace uplink::front {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using testing::MemoryTls;
@@ -137,15 +136,6 @@ TEST_F(ClientOfferTest, SignaturesAreNamedBesideOurKey) {
       SaidOf({.signatures = "rsa_pss_rsae_sha256:rsa_pkcs1_sha256"}),
       "it offers the signature algorithms rsa_pss_rsae_sha256, rsa_pkcs1_sha256, and our key is EC "
       "(prime256v1)");
-}
-
-TEST_F(ClientOfferTest, OurKeyIsNamedWhereTheVersionHasNoSignatureOfIt) {
-  testing::CertificateSpec spec = testing::ServerSpec();
-  spec.key = "secp256k1";
-  server_ = authority_.Issue(spec);
-  EXPECT_THAT(SaidOf({}),
-              AllOf(StartsWith("it offers TLS 1.3, "),
-                    EndsWith(", and by that no signature of our key is known: EC (secp256k1)")));
 }
 
 TEST_F(ClientOfferTest, ProtocolsAreNamed) {
