@@ -57,7 +57,7 @@ class NoRoom(Reading):
         self.assertEqual(self.settled("stored"), 0)
         self.assertEqual(self.mqtt("messages_in_flight"), self.FIRST + self.LOSSY_MESSAGES - refused)
         twins.tell(twins.next_keys(DURABLE, self.EACH))
-        self.wait(lambda: self.mqtt("held_back") == 1, "a message at QoS 1 is held back")
+        self.wait(lambda: self.mqtt("message_held_back") == 1, "a message at QoS 1 is held back")
         self.assertEqual(self.mqtt("unacked", connection="durable"), self.FIRST + 1)
         self.assertEqual(self.mqtt("pubacks_total", connection="durable"), 0)
         return refused
@@ -91,7 +91,7 @@ class NoRoom(Reading):
         self.assertEqual(self.settled("refused"), refused)
         stored = sum(twin == LOSSY for twin, _, _ in self.rows())
         self.assertEqual(stored, self.LOSSY_MESSAGES - refused, "all at QoS 0 that was not refused")
-        self.assertEqual(self.mqtt("held_back"), 0)
+        self.assertEqual(self.mqtt("message_held_back"), 0)
         self.assert_offline_at_last(ALL)
         self.assertNotIn("mqtt_unread", self.degraded())
 

@@ -85,7 +85,7 @@ class LoadBalancer : public ::testing::Test {
   SharedLines::Lines lines_;
   SystemClock clock_;
   log::Logger logger_{std::make_unique<SharedLines>(lines_), clock_, log::Format::kText,
-                      log::Level::kDebug};
+                      log::Level::kInfo};
   std::unique_ptr<RelayWorld> world_;
 };
 

@@ -161,7 +161,7 @@ TEST(Tls, AFirstMessageThatIsTooLargeIsNotWaitedFor) {
   SharedLines::Lines lines;
   const SystemClock clock;
   const log::Logger logger(std::make_unique<SharedLines>(lines), clock, log::Format::kText,
-                           log::Level::kDebug);
+                           log::Level::kInfo);
   RelayWorld::Options of_world;
   of_world.logger = &logger;
   RelayWorld world(of_world);
