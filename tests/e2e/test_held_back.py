@@ -35,7 +35,13 @@ class HeldBack(EndToEnd):
                 self.assertTrue(robot["connected"])
                 self.assertGreaterEqual(int(robot["heldBackSinceMs"]), before_ms - 1000)
                 self.assertLessEqual(int(robot["heldBackSinceMs"]), time.time_ns() // 1_000_000)
-            self.assertEqual(server.metric('uplinkd_streams_held_back{reason="in_flight"}'), ROBOTS)
+            # The listing and the scrape are two moments: a stream may be looked at anew in between.
+            wait_until(
+                server.process,
+                lambda: server.metric('uplinkd_streams_held_back{reason="in_flight"}') == ROBOTS,
+                ROUND_SECONDS,
+                "the metric counts them",
+            )
             writer.execute("ROLLBACK")
         finally:
             writer.close()

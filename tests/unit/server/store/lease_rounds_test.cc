@@ -2,115 +2,20 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/journal/turns.h"
 #include "tests/support/eventually.h"
-#include "tests/support/fake_leases.h"
-#include "tests/support/fake_store.h"
-#include "tests/support/kept_lines.h"
-#include "tests/support/manual_clock.h"
+#include "tests/unit/server/store/lease_bench.h"
 
 namespace uplink::store {
 namespace {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
-
-constexpr storage::ProcessId kSelf{1};
-constexpr storage::ProcessId kOther{2};
-constexpr storage::ProcessId kThird{3};
-
-/// This process and another one on one database; the other is played by the test.
-class LeaseRoundsTest : public ::testing::Test {
- protected:
-  LeaseRoundsTest() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
-                             SystemTime at) { journals_.NotePresence(robot, presence, at); });
-    auto leases = std::make_unique<testing::FakeLeases>(database_, kSelf);
-    leases_ = leases.get();
-    rounds_ = std::make_unique<LeaseRounds>(
-        std::move(leases),
-        LeaseRounds::Context{
-            .fleet = fleet_,
-            .journals = journals_,
-            .clock = clock_,
-            .logger = logger_,
-            .probe = probe_,
-            .process = kSelf,
-            .is_gone = [](std::string_view) { return false; },
-            .is_forgotten = [this](SystemTime heard_at) { return heard_at < heard_since_; }});
-    rounds_->SetPort(7443);
-  }
-
-  void OpenAtOther(model::Presence presence = model::Presence::kOnline) {
-    const storage::OpenRequest request{.robot = robot_, .at = clock_.System()};
-    const auto opened = other_.OpenStreams({&request, 1});
-    ASSERT_TRUE(opened.ok());
-    storage::Batch batch;
-    batch.presence_session = model::SessionId({8});
-    batch.presence = {{robot_, presence, FromUnixMs(7), ++number_, opened->front().held_since}};
-    ASSERT_TRUE(other_.Commit(batch).ok());
-  }
-  /// A third process adopted it, since the other one fell silent, and stopped after that.
-  void AdoptAtThird() {
-    const storage::AdoptRequest request{
-        .robot = robot_, .holder = kOther, .end = storage::HolderEnd::kSilent};
-    const auto adopted = third_.Adopt({&request, 1});
-    ASSERT_TRUE(adopted.ok() && adopted->front().held_since);
-    database_.Renew(kThird, {.name = "c:3", .life = "there"});
-    rounds_->Round();
-    database_.Release(kThird);
-  }
-  void RenewOther() { database_.Renew(kOther, {.name = "b:2", .life = "there"}); }
-  void Pass(milliseconds time) {
-    for (milliseconds passed{0}; passed < time; passed += kLookEvery) {
-      clock_.Advance(kLookEvery);
-      rounds_->Round();
-      while (journal_.turns().Advance() == journal::Step::kWorked) {
-      }
-      fleet_.Sweep(std::chrono::hours(1));
-    }
-  }
-  robot::StateSnapshot Shown() {
-    return fleet_.Find(robot_->ruri)->state.Snapshot(robot::RobotState::Parts::kNone);
-  }
-  std::vector<model::Presence> History() {
-    std::vector<model::Presence> history;
-    const auto changes = ours_.PresenceChanges({});
-    for (const auto& row : changes->rows) history.push_back(row.presence);
-    return history;
-  }
-
-  testing::ManualClock clock_;
-  testing::FakeDatabase database_;
-  testing::FakeStore ours_{database_, kSelf};
-  testing::FakeStore other_{database_, kOther};
-  testing::FakeStore third_{database_, kThird};
-  const storage::RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
-  /// Who was heard last before is forgotten.
-  SystemTime heard_since_;
-  model::Seq number_ = 0;
-  metrics::Ledger ledger_;
-  journal::JournalProbe journal_probe_;
-  fleet::Fleet fleet_{clock_, 5, {}};
-  journal::Journal journal_{ours_, {}, clock_, ledger_, journal_probe_, kSelf};
-  journal::Shards journals_{{&journal_}};
-  std::vector<std::string> lines_;
-  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
-                      log::Level::kInfo};
-  LeaseProbe probe_;
-  testing::FakeLeases* leases_ = nullptr;
-  std::unique_ptr<LeaseRounds> rounds_;
-};
 
 TEST_F(LeaseRoundsTest, RaisesTheCounterEachFiveSeconds) {
   rounds_->Round();
@@ -235,96 +140,6 @@ TEST_F(LeaseRoundsTest, AListThatTakesLongKeepsTheLeasesInSight) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late"),
                                   HasSubstr("process_over process=b:2 why=silent robots=5")))
       << "those that this process may show";
-}
-
-TEST_F(LeaseRoundsTest, AConnectionThatEndsBetweenAnyTwoLooksHidesNothing) {
-  OpenAtOther();
-  RenewOther();
-  for (milliseconds passed{0}; passed <= kSilentMax + kLookEvery; passed += kLookEvery) {
-    leases_->Break();
-    Pass(kLookEvery);
-  }
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late"), HasSubstr("process_over")));
-}
-
-TEST_F(LeaseRoundsTest, AnotherServerMayLackWhoHeardARobotSince) {
-  robot::Robot& robot = **fleet_.FindOrAdmit(*robot_);
-  robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
-  Pass(std::chrono::seconds(10));
-  testing::FakeDatabase standby;
-  standby.CopyRowsOf(database_);
-  database_.CopyRowsOf(standby);
-  Pass(std::chrono::seconds(10));
-  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown) << "a timeout to come back";
-  Pass(fleet::Fleet::kReplacedKnown + 2 * kLookEvery);
-  EXPECT_EQ(robot.state.presence(), robot::Presence::kOffline);
-}
-
-TEST_F(LeaseRoundsTest, WhoBecameOfflineSinceTheLastLookIsInDoubtOnceTheStoreIsAnother) {
-  robot::Robot& robot = **fleet_.FindOrAdmit(*robot_);
-  robot.state.SignOfLife(clock_.Steady(), clock_.System(), fleet_.presence_limits());
-  Pass(std::chrono::seconds(10));
-  leases_->SetAway(true);
-  Pass(std::chrono::minutes(1));
-  ASSERT_EQ(robot.state.presence(), robot::Presence::kOffline);
-  testing::FakeDatabase standby;
-  standby.CopyRowsOf(database_);
-  database_.CopyRowsOf(standby);
-  leases_->SetAway(false);
-  Pass(kLookEvery);
-  EXPECT_EQ(robot.state.presence(), robot::Presence::kUnknown);
-}
-
-TEST_F(LeaseRoundsTest, AProcessThatIsAloneAtItsStoreLeavesNothingInDoubt) {
-  LeaseRounds alone(nullptr, {.fleet = fleet_,
-                              .journals = journals_,
-                              .clock = clock_,
-                              .logger = logger_,
-                              .probe = probe_,
-                              .process = kSelf});
-  clock_.Advance(2 * kLookGapMax);
-  EXPECT_FALSE(alone.OthersUnseen());
-}
-
-TEST_F(LeaseRoundsTest, WhileALookHangsOthersMayHearRobots) {
-  RenewOther();
-  Pass(kLookEvery);
-  std::vector<bool> unseen;
-  const auto wait = [&](milliseconds time) {
-    clock_.Advance(time);
-    unseen.push_back(rounds_->OthersUnseen());
-  };
-  leases_->OnList([&] {
-    wait(kLookGapMax);
-    wait(milliseconds(1));
-    wait(config::PresenceConfig().adopted_grace - milliseconds(1));
-    wait(milliseconds(1));
-  });
-  rounds_->Round();
-  leases_->OnList({});
-  EXPECT_THAT(unseen, ElementsAre(false, true, true, false));
-  RenewOther();
-  rounds_->Round();
-  EXPECT_FALSE(rounds_->OthersUnseen());
-}
-
-TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
-  OpenAtOther();
-  RenewOther();
-  rounds_->Round();
-  leases_->SetAway(true);
-  Pass(std::chrono::minutes(2));
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_fails")));
-  EXPECT_EQ(probe_.failing.value(), 1);
-  leases_->SetAway(false);
-  Pass(kSilentMax);
-  EXPECT_TRUE(Shown().foreign.has_value());
-  RenewOther();
-  Pass(kSilentMax);
-  EXPECT_TRUE(Shown().foreign.has_value());
-  EXPECT_THAT(lines_, Not(Contains(HasSubstr("process_over"))));
-  EXPECT_THAT(lines_, Contains(HasSubstr("lease_works_again")).Times(1));
-  EXPECT_EQ(probe_.failing.value(), 0);
 }
 
 TEST_F(LeaseRoundsTest, WhoWasNotHeardAnywhereForTooLongIsNotShown) {
