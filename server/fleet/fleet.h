@@ -207,8 +207,8 @@ class Fleet final {
   const BootClock* const boot_;
   /// By the boot clock, if there is one. Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
-  /// The latest of NoteStoreLooked. A store that one process has alone is never looked at so, and
-  /// leaves nobody in doubt.
+  /// The latest of NoteStoreLooked. A store that one process has alone is never looked at so:
+  /// after it no robot is in doubt.
   std::atomic<SteadyTime> store_looked_{SteadyTime::max()};
   std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;

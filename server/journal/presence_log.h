@@ -32,8 +32,8 @@ class PresenceLog final {
   /// The store, connected to anew, has this of the robot's presence. True if that is not what was
   /// last handed over: unless something of the robot waits, that is handed over again. What was put
   /// back goes as it is, unless the store has that presence since another time: then it is dropped.
-  /// What a store that may have gone back lacks of it waits as if it was never handed over: whoever
-  /// judged the robot may think better of it.
+  /// What a store that may have gone back lacks of it waits as if it was never handed over: the
+  /// fleet may judge the robot anew before it is.
   bool Follow(const storage::RobotRef& robot, const std::optional<storage::StoredPresence>& stored,
               Reconnected to);
 

@@ -28,7 +28,7 @@ class LineQueue final {
   static constexpr std::size_t kLinesMax = 8192;
   static constexpr std::size_t kBytesMax = 2UL * 1024 * 1024;
 
-  /// What is to be written. A value.
+  /// Lines for the thread that writes. A value.
   struct Taken {
     std::vector<std::string> lines;
     /// Lines that were dropped behind these, and before those that are taken next.
@@ -41,8 +41,8 @@ class LineQueue final {
 
   /// Appends a line, or drops it if there is no room, or after Close.
   void Push(std::string line);
-  /// All that waits; waits until there is a line or a loss. Nothing once the queue is closed and empty.
-  /// What was taken before counts as written.
+  /// All that waits; waits until there is a line or a loss. Nothing once the queue is closed and
+  /// empty. What was taken before counts as written.
   [[nodiscard]] std::optional<Taken> Take();
   /// A line that was taken could not be written.
   void NoteUnwritten();

@@ -19,7 +19,7 @@ LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context contex
               .time_to_move = context_.presence.timeout,
               .is_gone = context_.is_gone,
               .cut_off_max = context_.presence.adopted_grace}),
-      answered_(context_.clock.Steady()) {}
+      looked_(context_.clock.Steady()) {}
 
 LeaseRounds::~LeaseRounds() { Stop(); }
 
@@ -73,7 +73,7 @@ bool LeaseRounds::OthersUnseen() const {
   if (leases_ == nullptr) return false;
   if (context_.probe.others_unseen.value() > 0) return true;
   // The look that is under way may hang.
-  const SteadyTime::duration silent = context_.clock.Steady() - answered_.load();
+  const SteadyTime::duration silent = context_.clock.Steady() - looked_.load();
   return silent > kLookGapMax && silent <= kLookGapMax + context_.presence.adopted_grace;
 }
 
@@ -98,10 +98,10 @@ absl::Status LeaseRounds::LookAtLeases() {
   const auto leases = leases_->Read();
   if (!leases.ok()) return leases.status();
   // When the answer is here: what took long to come is older than it looks, and never younger.
-  looked_ = context_.clock.Steady();
-  answered_.store(looked_);
+  const SteadyTime now = context_.clock.Steady();
+  looked_.store(now);
   FollowServer();
-  judge_.NoteLook(looked_, *leases);
+  judge_.NoteLook(now, *leases);
   context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));
   return absl::OkStatus();
 }
@@ -129,7 +129,7 @@ absl::Status LeaseRounds::FollowRobots() {
     for (const storage::ForeignRobot& foreign : *robots) Follow(foreign, listed);
     after = robots->back().robot.ruri;
     // A long list lets neither our own lease fall silent nor what is seen of the others.
-    if (context_.clock.Steady() - looked_ < kLookEvery) continue;
+    if (context_.clock.Steady() - looked_.load() < kLookEvery) continue;
     if (absl::Status looked = LookAtLeases(); !looked.ok()) return looked;
   }
   judge_.EndList();

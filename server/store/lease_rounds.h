@@ -131,9 +131,8 @@ class LeaseRounds final {
   const Context context_;
   LeaseJudge judge_;
   std::optional<SteadyTime> renewed_;
-  SteadyTime looked_;
-  /// The same, for OthersUnseen; before the first look when this was made.
-  std::atomic<SteadyTime> answered_;
+  /// When the leases were read last; before that when this was made.
+  std::atomic<SteadyTime> looked_;
   /// storage::Leases::ServerRun of the last look.
   std::string server_run_;
   /// Processes that were over and had robots in the last round: each is a line of the log once.
