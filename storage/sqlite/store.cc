@@ -63,6 +63,9 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   auto files = StoreFiles::Open(database);
   if (!files.ok()) return files.status();
   impl->files = *std::move(files);
+  const absl::StatusOr<EntryNumber> next_entry = impl->tables.deciding.NextEntry();
+  if (!next_entry.ok()) return next_entry.status();
+  impl->files->NoteEntry(*next_entry);
 
   // IMMEDIATE: a transaction that may wait for another writer does so before it has read anything.
   Preparer prepare(database);
@@ -78,7 +81,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
   // program began anew; and after, since that alone says of this commit that a start finds it.
   absl::Status status = impl_->files->Check();
   if (status.ok()) status = impl_->begin->Run();
-  if (!status.ok()) return impl_->files->DamageOr(std::move(status));
+  if (!status.ok()) return impl_->files->DamageOr(status);
   absl::StatusOr<Result> result = work();
   status = result.status();
   const StoreOptions& options = impl_->options;
@@ -86,7 +89,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
   if (status.ok()) status = impl_->commit->Run();
   if (!status.ok()) {
     impl_->database->RollbackIfOpen();
-    return impl_->files->DamageOr(std::move(status));
+    return impl_->files->DamageOr(status);
   }
   if (options.after_commit) status = options.after_commit();
   if (status.ok()) status = impl_->files->CheckCommitted();
@@ -281,9 +284,8 @@ absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const
 }
 
 absl::StatusOr<std::vector<FoundRobot>> SqliteStore::Compare(std::span<const ToldRobot> robots) {
-  using Found = std::vector<FoundRobot>;
-  return InTransaction<Found>([&]() -> absl::StatusOr<Found> {
-    Found found;
+  return InTransaction<std::vector<FoundRobot>>([&]() -> absl::StatusOr<std::vector<FoundRobot>> {
+    std::vector<FoundRobot> found;
     found.reserve(robots.size());
     for (const ToldRobot& robot : robots) {
       const absl::StatusOr<FoundRobot> one =

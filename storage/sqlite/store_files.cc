@@ -47,14 +47,14 @@ absl::Status StoreFiles::CheckEntry(EntryNumber next) {
   return damage_->status();
 }
 
-absl::Status StoreFiles::DamageOr(absl::Status status) const {
+absl::Status StoreFiles::DamageOr(const absl::Status& status) const {
   absl::Status damage = damage_->status();
   return damage.ok() ? status : damage;
 }
 
 absl::Status StoreFiles::Look() {
   absl::Status looked = intact_.Look();
-  if (!absl::IsDataLoss(looked)) return DamageOr(std::move(looked));
+  if (!absl::IsDataLoss(looked)) return DamageOr(looked);
   damage_->Note(std::string(looked.message()));
   return damage_->status();
 }

@@ -46,11 +46,11 @@ class StoreFiles final {
   ///
   /// Errors: kUnavailable, from then on of Check too.
   [[nodiscard]] absl::Status CheckEntry(EntryNumber next);
-  /// The number that a commit left.
+  /// The number that a commit left, or that the store had when it was opened.
   void NoteEntry(EntryNumber next) { next_entry_ = next; }
 
   /// What a call of the store that failed with `status` is to say.
-  [[nodiscard]] absl::Status DamageOr(absl::Status status) const;
+  [[nodiscard]] absl::Status DamageOr(const absl::Status& status) const;
 
   StoreFiles(const StoreFiles&) = delete;
   StoreFiles& operator=(const StoreFiles&) = delete;
@@ -67,7 +67,7 @@ class StoreFiles final {
   const DamagePtr damage_;
   const std::unique_ptr<NamedFiles> names_;
   IntactFiles intact_;
-  /// As the last commit left it.
+  /// As the last commit left it, of this process or of an earlier one.
   EntryNumber next_entry_ = 0;
 };
 

@@ -183,6 +183,15 @@ TEST_F(SqliteIntact, AnOlderStateThatIsRestoredByTheRulesAcksNothing) {
   ExpectFailsForGood(path_ + " went back");
 }
 
+TEST_F(SqliteIntact, AnOlderStateThatIsRestoredBeforeAStartsFirstCommitAcksNothing) {
+  Shell(path_, ".backup '" + aside_ + "'");
+  CommitMany(1);
+  store_.reset();
+  OpenStore(path_);
+  Shell(path_, ".restore '" + aside_ + "'");
+  ExpectFailsForGood(path_ + " went back");
+}
+
 // The checkpoint of another program ends where it would make the file longer.
 TEST_F(SqliteIntact, ACopyOverTheFileAfterACheckpointThatFailedAcksNothing) {
   Shell(path_, ".backup '" + aside_ + "'");
