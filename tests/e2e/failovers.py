@@ -66,12 +66,19 @@ class Pair:
 
     def kill(self):
         """All processes of the primary at once, as a machine that loses power."""
+        self._signal(signal.SIGKILL)
+
+    def hang(self):
+        """The primary keeps its connections and answers nothing, as a machine whose disk stalls."""
+        self._signal(signal.SIGSTOP)
+
+    def _signal(self, number):
         data = pathlib.Path(self.primary.place["folder"]) / "data"
         postmaster = int((data / "postmaster.pid").read_text().split()[0])
         children = pathlib.Path(f"/proc/{postmaster}/task/{postmaster}/children").read_text().split()
         for pid in (postmaster, *map(int, children)):
             try:
-                os.kill(pid, signal.SIGKILL)
+                os.kill(pid, number)
             except ProcessLookupError:
                 pass
 

@@ -2,17 +2,20 @@
 
 import functools
 import json
+import time
 import unittest
 
 import broker_stores
 from broker_reading import Reading
 from broker_script import ruri_of, uuid_of
 from chaos import ROBOTS, Campaign
+from chaos_stores import Postgres
 from failovers import CANARY, FailoverCampaign, Pair
-from harness import EndToEnd, Standby, wait_until
+from harness import EndToEnd, Fleet, Server, Standby, wait_until
 from mqtt_client import Client
-from presence import OFFLINE
+from presence import OFFLINE, ONLINE, problems_of, stored_histories
 from tcp_proxy import TcpProxy
+from two_servers import A, B
 
 
 # The standby has all that the primary wrote.
@@ -175,6 +178,66 @@ class TwinsFailover(Reading):
         self.wait(lambda: self.active() == [hot], "the faults are what the twins said last")
         self.wait(lambda: self.mqtt("unacked", connection="durable") == 0, "they are acked")
         self.assertEqual(self.watch.breaches, [])
+
+
+class Hang(EndToEnd):
+    """Two servers on a primary that hangs, and on the standby that takes over from it."""
+
+    SETTINGS = 'checkpoint = "1s"\n[presence]\nstartup_grace = "5s"\n'
+    # Longer than presence.timeout and a lease's lateness together.
+    SECONDS = 25
+
+    def start(self):
+        self.pair = Pair(self.folder, Postgres(self.folder))
+        self.open_things.append(self.pair)
+        self.servers = []
+        for name in "AB":
+            folder = self.folder / name
+            folder.mkdir()
+            if self.servers:
+                (folder / "pki").symlink_to(self.folder / "A/pki")
+            self.servers.append(Server(folder, self.SETTINGS, self.pair.url))
+            self.open_things.append(self.servers[-1])
+            self.servers[-1].start()
+        self.road = TcpProxy(*(server.relay for server in self.servers))
+        self.open_things.append(self.road)
+        self.open_things.append(Fleet(self.servers[A], "--robots", 1, "--seed", 3, target=self.road.address))
+
+    def shown(self, place):
+        """Of the robot, by this server: its presence and whether another holds it."""
+        robots = (self.servers[place].get("/api/v1/robots") or {}).get("robots", [])
+        return [(robot["presence"], bool(robot["heldBy"])) for robot in robots]
+
+    def wait_for(self, condition, what):
+        wait_until(self.servers[A].process, condition, 60, what)
+
+    def watch(self, seconds):
+        """For so long no server calls the robot offline: it streams."""
+        end = time.monotonic() + seconds
+
+        def look():
+            for place in (A, B):
+                self.assertNotIn(OFFLINE, [presence for presence, _ in self.shown(place)], "AB"[place])
+            return time.monotonic() > end
+
+        self.wait_for(look, "the time passes")
+
+    def test_a_robot_that_moved_just_before_is_offline_nowhere(self):
+        self.start()
+        self.wait_for(lambda: self.shown(B) == [(ONLINE, True)], "A holds it, and B says so")
+        self.pair.wait(lambda: self.pair.primary.sql(REPLAYED, "postgres") == "t", "the standby has that")
+        self.pair.hold_back()
+        self.road.choose(B)
+        self.road.drop(A)
+        self.wait_for(lambda: self.shown(B) == [(ONLINE, False)], "it moved to B, which only the primary has")
+        self.pair.hang()
+        self.watch(self.SECONDS)
+        self.pair.kill()
+        self.pair.promote()
+        self.wait_for(lambda: self.shown(A) == [(ONLINE, True)], "A learns from the new primary who holds it")
+        self.watch(12)
+        (rows,) = stored_histories(self.pair.primary).values()
+        self.assertEqual(problems_of(rows, 1), [], rows)
 
 
 if __name__ == "__main__":
