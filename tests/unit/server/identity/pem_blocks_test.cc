@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -130,7 +131,7 @@ TEST(PemBlocks, AKeyWhoseLinesAreDamagedIsNotPassedOver) {
            {"-----BEGIN PRIVATE KEY-----", ""},
            {"", "-----END PRIVATE KEY-----"},
            {"MIIEvQ", ""}}) {
-    EXPECT_THAT(Said(BlockOf("EC PARAMETERS") + first + "\nAA\n" + last + "\n"),
+    EXPECT_THAT(Said(fmt::format("{}{}\nAA\n{}\n", BlockOf("EC PARAMETERS"), first, last)),
                 HasSubstr("PEM block 2, from line"))
         << first << last;
   }

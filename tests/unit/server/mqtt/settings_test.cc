@@ -171,7 +171,7 @@ TEST(MqttSecrets, AreRefusedForWhatAStartRefusesToo) {
     for (const config::Problem& problem : config::ValidateFiles(config)) at_a_start = problem.text;
     EXPECT_EQ(at_a_start.empty(), says.empty()) << at_a_start;
   };
-  const std::string ca = authority.certificate();
+  const std::string& ca = authority.certificate();
   expect(ca, pair.certificate, pair.key, "");
   expect(ca, pair.certificate + ca, testing::EcparamKey(pair.key), "");
   expect(ca + broken, pair.certificate, pair.key,
