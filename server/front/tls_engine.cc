@@ -235,13 +235,13 @@ TlsPeer TlsEngine::Peer() const {
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
   }
-  peer.identity = identity::PeerReader::IdentityOf(*certificate);
+  peer.identity = identity::IdentityOf(*certificate);
   if (peer.identity.ok() && peer.identity->role == identity::Role::kRobot) {
     peer.ruri = peer.identity->ruri();
   } else if (peer.IsGateway()) {
     peer.gateway = peer.identity->subject;
   } else {
-    peer.subject = identity::PeerReader::SubjectOf(*certificate);
+    peer.subject = identity::SubjectOf(*certificate);
   }
   if (verify_error_ != X509_V_OK) peer.identity = SentenceOf(verify_error_);
   ERR_clear_error();

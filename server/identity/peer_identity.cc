@@ -4,12 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include <climits>
 #include <fmt/format.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
-#include <openssl/provider.h>
 #include <openssl/x509v3.h>
 
 #include "schema/base/utf8.h"
@@ -34,19 +31,6 @@ absl::Status Wrong(std::string_view sentence) {
 }
 
 std::string Shown(std::string_view text) { return PrintableUtf8(text, kShownBytesMax); }
-
-/// Null if the text holds no certificate. With null as library the process' own is used.
-Certificate Parse(std::string_view pem, OSSL_LIB_CTX* library) {
-  if (pem.size() > INT_MAX) return nullptr;
-  const Bio bio = PemReader(pem);
-  if (bio == nullptr) return nullptr;
-  X509* made = X509_new_ex(library, nullptr);
-  char no_phrase[] = "";  // without one the library would ask the terminal
-  X509* read = made == nullptr ? nullptr : PEM_read_bio_X509(bio.get(), &made, nullptr, no_phrase);
-  if (read == nullptr) X509_free(made);  // the library sets it to null if it has freed it itself
-  ERR_clear_error();  // its queue belongs to the thread, and the TLS library reads it too
-  return Certificate(read);
-}
 
 /// The bytes of an ASN.1 string as they stand; a view into `text`.
 std::string_view BytesOf(const ASN1_STRING* text) {
@@ -187,35 +171,7 @@ std::string_view ToText(Role role) {
   return "";
 }
 
-struct PeerReader::Library {
-  Library() : context(OSSL_LIB_CTX_new()) {
-    // Without a provider of its own a context loads the default one when it is first asked.
-    if (context != nullptr) nothing = OSSL_PROVIDER_load(context, "null");
-    if (nothing == nullptr) OSSL_LIB_CTX_free(std::exchange(context, nullptr));
-    ERR_clear_error();
-  }
-  ~Library() {
-    if (nothing != nullptr) OSSL_PROVIDER_unload(nothing);
-    OSSL_LIB_CTX_free(context);
-  }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-
-  /// Null, and so the process' own, if it could not be made: slower, and as good.
-  OSSL_LIB_CTX* context;
-  OSSL_PROVIDER* nothing = nullptr;
-};
-
-PeerReader::PeerReader() : library_(std::make_unique<Library>()) {}
-PeerReader::~PeerReader() = default;
-
-absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(std::string_view certificate_pem) const {
-  const Certificate certificate = Parse(certificate_pem, library_->context);
-  if (certificate == nullptr) return Wrong("it cannot be read");
-  return IdentityOf(*certificate);
-}
-
-absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(X509& certificate) {
+absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate) {
   if (const absl::Status status = CheckKeyUsage(certificate); !status.ok()) return status;
 
   const auto unit = SubjectPart(certificate, NID_organizationalUnitName, "OU");
@@ -235,7 +191,7 @@ absl::StatusOr<PeerIdentity> PeerReader::IdentityOf(X509& certificate) {
   return identity;
 }
 
-std::string PeerReader::SubjectOf(const X509& certificate) {
+std::string SubjectOf(const X509& certificate) {
   // Letters beyond ASCII as they are.
   constexpr unsigned long kFlags =
       XN_FLAG_RFC2253 & ~static_cast<unsigned long>(ASN1_STRFLGS_ESC_MSB);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,31 +44,16 @@ struct PeerIdentity {
   [[nodiscard]] const std::string& ruri() const { return ruris.front(); }
 };
 
-/// Reads the identity of certificates that the TLS layer has verified.
+/// The identity of a certificate that the TLS layer has verified, and holds. Reading its extensions
+/// caches them in it.
 ///
-/// OpenSSL 3.0 looks for a decoder of the public key whenever it reads a certificate: 92 of 114 us
-/// (measured). Nobody here wants the key, so they are read in a library context that has none.
-///
-/// Thread: any.
-class PeerReader final {
- public:
-  PeerReader();
-  ~PeerReader();
-  PeerReader(const PeerReader&) = delete;
-  PeerReader& operator=(const PeerReader&) = delete;
+/// Errors: kUnauthenticated with a sentence of its own for each way to be wrong; it repeats no more
+///         of the certificate than the invalid part, printable and cut.
+/// Thread: that of the certificate's connection.
+[[nodiscard]] absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate);
 
-  /// Errors: kUnauthenticated with a sentence of its own for each way to be wrong; it repeats no
-  ///         more of the certificate than the invalid part, printable and cut.
-  [[nodiscard]] absl::StatusOr<PeerIdentity> IdentityOf(std::string_view certificate_pem) const;
-  /// The same of one that the TLS layer holds. Reading its extensions caches them in it.
-  [[nodiscard]] static absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate);
-  /// The subject as one line (RFC 2253), at most kSubjectBytesMax; empty if the library cannot
-  /// print it.
-  [[nodiscard]] static std::string SubjectOf(const X509& certificate);
-
- private:
-  struct Library;
-  std::unique_ptr<Library> library_;
-};
+/// The subject as one line (RFC 2253), at most kSubjectBytesMax; empty if the library cannot print
+/// it.
+[[nodiscard]] std::string SubjectOf(const X509& certificate);
 
 }  // namespace uplink::identity

@@ -9,6 +9,7 @@
 #include "schema/model/ids.h"
 #include "server/identity/certificate_gate.h"
 #include "server/identity/peer_identity.h"
+#include "server/identity/pem.h"
 #include "tests/support/der.h"
 #include "tests/support/odd_certificates.h"
 #include "tests/support/pem_texts.h"
@@ -52,11 +53,14 @@ std::string Message(const absl::Status& status) { return std::string(status.mess
 TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
   const auto authority = Authority::Create("test", 10);
   ASSERT_TRUE(authority.ok());
-  const auto identity_of = [&](const absl::StatusOr<Profile>& profile) {
+  const auto identity_of =
+      [&](const absl::StatusOr<Profile>& profile) -> absl::StatusOr<identity::PeerIdentity> {
     EXPECT_TRUE(profile.ok()) << profile.status();
     const auto made = (*authority)->Issue(*profile, 10);
     EXPECT_TRUE(made.ok()) << made.status();
-    return identity::PeerReader().IdentityOf(made->certificate_pem);
+    const auto certificates = identity::ReadCertificates({"made", made->certificate_pem});
+    if (!certificates.ok()) return certificates.status();
+    return identity::IdentityOf(*certificates->front());
   };
   const auto robot = identity_of(RobotProfile("rcan://a/b/c/d/1", "north", "r1"));
   ASSERT_TRUE(robot.ok()) << robot.status();

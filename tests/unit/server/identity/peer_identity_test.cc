@@ -1,13 +1,12 @@
 #include "server/identity/peer_identity.h"
 
-#include <atomic>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/identity/pem.h"
 #include "server/identity/ruri.h"
 #include "tests/support/certificates.h"
 
@@ -25,7 +24,9 @@ constexpr char kRuri[] = "rcan://example.org/acme/rover/r1";
 
 absl::StatusOr<PeerIdentity> IdentityOf(const CertificateSpec& spec) {
   const TestAuthority authority;
-  return PeerReader().IdentityOf(authority.Issue(spec).certificate);
+  const auto certificates = ReadCertificates({"issued", authority.Issue(spec).certificate});
+  if (!certificates.ok()) return certificates.status();
+  return identity::IdentityOf(*certificates->front());
 }
 
 CertificateSpec OperatorSpec(const std::string& unit) {
@@ -286,42 +287,6 @@ TEST(PeerIdentity, OperatorWithARuri) {
   CertificateSpec spec = OperatorSpec("operator");
   spec.uris = {kRuri};
   ExpectWrong(spec, "its OU is operator and it has an rcan:// URI");
-}
-
-TEST(PeerIdentity, TextThatIsNoCertificate) {
-  const PeerReader reader;
-  const TestAuthority authority;
-  // Its last bytes are those of the signature: it breaks off when most of it was made.
-  std::string cut = authority.Issue(RobotSpec(kRuri)).certificate;
-  cut.erase(cut.find("-----END") - 9, 8);
-  for (const std::string& text :
-       {std::string(), std::string("no certificate"),
-        std::string("-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n"), cut}) {
-    const auto identity = reader.IdentityOf(text);
-    ASSERT_FALSE(identity.ok());
-    EXPECT_EQ(identity.status().code(), absl::StatusCode::kUnauthenticated);
-    EXPECT_THAT(std::string(identity.status().message()), HasSubstr("cannot be read"));
-  }
-}
-
-TEST(PeerIdentity, OneReaderReadsManyOnManyThreads) {
-  constexpr int kThreads = 4;
-  constexpr int kReads = 50;
-  const PeerReader reader;
-  const TestAuthority authority;
-  const std::string good = authority.Issue(RobotSpec(kRuri)).certificate;
-  std::atomic<int> read = 0;
-  const auto read_often = [&] {
-    for (int i = 0; i < kReads; ++i) {
-      const auto identity = reader.IdentityOf(good);
-      if (identity.ok() && identity->ruri() == kRuri) ++read;
-    }
-  };
-  {
-    std::vector<std::jthread> threads(kThreads);
-    for (std::jthread& thread : threads) thread = std::jthread(read_often);
-  }
-  EXPECT_EQ(read.load(), kThreads * kReads);
 }
 
 }  // namespace
