@@ -187,11 +187,11 @@ TlsEngine::Step TlsEngine::FailToAgree(Agreed what) {
 }
 
 TlsEngine::Step TlsEngine::FailByOpenSsl() {
-  messages_.NoteFailure();
+  unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
+  messages_.NoteFailure(error);
   if (messages_.flaw() != identity::CertificateFlaw::kNone) {
     return Fail(Failure::kCertificate, std::string(identity::TextOf(messages_.flaw())));
   }
-  unsigned long error = ERR_peek_error();  // NOLINT(google-runtime-int): the library's type
   // Before this one stands what it was about the chain, such as a signature that is not its own.
   const unsigned long last = ERR_peek_last_error();  // NOLINT(google-runtime-int): as above
   if (ERR_GET_REASON(last) == SSL_R_CERTIFICATE_VERIFY_FAILED) error = last;

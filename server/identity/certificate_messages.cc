@@ -27,8 +27,9 @@ CertificateMessages::CertificateMessages(SSL* connection) : connection_(connecti
   SSL_set_msg_callback_arg(connection, this);
 }
 
-void CertificateMessages::NoteFailure() {
-  if (ERR_GET_REASON(ERR_peek_error()) != SSL_R_EXCESSIVE_MESSAGE_SIZE) return;
+// NOLINTNEXTLINE(google-runtime-int): the library's type
+void CertificateMessages::NoteFailure(unsigned long error) {
+  if (ERR_GET_REASON(error) != SSL_R_EXCESSIVE_MESSAGE_SIZE) return;
   const OSSL_HANDSHAKE_STATE state = SSL_get_state(connection_);
   if (state == TLS_ST_SR_CERT || state == TLS_ST_CR_CERT) flaw_ = CertificateFlaw::kBytes;
 }

@@ -33,9 +33,9 @@ class CertificateMessages final {
 
   /// What is wrong with certificates that the peer showed; kNone if nothing was.
   [[nodiscard]] CertificateFlaw flaw() const { return flaw_; }
-  /// A call on the connection failed, and its errors are in OpenSSL's queue still: OpenSSL does not
-  /// read a Certificate message of more than kShownBytesMax, so the gate is not told of it.
-  void NoteFailure();
+  /// A call on the connection failed with that of OpenSSL, the earliest of its queue: OpenSSL does
+  /// not read a Certificate message of more than kShownBytesMax, so the gate is not told of it.
+  void NoteFailure(unsigned long error);  // NOLINT(google-runtime-int): the library's type
   /// Whole messages of the handshake's kind that came since the last call: once the handshake is
   /// over, new keys mostly.
   [[nodiscard]] std::uint32_t TakeCount() { return std::exchange(count_, 0); }

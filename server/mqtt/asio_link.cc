@@ -136,6 +136,9 @@ void AsioLink::Handshake() {
       asio::ssl::stream_base::client, [self = shared_from_this()](const Error& error) {
         if (self->events_ == nullptr) return;
         if (!error) return self->Up();
+        if (error.category() == asio::error::get_ssl_category()) {
+          self->certificates_->NoteFailure(static_cast<unsigned int>(error.value()));
+        }
         const identity::CertificateFlaw flaw = self->certificates_->flaw();
         const std::string why =
             flaw == identity::CertificateFlaw::kNone

@@ -35,7 +35,7 @@ struct End {
     result = done ? SSL_read(ssl.get(), &byte, 1) : SSL_do_handshake(ssl.get());
     done = done || result == 1;
     failed = result != 1 && SSL_get_error(ssl.get(), result) != SSL_ERROR_WANT_READ;
-    if (failed) messages.NoteFailure();
+    if (failed) messages.NoteFailure(ERR_peek_error());
     ERR_clear_error();
     return Said();
   }
