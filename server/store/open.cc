@@ -67,11 +67,16 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   return stores;
 }
 
-/// Those of the first connection; what is counted is counted of all.
+/// The clock of the first connection; what is counted is counted of all, and one that is unsafe is
+/// enough: each may lead to another server since it was made anew.
 storage::StoreFacts FactsOf(const std::vector<const storage::postgres::PostgresStore*>& stores) {
   storage::StoreFacts facts = stores.front()->facts();
   facts.commits_in_doubt = 0;
-  for (const auto* store : stores) facts.commits_in_doubt += store->facts().commits_in_doubt;
+  for (const auto* store : stores) {
+    const storage::StoreFacts its = store->facts();
+    facts.commits_in_doubt += its.commits_in_doubt;
+    facts.unsafe = facts.unsafe || its.unsafe;
+  }
   return facts;
 }
 
