@@ -185,6 +185,8 @@ class NamingCrowds : public Naming {
 TEST_F(NamingCrowds, OneConnectionTooManyIsNoContest) {
   Come(front::kRobotConnectionsMax + 1);
   EXPECT_TRUE(AreEvicted(1));
+  // A line comes after the count.
+  EXPECT_TRUE(Eventually([&] { return !LinesOf("why=key").empty(); }));
   EXPECT_THAT(LinesOf("why=key"), SizeIs(1));
   EXPECT_THAT(LinesOf("connections_contested"), IsEmpty());
 }
@@ -195,6 +197,7 @@ TEST_F(NamingCrowds, AKeyThatEvictsItsOwnAgainAndAgain) {
   EXPECT_THAT(LinesOf("connections_contested"), IsEmpty());
   Come(1);
   EXPECT_TRUE(AreEvicted(front::kEvictionsFlagged));
+  EXPECT_TRUE(Eventually([&] { return !LinesOf("connections_contested").empty(); }));
   EXPECT_THAT(LinesOf("connections_contested"),
               Contains(AllOf(HasSubstr("source=127.0.0.66 "), HasSubstr("robot=" + RuriOf(7)),
                              HasSubstr("one certificate opens connections again and again"))));
