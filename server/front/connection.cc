@@ -37,6 +37,7 @@ void Connection::OnReceived(std::string_view bytes) {
   const SteadyTime now = thread_.clock.Steady();
   lifetime_.Heard(now);
   place_.NoteHeard(now);
+  if (phase_ == Phase::kLinger && ++linger_reads_ > kLingerReadsMax) return Close();
   if (phase_ == Phase::kLinger || phase_ == Phase::kClosed) return;
   thread_.tls.in = bytes;
   if (phase_ == Phase::kHandshake) Handshake();

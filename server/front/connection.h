@@ -155,6 +155,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
 
   /// Until when the phase may last: the handshake, or the time that we linger.
   std::optional<SteadyTime> phase_by_;
+  std::size_t linger_reads_ = 0;
   SteadyTime handshake_by_;
   transport::Timers::Slot timer_;
 };

@@ -60,6 +60,10 @@ inline constexpr std::size_t kGatewayConnectionsMax = 16;
 inline constexpr std::chrono::minutes kIdleWait{5};
 /// How long we read on after our last word, so that no reset destroys it on its way.
 inline constexpr std::chrono::seconds kLingerWait{1};
+/// How often we do then, kSharedReadBytes at a time: as often as in a handshake
+/// (kHandshakeReadsMax). Without a bound a stranger's bytes cost 350 ms of CPU in that second
+/// (measured).
+inline constexpr std::size_t kLingerReadsMax = 128;
 /// A peer that does not take what waits for it, kSendBytesMax at a time, within this is cut:
 /// reading a byte now and then keeps its place no longer.
 inline constexpr std::chrono::seconds kBlockedWait{40};

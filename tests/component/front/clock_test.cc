@@ -9,6 +9,7 @@
 
 #include "server/front/limits.h"
 #include "tests/component/front/connection_bench.h"
+#include "tests/support/raw_tcp.h"
 #include "tests/support/relay_bytes.h"
 
 namespace uplink::testing {
@@ -218,6 +219,24 @@ TEST_F(Lingering, IsOverAfterASecondAndThenOthersMay) {
   EXPECT_EQ(bench_.open(), 0U);
   Come();
   EXPECT_EQ(bench_.open(), 1U);
+}
+
+TEST_F(Lingering, ReadsSoManyTimesAtMost) {
+  RawTcp peer(bench_.port());
+  bench_.Accept();
+  // A record of a handshake whose message is none.
+  const std::string broken("\x16\x03\x01\x00\x05\xFF\x00\x00\x01\x00", 10);
+  ASSERT_EQ(peer.SendSome(broken), broken.size());
+  ASSERT_TRUE(Eventually([&] { return !peer.Receive().empty(); })) << "it is told by an alert";
+  const auto come = [&] {
+    static_cast<void>(peer.SendSome("x"));
+    bench_.Do([] {});
+  };
+  for (std::size_t i = 0; i < front::kLingerReadsMax / 2; ++i) come();
+  EXPECT_EQ(bench_.open(), 1U);
+  // The clock stands still: nothing else ends it.
+  for (std::size_t i = 0; i < 10 * front::kLingerReadsMax && bench_.open() > 0; ++i) come();
+  EXPECT_TRUE(Eventually([&] { return bench_.open() == 0; }));
 }
 
 }  // namespace
