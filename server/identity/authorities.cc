@@ -10,11 +10,13 @@
 
 #include "server/identity/certificate_gate.h"
 #include "server/identity/pem.h"
+#include "server/identity/strength.h"
 
 namespace uplink::identity {
 namespace {
 
-/// What no robot may show, no authority may have either: it could show it as part of its chain.
+/// What no robot may show, no authority may have either: it could show it as part of its chain. Nor
+/// a key that makes strangers of all its robots.
 std::string FlawOf(X509* certificate) {
   // Without what a TRUSTED CERTIFICATE has behind it.
   unsigned char* bytes = nullptr;
@@ -23,8 +25,9 @@ std::string FlawOf(X509* certificate) {
   if (size <= 0) return "is broken: it is no certificate that can be read";
   const CertificateFlaw flaw = FlawOfCertificate({bytes, static_cast<std::size_t>(size)});
   OPENSSL_free(bytes);
-  if (flaw == CertificateFlaw::kNone) return {};
-  return fmt::format("cannot be used: {}", TextOf(flaw));
+  if (flaw != CertificateFlaw::kNone) return fmt::format("cannot be used: {}", TextOf(flaw));
+  const std::string weakness = WeaknessOf(*certificate);
+  return weakness.empty() ? weakness : "cannot be used: " + weakness;
 }
 
 }  // namespace

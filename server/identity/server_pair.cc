@@ -15,6 +15,7 @@
 #include "server/identity/der_reader.h"
 #include "server/identity/pem.h"
 #include "server/identity/public_key_gate.h"
+#include "server/identity/strength.h"
 
 namespace uplink::identity {
 namespace {
@@ -33,7 +34,7 @@ bool Signs(const Certificate& certificate) {
   return info && FlawOfKey(*info) != KeyFlaw::kKind;
 }
 
-/// The first certificate, if the key is its own.
+/// The first certificate, if the key is its own and both are strong enough.
 absl::StatusOr<Certificate> ParsePair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
   auto certificates = ReadCertificates(certificate_pem);
   if (!certificates.ok()) return certificates.status();
@@ -44,6 +45,7 @@ absl::StatusOr<Certificate> ParsePair(const NamedPem& certificate_pem, const Nam
   ERR_clear_error();
   if (!match)
     return Unfit(fmt::format("{}: is not the key of {}", key_pem.name, certificate_pem.name));
+  if (absl::Status strong = CheckStrength(certificate_pem, key_pem); !strong.ok()) return strong;
   return own;
 }
 

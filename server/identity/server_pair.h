@@ -18,14 +18,15 @@ namespace uplink::identity {
 [[nodiscard]] absl::Status CheckKey(const NamedPem& key);
 
 /// Whether a TLS server can serve with the two: the first certificate is one that a server may
-/// show, the key is its own, and of a kind with which a TLS server signs.
+/// show, the key is its own, and of a kind with which a TLS server signs; nothing is too weak
+/// (CheckStrength).
 ///
 /// Errors: kFailedPrecondition with a sentence that names the one that is invalid; as of
 ///         CheckCertificates and CheckKey, too.
 [[nodiscard]] absl::Status CheckServerPair(const NamedPem& certificate, const NamedPem& key);
 
-/// Whether a TLS client can show the certificate: the key is its own. What it may be used for says
-/// whoever it is shown to.
+/// Whether a TLS client can show the certificate: the key is its own, and nothing is too weak.
+/// Which use it must allow is for the server to say.
 ///
 /// Errors: as CheckServerPair.
 [[nodiscard]] absl::Status CheckClientPair(const NamedPem& certificate, const NamedPem& key);

@@ -27,9 +27,10 @@ void Require(bool done) { UPLINK_CHECK(done, "OpenSSL refused to make a test cer
 
 Key NewKey(const std::string& kind = "P-256") {
   constexpr std::size_t kRsaBits = 2048;
+  constexpr std::size_t kWeakRsaBits = 1024;
   Key key(nullptr);
-  if (kind == "RSA") {
-    key.reset(EVP_RSA_gen(kRsaBits));
+  if (kind.starts_with("RSA")) {
+    key.reset(EVP_RSA_gen(kind == "RSA" ? kRsaBits : kWeakRsaBits));
   } else if (kind.starts_with("P-") || kind.starts_with("secp") || kind.starts_with("brainpool")) {
     key.reset(EVP_EC_gen(kind.c_str()));
   } else {

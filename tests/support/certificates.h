@@ -24,7 +24,8 @@ struct CertificateSpec {
   long not_after_s = 3600;
   bool is_authority = false;
   /// The kind of its key: `P-256`, `P-384`, `P-521`, `RSA` (2,048 bits), `ED25519` or `ED448`; and
-  /// curves that nobody should have, by OpenSSL's name (`secp256k1`, `brainpoolP256r1`).
+  /// what nobody should have: `RSA-1024`, and curves by OpenSSL's name (`secp256k1`,
+  /// `brainpoolP256r1`).
   std::string key = "P-256";
   /// Its point is compressed, if its key has one.
   bool compressed = false;

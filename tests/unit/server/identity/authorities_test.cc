@@ -73,6 +73,13 @@ TEST_F(AuthoritiesTest, OneWithAKeyThatNoRobotMayHaveIsNamed) {
   EXPECT_EQ(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(4096, 17)))), "");
 }
 
+TEST_F(AuthoritiesTest, OneWhoseRobotsAreAllTooWeakIsNamed) {
+  EXPECT_THAT(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(1024, 17)))),
+              HasSubstr("block 1, from line 1, cannot be used: its key is too weak: 80 bits of "
+                        "security, and OpenSSL's security level 2 takes 112 and more"));
+  EXPECT_EQ(Said(odd::PemOf(odd::CertificateWith(odd::RsaKey(2048, 17)))), "");
+}
+
 TEST_F(AuthoritiesTest, EveryOneWithoutAUseIsNamedWithWhatIsWrong) {
   const std::string text = first_ + odd::PemOf(odd::CertificateWith(odd::ExplicitCurveKey())) +
                            With(second_, "\nMII", "\nXXX") + first_ +

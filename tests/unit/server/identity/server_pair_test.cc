@@ -45,5 +45,20 @@ TEST(ServerPair, HasAKeyOfAKindWithWhichATlsServerSigns) {
   }
 }
 
+// A start failed with it that --check-config had called good.
+TEST(ServerPair, IsStrongEnoughForOpenSsl) {
+  const testing::TestAuthority authority;
+  testing::CertificateSpec spec = testing::ServerSpec();
+  spec.key = "RSA-1024";
+  const testing::KeyPair weak = authority.Issue(spec);
+  const std::string refused = "s.crt: OpenSSL refuses it: ee key too small";
+  EXPECT_EQ(CheckServerPair({"s.crt", weak.certificate}, {"s.key", weak.key}).message(), refused);
+  EXPECT_EQ(CheckClientPair({"s.crt", weak.certificate}, {"s.key", weak.key}).message(), refused);
+  const testing::KeyPair good = authority.Issue(testing::ServerSpec());
+  EXPECT_EQ(CheckServerPair({"s.crt", good.certificate + weak.certificate}, {"s.key", good.key})
+                .message(),
+            "s.crt: OpenSSL refuses it: ca key too small");
+}
+
 }  // namespace
 }  // namespace uplink::identity
