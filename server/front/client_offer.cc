@@ -155,7 +155,8 @@ std::string ClientOffer::WhyNot(Agreed what, SSL* connection,
   const std::string groups = absl::StrReplaceAll(rules.groups, {{":", ", "}});
   switch (what) {
     case Agreed::kVersion:
-      return fmt::format("it offers {}, and we take {}", TextOf(versions_, VersionName, connection),
+      return fmt::format("it offers {}, and we take {} (tls.min_version)",
+                         TextOf(versions_, VersionName, connection),
                          rules.minimum == config::TlsVersion::k13 ? "TLS 1.3" : "TLS 1.2, TLS 1.3");
     case Agreed::kSuite:
       return fmt::format(

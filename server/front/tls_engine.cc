@@ -216,7 +216,7 @@ TlsEngine::Step TlsEngine::FailByOpenSsl() {
     case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
       return Fail(Failure::kNoCertificate);
     case SSL_R_CERTIFICATE_VERIFY_FAILED:
-      return Fail(Failure::kUntrusted);
+      return Fail(Failure::kUntrusted, X509_verify_cert_error_string(SSL_get_verify_result(ssl_)));
     default:  // the library has hundreds
       return Fail(Failure::kOther);
   }

@@ -94,18 +94,19 @@ class ClientOfferTest : public ::testing::Test {
 };
 
 TEST_F(ClientOfferTest, VersionsAreNamed) {
-  EXPECT_EQ(SaidOf({.version_max = TLS1_2_VERSION}), "it offers TLS 1.2, and we take TLS 1.3");
-  EXPECT_EQ(SaidOfHello(HelloOf({})), "it offers TLS 1.2, and we take TLS 1.3");
+  EXPECT_EQ(SaidOf({.version_max = TLS1_2_VERSION}),
+            "it offers TLS 1.2, and we take TLS 1.3 (tls.min_version)");
+  EXPECT_EQ(SaidOfHello(HelloOf({})), "it offers TLS 1.2, and we take TLS 1.3 (tls.min_version)");
   EXPECT_EQ(SaidOfHello(HelloOf({TLS1_2_VERSION, TLS1_1_VERSION})),
-            "it offers TLS 1.2, TLS 1.1, and we take TLS 1.3");
+            "it offers TLS 1.2, TLS 1.1, and we take TLS 1.3 (tls.min_version)");
   Accept12();
   EXPECT_EQ(SaidOfHello(HelloOf({TLS1_1_VERSION, 0x0200})),
-            "it offers TLS 1.1, 0x0200, and we take TLS 1.2, TLS 1.3");
+            "it offers TLS 1.1, 0x0200, and we take TLS 1.2, TLS 1.3 (tls.min_version)");
 }
 
 TEST_F(ClientOfferTest, WhatServersPassOverIsNotNamed) {
   EXPECT_EQ(SaidOfHello(HelloOf({0x0A0A, TLS1_2_VERSION, 0xFAFA})),
-            "it offers TLS 1.2, and we take TLS 1.3");
+            "it offers TLS 1.2, and we take TLS 1.3 (tls.min_version)");
 }
 
 TEST_F(ClientOfferTest, EightOfAListAreNamedAndTheOthersCounted) {

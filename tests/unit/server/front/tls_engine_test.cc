@@ -38,6 +38,7 @@ struct Outcome {
   bool done = false;
   Failure failure = Failure::kNone;
   CertificateFlaw flaw = CertificateFlaw::kNone;
+  std::string detail;
   std::optional<int> alert;
   std::string ruri;
 };
@@ -56,6 +57,7 @@ class TlsEngineTest : public ::testing::Test {
     Outcome outcome{.done = step == TlsEngine::Step::kDone,
                     .failure = engine.failure(),
                     .flaw = engine.certificate_flaw(),
+                    .detail = std::string(engine.detail()),
                     .alert = client.alert()};
     if (outcome.done) outcome.ruri = engine.Peer().ruri;
     return outcome;
@@ -167,11 +169,11 @@ TEST_F(TlsEnginePieces, AHandshakeThatFailsHasOneCause) {
   robot_.identity = other.Issue(RobotSpec(kRuri));
   const Said stranger = SayIn(kAtOnce);
   EXPECT_EQ(stranger.failure, Failure::kUntrusted);
-  EXPECT_EQ(stranger.detail, "");
+  EXPECT_EQ(stranger.detail, "unable to get local issuer certificate");
   const Said large_stranger = SayIn(kAtOnce, kRecordBytes);
   EXPECT_GT(large_stranger.came, kHandshakeBytesMax);
   EXPECT_EQ(large_stranger.failure, Failure::kUntrusted);
-  EXPECT_EQ(large_stranger.detail, "");
+  EXPECT_EQ(large_stranger.detail, stranger.detail);
   robot_.behind = Behind(1, odd::CertificateWith(odd::ExplicitCurveKey()));
   const Said odd_one = SayIn(kAtOnce, kRecordBytes);
   EXPECT_EQ(odd_one.failure, Failure::kCertificate);
@@ -368,6 +370,14 @@ TEST_F(TlsEngineTest, KeysAreAgreedOnByTheGroupsOfTheRulesAlone) {
   EXPECT_TRUE(Handshake(options).done);
   options.groups = "X25519";
   EXPECT_EQ(Handshake(options).failure, Failure::kNothingShared);
+}
+
+TEST_F(TlsEngineTest, AWeakKeyIsRefusedInTheLibrarysWords) {
+  CertificateSpec spec = RobotSpec(kRuri);
+  spec.key = "RSA-1024";
+  const Outcome outcome = Handshake(With(spec));
+  EXPECT_EQ(outcome.failure, Failure::kUntrusted);
+  EXPECT_EQ(outcome.detail, "EE certificate key too weak");
 }
 
 TEST_F(TlsEngineTest, AnAuthorityWithTheNameOfOursIsNoneOfOurs) {
