@@ -238,7 +238,8 @@ struct LogConfig {
 };
 
 struct DrainConfig {
-  /// From the signal to the exit; what is unsettled then is counted in a warning.
+  /// From the signal to the exit, two seconds more while the store fails; what is unsettled then is
+  /// counted in a warning.
   milliseconds timeout = std::chrono::seconds(20);
 };
 
