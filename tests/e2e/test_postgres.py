@@ -91,6 +91,11 @@ class Schema(EndToEnd):
         self.cluster.sql("ALTER DATABASE uplinkd SET default_transaction_read_only = on")
         self.start_that_fails("read-only", UPLINKD_STORE_ACCEPT_UNSAFE="true")
 
+    def test_a_parameter_that_the_server_refuses_ends_the_start(self):
+        self.cluster.migrate()
+        url = self.cluster.url("uplinkd") + "&options=-c%20geqo%3Dperhaps"
+        self.start_that_fails("geqo", "22023", "store.url", UPLINKD_STORE_URL=url, UPLINKD_STORE_ACCEPT_UNSAFE="true")
+
     def test_wrong_use_ends_with_2(self):
         url = self.cluster.url("uplinkd")
         for flags, text in (

@@ -105,12 +105,19 @@ Connection::~Connection() = default;
 
 absl::Status Connection::Broken(std::string_view doing, std::string_view why) {
   broken_ = true;
+  died_ = true;
   std::string text = "postgresql " + where() + ": ";
   text += doing;
   text += ": ";
   text += why;
   while (text.ends_with('\n')) text.pop_back();
   return absl::UnavailableError(text);
+}
+
+absl::Status Connection::NoAnswer(std::string_view doing) {
+  absl::Status status = Broken(doing, "no answer within its time");
+  died_ = false;
+  return status;
 }
 
 absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>& calls,
@@ -188,7 +195,7 @@ absl::Status Connection::AwaitResult(SteadyTime deadline, std::string_view doing
     if (unsent < 0) return Broken(doing, PQerrorMessage(handle_.get()));
     if (unsent == 0 && PQisBusy(handle_.get()) == 0) return absl::OkStatus();
     const short events = unsent == 1 ? POLLIN | POLLOUT : POLLIN;
-    if (clock_.Steady() >= deadline) return Broken(doing, "no answer within its time");
+    if (clock_.Steady() >= deadline) return NoAnswer(doing);
     // In slices: TLS may hold bytes that were read from the socket and not yet handed over.
     const SteadyTime slice = std::min(deadline, clock_.Steady() + kPollSlice);
     static_cast<void>(AwaitSocket(PQsocket(handle_.get()), events, slice, clock_));

@@ -101,6 +101,8 @@ class Connection final {
   /// The user who runs the server, if it was reached by a Unix socket: then it is on this machine.
   [[nodiscard]] std::optional<uid_t> peer_user() const;
   [[nodiscard]] bool broken() const { return broken_; }
+  /// It broke since the other side ended it, not for lack of an answer in time.
+  [[nodiscard]] bool died() const { return died_; }
   /// `host:port/database`.
   [[nodiscard]] const std::string& where() const { return options_.url.shown; }
 
@@ -128,11 +130,13 @@ class Connection final {
   /// Waits until a result can be taken without blocking.
   absl::Status AwaitResult(SteadyTime deadline, std::string_view doing);
   absl::Status Broken(std::string_view doing, std::string_view why);
+  absl::Status NoAnswer(std::string_view doing);
 
   Handle handle_;
   const ConnectionOptions options_;
   const Clock& clock_;
   bool broken_ = false;
+  bool died_ = false;
   std::uint64_t names_ = 0;
   /// Of the call under way: for each answer that is due, whether it is one of a preparation.
   std::vector<bool> is_preparation_;

@@ -34,6 +34,16 @@ constexpr auto kTable = std::to_array<Row>({
     {"P0", Disposition::kRefuseRow},   // an operator's trigger says no
 });
 
+/// PgBouncer answers 08P01 to everything, most of it for a while; its texts for a parameter have
+/// these words. Source: src/client.c of PgBouncer 1.18 and 1.23.
+constexpr std::string_view kPoolersState = "08P01";
+constexpr std::string_view kPoolersWords = "startup parameter";
+
+bool RefusesParameter(const ServerError& error) {
+  if (DispositionOf(error.sqlstate) == Disposition::kRefuseRow) return true;
+  return error.sqlstate == kPoolersState && error.message.find(kPoolersWords) != std::string::npos;
+}
+
 }  // namespace
 
 Disposition DispositionOf(std::string_view sqlstate) {
@@ -67,6 +77,15 @@ absl::Status MakeStatus(const ServerError& error, std::string_view where, std::s
     case Disposition::kStop:
       return absl::InternalError(text);
   }
+  return absl::InternalError(text);
+}
+
+absl::Status MakeConnectStatus(const ServerError& error, std::string_view where) {
+  if (!RefusesParameter(error)) return MakeStatus(error, where, "connect");
+  std::string text = "postgresql ";
+  text += where;
+  text += ": connect: " + error.message + " (" + error.sqlstate + ")";
+  text += "; the parameter comes from store.url, or from the environment (PGOPTIONS and the like)";
   return absl::InternalError(text);
 }
 

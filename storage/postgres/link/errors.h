@@ -43,4 +43,10 @@ struct ServerError {
 [[nodiscard]] absl::Status MakeStatus(const ServerError& error, std::string_view where,
                                       std::string_view doing);
 
+/// The same where the server refuses to begin the session. What it does not take of the parameters
+/// that `store.url` or the environment names, or what a pooler does not pass on, it will not take
+/// later either: kInternal, though as the answer to a statement it would be tried again, or be a
+/// row's fault.
+[[nodiscard]] absl::Status MakeConnectStatus(const ServerError& error, std::string_view where);
+
 }  // namespace uplink::storage::postgres

@@ -114,6 +114,10 @@ std::string SessionSettings(Purpose purpose, milliseconds statement_timeout) {
   settings += " SET lock_timeout = " + timeout + ";";
   // A server process whose client is gone must not hold its locks for long.
   settings += " SET idle_in_transaction_session_timeout = " + timeout + ";";
+  // Quiet hours end no session of ours. The setting is there from PostgreSQL 14 on.
+  settings +=
+      " SELECT pg_catalog.set_config(name, '0', false) FROM pg_catalog.pg_settings"
+      " WHERE name = 'idle_session_timeout';";
   settings +=
       " SET tcp_keepalives_idle = 15; SET tcp_keepalives_interval = 5;"
       " SET tcp_keepalives_count = 3;";

@@ -63,6 +63,8 @@ class Link final {
   [[nodiscard]] std::uint64_t connections() const { return connections_; }
   /// The last connection stands, as far as anybody knows.
   [[nodiscard]] bool connected() const { return connection_ != nullptr && !connection_->broken(); }
+  /// Connection::died, of the last connection.
+  [[nodiscard]] bool died() const { return connection_ != nullptr && connection_->died(); }
   /// What the last server that was connected to said.
   [[nodiscard]] const ServerFacts& facts() const { return facts_; }
 
@@ -78,13 +80,25 @@ class Link final {
   std::unique_ptr<Connection> connection_;
 };
 
+/// What `once` answers: a read that uses a connection of `link`. Asked a second time if the
+/// connection stood before and turned out to have died: while nobody used it the server, a pooler
+/// or a firewall ended it, and a new one may do. Not for what writes.
+template <typename Once>
+auto ReadAgainIfDied(const Link& link, const Once& once) -> decltype(once()) {
+  const bool stood = link.connected();
+  auto result = once();
+  if (!stood || !link.died()) return result;
+  return once();
+}
+
 /// What a session begins with that migrates: no timeout of its role, its database or the server
 /// ends a step, which may take long and may have to wait for others' locks; what bounds it is how
-/// long its call may take. `transaction_timeout` is there from PostgreSQL 17 on.
+/// long its call may take. `idle_session_timeout` is there from PostgreSQL 14 on,
+/// `transaction_timeout` from 17 on.
 inline constexpr std::string_view kNoTimeouts =
     "SET statement_timeout = 0; SET lock_timeout = 0; SET idle_in_transaction_session_timeout = 0;"
-    " SELECT set_config(name, '0', false) FROM pg_catalog.pg_settings"
-    " WHERE name = 'transaction_timeout';";
+    " SELECT pg_catalog.set_config(name, '0', false) FROM pg_catalog.pg_settings"
+    " WHERE name IN ('idle_session_timeout', 'transaction_timeout');";
 /// The statements that a session begins with. `statement_timeout`: what one statement may take.
 [[nodiscard]] std::string SessionSettings(Purpose purpose, milliseconds statement_timeout);
 

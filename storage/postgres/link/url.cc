@@ -90,6 +90,10 @@ absl::StatusOr<Url> ParseUrl(std::string_view url) {
           "store.url holds a " + keyword +
           "; name a file in store.password_file, or use ~/.pgpass or PGPASSFILE");
     }
+    if (keyword == "replication") {
+      return absl::InvalidArgumentError(
+          "store.url asks for a session for replication: remove the parameter");
+    }
     if (keyword == "host") host = option->val;
     if (keyword == "hostaddr" && host.empty()) host = option->val;
     if (keyword == "port") port = option->val;

@@ -20,7 +20,8 @@ class PostgresReader::Pool final {
   Pool(const ReaderOptions& options, const Link::Options& link, const Clock& clock);
 
   [[nodiscard]] const Clock& clock() const { return clock_; }
-  /// Runs `read` with a connection; waits for one.
+  /// Runs `read` with a connection; waits for one. Once more, with a new one, if that had died
+  /// while nobody used it.
   template <typename Read>
   auto With(const Read& read) -> decltype(read(std::declval<Connection&>())) {
     std::unique_ptr<Link> link;
@@ -33,18 +34,21 @@ class PostgresReader::Pool final {
       link = std::move(free_.back());
       free_.pop_back();
     }
-    const absl::StatusOr<Connection*> connection = link->Get();
-    if (!connection.ok()) {
-      NoteFailure(connection.status());
-      Return(std::move(link));
-      return connection.status();
-    }
-    auto result = read(**connection);
+    auto result = ReadAgainIfDied(*link, [&] { return Try(*link, read); });
     Return(std::move(link));
     return result;
   }
 
  private:
+  template <typename Read>
+  auto Try(Link& link, const Read& read) -> decltype(read(std::declval<Connection&>())) {
+    const absl::StatusOr<Connection*> connection = link.Get();
+    if (!connection.ok()) {
+      NoteFailure(connection.status());
+      return connection.status();
+    }
+    return read(**connection);
+  }
   void NoteFailure(const absl::Status& status);
   void Return(std::unique_ptr<Link> link);
 

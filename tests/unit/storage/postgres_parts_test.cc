@@ -1,5 +1,6 @@
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +45,18 @@ TEST(PostgresErrorsTest, ARefusedRowIsToldWithoutOurPlace) {
             absl::ResourceExhaustedError("postgresql db:5432/x: commit: no space left (53100)"));
 }
 
+TEST(PostgresErrorsTest, ASessionThatIsRefusedForAParameterStaysSo) {
+  const auto code = [](std::string state, std::string message) {
+    return MakeConnectStatus({std::move(state), std::move(message)}, "db:5432/x").code();
+  };
+  EXPECT_EQ(code("22023", "invalid value"), absl::StatusCode::kInternal);
+  EXPECT_EQ(code("08P01", "unsupported startup parameter: options"), absl::StatusCode::kInternal);
+  EXPECT_EQ(code("08P01", "pgbouncer cannot connect to server"), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code("08006", "a startup parameter"), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code("57P03", "the database system is starting up"), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code("53300", "too many clients"), absl::StatusCode::kUnavailable);
+}
+
 TEST(PostgresUrlTest, ShowsThePlaceAndNotTheUser) {
   const auto url = ParseUrl("postgresql://me@db.example:5433/uplink?sslmode=require");
   ASSERT_TRUE(url.ok()) << url.status();
@@ -84,6 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadUrl{"postgresql://me:secret%00@db/x", "store.url: "},
         BadUrl{"postgresql://db/x?password:secret", "store.url: "},
         BadUrl{"postgresql://db/x?password=secret", "store.password_file"},
+        BadUrl{"postgresql://db/x?replication=database", "store.url asks for a session for rep"},
         BadUrl{"postgresql://me:secret@[::1/x", "store.url: "},
         BadUrl{"postgresql:///x?host=a,b&port=1,2,3", "store.url names 3 hosts and 2 of host"}));
 
