@@ -61,7 +61,7 @@ absl::Status RefuseDamage(Database& database) {
     ::unlink(damage->damaged_file().c_str());
     return absl::OkStatus();
   }
-  if (!found.ok() && !absl::IsInternal(found.status())) return found.status();
+  if (!found.ok() && !absl::IsDataLoss(found.status())) return found.status();
   const std::string what = found.ok() ? *found : std::string(found.status().message());
   // So that its end moves no WAL into the file.
   damage->Note(what);

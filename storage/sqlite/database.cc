@@ -155,7 +155,9 @@ int Database::OnProgress(void* database) {
 absl::Status Database::Error(int code, std::string_view sql) const {
   absl::Status status =
       MakeStatus(code, path_, sql.substr(0, kSqlShownBytes), sqlite3_errmsg(handle_.get()));
-  if (damage_ != nullptr && IsDamage(code)) damage_->Note(std::string(status.message()));
+  if (damage_ != nullptr && absl::IsDataLoss(status)) {
+    damage_->Note(std::string(status.message()));
+  }
   return status;
 }
 

@@ -24,13 +24,12 @@ Disposition DispositionOf(int code) {
     case SQLITE_TOOBIG:
     case SQLITE_MISMATCH:
       return Disposition::kRefuseRow;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return Disposition::kDamage;
     default:  // a foreign enumeration: whatever it grows by is ours to look at first
       return Disposition::kStop;
   }
-}
-
-bool IsDamage(int code) {
-  return (code & 0xFF) == SQLITE_CORRUPT || (code & 0xFF) == SQLITE_NOTADB;
 }
 
 absl::Status MakeStatus(int code, std::string_view path, std::string_view doing,
@@ -51,6 +50,8 @@ absl::Status MakeStatus(int code, std::string_view path, std::string_view doing,
       return absl::DeadlineExceededError(text);
     case Disposition::kRefuseRow:  // told to the robot: without our path and statement
       return absl::InvalidArgumentError(std::string(message) + " (" + std::to_string(code) + ")");
+    case Disposition::kDamage:
+      return absl::DataLossError(text);
     case Disposition::kStop:
       return absl::InternalError(text);
   }

@@ -17,16 +17,15 @@ enum class Disposition : std::uint8_t {
   kTooLong,
   /// This row will never be taken; others may: kInvalidArgument, which never leaves this folder.
   kRefuseRow,
-  /// Damage, or our own mistake: kInternal.
+  /// SQLite read something that no database holds: kDataLoss.
+  kDamage,
+  /// Rights, a folder that is read-only, or our own mistake: kInternal.
   kStop,
 };
 
 /// Takes extended codes too. The one table of this kind.
 /// Source: sqlite.org/rescode.html.
 [[nodiscard]] Disposition DispositionOf(int code);
-
-/// SQLite read something that no database holds.
-[[nodiscard]] bool IsDamage(int code);
 
 /// `sqlite <path>: <doing>: <message> (<code>)` with the status code of its disposition; of a row
 /// that is refused `<message> (<code>)` alone.

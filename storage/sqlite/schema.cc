@@ -80,7 +80,7 @@ absl::Status Apply(Database& database, const Migration& migration) {
 absl::Status CheckFile(Database& database, std::span<const Migration> migrations) {
   const absl::StatusOr<std::int64_t> application = database.ReadInt("PRAGMA application_id");
   if (!application.ok()) {
-    if (application.status().code() != absl::StatusCode::kInternal) return application.status();
+    if (!absl::IsDataLoss(application.status())) return application.status();
     return Precondition(database, "is no SQLite file, or a damaged one; it is left as it is");
   }
   const absl::StatusOr<std::int64_t> version = database.ReadInt("PRAGMA user_version");

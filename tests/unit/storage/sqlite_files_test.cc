@@ -31,6 +31,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::SqliteShell;
 using testing::TempFolder;
 
@@ -132,6 +133,52 @@ TEST_F(SqliteFiles, RefusesWhatIsNoSqliteFile) {
   ExpectPrecondition(status);
   EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("no SQLite file")));
   EXPECT_EQ(std::filesystem::file_size(path_), text.size());
+}
+
+/// For whom rights count, also where the test runs as root; until it goes.
+class WithoutRights final {
+ public:
+  explicit WithoutRights(const std::vector<std::string>& theirs) {
+    if (::geteuid() != 0) return;
+    for (const std::string& name : theirs) EXPECT_EQ(::chown(name.c_str(), kNobody, kNobody), 0);
+    EXPECT_EQ(::seteuid(kNobody), 0);
+    changed_ = true;
+  }
+  WithoutRights(const WithoutRights&) = delete;
+  WithoutRights& operator=(const WithoutRights&) = delete;
+  ~WithoutRights() {
+    if (!changed_) return;
+    EXPECT_EQ(::seteuid(0), 0);
+  }
+
+ private:
+  static constexpr uid_t kNobody = 65534;
+  bool changed_ = false;
+};
+
+// SQLite cannot make the WAL there, and says so.
+TEST_F(SqliteFiles, AFolderThatMayNotBeWrittenIsNoDamage) {
+  using std::filesystem::perms;
+  const std::string folder = folder_.File("locked");
+  std::filesystem::create_directory(folder);
+  const std::string path = folder + "/uplinkd.db";
+  ASSERT_TRUE(SqliteStore::Open(path, Options()).ok());
+  for (const bool marked : {false, true}) {
+    const std::string mark = path + ".damaged";
+    if (marked) std::ofstream(mark).close();
+    absl::Status status;
+    {
+      const WithoutRights rights({folder_.File(""), folder, path, path + ".lock"});
+      std::filesystem::permissions(folder, perms::owner_read | perms::owner_exec);
+      status = SqliteStore::Open(path, Options()).status();
+      std::filesystem::permissions(folder, perms::owner_all);
+    }
+    EXPECT_FALSE(status.ok());
+    EXPECT_THAT(Text(status), AllOf(HasSubstr(path), HasSubstr("readonly database (1544)"),
+                                    Not(HasSubstr("damaged"))));
+    EXPECT_EQ(std::filesystem::exists(mark), marked) << "nobody found damage";
+  }
+  EXPECT_TRUE(SqliteStore::Open(path, Options()).ok());
 }
 
 TEST_F(SqliteFiles, RefusesAFileThatWasMigratedOtherwise) {

@@ -154,7 +154,7 @@ TEST_F(SqliteIntact, WhatAReaderFindsDamagedEndsTheAcks) {
   ASSERT_TRUE(reader.ok()) << reader.status();
   const auto bytes = static_cast<std::int64_t>(fs::file_size(path_));
   WriteZeros(path_, 4'096, static_cast<std::size_t>(bytes - 4'096));
-  EXPECT_EQ((*reader)->RobotCount().status().code(), absl::StatusCode::kInternal);
+  EXPECT_EQ((*reader)->RobotCount().status().code(), absl::StatusCode::kDataLoss);
   ExpectFailsForGood(path_);
 
   store_.reset();

@@ -36,7 +36,8 @@ TEST(SqliteErrors, SortsEveryCodeThatACallMayGive) {
   EXPECT_EQ(DispositionOf(SQLITE_INTERRUPT), Disposition::kTooLong);
   EXPECT_EQ(DispositionOf(SQLITE_CONSTRAINT_CHECK), Disposition::kRefuseRow);
   EXPECT_EQ(DispositionOf(SQLITE_TOOBIG), Disposition::kRefuseRow);
-  EXPECT_EQ(DispositionOf(SQLITE_CORRUPT), Disposition::kStop);
+  EXPECT_EQ(DispositionOf(SQLITE_CORRUPT), Disposition::kDamage);
+  EXPECT_EQ(DispositionOf(SQLITE_NOTADB), Disposition::kDamage);
   EXPECT_EQ(DispositionOf(SQLITE_READONLY), Disposition::kStop);
   EXPECT_EQ(DispositionOf(SQLITE_MISUSE), Disposition::kStop);
   EXPECT_EQ(DispositionOf(99), Disposition::kStop);
