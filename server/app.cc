@@ -327,7 +327,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
       Groundwork::Context{options.clock, options.logger, config.listen.http, config.http});
   if (absl::Status began = ground->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
-  auto stores = store::OpenStores(config, options.process, options.clock.machine());
+  auto stores = store::OpenStores(config, options.process, options.clock.machine(), options.logger);
   if (!stores.ok()) return stores.status();
   auto impl = std::make_unique<Impl>(std::move(options), *ground, *expiry, *std::move(stores));
   if (absl::Status started = impl->Start(); !started.ok()) return started;

@@ -31,8 +31,30 @@ storage::StoreRules RulesOf(const config::Config& config, const VouchedClock& cl
   return rules;
 }
 
+/// Tells the log before and after a whole file is read, which takes some seconds per GB. Why one
+/// is not sound is told with the end of the start.
+storage::sqlite::OnDamageCheck TellOfCheck(const std::string& path, const log::Logger& logger) {
+  return [path, &logger](const storage::sqlite::DamageCheck& check) {
+    using Step = storage::sqlite::DamageCheck::Step;
+    const char* result = "not sound";
+    switch (check.step) {
+      case Step::kBegins:
+        logger.Warn(
+            "store_check_begins",
+            {{"store", path}, {"bytes", check.bytes}, {"why", path + ".damaged lies beside it"}});
+        return;
+      case Step::kSound:
+        result = "sound";
+        break;
+      case Step::kFailed:
+        break;
+    }
+    logger.Warn("store_check_done", {{"store", path}, {"result", result}});
+  };
+}
+
 absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::ProcessId& process,
-                                  const Clock& clock) {
+                                  const Clock& clock, const log::Logger& logger) {
   Stores stores;
   stores.clock = std::make_unique<VouchedClock>(clock);
   const std::string path = config::SqlitePath(config.store);
@@ -40,6 +62,7 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   options.process = process;
   options.rules = RulesOf(config, *stores.clock);
   options.migrate = config.store.migrate;
+  options.on_damage_check = TellOfCheck(path, logger);
   auto store = storage::sqlite::SqliteStore::Open(path, options);
   if (!store.ok()) return store.status();
   const storage::sqlite::DamagePtr damage = (*store)->damage();
@@ -158,9 +181,9 @@ std::string NameOf(const config::StoreConfig& store) {
 }
 
 absl::StatusOr<Stores> OpenStores(const config::Config& config, const storage::ProcessId& process,
-                                  const Clock& clock) {
+                                  const Clock& clock, const log::Logger& logger) {
   return config::IsPostgres(config.store) ? OpenPostgres(config, process, clock)
-                                          : OpenSqlite(config, process, clock);
+                                          : OpenSqlite(config, process, clock, logger);
 }
 
 }  // namespace uplink::store

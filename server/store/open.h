@@ -11,6 +11,7 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/log/logger.h"
 #include "server/store/oldest_snapshot.h"
 #include "server/store/vouched_clock.h"
 #include "storage/change_signal.h"
@@ -61,11 +62,12 @@ struct Stores {
 /// password.
 [[nodiscard]] std::string NameOf(const config::StoreConfig& store);
 
-/// Opens it. `clock` must outlive the stores.
+/// Opens it. `clock` must outlive the stores. The log is told where a whole SQLite file has to be
+/// read first.
 ///
 /// Errors: a store that is there and cannot be used as it is; the message says what to do.
 [[nodiscard]] absl::StatusOr<Stores> OpenStores(const config::Config& config,
                                                 const storage::ProcessId& process,
-                                                const Clock& clock);
+                                                const Clock& clock, const log::Logger& logger);
 
 }  // namespace uplink::store

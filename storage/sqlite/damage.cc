@@ -1,7 +1,9 @@
 #include "storage/sqlite/damage.h"
 
+#include <filesystem>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -52,12 +54,20 @@ absl::Status RefuseEmptied(const std::string& path) {
   return absl::FailedPreconditionError(text.append(kWhatToDo));
 }
 
-absl::Status RefuseDamage(Database& database) {
+absl::Status RefuseDamage(Database& database, const OnDamageCheck& told) {
   auto damage = std::make_shared<Damage>(database.path());
   if (::access(damage->damaged_file().c_str(), F_OK) != 0) return absl::OkStatus();
+  std::error_code unknown;
+  const std::uintmax_t bytes = std::filesystem::file_size(database.path(), unknown);
+  const auto tell = [&](DamageCheck::Step step) {
+    if (told) told({step, unknown ? 0 : std::uint64_t{bytes}});
+  };
   database.ReportDamageTo(damage);
+  tell(DamageCheck::Step::kBegins);
   const absl::StatusOr<std::string> found = database.ReadText("PRAGMA integrity_check(1)");
-  if (found.ok() && *found == "ok") {
+  const bool sound = found.ok() && *found == "ok";
+  tell(sound ? DamageCheck::Step::kSound : DamageCheck::Step::kFailed);
+  if (sound) {
     ::unlink(damage->damaged_file().c_str());
     return absl::OkStatus();
   }

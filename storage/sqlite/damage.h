@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -49,10 +51,21 @@ using DamagePtr = std::shared_ptr<Damage>;
 ///         lies beside it; nothing is changed then.
 [[nodiscard]] absl::Status RefuseEmptied(const std::string& path);
 
+/// The look at a whole store because of a damaged_file(). A value.
+struct DamageCheck {
+  enum class Step : std::uint8_t { kBegins, kSound, kFailed };
+  Step step = Step::kBegins;
+  /// Of the store's file: what there is to read.
+  std::uint64_t bytes = 0;
+};
+/// Told of each step, as it is taken.
+using OnDamageCheck = std::function<void(const DamageCheck&)>;
+
 /// Reads the whole store, some seconds per GB, if there is a damaged_file(), and removes that if
-/// the store is sound. Of a new connection, which reports its damage from then on.
+/// the store is sound. Of a new connection, which reports its damage from then on. `told` may be
+/// empty.
 ///
-/// Errors: kFailedPrecondition if it is not.
-[[nodiscard]] absl::Status RefuseDamage(Database& database);
+/// Errors: kFailedPrecondition if it is not sound; SQLite's own where it cannot be read.
+[[nodiscard]] absl::Status RefuseDamage(Database& database, const OnDamageCheck& told);
 
 }  // namespace uplink::storage::sqlite

@@ -51,7 +51,7 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   impl->database = *std::move(opened);
 
   const IfOlder if_older = options.migrate ? IfOlder::kMigrate : IfOlder::kRefuse;
-  absl::Status status = RefuseDamage(database);
+  absl::Status status = RefuseDamage(database, options.on_damage_check);
   if (status.ok()) status = CheckFile(database, Migrations());
   if (status.ok()) status = ConfigureWriter(database);
   if (status.ok()) status = Migrate(database, Migrations(), if_older);

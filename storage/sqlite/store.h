@@ -12,6 +12,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/disk_space.h"
 #include "storage/sqlite/damage.h"
 #include "storage/store.h"
 
@@ -29,6 +30,10 @@ struct StoreOptions {
   milliseconds busy_timeout{5'000};
   /// The largest file, in pages of 4 KiB; past it the store is full. Nothing: as the disk allows.
   std::optional<std::int64_t> pages_max;
+  /// Told if an earlier process found damage, so that the whole file is read first; may be empty.
+  OnDamageCheck on_damage_check;
+  /// What the disk has left, in place of DiskSpaceOf. For tests.
+  std::function<absl::StatusOr<DiskSpace>(const std::string&)> disk_space = DiskSpaceOf;
   /// Called in each write transaction right before its commit; what is not OK rolls it back and is
   /// the answer. For tests.
   std::function<absl::Status()> before_commit;

@@ -110,6 +110,8 @@ class StoreFiles(EndToEnd):
         self.path.write_bytes(before)
         self.campaign.start_server(self.server)
         self.assertFalse(pathlib.Path(f"{self.path}.damaged").exists())
+        self.assertRegex(self.server.text(), rf"store_check_begins store={self.path} bytes={len(before)} ")
+        self.assertRegex(self.server.text(), r"store_check_done .*result=sound")
         self.kill_and_compare()
 
 

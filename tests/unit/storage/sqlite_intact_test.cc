@@ -165,6 +165,33 @@ TEST_F(SqliteIntact, WhatAReaderFindsDamagedEndsTheAcks) {
   EXPECT_TRUE(OpenAgain().ok()) << OpenAgain();
 }
 
+TEST_F(SqliteIntact, AStartTellsThatItReadsTheWholeFileAndWhatItFound) {
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  store_.reset();
+  using Step = DamageCheck::Step;
+  std::vector<std::pair<Step, std::uint64_t>> told;
+  StoreOptions options;
+  options.process = {2};
+  options.on_damage_check = [&](const DamageCheck& check) {
+    told.emplace_back(check.step, check.bytes);
+    EXPECT_EQ(fs::exists(Mark()), true) << "it stays until the end";
+  };
+  EXPECT_TRUE(SqliteStore::Open(path_, options).ok());
+  EXPECT_THAT(told, ::testing::IsEmpty()) << "nobody found damage";
+
+  const std::uint64_t bytes = fs::file_size(path_);
+  std::ofstream(Mark()).close();
+  EXPECT_TRUE(SqliteStore::Open(path_, options).ok());
+  EXPECT_THAT(told, ::testing::ElementsAre(std::pair(Step::kBegins, bytes),
+                                           std::pair(Step::kSound, bytes)));
+  told.clear();
+  std::ofstream(Mark()).close();
+  WriteZeros(path_, 4'096, static_cast<std::size_t>(bytes - 4'096));
+  EXPECT_FALSE(SqliteStore::Open(path_, options).ok());
+  EXPECT_THAT(told, ::testing::ElementsAre(std::pair(Step::kBegins, bytes),
+                                           std::pair(Step::kFailed, bytes)));
+}
+
 TEST_F(SqliteIntact, WhatADutyFindsDamagedEndsTheAcks) {
   Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
   const auto forget = SqliteForgetStore::Open(path_, store_->damage());
