@@ -253,15 +253,17 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      " failover to a standby that lagged. What they still hold is stored again."},
     {kStoreOldestSnapshot, "uplinkd_store_oldest_snapshot_seconds", kGauge, "seconds",
      "How long another transaction, a replication slot or a prepared transaction has kept the "
-     "database"
-     " from removing dead rows, as far as this process saw."},
+     "database from removing dead rows, as far as this process saw; with SQLite how long another "
+     "connection has kept the WAL from being moved into the file."},
     {kStoreFreeBytes, "uplinkd_store_free_bytes", kGauge, "bytes",
-     "What the store may still write: free on its disk, with SQLite in its file too. Not there "
-     "where it cannot be known."},
+     "What the store may still write: free on its disk, with SQLite in its files too, less what "
+     "moving the WAL will take. Not there where it cannot be known."},
     {kStoreFreeMinBytes, "uplinkd_store_free_min_bytes", kGauge, "bytes",
      "What is to be free (store.free_min); below that some robots are slowed down, below half of "
      "that nothing is stored."},
     {kStoreDiskBytes, "uplinkd_store_disk_bytes", kGauge, "bytes", "The size of the store's disk."},
+    {kStoreWalBytes, "uplinkd_store_wal_bytes", kGauge, "bytes",
+     "With SQLite: the file of its WAL. It grows while another connection reads an old state."},
     {kStoreStopped, "uplinkd_store_stopped", kGauge, "0 or 1",
      "1 while nothing is stored, since the store's disk is nearly full."},
     {kStoreRobotsLimited, "uplinkd_store_robots_limited", kGauge, "robots",

@@ -131,6 +131,7 @@ enum class MetricId : std::uint8_t {
   kStoreFreeBytes,
   kStoreFreeMinBytes,
   kStoreDiskBytes,
+  kStoreWalBytes,
   kStoreStopped,
   kStoreRobotsLimited,
   kClockVouched,

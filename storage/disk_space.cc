@@ -15,7 +15,7 @@ absl::StatusOr<DiskSpace> DiskSpaceOf(const std::string& path) {
         "the space of " + path + " cannot be asked for: " + std::generic_category().message(errno));
   }
   const std::uint64_t block = disk.f_frsize;
-  return DiskSpace{disk.f_bavail * block, disk.f_blocks * block};
+  return DiskSpace{.free_bytes = disk.f_bavail * block, .total_bytes = disk.f_blocks * block};
 }
 
 }  // namespace uplink::storage

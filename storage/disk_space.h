@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <absl/status/statusor.h>
@@ -11,6 +12,8 @@ namespace uplink::storage {
 struct DiskSpace {
   std::uint64_t free_bytes = 0;
   std::uint64_t total_bytes = 0;
+  /// Of that disk: what the WAL of an SQLite store takes.
+  std::optional<std::uint64_t> wal_bytes = std::nullopt;
 
   friend bool operator==(const DiskSpace&, const DiskSpace&) = default;
 };

@@ -29,7 +29,8 @@ struct StoreFacts {
   /// Commits since the start that the database answered with a warning: whether they are durable
   /// was unknown, and they failed.
   std::uint64_t commits_in_doubt = 0;
-  /// How long something else has kept dead row versions from being removed.
+  /// How long something else has kept dead row versions from being removed, or the WAL of an SQLite
+  /// store from being moved into its file.
   milliseconds oldest_snapshot{0};
 
   [[nodiscard]] bool old_snapshot() const { return oldest_snapshot > kOldSnapshot; }

@@ -85,6 +85,13 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
     stores.topic_leases = *std::move(topics);
   }
   stores.writers.push_back(*std::move(store));
+  stores.snapshot = std::make_unique<OldestSnapshot>(
+      [asked = reader->get(), &clock] { return asked->OldestSnapshot(clock.Steady()); });
+  stores.facts = [snapshot = stores.snapshot.get()] {
+    storage::StoreFacts facts;
+    facts.oldest_snapshot = snapshot->age();
+    return facts;
+  };
   stores.space = [asked = reader->get()] { return asked->Space(); };
   stores.reader = *std::move(reader);
   return stores;

@@ -16,6 +16,7 @@ void AddSamples(const SpaceView& view, metrics::Exposition& page) {
     page.Add(kStoreFreeBytes, view.space->free_bytes);
     page.Add(kStoreFreeMinBytes, view.free_min);
     page.Add(kStoreDiskBytes, view.space->total_bytes);
+    if (view.space->wal_bytes) page.Add(kStoreWalBytes, *view.space->wal_bytes);
   }
   page.Add(kStoreStopped, view.state == SpaceState::kStopped ? 1 : 0);
   page.Add(kStoreRobotsLimited, view.robots_limited);

@@ -36,7 +36,9 @@ void Watch::LookAtSnapshot(const storage::StoreFacts& facts) {
   said_snapshot_ = facts.old_snapshot();
   if (said_snapshot_) {
     logger_.Warn("store_old_snapshot",
-                 {{"why", "another transaction keeps the database from removing dead rows"},
+                 {{"why",
+                   "another connection reads an old state: the database keeps dead rows,"
+                   " or its WAL, for it"},
                   {"age_ms", facts.oldest_snapshot.count()}});
   } else {
     logger_.Info("store_old_snapshot_gone", {});

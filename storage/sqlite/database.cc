@@ -64,7 +64,7 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& path
                                                          milliseconds busy_timeout) {
   absl::Status file = TryFile(path, access);
   if (!file.ok()) return file;
-  std::unique_ptr<Database> database(new Database(path));
+  std::unique_ptr<Database> database(new Database(path, busy_timeout));
   const int flags = (access == Access::kWrite ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY) |
                     SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   sqlite3* handle = nullptr;
@@ -73,7 +73,7 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& path
   if (code != SQLITE_OK) {
     return MakeStatus(code, path, "open", handle == nullptr ? "no memory" : sqlite3_errmsg(handle));
   }
-  sqlite3_busy_timeout(handle, static_cast<int>(busy_timeout.count()));
+  database->SetBusyTimeout(busy_timeout);
   // The file's schema cannot make the program run functions with effects, nor corrupt itself.
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
@@ -125,10 +125,22 @@ void Database::RollbackIfOpen() {
   static_cast<void>(sqlite3_exec(handle_.get(), "ROLLBACK", nullptr, nullptr, nullptr));
 }
 
-void Database::MoveWal() {
-  const int code =
-      sqlite3_wal_checkpoint_v2(handle_.get(), "main", SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+void Database::SetBusyTimeout(milliseconds timeout) {
+  sqlite3_busy_timeout(handle_.get(), static_cast<int>(timeout.count()));
+}
+
+void Database::RunCheckpoint(int mode) {
+  const int code = sqlite3_wal_checkpoint_v2(handle_.get(), "main", mode, nullptr, nullptr);
+  // For the damage that it may name.
   if (code != SQLITE_OK) static_cast<void>(Error(code, "checkpoint"));
+}
+
+void Database::MoveWal() { RunCheckpoint(SQLITE_CHECKPOINT_PASSIVE); }
+
+void Database::EmptyWal() {
+  SetBusyTimeout(milliseconds(0));
+  RunCheckpoint(SQLITE_CHECKPOINT_TRUNCATE);
+  SetBusyTimeout(busy_timeout_);
 }
 
 std::string Database::FileName() const { return sqlite3_db_filename(handle_.get(), "main"); }

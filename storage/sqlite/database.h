@@ -58,6 +58,9 @@ class Database final {
   /// Moves the WAL into the database as far as readers allow (a passive checkpoint). What keeps it
   /// from that is left to the next one, as SQLite does after a commit.
   void MoveWal();
+  /// Moves all of the WAL into the database and cuts its file to nothing, if no other connection
+  /// uses it; what can be moved is moved even so. Waits for none of them.
+  void EmptyWal();
 
   /// From now on a statement may take `steps_max` steps of SQLite's machine; 0: any number.
   void LimitSteps(std::int64_t steps_max);
@@ -76,12 +79,17 @@ class Database final {
   struct Close {
     void operator()(sqlite3* handle) const;
   };
-  explicit Database(std::string path) : path_(std::move(path)) {}
+  Database(std::string path, milliseconds busy_timeout)
+      : path_(std::move(path)), busy_timeout_(busy_timeout) {}
+  void SetBusyTimeout(milliseconds timeout);
+  /// `mode`: of sqlite3_wal_checkpoint_v2.
+  void RunCheckpoint(int mode);
   template <typename Take>
   [[nodiscard]] absl::Status ReadFirst(const std::string& sql, const Take& take);
   static int OnProgress(void* database);
 
   const std::string path_;
+  const milliseconds busy_timeout_;
   std::unique_ptr<sqlite3, Close> handle_;
   std::int64_t steps_left_ = 0;
   DamagePtr damage_;

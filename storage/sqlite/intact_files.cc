@@ -5,6 +5,8 @@
 
 #include <sqlite3.h>
 
+#include "storage/sqlite/open_files.h"
+
 namespace uplink::storage::sqlite {
 namespace {
 
@@ -12,13 +14,6 @@ namespace {
 /// is judged by the next commit.
 constexpr int kLooksMax = 100;
 
-/// The first part of the index, as every connection maps it.
-constexpr int kIndexBytes = 32 * 1024;
-constexpr std::size_t kMovedWord = 24;
-constexpr std::size_t kMovingWord = 32;
-
-constexpr std::int64_t kWalHeaderBytes = 32;
-constexpr std::int64_t kFrameHeaderBytes = 24;
 constexpr std::size_t kDatabaseHeaderBytes = 100;
 constexpr std::string_view kMagic("SQLite format 3\0", 16);
 /// Of the database: its page size, and the versions that a WAL needs to write and to read.
@@ -39,25 +34,6 @@ std::array<std::uint32_t, 2> Words(std::string_view bytes) {
 
 std::array<std::uint32_t, 2> BigEndianWords(std::string_view bytes) {
   return {BigEndian(bytes.substr(0, 4)), BigEndian(bytes.substr(4, 4))};
-}
-
-/// An open file of SQLite's, by the descriptor that SQLite has: one of our own would drop SQLite's
-/// locks when it is closed.
-absl::StatusOr<sqlite3_file*> FileOf(Database& database, int which) {
-  sqlite3_file* file = nullptr;
-  const int code = sqlite3_file_control(database.handle(), "main", which, &file);
-  if (code != SQLITE_OK) return database.Error(code, "find an open file");
-  if (file == nullptr || file->pMethods == nullptr) {
-    return absl::UnavailableError("sqlite " + database.path() + ": a file is not open");
-  }
-  return file;
-}
-
-absl::StatusOr<std::int64_t> SizeOf(const Database& database, sqlite3_file* file) {
-  sqlite3_int64 bytes = 0;
-  const int code = file->pMethods->xFileSize(file, &bytes);
-  if (code != SQLITE_OK) return database.Error(code, "look at the size of a file");
-  return bytes;
 }
 
 /// What lies behind the file's end is zero.
@@ -83,40 +59,20 @@ std::int64_t PageSizeOf(std::string_view header) {
 
 absl::Status IntactFiles::Look() {
   for (int look = 0; look < kLooksMax; ++look) {
-    const absl::StatusOr<std::optional<Index>> before = ReadIndex();
+    const absl::StatusOr<std::optional<WalIndex>> before = ReadWalIndex(database_);
     if (!before.ok()) return before.status();
     if (!*before) continue;
     absl::StatusOr<Seen> seen = See(**before);
     if (!seen.ok()) return seen.status();
-    const absl::StatusOr<std::optional<Index>> after = ReadIndex();
+    const absl::StatusOr<std::optional<WalIndex>> after = ReadWalIndex(database_);
     if (!after.ok()) return after.status();
     if (*before == *after) return Judge(**before, *std::move(seen));
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::optional<IntactFiles::Index>> IntactFiles::ReadIndex() const {
-  const absl::StatusOr<sqlite3_file*> file = FileOf(database_, SQLITE_FCNTL_FILE_POINTER);
-  if (!file.ok()) return file.status();
-  volatile void* mapped = nullptr;
-  const int code = (*file)->pMethods->xShmMap(*file, 0, kIndexBytes, 0, &mapped);
-  if (code != SQLITE_OK) return database_.Error(code, "map the index of the WAL");
-  if (mapped == nullptr) return std::optional<Index>();
-  const auto* words = static_cast<const volatile std::uint32_t*>(mapped);
-  Index index;
-  std::array<std::uint32_t, 12> second{};
-  // A connection that writes the header writes the second copy first.
-  for (std::size_t i = 0; i < index.header.size(); ++i) index.header[i] = words[i];
-  (*file)->pMethods->xShmBarrier(*file);
-  for (std::size_t i = 0; i < second.size(); ++i) second[i] = words[second.size() + i];
-  index.moved = words[kMovedWord];
-  index.moving = words[kMovingWord];
-  (*file)->pMethods->xShmBarrier(*file);
-  return second == index.header ? std::optional(index) : std::nullopt;
-}
-
-absl::StatusOr<IntactFiles::Seen> IntactFiles::See(const Index& index) const {
-  const absl::StatusOr<sqlite3_file*> file = FileOf(database_, SQLITE_FCNTL_FILE_POINTER);
+absl::StatusOr<IntactFiles::Seen> IntactFiles::See(const WalIndex& index) const {
+  const absl::StatusOr<sqlite3_file*> file = OpenDatabaseFile(database_);
   if (!file.ok()) return file.status();
   const absl::StatusOr<std::int64_t> size = SizeOf(database_, *file);
   if (!size.ok()) return size.status();
@@ -129,30 +85,38 @@ absl::StatusOr<IntactFiles::Seen> IntactFiles::See(const Index& index) const {
   absl::StatusOr<std::string> first = Read(database_, *file, 0, static_cast<std::size_t>(page));
   if (!first.ok()) return first.status();
   seen.first_page = *std::move(first);
-  absl::StatusOr<std::string> fault = WalFault(index, page);
+  const absl::StatusOr<std::int64_t> wal = WalBytes(index);
+  if (!wal.ok()) return wal.status();
+  seen.wal_bytes = *wal;
+  absl::StatusOr<std::string> fault = WalFault(index, seen);
   if (!fault.ok()) return fault.status();
   seen.wal_fault = *std::move(fault);
   return seen;
 }
 
-absl::StatusOr<std::string> IntactFiles::WalFault(const Index& index, std::int64_t page) const {
+absl::StatusOr<std::int64_t> IntactFiles::WalBytes(const WalIndex& index) const {
   // Begun anew, and not written yet; another connection may just have emptied it.
-  if (index.last_frame() == 0) return std::string();
-  const absl::StatusOr<sqlite3_file*> wal = FileOf(database_, SQLITE_FCNTL_JOURNAL_POINTER);
+  if (index.last_frame() == 0) return 0;
+  const absl::StatusOr<sqlite3_file*> wal = OpenWalFile(database_);
   if (!wal.ok()) return wal.status();
-  const auto end_of = [page](std::uint32_t frame) {
-    return kWalHeaderBytes + std::int64_t{frame} * (kFrameHeaderBytes + page);
-  };
-  const absl::StatusOr<std::int64_t> size = SizeOf(database_, *wal);
-  if (!size.ok()) return size.status();
-  if (*size < end_of(index.last_frame())) return std::string("it was cut short");
+  return SizeOf(database_, *wal);
+}
+
+absl::StatusOr<std::string> IntactFiles::WalFault(const WalIndex& index, const Seen& seen) const {
+  if (index.last_frame() == 0) return std::string();
+  const auto page = static_cast<std::int64_t>(seen.first_page.size());
+  if (seen.wal_bytes < EndOfFrame(index.last_frame(), page)) {
+    return std::string("it was cut short");
+  }
+  const absl::StatusOr<sqlite3_file*> wal = OpenWalFile(database_);
+  if (!wal.ok()) return wal.status();
   const absl::StatusOr<std::string> header = Read(database_, *wal, 0, kWalHeaderBytes);
   if (!header.ok()) return header.status();
   bool sound = Words(std::string_view(*header).substr(16)) == index.salts();
   for (const Frame& frame : {last_, Frame{index.last_frame(), index.checksum(), index.salts()}}) {
     if (frame.frame == 0 || frame.salts != index.salts()) continue;
     const absl::StatusOr<std::string> read =
-        Read(database_, *wal, end_of(frame.frame - 1), kFrameHeaderBytes);
+        Read(database_, *wal, EndOfFrame(frame.frame - 1, page), kFrameHeaderBytes);
     if (!read.ok()) return read.status();
     const std::string_view bytes = *read;
     sound = sound && Words(bytes.substr(8)) == frame.salts &&
@@ -161,7 +125,7 @@ absl::StatusOr<std::string> IntactFiles::WalFault(const Index& index, std::int64
   return std::string(sound ? "" : "something other than SQLite wrote to it");
 }
 
-absl::Status IntactFiles::Judge(const Index& index, Seen seen) {
+absl::Status IntactFiles::Judge(const WalIndex& index, Seen seen) {
   if (seen.first_page.empty())
     return Lost("",
                 "its header is none of a database with a WAL: it was cut short, or another file "
@@ -179,6 +143,7 @@ absl::Status IntactFiles::Judge(const Index& index, Seen seen) {
     return Lost("", "something other than SQLite wrote to it");
   }
   last_ = {index.last_frame(), index.checksum(), index.salts()};
+  wal_ = WalStateOf(index, {seen.wal_bytes, seen.database_bytes, page});
   rested_.reset();
   if (rests) {
     rested_ = {index.salts(), index.moved, seen.database_bytes, std::move(seen.first_page)};

@@ -10,6 +10,8 @@
 #include <absl/status/statusor.h>
 
 #include "storage/sqlite/database.h"
+#include "storage/sqlite/wal_index.h"
+#include "storage/sqlite/wal_state.h"
 
 namespace uplink::storage::sqlite {
 
@@ -42,24 +44,12 @@ class IntactFiles final {
 
   /// Committed frames in the WAL, as of the last look.
   [[nodiscard]] std::uint32_t frames() const { return last_.frame; }
+  /// As of the last look; without the size of a WAL that has no frame.
+  [[nodiscard]] const WalState& wal() const { return wal_; }
   /// Whether the next look compares the database with what the last one saw.
   [[nodiscard]] bool compares() const { return rested_.has_value(); }
 
  private:
-  /// What the index says. Numbers are in the machine's order, salts as they stand in the WAL.
-  struct Index {
-    /// The first copy of its header, in words of four bytes.
-    std::array<std::uint32_t, 12> header{};
-    /// Frames that were moved into the database, and that one tried to move.
-    std::uint32_t moved = 0;
-    std::uint32_t moving = 0;
-
-    bool operator==(const Index&) const = default;
-    [[nodiscard]] std::uint32_t last_frame() const { return header[4]; }
-    [[nodiscard]] std::uint32_t pages() const { return header[5]; }
-    [[nodiscard]] std::array<std::uint32_t, 2> checksum() const { return {header[6], header[7]}; }
-    [[nodiscard]] std::array<std::uint32_t, 2> salts() const { return {header[8], header[9]}; }
-  };
   /// A committed frame of the WAL; number 0 is none.
   struct Frame {
     std::uint32_t frame = 0;
@@ -76,20 +66,22 @@ class IntactFiles final {
   /// What stands in the files.
   struct Seen {
     std::int64_t database_bytes = 0;
+    std::int64_t wal_bytes = 0;
     std::string first_page;
     /// Names what is wrong with the WAL; empty if nothing is.
     std::string wal_fault;
   };
 
-  /// Nothing while a connection writes it.
-  [[nodiscard]] absl::StatusOr<std::optional<Index>> ReadIndex() const;
-  [[nodiscard]] absl::StatusOr<Seen> See(const Index& index) const;
-  [[nodiscard]] absl::StatusOr<std::string> WalFault(const Index& index, std::int64_t page) const;
-  [[nodiscard]] absl::Status Judge(const Index& index, Seen seen);
+  [[nodiscard]] absl::StatusOr<Seen> See(const WalIndex& index) const;
+  /// 0 for a WAL without frames.
+  [[nodiscard]] absl::StatusOr<std::int64_t> WalBytes(const WalIndex& index) const;
+  [[nodiscard]] absl::StatusOr<std::string> WalFault(const WalIndex& index, const Seen& seen) const;
+  [[nodiscard]] absl::Status Judge(const WalIndex& index, Seen seen);
   [[nodiscard]] absl::Status Lost(std::string_view end, std::string_view what) const;
 
   Database& database_;
   Frame last_;
+  WalState wal_;
   std::optional<Rested> rested_;
 };
 

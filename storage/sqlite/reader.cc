@@ -1,5 +1,7 @@
 #include "storage/sqlite/reader.h"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "storage/numbers.h"
@@ -88,25 +90,48 @@ absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
 absl::StatusOr<DiskSpace> SqliteReader::Space() {
   absl::StatusOr<DiskSpace> space = DiskSpaceOf(pool_->path());
   if (!space.ok()) return space;
-  space->free_bytes += ReusableBytes();
+  const Room& room = LookAtRoom();
+  // What a WAL always has and is moved all the time would only make the figure go to and fro.
+  const WalState& wal = room.wal;
+  const std::uint64_t released = wal.reusable_bytes - std::min(wal.reusable_bytes, kWalLargeBytes);
+  const std::uint64_t has = space->free_bytes + room.free_pages_bytes + released;
+  space->free_bytes = has - std::min(has, wal.held() ? wal.owed_bytes : 0);
+  space->wal_bytes = wal.bytes;
   return space;
 }
 
-std::uint64_t SqliteReader::ReusableBytes() {
+const SqliteReader::Room& SqliteReader::LookAtRoom() {
   if (looks_without_ > 0) {
     --looks_without_;
-    return reusable_bytes_;
+    return room_;
   }
-  const auto reusable = pool_->With([](Database& database) -> absl::StatusOr<std::int64_t> {
-    return database.ReadInt(
+  const auto seen = pool_->With([this](Database& database) -> absl::StatusOr<Room> {
+    const absl::StatusOr<std::int64_t> free_pages = database.ReadInt(
         "SELECT freelist_count * page_size FROM pragma_freelist_count, pragma_page_size");
+    if (!free_pages.ok()) return free_pages.status();
+    const absl::StatusOr<std::optional<WalState>> wal = ReadWalState(database);
+    if (!wal.ok()) return wal.status();
+    return Room{static_cast<std::uint64_t>(*free_pages), wal->value_or(room_.wal)};
   });
-  if (reusable.ok()) {
-    reusable_bytes_ = static_cast<std::uint64_t>(*reusable);
+  if (seen.ok()) {
+    room_ = *seen;
   } else {
     looks_without_ = kLooksWithout;
   }
-  return reusable_bytes_;
+  return room_;
+}
+
+absl::StatusOr<milliseconds> SqliteReader::OldestSnapshot(SteadyTime now) {
+  const auto wal = pool_->With([](Database& database) -> absl::StatusOr<std::optional<WalState>> {
+    // A connection sees the files of others once it has read.
+    const absl::StatusOr<std::int64_t> read = database.ReadInt("PRAGMA freelist_count");
+    if (!read.ok()) return read.status();
+    return ReadWalState(database);
+  });
+  if (!wal.ok()) return wal.status();
+  // While somebody writes the index the next call looks again.
+  if (!*wal) return absl::UnavailableError("the index of the WAL of " + pool_->path() + " changes");
+  return hold_age_.Note(**wal, now);
 }
 
 absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const std::string& ruri) {

@@ -14,6 +14,7 @@
 #include "storage/disk_space.h"
 #include "storage/reader.h"
 #include "storage/sqlite/damage.h"
+#include "storage/sqlite/wal_state.h"
 
 namespace uplink::storage::sqlite {
 
@@ -62,22 +63,32 @@ class SqliteReader final : public Reader {
                                                   LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
-  /// What is left on the file's disk, and in the file itself: pages of rows that were deleted are
-  /// written again, and never given back to the disk.
+  /// What is left on the file's disk and in the files themselves: pages of rows that were deleted
+  /// are written again, and so is a large WAL that was moved into the database. While one is held,
+  /// what moving it will take is not free. One call at a time.
   ///
   /// Errors: as of a call; kUnavailable also where the disk cannot be asked.
   [[nodiscard]] absl::StatusOr<DiskSpace> Space();
+  /// How long another connection has kept the WAL from being moved into the database, as far as
+  /// the calls of this before could see. One call at a time.
+  [[nodiscard]] absl::StatusOr<milliseconds> OldestSnapshot(SteadyTime now);
 
  private:
   class Pool;
   explicit SqliteReader(std::unique_ptr<Pool> pool);
-  /// Of the file's free pages.
-  [[nodiscard]] std::uint64_t ReusableBytes();
+  /// Of the files: what is free in them, and how the WAL stands.
+  struct Room {
+    std::uint64_t free_pages_bytes = 0;
+    WalState wal;
+  };
+  /// As of the last look that could ask.
+  [[nodiscard]] const Room& LookAtRoom();
 
   std::unique_ptr<Pool> pool_;
-  /// As of the last look that could ask, and how many looks more do not ask.
-  std::uint64_t reusable_bytes_ = 0;
+  Room room_;
+  /// How many looks more do not ask.
   int looks_without_ = 0;
+  WalHoldAge hold_age_;
 };
 
 }  // namespace uplink::storage::sqlite

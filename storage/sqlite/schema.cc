@@ -12,6 +12,11 @@ namespace {
 /// Pages that the writer's cache may hold, in KiB: the inner pages of a large store's indexes.
 constexpr int kCacheKib = 16 * 1024;
 
+/// What SQLite keeps of the WAL's file once its content was moved and written over, in bytes: a
+/// commit after a checkpoint writes less (kMovedAtFrames, and a batch), so only a WAL that grew
+/// while a reader kept it is cut.
+constexpr std::int64_t kWalKeptBytes = std::int64_t{16} << 20;
+
 /// What `synchronous` is set to, and how it is shown. FULL: with less, a WAL may lose the last
 /// commits at a loss of power. The crash campaign builds a program with less, to see that it finds
 /// the loss.
@@ -108,6 +113,10 @@ absl::Status ConfigureWriter(Database& database) {
   if (set.ok()) {
     const std::string cache = std::to_string(-kCacheKib);
     set = Pragma(database, "cache_size", cache, cache);
+  }
+  if (set.ok()) {
+    const std::string kept = std::to_string(kWalKeptBytes);
+    set = Pragma(database, "journal_size_limit", kept, kept);
   }
   return set;
 }

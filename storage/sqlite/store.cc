@@ -60,7 +60,7 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   }
   if (status.ok()) status = impl->tables.Prepare(database);
   if (!status.ok()) return status;
-  auto files = StoreFiles::Open(database);
+  auto files = StoreFiles::Open(database, options.disk_space);
   if (!files.ok()) return files.status();
   impl->files = *std::move(files);
   const absl::StatusOr<EntryNumber> next_entry = impl->tables.deciding.NextEntry();
@@ -80,6 +80,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
   // Before, so that nothing is written where no start would find it, nor over a WAL that another
   // program began anew; and after, since that alone says of this commit that a start finds it.
   absl::Status status = impl_->files->Check();
+  if (status.ok()) status = impl_->files->CheckRoom();
   if (status.ok()) status = impl_->begin->Run();
   if (!status.ok()) return impl_->files->DamageOr(status);
   absl::StatusOr<Result> result = work();
@@ -89,7 +90,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
   if (status.ok()) status = impl_->commit->Run();
   if (!status.ok()) {
     impl_->database->RollbackIfOpen();
-    return impl_->files->DamageOr(status);
+    return impl_->files->AfterFailure(std::move(status));
   }
   if (options.after_commit) status = options.after_commit();
   if (status.ok()) status = impl_->files->CheckCommitted();
@@ -271,9 +272,8 @@ absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
 }
 
 absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const LiveRow> rows) {
-  using Places = std::vector<std::size_t>;
-  return InTransaction<Places>([&]() -> absl::StatusOr<Places> {
-    Places passed_over;
+  return InTransaction<std::vector<std::size_t>>([&]() -> absl::StatusOr<std::vector<std::size_t>> {
+    std::vector<std::size_t> passed_over;
     for (std::size_t place = 0; place < rows.size(); ++place) {
       const auto written = impl_->tables.live.Upsert(rows[place], impl_->options.process);
       if (!written.ok()) return written.status();

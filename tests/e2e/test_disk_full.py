@@ -1,6 +1,7 @@
 """A store without space: acks stop, the log says where, and all goes on when there is space again.
 
 And one whose disk is about to be full by one robot: that one is slowed down, and the others go on.
+And one that another program reads for long, so that SQLite's WAL takes what the disk has left.
 """
 
 import errno
@@ -39,6 +40,20 @@ OF_COUNTERS = {"messages, each once", "messages with repeats", "durable, stored"
                "in flight at the end"}  # fmt: skip
 # The name space of mounts is the server's own: nothing of it is seen outside, or left behind.
 NAMESPACE = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--user", "--map-root-user", "--mount"]
+# What a reader leaves on its disk of 40 MiB: the WAL takes that in a few seconds.
+HELD_FILLER_MIB = 10
+WAL_USUAL_MIB = 5
+UNLIMITED = """
+[limits]
+durable_records_rate = 0
+durable_bytes_rate = "0"
+"""
+# Reads one state of the store until its standard input ends.
+HOLD = (
+    "import sqlite3, sys; file = sqlite3.connect(sys.argv[1], isolation_level=None);"
+    "file.execute('BEGIN'); file.execute('SELECT count(*) FROM robots').fetchall();"
+    "print('reads', flush=True); sys.stdin.read()"
+)
 FULL_FOR_MS = 2000
 STALL_MS = 3000
 FULL = """
@@ -247,7 +262,8 @@ class DiskScarce(EndToEnd):
         self.assertLessEqual(held, {f"{GREEDY}/robot-0001"})
         self.assertEqual(self.running.metric("uplinkd_store_stopped"), 0)
 
-        self.disk.leave(process, (STOP_MIB - 1) * MIB)
+        # Of a WAL that is longer than usual, the rest counts as free.
+        self.disk.leave(process, (STOP_MIB - 2) * MIB)
         self.wait_for(lambda: self.running.metric("uplinkd_store_stopped") == 1, "nothing is stored")
         self.wait_for(lambda: set(self.held_back().values()) == {"disk"}, "all are held back")
         self.assertNotIn("store", self.degraded())
@@ -259,6 +275,62 @@ class DiskScarce(EndToEnd):
         self.wait_for(lambda: "disk" not in self.held_back().values(), "nobody is held back")
         self.assert_nothing_is_lost(greedy)
         self.assertNotIn("store_fails", self.running.text())
+
+
+class WalHeld(EndToEnd):
+    """Another program reads an old state of the store for long."""
+
+    def setUp(self):
+        super().setUp()
+        self.assertTrue(may_mount(), "a small disk needs a name space of mounts: run as root or allow user name spaces")
+        self.campaign = Campaign(self.folder, "sqlite", 1)
+        self.campaign.robots.pace_ms = 200
+        self.open_things.append(self.campaign)
+        self.running = self.campaign.server
+        disk = SmallDisk(self.folder, HELD_FILLER_MIB)
+        self.running.wrapper = disk.wrapper
+        self.running.store_url = f"sqlite://{disk.folder}/uplinkd.db"
+        self.running.settings = UNLIMITED
+        self.campaign.start()
+        self.campaign.store = disk.store(self.running.process)
+
+    def hold(self):
+        store = self.campaign.store
+        command = [*store.inside, sys.executable, "-c", HOLD, str(store.path)]
+        holder = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(holder.wait)
+        self.addCleanup(holder.stdin.close)
+        self.assertEqual(holder.stdout.readline(), "reads\n")
+        self.addCleanup(holder.stdout.close)
+        return holder
+
+    def wait_for(self, condition, what):
+        return wait_until(self.running.process, condition, 2 * ROUND_SECONDS, what)
+
+    def test_the_server_stores_again_once_the_reader_is_gone(self):
+        running = self.running
+        self.campaign.wait_for_more(200)
+        holder = self.hold()
+        greedy = self.fleet(running, "--robots", 1, "--ruri-prefix", GREEDY, "--faults", 500, "--settle-for", "300s")
+        self.wait_for(
+            lambda: running.metric("uplinkd_store_stopped") == 1 or running.metric("uplinkd_store_failing") == 1,
+            "the WAL takes the disk",
+        )
+        self.assertGreater(running.metric("uplinkd_store_wal_bytes"), WAL_USUAL_MIB * MIB)
+        self.wait_for(lambda: running.metric("uplinkd_store_oldest_snapshot_seconds") > 0, "the reader is seen")
+        greedy.process.send_signal(signal.SIGINT)
+
+        holder.stdin.close()
+        holder.wait()
+        self.wait_for(
+            lambda: running.metric("uplinkd_store_stopped") == 0 and running.metric("uplinkd_store_failing") == 0,
+            "it stores again",
+        )
+        self.campaign.wait_for_more(500)
+        self.wait_for(lambda: running.metric("uplinkd_store_oldest_snapshot_seconds") == 0, "the reader is gone")
+        greedy.process.communicate(timeout=ROUND_SECONDS)
+        self.campaign.compare()
+        self.assertTrue(self.campaign.clean(), "\n".join([self.campaign.line(), *self.campaign.wrong]))
 
 
 if __name__ == "__main__":

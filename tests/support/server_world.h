@@ -74,7 +74,8 @@ class ServerWorld {
   rcan::RcanProbe rcan_probe;
   transport::RelayProbe relay_probe;
   store::VouchedClock vouched_clock{clock};
-  store::SpaceView space_view{.space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9}};
+  store::SpaceView space_view{
+      .space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9, .wal_bytes = 1}};
   store::LeaseProbe lease_probe;
   FakeSharedItems shared_items{database};
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};

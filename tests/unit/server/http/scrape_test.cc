@@ -86,16 +86,21 @@ TEST(Scrape, EachShardOfTheJournalHasItsFigures) {
 
 TEST(Scrape, SaysWhatTheStoresDiskHasLeftAndWhatIsDoneAboutIt) {
   testing::ServerWorld world;
-  world.space_view = {.space = storage::DiskSpace{.free_bytes = 49, .total_bytes = 1000},
-                      .free_min = 100,
-                      .state = store::SpaceState::kStopped,
-                      .robots_limited = 3};
+  world.space_view = {
+      .space = storage::DiskSpace{.free_bytes = 49, .total_bytes = 1000, .wal_bytes = 12},
+      .free_min = 100,
+      .state = store::SpaceState::kStopped,
+      .robots_limited = 3};
   std::string text = world.ScrapeText();
   EXPECT_NE(text.find("uplinkd_store_free_bytes 49\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_store_free_min_bytes 100\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_store_disk_bytes 1000\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_store_wal_bytes 12\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_store_stopped 1\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_store_robots_limited 3\n"), std::string::npos);
+  // A store that has no WAL beside its file.
+  world.space_view.space->wal_bytes = std::nullopt;
+  EXPECT_EQ(world.ScrapeText().find("uplinkd_store_wal_bytes"), std::string::npos);
   // What is not known has no series: an alert that compares it is silent.
   world.space_view = {};
   text = world.ScrapeText();
