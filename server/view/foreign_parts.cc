@@ -7,6 +7,7 @@
 
 #include "schema/base/check.h"
 #include "server/robot/live_bytes.h"
+#include "server/view/keyed_bytes.h"
 
 namespace uplink::view {
 
@@ -27,6 +28,8 @@ std::size_t PutForeign(const std::vector<std::string>& foreign,
     if (robot.state.foreign) by_ruri.emplace(robot.id.ruri, &robot.state);
   }
   schema::Judge judge(robot::JudgeLimitsOfLive());
+  std::size_t complete = live.complete;
+  std::size_t bytes = 0;
   for (const storage::LiveRow& row : live.rows) {
     const auto state = by_ruri.find(row.ruri);
     if (state == by_ruri.end()) continue;
@@ -34,9 +37,15 @@ std::size_t PutForeign(const std::vector<std::string>& foreign,
     state->second->parts = std::move(read.before.parts);
     state->second->last_sign_of_life = read.before.last_sign_of_life;
     state->second->clock_skew_ms = read.before.clock_skew_ms;
+    bytes += KeyedBytes(state->second->parts);
+    if (bytes < storage::kPageBytesMax) continue;
+    // Read, they take several times the bytes of their rows.
+    const auto read_last = std::ranges::find(foreign, row.ruri);
+    complete = std::min(complete, static_cast<std::size_t>(read_last - foreign.begin()) + 1);
+    break;
   }
-  if (live.complete == foreign.size()) return robots.size();
-  const auto next = std::ranges::find(robots, foreign[live.complete],
+  if (complete == foreign.size()) return robots.size();
+  const auto next = std::ranges::find(robots, foreign[complete],
                                       [](const RobotView& robot) { return robot.id.ruri; });
   return static_cast<std::size_t>(next - robots.begin());
 }

@@ -9,21 +9,16 @@
 #include "server/view/parts.h"
 #include "server/view/queries.h"
 
-namespace google::protobuf {
-class Message;
-}
-
 namespace uplink::view {
 
-// The proto3 JSON mapping of the fleet contract's messages, default scalars printed, the members of
-// maps and Structs in the order of their names.
+// The proto3 JSON mapping of the fleet contract's messages (message_printer.h, list_text.h), with
+// what robots reported as the texts that the store keeps.
 //
 // Errors:  kInternal if the mapping refuses a message.
 // Thread:  pure; any thread.
 
-/// Lists of rows are made of it (rows_json.h).
-[[nodiscard]] absl::StatusOr<std::string> PrintJson(const google::protobuf::Message& message);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts);
+/// The page ends, with its token, after the robot with which the answer passes kPageBytesMax.
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
                                                  const std::vector<std::string>& degraded);

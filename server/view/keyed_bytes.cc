@@ -25,10 +25,25 @@ std::size_t PartBytes(const std::optional<Message>& /*part*/) {
   return 0;
 }
 
+std::size_t PartBytes(const std::optional<model::StatusTelemetry>& part) {
+  if (!part) return 0;
+  std::size_t bytes = part->status ? part->status->size() : 0;
+  if (!part->estop) return bytes;
+  for (const std::string& id : part->estop->ids) bytes += sizeof(id) + id.size();
+  return bytes;
+}
+
+std::size_t PartBytes(const std::optional<model::RcanState>& part) {
+  if (!part) return 0;
+  std::size_t bytes = part->joints.size() * sizeof(model::RcanJoint);
+  for (const model::RcanJoint& joint : part->joints) bytes += joint.joint.size();
+  return bytes;
+}
+
 template <typename Value, std::size_t kMax>
 std::size_t PartBytes(const robot::LatestByKey<Value, kMax>& part) {
   std::size_t bytes = 0;
-  for (const auto& [key, value] : part.items()) bytes += BytesOf(value);
+  for (const auto& [key, value] : part.items()) bytes += key.size() + BytesOf(value);
   return bytes;
 }
 

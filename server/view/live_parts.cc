@@ -3,13 +3,8 @@
 #include <optional>
 #include <string>
 
-#include <google/protobuf/descriptor.h>
-#include <google/protobuf/message.h>
-
-#include "schema/base/check.h"
 #include "schema/json/fields.h"
 #include "schema/json/render.h"
-#include "server/view/struct.h"
 
 namespace uplink::view {
 namespace {
@@ -53,24 +48,15 @@ std::optional<boost::json::object> RenderPart(const robot::LatestByKey<Value, kM
   return fields.Take();
 }
 
-/// Sets the field of that JSON name, which is a Struct.
-void SetField(std::string_view name, const boost::json::object& value, v1::Robot& robot) {
-  const google::protobuf::FieldDescriptor* field =
-      v1::Robot::descriptor()->FindFieldByCamelcaseName(std::string(name));
-  UPLINK_CHECK(field != nullptr && field->message_type() == google::protobuf::Struct::descriptor(),
-               "every live part has its field in v1::Robot");
-  auto* const message = v1::Robot::GetReflection()->MutableMessage(&robot, field);
-  static_cast<google::protobuf::Struct&>(*message) = ToStruct(value);
-}
-
 }  // namespace
 
-void SetLiveParts(const robot::LiveParts& live, const PartSet& wanted, v1::Robot& robot) {
+void AddLiveParts(const robot::LiveParts& live, const PartSet& wanted, const std::string& ruri,
+                  TextMembers& texts) {
   robot::ForEachPart(
       [&]<typename Tag>(Tag /*row*/, const auto& part) {
         if (!wanted.Has(ToPart(Tag::kLivePart))) return;
-        const std::optional<boost::json::object> value = RenderPart(part, robot.ruri());
-        if (value) SetField(storage::RowOf(Tag::kLivePart).view, *value, robot);
+        const std::optional<boost::json::object> value = RenderPart(part, ruri);
+        if (value) texts.Add(storage::RowOf(Tag::kLivePart).view, *value);
       },
       live);
 }

@@ -8,7 +8,6 @@
 #include "schema/model/rejection.h"
 #include "server/robot/source_of.h"
 #include "server/view/live_parts.h"
-#include "server/view/struct.h"
 #include "server/view/twin_json.h"
 
 namespace uplink::view {
@@ -27,15 +26,15 @@ void SetSession(const robot::SessionView& session, v1::Robot& message) {
   message.set_held_back_since_ms(UnixMs(session.held_back_since));
 }
 
-void SetStoredParts(const StoredParts& stored, const PartSet& wanted, v1::Robot& message) {
+void AddStoredParts(const StoredParts& stored, const PartSet& wanted, TextMembers& texts) {
   if (wanted.Has(Part::kAgentInfo) && stored.agent_info) {
-    *message.mutable_agent_info() = ParseStruct(*stored.agent_info);
+    texts.AddStored("agentInfo", *stored.agent_info);
   }
   if (wanted.Has(Part::kSettings) && stored.settings) {
-    *message.mutable_settings() = ParseStruct(*stored.settings);
+    texts.AddStored("settings", *stored.settings);
   }
   if (wanted.Has(Part::kUiCapabilities) && stored.ui_capabilities) {
-    *message.mutable_ui_capabilities() = ParseStruct(*stored.ui_capabilities);
+    texts.AddStored("uiCapabilities", *stored.ui_capabilities);
   }
 }
 
@@ -85,7 +84,7 @@ std::int64_t Signed(std::uint64_t value) {
   return value > static_cast<std::uint64_t>(kTop) ? kTop : static_cast<std::int64_t>(value);
 }
 
-v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
+v1::Robot ToMessage(const RobotView& robot) {
   v1::Robot message;
   message.set_ruri(robot.id.ruri);
   message.set_fleet(robot.id.fleet);
@@ -118,20 +117,15 @@ v1::Robot ToMessage(const RobotView& robot, const PartSet& parts) {
     const std::string name(ToText(static_cast<model::Variant>(variant)));
     (*message.mutable_rate_limited())[name] = Signed(limited);
   }
-  SetLiveParts(robot.state.parts, parts, message);
-  SetStoredParts(robot.stored, parts, message);
-  if (robot.twin && parts.Has(Part::kCyberwave)) {
-    *message.mutable_cyberwave() = TwinStruct(*robot.twin);
-  }
   return message;
 }
 
-v1::ListRobotsResponse ToMessage(const RobotsPage& page, const PartSet& parts) {
-  v1::ListRobotsResponse message;
-  for (const RobotView& robot : page.robots) *message.add_robots() = ToMessage(robot, parts);
-  message.set_next_page_token(page.next_token);
-  message.set_total(page.total);
-  return message;
+TextMembers TextsOf(const RobotView& robot, const PartSet& parts) {
+  TextMembers texts;
+  AddLiveParts(robot.state.parts, parts, robot.id.ruri, texts);
+  AddStoredParts(robot.stored, parts, texts);
+  if (robot.twin && parts.Has(Part::kCyberwave)) texts.Add("cyberwave", TwinJson(*robot.twin));
+  return texts;
 }
 
 v1::ServerStatus ToMessage(const StatusView& status, const std::vector<std::string>& degraded) {

@@ -7,33 +7,42 @@
 #include "schema/model/presence.h"
 #include "server/view/parts.h"
 #include "server/view/queries.h"
+#include "server/view/text_members.h"
 #include "storage/reader.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::view {
 
-// Values of the queries as messages of the fleet contract, for every transport. Pure.
+// Values of the queries as messages of the fleet contract, for every transport. Their Structs are
+// not set: TextsOf has them as texts, by their names in JSON. Pure.
 
-[[nodiscard]] v1::Robot ToMessage(const RobotView& robot, const PartSet& parts);
-[[nodiscard]] v1::ListRobotsResponse ToMessage(const RobotsPage& page, const PartSet& parts);
+[[nodiscard]] v1::Robot ToMessage(const RobotView& robot);
+[[nodiscard]] TextMembers TextsOf(const RobotView& robot, const PartSet& parts);
 [[nodiscard]] v1::Presence ToMessage(model::Presence presence);
 
-// Lists; a store's JSON texts become Structs.
-[[nodiscard]] v1::ListFaultsResponse ToMessage(const storage::Page<storage::FaultRow>& page);
-[[nodiscard]] v1::ListEventsResponse ToMessage(const storage::Page<storage::EventRow>& page);
-[[nodiscard]] v1::ListMessagesResponse ToMessage(const storage::Page<storage::MessageRow>& page);
-[[nodiscard]] v1::ListPresenceChangesResponse ToMessage(
-    const storage::Page<storage::PresenceRow>& page);
-[[nodiscard]] v1::ListQuarantineResponse ToMessage(
-    const storage::Page<storage::QuarantineRow>& page);
-[[nodiscard]] v1::ListQuarantineResponse ToMessage(const QuarantineView& quarantine);
-[[nodiscard]] v1::ListGapsResponse ToMessage(const storage::Page<storage::GapRow>& page);
-[[nodiscard]] v1::ListScopeUpdatesResponse ToMessage(
-    const storage::Page<storage::ScopeUpdateRow>& page);
-[[nodiscard]] v1::ListMissionRunsResponse ToMessage(
-    const storage::Page<storage::MissionRunRow>& page);
-[[nodiscard]] v1::ListShapesResponse ToMessage(const storage::Page<storage::ShapeRow>& page);
-[[nodiscard]] v1::ListObjectsResponse ToMessage(const storage::Page<storage::ObjectRow>& page);
+// Rows of lists.
+[[nodiscard]] v1::Fault ToMessage(const storage::FaultRow& row);
+[[nodiscard]] v1::Event ToMessage(const storage::EventRow& row);
+[[nodiscard]] v1::RobotMessage ToMessage(const storage::MessageRow& row);
+[[nodiscard]] v1::PresenceChange ToMessage(const storage::PresenceRow& row);
+[[nodiscard]] v1::Quarantined ToMessage(const storage::QuarantineRow& row);
+[[nodiscard]] v1::Gap ToMessage(const storage::GapRow& row);
+[[nodiscard]] v1::ScopeUpdate ToMessage(const storage::ScopeUpdateRow& row);
+[[nodiscard]] v1::MissionRun ToMessage(const storage::MissionRunRow& row);
+[[nodiscard]] v1::Shape ToMessage(const storage::ShapeRow& row);
+[[nodiscard]] v1::TrackedObject ToMessage(const storage::ObjectRow& row);
+
+/// Of rows that have none.
+template <typename Row>
+[[nodiscard]] TextMembers TextsOf(const Row& /*row*/) {
+  return {};
+}
+[[nodiscard]] TextMembers TextsOf(const storage::EventRow& row);
+[[nodiscard]] TextMembers TextsOf(const storage::MessageRow& row);
+[[nodiscard]] TextMembers TextsOf(const storage::ScopeUpdateRow& row);
+[[nodiscard]] TextMembers TextsOf(const storage::MissionRunRow& row);
+[[nodiscard]] TextMembers TextsOf(const storage::ShapeRow& row);
+[[nodiscard]] TextMembers TextsOf(const storage::ObjectRow& row);
 
 /// `degraded` in the words of /readyz.
 [[nodiscard]] v1::ServerStatus ToMessage(const StatusView& status,

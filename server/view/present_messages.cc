@@ -3,7 +3,6 @@
 
 #include "schema/model/enum_text.h"
 #include "server/view/messages.h"
-#include "server/view/struct.h"
 
 // What is there now: mission runs, shapes, objects.
 namespace uplink::view {
@@ -23,68 +22,69 @@ std::string_view ToText(storage::RunClosed closed) {
 
 }  // namespace
 
-v1::ListMissionRunsResponse ToMessage(const storage::Page<storage::MissionRunRow>& page) {
-  v1::ListMissionRunsResponse message;
-  for (const storage::MissionRunRow& row : page.rows) {
-    v1::MissionRun& run = *message.add_mission_runs();
-    run.set_ruri(row.robot.ruri);
-    run.set_mission_id(row.mission_id);
-    run.set_run_id(row.run_id);
-    run.set_name(row.name);
-    run.set_status(model::EnumText(row.status));
-    *run.mutable_latest() = ParseStruct(row.latest_json);
-    run.set_first_received_at_ms(UnixMs(row.first_received_at));
-    run.set_last_received_at_ms(UnixMs(row.last_received_at));
-    run.set_updates(Signed(row.updates));
-    run.set_closed_why(std::string(ToText(row.closed)));
-    run.set_closed_at_ms(row.closed_at_ms);
-  }
-  message.set_next_page_token(page.next_token);
-  return message;
+v1::MissionRun ToMessage(const storage::MissionRunRow& row) {
+  v1::MissionRun run;
+  run.set_ruri(row.robot.ruri);
+  run.set_mission_id(row.mission_id);
+  run.set_run_id(row.run_id);
+  run.set_name(row.name);
+  run.set_status(model::EnumText(row.status));
+  run.set_first_received_at_ms(UnixMs(row.first_received_at));
+  run.set_last_received_at_ms(UnixMs(row.last_received_at));
+  run.set_updates(Signed(row.updates));
+  run.set_closed_why(std::string(ToText(row.closed)));
+  run.set_closed_at_ms(row.closed_at_ms);
+  return run;
 }
 
-v1::ListShapesResponse ToMessage(const storage::Page<storage::ShapeRow>& page) {
-  v1::ListShapesResponse message;
-  for (const storage::ShapeRow& row : page.rows) {
-    v1::Shape& shape = *message.add_shapes();
-    shape.set_ruri(row.robot.ruri);
-    shape.set_id(row.identity.id);
-    shape.set_name(row.identity.name);
-    shape.set_area_type(model::EnumText(row.area_type));
-    shape.set_scope(model::EnumText(row.scope));
-    shape.set_rev(row.identity.rev);
-    shape.set_hash(row.identity.hash);
-    *shape.mutable_geometry() = ParseStruct(row.geometry_json);
-    shape.set_expires_at_ms(row.expires_at_ms);
-    shape.set_min_z_m(row.min_z_m);
-    shape.set_max_z_m(row.max_z_m);
-    shape.set_level_id(row.level_id);
-    shape.set_received_at_ms(UnixMs(row.received_at));
-  }
-  message.set_next_page_token(page.next_token);
-  return message;
+TextMembers TextsOf(const storage::MissionRunRow& row) {
+  TextMembers texts;
+  texts.AddStored("latest", row.latest_json);
+  return texts;
 }
 
-v1::ListObjectsResponse ToMessage(const storage::Page<storage::ObjectRow>& page) {
-  v1::ListObjectsResponse message;
-  for (const storage::ObjectRow& row : page.rows) {
-    v1::TrackedObject& object = *message.add_objects();
-    object.set_ruri(row.robot.ruri);
-    object.set_id(row.id);
-    object.set_name(row.name);
-    object.set_object_type(model::EnumText(row.object_type));
-    object.set_scope(model::EnumText(row.scope));
-    *object.mutable_location() = ParseStruct(row.location_json);
-    if (!row.trajectory_json.empty()) {
-      *object.mutable_trajectory() = ParseStruct(row.trajectory_json);
-    }
-    object.set_radius_m(row.radius_m);
-    object.set_sampled_at_ms(row.sampled_at_ms);
-    object.set_expires_at_ms(row.expires_at_ms);
-    object.set_received_at_ms(UnixMs(row.received_at));
-  }
-  message.set_next_page_token(page.next_token);
-  return message;
+v1::Shape ToMessage(const storage::ShapeRow& row) {
+  v1::Shape shape;
+  shape.set_ruri(row.robot.ruri);
+  shape.set_id(row.identity.id);
+  shape.set_name(row.identity.name);
+  shape.set_area_type(model::EnumText(row.area_type));
+  shape.set_scope(model::EnumText(row.scope));
+  shape.set_rev(row.identity.rev);
+  shape.set_hash(row.identity.hash);
+  shape.set_expires_at_ms(row.expires_at_ms);
+  shape.set_min_z_m(row.min_z_m);
+  shape.set_max_z_m(row.max_z_m);
+  shape.set_level_id(row.level_id);
+  shape.set_received_at_ms(UnixMs(row.received_at));
+  return shape;
+}
+
+TextMembers TextsOf(const storage::ShapeRow& row) {
+  TextMembers texts;
+  texts.AddStored("geometry", row.geometry_json);
+  return texts;
+}
+
+v1::TrackedObject ToMessage(const storage::ObjectRow& row) {
+  v1::TrackedObject object;
+  object.set_ruri(row.robot.ruri);
+  object.set_id(row.id);
+  object.set_name(row.name);
+  object.set_object_type(model::EnumText(row.object_type));
+  object.set_scope(model::EnumText(row.scope));
+  object.set_radius_m(row.radius_m);
+  object.set_sampled_at_ms(row.sampled_at_ms);
+  object.set_expires_at_ms(row.expires_at_ms);
+  object.set_received_at_ms(UnixMs(row.received_at));
+  return object;
+}
+
+TextMembers TextsOf(const storage::ObjectRow& row) {
+  TextMembers texts;
+  texts.AddStored("location", row.location_json);
+  if (!row.trajectory_json.empty()) texts.AddStored("trajectory", row.trajectory_json);
+  return texts;
 }
 
 }  // namespace uplink::view

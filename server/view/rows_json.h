@@ -1,23 +1,76 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include <absl/status/statusor.h>
 
+#include "schema/model/rejection.h"
 #include "server/view/json.h"
+#include "server/view/list_text.h"
 #include "server/view/messages.h"
 #include "storage/reader.h"
 
 namespace uplink::view {
 
+// The response that lists rows of a kind.
+[[nodiscard]] inline v1::ListFaultsResponse ResponseOf(const storage::FaultRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListEventsResponse ResponseOf(const storage::EventRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListMessagesResponse ResponseOf(const storage::MessageRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListPresenceChangesResponse ResponseOf(
+    const storage::PresenceRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListQuarantineResponse ResponseOf(const storage::QuarantineRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListGapsResponse ResponseOf(const storage::GapRow* /*row*/) { return {}; }
+[[nodiscard]] inline v1::ListScopeUpdatesResponse ResponseOf(
+    const storage::ScopeUpdateRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListMissionRunsResponse ResponseOf(const storage::MissionRunRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListShapesResponse ResponseOf(const storage::ShapeRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListObjectsResponse ResponseOf(const storage::ObjectRow* /*row*/) {
+  return {};
+}
+
+/// The page in a response that lists nothing yet.
+template <typename Response, typename Row>
+[[nodiscard]] absl::StatusOr<std::string> RowsIn(Response response,
+                                                 const storage::Page<Row>& page) {
+  response.set_next_page_token(page.next_token);
+  ListText list;
+  for (const Row& row : page.rows) {
+    const absl::Status added = list.Add(ToMessage(row), TextsOf(row));
+    if (!added.ok()) return added;
+  }
+  return list.TakeIn(response);
+}
+
 /// A list of the store's rows, of any kind that messages.h maps. Errors and thread: as json.h.
 template <typename Row>
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<Row>& page) {
-  return PrintJson(ToMessage(page));
+  return RowsIn(ResponseOf(static_cast<const Row*>(nullptr)), page);
 }
 
 [[nodiscard]] inline absl::StatusOr<std::string> ToJson(const QuarantineView& quarantine) {
-  return PrintJson(ToMessage(quarantine));
+  v1::ListQuarantineResponse response;
+  for (const storage::DroppedRow& dropped : quarantine.dropped) {
+    (*response.mutable_dropped_by_reason())[std::string(model::ToText(dropped.reason))] =
+        Signed(dropped.count);
+  }
+  return RowsIn(std::move(response), quarantine.page);
 }
 
 }  // namespace uplink::view

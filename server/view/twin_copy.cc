@@ -14,7 +14,7 @@ std::size_t CopyTwin(const cyberwave::Twins* twins, RobotView& robot) {
   twin->LookAt([&robot](const cyberwave::TwinParts& parts) {
     robot.twin = std::make_shared<const cyberwave::TwinParts>(parts);
   });
-  return kTwinAnswerFactor * twin->bytes();
+  return twin->bytes();
 }
 
 }  // namespace uplink::view

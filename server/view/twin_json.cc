@@ -9,7 +9,6 @@
 
 #include "schema/json/exact.h"
 #include "schema/json/fields.h"
-#include "server/view/struct.h"
 
 namespace uplink::view {
 namespace {
@@ -242,10 +241,6 @@ js::object TwinJson(const cyberwave::TwinParts& parts) {
   SetLastCommand(fields, parts.observed.last_command());
   SetObserved(fields, parts.observed);
   return fields.Take();
-}
-
-google::protobuf::Struct TwinStruct(const cyberwave::TwinParts& parts) {
-  return ToStruct(TwinJson(parts));
 }
 
 }  // namespace uplink::view

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <boost/json.hpp>
-#include <google/protobuf/struct.pb.h>
 
 #include "server/cyberwave/twin_parts.h"
 
@@ -11,8 +10,5 @@ namespace uplink::view {
 /// vendor's messages say, and `receivedAtMs` by the server's clock beside them. A part that was
 /// never said is absent. Pure.
 [[nodiscard]] boost::json::object TwinJson(const cyberwave::TwinParts& parts);
-
-/// The same as a Struct.
-[[nodiscard]] google::protobuf::Struct TwinStruct(const cyberwave::TwinParts& parts);
 
 }  // namespace uplink::view

@@ -10,7 +10,7 @@
 #include "schema/encode.h"
 #include "schema/json/render.h"
 #include "schema/judge.h"
-#include "server/view/struct.h"
+#include "tests/support/proto_struct.h"
 #include "tests/support/records.h"
 #include "tests/support/vector_files.h"
 
@@ -43,7 +43,7 @@ TEST_P(VectorTest, MeansWhatItsJsonSays) {
   std::string difference;
   differencer.ReportDifferencesToString(&difference);
   EXPECT_TRUE(differencer.Compare(Expected(GetParam()),
-                                  view::ToStruct(json::RenderBody(judgement.record()->body()))))
+                                  test::ToStruct(json::RenderBody(judgement.record()->body()))))
       << difference;
 }
 

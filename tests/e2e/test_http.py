@@ -5,6 +5,7 @@ import email.utils
 import http.client
 import json
 import socket
+import sqlite3
 import subprocess
 import time
 import unittest
@@ -103,6 +104,41 @@ class Clients(EndToEnd):
         connection.request("GET", "/livez")
         self.assertEqual(connection.getresponse().headers["Keep-Alive"], "timeout=75")
         connection.close()
+
+
+class Memory(EndToEnd):
+    SHAPES = 1000
+    # As a robot that says 2,000 times the position 0, 0: this is what it made of 160 bytes.
+    POSITIONS = 2000
+    GROWTH_MAX = 200 << 20
+
+    def kibibytes(self, server, field):
+        with open(f"/proc/{server.process.pid}/status", encoding="ascii") as status:
+            return next(int(line.split()[1]) for line in status if line.startswith(field + ":"))
+
+    def test_a_list_of_a_thousand_shapes_takes_little_memory(self):
+        server = self.server().start()
+        geometry = '{"type":"LineString","coordinates":[' + ",".join(["[0E0,0E0]"] * self.POSITIONS) + "]}"
+        rest = (0, "", 0, "", 0, 0, 0.0, 0.0, 0, geometry)
+        rows = [("rcan://a", str(i), "f", 0, i, i, *rest) for i in range(self.SHAPES)]
+        with contextlib.closing(sqlite3.connect(self.folder / "uplinkd.db", timeout=WAIT_SECONDS)) as store:
+            with store:
+                store.executemany(f"INSERT INTO shapes VALUES ({','.join('?' * 16)})", rows)
+        before = self.kibibytes(server, "VmRSS")
+        seen, pages, token = set(), 0, ""
+        while pages == 0 or token:
+            status, body = ask(server, f"/api/v1/shapes?pageSize={self.SHAPES}&pageToken={token}")
+            self.assertEqual(status, 200, body[:200])
+            page = json.loads(body)
+            for shape in page["shapes"]:
+                self.assertEqual(len(shape["geometry"]["coordinates"]), self.POSITIONS)
+                seen.add(shape["id"])
+            token, pages = page["nextPageToken"], pages + 1
+        self.assertEqual(len(seen), self.SHAPES)
+        self.assertEqual(pages, 2, "a page ends at 16 MiB of texts")
+        peak = self.kibibytes(server, "VmHWM") - before
+        print(f"a list of shapes: memory grew by {peak / 1024:.0f} MiB")
+        self.assertLess(peak << 10, self.GROWTH_MAX)
 
 
 class Connections(EndToEnd):

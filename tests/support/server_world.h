@@ -31,7 +31,7 @@ namespace uplink::testing {
 /// What stands behind the HTTP site, on a fake store and a clock moved by hand.
 class ServerWorld {
  public:
-  static constexpr std::size_t kRobotsMax = 5;
+  static constexpr std::size_t kRobotsMax = 100;
 
   ServerWorld();
   ~ServerWorld();

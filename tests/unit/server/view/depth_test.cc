@@ -1,18 +1,19 @@
-// How deep what robots said may be: a page with it is read by protobuf's own parser, which ends at
-// messages 100 deep, and is shown as JSON, which ends sooner.
+// How deep what robots said may be: clients read a page with it by protobuf's own parsers, which
+// end at messages 100 deep, and of JSON sooner.
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include "schema/cyberwave/limits.h"
 #include "server/view/json.h"
-#include "server/view/messages.h"
-#include "server/view/twin_json.h"
+#include "server/view/rows_json.h"
 #include "tests/unit/server/cyberwave/applying.h"
 
 namespace uplink::view {
@@ -31,19 +32,26 @@ std::string Nested(std::size_t depth, Levels levels) {
   return value;
 }
 
-/// Whether a client can read the page, on the wire and as JSON.
-template <typename Page>
-void ExpectReadable(const Page& page, std::size_t depth) {
-  Page read;
-  EXPECT_TRUE(read.ParseFromString(page.SerializeAsString())) << depth;
-  EXPECT_TRUE(PrintJson(page).ok()) << depth << ": " << PrintJson(page).status();
+/// Whether a client can read an answer, as JSON and on the wire, and what it then has.
+template <typename Response>
+Response ExpectReadable(const absl::StatusOr<std::string>& json, std::size_t depth) {
+  Response read;
+  EXPECT_TRUE(json.ok()) << json.status();
+  if (!json.ok()) return read;
+  EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(*json, &read).ok()) << depth << *json;
+  Response again;
+  EXPECT_TRUE(again.ParseFromString(read.SerializeAsString())) << depth;
+  return read;
 }
 
-/// A page with the twin: its part stands in a robot where all parts stand.
-v1::ListRobotsResponse PageOf(const test::AppliedTwin& twin) {
-  v1::ListRobotsResponse page;
-  *page.add_robots()->mutable_rcan_state() = TwinStruct(twin.real());
-  return page;
+/// A page with the twin.
+absl::StatusOr<std::string> PageOf(const test::AppliedTwin& twin) {
+  RobotsPage page;
+  RobotView& robot = page.robots.emplace_back();
+  robot.twin = std::make_shared<const cyberwave::TwinParts>(twin.real());
+  PartSet parts;
+  parts.Add(Part::kCyberwave);
+  return ToJson(page, parts);
 }
 
 struct Live {
@@ -67,7 +75,8 @@ TEST(DepthTest, EveryPageWithALiveTwinCanBeRead) {
         test::AppliedTwin twin;
         const std::string payload = live.before + Nested(depth, levels) + live.behind;
         EXPECT_EQ(twin.Say(live.tail, payload), cyberwave::Outcome::kApplied) << payload;
-        ExpectReadable(PageOf(twin), depth);
+        const auto page = ExpectReadable<v1::ListRobotsResponse>(PageOf(twin), depth);
+        EXPECT_TRUE(page.robots(0).has_cyberwave());
       }
     }
   }
@@ -96,16 +105,15 @@ TEST(DepthTest, ADurableMessageKeepsItAsText) {
       const auto event = test::BodyOf<model::cyberwave::Event>(test::JudgeOn("event", deep));
       storage::Page<storage::EventRow> events;
       events.rows.emplace_back().detail_json = event.detail;
-      const v1::ListEventsResponse page = ToMessage(events);
+      const auto page = ExpectReadable<v1::ListEventsResponse>(ToJson(events), depth);
       EXPECT_EQ(page.events(0).detail().fields_size(), 2) << depth;
-      ExpectReadable(page, depth);
 
       storage::Page<storage::MessageRow> messages;
       messages.rows.emplace_back().message.detail_json = event.detail;
-      ExpectReadable(ToMessage(messages), depth);
+      ExpectReadable<v1::ListMessagesResponse>(ToJson(messages), depth);
       storage::Page<storage::ScopeUpdateRow> updates;
       updates.rows.emplace_back().update.detail_json = event.detail;
-      ExpectReadable(ToMessage(updates), depth);
+      ExpectReadable<v1::ListScopeUpdatesResponse>(ToJson(updates), depth);
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <google/protobuf/descriptor.h>
 #include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/message_differencer.h>
@@ -89,11 +90,11 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
 TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
   RobotView robot = EmptyRobot();
   robot.session.held_back_since = FromUnixMs(1700);
-  EXPECT_EQ(ToMessage(robot, {}).held_back_since_ms(), 0) << "it is read again";
+  EXPECT_EQ(ToMessage(robot).held_back_since_ms(), 0) << "it is read again";
   robot.session.contested = true;
-  EXPECT_TRUE(ToMessage(robot, {}).contested());
+  EXPECT_TRUE(ToMessage(robot).contested());
   robot.rate_limited[static_cast<std::size_t>(model::Variant::kShape)] = 7;
-  const v1::Robot limited = ToMessage(robot, {});
+  const v1::Robot limited = ToMessage(robot);
   ASSERT_EQ(limited.rate_limited_size(), 1);
   EXPECT_EQ(limited.rate_limited().at("shape"), 7);
   const std::vector<std::pair<robot::HeldBack, std::string>> words = {
@@ -104,7 +105,7 @@ TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
       {robot::HeldBack::kMalformed, "malformed"}};
   for (const auto& [by, word] : words) {
     robot.session.held_back = by;
-    const v1::Robot message = ToMessage(robot, {});
+    const v1::Robot message = ToMessage(robot);
     EXPECT_EQ(message.held_back(), word);
     EXPECT_EQ(message.held_back_since_ms(), word.empty() ? 0 : 1700) << word;
   }
@@ -167,6 +168,7 @@ TEST(Json, EveryPartOfTheContractHasItsName) {
     const std::optional<Part> part = PartFromText(name);
     ASSERT_TRUE(part) << name;
     EXPECT_EQ(static_cast<std::size_t>(*part), known++);
+    EXPECT_NE(v1::Robot::descriptor()->FindFieldByCamelcaseName(name), nullptr) << name;
   }
   EXPECT_EQ(known, kParts);
   EXPECT_FALSE(PartFromText("Motion"));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/robot/live_bytes.h"
+#include "server/view/keyed_bytes.h"
 #include "server/view/messages.h"
 #include "tests/support/server_world.h"
 
@@ -66,7 +67,7 @@ TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   EXPECT_EQ(one->state.parts.usage->reboot_count, 7U);
   EXPECT_EQ(one->state.last_sign_of_life, FromUnixMs(9));
   EXPECT_EQ(one->state.clock_skew_ms, 3);
-  const v1::Robot shown = ToMessage(*one, PartSet::All());
+  const v1::Robot shown = ToMessage(*one);
   EXPECT_EQ(shown.held_by(), "b:2");
   EXPECT_EQ(shown.held_by_at_ms(), 8);
   EXPECT_EQ(shown.presence(), v1::PRESENCE_ONLINE);
@@ -77,13 +78,51 @@ TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   const RobotsPage page = Robots(query);
   EXPECT_EQ(page.robots.at(0).state.parts.usage->reboot_count, 7U);
   EXPECT_FALSE(page.robots.at(1).state.foreign.has_value());
-  EXPECT_EQ(ToMessage(page.robots.at(1), query.parts).held_by(), "");
+  EXPECT_EQ(ToMessage(page.robots.at(1)).held_by(), "");
 
   world_.reader.SetAway(true);
   query.parts = PartSet::OfLists();
   query.parts.Add(Part::kUsage);
   EXPECT_FALSE(Robots(query).robots.at(0).state.parts.usage) << "the others must be seen";
   EXPECT_EQ(world_.queries.Robot("rcan://a")->state.presence, model::Presence::kOnline);
+}
+
+TEST_F(QueriesTest, APageOfRobotsThatOthersHoldEndsByWhatTheirPartsHold) {
+  constexpr std::size_t kRobots = 72;
+  robot::LiveChanges changes;
+  changes.changed.set(static_cast<std::size_t>(storage::LivePart::kExtras));
+  for (int i = 0; i < 1000; ++i) changes.parts.extras.Put(std::to_string(i), {.value = true});
+  ASSERT_GT(kRobots * KeyedBytes(changes.parts), storage::kPageBytesMax);
+  for (std::size_t i = 100; i < 100 + kRobots; ++i) {
+    const std::string ruri = "rcan://" + std::to_string(i);
+    robot::Robot& robot = world_.AddRobot(ruri);
+    const storage::OpenRequest open{.robot = robot.id(), .at = world_.clock.System()};
+    const auto opened = world_.store.OpenStreams({&open, 1});
+    ASSERT_TRUE(opened.ok());
+    storage::LiveRow row = robot::ToRow(ruri, changes);
+    row.held_since = opened->front().held_since;
+    ASSERT_TRUE(world_.store.Checkpoint({&row, 1}).ok());
+    robot.state.FollowHolder({.held_by = "b:2", .written_at = FromUnixMs(8)},
+                             {model::Presence::kOnline, FromUnixMs(6)});
+  }
+  RobotsQuery query{.page_size = storage::kPageSizeMax};
+  query.parts.Add(Part::kExtras);
+  std::size_t listed = 0;
+  std::size_t pages = 0;
+  do {
+    const RobotsPage page = Robots(query);
+    std::size_t bytes = 0;
+    for (const RobotView& robot : page.robots) {
+      EXPECT_EQ(robot.state.parts.extras.items().size(), 1000U) << robot.id.ruri;
+      bytes += KeyedBytes(robot.state.parts);
+    }
+    EXPECT_LT(bytes, storage::kPageBytesMax + KeyedBytes(changes.parts));
+    listed += page.robots.size();
+    query.page_token = page.next_token;
+    ASSERT_LE(++pages, kRobots);
+  } while (!query.page_token.empty());
+  EXPECT_EQ(listed, kRobots);
+  EXPECT_EQ(pages, 2U);
 }
 
 TEST_F(QueriesTest, APageThatEndsWithTheLastRobotIsTheLast) {

@@ -7,7 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "server/view/json.h"
-#include "server/view/struct.h"
+#include "server/view/messages.h"
+#include "server/view/page_token.h"
 #include "tests/support/exact_json.h"
 
 // Rows of the store as JSON, every member.
@@ -118,12 +119,10 @@ TEST(RowsJson, AMissionRunThatTheServerClosedSaysWhyAndWhen) {
   for (const auto& [closed, why] : {std::pair{storage::RunClosed::kForBound, "bound"},
                                     std::pair{storage::RunClosed::kForAge, "age"}}) {
     row.closed = closed;
-    storage::Page<storage::MissionRunRow> page;
-    page.rows.push_back(row);
-    const v1::ListMissionRunsResponse message = ToMessage(page);
-    EXPECT_EQ(message.mission_runs(0).closed_why(), why);
-    EXPECT_EQ(message.mission_runs(0).closed_at_ms(), 9);
-    EXPECT_EQ(message.mission_runs(0).status(), "running") << "as the robot reported it";
+    const v1::MissionRun message = ToMessage(row);
+    EXPECT_EQ(message.closed_why(), why);
+    EXPECT_EQ(message.closed_at_ms(), 9);
+    EXPECT_EQ(message.status(), "running") << "as the robot reported it";
   }
 }
 
@@ -183,37 +182,63 @@ TEST(RowsJson, StoredPartsOfARobotAreShownWhereTheyAreWanted) {
   EXPECT_FALSE(one->contains("uiCapabilities"));
 }
 
-TEST(RowsJson, MembersStandInTheOrderOfTheirNames) {
+/// A robot of which the store has these settings, as an answer.
+std::string WithSettings(const std::string& text) {
   RobotView robot;
-  robot.stored.settings = R"({"b":1,"e":{"z":1,"y":2},"a":2,"d":3,"c":4})";
-  EXPECT_NE(ToJson(robot, PartSet::All())
-                ->find(R"("settings":{"a":2,"b":1,"c":4,"d":3,"e":{"y":2,"z":1}})"),
-            std::string::npos);
+  robot.id = kRobot;
+  robot.stored.settings = text;
+  return *ToJson(robot, PartSet::All());
 }
 
-TEST(RowsJson, WholeNumbersAreExactTo2To53) {
-  RobotView robot;
-  robot.stored.agent_info = R"({"uptimeS":9007199254740992})";
-  EXPECT_NE(ToJson(robot, PartSet::All())->find(R"("uptimeS":9007199254740992})"),
-            std::string::npos);
-  robot.stored.agent_info = R"({"uptimeS":9007199254740991})";
-  EXPECT_NE(ToJson(robot, PartSet::All())->find(R"("uptimeS":9007199254740991})"),
-            std::string::npos);
+TEST(RowsJson, WhatTheStoreKeepsStandsInTheAnswerAsItIs) {
+  const std::string text =
+      R"({"b":1.5E0,"a":{"z":-0,"y":[]},"e":"\u00e4 \"","i":9223372036854775807})";
+  const std::string json = WithSettings(text);
+  EXPECT_TRUE(json.ends_with(",\"settings\":" + text + "}")) << json;
+  EXPECT_TRUE(test::ParseExact(json)) << json;
+
+  storage::Page<storage::EventRow> page;
+  for (int i = 0; i < 2; ++i) page.rows.emplace_back().detail_json = text;
+  const std::string list = *ToJson(page);
+  const std::string item = R"({"ruri":"","kind":"","sampledAtMs":"0","receivedAtMs":"0","detail":)";
+  EXPECT_EQ(list,
+            "{\"events\":[" + item + text + "}," + item + text + "}],\"nextPageToken\":\"\"}");
 }
 
 TEST(RowsJson, DoublesComeBackToTheLastBit) {
   // Values at which a reader that computes mantissa times power of ten is off by one.
   for (const double x : {-172.43127776997827, 47.376887, 8.541694, 1e-7, 5e-324,
                          1.7976931348623157e308, std::nextafter(0.1, 1.0)}) {
-    const google::protobuf::Struct parsed = ParseStruct(boost::json::serialize(object{{"x", x}}));
-    EXPECT_EQ(parsed.fields().at("x").number_value(), x);
+    const auto robot = test::ParseExact(WithSettings(boost::json::serialize(object{{"x", x}})));
+    EXPECT_EQ(robot->at("settings").at("x").as_double(), x);
   }
 }
 
 TEST(RowsJson, ATextThatIsNoObjectIsShownAsAnEmptyOne) {
-  for (const char* text : {"", "{", "[1]", "1", "{\"a\":1}x"}) {
-    EXPECT_TRUE(ParseStruct(text).fields().empty()) << text;
+  for (const char* text : {"", "{", "[1]", "1", "{\"a\":1}x", "{\"a\":1},\"ruri\":{}",
+                           "{\"a\":\"\xff\"}", "{\"a\":01}", "{a:1}"}) {
+    const std::string json = WithSettings(text);
+    EXPECT_TRUE(json.ends_with(",\"settings\":{}}")) << json;
   }
+}
+
+TEST(RowsJson, APageOfRobotsEndsOnceItsTextIsLargeAndGoesOnByToken) {
+  RobotsPage page;
+  const std::string settings = R"({"k":")" + std::string(storage::kPageBytesMax / 4, 'x') + "\"}";
+  for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d", "rcan://e"}) {
+    RobotView& robot = page.robots.emplace_back();
+    robot.id = {ruri, "f"};
+    robot.stored.settings = settings;
+  }
+  page.next_token = RobotsToken("rcan://e");
+  const auto json = test::ParseExact(*ToJson(page, PartSet::All()));
+  EXPECT_EQ(json->at("robots").as_array().size(), 4U);
+  EXPECT_EQ(json->at("nextPageToken").as_string(), RobotsToken("rcan://d"));
+  page.robots.pop_back();
+  page.next_token.clear();
+  const auto whole = test::ParseExact(*ToJson(page, PartSet::All()));
+  EXPECT_EQ(whole->at("robots").as_array().size(), 4U) << "the last one may pass the bound";
+  EXPECT_EQ(whole->at("nextPageToken").as_string(), "");
 }
 
 }  // namespace

@@ -113,13 +113,5 @@ TEST(TwinJsonTest, NoSecretOfACommandOrOfSignallingIsThere) {
   EXPECT_THAT(text, HasSubstr("login"));
 }
 
-TEST(TwinJsonTest, TheStructSaysTheSame) {
-  test::AppliedTwin twin;
-  (void)twin.Publish("position", R"({"position":{"x":1,"y":2,"z":3}})");
-  const google::protobuf::Struct all = TwinStruct(twin.real());
-  EXPECT_EQ(all.fields_size(), 1);
-  EXPECT_EQ(all.fields().at("position").struct_value().fields().at("y").number_value(), 2);
-}
-
 }  // namespace
 }  // namespace uplink::view

@@ -11,8 +11,8 @@
 #include "schema/json/render.h"
 #include "schema/model/enum_text.h"
 #include "server/cyberwave/whose.h"
-#include "server/view/struct.h"
 #include "server/view/twin_json.h"
+#include "tests/support/proto_struct.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -38,7 +38,7 @@ struct TwinMirror::Taking {
     const auto& named = std::get<model::NamedEvent>(record.kind);
     v1::Event row;
     row.set_kind(named.kind);
-    *row.mutable_detail() = view::ParseStruct(named.detail_json);
+    *row.mutable_detail() = test::ParseStruct(named.detail_json);
     row.set_sampled_at_ms(record.unix_time_ms);
     robot.events.push_back(std::move(row));
   }
@@ -47,7 +47,7 @@ struct TwinMirror::Taking {
     row.set_level(model::EnumText(record.level));
     row.set_message(record.message);
     row.set_sampled_at_ms(record.unix_time_ms);
-    *row.mutable_detail() = view::ParseStruct(record.detail_json);
+    *row.mutable_detail() = test::ParseStruct(record.detail_json);
     robot.messages.push_back(std::move(row));
   }
   template <typename Other>
@@ -58,7 +58,7 @@ struct TwinMirror::Taking {
     v1::MissionRun& row = mirror.runs_[record.run_id];
     row.set_run_id(record.run_id);
     row.set_status(model::EnumText(record.status));
-    *row.mutable_latest() = view::ToStruct(json::Render(record));
+    *row.mutable_latest() = test::ToStruct(json::Render(record));
     row.set_updates(row.updates() + 1);
   }
   void operator()(const model::Fault& record) {
@@ -77,7 +77,7 @@ struct TwinMirror::Taking {
     row.set_scope(std::string(model::ToText(record.scope)));
     row.set_id(record.id);
     row.set_type(record.type);
-    *row.mutable_detail() = view::ParseStruct(record.detail_json);
+    *row.mutable_detail() = test::ParseStruct(record.detail_json);
     row.set_sampled_at_ms(record.unix_time_ms);
     mirror.stored.scopes.push_back(std::move(row));
   }

@@ -1,8 +1,8 @@
-#include "server/view/struct.h"
+#include "tests/support/proto_struct.h"
 
 #include <google/protobuf/util/json_util.h>
 
-namespace uplink::view {
+namespace uplink::test {
 namespace {
 
 using google::protobuf::ListValue;
@@ -64,4 +64,4 @@ Struct ParseStruct(std::string_view text) {
   return result;
 }
 
-}  // namespace uplink::view
+}  // namespace uplink::test
