@@ -418,8 +418,9 @@ constexpr auto kSettings = std::to_array<Setting>({
      .max = 16 * kGiB,
      .zero = "as many as it sends",
      .effect = Effect::kReload,
-     .text = "Bytes of one robot's durable payloads that are stored per second; past that and the "
-             "burst its stream is held back, and nothing is lost.",
+     .text = "Bytes of one robot's durable messages that are stored per second, as they came or as "
+             "they are kept, whichever is more; past that and the burst its stream is held back, "
+             "and nothing is lost.",
      UPLINK_BIND(limits, LimitsConfig, durable_bytes_rate)},
     {.section = "limits",
      .key = "durable_bytes_burst",
@@ -427,7 +428,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = kKiB,
      .max = 64 * kGiB,
      .effect = Effect::kReload,
-     .text = "Bytes of one robot's durable payloads that are stored at once, after a pause.",
+     .text = "Bytes of one robot's durable messages that are stored at once, after a pause.",
      UPLINK_BIND(limits, LimitsConfig, durable_bytes_burst)},
 
     UPLINK_RATE(shape, "shape"),

@@ -1,5 +1,9 @@
 #include "server/session/held_back.h"
 
+#include <algorithm>
+
+#include "schema/model/held_bytes.h"
+
 namespace uplink::session {
 
 Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing) {
@@ -13,6 +17,10 @@ Hold HoldOfAll(const HeldBackSources& sources, std::size_t outgoing) {
     return {.by = HeldBack::kFlow, .until = limited};
   }
   return {};
+}
+
+std::size_t FlowBytes(std::size_t payload_bytes, const model::Record& record) {
+  return std::max(payload_bytes, model::HeldBytes(record));
 }
 
 Hold HoldOfRecord(const HeldBackSources& sources, const RecordCost& cost) {

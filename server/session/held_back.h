@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "schema/base/clock.h"
+#include "schema/model/record.h"
 #include "server/journal/journal.h"
 #include "server/robot/held_back.h"
 #include "server/robot/robot.h"
@@ -40,9 +41,13 @@ struct HeldBackSources {
 struct RecordCost {
   /// What it holds there (journal::CostOf), with the gap before it.
   std::size_t journal_bytes = 0;
-  /// Bytes of the payload that is to be stored; nothing where the flow does not count.
+  /// Bytes that the flow counts (FlowBytes); nothing where it does not count.
   std::optional<std::size_t> flow_bytes{};
 };
+
+/// What the flow counts of a durable message: the bytes of its payload, or what the judged message
+/// holds where that is more, since it is stored and told to others as large as that.
+[[nodiscard]] std::size_t FlowBytes(std::size_t payload_bytes, const model::Record& record);
 
 /// What keeps a record: the first that applies, in the order of HeldBack. Other threads commit and
 /// fill the journal, so it may be over at once.

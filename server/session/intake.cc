@@ -124,7 +124,7 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
       if (!appending_.Continues(uplink.seq)) cost.flow_bytes = 0;
     } else if (durable) {
       cost.journal_bytes += journal::CostOf(payload, *record);
-      if (IsNew(uplink.seq)) cost.flow_bytes = payload;
+      if (IsNew(uplink.seq)) cost.flow_bytes = FlowBytes(payload, *record);
     }
   } else if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
     cost.journal_bytes += journal::CostOf(payload, *rejection);
@@ -189,7 +189,7 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
     numbers_.AddSettled(uplink.seq);
     return CountSuperseded();
   }
-  if (IsNew(uplink.seq)) TakeFlow(uplink.payload.size());
+  if (IsNew(uplink.seq)) TakeFlow(FlowBytes(uplink.payload.size(), record));
   robot_.state.KeepReport(record.body(), received_at_);
   const std::optional<storage::LatestKind> latest = storage::LatestKindOf(record.variant());
   appending_.Add(uplink.seq, std::move(record), std::string(uplink.payload), uplink.payload.size());
