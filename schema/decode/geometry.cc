@@ -1,7 +1,10 @@
 #include <string_view>
 #include <vector>
 
+#include <capnp/any.h>
+
 #include "schema/decode/fields.h"
+#include "schema/decode/message.h"
 #include "schema/decode/spatial.h"
 #include "schema/limits.h"
 #include "schema/rules/describe.h"
@@ -14,6 +17,11 @@ namespace {
 using WirePositions = capnp::List<wire::GeoPoint2>::Reader;
 using WireLines = capnp::List<capnp::List<wire::GeoPoint2>>::Reader;
 
+/// Whether each element of the list, which is not empty, has a word of data at least.
+bool HasData(const WirePositions& positions) {
+  return capnp::AnyStruct::Reader(positions[0]).getDataSection().size() >= kWordBytes;
+}
+
 /// Counts lines, rings and positions of one shape; stops the walk at the first bound passed.
 class ShapeSize {
  public:
@@ -25,22 +33,27 @@ class ShapeSize {
     violations_.Reject(TooManyItems(path_, parts_, kShapePartsMax, "lines or rings"));
     return false;
   }
-  [[nodiscard]] bool AddPositions(std::size_t positions) {
-    positions_ += positions;
-    if (positions_ <= kShapePositionsMax) return true;
-    violations_.Reject(TooManyItems(path_, positions_, kShapePositionsMax, "positions"));
+  [[nodiscard]] bool AddPositions(const WirePositions& positions) {
+    positions_ += positions.size();
+    if (positions_ > kShapePositionsMax) {
+      violations_.Reject(TooManyItems(path_, positions_, kShapePositionsMax, "positions"));
+      return false;
+    }
+    // Without a word for each a few bytes would stand for thousands. The canonical form of a single
+    // position at 0, 0 has none.
+    if (positions.size() <= 1 || HasData(positions)) return true;
+    violations_.Reject(PositionsWithoutData(path_, positions.size()));
     return false;
   }
   [[nodiscard]] bool AddLines(const WireLines& lines) {
     if (!AddParts(lines.size())) return false;
     for (const auto line : lines) {
-      if (!AddPositions(line.size())) return false;
+      if (!AddPositions(line)) return false;
     }
     return true;
   }
   [[nodiscard]] bool AddPolygon(wire::PolygonData::Reader polygon) {
-    return AddParts(1) && AddPositions(polygon.getExterior().size()) &&
-           AddLines(polygon.getHoles());
+    return AddParts(1) && AddPositions(polygon.getExterior()) && AddLines(polygon.getHoles());
   }
 
  private:
@@ -56,9 +69,9 @@ bool SizeIsGood(wire::ShapeData::Reader in, const Path& path, Violations& violat
     case wire::ShapeData::POINT:
       return true;
     case wire::ShapeData::MULTI_POINT:
-      return size.AddPositions(in.getMultiPoint().size());
+      return size.AddPositions(in.getMultiPoint());
     case wire::ShapeData::LINE_STRING:
-      return size.AddPositions(in.getLineString().size());
+      return size.AddPositions(in.getLineString());
     case wire::ShapeData::MULTI_LINE_STRING:
       return size.AddLines(in.getMultiLineString());
     case wire::ShapeData::POLYGON:

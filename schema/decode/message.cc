@@ -1,6 +1,5 @@
 #include "schema/decode/message.h"
 
-#include <algorithm>
 #include <cstdint>
 
 #include "schema/limits.h"
@@ -37,7 +36,7 @@ std::string_view FramingError(std::span<const std::byte> bytes) {
 
 capnp::ReaderOptions OptionsFor(std::size_t words) {
   capnp::ReaderOptions options;
-  options.traversalLimitInWords = std::max(words * kTraversalFactor, kTraversalWordsMin);
+  options.traversalLimitInWords = words * kTraversalFactor;
   options.nestingLimit = kNestingMax;
   return options;
 }

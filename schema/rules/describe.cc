@@ -48,6 +48,17 @@ Violation Malformed(std::string_view why) {
           .texts = {why}};
 }
 
+Violation PositionsWithoutData(const Path& path, std::size_t count) {
+  return {.reason = RejectReason::kMalformed,
+          .path = &path,
+          .sentence =
+              [](const Violation& self) {
+                return fmt::format("a list of {} positions that holds the data of none",
+                                   self.counts[0]);
+              },
+          .counts = {count}};
+}
+
 Violation TooDeep(const Path& path, std::size_t depth_max) {
   return {.reason = RejectReason::kMalformed,
           .path = &path,

@@ -33,6 +33,8 @@ struct Violation {
 // One function per violation. `path` is where it was found; without one, the message as a whole.
 
 [[nodiscard]] Violation Malformed(std::string_view why);
+/// A list of so many positions that has no bytes for any of them.
+[[nodiscard]] Violation PositionsWithoutData(const Path& path, std::size_t count);
 /// What is nested deeper than may be.
 [[nodiscard]] Violation TooDeep(const Path& path, std::size_t depth_max);
 [[nodiscard]] Violation UnknownVariant(const Path& path, unsigned member);

@@ -10,6 +10,8 @@
 #include "schema/encode.h"
 #include "schema/json/render.h"
 #include "schema/judge.h"
+#include "schema/limits.h"
+#include "schema/model/held_bytes.h"
 #include "tests/support/proto_struct.h"
 #include "tests/support/records.h"
 #include "tests/support/vector_files.h"
@@ -54,6 +56,12 @@ TEST_P(VectorTest, SurvivesOurEncoder) {
   const schema::Judgement second = judge_.Payload(test::AsPayload(encoded));
   ASSERT_NE(second.record(), nullptr) << second.rejection()->detail;
   EXPECT_TRUE(first.record()->body() == second.record()->body());
+}
+
+TEST_P(VectorTest, HoldsAFewTimesItsPayload) {
+  const schema::Judgement judgement = judge_.Payload(test::AsPayload(Payload()));
+  ASSERT_NE(judgement.record(), nullptr);
+  EXPECT_LE(model::HeldBytes(*judgement.record()), schema::kTraversalFactor * Payload().size());
 }
 
 std::string TestName(const testing::TestParamInfo<std::string>& info) {

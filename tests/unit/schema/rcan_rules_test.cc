@@ -373,5 +373,14 @@ TEST(Ruri, IsNormalisedNoFurtherThanTheRulesSay) {
   }
 }
 
+TEST(RcanState, HoldsAFewTimesItsText) {
+  // As many joints as may be, each in as few bytes as may be.
+  const std::string text = Joints(static_cast<int>(kRcanJointsMax));
+  const RcanJudgement judgement = JudgeOf(text);
+  const auto& state = std::get<model::RcanState>(judgement.verdict);
+  ASSERT_EQ(state.joints.size(), kRcanJointsMax);
+  EXPECT_LE(state.joints.capacity() * sizeof(model::RcanJoint), kTraversalFactor * text.size());
+}
+
 }  // namespace
 }  // namespace uplink::schema

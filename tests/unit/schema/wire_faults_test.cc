@@ -1,3 +1,4 @@
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <functional>
@@ -187,20 +188,107 @@ TEST(WireTest, NeedsTheStructsOfAnObject) {
                  RejectReason::kMissingField, "upsert.location");
 }
 
-TEST(WireTest, RejectsListsOfNothingByTheirCount) {
-  // A list of structs without fields costs no bytes, however many it claims.
+/// Puts a list of structs without fields into a struct's first pointer: it costs no bytes, however
+/// many it claims.
+template <typename Builder>
+void PutListOfNothing(Builder builder, unsigned count) {
+  capnp::AnyStruct::Builder(kj::mv(builder))
+      .getPointerSection()[0]
+      .initAsListOfAnyStruct(0, 0, count);
+}
+
+TEST(WireTest, RejectsListsOfNothing) {
   const auto judge_extras = [](unsigned count) {
+    return JudgeWire([&](auto m) { PutListOfNothing(m.initTelemetryExtras(), count); });
+  };
+  ExpectRejected(judge_extras(16), RejectReason::kMissingField, "kv[0].key");
+  // Past the traversal limit, which goes by the bytes, it is Cap'n Proto that stops.
+  for (const unsigned count : {64U, 256U, 257U, 2'000U, (1U << 29U) - 1}) {
+    ExpectRejected(judge_extras(count), RejectReason::kMalformed, "");
+  }
+}
+
+/// A shape of so many positions that has no bytes for any of them.
+schema::Judgement JudgeNothing(std::uint16_t member, unsigned count) {
+  return JudgeWire([&](auto m) {
+    auto shape = m.initShape().initUpsert();
+    shape.initIdentity().setId("s");
+    auto data = shape.initData();
+    SetMember(data, member);
+    PutListOfNothing(data, count);
+  });
+}
+
+TEST(WireTest, RejectsListsOfPositionsWithoutData) {
+  constexpr std::uint16_t kMultiPoint = 1;
+  constexpr std::uint16_t kLineString = 2;
+  for (const std::uint16_t member : {kMultiPoint, kLineString}) {
+    for (const unsigned count : {2U, 16U}) {
+      ExpectRejected(JudgeNothing(member, count), RejectReason::kMalformed, "upsert.data");
+    }
+    // 160 bytes that were 32 KB in the store, and to each receiver.
+    ExpectRejected(JudgeNothing(member, 2'000), RejectReason::kMalformed, "");
+  }
+  // One position has no more than its own size.
+  const schema::Judgement one = JudgeNothing(kMultiPoint, 1);
+  ExpectGood(one);
+  EXPECT_TRUE(BodyOf<model::ShapeOp>(one).upsert()->data ==
+              model::ShapeData(model::MultiPoint{{{.lon = 0, .lat = 0}}}));
+  const auto judge_ring = [](unsigned count) {
     return JudgeWire([&](auto m) {
-      auto extras = m.initTelemetryExtras();
-      capnp::AnyStruct::Builder(kj::mv(extras))
-          .getPointerSection()[0]
-          .initAsListOfAnyStruct(0, 0, count);
+      auto shape = m.initShape().initUpsert();
+      shape.initIdentity().setId("s");
+      PutListOfNothing(shape.initData().initPolygon(), count);
     });
   };
-  ExpectRejected(judge_extras(256), RejectReason::kMissingField, "kv[0].key");
-  ExpectRejected(judge_extras(257), RejectReason::kTooManyItems, "kv");
-  // Past the traversal limit it is Cap'n Proto that stops.
-  ExpectRejected(judge_extras((1U << 29U) - 1), RejectReason::kMalformed, "");
+  ExpectRejected(judge_ring(3), RejectReason::kMalformed, "upsert.data");
+}
+
+TEST(WireTest, RejectsPositionsOfLessThanAWord) {
+  // Cap'n Proto reads a list of bytes as structs that have one byte of data each.
+  for (const unsigned count : {2U, 64U}) {
+    ExpectRejected(JudgeWire([&](auto m) {
+                     auto shape = m.initShape().initUpsert();
+                     shape.initIdentity().setId("s");
+                     auto data = shape.initData();
+                     SetMember(data, 2);
+                     capnp::AnyStruct::Builder(kj::mv(data))
+                         .getPointerSection()[0]
+                         .template initAs<capnp::List<std::uint8_t>>(count);
+                   }),
+                   RejectReason::kMalformed, "upsert.data");
+  }
+}
+
+/// The message in its canonical form: structs end behind the last word that is not zero.
+std::string Canonical(const std::function<void(UplinkMsg::Builder)>& fill) {
+  capnp::MallocMessageBuilder builder;
+  fill(builder.initRoot<UplinkMsg>());
+  const auto words = capnp::canonicalize(builder.getRoot<UplinkMsg>().asReader());
+  const auto content = words.asChars();
+  const std::array<std::uint32_t, 2> table = {0, static_cast<std::uint32_t>(words.size())};
+  std::string bytes(sizeof(table), '\0');
+  std::memcpy(bytes.data(), table.data(), sizeof(table));
+  return bytes + std::string(content.begin(), content.size());
+}
+
+TEST(WireTest, TakesPositionsInTheirCanonicalForm) {
+  const auto line = [](const std::vector<model::GeoPoint2>& positions) {
+    return JudgeBytes(Canonical([&](auto m) {
+      auto shape = m.initShape().initUpsert();
+      shape.initIdentity().setId("s");
+      auto list = shape.initData().initMultiPoint(static_cast<unsigned>(positions.size()));
+      for (unsigned i = 0; i < positions.size(); ++i) {
+        list[i].setLon(positions[i].lon);
+        list[i].setLat(positions[i].lat);
+      }
+    }));
+  };
+  ExpectGood(line({{.lon = 0, .lat = 0}}));
+  ExpectGood(line({{.lon = 8, .lat = 0}, {.lon = 9, .lat = 0}}));  // one word for each
+  ExpectGood(line({{.lon = 0, .lat = 0}, {.lon = 0, .lat = 47}}));
+  ExpectRejected(line({{.lon = 0, .lat = 0}, {.lon = 0, .lat = 0}}), RejectReason::kMalformed,
+                 "upsert.data");
 }
 
 TEST(WireTest, StopsLinesThatShareOneListOfPositions) {

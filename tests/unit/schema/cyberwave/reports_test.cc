@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "schema/base/utf8.h"
 #include "tests/unit/schema/cyberwave/judging.h"
 
 namespace uplink::cyberwave {
@@ -226,6 +227,19 @@ TEST(CyberwaveDetail, WhatIsTooDeepIsTextInADurableMessage) {
                                                "1e400" + std::string(25, ']') + "}");
   ASSERT_NE(wrong.rejection(), nullptr);
   EXPECT_EQ(wrong.rejection()->reason, RejectReason::kNotFinite) << "also within such a text";
+}
+
+TEST(CyberwaveEvent, IsKeptInAFewTimesItsBytes) {
+  // A control character has one byte, and what is kept in its place three; fractions grow by half.
+  const std::string start = R"({"event_type":"e","v":)";
+  std::string fractions = "[1.1";
+  for (int i = 0; i < 1'000; ++i) fractions += ",1.1";
+  for (const std::string& value : {"\"" + std::string(1'000, '\x7f') + "\"", fractions + "]"}) {
+    const std::string payload = start + value + "}";
+    const auto event = BodyOf<Event>(JudgeOn("event", payload));
+    EXPECT_GT(event.detail.size(), payload.size());
+    EXPECT_LE(event.detail.size(), kReplacementBytes * payload.size());
+  }
 }
 
 }  // namespace
