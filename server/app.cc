@@ -296,7 +296,7 @@ class App::Impl {
   store::LeaseRounds leases_;
   BrokerSide broker_side_{
       {options_.clock, options_.logger, options_.config, fleet_, journals_, journal_limits_,
-       *stores_.reader, leases_, options_.process, options_.random},
+       *stores_.reader, leases_, options_.process, options_.random, allowances_},
       std::move(stores_.topic_leases)};
   store::ForgetRounds forget_rounds_;
   store::ClockRounds clock_rounds_;

@@ -81,7 +81,8 @@ struct BrokerSide::Parts {
             .make_link =
                 [this](mqtt::LinkEvents& events) { return mqtt::MakeAsioLink(loop.io(), events); },
             .post = [this](std::function<void()> job) { loop.Post(std::move(job)); },
-            .random = context.random};
+            .random = context.random,
+            .flow = [&allowances = context.allowances] { return allowances.Get()->flow; }};
   }
 
   store::TopicRounds::Context TopicsContext(const Context& context) {

@@ -13,6 +13,7 @@
 #include "server/health/readiness.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/session/allowances.h"
 #include "server/store/lease_rounds.h"
 #include "server/view/broker_status.h"
 #include "storage/reader.h"
@@ -39,6 +40,8 @@ class BrokerSide final {
     store::LeaseRounds& leases;
     storage::ProcessId process{};
     std::function<std::uint64_t()> random;
+    /// What one robot may have stored.
+    const session::Allowances& allowances;
   };
   /// `topics` is null if there is no broker.
   BrokerSide(const Context& context, std::unique_ptr<storage::TopicLeases> topics);

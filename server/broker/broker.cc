@@ -50,7 +50,8 @@ Broker::Broker(Context context)
                    [this](const mqtt::Outgoing& message) {
                      mqtt::Client* client = Of(Connection::kLive).client();
                      return client != nullptr && client->Publish(message);
-                   }}),
+                   },
+               .flow = context_.flow}),
       strays_(context_.terms.prefixes) {
   NoteCertificate(context_.clients.front(), probe_);
 }

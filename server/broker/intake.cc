@@ -31,6 +31,9 @@ struct Intake::Processing {
   bool rests_on_store = false;
 
   [[nodiscard]] const mqtt::Publish& publish() const { return message.publish; }
+  [[nodiscard]] MessageLimits::Message judged() const {
+    return {.judgement = judgement, .publish = message.publish, .arrived = arrived.steady};
+  }
 };
 
 namespace {
@@ -112,9 +115,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
   processing.judgement = std::move(judged.judgement);
   processing.topic = processing.judgement.topic;
   if (judged.over_budget) {
-    CountTopic(context_.probe, processing.topic.kind);
-    RejectUnkept(processing, model::RejectReason::kRateLimited);
-    return Processed::kDone;
+    return RejectLimited(processing);
   }
   was_stray_ = processing.topic.kind == TopicKind::kOther;
   if (was_stray_) {
@@ -131,19 +132,11 @@ Intake::Processed Intake::Judge(Processing& processing) {
     return Processed::kDone;
   }
   if (place->stream == nullptr) return WriteNowhere(processing, *place);
-  if (ExceedsUnknownSenderBudget(processing, *place->stream)) {
-    CountTopic(context_.probe, processing.topic.kind);
-    RejectUnkept(processing, model::RejectReason::kRateLimited);
-    return Processed::kDone;
+  if (!processing.held_back &&
+      limits_.ExceedsUnknownSenderBudget(processing.judged(), *place->stream)) {
+    return RejectLimited(processing);
   }
   return Write(processing, *place->stream);
-}
-
-bool Intake::ExceedsUnknownSenderBudget(const Processing& processing, const TwinStream& stream) {
-  if (stream.twin != nullptr || processing.held_back) return false;
-  if (processing.judgement.rejection() == nullptr) return false;
-  return !context_.limited_log.Passes(strangers_, processing.topic, 1, processing.arrived.steady,
-                                      "rejected messages of no robot");
 }
 
 void Intake::AnswerPing(Processing& processing) {
@@ -159,6 +152,12 @@ void Intake::AnswerPing(Processing& processing) {
 void Intake::RejectUnkept(Processing& processing, model::RejectReason reason) {
   ++processing.counts.rejects[static_cast<std::size_t>(reason)];
   Settle(processing, Became::kRejected);
+}
+
+Intake::Processed Intake::RejectLimited(Processing& processing) {
+  CountTopic(context_.probe, processing.topic.kind);
+  RejectUnkept(processing, model::RejectReason::kRateLimited);
+  return Processed::kDone;
 }
 
 Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams::Opened& place) {
@@ -218,6 +217,9 @@ Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
   stream.used_at = processing.arrived.steady;
   if (!processing.held_back) NoteLife(processing, stream);
   const std::size_t records = RecordsAtMost(processing.judgement, stream);
+  if (records > 0 && limits_.IsPastFlow(processing.judged(), stream)) {
+    return RejectLimited(processing);
+  }
   if (records > 0 && !HasRoom(stream)) return Wait(processing);
   if (records > 0 && !HasShare(processing, stream)) {
     context_.limited_log.Tell(stream, "its share of the journal is full (journal.robot_share)",
@@ -225,12 +227,8 @@ Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
     return Wait(processing);
   }
   CountTopic(context_.probe, processing.topic.kind);
-  const auto fill = context_.journal_over_half() ? cyberwave::JournalFill::kOverHalf
-                                                 : cyberwave::JournalFill::kUpToHalf;
-  if (const auto limited =
-          LimitOf(processing.judgement, stream, records, fill, context_.clock.Steady())) {
-    context_.limited_log.Tell(stream, limited->detail, context_.clock.Steady());
-    RejectUnkept(processing, limited->reason);
+  if (const auto limited = limits_.Limit(processing.judged(), stream, records)) {
+    RejectUnkept(processing, *limited);
   } else if (const model::Rejection* rejection = processing.judgement.rejection()) {
     Reject(processing, stream, *rejection);
   } else {
@@ -276,6 +274,8 @@ void Intake::Append(Processing& processing, TwinStream& stream,
       model::MessageSource::kCyberwave,
       cyberwave::KeptTopic(processing.publish().topic, processing.topic), context_.commits.hold());
   for (storage::CommitRecord& record : records) record.origin = origin;
+  // Of a rejected message quarantine keeps what Reject counts.
+  limits_.TakeFlow(stream, records.size(), rejected ? 0 : processing.publish().payload_bytes);
   processing.counts.in_flight += 1;
   // Before the writer can settle it, so that no scrape sees it settled and not received.
   context_.ledger.Publish(processing.counts);

@@ -10,10 +10,9 @@
 #include "schema/cyberwave/records.h"
 #include "server/broker/commits.h"
 #include "server/broker/held_back_message.h"
-#include "server/broker/id_budgets.h"
 #include "server/broker/limited_log.h"
-#include "server/broker/limits.h"
 #include "server/broker/message_counts.h"
+#include "server/broker/message_limits.h"
 #include "server/broker/payload_judge.h"
 #include "server/broker/pongs.h"
 #include "server/broker/probe.h"
@@ -47,11 +46,17 @@ class Intake final {
     /// Whether the journals are more than half full.
     std::function<bool()> journal_over_half;
     Pongs::Publish publish;
+    /// As MessageLimits::Context::flow.
+    std::function<robot::FlowLimits()> flow{};
   };
   explicit Intake(Context context)
       : context_(std::move(context)),
         pongs_(context_.publish, context_.probe),
-        payloads_(context_.terms, context_.limited_log) {}
+        payloads_(context_.terms, context_.limited_log),
+        limits_({.clock = context_.clock,
+                 .log = context_.limited_log,
+                 .journal_over_half = context_.journal_over_half,
+                 .flow = context_.flow}) {}
 
   enum class Processed : std::uint8_t {
     kDone,
@@ -79,9 +84,6 @@ class Intake final {
   [[nodiscard]] Processed ProcessOne(Processing& processing);
   [[nodiscard]] bool WasBefore(Processing& processing);
   [[nodiscard]] Processed Judge(Processing& processing);
-  /// It is rejected, belongs to no robot, and its id has sent too many such.
-  [[nodiscard]] bool ExceedsUnknownSenderBudget(const Processing& processing,
-                                                const TwinStream& stream);
   [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);
@@ -94,6 +96,7 @@ class Intake final {
   void AnswerPing(Processing& processing);
   /// Without a row of quarantine.
   void RejectUnkept(Processing& processing, model::RejectReason reason);
+  [[nodiscard]] Processed RejectLimited(Processing& processing);
   void Reject(Processing& processing, TwinStream& stream, const model::Rejection& rejection);
   void Apply(Processing& processing, TwinStream& stream);
   void Append(Processing& processing, TwinStream& stream,
@@ -105,7 +108,7 @@ class Intake final {
   const Context context_;
   Pongs pongs_;
   PayloadJudge payloads_;
-  IdBudgets strangers_{kRejectsOfStranger};
+  MessageLimits limits_;
   bool was_stray_ = false;
   /// The journal that had no room for it.
   journal::Journal* full_ = nullptr;

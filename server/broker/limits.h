@@ -34,6 +34,13 @@ inline constexpr std::size_t kBudgetedBytesMin = 512;
 /// per second of each, thousands of ids do not fill what that place may have while the store takes
 /// them.
 inline constexpr robot::BucketSize kRejectsOfStranger{.rate = 50, .burst = 2'000};
+/// What one environment or workflow run may have stored: it is no robot, and has no flow of one.
+inline constexpr robot::BucketSize kRecordsOfScope{
+    .rate = config::LimitsConfig().durable_records_rate,
+    .burst = config::LimitsConfig().durable_records_burst};
+inline constexpr robot::BucketSize kBytesOfScope{
+    .rate = config::LimitsConfig().durable_bytes_rate,
+    .burst = config::LimitsConfig().durable_bytes_burst};
 /// Ids that have a budget of their own: more than there may be twins by default.
 inline constexpr std::size_t kBudgetsMax = 32'768;
 /// How long a robot's stream is not opened anew that an operator ended, so that the robot can be

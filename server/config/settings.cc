@@ -401,7 +401,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .zero = "as many as it sends",
      .effect = Effect::kReload,
      .text = "Durable messages of one robot that are stored per second; past that and the burst "
-             "its stream is held back, and nothing is lost.",
+             "its stream is held back, and nothing is lost; a twin's may be rejected.",
      UPLINK_BIND(limits, LimitsConfig, durable_records_rate)},
     {.section = "limits",
      .key = "durable_records_burst",
@@ -420,7 +420,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .effect = Effect::kReload,
      .text = "Bytes of one robot's durable messages that are stored per second, as they came or as "
              "they are kept, whichever is more; past that and the burst its stream is held back, "
-             "and nothing is lost.",
+             "and nothing is lost; a twin's may be rejected.",
      UPLINK_BIND(limits, LimitsConfig, durable_bytes_rate)},
     {.section = "limits",
      .key = "durable_bytes_burst",

@@ -122,6 +122,38 @@ TEST_P(Reading, ABrokerThatRestartsLosesNothingAndTakesNobodyOffline) {
   EXPECT_EQ(Stored(), "2 rows, 2 numbers\n");
 }
 
+TEST_P(Reading, ATwinPastItsFlowCostsOnlyItself) {
+  constexpr int kBurst = 20;
+  constexpr int kEvents = 500;
+  const auto server = Serve({"UPLINKD_LIMITS_DURABLE_RECORDS_RATE=1",
+                             "UPLINKD_LIMITS_DURABLE_RECORDS_BURST=" + std::to_string(kBurst)});
+  MqttPublisher publisher(broker_.port());
+  const auto received = [&] { return server->Sample("uplinkd_mqtt_messages_received_total"); };
+  for (int i = 1; i <= kEvents; ++i) publisher.PublishLive(TwinTopic(1, "event"), NumberedEvent(i));
+  for (int i = 1; i <= 5; ++i) {
+    publisher.PublishLive(TwinTopic(2, "event"), NumberedEvent(kEvents + i));
+  }
+  ASSERT_TRUE(Eventually([&] {
+    return received() == kEvents + 5 && server->Sample("uplinkd_mqtt_messages_in_flight") == 0;
+  }));
+  const double limited = server->Sample("uplinkd_mqtt_rejects_total{reason=\"rate_limited\"}");
+  EXPECT_GT(limited, 0);
+  EXPECT_LE(limited, kEvents - kBurst);
+  EXPECT_EQ(server->Settled("rejected"), limited);
+  EXPECT_EQ(server->Settled("stored"), kEvents + 5 - limited);
+  EXPECT_TRUE(server->process().WaitFor("twin_limited robot=rcan://local.rcan/cyberwave/twin/" +
+                                        TwinId(1)));
+  EXPECT_THAT(server->process().text(), Not(HasSubstr("twin/" + TwinId(2) + " why")));
+  EXPECT_THAT(server->Get("/api/v1/quarantine"), Not(HasSubstr("rate_limited")));
+  // At QoS 1 our acks hold the publisher back: a backlog passes.
+  for (int i = 1; i <= 2 * kBurst; ++i) {
+    publisher.Publish(TwinTopic(1, "event"), NumberedEvent(1000 + i));
+  }
+  ASSERT_TRUE(
+      Eventually([&] { return server->Settled("stored") == kEvents + 5 - limited + 2 * kBurst; }));
+  EXPECT_EQ(server->Settled("rejected"), limited);
+}
+
 TEST(ReadingWithoutPersistence, ALostSessionIsSaid) {
   UplinkdFolder folder;
   MosquittoOptions options;

@@ -91,7 +91,8 @@ class Bench {
                     [this](const mqtt::Outgoing& message) {
                       published.push_back(message);
                       return true;
-                    }}) {}
+                    },
+                .flow = [this] { return flow; }}) {}
 
   /// Takes the lease; false if another has it.
   bool TakeLease(std::vector<storage::OverHolder> over = {}) {
@@ -208,6 +209,8 @@ class Bench {
   Commits commits;
   Intake intake;
   bool over_half = false;
+  /// What one robot may have stored.
+  robot::FlowLimits flow;
   std::vector<mqtt::Outgoing> published;
 };
 
