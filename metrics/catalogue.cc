@@ -108,6 +108,10 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kFrameBytes, "uplinkd_frame_bytes_received_total", kCounter, "bytes",
      "Bytes of the frames that streams delivered."},
     {kAcks, "uplinkd_acks_sent_total", kCounter, "frames", "Acks that were sent."},
+    {kTelemetryOverRate, "uplinkd_telemetry_over_rate_total", kCounter, "messages",
+     "Motion, status, extras and RCAN Robot States over the rate of their robot "
+     "(rates.telemetry), superseded by later ones; among those settled as superseded.",
+     kByKind},
     {kNotices, "uplinkd_notices_sent_total", kCounter, "frames", "Notices that were sent."},
     {kForwardsDue, "uplinkd_forwards_due_total", kCounter, "changes",
      "Changes of shared shapes and objects, once per stream that receives them: the sum of those "

@@ -62,6 +62,7 @@ enum class MetricId : std::uint8_t {
   kFrames,
   kFrameBytes,
   kAcks,
+  kTelemetryOverRate,
   kNotices,
   kForwardsDue,
   kForwardsSettled,

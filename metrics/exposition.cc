@@ -8,6 +8,7 @@
 #include <prometheus/metric_family.h>
 #include <prometheus/text_serializer.h>
 
+#include "metrics/kinds.h"
 #include "metrics/openmetrics.h"
 #include "schema/base/check.h"
 #include "schema/model/record.h"
@@ -26,11 +27,6 @@ prometheus::MetricType TypeOf(MetricType type) {
       return prometheus::MetricType::Histogram;
   }
   return prometheus::MetricType::Untyped;
-}
-
-std::string_view KindText(std::size_t kind) {
-  if (kind == kUnknownKind) return "unknown";
-  return kind == kRcanKind ? "rcanRobotState" : model::ToText(static_cast<model::Variant>(kind));
 }
 
 double Number(std::uint64_t value) { return static_cast<double>(value); }

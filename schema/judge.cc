@@ -87,6 +87,21 @@ Judgement Judge::Payload(std::span<const std::byte> payload) {
   return judgement;
 }
 
+std::optional<model::Variant> Judge::VariantOf(std::span<const std::byte> payload) {
+  if (payload.size() > limits_.message_bytes_max) return std::nullopt;
+  if (!FramingError(payload).empty()) return std::nullopt;
+  using Read = std::optional<model::Variant>;
+  const auto read = [](capnp::FlatArrayMessageReader& reader) -> Read {
+    const auto member = static_cast<unsigned>(reader.getRoot<wire::UplinkMsg>().which());
+    if (member >= model::kVariants) return std::nullopt;
+    return static_cast<model::Variant>(member);
+  };
+  const Read variant =
+      ReadMessage(scratch_->Copy(payload), read, [](std::string_view) { return Read(); });
+  scratch_->Shrink();
+  return variant;
+}
+
 void Judge::Reuse(model::Record&& record) {
   if (auto* const status = std::get_if<model::StatusTelemetry>(&record.body_)) {
     if (status->status) scratch_->texts.Give(*std::move(status->status));

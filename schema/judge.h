@@ -63,6 +63,9 @@ class Judge final {
 
   /// `payload` is one serialized UplinkMsg: standard stream framing, not packed.
   [[nodiscard]] Judgement Payload(std::span<const std::byte> payload);
+  /// The union member of a payload, without decoding it. Nothing if it could not be read so far, or
+  /// is larger than message_bytes_max.
+  [[nodiscard]] std::optional<model::Variant> VariantOf(std::span<const std::byte> payload);
   /// Takes the memory of a record that is not used any more for later ones, so that live messages
   /// that come again and again need none.
   void Reuse(model::Record&& record);

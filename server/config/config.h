@@ -147,6 +147,9 @@ struct RatesConfig {
   std::size_t consumable_status_burst = 200;
   std::size_t spatial_directive_status = 20;
   std::size_t spatial_directive_status_burst = 200;
+  /// Motion, status, extras and RCAN Robot State together; what is over it is superseded.
+  std::size_t telemetry = 1'000;
+  std::size_t telemetry_burst = 1'000;
 };
 
 struct PresenceConfig {

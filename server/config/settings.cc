@@ -89,7 +89,7 @@ constexpr std::array<Section, 16> kSections = {{
     {"limits", "Bounds on what robots send and on what the server keeps of them."},
     {"rates",
      "How many messages of one robot are taken per second, by variant; what is over that "
-     "is rejected as RATE_LIMITED. Other variants have no such limit."},
+     "is rejected as RATE_LIMITED, of telemetry superseded. Other variants have no such limit."},
     {"presence", "When a robot counts as online or offline."},
     {"forward", "What robots report for others: shapes and objects."},
     {"rcan", "RCAN Robot State and the robots' Prometheus series."},
@@ -440,6 +440,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     UPLINK_RATE(usage_telemetry, "usageTelemetry"),
     UPLINK_RATE(consumable_status, "consumableStatus"),
     UPLINK_RATE(spatial_directive_status, "spatialDirectiveStatus"),
+    UPLINK_RATE(telemetry, "motion, status, extras and RCAN Robot State together"),
 
     {.section = "presence",
      .key = "timeout",

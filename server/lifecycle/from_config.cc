@@ -79,7 +79,8 @@ session::Allowance AllowanceOf(const config::Config& config) {
   const config::RatesConfig& rates = config.rates;
   session::Allowance allowance{
       .flow = {.records = {limits.durable_records_rate, limits.durable_records_burst},
-               .bytes = {limits.durable_bytes_rate, limits.durable_bytes_burst}}};
+               .bytes = {limits.durable_bytes_rate, limits.durable_bytes_burst}},
+      .telemetry = {rates.telemetry, rates.telemetry_burst}};
   const auto set = [&allowance](model::Variant variant, std::size_t rate, std::size_t burst) {
     allowance.rates[static_cast<std::size_t>(variant)] = {rate, burst};
   };

@@ -8,6 +8,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
@@ -31,9 +32,11 @@ inline constexpr std::size_t kLimitedIdsMax = 4'096;
 /// one that is sent again could replace a newer one. A deletion takes a token and is never limited:
 /// a lost one would leave a ghost.
 ///
+/// Telemetry has one bucket for all its kinds: past it a message is not rejected but superseded.
+///
 /// Nothing is allocated while nothing is limited. Bounds: kLimitedIdsMax.
-/// Thread: Limit, WouldLimit and BeginStream by the robot's stream, of which there is one at a
-/// time; the rest by any.
+/// Thread: Limit, WouldLimit, BeginStream and those of telemetry by the robot's stream, of which
+/// there is one at a time; the rest by any.
 class Rates final {
  public:
   /// Nothing: the message may be taken, and its token is. Else how long until it may come again.
@@ -43,12 +46,25 @@ class Rates final {
   [[nodiscard]] bool WouldLimit(const model::Body& body, const RateTable& table, SteadyTime now) {
     return LimitedNow(body, table, now).has_value();
   }
+  /// When a message of telemetry (metrics::IsTelemetry) may be decoded: at or before `now` if it
+  /// may.
+  [[nodiscard]] SteadyTime TelemetryPassesAt(const BucketSize& size, SteadyTime now) const {
+    return telemetry_.PassesAt(1, size, now);
+  }
+  /// One is decoded, whatever was said.
+  void TakeTelemetry(const BucketSize& size, SteadyTime now) { telemetry_.Take(1, size, now); }
+  /// One of this kind is superseded since it was over the rate.
+  void CountOverRate(std::size_t kind) { limited_[kind].fetch_add(1, std::memory_order_relaxed); }
   /// Counts from zero.
   void BeginStream();
 
   /// Messages that were limited since the stream began.
   [[nodiscard]] std::uint64_t limited(model::Variant variant) const {
-    return limited_[static_cast<std::size_t>(variant)].load(std::memory_order_relaxed);
+    return limited(static_cast<std::size_t>(variant));
+  }
+  /// The same by a kind of the ledger (metrics::kKinds).
+  [[nodiscard]] std::uint64_t limited(std::size_t kind) const {
+    return limited_[kind].load(std::memory_order_relaxed);
   }
 
  private:
@@ -81,10 +97,11 @@ class Rates final {
                                                   SteadyTime now);
 
   std::array<TokenBucket, model::kVariants> buckets_;
+  TokenBucket telemetry_;
   /// Made when the first one is limited; of shapes and of objects.
   using IdsByVariant = std::unordered_map<std::size_t, LimitedIds>;
   std::unique_ptr<IdsByVariant> ids_;
-  std::array<std::atomic<std::uint64_t>, model::kVariants> limited_{};
+  std::array<std::atomic<std::uint64_t>, metrics::kKinds> limited_{};
 };
 
 }  // namespace uplink::robot

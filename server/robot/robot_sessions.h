@@ -129,6 +129,11 @@ class RobotSessions final {
 
   /// Sees one number: a duplicate, new, or of a session that was forgotten.
   [[nodiscard]] Seen See(const model::SessionId& session, model::Seq seq);
+  /// The session was not forgotten: this process still has the robot.
+  [[nodiscard]] bool Knows(const model::SessionId& session) const {
+    const std::lock_guard lock(mutex_);
+    return sessions_.Find(session) != nullptr;
+  }
   /// The number just seen is settled at once.
   void AddSettled(const model::SessionId& session, model::Seq seq);
   /// The number just seen waits for its commit, and costs the journal `bytes`. Returns by how much

@@ -14,6 +14,8 @@ namespace uplink::session {
 struct Allowance {
   robot::FlowLimits flow;
   robot::RateTable rates{};
+  /// Of telemetry (metrics::IsTelemetry), all kinds together.
+  robot::BucketSize telemetry{};
 };
 
 /// The allowance of every robot, which a reload of the configuration changes. Thread-safe.

@@ -1,27 +1,30 @@
 #include "server/session/intake.h"
 
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "schema/rcan/judge.h"
 #include "server/robot/mutation.h"
 #include "server/session/frames.h"
 
 namespace uplink::session {
-Intake::Intake(const SessionContext& context, robot::Robot& robot, const model::SessionId& session,
-               std::uint64_t generation)
-    : context_(context),
-      robot_(robot),
-      id_(robot.id()),
-      journal_(context.journals.Of(id_->ruri)),
-      session_(session),
-      numbers_(robot.sessions, session),
-      appending_({.context = context,
-                  .robot = robot,
+Intake::Intake(const Sources& sources)
+    : context_(sources.context),
+      robot_(sources.robot),
+      timers_(sources.timers),
+      id_(robot_.id()),
+      journal_(context_.journals.Of(id_->ruri)),
+      session_(sources.session),
+      numbers_(robot_.sessions, session_),
+      appending_({.context = context_,
+                  .robot = robot_,
                   .numbers = numbers_,
                   .counts = counts_,
-                  .session = session,
-                  .generation = generation}),
-      allowance_(context.allowances.Get()) {}
+                  .session = session_,
+                  .generation = sources.generation}),
+      live_({.context = context_, .robot = robot_, .counts = counts_, .session = session_}),
+      allowance_(context_.allowances.Get()) {}
 
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
@@ -29,9 +32,10 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
   arrived_ = arrived;
   received_at_ = received_at;
   appending_.Begin(arrived, received_at);
+  live_.Begin(arrived, received_at);
 }
 
-HeldBackSources Intake::Sources() const {
+HeldBackSources Intake::HoldSources() const {
   return {.robot = robot_,
           .journal = journal_,
           .limits = context_.limits,
@@ -45,29 +49,48 @@ Hold Intake::HoldNow(std::size_t outgoing) {
     allowance_version_ = context_.allowances.version();
     allowance_ = context_.allowances.Get();
   }
-  const Hold hold = HoldOfAll(Sources(), outgoing);
-  return hold.none() && front_cost_ ? HoldOfRecord(Sources(), *front_cost_) : hold;
+  const Hold hold = HoldOfAll(HoldSources(), outgoing);
+  return hold.none() && front_cost_ ? HoldOfRecord(HoldSources(), *front_cost_) : hold;
+}
+
+bool Intake::MayDecodeSurplus() const {
+  const std::optional<SteadyTime> at = live_.DecodesAt(allowance_->telemetry);
+  return at && *at <= context_.clock.Steady();
 }
 
 Intake::Processed Intake::Process(std::size_t outgoing) {
   Processed processed;
   numbers_.Begin();
   costly_ = 0;
+  if (MayDecodeSurplus()) live_.Decode(allowance_->telemetry, processed);
   while (pending() && !processed.is_void && !rejects_full() && !yields() &&
          HoldNow(outgoing + processed.frames.size()).none()) {
     if (!ProcessUplink(batch_.front(), processed)) break;
+    costly_ = processed.costly;
     front_cost_.reset();
     batch_.PopFront();
   }
   appending_.Flush();
   numbers_.Flush();
-  if (std::exchange(sign_of_life_, false)) {
-    robot_.state.SignOfLife(arrived_, received_at_, context_.fleet.presence_limits_of(robot_));
-  }
-  ApplyLive();
+  live_.Apply();
   appending_.Publish();
+  if (const auto at = live_.DecodesAt(allowance_->telemetry)) {
+    timers_.Set(Timer::kSurplus, *at);
+  } else {
+    timers_.Clear(Timer::kSurplus);
+  }
+  // The batch's own bytes may go now.
+  live_.Keep();
   if (!pending() || processed.is_void) Drop();
   return processed;
+}
+
+void Intake::End() {
+  if (!live_.DecodesAt(allowance_->telemetry)) return;
+  Processed untold;
+  live_.Decode(allowance_->telemetry, untold);
+  live_.Apply();
+  appending_.Publish();
 }
 
 bool Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
@@ -80,22 +103,32 @@ bool Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
     CountDuplicate(seen, processed);
     return true;
   }
-  Judged judged = JudgeUplink(context_, id_->ruri, uplink, received_at_);
-  if (const std::optional<RecordCost> cost = CostOf(uplink, seen, judged)) {
-    const Hold hold = HoldOfRecord(Sources(), *cost);
-    if (!hold.none()) {
-      front_cost_ = cost;
-      numbers_.PutBack();
-      return false;
-    }
+  if (const auto kind = live_.OverRate(uplink, allowance_->telemetry)) {
+    if (!HasRoom(CostOfGap(seen))) return false;
+    AddGap(seen);
+    live_.AddUndecoded(*kind, uplink);
+    numbers_.AddSettled(uplink.seq);
+  } else {
+    Judged judged = JudgeUplink(context_, id_->ruri, uplink, received_at_);
+    if (!HasRoom(CostOf(uplink, seen, judged))) return false;
+    AddGap(seen);
+    Accept(uplink, judged, processed);
   }
   ++processed.messages;
-  if (seen.missing_first > 0) {
-    if (IsNew(seen.missing_last)) TakeFlow(0);
-    appending_.AddGap(seen);
-  }
-  Accept(uplink, judged, processed);
   return true;
+}
+
+bool Intake::HasRoom(const RecordCost& cost) {
+  if (cost.journal_bytes == 0 || HoldOfRecord(HoldSources(), cost).none()) return true;
+  front_cost_ = cost;
+  numbers_.PutBack();
+  return false;
+}
+
+void Intake::AddGap(const robot::Seen& seen) {
+  if (seen.missing_first == 0) return;
+  if (IsNew(seen.missing_last)) TakeFlow(0);
+  appending_.AddGap(seen);
 }
 
 void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
@@ -106,14 +139,18 @@ void Intake::CountDuplicate(const robot::Seen& seen, Processed& processed) {
   if (!seen.waits) processed.ack_owed = true;
 }
 
-std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::Seen& seen,
-                                         const Judged& judged) const {
-  const std::size_t payload = uplink.payload.size();
+RecordCost Intake::CostOfGap(const robot::Seen& seen) const {
   RecordCost cost;
-  if (seen.missing_first > 0) {
-    cost.journal_bytes = robot::kRecordOverheadBytes;
-    if (IsNew(seen.missing_last)) cost.flow_bytes = 0;
-  }
+  if (seen.missing_first == 0) return cost;
+  cost.journal_bytes = robot::kRecordOverheadBytes;
+  if (IsNew(seen.missing_last)) cost.flow_bytes = 0;
+  return cost;
+}
+
+RecordCost Intake::CostOf(const UplinkView& uplink, const robot::Seen& seen,
+                          const Judged& judged) const {
+  const std::size_t payload = uplink.payload.size();
+  RecordCost cost = CostOfGap(seen);
   if (const auto* record = std::get_if<model::Record>(&judged.content)) {
     const bool durable = record->durable() && !judged.expired;
     if (durable && IsNew(uplink.seq) &&
@@ -128,14 +165,15 @@ std::optional<RecordCost> Intake::CostOf(const UplinkView& uplink, const robot::
     }
   } else if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
     cost.journal_bytes += journal::CostOf(payload, *rejection);
-  } else if (AgeOf(std::get<model::RcanState>(judged.content)) == RcanOrder::Age::kOlder) {
+  } else if (live_.AgeOf(std::get<model::RcanState>(judged.content)) == RcanOrder::Age::kOlder) {
     cost.journal_bytes += journal::CostOf(payload, model::Rejection());
   }
-  return cost.journal_bytes > 0 ? std::optional(cost) : std::nullopt;
+  return cost;
 }
 
 void Intake::Accept(const UplinkView& uplink, Judged& judged, Processed& processed) {
-  sign_of_life_ = sign_of_life_ || judged.sign_of_life;
+  live_.TakeRate(judged.kind, allowance_->telemetry);
+  if (judged.sign_of_life) live_.NoteLife();
   if (judged.odd.any()) context_.ledger.CountOdd(judged.odd);
   if (const auto* rejection = std::get_if<model::Rejection>(&judged.content)) {
     return Reject(uplink, *rejection, judged.kind, processed);
@@ -146,29 +184,16 @@ void Intake::Accept(const UplinkView& uplink, Judged& judged, Processed& process
   AcceptState(uplink, judged, processed);
 }
 
-RcanOrder::Age Intake::AgeOf(const model::RcanState& state) const {
-  return rcan_order_ == nullptr ? RcanOrder::Age::kNewer : rcan_order_->AgeOf(state);
-}
-
 void Intake::AcceptState(const UplinkView& uplink, Judged& judged, Processed& processed) {
-  auto& state = std::get<model::RcanState>(judged.content);
-  const RcanOrder::Age age = AgeOf(state);
-  if (rcan_order_ == nullptr) rcan_order_ = std::make_unique<RcanOrder>();
-  counts_.rcan_missing += rcan_order_->See(state);
+  const auto& state = std::get<model::RcanState>(judged.content);
+  const RcanOrder::Age age = live_.See(state);
   if (age == RcanOrder::Age::kOlder) {
     return Reject(
-        uplink,
-        schema::NotMonotonic("timestamp_us", state.timestamp_us, rcan_order_->last_timestamp_us()),
+        uplink, schema::NotMonotonic("timestamp_us", state.timestamp_us, live_.last_timestamp_us()),
         metrics::kRcanKind, processed);
   }
-  ++counts_.rcan_states;
-  TellDropped(uplink.seq, judged.dropped, metrics::kRcanKind, processed);
-  CountUntold(judged.untold, metrics::kRcanKind);
   numbers_.AddSettled(uplink.seq);
-  if (age == RcanOrder::Age::kSame) return CountSuperseded();
-  rcan_order_->Apply(state);
-  const FrameLive::Before before = context_.scratch.live.Add(std::move(state));
-  if (before == FrameLive::Before::kReplaced) CountSuperseded();
+  live_.Add(uplink.seq, std::move(judged), age, processed);
 }
 
 void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool expired,
@@ -179,15 +204,12 @@ void Intake::AcceptRecord(const UplinkView& uplink, model::Record& record, bool 
   }
   ++counts_.records[static_cast<std::size_t>(record.variant())];
   if (!record.durable()) {
-    const auto kind = static_cast<std::size_t>(record.variant());
-    TellDropped(uplink.seq, record.dropped(), kind, processed);
-    CountUntold(record.untold(), kind);
     numbers_.AddSettled(uplink.seq);
-    return AddLive(std::move(record));
+    return live_.Add(uplink.seq, std::move(record), processed);
   }
   if (expired) {
     numbers_.AddSettled(uplink.seq);
-    return CountSuperseded();
+    return live_.CountSuperseded();
   }
   if (IsNew(uplink.seq)) TakeFlow(FlowBytes(uplink.payload.size(), record));
   robot_.state.KeepReport(record.body(), received_at_);
@@ -204,7 +226,7 @@ bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Proces
   const std::optional<milliseconds> again =
       robot_.rates.Limit(record.body(), allowance_->rates, context_.clock.Steady());
   if (!again) return false;
-  ++costly_;
+  ++processed.costly;
   robot_.limited_throttle.Add(context_.clock.Steady());
   robot::RejectedSeq limited{.seq = uplink.seq,
                              .rejection = robot::RateLimited(allowance_->rates[variant]),
@@ -224,44 +246,11 @@ bool Intake::Limit(const UplinkView& uplink, const model::Record& record, Proces
   return true;
 }
 
-void Intake::AddLive(model::Record record) {
-  if (std::optional<model::Record> replaced = context_.scratch.live.Add(std::move(record))) {
-    CountSuperseded();
-    context_.judge.Reuse(*std::move(replaced));
-  }
-}
-
-void Intake::CountSuperseded() {
-  ++counts_.received;
-  ++counts_.superseded;
-}
-
-void Intake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
-                         std::size_t kind, Processed& processed) {
-  if (dropped.empty()) return;
-  ++costly_;
-  robot_.state.CountDropped(dropped.size());
-  for (const model::DroppedField& field : dropped) {
-    context_.ledger.CountDropped(kind, field.reason);
-    if (robot_.sessions.MayNotice(field.field, arrived_)) {
-      context_.probe.notices_total.Add();
-      processed.frames.push_back(NoticeFrame(seq, field));
-    }
-  }
-}
-
-void Intake::CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind) {
-  for (const model::UntoldFields& fields : untold) {
-    robot_.state.CountDropped(fields.fields);
-    context_.ledger.CountDropped(kind, fields.reason, fields.fields);
-  }
-}
-
 void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
                     Processed& processed) {
   // Now, not the frame's arrival: a large frame may be processed over several seconds.
   robot_.throttle.Add(context_.clock.Steady());
-  ++costly_;
+  ++processed.costly;
   context_.ledger.CountRejected(kind, rejection.reason);
   processed.frames.push_back(RejectFrame(uplink.seq, rejection));
   robot_.sessions.Remember(session_, {.seq = uplink.seq, .rejection = rejection});
@@ -272,12 +261,6 @@ void Intake::Reject(const UplinkView& uplink, const model::Rejection& rejection,
   }
   appending_.Add(uplink.seq, storage::QuarantineItem{.rejection = rejection}, std::move(kept),
                  uplink.payload.size());
-}
-
-void Intake::ApplyLive() {
-  const std::size_t applied = context_.scratch.live.Apply(robot_.state, arrived_, context_.judge);
-  counts_.received += applied;
-  counts_.applied += applied;
 }
 
 }  // namespace uplink::session

@@ -5,9 +5,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
-#include <variant>
-#include <vector>
 
 #include "metrics/ledger.h"
 #include "schema/judge.h"
@@ -17,10 +14,11 @@
 #include "server/session/frame_view.h"
 #include "server/session/held_back.h"
 #include "server/session/judged.h"
+#include "server/session/live_intake.h"
 #include "server/session/number_run.h"
 #include "server/session/pending_batch.h"
-#include "server/session/rcan_order.h"
-#include "uplink/v1/relay.pb.h"
+#include "server/session/processed.h"
+#include "server/session/stream_timers.h"
 
 namespace uplink::session {
 
@@ -33,21 +31,17 @@ namespace uplink::session {
 /// Thread:  confined to the stream's thread.
 class Intake final {
  public:
-  /// `generation` as robot::RobotSessions::Begin gave it.
-  Intake(const SessionContext& context, robot::Robot& robot, const model::SessionId& session,
-         std::uint64_t generation);
-
-  /// What processing messages asks of the stream.
-  struct Processed {
-    /// Rejects and Notices, in order; they go out before any later Ack.
-    std::vector<v1::RelayResponse> frames;
-    /// Messages that were judged or found duplicates.
-    std::size_t messages = 0;
-    /// A settled message came again: it is answered by an Ack even if the Ack does not grow.
-    bool ack_owed = false;
-    /// The robot is held by another process or stream: process nothing more.
-    bool is_void = false;
+  /// What outlives it, and `generation` as robot::RobotSessions::Begin gave it.
+  struct Sources {
+    const SessionContext& context;
+    robot::Robot& robot;
+    StreamTimers& timers;
+    const model::SessionId& session;
+    std::uint64_t generation = 0;
   };
+  explicit Intake(const Sources& sources);
+
+  using Processed = session::Processed;
 
   /// A checked batch becomes the pending one. Must not be called while one is pending. The views
   /// must hold until Keep.
@@ -56,6 +50,9 @@ class Intake final {
   /// `outgoing` is the number of frames that wait for the peer already.
   [[nodiscard]] Processed Process(std::size_t outgoing);
   [[nodiscard]] bool pending() const { return !batch_.empty(); }
+  /// Process has something to do: messages are pending, or telemetry over the rate may be decoded
+  /// by now (Timer::kSurplus).
+  [[nodiscard]] bool due() const { return pending() || MayDecodeSurplus(); }
   /// Copies what is still pending: the frame's bytes are about to go.
   void Keep() { batch_.Keep(); }
   /// Drops what is pending, unprocessed.
@@ -63,6 +60,8 @@ class Intake final {
     batch_.Drop();
     front_cost_.reset();
   }
+  /// The stream ends: the latest telemetry that was over the rate is applied.
+  void End();
 
   /// No message is processed any more: the agent is to confirm Rejects first, by its next Hello.
   [[nodiscard]] bool rejects_full() const {
@@ -76,18 +75,23 @@ class Intake final {
   [[nodiscard]] Hold HoldNow(std::size_t outgoing);
 
  private:
+  [[nodiscard]] bool MayDecodeSurplus() const;
   /// False if the message has to wait.
   [[nodiscard]] bool ProcessUplink(const UplinkView& uplink, Processed& processed);
-  /// What it costs if it is to be appended; nothing if it is not, and no gap before it.
-  [[nodiscard]] std::optional<RecordCost> CostOf(const UplinkView& uplink, const robot::Seen& seen,
-                                                 const Judged& judged) const;
-  [[nodiscard]] HeldBackSources Sources() const;
+  /// What it costs, with the gap before it; of no bytes if nothing is to be appended.
+  [[nodiscard]] RecordCost CostOf(const UplinkView& uplink, const robot::Seen& seen,
+                                  const Judged& judged) const;
+  /// What the numbers that are missing before it cost.
+  [[nodiscard]] RecordCost CostOfGap(const robot::Seen& seen) const;
+  /// False, and the message waits, if a record of that cost has to.
+  [[nodiscard]] bool HasRoom(const RecordCost& cost);
+  void AddGap(const robot::Seen& seen);
+  [[nodiscard]] HeldBackSources HoldSources() const;
   /// It was not decided before: neither sent again, nor before the store has said how far it is.
   [[nodiscard]] bool IsNew(model::Seq seq) const { return seq > robot_.sessions.free_through(); }
   void TakeFlow(std::size_t bytes) {
     robot_.flow.Take(bytes, allowance_->flow, context_.clock.Steady());
   }
-  [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
   void CountDuplicate(const robot::Seen& seen, Processed& processed);
   void Accept(const UplinkView& uplink, Judged& judged, Processed& processed);
   void AcceptRecord(const UplinkView& uplink, model::Record& record, bool expired,
@@ -97,17 +101,12 @@ class Intake final {
   /// settled, that of a durable one waits for the commit of its range.
   [[nodiscard]] bool Limit(const UplinkView& uplink, const model::Record& record,
                            Processed& processed);
-  void AddLive(model::Record record);
   void Reject(const UplinkView& uplink, const model::Rejection& rejection, std::size_t kind,
               Processed& processed);
-  void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
-                   Processed& processed);
-  void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);
-  void CountSuperseded();
-  void ApplyLive();
 
   const SessionContext& context_;
   robot::Robot& robot_;
+  StreamTimers& timers_;
   const storage::RobotRef id_;
   journal::Journal& journal_;
   const model::SessionId session_;
@@ -116,6 +115,7 @@ class Intake final {
   NumberRun numbers_;
   metrics::UplinkCounts counts_;
   Appending appending_;
+  LiveIntake live_;
   /// What every robot may send, and of which version of it that is.
   std::shared_ptr<const Allowance> allowance_;
   std::uint64_t allowance_version_ = 0;
@@ -123,11 +123,8 @@ class Intake final {
   std::optional<RecordCost> front_cost_;
   SteadyTime arrived_;
   SystemTime received_at_;
-  bool sign_of_life_ = false;
   /// Messages of this turn that were rejected, limited, or had invalid fields.
   std::size_t costly_ = 0;
-  /// Once the stream has sent a Robot State.
-  std::unique_ptr<RcanOrder> rcan_order_;
 };
 
 }  // namespace uplink::session

@@ -9,6 +9,7 @@
 #include <absl/status/status.h>
 
 #include "metrics/cells.h"
+#include "metrics/kinds.h"
 #include "server/robot/held_back.h"
 #include "storage/latest_kind.h"
 
@@ -60,6 +61,8 @@ struct SessionProbe {
   metrics::Cell delayed_total;
   metrics::CoreCell notices_total;
   metrics::CoreCell acks_total;
+  /// Telemetry over the rate of its robot, superseded: by its place in metrics::kTelemetryKinds.
+  std::array<metrics::CoreCell, metrics::kTelemetryKinds.size()> over_rate_total;
   metrics::Cell resumes_total;
   /// Streams whose frames are not read now, and how often that began.
   metrics::Cell held_back;

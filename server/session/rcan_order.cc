@@ -1,6 +1,7 @@
 #include "server/session/rcan_order.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/robot/limits.h"
 
@@ -17,10 +18,12 @@ std::uint64_t RcanOrder::See(const model::RcanState& state) {
   // A state that comes too late does not begin the numbers anew.
   if (before && *state.seq < *before && AgeOf(state) == Age::kOlder) return 0;
   last_seq_ = state.seq;
+  const std::uint64_t unread = std::exchange(unread_, 0);
   // Going back is a robot that began anew, or a number that wrapped: nothing is known to miss.
   if (!before || *state.seq <= *before) return 0;
+  const std::uint64_t between = static_cast<std::uint64_t>(*state.seq - *before) - 1;
   const std::uint64_t skipped =
-      std::min(static_cast<std::uint64_t>(*state.seq - *before) - 1, robot::kMissingPerJumpMax);
+      std::min(between - std::min(between, unread), robot::kMissingPerJumpMax);
   missing_ += skipped;
   return skipped;
 }

@@ -27,6 +27,8 @@ class RcanOrder final {
   /// The time of the state before; only where AgeOf is not kNewer.
   [[nodiscard]] std::int64_t last_timestamp_us() const { return last_timestamp_us_.value_or(0); }
 
+  /// One state was superseded unread: its number does not count as skipped.
+  void NoteUnread() { ++unread_; }
   /// Sees the number of a state, whatever becomes of it, before Apply. Returns how many were
   /// skipped before it.
   std::uint64_t See(const model::RcanState& state);
@@ -38,6 +40,8 @@ class RcanOrder final {
   std::optional<std::int64_t> last_timestamp_us_;
   std::optional<std::int64_t> last_seq_;
   std::uint64_t missing_ = 0;
+  /// Since the state before.
+  std::uint64_t unread_ = 0;
   robot::LatestByKey<model::RcanJoint, kLastSamplesMax> last_samples_;
 };
 

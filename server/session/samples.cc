@@ -43,6 +43,10 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
   page.Add(kFrames, probe.frames_total);
   page.Add(kFrameBytes, probe.frame_bytes_total);
   page.Add(kAcks, probe.acks_total);
+  for (std::size_t i = 0; i < metrics::kTelemetryKinds.size(); ++i) {
+    page.Add(kTelemetryOverRate, probe.over_rate_total[i].value(),
+             {metrics::KindText(metrics::kTelemetryKinds[i])});
+  }
   page.Add(kNotices, probe.notices_total);
   page.Add(kAckSeconds, probe.ack_seconds);
 }

@@ -101,7 +101,8 @@ void Session::BeginOpening() {
   if (!generation.ok()) return Finish(generation.status());
   state_ = State::kOpening;
   timers_.Set(Timer::kWelcome, now + kWelcomeWait);
-  intake_ = std::make_unique<Intake>(context_, robot_.robot(), robot_.session(), *generation);
+  intake_ = std::make_unique<Intake>(
+      Intake::Sources{context_, robot_.robot(), timers_, robot_.session(), *generation});
 }
 
 void Session::SendWelcome() {
@@ -139,7 +140,7 @@ void Session::Advance(News news) {
 }
 
 void Session::ProcessAndWrite(News news) {
-  if (intake_ != nullptr && intake_->pending()) {
+  if (intake_ != nullptr && intake_->due()) {
     outgoing_.AddProcessed(intake_->Process(outgoing_.size()));
     // What is left must not point into the frame's bytes, which are the transport's, nor into the
     // scratch that all streams of the thread share.
@@ -290,6 +291,7 @@ void Session::Leave() {
   robot_.EndWait();
   resends_.End();
   if (!robot_.attached()) return;
+  if (intake_ != nullptr) intake_->End();
   reading_.SetReading(ReadGate::Reading::kFlowing);
   robot_.Detach();
 }

@@ -29,8 +29,10 @@ enum class Timer : std::uint8_t {
   kReadAgain,
   /// The next ResendRequest (kResendGrace, robot::kResendEvery).
   kResend,
+  /// The robot's rate lets the latest telemetry be decoded that was over it (Surplus).
+  kSurplus,
 };
-inline constexpr std::size_t kTimers = 9;
+inline constexpr std::size_t kTimers = 10;
 
 /// The deadlines of one stream, at most one for each Timer. Confined to the stream's thread.
 class StreamTimers final {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "metrics/kinds.h"
 #include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
 #include "server/robot/source_of.h"
@@ -111,11 +112,11 @@ v1::Robot ToMessage(const RobotView& robot) {
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));
   message.set_fields_dropped(robot.state.fields_dropped);
-  for (std::size_t variant = 0; variant < model::kVariants; ++variant) {
-    const std::uint64_t limited = robot.rate_limited[variant];
+  for (std::size_t kind = 0; kind < metrics::kKinds; ++kind) {
+    const std::uint64_t limited = robot.rate_limited[kind];
     if (limited == 0) continue;
-    const std::string name(ToText(static_cast<model::Variant>(variant)));
-    (*message.mutable_rate_limited())[name] = Signed(limited);
+    const std::string_view name = metrics::KindText(kind);
+    (*message.mutable_rate_limited())[std::string(name)] = Signed(limited);
   }
   return message;
 }

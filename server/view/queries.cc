@@ -20,8 +20,8 @@ namespace {
 
 RobotView Look(const robot::Robot& robot, robot::RobotState::Parts parts) {
   RobotView view{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0, {}};
-  for (std::size_t variant = 0; variant < model::kVariants; ++variant) {
-    view.rate_limited[variant] = robot.rates.limited(static_cast<model::Variant>(variant));
+  for (std::size_t kind = 0; kind < metrics::kKinds; ++kind) {
+    view.rate_limited[kind] = robot.rates.limited(kind);
   }
   return view;
 }

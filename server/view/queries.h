@@ -44,8 +44,8 @@ struct RobotView {
   /// As the store last said.
   std::int64_t active_faults = 0;
   StoredParts stored;
-  /// Messages over their rate since the stream began, by variant.
-  std::array<std::uint64_t, model::kVariants> rate_limited{};
+  /// Messages over their rate since the stream began, by kind.
+  std::array<std::uint64_t, metrics::kKinds> rate_limited{};
   /// What its messages at a broker said, as it stood then. Null if that is not wanted, if it is no
   /// twin that this process has heard, or if another process holds it.
   std::shared_ptr<const cyberwave::TwinParts> twin{};

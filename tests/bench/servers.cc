@@ -90,7 +90,8 @@ void Server::Start() {
       process_ = folder.Start({}, {fmt::format("UPLINKD_LISTEN_RELAY=127.0.0.1:{}", port_),
                                    fmt::format("UPLINKD_STORE_URL=sqlite://{}",
                                                folder.Path(fmt::format("uplinkd-{}.db", port_))),
-                                   "UPLINKD_PRESENCE_TIMEOUT=1h", "UPLINKD_RATES_OBJECT=0"});
+                                   "UPLINKD_PRESENCE_TIMEOUT=1h", "UPLINKD_RATES_OBJECT=0",
+                                   "UPLINKD_RATES_TELEMETRY=0"});
       break;
     case ServerKind::kGrpcSink:
       process_ = std::make_unique<testing::ServerProcess>(std::vector<std::string>{

@@ -37,6 +37,10 @@ void CheckAgain(const Judgement& first) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Judge judge{JudgeLimits()};
   const Judgement judgement = judge.Payload(std::as_bytes(std::span(data, size)));
+  const auto variant = judge.VariantOf(std::as_bytes(std::span(data, size)));
+  UPLINK_CHECK(
+      !judgement.variant || size > JudgeLimits().message_bytes_max || variant == judgement.variant,
+      "the variant is the same without decoding");
   if (judgement.rejection() != nullptr) {
     CheckViolation(*judgement.rejection());
     return 0;

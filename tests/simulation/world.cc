@@ -70,6 +70,7 @@ void World::AddRates() {
   for (const model::Variant variant : {model::Variant::kShape, model::Variant::kObject}) {
     limits_.allowance.rates[static_cast<std::size_t>(variant)] = {.rate = 2, .burst = 2};
   }
+  limits_.allowance.telemetry = {.rate = 2, .burst = 2};
 }
 
 void World::AddGreed() {

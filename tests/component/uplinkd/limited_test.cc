@@ -42,6 +42,12 @@ std::string RaisedFault() {
   return schema::Encode(fault);
 }
 
+std::string MotionAt(double latitude) {
+  model::MotionTelemetry motion;
+  motion.pose = model::Pose{.lat_deg = latitude, .lon_deg = 8};
+  return schema::Encode(motion);
+}
+
 /// By the store.
 class LimitedTest : public ::testing::TestWithParam<const char*> {
  protected:
@@ -150,6 +156,38 @@ TEST_P(LimitedTest, AfterACutEachIsToldAgainThoughMemoryLetGoOfSome) {
   const model::Seq last = Flood(server, *agent, 600);
   agent.reset();
   ExpectAllTold(server, last);
+}
+
+TEST_P(LimitedTest, AFloodOfMotionIsCountedAndDelaysNoFault) {
+  constexpr model::Seq kMotions = 20'000;
+  const Server server = Serve();
+  const auto agent = Agent(server);
+  ASSERT_TRUE(agent->Connect(session_));
+  for (model::Seq first = 1; first <= kMotions; first += kPerFrame) {
+    std::vector<Sent> messages;
+    for (model::Seq seq = first; seq < first + kPerFrame; ++seq) {
+      messages.push_back({seq, MotionAt(seq == kMotions ? 12.625 : 47)});
+    }
+    ASSERT_TRUE(agent->Send(BatchFrame(messages)));
+  }
+  ASSERT_TRUE(agent->Send(BatchFrame({{kMotions + 1, RaisedFault()}})));
+  ASSERT_TRUE(agent->ReadThrough(kMotions + 1));
+  const std::string robot = "/api/v1/robots/rcan%3A%2F%2Ftest%2F1";
+  EXPECT_TRUE(Eventually([&] {
+    return HttpGet(server.ports.http, robot).body.find("1.2625E1") != std::string::npos;
+  })) << "the latest wins: "
+      << HttpGet(server.ports.http, robot).body;
+  const std::string metrics = HttpGet(server.ports.http, "/metrics").body;
+  const std::string of_motion = "{kind=\"motionTelemetry\"}";
+  const std::uint64_t decoded = Sample(metrics, "uplinkd_records_total" + of_motion);
+  const std::uint64_t over = Sample(metrics, "uplinkd_telemetry_over_rate_total" + of_motion);
+  EXPECT_GT(over, 0U);
+  EXPECT_EQ(decoded + over, kMotions);
+  EXPECT_EQ(Sample(metrics, "uplinkd_uplinks_received_total"), kMotions + 1);
+  EXPECT_EQ(Outcomes(metrics, "applied") + Outcomes(metrics, "superseded"), kMotions);
+  EXPECT_EQ(Outcomes(metrics, "stored"), 1U);
+  EXPECT_THAT(HttpGet(server.ports.http, robot).body,
+              HasSubstr("\"motionTelemetry\":\"" + std::to_string(over) + "\""));
 }
 
 class LimitedMoveTest : public LimitedTest {};

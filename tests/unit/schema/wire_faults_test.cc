@@ -60,6 +60,25 @@ TEST(WireTest, RejectsANullPointerInPlaceOfAnyMember) {
   }
 }
 
+TEST(WireTest, TellsTheVariantOfWhatItDoesNotDecode) {
+  const schema::JudgeLimits limits{.message_bytes_max = 1024};
+  schema::Judge judge(limits);
+  for (std::uint16_t member = 0; member < model::kVariants; ++member) {
+    const std::string null = Built([&](auto m) { SetMember(m, member); });
+    EXPECT_EQ(judge.VariantOf(AsPayload(null)), static_cast<model::Variant>(member));
+  }
+  EXPECT_EQ(judge.VariantOf(AsPayload(Built([](auto m) { SetMember(m, 16); }))), std::nullopt);
+  EXPECT_EQ(judge.VariantOf(AsPayload("")), std::nullopt);
+  EXPECT_EQ(judge.VariantOf(AsPayload("12345678")), std::nullopt);
+  const auto with_text = [](std::size_t bytes) {
+    return Built([bytes](auto m) { m.initMessage().setMessage(std::string(bytes, 'x')); });
+  };
+  std::size_t bytes = 1;
+  while (with_text(bytes + 8).size() <= limits.message_bytes_max) bytes += 8;
+  EXPECT_EQ(judge.VariantOf(AsPayload(with_text(bytes))), model::Variant::kMessage);
+  EXPECT_EQ(judge.VariantOf(AsPayload(with_text(bytes + 8))), std::nullopt) << "too large";
+}
+
 TEST(WireTest, ReportsAnnouncedStructsThatAreNull) {
   ExpectThinned(JudgeWire([](auto m) {
                   auto motion = m.initMotionTelemetry();

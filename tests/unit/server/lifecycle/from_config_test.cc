@@ -184,6 +184,8 @@ TEST(FromConfig, EveryRateReachesItsVariant) {
   config.limits.durable_bytes_rate = 3;
   config.limits.durable_bytes_burst = 4;
   config::RatesConfig& rates = config.rates;
+  rates.telemetry = 5;
+  rates.telemetry_burst = 6;
   using enum model::Variant;
   const std::vector<std::tuple<model::Variant, std::size_t*, std::size_t*>> all = {
       {kShape, &rates.shape, &rates.shape_burst},
@@ -204,6 +206,7 @@ TEST(FromConfig, EveryRateReachesItsVariant) {
   const session::Allowance allowance = AllowanceOf(config);
   EXPECT_EQ(allowance.flow.records, (robot::BucketSize{1, 2}));
   EXPECT_EQ(allowance.flow.bytes, (robot::BucketSize{3, 4}));
+  EXPECT_EQ(allowance.telemetry, (robot::BucketSize{5, 6}));
   std::size_t limited = 0;
   for (const robot::BucketSize& size : allowance.rates) limited += size.rate > 0 ? 1 : 0;
   EXPECT_EQ(limited, all.size()) << "no other variant has a rate";

@@ -1,0 +1,159 @@
+#include "server/session/live_intake.h"
+
+#include <utility>
+#include <variant>
+
+#include "server/session/frames.h"
+
+namespace uplink::session {
+
+void LiveIntake::TakeRate(std::size_t kind, const robot::BucketSize& rate) {
+  if (metrics::IsTelemetry(kind)) sources_.robot.rates.TakeTelemetry(rate, arrived_);
+}
+
+void LiveIntake::Add(model::Seq seq, model::Record record, Processed& processed) {
+  const auto kind = static_cast<std::size_t>(record.variant());
+  SupersedeOlder(kind);
+  TellDropped(seq, record.dropped(), kind, processed);
+  CountUntold(record.untold(), kind);
+  if (auto replaced = sources_.context.scratch.live.Add(std::move(record))) {
+    CountSuperseded();
+    sources_.context.judge.Reuse(*std::move(replaced));
+  }
+}
+
+RcanOrder::Age LiveIntake::AgeOf(const model::RcanState& state) const {
+  return rcan_order_ == nullptr ? RcanOrder::Age::kNewer : rcan_order_->AgeOf(state);
+}
+
+RcanOrder::Age LiveIntake::See(const model::RcanState& state) {
+  const RcanOrder::Age age = AgeOf(state);
+  if (age != RcanOrder::Age::kOlder) SupersedeOlder(metrics::kRcanKind);
+  if (rcan_order_ == nullptr) rcan_order_ = std::make_unique<RcanOrder>();
+  sources_.counts.rcan_missing += rcan_order_->See(state);
+  return age;
+}
+
+void LiveIntake::Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processed& processed) {
+  ++sources_.counts.rcan_states;
+  TellDropped(seq, judged.dropped, metrics::kRcanKind, processed);
+  CountUntold(judged.untold, metrics::kRcanKind);
+  if (age == RcanOrder::Age::kSame) return CountSuperseded();
+  auto& state = std::get<model::RcanState>(judged.content);
+  rcan_order_->Apply(state);
+  const FrameLive::Before before = sources_.context.scratch.live.Add(std::move(state));
+  if (before == FrameLive::Before::kReplaced) CountSuperseded();
+}
+
+void LiveIntake::CountSuperseded() {
+  ++sources_.counts.received;
+  ++sources_.counts.superseded;
+}
+
+void LiveIntake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
+                             std::size_t kind, Processed& processed) {
+  if (dropped.empty()) return;
+  ++processed.costly;
+  sources_.robot.state.CountDropped(dropped.size());
+  for (const model::DroppedField& field : dropped) {
+    sources_.context.ledger.CountDropped(kind, field.reason);
+    if (sources_.robot.sessions.MayNotice(field.field, arrived_)) {
+      sources_.context.probe.notices_total.Add();
+      processed.frames.push_back(NoticeFrame(seq, field));
+    }
+  }
+}
+
+void LiveIntake::CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind) {
+  for (const model::UntoldFields& fields : untold) {
+    sources_.robot.state.CountDropped(fields.fields);
+    sources_.context.ledger.CountDropped(kind, fields.reason, fields.fields);
+  }
+}
+
+// --- Telemetry over the rate ---
+
+std::optional<std::size_t> LiveIntake::OverRate(const UplinkView& uplink,
+                                                const robot::BucketSize& rate) const {
+  if (sources_.robot.rates.TelemetryPassesAt(rate, arrived_) <= arrived_) return std::nullopt;
+  // What is too large is rejected.
+  if (uplink.payload.size() > sources_.context.limits.message_bytes_max) return std::nullopt;
+  if (uplink.content == UplinkView::Content::kRcanRobotState) return metrics::kRcanKind;
+  if (uplink.content != UplinkView::Content::kRoverNexus) return std::nullopt;
+  const std::optional<model::Variant> variant =
+      sources_.context.judge.VariantOf(std::as_bytes(std::span(uplink.payload)));
+  if (!variant) return std::nullopt;
+  const auto kind = static_cast<std::size_t>(*variant);
+  return metrics::IsTelemetry(kind) ? std::optional(kind) : std::nullopt;
+}
+
+void LiveIntake::AddUndecoded(std::size_t kind, const UplinkView& uplink) {
+  const std::size_t place = *Surplus::PlaceOf(kind);
+  if (surplus_.Put(place, uplink)) SupersedeUndecoded(place);
+}
+
+void LiveIntake::SupersedeOlder(std::size_t kind) {
+  if (surplus_.empty()) return;
+  const std::optional<std::size_t> place = Surplus::PlaceOf(kind);
+  if (place && surplus_.Drop(*place)) SupersedeUndecoded(*place);
+}
+
+void LiveIntake::SupersedeUndecoded(std::size_t place) {
+  const std::size_t kind = metrics::kTelemetryKinds[place];
+  CountSuperseded();
+  sources_.context.probe.over_rate_total[place].Add();
+  sources_.robot.rates.CountOverRate(kind);
+  if (kind == metrics::kRcanKind && rcan_order_ != nullptr) rcan_order_->NoteUnread();
+}
+
+std::optional<SteadyTime> LiveIntake::DecodesAt(const robot::BucketSize& rate) const {
+  if (surplus_.empty()) return std::nullopt;
+  return sources_.robot.rates.TelemetryPassesAt(rate, sources_.context.clock.Steady());
+}
+
+void LiveIntake::Decode(const robot::BucketSize& rate, Processed& processed) {
+  const bool is_ours = sources_.robot.sessions.Knows(sources_.session);
+  for (std::size_t place = 0; place < metrics::kTelemetryKinds.size(); ++place) {
+    const std::optional<UplinkView> uplink = surplus_.Take(place);
+    if (!uplink) continue;
+    if (is_ours) {
+      sources_.robot.rates.TakeTelemetry(rate, sources_.context.clock.Steady());
+      DecodeOne(*uplink, place, processed);
+    } else {
+      SupersedeUndecoded(place);
+    }
+  }
+  surplus_.Shrink();
+}
+
+void LiveIntake::DecodeOne(const UplinkView& uplink, std::size_t place, Processed& processed) {
+  Judged judged = JudgeUplink(sources_.context, id_->ruri, uplink, received_at_);
+  sign_of_life_ = sign_of_life_ || judged.sign_of_life;
+  if (judged.odd.any()) sources_.context.ledger.CountOdd(judged.odd);
+  if (auto* record = std::get_if<model::Record>(&judged.content)) {
+    ++sources_.counts.records[static_cast<std::size_t>(record->variant())];
+    return Add(uplink.seq, std::move(*record), processed);
+  }
+  if (const auto* state = std::get_if<model::RcanState>(&judged.content)) {
+    const RcanOrder::Age age = See(*state);
+    if (age != RcanOrder::Age::kOlder) {
+      return Add(uplink.seq, std::move(judged), age, processed);
+    }
+  }
+  // Its number is settled: a Reject would come too late, and it is over the rate.
+  ++processed.costly;
+  SupersedeUndecoded(place);
+}
+
+void LiveIntake::Apply() {
+  if (std::exchange(sign_of_life_, false)) {
+    sources_.robot.state.SignOfLife(arrived_, received_at_,
+                                    sources_.context.fleet.presence_limits_of(sources_.robot));
+  }
+  const std::size_t applied =
+      sources_.context.scratch.live.Apply(sources_.robot.state, arrived_, sources_.context.judge);
+  sources_.counts.received += applied;
+  sources_.counts.applied += applied;
+}
+
+}  // namespace uplink::session

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/robot/robot.h"
+#include "server/session/context.h"
+#include "server/session/frame_view.h"
+#include "server/session/judged.h"
+#include "server/session/processed.h"
+#include "server/session/rcan_order.h"
+#include "server/session/surplus.h"
+
+namespace uplink::session {
+
+/// The live messages of a stream: those of a frame are applied to the robot's state together.
+/// Telemetry (metrics::kTelemetryKinds) over the rate of its robot is superseded undecoded, but for
+/// the latest of each kind, which is decoded as soon as the rate allows.
+///
+/// Thread: confined to the stream's thread.
+class LiveIntake final {
+ public:
+  /// All of it outlives this, but the value.
+  struct Sources {
+    const SessionContext& context;
+    robot::Robot& robot;
+    metrics::UplinkCounts& counts;
+    model::SessionId session;
+  };
+  explicit LiveIntake(const Sources& sources) : sources_(sources), id_(sources.robot.id()) {}
+
+  /// What follows came with a frame that arrived at this time.
+  void Begin(SteadyTime arrived, SystemTime received_at) {
+    arrived_ = arrived;
+    received_at_ = received_at;
+  }
+
+  // --- Decoded messages, whose numbers the caller settles ---
+
+  /// A message of this kind was decoded: it takes from the rate of telemetry, if it is such.
+  void TakeRate(std::size_t kind, const robot::BucketSize& rate);
+  /// It is a sign of life.
+  void NoteLife() { sign_of_life_ = true; }
+  void Add(model::Seq seq, model::Record record, Processed& processed);
+  /// What a state's time says beside the one before; changes nothing.
+  [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
+  /// Its place in the order is noted, whatever becomes of it; returns its age.
+  [[nodiscard]] RcanOrder::Age See(const model::RcanState& state);
+  /// The time of the state before one that is kOlder.
+  [[nodiscard]] std::int64_t last_timestamp_us() const { return rcan_order_->last_timestamp_us(); }
+  /// A Robot State that See found to be of this age, and not kOlder.
+  void Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processed& processed);
+  void CountSuperseded();
+
+  // --- Telemetry over the rate ---
+
+  /// The kind of a message that must not be decoded now: telemetry, over the rate of its robot.
+  [[nodiscard]] std::optional<std::size_t> OverRate(const UplinkView& uplink,
+                                                    const robot::BucketSize& rate) const;
+  /// Such a message, of this kind: an older one of it is superseded.
+  void AddUndecoded(std::size_t kind, const UplinkView& uplink);
+  /// When the latest of those may be decoded; nothing if none is held.
+  [[nodiscard]] std::optional<SteadyTime> DecodesAt(const robot::BucketSize& rate) const;
+  /// Decodes the latest of those, of each kind. One that judgement rejects is superseded.
+  void Decode(const robot::BucketSize& rate, Processed& processed);
+  /// Copies what is held: the bytes of its batch are about to go.
+  void Keep() { surplus_.Keep(); }
+
+  /// All that was added is in the robot's state, and counted.
+  void Apply();
+
+ private:
+  void DecodeOne(const UplinkView& uplink, std::size_t place, Processed& processed);
+  /// A decoded message of this kind is newer than the one that is held.
+  void SupersedeOlder(std::size_t kind);
+  /// The one that was held in this place is superseded.
+  void SupersedeUndecoded(std::size_t place);
+  void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
+                   Processed& processed);
+  void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);
+
+  const Sources sources_;
+  const storage::RobotRef id_;
+  SteadyTime arrived_;
+  SystemTime received_at_;
+  bool sign_of_life_ = false;
+  Surplus surplus_;
+  /// Once the stream has sent a Robot State.
+  std::unique_ptr<RcanOrder> rcan_order_;
+};
+
+}  // namespace uplink::session
