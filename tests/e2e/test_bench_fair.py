@@ -38,14 +38,14 @@ class BenchFair(EndToEnd):
 
     def test_a_short_run_has_its_figures_and_leaves_nothing(self):
         rows = self.folder / "fair.json"
-        done = self.bench("--only", "takeover", "--only", "joints", "--json", rows)
+        done = self.bench("--only", "takeover", "--only", "joints", "--only", "gateway", "--json", rows)
         self.assertIn("goals: ", done.stdout)
         # It did what it is there for.
         self.assertIn("messages", done.stderr)
         self.assertNotIn("measured as it is", done.stderr)
         page = json.loads(rows.read_text(encoding="utf-8"))
         figures = {row["scenario"]: row["value"] for row in page["rows"]}
-        for scenario in ("takeover", "joints"):
+        for scenario in ("takeover", "joints", "gateway"):
             self.assertGreater(figures[f"{scenario}_ack_p99"], 0)
             self.assertGreater(figures[f"{scenario}_memory"], 0)
             self.assertGreater(figures[f"{scenario}_scrapes"], 0)

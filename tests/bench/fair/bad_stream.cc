@@ -1,6 +1,7 @@
 #include "tests/bench/fair/bad_stream.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -37,6 +38,20 @@ BadStream::BadStream(BadWorld& world, BadSession& session, Confirms confirms)
       confirms_(confirms),
       since_(world.clock.Steady()),
       connection_(world.loop, world.link, static_cast<link::StreamEvents&>(*this)) {
+  Begin();
+}
+
+BadStream::BadStream(BadWorld& world, BadSession& session, std::shared_ptr<link::Http2Link> link)
+    : world_(world),
+      session_(session),
+      confirms_(Confirms::kAcks),
+      since_(world.clock.Steady()),
+      connection_(std::move(link), world.link.address.text,
+                  static_cast<link::StreamEvents&>(*this)) {
+  Begin();
+}
+
+void BadStream::Begin() {
   ++world_.counts.connections;
   connection_.Connect();
 }
@@ -59,6 +74,7 @@ void BadStream::Greet() {
   hello.set_session_id(session_.id);
   hello.set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
   hello.set_agent_version("bad robot");
+  hello.set_robot_ruri(session_.ruri);
   hello.set_declines_forwards(true);
   if (confirms_ == Confirms::kAcks) {
     hello.set_settled_seq(session_.settled_seq);

@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "tools/link/grpc_connection.h"
+#include "tools/link/http2_link.h"
 #include "tools/link/loop.h"
 #include "uplink/v1/relay.pb.h"
 
@@ -43,6 +45,8 @@ struct BadCounts {
 struct BadSession {
   /// 16 bytes.
   std::string id;
+  /// For whom a gateway's stream speaks; empty: for the certificate's robot.
+  std::string ruri;
   std::uint64_t last_seq = 0;
   /// What Acks and Rejects said so far.
   std::uint64_t settled_seq = 0;
@@ -58,7 +62,8 @@ struct BadWorld {
   BadCounts& counts;
 };
 
-/// One connection of the bad robot, and one stream after the other on it. Hello goes out by itself;
+/// One connection of the bad robot, or a part in one of a bad gateway's, and one stream after the
+/// other on it. Hello goes out by itself;
 /// what is owed to the protocol otherwise is its user's choice.
 ///
 /// Errors: a connection that fails is a stream that is over.
@@ -70,6 +75,8 @@ class BadStream final : private link::StreamEvents {
   enum class Confirms : std::uint8_t { kAcks, kNothing };
 
   BadStream(BadWorld& world, BadSession& session, Confirms confirms);
+  /// On this link, which others use too.
+  BadStream(BadWorld& world, BadSession& session, std::shared_ptr<link::Http2Link> link);
 
   [[nodiscard]] State state() const { return state_; }
   /// When the present state began.
@@ -98,6 +105,7 @@ class BadStream final : private link::StreamEvents {
   void OnMessage(std::string_view message) override;
   void OnSent() override {}
   void OnEnded(const link::StreamEnd& end) override;
+  void Begin();
   void Enter(State state);
   void Greet();
 

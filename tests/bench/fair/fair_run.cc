@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "tests/bench/fair/gateway_flood.h"
 #include "tests/bench/fair/others.h"
 #include "tests/bench/fair/watch.h"
 #include "tests/bench/pinned_server.h"
@@ -100,6 +101,14 @@ class Scenario final {
  private:
   static std::string BadRuri() { return "rcan://bench.local/robots/bad"; }
 
+  [[nodiscard]] testing::CertificateSpec BadSpec() const {
+    testing::CertificateSpec spec = testing::RobotSpec(BadRuri());
+    if (misdeed_ != Misdeed::kGateway) return spec;
+    spec.units = {"gateway"};
+    spec.uris = GatewayRobots(BadRuri());
+    return spec;
+  }
+
   static link::LinkOptions LinkTo(const World& world, const PinnedServer& server) {
     link::LinkOptions options;
     options.tls =
@@ -148,7 +157,7 @@ class Scenario final {
 
   std::unique_ptr<testing::ServerProcess> StartBadRobot() const {
     const testing::UplinkdFolder& folder = run_.world.folder;
-    const testing::KeyPair pair = folder.authority().Issue(testing::RobotSpec(BadRuri()));
+    const testing::KeyPair pair = folder.authority().Issue(BadSpec());
     folder.Write("bad.crt", pair.certificate);
     folder.Write("bad.key", pair.key);
     // It ends by itself, too, should nobody be left to end it.

@@ -6,6 +6,7 @@
 
 #include "tests/bench/fair/bad_payloads.h"
 #include "tests/bench/fair/flood.h"
+#include "tests/bench/fair/gateway_flood.h"
 #include "tests/bench/fair/reject_storm.h"
 #include "tests/bench/fair/takeover_war.h"
 #include "tests/bench/load/client.h"
@@ -139,6 +140,8 @@ std::unique_ptr<Misbehaviour> MakeMisbehaviour(Misdeed misdeed, BadWorld& world,
       world.link.window_bytes = kMuteWindowBytes;
       world.link.window_renewed = false;
       return MakeFlood(world, Mute());
+    case Misdeed::kGateway:
+      return std::make_unique<GatewayFlood>(world, ruri);
   }
   return nullptr;
 }

@@ -24,6 +24,8 @@ std::string NameOf(Misdeed misdeed) {
       return "gaps";
     case Misdeed::kMute:
       return "mute";
+    case Misdeed::kGateway:
+      return "gateway";
   }
   return "";
 }
@@ -50,6 +52,8 @@ std::string_view AboutOf(Misdeed misdeed) {
       return "every number skips some, every other one 2^32";
     case Misdeed::kMute:
       return "malformed payloads and events, and no Ack or Reject is read";
+    case Misdeed::kGateway:
+      return "50 streams of events through one gateway, as fast as they are read";
   }
   return "";
 }

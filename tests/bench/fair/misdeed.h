@@ -8,7 +8,7 @@
 
 namespace uplink::bench {
 
-/// What the bad robot does to its server.
+/// What the bad robot, or gateway, does to its server.
 enum class Misdeed : std::uint8_t {
   kShapes,
   kTexts,
@@ -20,13 +20,14 @@ enum class Misdeed : std::uint8_t {
   kJoints,
   kGaps,
   kMute,
+  kGateway,
 };
 
 /// In the order of a whole run.
 inline constexpr std::array kMisdeeds = {
     Misdeed::kShapes,  Misdeed::kTexts,    Misdeed::kControls, Misdeed::kMalformed,
     Misdeed::kRejects, Misdeed::kTakeover, Misdeed::kExtras,   Misdeed::kJoints,
-    Misdeed::kGaps,    Misdeed::kMute,
+    Misdeed::kGaps,    Misdeed::kMute,     Misdeed::kGateway,
 };
 
 /// The scenario's name: `shapes`.

@@ -84,6 +84,7 @@ void Watch::Look(const std::stop_token& stop) {
     case Misdeed::kExtras:
     case Misdeed::kGaps:
     case Misdeed::kMute:
+    case Misdeed::kGateway:
       return;
   }
 }
@@ -119,7 +120,7 @@ void Watch::LookForPresence(const char* presence, std::set<std::string> WatchFig
   const std::string page =
       Get(fmt::format("/api/v1/robots?presence={}&parts=usage&pageSize=1000", presence));
   std::set<std::string> ruris = RurisOf(page);
-  ruris.erase(bad_ruri_);
+  std::erase_if(ruris, [this](const std::string& ruri) { return ruri.starts_with(bad_ruri_); });
   const std::lock_guard lock(mutex_);
   (Present().*seen).merge(ruris);
 }

@@ -40,7 +40,8 @@ class Watch final {
  public:
   enum class Window : std::uint8_t { kNone, kWithout, kWith };
 
-  /// `bad_ruri` is left out of what is counted; some misdeeds are looked at more closely.
+  /// `bad_ruri`, and what begins so, is left out of what is counted; some misdeeds are looked at
+  /// more closely.
   Watch(std::uint16_t http_port, std::string bad_ruri, Misdeed misdeed);
   /// Waits for the request that is under way.
   ~Watch() = default;

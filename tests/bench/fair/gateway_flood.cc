@@ -1,0 +1,80 @@
+#include "tests/bench/fair/gateway_flood.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "tests/bench/fair/bad_payloads.h"
+
+namespace uplink::bench {
+namespace {
+
+/// Of a frame.
+constexpr std::size_t kEventsAFrame = 64;
+/// Of one robot, that wait for the server at most: it is asked for more soon enough.
+constexpr std::size_t kUnsentMax = std::size_t{64} * 1024;
+/// Between two tries after a connection or a stream ended.
+constexpr milliseconds kRetry{200};
+
+}  // namespace
+
+std::vector<std::string> GatewayRobots(const std::string& ruri) {
+  std::vector<std::string> ruris;
+  for (std::size_t i = 0; i < kGatewayStreams; ++i) ruris.push_back(fmt::format("{}-{}", ruri, i));
+  return ruris;
+}
+
+GatewayFlood::GatewayFlood(BadWorld& world, const std::string& ruri)
+    : world_(world), links_(kGatewayLinks) {
+  std::size_t number = 0;
+  for (std::string& robot_ruri : GatewayRobots(ruri)) {
+    Robot& robot = links_[number++ % kGatewayLinks].robots.emplace_back();
+    robot.session = NewBadSession();
+    robot.session.ruri = std::move(robot_ruri);
+  }
+}
+
+void GatewayFlood::Act() {
+  const SteadyTime now = world_.clock.Steady();
+  bool all = true;
+  for (Link& link : links_) {
+    Mend(link, now);
+    for (Robot& robot : link.robots) {
+      if (robot.stream == nullptr || robot.stream->state() != BadStream::State::kOpen) {
+        all = false;
+      } else {
+        SendEvents(robot);
+      }
+    }
+  }
+  at_work_ = at_work_ || all;
+}
+
+void GatewayFlood::Mend(Link& link, SteadyTime now) {
+  const auto over = [](const Robot& robot) {
+    return robot.stream == nullptr || robot.stream->state() == BadStream::State::kOver;
+  };
+  if (!std::ranges::any_of(link.robots, over)) return;
+  if (link.link != nullptr && now - link.tried < kRetry) return;
+  link.tried = now;
+  if (link.link == nullptr || link.link->over()) {
+    for (Robot& robot : link.robots) robot.stream.reset();
+    link.link =
+        std::make_shared<link::Http2Link>(world_.loop, world_.link, link::Http2Link::For::kSeveral);
+  }
+  for (Robot& robot : link.robots) {
+    if (!over(robot)) continue;
+    robot.stream.reset();
+    robot.stream = std::make_unique<BadStream>(world_, robot.session, link.link);
+  }
+}
+
+void GatewayFlood::SendEvents(Robot& robot) {
+  if (robot.stream->unsent() >= kUnsentMax) return;
+  std::vector<BadMessage> frame;
+  for (std::size_t i = 0; i < kEventsAFrame; ++i) frame.push_back({GoodEvent(++robot.events)});
+  robot.stream->Send(frame);
+}
+
+}  // namespace uplink::bench
